@@ -1,0 +1,100 @@
+#pragma once
+// How far an estimated trajectory is from the truth: absolute trajectory error (ATE) and relative pose
+// error (RPE) as J. Sturm et al. define them ("A benchmark for the evaluation of RGB-D SLAM systems",
+// IROS 2012).
+//
+//   associate -> find_alignment -> align -> absolute_errors, relative_errors
+//
+// `evaluate` does all of it. Both trajectories must speak of the same body frame (in_other_frame).
+
+#include <string>
+#include <vector>
+
+#include "evaluation/trajectory.hpp"
+
+namespace lcmslam {
+
+enum class Association {
+  nearest,           ///< TUM's: nearest stamps, one to one, best pairs first
+  interpolate_truth  ///< the truth is interpolated at every stamp of the estimate
+};
+
+/// What is taken away before errors are measured: the transform that fits the estimate's positions to
+/// the truth's best (least squares), from the named group.
+enum class Alignment {
+  none,        ///< both are in the same world frame
+  first_pose,  ///< the first matched pose is made to agree
+  se2,         ///< heading, x and y: worlds that share the floor
+  se3,         ///< TUM's
+  sim3         ///< with scale: monocular estimates (Umeyama 1991)
+};
+
+struct EvaluationSettings {
+  Association association = Association::nearest;
+  double max_time_difference = 0.02;  ///< s; nearest: pairs must be closer than this;
+                                      ///< interpolate_truth: largest gap of the truth is 10 times this
+  double clock_offset = 0;            ///< s, added to the estimate's stamps gives the truth's clock
+  Alignment alignment = Alignment::se3;
+  double max_tracking_gap = 1.0;  ///< s; matched poses further apart are lost track between them
+};
+
+struct MatchedPose {
+  Utime utime = 0;  ///< of the truth's clock, at the estimate's pose
+  Eigen::Isometry3d T_world_truth = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_world_estimate = Eigen::Isometry3d::Identity();
+};
+
+/// p_truth = scale * T * p_estimate (T's translation is not scaled).
+struct WorldAlignment {
+  double scale = 1;
+  Eigen::Isometry3d T_truth_estimate = Eigen::Isometry3d::Identity();
+};
+
+/// NaN everywhere where count is 0.
+struct ErrorStatistics {
+  std::size_t count = 0;
+  double rmse = 0, mean = 0, median = 0, maximum = 0;
+};
+
+struct PoseErrors {
+  ErrorStatistics translation;  ///< m
+  ErrorStatistics rotation;     ///< rad
+};
+
+/// Step of the relative pose error.
+enum class StepUnit { frames, seconds, metres };
+
+struct TrajectoryReport {
+  std::size_t truth_poses = 0, estimate_poses = 0, matched_poses = 0;
+  double tracked_fraction = 0;  ///< share of the truth's time span between matched poses that are no
+                                ///< further apart than max_tracking_gap
+  double truth_length = 0;      ///< m, path through the matched poses
+  WorldAlignment alignment;
+  PoseErrors absolute;                          ///< ATE, and the rotation left after alignment
+  PoseErrors per_frame, per_second, per_metre;  ///< RPE over 1 frame, 1 s and 1 m of path
+  std::vector<MatchedPose> matches;             ///< aligned
+};
+
+/// Pairs in order of time. Throws std::invalid_argument, with both time spans, when nothing matches.
+std::vector<MatchedPose> associate(const Trajectory& truth, const Trajectory& estimate,
+                                   const EvaluationSettings& settings = {});
+
+/// Throws std::invalid_argument when there are no matches, or for sim3 when the estimate stands still.
+WorldAlignment find_alignment(const std::vector<MatchedPose>& matches, Alignment alignment);
+Eigen::Isometry3d apply(const WorldAlignment& alignment, const Eigen::Isometry3d& T_world_estimate);
+/// The matches with the estimate moved into the truth's world.
+std::vector<MatchedPose> align(std::vector<MatchedPose> matches, const WorldAlignment& alignment);
+
+PoseErrors absolute_errors(const std::vector<MatchedPose>& matches);
+
+/// For each match i the match j whose distance from i is nearest to `step` (within 10 % of it; frames
+/// exactly, metres along the true path): E = (truth_i^-1 truth_j)^-1 (estimate_i^-1 estimate_j).
+/// Errors are those of the whole step, not divided by its length.
+PoseErrors relative_errors(const std::vector<MatchedPose>& matches, double step, StepUnit unit);
+
+ErrorStatistics statistics(std::vector<double> errors);
+
+TrajectoryReport evaluate(const Trajectory& truth, const Trajectory& estimate,
+                          const EvaluationSettings& settings = {});
+
+}  // namespace lcmslam

@@ -1,0 +1,26 @@
+#pragma once
+// Which landmarks still exist, and where new ones are needed. Decided once for all particles, from the
+// best one's view.
+
+#include <vector>
+
+#include "fastslam/association.hpp"
+
+namespace lcmslam {
+
+/// Counts sights and misses; returns how many landmarks died. `matches` were seen (from
+/// `T_world_robot`, the best particle's pose after the step). A landmark counts as missed only where the
+/// frame proves that it should have shown: well inside the image, seen before from about there, and with
+/// a measured point beside it that is not in front of it.
+int update_existence(LandmarkIndex& index, const ParticleMap& map, const FeatureFrame& frame,
+                     const std::vector<FeaturePoint>& points, const std::vector<VisibleLandmark>& visible,
+                     const std::vector<LandmarkMatch>& matches, const Eigen::Isometry3d& T_world_robot,
+                     const FastSlamSettings& settings);
+
+/// Usable features (indices into `points`) that shall become landmarks: the strongest that matched
+/// nothing, where the image has fewer than settings.cell_capacity landmarks in a cell.
+std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
+                                      const std::vector<LandmarkMatch>& matches,
+                                      const FastSlamSettings& settings);
+
+}  // namespace lcmslam

@@ -1,0 +1,242 @@
+#include "fastslam/fastslam.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "fastslam/existence.hpp"
+#include "fastslam/motion_model.hpp"
+#include "fastslam/pose_space.hpp"
+#include "fastslam/proposal.hpp"
+#include "fastslam/resampling.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr std::uint64_t kResamplingStream = 0x726573616d706c65;
+
+FastSlamSettings checked(const FastSlamSettings& settings) {
+  check(settings);
+  return settings;
+}
+
+// Products of many rotations drift off the group.
+Eigen::Isometry3d renormalised(Eigen::Isometry3d T, bool planar) {
+  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  return restrict_pose(T, planar);
+}
+
+}  // namespace
+
+FastSlam::FastSlam(const FastSlamSettings& settings)
+    : settings_(checked(settings)),
+      gate2_(-2 * std::log(settings.gate)),
+      particles_(static_cast<std::size_t>(settings.particles)),
+      resampling_stream_(settings.seed, kResamplingStream),
+      associator_(settings),
+      publication_(settings.minimum_observations) {
+  for (std::size_t i = 0; i < particles_.size(); ++i) streams_.emplace_back(settings.seed, i);
+}
+
+StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
+  StepResult result;
+  const std::vector<FeaturePoint> points = usable_features(frame, settings_);
+  result.offered = static_cast<int>(points.size());
+
+  // Old landmarks first: associate, then move, weigh and update every particle.
+  std::vector<LandmarkMatch> seen;
+  std::vector<VisibleLandmark> expected;
+  bool may_create = true;
+  if (started_) seen = filter(motion, frame, points, expected, may_create, result);
+  started_ = true;
+
+  // The particle of highest weight is the map; the pose is estimated before resampling adds noise.
+  const std::vector<double> weights = this->weights();
+  best_ = static_cast<int>(std::max_element(weights.begin(), weights.end()) - weights.begin());
+  estimate(weights, result);
+
+  // Landmarks die and are born alike in all particles; new ones last, so that 2.0 is possible.
+  result.removed = update_existence(index_, particles_[best()].map, frame, points, expected, seen,
+                                    particles_[best()].T_world_robot, settings_);
+  std::vector<int> chosen;
+  if (may_create) chosen = choose_new_landmarks(frame, points, seen, settings_);
+  create_landmarks(frame, points, chosen);
+  result.created = static_cast<int>(chosen.size());
+
+  result.effective_sample_size = effective_sample_size(weights);
+  const double limit = settings_.resample_fraction * settings_.particles;
+  result.resampled = settings_.resample_fraction >= 1 || result.effective_sample_size < limit;
+  if (result.resampled) resample_particles(weights);
+  result.best = best_;
+  return result;
+}
+
+std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureFrame& frame,
+                                            const std::vector<FeaturePoint>& points,
+                                            std::vector<VisibleLandmark>& expected, bool& may_create,
+                                            StepResult& result) {
+  const bool empty = index_.size() == 0;
+  result.motion_usable = usable(motion);
+  FrameAssociation association =
+      associator_.associate(frame, points, particles_[best()].T_world_robot, motion_prior(motion, settings_),
+                            particles_[best()].map, index_);
+  const std::vector<LandmarkMatch> observed =
+      select_informative(association.matches, frame, points, particles_[best()].map, settings_);
+
+  const auto proposal = make_proposal(settings_, association.prior.covariance);
+  std::vector<Verdict> verdicts(particles_.size());
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    const Eigen::Isometry3d T_prior = association.T_world_found
+                                          ? *association.T_world_found
+                                          : particles_[k].T_world_robot * association.prior.T_from_to;
+    verdicts[k] = move(particles_[k], T_prior, *proposal, observed, points, streams_[k]);
+  }
+  double highest = particles_[0].log_weight;
+  for (const Particle& particle : particles_) highest = std::max(highest, particle.log_weight);
+  for (Particle& particle : particles_) particle.log_weight -= highest;
+  std::size_t winner = 0;
+  while (particles_[winner].log_weight < 0) ++winner;
+
+  // What the best particle rejects was not seen: it may become a new landmark (thesis 2.3.2).
+  const Verdict& verdict = verdicts[winner];
+  std::vector<LandmarkMatch> seen = association.matches;
+  for (std::size_t i = 0; i < observed.size(); ++i) {
+    const LandmarkMatch& match = observed[i];
+    const bool accepted = verdict.accepted[i];
+    result.observations.push_back(
+        {points[static_cast<std::size_t>(match.point)].feature, index_.record(match.slot).id, accepted});
+    if (accepted) continue;
+    ++result.rejected;
+    seen.erase(
+        std::find_if(seen.begin(), seen.end(), [&](const LandmarkMatch& m) { return m.slot == match.slot; }));
+  }
+  result.rejected += static_cast<int>(association.rejected.size());
+  result.matched = static_cast<int>(seen.size());
+  result.used = verdict.count;
+  result.mean_distance2 = verdict.count > 0 ? verdict.distance2 / verdict.count : 0;
+  result.slipped = association.slipped;
+  const bool agreed =
+      settings_.verify_by_consensus ? association.agreed : verdict.count >= settings_.minimum_consensus;
+  result.status = association.T_world_found ? TrackStatus::relocalised
+                  : agreed                  ? TrackStatus::tracking
+                  : empty                   ? TrackStatus::initialising
+                  : associator_.steps_without_agreement() > settings_.relocalise_after
+                      ? TrackStatus::lost
+                      : TrackStatus::predicting;
+  // Where known landmarks should be and none is, the robot is elsewhere: do not map that. After a long
+  // time without finding back, the world has changed: go on.
+  may_create =
+      !association.contradicted || associator_.steps_without_agreement() > 10 * settings_.relocalise_after;
+  expected = std::move(association.visible);
+  if (!agreed) expected.clear();  // nobody is declared missing by a robot that may be elsewhere
+  return seen;
+}
+
+FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_world_prior,
+                                 const Proposal& proposal, const std::vector<LandmarkMatch>& observed,
+                                 const std::vector<FeaturePoint>& points, Random& random) {
+  scratch_.clear();
+  for (const LandmarkMatch& match : observed)
+    scratch_.push_back({points[static_cast<std::size_t>(match.point)].measurement,
+                        *particle.map.find(static_cast<std::size_t>(match.slot))});
+  const ProposedPose proposed = proposal.propose(T_world_prior, scratch_, random);
+  particle.T_world_robot = renormalised(proposed.T_world_robot, settings_.planar);
+  particle.log_weight += proposed.log_weight;
+
+  const double added = settings_.minimum_landmark_sigma * settings_.minimum_landmark_sigma;
+  Verdict verdict;
+  verdict.accepted.resize(observed.size());
+  for (std::size_t i = 0; i < observed.size(); ++i) {
+    const auto& [measurement, landmark] = scratch_[i];
+    const Innovation innovation = innovate(landmark, measurement, particle.T_world_robot);
+    const bool accepted = innovation.distance2 <= gate2_;  // exp(-d^2/2) >= gate
+    verdict.accepted[i] = accepted;
+    if (accepted) {
+      particle.log_weight += innovation.log_peak - 0.5 * innovation.distance2;  // log of 2.5, corrected
+      particle.map.edit(static_cast<std::size_t>(observed[i].slot)) =
+          update_landmark(landmark, innovation, measurement, particle.T_world_robot, added);
+      ++verdict.count;
+      verdict.distance2 += innovation.distance2;
+    } else if (settings_.rejection == RejectionWeight::constant) {
+      particle.log_weight += std::log(settings_.p0);
+    } else {
+      particle.log_weight += innovation.log_peak - 0.5 * gate2_;
+    }
+  }
+  return verdict;
+}
+
+void FastSlam::create_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
+                                const std::vector<int>& chosen) {
+  std::vector<std::size_t> slots;
+  for (const int p : chosen) {
+    const int feature = points[static_cast<std::size_t>(p)].feature;
+    slots.push_back(
+        static_cast<std::size_t>(index_.add(frame.features[static_cast<std::size_t>(feature)], settings_)));
+  }
+  for (Particle& particle : particles_)
+    for (std::size_t i = 0; i < slots.size(); ++i)
+      particle.map.edit(slots[i]) =
+          make_landmark(points[static_cast<std::size_t>(chosen[i])].measurement, particle.T_world_robot);
+  const Eigen::Vector3d camera = particles_[best()].T_world_robot * frame.T_robot_camera.translation();
+  for (const std::size_t slot : slots) {
+    const Eigen::Vector3d ray = camera - particles_[best()].map.find(slot)->mean;
+    LandmarkRecord& record = index_.record(static_cast<int>(slot));
+    record.seen_from = ray.normalized();
+    record.seen_at = ray.norm();
+  }
+}
+
+void FastSlam::estimate(const std::vector<double>& weights, StepResult& result) const {
+  const Eigen::Isometry3d T_best = particles_[best()].T_world_robot;
+  std::vector<Vector6d> offsets(particles_.size());
+  Vector6d mean = Vector6d::Zero();
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    offsets[k] = se3_log(T_best.inverse() * particles_[k].T_world_robot);
+    mean += weights[k] * offsets[k];
+  }
+  if (settings_.estimate == PoseEstimate::best) mean.setZero();
+  for (std::size_t k = 0; k < particles_.size(); ++k)
+    result.covariance += weights[k] * (offsets[k] - mean) * (offsets[k] - mean).transpose();
+  const double translation = settings_.shared_translation_sigma, rotation = settings_.shared_rotation_sigma;
+  result.covariance.diagonal().head<3>().array() += translation * translation;
+  result.covariance.diagonal().tail<3>().array() += rotation * rotation;
+  result.covariance =
+      (0.5 * (result.covariance + result.covariance.transpose())).eval();  // exactly symmetric
+  result.T_world_best = T_best;
+  result.T_world_robot = T_best * se3_exp(mean);
+}
+
+void FastSlam::resample_particles(const std::vector<double>& weights) {
+  const std::vector<int> ancestors = resample(weights, settings_.resampling, resampling_stream_);
+  std::vector<Particle> next(particles_.size());
+  std::size_t heaviest = 0;
+  for (std::size_t k = 0; k < next.size(); ++k) {
+    const auto a = static_cast<std::size_t>(ancestors[k]);
+    const bool last_copy = k + 1 == next.size() || ancestors[k + 1] != ancestors[k];
+    if (last_copy)
+      next[k] = std::move(particles_[a]);  // a map with one owner is changed in place
+    else
+      next[k] = particles_[a];
+    next[k].log_weight = 0;
+    if (weights[a] > weights[static_cast<std::size_t>(ancestors[heaviest])]) heaviest = k;
+  }
+  particles_ = std::move(next);
+  best_ = static_cast<int>(heaviest);
+}
+
+std::vector<double> FastSlam::weights() const {
+  std::vector<double> logs;
+  for (const Particle& particle : particles_) logs.push_back(particle.log_weight);
+  return normalised_weights(logs);
+}
+
+std::vector<Landmark> FastSlam::landmarks() const {
+  std::vector<Landmark> result;
+  for (int slot = 0; slot < index_.slots(); ++slot)
+    if (index_.alive(slot) && index_.record(slot).observations >= settings_.minimum_observations)
+      result.push_back(make_public(slot, particles_[best()].map, index_));
+  return result;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,115 @@
+#pragma once
+// FastSLAM: a particle filter over robot poses in which each particle keeps its own map of SURF
+// landmarks, one small Kalman filter a landmark (Montemerlo 2002, 2003; thesis chapter 2).
+//
+//   FastSlam slam(settings);
+//   StepResult r = slam.step(motion since the last frame, features of this frame);
+//   r.T_world_robot; slam.landmarks(); slam.take_changes();
+//
+// The world is the robot's frame at the first step. Same inputs, settings and seed give the same
+// result to the last bit; the order of a frame's features does not matter.
+// One deviation from the thesis: a landmark is found by its id and not in a kd-tree of each particle;
+// with correspondences known the result is the same.
+
+#include <cstdint>
+#include <vector>
+
+#include "fastslam/frame_association.hpp"
+#include "fastslam/proposal.hpp"
+#include "fastslam/publication.hpp"
+#include "fastslam/settings.hpp"
+
+namespace lcmslam {
+
+enum class TrackStatus {
+  initialising,  ///< first landmarks: the pose is the world's origin
+  tracking,      ///< observations agree on the pose
+  predicting,    ///< too few observations: the pose rests on odometry
+  lost,          ///< there are features, but none fit the map for several steps
+  relocalised    ///< found back in this step: the pose may have jumped
+};
+
+struct ObservationReport {
+  int feature = 0;  ///< index in FeatureFrame::features
+  std::int64_t landmark = 0;
+  bool accepted = false;  ///< by the best particle
+};
+
+struct StepResult {
+  Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();  ///< estimate that the settings name
+  Eigen::Isometry3d T_world_best = Eigen::Isometry3d::Identity();  ///< of the best particle: fits landmarks()
+  Matrix6d covariance = Matrix6d::Zero();  ///< of the particles about T_world_robot, body frame
+  double effective_sample_size = 0;
+  int best = 0;  ///< index of the best particle after this step
+  TrackStatus status = TrackStatus::initialising;
+  int offered = 0;               ///< features with a usable 3-D point
+  int matched = 0;               ///< landmarks seen again
+  int used = 0;                  ///< of these, in the filter
+  int rejected = 0;              ///< look-alikes that the pose or the best particle rejected
+  int created = 0, removed = 0;  ///< landmarks
+  bool slipped = false;          ///< observations contradicted the odometry, and won
+  bool resampled = false;
+  bool motion_usable = true;  ///< false: odometry was not finite; the step went on without
+  double mean_distance2 = 0;  ///< of accepted observations at the best particle; about 3 when consistent
+  std::vector<ObservationReport> observations;
+};
+
+struct Particle {
+  Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
+  double log_weight = 0;  ///< not normalised
+  ParticleMap map;
+};
+
+class FastSlam {
+ public:
+  /// Throws std::invalid_argument for settings out of range.
+  explicit FastSlam(const FastSlamSettings& settings);
+
+  /// `motion`: from the last step's time to this frame's (ignored in the first step). A frame without
+  /// usable features moves the particles by odometry.
+  StepResult step(const Motion& motion, const FeatureFrame& frame);
+
+  const std::vector<Particle>& particles() const { return particles_; }
+  /// Normalised.
+  std::vector<double> weights() const;
+  const LandmarkIndex& index() const { return index_; }
+  /// All landmarks of the best particle that were seen often enough, ordered by slot.
+  std::vector<Landmark> landmarks() const;
+  /// What changed in landmarks() since the last call.
+  MapChanges take_changes() { return publication_.take(particles_[best()].map, index_); }
+
+ private:
+  /// What one particle made of the step's observations.
+  struct Verdict {
+    std::vector<char> accepted;  // one for each observation
+    int count = 0;
+    double distance2 = 0;  // summed over the accepted
+  };
+
+  std::size_t best() const { return static_cast<std::size_t>(best_); }
+  std::vector<LandmarkMatch> filter(const Motion& motion, const FeatureFrame& frame,
+                                    const std::vector<FeaturePoint>& points,
+                                    std::vector<VisibleLandmark>& expected, bool& may_create,
+                                    StepResult& result);
+  Verdict move(Particle& particle, const Eigen::Isometry3d& T_world_prior, const Proposal& proposal,
+               const std::vector<LandmarkMatch>& observed, const std::vector<FeaturePoint>& points,
+               Random& random);
+  void create_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
+                        const std::vector<int>& chosen);
+  void estimate(const std::vector<double>& weights, StepResult& result) const;
+  void resample_particles(const std::vector<double>& weights);
+
+  FastSlamSettings settings_;
+  double gate2_;  // d^2 at which exp(-d^2/2) equals the gate
+  std::vector<Particle> particles_;
+  std::vector<Random> streams_;  // one a particle slot: results do not depend on who computes when
+  Random resampling_stream_;
+  FrameAssociator associator_;
+  LandmarkIndex index_;
+  LandmarkPublication publication_;
+  int best_ = 0;
+  bool started_ = false;
+  std::vector<ObservedLandmark> scratch_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,47 @@
+#pragma once
+// Where a particle's new pose is drawn from. With prior p(x) = N(T_prior, Q) and proposal q(x) the
+// importance weight of a drawn pose is p(z | x) p(x) / q(x); a proposal returns log p(x) - log q(x),
+// the caller multiplies by the observations' likelihood. So every proposal is unbiased.
+
+#include <memory>
+#include <vector>
+
+#include "fastslam/landmark_filter.hpp"
+#include "fastslam/settings.hpp"
+#include "geometry/random.hpp"
+#include "geometry/transform.hpp"
+
+namespace lcmslam {
+
+/// A measurement with the landmark that it is taken for, in one particle's map.
+struct ObservedLandmark {
+  PointMeasurement measurement;
+  LandmarkGaussian landmark;
+};
+
+struct ProposedPose {
+  Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
+  double log_weight = 0;  ///< log p(x) - log q(x)
+};
+
+class Proposal {
+ public:
+  virtual ~Proposal() = default;
+  virtual ProposedPose propose(const Eigen::Isometry3d& T_world_prior,
+                               const std::vector<ObservedLandmark>& observations, Random& random) const = 0;
+};
+
+/// The proposal that the settings name, for a prior covariance Q (right perturbation, positive
+/// definite in the free components).
+std::unique_ptr<Proposal> make_proposal(const FastSlamSettings& settings, const Matrix6d& prior_covariance);
+
+/// The Gaussian that the 2.0 proposal draws from: pose and covariance, for tests and diagnosis.
+struct PoseGaussian {
+  Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Zero();
+};
+PoseGaussian measurement_posterior(const FastSlamSettings& settings, const Matrix6d& prior_covariance,
+                                   const Eigen::Isometry3d& T_world_prior,
+                                   const std::vector<ObservedLandmark>& observations);
+
+}  // namespace lcmslam

@@ -1,0 +1,61 @@
+#include "geometry/motion_buffer.hpp"
+
+#include <algorithm>
+
+namespace lcmslam {
+namespace {
+
+Matrix6d increment_covariance(const MotionSample& a, const MotionSample& b) {
+  const Matrix6d A = adjoint(b.T_odom_robot.inverse() * a.T_odom_robot);
+  const Matrix6d Q = b.covariance - A * a.covariance * A.transpose();
+  return 0.5 * (Q + Q.transpose());
+}
+
+}  // namespace
+
+bool MotionBuffer::add(const MotionSample& sample) {
+  const bool in_order = samples_.empty() || sample.utime > samples_.back().utime;
+  if (!in_order) samples_.clear();
+  samples_.push_back(sample);
+  while (samples_.back().utime - samples_.front().utime > span_us_) samples_.pop_front();
+  return in_order;
+}
+
+bool MotionBuffer::covers(Utime utime) const {
+  return !samples_.empty() && samples_.front().utime <= utime && utime <= samples_.back().utime;
+}
+
+std::optional<MotionSample> MotionBuffer::at(Utime utime, Utime extrapolation) const {
+  const bool beyond = samples_.size() > 1 && utime > newest() && utime <= newest() + extrapolation;
+  if (!beyond && !covers(utime)) return std::nullopt;
+  auto after = std::lower_bound(samples_.begin(), samples_.end(), utime,
+                                [](const MotionSample& s, Utime t) { return s.utime < t; });
+  if (beyond) after = std::prev(samples_.end());
+  if (after->utime == utime) return *after;
+  const MotionSample& a = *std::prev(after);
+  const MotionSample& b = *after;
+  const double fraction = static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
+
+  MotionSample s;
+  s.utime = utime;
+  s.visual = b.visual;
+  s.T_odom_robot = interpolate(a.T_odom_robot, b.T_odom_robot, fraction);
+  const Matrix6d A = adjoint(s.T_odom_robot.inverse() * a.T_odom_robot);
+  s.covariance = A * a.covariance * A.transpose() + fraction * increment_covariance(a, b);
+  return s;
+}
+
+std::optional<Motion> MotionBuffer::between(Utime from, Utime to, Utime extrapolation) const {
+  if (to < from) {
+    auto motion = between(to, from, extrapolation);
+    if (motion) motion->T_from_to = motion->T_from_to.inverse();
+    return motion;
+  }
+  const auto a = at(from, extrapolation);
+  const auto b = at(to, extrapolation);
+  if (!a || !b) return std::nullopt;
+  return Motion{a->T_odom_robot.inverse() * b->T_odom_robot, increment_covariance(*a, *b),
+                a->visual || b->visual};
+}
+
+}  // namespace lcmslam

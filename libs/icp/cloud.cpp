@@ -1,0 +1,98 @@
+#include "icp/cloud.hpp"
+
+#include <limits>
+#include <string>
+
+#include "icp/voxel_index.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+struct VoxelSum {
+  float weight = 0;
+  Eigen::Vector3f point = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  Eigen::Vector3f colour = Eigen::Vector3f::Zero();
+  float sigma = 0;
+};
+
+// Sums of the voxels in order of first appearance. Cloud is Cloud or ColouredCloud.
+template <typename AnyCloud, typename ColourOf>
+std::vector<VoxelSum> sum_voxels(const AnyCloud& cloud, double voxel_size, ColourOf colour_of) {
+  if (!(voxel_size > 0))
+    throw std::invalid_argument("voxel size is " + std::to_string(voxel_size) + " m, must be positive");
+  const float inverse = static_cast<float>(1.0 / voxel_size);
+  VoxelIndex index(cloud.size() / 2);
+  std::vector<VoxelSum> sums;
+  sums.reserve(cloud.size() / 2);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f& p = cloud.points[i];
+    if (!voxel_exists(p, inverse)) continue;
+    const float sigma = cloud.sigmas.empty() ? 1.0f : cloud.sigmas[i];
+    if (!(sigma > 0) || !std::isfinite(sigma)) continue;
+    const auto slot = index.insert(voxel_key(voxel_of(p, inverse)), static_cast<std::int32_t>(sums.size()));
+    if (static_cast<std::size_t>(slot) == sums.size()) sums.emplace_back();
+    VoxelSum& s = sums[static_cast<std::size_t>(slot)];
+    const float w = 1.0f / (sigma * sigma);
+    s.weight += w;
+    s.point += w * p;
+    s.sigma += w * sigma;
+    s.colour += w * colour_of(i);
+    if (!cloud.normals.empty() && cloud.normals[i].allFinite()) s.normal += w * cloud.normals[i];
+  }
+  return sums;
+}
+
+// Normals that cancel out (both sides of a thin board) say nothing.
+Eigen::Vector3f mean_normal(const VoxelSum& s) {
+  const float length = s.normal.norm();
+  if (!(length > 0.1f * s.weight)) return Eigen::Vector3f::Constant(nan);
+  return s.normal / length;
+}
+
+template <typename AnyCloud>
+void append_geometry(const VoxelSum& s, const AnyCloud& like, AnyCloud& cloud) {
+  cloud.points.push_back(s.point / s.weight);
+  if (!like.normals.empty()) cloud.normals.push_back(mean_normal(s));
+  if (!like.sigmas.empty()) cloud.sigmas.push_back(s.sigma / s.weight);
+}
+
+}  // namespace
+
+Cloud geometry_of(const ColouredCloud& cloud, const Eigen::Isometry3d& T) {
+  return transformed(Cloud{cloud.points, cloud.normals, cloud.sigmas}, T);
+}
+
+Cloud transformed(const Cloud& cloud, const Eigen::Isometry3d& T) {
+  const Eigen::Isometry3f T_float = T.cast<float>();
+  Cloud result = cloud;
+  for (auto& p : result.points) p = T_float * p;
+  for (auto& n : result.normals) n = T_float.linear() * n;
+  return result;
+}
+
+Cloud voxel_filtered(const Cloud& cloud, double voxel_size) {
+  const auto no_colour = [](std::size_t) -> Eigen::Vector3f { return Eigen::Vector3f::Zero(); };
+  Cloud result;
+  for (const VoxelSum& s : sum_voxels(cloud, voxel_size, no_colour)) append_geometry(s, cloud, result);
+  return result;
+}
+
+ColouredCloud voxel_filtered(const ColouredCloud& cloud, double voxel_size) {
+  const auto colour_of = [&](std::size_t i) -> Eigen::Vector3f {
+    const cv::Vec3b& c = cloud.colours[i];
+    return Eigen::Vector3f(c[0], c[1], c[2]);
+  };
+  ColouredCloud result;
+  for (const VoxelSum& s : sum_voxels(cloud, voxel_size, colour_of)) {
+    append_geometry(s, cloud, result);
+    const Eigen::Vector3f c = s.colour / s.weight;
+    result.colours.emplace_back(cv::saturate_cast<uchar>(c.x()), cv::saturate_cast<uchar>(c.y()),
+                                cv::saturate_cast<uchar>(c.z()));
+  }
+  return result;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,35 @@
+#pragma once
+// Clouds as registration uses them, and their reduction by voxels.
+
+#include <vector>
+
+#include "geometry/transform.hpp"
+#include "imaging/registration.hpp"
+
+namespace lcmslam {
+
+/// Points with what is known of them. All vectors have the same length, but normals and sigmas may
+/// be empty.
+struct Cloud {
+  std::vector<Eigen::Vector3f> points;   ///< m
+  std::vector<Eigen::Vector3f> normals;  ///< unit; NaN where unknown
+  std::vector<float> sigmas;             ///< m, standard deviation of a point
+  std::size_t size() const { return points.size(); }
+  bool has_normals() const { return !normals.empty(); }
+};
+
+/// The coloured cloud without its colours, points and normals moved by T.
+Cloud geometry_of(const ColouredCloud& cloud,
+                  const Eigen::Isometry3d& T = Eigen::Isometry3d::Identity());
+
+Cloud transformed(const Cloud& cloud, const Eigen::Isometry3d& T);
+
+/// One point for each voxel: the mean weighted by 1/sigma^2, the mean normal (NaN when none is
+/// known) and the mean sigma (neighbouring pixels share their errors). Order of first appearance;
+/// points that are not finite are left out. Throws std::invalid_argument unless the size is positive.
+Cloud voxel_filtered(const Cloud& cloud, double voxel_size);
+
+/// The same for coloured clouds; colours are averaged.
+ColouredCloud voxel_filtered(const ColouredCloud& cloud, double voxel_size);
+
+}  // namespace lcmslam

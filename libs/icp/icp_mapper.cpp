@@ -1,0 +1,228 @@
+#include "icp/icp_mapper.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lcmslam {
+namespace {
+
+double distance_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return rotation_angle(a.inverse() * b);
+}
+
+double inlier_share(const RegistrationResult& r) {
+  return r.pairs > 0 ? static_cast<double>(r.inliers) / r.pairs : 0;
+}
+
+}  // namespace
+
+RegistrationSettings IcpMapperSettings::coarse_defaults() {
+  RegistrationSettings s;
+  s.selection = SelectionKind::uniform;
+  s.selected_points = 400;
+  s.max_distance = 0.25;
+  s.min_distance = 0.12;
+  s.max_normal_angle = 0.8;
+  s.max_iterations = 8;
+  s.epsilon_translation = 4e-3;
+  s.epsilon_rotation = 2e-3;
+  return s;
+}
+
+RegistrationSettings IcpMapperSettings::fine_defaults() {
+  RegistrationSettings s;
+  s.selection = SelectionKind::uniform;
+  s.selected_points = 3000;
+  s.max_distance = 0.10;
+  s.min_distance = 0.06;
+  s.max_iterations = 10;
+  return s;
+}
+
+std::string to_string(MappingStatus status) {
+  switch (status) {
+    case MappingStatus::initialising: return "initialising";
+    case MappingStatus::tracking: return "tracking";
+    case MappingStatus::degraded: return "degraded";
+    case MappingStatus::lost: return "lost";
+  }
+  return "unknown";
+}
+
+IcpMapper::IcpMapper(const IcpMapperSettings& settings) : settings_(settings), map_(settings.map) {}
+
+IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
+                                const Eigen::Isometry3d& T_robot_camera, const std::optional<Motion>& motion,
+                                const std::optional<Eigen::Isometry3d>& feature_motion) {
+  // Prepare: trustworthy points, in the robot's frame.
+  const ColouredCloud usable = usable_points(cloud, settings_.filter);
+  const Cloud reduced = voxel_filtered(geometry_of(usable, T_robot_camera), settings_.voxel_size);
+
+  Step step;
+  if (!started_) {
+    start_map(utime, usable, reduced, T_robot_camera, step);
+    return step;
+  }
+
+  // Predict and register.
+  const Prior prior = predict(T_world_last_, motion, free_motion(utime), settings_.prior);
+  const Attempt best = try_starts(reduced, starts(prior, feature_motion, T_robot_camera), prior);
+  step.registration = best.registration;
+  step.status = best.status;
+  step.quality = best.quality;
+  const bool believed = best.status != MappingStatus::lost;
+  step.T_world_robot = believed ? best.registration.T_target_source : prior.T_target_source;
+  step.covariance = believed ? best.registration.covariance
+                             : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+
+  // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
+  bad_steps_ = best.status == MappingStatus::tracking ? 0 : bad_steps_ + 1;
+  const bool reseed = motion && bad_steps_ > settings_.reseed_after &&
+                      static_cast<int>(reduced.size()) >= settings_.min_points;
+  if (reseed) {
+    step.status = MappingStatus::degraded;
+    bad_steps_ = 0;
+  }
+  if (best.status == MappingStatus::tracking || reseed) grow(utime, usable, reduced, T_robot_camera, step);
+
+  const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
+  const bool moving = best.status == MappingStatus::tracking && seconds > 0;
+  velocity_ = moving ? Vector6d(se3_log(T_world_last_.inverse() * step.T_world_robot) / seconds)
+                     : Vector6d(Vector6d::Zero());
+  T_world_last_ = step.T_world_robot;
+  last_utime_ = utime;
+  return step;
+}
+
+void IcpMapper::start_map(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+                          const Eigen::Isometry3d& T_robot_camera, Step& step) {
+  last_utime_ = utime;
+  if (static_cast<int>(cloud.size()) < settings_.min_points) return;
+  started_ = true;
+  map_.insert(cloud, Eigen::Vector3d::Zero());
+  step.quality = 1;
+  step.keyframe = true;
+  step.status = MappingStatus::tracking;
+  keyframes_.push_back({0, utime, T_robot_camera, voxel_filtered(usable, settings_.keyframe_voxel)});
+}
+
+// The last step again, for as long as this one lasts (a second at most).
+Eigen::Isometry3d IcpMapper::free_motion(Utime utime) const {
+  const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, 1.0);
+  return se3_exp(seconds * velocity_);
+}
+
+std::vector<Eigen::Isometry3d> IcpMapper::starts(const Prior& prior,
+                                                 const std::optional<Eigen::Isometry3d>& feature_motion,
+                                                 const Eigen::Isometry3d& T_robot_camera) {
+  std::vector<Eigen::Isometry3d> starts = {prior.T_target_source};
+  if (feature_motion && feature_motion->matrix().allFinite())
+    starts.push_back(T_world_last_ * *feature_motion);
+  if (bad_steps_ == 0) return starts;
+
+  starts.push_back(T_world_last_);
+  const Eigen::Isometry3d T_camera_robot = T_robot_camera.inverse();
+  for (int i = 0; i < settings_.recovery_keyframes && !keyframes_.empty(); ++i)
+    starts.push_back(keyframes_[next_recovery_++ % keyframes_.size()].T_world_camera * T_camera_robot);
+  return starts;
+}
+
+// Share of a sample of points that lie on the map, nearer ones counting more.
+double IcpMapper::score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const {
+  constexpr std::size_t samples = 200;
+  constexpr float reach = 0.12f;
+  const Eigen::Isometry3f T = T_world_robot.cast<float>();
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / samples);
+  double sum = 0;
+  std::size_t count = 0;
+  TargetPoint found;
+  for (std::size_t i = 0; i < cloud.size(); i += stride, ++count) {
+    const Eigen::Vector3f p = T * cloud.points[i];
+    if (!map_.find(p, reach, found)) continue;
+    if (cloud.has_normals() && found.normal.dot(T.linear() * cloud.normals[i]) < 0.7f) continue;
+    sum += 1.0 - static_cast<double>(std::abs(found.normal.dot(p - found.point)) / reach);
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+// Best-looking starts first; the first one that tracks is taken, otherwise the best of all.
+IcpMapper::Attempt IcpMapper::try_starts(const Cloud& cloud, std::vector<Eigen::Isometry3d> starts,
+                                         const Prior& prior) const {
+  Attempt best;
+  best.registration.T_target_source = prior.T_target_source;
+  if (static_cast<int>(cloud.size()) < settings_.min_points) return best;
+  if (starts.size() > 1) {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < starts.size(); ++i) order.emplace_back(-score(cloud, starts[i]), i);
+    std::sort(order.begin(), order.end());
+    std::vector<Eigen::Isometry3d> sorted;
+    for (const auto& [negative_score, i] : order) sorted.push_back(starts[i]);
+    starts = sorted;
+  }
+  for (const Eigen::Isometry3d& T_start : starts) {
+    const Attempt now = attempt(cloud, T_start, prior);
+    if (now.quality > best.quality || &T_start == &starts.front()) best = now;
+    if (best.status == MappingStatus::tracking) break;
+  }
+  return best;
+}
+
+IcpMapper::Attempt IcpMapper::attempt(const Cloud& cloud, const Eigen::Isometry3d& T_start,
+                                      const Prior& prior) const {
+  // A recovery starts far from the prediction, which then is no knowledge but a wrong guess.
+  const bool recovery = distance_between(T_start, prior.T_target_source) > settings_.max_jump ||
+                        angle_between(T_start, prior.T_target_source) > settings_.max_turn;
+  Prior used = prior;
+  if (recovery) {
+    used.T_target_source = T_start;
+    used.information *= 0.1;
+  }
+  Attempt result;
+  const RegistrationResult coarse = register_cloud(cloud, map_, T_start, settings_.coarse, &used);
+  result.registration = register_cloud(cloud, map_, coarse.T_target_source, settings_.fine, &used);
+  result.quality = result.registration.overlap * inlier_share(result.registration);
+  result.status = judge(result.registration, used);
+  if (recovery && result.status == MappingStatus::degraded) result.status = MappingStatus::lost;
+  return result;
+}
+
+MappingStatus IcpMapper::judge(const RegistrationResult& result, const Prior& prior) const {
+  if (!result.ok() || result.overlap < settings_.lost_overlap) return MappingStatus::lost;
+  if (distance_between(prior.T_target_source, result.T_target_source) > settings_.max_jump ||
+      angle_between(prior.T_target_source, result.T_target_source) > settings_.max_turn)
+    return MappingStatus::lost;
+  if (result.overlap < settings_.good_overlap || inlier_share(result) < settings_.good_inliers)
+    return MappingStatus::degraded;
+  return MappingStatus::tracking;
+}
+
+void IcpMapper::grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+                     const Eigen::Isometry3d& T_robot_camera, Step& step) {
+  const Eigen::Isometry3d& T = step.T_world_robot;
+  if (distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
+      angle_between(T, T_world_inserted_) >= settings_.insert_angle) {
+    map_.insert(transformed(cloud, T), T.translation());
+    T_world_inserted_ = T;
+  }
+  const Eigen::Isometry3d T_world_camera = T * T_robot_camera;
+  if (!keyframe_due(T_world_camera, step.registration.overlap)) return;
+  keyframes_.push_back({static_cast<int>(keyframes_.size()), utime, T_world_camera,
+                        voxel_filtered(usable, settings_.keyframe_voxel)});
+  step.keyframe = true;
+}
+
+// Far from every keyframe, or (with half the way gone) where little is known.
+bool IcpMapper::keyframe_due(const Eigen::Isometry3d& T_world_camera, double overlap) const {
+  const double share = overlap < settings_.keyframe_overlap ? 0.5 : 1.0;
+  for (const Keyframe& k : keyframes_)
+    if (distance_between(k.T_world_camera, T_world_camera) < share * settings_.keyframe_distance &&
+        angle_between(k.T_world_camera, T_world_camera) < share * settings_.keyframe_angle)
+      return false;
+  return true;
+}
+
+}  // namespace lcmslam

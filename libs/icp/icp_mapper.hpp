@@ -1,0 +1,116 @@
+#pragma once
+// 6-D SLAM: registers each coloured cloud to a growing map and keeps keyframes.
+//
+// World is the robot's pose at the first frame (identity). The pose is always finite: while nothing
+// can be registered it follows the prediction and the status says so, and the map is left alone.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "icp/cloud_filter.hpp"
+#include "icp/motion_prior.hpp"
+#include "icp/registration.hpp"
+#include "icp/voxel_map.hpp"
+
+namespace lcmslam {
+
+struct IcpMapperSettings {
+  CloudFilterSettings filter;
+  VoxelMapSettings map;
+  MotionPriorSettings prior;
+
+  // registration: a coarse pass over few points from far, then a fine one
+  double voxel_size = 0.04;  ///< m, of the cloud that is registered and inserted
+  RegistrationSettings coarse = coarse_defaults();
+  RegistrationSettings fine = fine_defaults();
+
+  // trust
+  int min_points = 200;         ///< usable points after the voxel filter; fewer are no basis
+  double lost_overlap = 0.25;   ///< below: lost
+  double good_overlap = 0.40;   ///< below: degraded; also what a recovery must reach
+  double good_inliers = 0.5;    ///< share of the pairs within three sigmas; below: degraded
+  double max_jump = 0.30;       ///< m beyond the prediction: lost
+  double max_turn = 0.35;       ///< rad beyond the prediction: lost
+  int reseed_after = 10;        ///< bad frames after which odometry, if there is any, is believed
+  int recovery_keyframes = 3;   ///< tried as starts in each frame while lost
+
+  // growth
+  double insert_distance = 0.02;   ///< m between insertions
+  double insert_angle = 0.02;      ///< rad
+  double keyframe_distance = 0.3;  ///< m between keyframes
+  double keyframe_angle = 0.3;     ///< rad
+  double keyframe_overlap = 0.5;   ///< a keyframe is also due when less is known than this
+  double keyframe_voxel = 0.02;    ///< m, of the keyframe's cloud
+
+  static RegistrationSettings coarse_defaults();
+  static RegistrationSettings fine_defaults();
+};
+
+enum class MappingStatus { initialising, tracking, degraded, lost };
+std::string to_string(MappingStatus status);
+
+class IcpMapper {
+ public:
+  explicit IcpMapper(const IcpMapperSettings& settings = {});
+
+  struct Step {
+    Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
+    Matrix6d covariance = Matrix6d::Zero();  ///< against the map; right perturbation, robot frame
+    RegistrationResult registration;         ///< of the cloud in the robot frame to the world
+    MappingStatus status = MappingStatus::initialising;
+    double quality = 0;                      ///< 0..1: overlap times share of inliers
+    bool keyframe = false;                   ///< keyframes().back() is new
+  };
+
+  struct Keyframe {
+    int id = 0;
+    Utime utime = 0;
+    Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+    ColouredCloud cloud;  ///< camera frame, with normals
+  };
+
+  /// `cloud` stands in the camera frame at `utime` and needs normals. `motion` is the robot's motion
+  /// since the previous step where odometry knows it; `feature_motion` is another guess of it (robot
+  /// frame, previous to this step), tried as a start. Steps come in order of time.
+  Step step(Utime utime, const ColouredCloud& cloud, const Eigen::Isometry3d& T_robot_camera,
+            const std::optional<Motion>& motion = std::nullopt,
+            const std::optional<Eigen::Isometry3d>& feature_motion = std::nullopt);
+
+  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  const VoxelMap& map() const { return map_; }
+
+ private:
+  struct Attempt {
+    RegistrationResult registration;
+    MappingStatus status = MappingStatus::lost;
+    double quality = 0;
+  };
+
+  void start_map(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+                 const Eigen::Isometry3d& T_robot_camera, Step& step);
+  Eigen::Isometry3d free_motion(Utime utime) const;
+  std::vector<Eigen::Isometry3d> starts(const Prior& prior,
+                                        const std::optional<Eigen::Isometry3d>& feature_motion,
+                                        const Eigen::Isometry3d& T_robot_camera);
+  double score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const;
+  Attempt try_starts(const Cloud& cloud, std::vector<Eigen::Isometry3d> starts, const Prior& prior) const;
+  Attempt attempt(const Cloud& cloud, const Eigen::Isometry3d& T_start, const Prior& prior) const;
+  MappingStatus judge(const RegistrationResult& result, const Prior& prior) const;
+  void grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+            const Eigen::Isometry3d& T_robot_camera, Step& step);
+  bool keyframe_due(const Eigen::Isometry3d& T_world_camera, double overlap) const;
+
+  IcpMapperSettings settings_;
+  VoxelMap map_;
+  std::vector<Keyframe> keyframes_;
+  bool started_ = false;
+  int bad_steps_ = 0;              // in a row
+  std::size_t next_recovery_ = 0;  // keyframe to try next while lost
+  Utime last_utime_ = 0;
+  Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();
+  Vector6d velocity_ = Vector6d::Zero();  // per second, robot frame
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,12 @@
+#pragma once
+// Which source points take part.
+
+#include "icp/cloud.hpp"
+#include "icp/registration_settings.hpp"
+
+namespace lcmslam {
+
+/// Indices of the selected points, ascending. Points that are not finite never take part.
+std::vector<std::size_t> select_points(const Cloud& source, const RegistrationSettings& settings);
+
+}  // namespace lcmslam

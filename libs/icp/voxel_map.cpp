@@ -1,0 +1,136 @@
+#include "icp/voxel_map.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <string>
+
+namespace lcmslam {
+namespace {
+
+constexpr int block_side = 4;  // voxels
+constexpr float smallest_sigma = 1e-4f;
+
+Eigen::Vector3i block_of(const Eigen::Vector3i& voxel) {
+  return {voxel.x() >> 2, voxel.y() >> 2, voxel.z() >> 2};
+}
+
+std::int16_t cell_of(const Eigen::Vector3i& voxel) {
+  constexpr int mask = block_side - 1;
+  return static_cast<std::int16_t>((voxel.x() & mask) | (voxel.y() & mask) << 2 | (voxel.z() & mask) << 4);
+}
+
+}  // namespace
+
+VoxelMap::VoxelMap(const VoxelMapSettings& settings)
+    : settings_(settings), inverse_size_(static_cast<float>(1.0 / settings.voxel_size)) {
+  if (!(settings.voxel_size > 0) || settings.max_blocks <= 0)
+    throw std::invalid_argument("voxel map: voxel size " + std::to_string(settings.voxel_size) +
+                                " m and max_blocks " + std::to_string(settings.max_blocks) +
+                                " must be positive");
+}
+
+VoxelMap::Block& VoxelMap::block_at(const Eigen::Vector3i& position) {
+  const auto next = static_cast<std::int32_t>(blocks_.size());
+  const std::int32_t slot = index_.insert(voxel_key(position), next);
+  if (slot == next) blocks_.push_back({position, {}});
+  return blocks_[static_cast<std::size_t>(slot)];
+}
+
+void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point) {
+  ++frame_;
+  if (!cloud.has_normals()) return;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!voxel_exists(cloud.points[i], inverse_size_) || !cloud.normals[i].allFinite()) continue;
+    const float sigma = cloud.sigmas.empty() ? 0.01f : cloud.sigmas[i];
+    if (std::isfinite(sigma)) merge(cloud.points[i], cloud.normals[i], std::max(sigma, smallest_sigma));
+  }
+  if (blocks_.size() > static_cast<std::size_t>(settings_.max_blocks)) forget(view_point);
+}
+
+void VoxelMap::merge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float sigma) {
+  const Eigen::Vector3i voxel = voxel_of(point, inverse_size_);
+  const std::int16_t cell = cell_of(voxel);
+  const float weight = 1.0f / (sigma * sigma);
+  Block& block = block_at(block_of(voxel));
+  const auto agreement = static_cast<float>(settings_.normal_agreement);
+  for (Surfel& s : block.surfels) {
+    if (s.cell != cell || s.normal.dot(normal) < agreement) continue;
+    const float share = weight / (s.weight + weight);
+    s.point += share * (point - s.point);
+    const Eigen::Vector3f blended = s.normal + share * (normal - s.normal);
+    if (const float length = blended.norm(); length > 0.1f) s.normal = blended / length;
+    s.sigma += share * (sigma - s.sigma);
+    s.weight = std::min(s.weight + weight, static_cast<float>(settings_.max_weight) * weight);
+    if (s.frame != frame_ && s.observations < std::numeric_limits<std::int16_t>::max()) ++s.observations;
+    s.frame = frame_;
+    return;
+  }
+  block.surfels.push_back({point, normal, weight, sigma, 1, cell, frame_});
+  ++surfels_;
+}
+
+bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const {
+  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(max_distance);
+  if (!(max_distance >= 0) || !voxel_exists(point - reach, inverse_size_) ||
+      !voxel_exists(point + reach, inverse_size_))
+    return false;
+  const Eigen::Vector3i low = block_of(voxel_of(point - reach, inverse_size_));
+  const Eigen::Vector3i high = block_of(voxel_of(point + reach, inverse_size_));
+  float best = max_distance * max_distance;
+  const Surfel* nearest = nullptr;
+  for (int x = low.x(); x <= high.x(); ++x)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int z = low.z(); z <= high.z(); ++z) {
+        const std::int32_t slot = index_.find(voxel_key({x, y, z}));
+        if (slot == VoxelIndex::none) continue;
+        for (const Surfel& s : blocks_[static_cast<std::size_t>(slot)].surfels) {
+          const float d = (s.point - point).squaredNorm();
+          if (d > best || s.observations < settings_.min_observations) continue;
+          best = d;
+          nearest = &s;
+        }
+      }
+  if (!nearest) return false;
+  found = {nearest->point, nearest->normal,
+           nearest->sigma / std::sqrt(static_cast<float>(nearest->observations))};
+  return true;
+}
+
+// Drops a tenth, so that this happens rarely.
+void VoxelMap::forget(const Eigen::Vector3d& view_point) {
+  const double block_size = settings_.voxel_size * block_side;
+  std::vector<double> distance(blocks_.size());
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    distance[i] = ((blocks_[i].position.cast<double>().array() + 0.5).matrix() * block_size - view_point).norm();
+  std::vector<std::size_t> order(blocks_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return distance[a] < distance[b]; });
+  order.resize(static_cast<std::size_t>(0.9 * settings_.max_blocks));
+  std::sort(order.begin(), order.end());
+
+  std::vector<Block> kept;
+  kept.reserve(order.size());
+  index_.clear(order.size());
+  surfels_ = 0;
+  for (const std::size_t i : order) {
+    index_.insert(voxel_key(blocks_[i].position), static_cast<std::int32_t>(kept.size()));
+    surfels_ += blocks_[i].surfels.size();
+    kept.push_back(std::move(blocks_[i]));
+  }
+  blocks_ = std::move(kept);
+}
+
+Cloud VoxelMap::cloud() const {
+  Cloud cloud;
+  for (const Block& block : blocks_)
+    for (const Surfel& s : block.surfels) {
+      cloud.points.push_back(s.point);
+      cloud.normals.push_back(s.normal);
+      cloud.sigmas.push_back(s.sigma / std::sqrt(static_cast<float>(s.observations)));
+    }
+  return cloud;
+}
+
+}  // namespace lcmslam

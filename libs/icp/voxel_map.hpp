@@ -1,0 +1,68 @@
+#pragma once
+// The growing map that frames are registered against: surfels (mean point, mean normal) in voxels,
+// voxels in blocks of 4x4x4, blocks in a hash table. Cost of a look-up does not depend on the size
+// of the map; memory is bounded: when the blocks become too many, the farthest ones are forgotten.
+//
+// Invariant: every surfel lies in the voxel that it is filed under, with a finite unit normal.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "icp/cloud.hpp"
+#include "icp/target.hpp"
+#include "icp/voxel_index.hpp"
+
+namespace lcmslam {
+
+struct VoxelMapSettings {
+  double voxel_size = 0.04;       ///< m
+  double normal_agreement = 0.5;  ///< cosine; points with another normal make a second surfel
+  double max_weight = 60;         ///< observations that a surfel remembers (then a running mean)
+  int min_observations = 1;       ///< surfels seen less often are not found (one frame counts once)
+  int max_blocks = 60000;         ///< about 1.5 kB each
+};
+
+class VoxelMap : public Target {
+ public:
+  explicit VoxelMap(const VoxelMapSettings& settings = {});
+
+  /// Merges a cloud in map coordinates; points without a normal are left out. `view_point` is where
+  /// it was seen from (m): what is farthest from there is forgotten first.
+  void insert(const Cloud& cloud, const Eigen::Vector3d& view_point);
+
+  bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
+  std::size_t size() const override { return surfels_; }
+  std::size_t blocks() const { return blocks_.size(); }
+
+  /// All surfels, in an order that depends only on what was inserted.
+  Cloud cloud() const;
+
+ private:
+  struct Surfel {
+    Eigen::Vector3f point;
+    Eigen::Vector3f normal;
+    float weight;         // sum of 1 / sigma^2
+    float sigma;          // of one observation, m
+    std::int16_t observations;
+    std::int16_t cell;    // voxel in the block, 0..63
+    std::int32_t frame;   // last insertion that touched it
+  };
+  struct Block {
+    Eigen::Vector3i position;
+    std::vector<Surfel> surfels;
+  };
+
+  Block& block_at(const Eigen::Vector3i& position);
+  void merge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float sigma);
+  void forget(const Eigen::Vector3d& view_point);
+
+  VoxelMapSettings settings_;
+  float inverse_size_;
+  VoxelIndex index_;
+  std::vector<Block> blocks_;
+  std::size_t surfels_ = 0;
+  std::int32_t frame_ = 0;
+};
+
+}  // namespace lcmslam

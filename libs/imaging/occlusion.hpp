@@ -1,0 +1,13 @@
+#pragma once
+// Which depth points the colour camera cannot see because nearer ones stand in front of them.
+
+#include "imaging/registration.hpp"
+
+namespace lcmslam {
+
+/// Sets the pixel of every hidden point to NaN. Each point covers a square of registered.footprint
+/// colour pixels, so that a coarse depth image closes a fine colour image without holes; a point is
+/// hidden when something covers it that is nearer by more than the surface's slope and noise explain.
+void hide_occluded(RegisteredDepth& registered, cv::Size colour_size);
+
+}  // namespace lcmslam

@@ -1,0 +1,83 @@
+#pragma once
+// Brings the depth camera's measurements into the colour camera.
+
+#include <vector>
+
+#include "imaging/calibration.hpp"
+#include "imaging/rgbd_frame.hpp"
+
+namespace lcmslam {
+
+/// A coloured cloud. All vectors have the same length, but normals and sigmas may be empty.
+struct ColouredCloud {
+  std::vector<Eigen::Vector3f> points;   ///< m
+  std::vector<cv::Vec3b> colours;        ///< BGR
+  std::vector<Eigen::Vector3f> normals;  ///< unit, towards the camera; NaN where unknown
+  std::vector<float> sigmas;             ///< m, along the viewing ray
+  std::size_t size() const { return points.size(); }
+};
+
+/// Point image of the depth camera, and what the colour camera sees at those points.
+struct RegisteredDepth {
+  cv::Mat points;       ///< CV_32FC3, depth image's size, points in the colour camera frame at the colour
+                        ///< image's time, NaN where invalid
+  cv::Mat sigma;        ///< CV_32FC1, depth standard deviation in m, NaN where invalid
+  cv::Mat pixels;       ///< CV_32FC2, position in the (distorted) colour image, NaN where outside or occluded
+  float pitch = 0;      ///< angle between neighbouring depth pixels, rad (1 / focal length)
+  float footprint = 1;  ///< colour pixels between neighbouring depth pixels
+  bool aligned = false;  ///< depth pixel (u, v) is colour pixel (u, v)
+};
+
+/// Brings depth images into the colour camera; keeps the tables that depend on the calibration alone.
+class DepthRegistration {
+ public:
+  /// Throws std::invalid_argument when the calibration does not pass check().
+  explicit DepthRegistration(RgbdCalibration calibration);
+
+  /// `T_colour_depth_time` moves the colour camera's frame from the depth image's time to the colour
+  /// image's time (identity when the motion is not known): x_at_colour_time = T * x_at_depth_time, that
+  /// is T_camera(colour)_world * T_world_camera(depth). The depth stamp to look the motion up at is
+  /// calibration.depth_time(frame.depth_utime).
+  /// A depth point that another one hides from the colour camera has no pixel (z-buffer). A frame
+  /// without depth gives points that are all NaN. Throws std::invalid_argument when the depth image
+  /// does not have the calibration's size.
+  RegisteredDepth operator()(const RgbdFrame& frame, const Eigen::Isometry3d& T_colour_depth_time =
+                                                         Eigen::Isometry3d::Identity()) const;
+
+  const RgbdCalibration& calibration() const { return calibration_; }
+
+ private:
+  RgbdCalibration calibration_;
+  cv::Mat rays_;  // of the depth camera, CV_32FC2
+};
+
+/// The same without keeping tables: for single frames.
+RegisteredDepth register_depth(const RgbdFrame& frame, const RgbdCalibration& calibration,
+                               const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity());
+
+/// Unit normals towards the camera at every `step`-th row and column of a point image, CV_32FC3 of size
+/// ceil(rows / step) x ceil(cols / step). A plane is fitted to up to 25 neighbours whose distance grows
+/// with the noise; NaN where there is no point, at depth edges, and where noise or a grazing view leave
+/// the normal uncertain by more than 0.3 rad.
+cv::Mat estimate_normals(const RegisteredDepth& registered, int step = 1);
+
+/// Points with valid depth, coloured from the colour image (colourless points are left out unless
+/// keep_uncoloured, then they are grey), with normals and sigmas. Takes every `step`-th row and column.
+ColouredCloud make_cloud(const RgbdFrame& frame, const RegisteredDepth& registered, int step = 1,
+                         bool keep_uncoloured = false);
+
+/// Depth seen at a colour pixel: the 3-D point in the colour camera frame, m, and its standard deviation
+/// along the viewing ray, m. All NaN where there is no depth around the pixel or where the neighbours
+/// disagree by more than their noise (a depth edge).
+struct DepthAtPixel {
+  Eigen::Vector3f point;
+  float sigma;
+};
+
+/// 3-D points of sub-pixel positions in the (distorted) colour image: each is interpolated by a plane
+/// through the registered depth points within 1.5 depth pixels of it.
+std::vector<DepthAtPixel> depth_at_pixels(const RegisteredDepth& registered,
+                                          const RgbdCalibration& calibration,
+                                          const std::vector<cv::Point2f>& colour_pixels);
+
+}  // namespace lcmslam

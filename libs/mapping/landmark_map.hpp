@@ -1,0 +1,80 @@
+#pragma once
+// The landmarks of one mapper, kept up to date from its changes.
+//
+// A change leads from a base revision to a new one. When one was missed the map is `incomplete`: its
+// owner asks the mapper for the whole map, which arrives in tiles, in any order, while further
+// changes keep coming.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <vector>
+
+namespace lcmslam {
+
+struct MapLandmark {
+  std::int64_t id = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();            ///< m, world
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2, world axes
+  int observations = 0;
+  std::array<std::uint8_t, 3> rgb{};
+  std::array<std::uint8_t, 64> descriptor{};
+  std::int8_t laplacian = 0;
+};
+
+/// base_revision 0 starts from the empty map, whatever was there (a mapper that began anew).
+struct LandmarkChange {
+  std::int64_t revision = 0;
+  std::int64_t base_revision = 0;
+  std::vector<MapLandmark> upserted;
+  std::vector<std::int64_t> removed;
+};
+
+/// Part `tile` (from 0) of the `tiles` parts that make the whole map of one revision.
+struct LandmarkTile {
+  std::int64_t revision = 0;
+  int tile = 0;
+  int tiles = 1;
+  std::vector<MapLandmark> landmarks;
+};
+
+class LandmarkMap {
+ public:
+  /// Applies the change; one that is already contained is left out. A change on another base is
+  /// applied as far as it goes and leaves the map incomplete. Returns !incomplete().
+  bool apply(const LandmarkChange& change);
+
+  /// Keeps the tile; the last missing one replaces the whole map, then changes that came meanwhile
+  /// follow. Tiles of a revision that a complete map already has are left out. Returns whether the
+  /// map was replaced. Throws std::invalid_argument for impossible tile numbers.
+  bool add_tile(const LandmarkTile& tile);
+
+  /// Empty, revision 0, complete.
+  void clear();
+
+  /// Changes were missed: ask for the whole map.
+  bool incomplete() const { return incomplete_; }
+  std::int64_t revision() const { return revision_; }
+  std::size_t size() const { return landmarks_.size(); }
+  /// nullptr when there is none.
+  const MapLandmark* find(std::int64_t id) const;
+  /// Ordered by id.
+  std::vector<MapLandmark> landmarks() const;
+
+ private:
+  void put(const LandmarkChange& change);
+  bool contained(const LandmarkChange& change) const;
+
+  std::map<std::int64_t, MapLandmark> landmarks_;
+  std::int64_t revision_ = 0;
+  bool incomplete_ = false;
+
+  std::int64_t pending_revision_ = 0;
+  std::size_t pending_tiles_ = 0;  ///< 0: no replacement under way
+  std::map<int, std::vector<MapLandmark>> pending_;
+  std::deque<LandmarkChange> recent_;  ///< the last changes, to follow a replacement that is older
+};
+
+}  // namespace lcmslam

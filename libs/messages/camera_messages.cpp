@@ -1,0 +1,183 @@
+#include "messages/camera_messages.hpp"
+
+#include "messages/geometry_messages.hpp"
+#include "messages/origin.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr int largest_side = 8192;  // pixels
+
+image_t make_image(const EncodedImage& image, int pixelformat, int bytes_per_pixel) {
+  image_t message;
+  message.utime = image.utime;
+  message.width = image.width;
+  message.height = image.height;
+  message.row_stride = image.width * bytes_per_pixel;
+  message.pixelformat = pixelformat;
+  message.size = static_cast<int32_t>(image.bytes.size());
+  message.data = image.bytes;
+  message.nmetadata = 0;
+  return message;
+}
+
+void add(images_t& message, std::int16_t type, image_t image) {
+  message.image_types.push_back(type);
+  message.images.push_back(std::move(image));
+  message.n_images = static_cast<int32_t>(message.images.size());
+}
+
+EncodedImage read_image(const image_t& message, ImageCoding coding, std::size_t raw_pixel_bytes) {
+  check_range(message.width, 1, largest_side, "image width");
+  check_range(message.height, 1, largest_side, "image height");
+  const std::size_t raw_size = static_cast<std::size_t>(message.width) *
+                               static_cast<std::size_t>(message.height) * raw_pixel_bytes;
+  if (raw_pixel_bytes > 0 && message.data.size() != raw_size)
+    throw DecodeError("image: " + std::to_string(message.data.size()) + " bytes, " + std::to_string(raw_size) +
+                      " are needed");
+  return {message.utime, message.width, message.height, coding, message.data};
+}
+
+EncodedImage read_colour(const image_t& message) {
+  switch (message.pixelformat) {
+    case image_t::PIXEL_FORMAT_MJPEG:
+      return read_image(message, ImageCoding::jpeg, 0);
+    case image_t::PIXEL_FORMAT_BGR:
+      return read_image(message, ImageCoding::raw_bgr, 3);
+    case image_t::PIXEL_FORMAT_RGB:
+      return read_image(message, ImageCoding::raw_rgb, 3);
+    case image_t::PIXEL_FORMAT_GRAY:
+      return read_image(message, ImageCoding::raw_gray, 1);
+    default:
+      throw DecodeError("pixelformat " + std::to_string(message.pixelformat) + " is not supported");
+  }
+}
+
+camera_intrinsics_t intrinsics_message(const CameraModel& camera) {
+  camera_intrinsics_t m;
+  m.width = camera.width;
+  m.height = camera.height;
+  m.fx = camera.fx;
+  m.fy = camera.fy;
+  m.cx = camera.cx;
+  m.cy = camera.cy;
+  m.distortion = camera.distortion;
+  m.n_distortion = static_cast<int32_t>(camera.distortion.size());
+  return m;
+}
+
+CameraModel read_intrinsics(const camera_intrinsics_t& m) {
+  CameraModel camera;
+  camera.width = m.width;
+  camera.height = m.height;
+  camera.fx = m.fx;
+  camera.fy = m.fy;
+  camera.cx = m.cx;
+  camera.cy = m.cy;
+  camera.distortion = m.distortion;
+  return camera;
+}
+
+}  // namespace
+
+images_t to_message(const EncodedFrame& frame) {
+  images_t message;
+  message.utime = frame.utime;
+  message.n_images = 0;
+  switch (frame.colour.coding) {
+    case ImageCoding::raw_bgr:
+      add(message, images_t::LEFT, make_image(frame.colour, image_t::PIXEL_FORMAT_BGR, 3));
+      break;
+    case ImageCoding::raw_rgb:
+      add(message, images_t::LEFT, make_image(frame.colour, image_t::PIXEL_FORMAT_RGB, 3));
+      break;
+    case ImageCoding::raw_gray:
+      add(message, images_t::LEFT, make_image(frame.colour, image_t::PIXEL_FORMAT_GRAY, 1));
+      break;
+    default:
+      add(message, images_t::LEFT, make_image(frame.colour, image_t::PIXEL_FORMAT_MJPEG, 0));
+  }
+  const bool raw = frame.depth.coding == ImageCoding::depth_raw;
+  add(message, raw ? images_t::DEPTH_MM : images_t::DEPTH_MM_ZIPPED,
+      make_image(frame.depth, image_t::PIXEL_FORMAT_LE_GRAY16, 2));
+  if (frame.amplitude.coding != ImageCoding::none)
+    add(message, images_t::AMPLITUDE_ZIPPED, make_image(frame.amplitude, image_t::PIXEL_FORMAT_GRAY, 1));
+  set_text(message.images.front(), "sensor", frame.sensor);
+  return message;
+}
+
+EncodedFrame from_message(const images_t& message) {
+  EncodedFrame frame;
+  frame.utime = message.utime;
+  frame.seq = origin(message).seq;
+  for (std::size_t i = 0; i < message.images.size(); ++i) {
+    const image_t& image = message.images[i];
+    switch (message.image_types[i]) {
+      case images_t::LEFT:
+        frame.colour = read_colour(image);
+        frame.sensor = get_text(image, "sensor");
+        break;
+      case images_t::DEPTH_MM:
+        frame.depth = read_image(image, ImageCoding::depth_raw, 2);
+        break;
+      case images_t::DEPTH_MM_ZIPPED:
+        frame.depth = read_image(image, ImageCoding::depth_zlib, 0);
+        break;
+      case images_t::AMPLITUDE_ZIPPED:
+        frame.amplitude = read_image(image, ImageCoding::gray_zlib, 0);
+        break;
+      default:
+        break;  // other people's image types are none of our business
+    }
+  }
+  if (frame.colour.coding == ImageCoding::none) throw DecodeError("images_t has no colour image (LEFT)");
+  if (frame.depth.coding == ImageCoding::none) throw DecodeError("images_t has no depth image");
+  return frame;
+}
+
+camera_calibration_t to_message(const RgbdCalibration& c) {
+  camera_calibration_t m;
+  m.utime = 0;
+  m.sensor = c.sensor;
+  m.colour = intrinsics_message(c.colour);
+  m.depth = intrinsics_message(c.depth);
+  m.depth_registered = c.depth_registered;
+  m.T_colour_depth = to_message(c.T_colour_depth);
+  m.has_mount = c.has_mount;
+  m.T_robot_camera = to_message(c.T_robot_camera);
+  m.depth_clock_offset = c.depth_clock_offset;
+  m.depth_noise_constant = c.depth_noise.constant;
+  m.depth_noise_quadratic = c.depth_noise.quadratic;
+  m.depth_noise_offset = c.depth_noise.offset;
+  m.depth_noise_amplitude = c.depth_noise.amplitude;
+  m.depth_min = c.depth_min;
+  m.depth_max = c.depth_max;
+  m.pixel_sigma = c.pixel_sigma;
+  return m;
+}
+
+RgbdCalibration from_message(const camera_calibration_t& m) {
+  RgbdCalibration c;
+  c.sensor = m.sensor;
+  c.colour = read_intrinsics(m.colour);
+  c.depth = read_intrinsics(m.depth);
+  c.depth_registered = m.depth_registered != 0;
+  c.T_colour_depth = from_message(m.T_colour_depth, "T_colour_depth");
+  c.has_mount = m.has_mount != 0;
+  c.T_robot_camera = from_message(m.T_robot_camera, "T_robot_camera");
+  c.depth_clock_offset = m.depth_clock_offset;
+  c.depth_noise = {m.depth_noise_constant, m.depth_noise_quadratic, m.depth_noise_offset,
+                   m.depth_noise_amplitude};
+  c.depth_min = m.depth_min;
+  c.depth_max = m.depth_max;
+  c.pixel_sigma = m.pixel_sigma;
+  check_range(c.depth_clock_offset, -10, 10, "depth_clock_offset");
+  try {
+    c.check();
+  } catch (const std::invalid_argument& error) {
+    throw DecodeError(error.what());
+  }
+  return c;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,21 @@
+#pragma once
+#include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/images_t.hpp>
+
+#include "imaging/calibration.hpp"
+#include "imaging/rgbd_frame.hpp"
+#include "messages/schema.hpp"
+
+namespace lcmslam {
+
+/// CAMERA. seq and sender are the publisher's business (origin.hpp).
+images_t to_message(const EncodedFrame& frame);
+
+/// Accepts any images_t with a colour image (LEFT) and a depth image (DEPTH_MM or DEPTH_MM_ZIPPED); throws
+/// DecodeError for absurd sizes and unknown formats. The images' bytes are checked by the codec.
+EncodedFrame from_message(const images_t& message);
+
+camera_calibration_t to_message(const RgbdCalibration& calibration);
+RgbdCalibration from_message(const camera_calibration_t& message);
+
+}  // namespace lcmslam

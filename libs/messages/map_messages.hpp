@@ -1,0 +1,28 @@
+#pragma once
+#include <lcmslam/keyframe_t.hpp>
+#include <lcmslam/landmark_t.hpp>
+#include <lcmslam/landmarks_t.hpp>
+
+#include "mapping/dense_map.hpp"
+#include "mapping/landmark_map.hpp"
+#include "messages/schema.hpp"
+
+namespace lcmslam {
+
+/// Largest message that needs no special receive buffer (LCM.md C2).
+constexpr std::size_t tile_bytes = 58'000;
+
+landmark_t to_message(const MapLandmark& landmark, double log_odds);
+
+/// One or more tiles; their origin and utime are set by the caller and the publisher.
+std::vector<landmarks_t> make_landmark_tiles(Utime utime, std::int64_t revision, std::int64_t base_revision,
+                                             const std::vector<landmark_t>& landmarks,
+                                             const std::vector<std::int64_t>& removed);
+std::vector<MapLandmark> landmarks_of(const landmarks_t& message);
+
+/// Positions in whole millimetres; points further than 32 m from the camera are left out.
+std::vector<keyframe_t> make_keyframe_tiles(const DenseKeyframe& keyframe, const Eigen::Isometry3d& T_robot_camera,
+                                            std::int64_t revision);
+KeyframeTile from_message(const keyframe_t& message);
+
+}  // namespace lcmslam

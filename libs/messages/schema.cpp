@@ -1,0 +1,102 @@
+#include "messages/schema.hpp"
+
+#include "messages/wire_reader.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr int max_depth = 16;
+
+using Kind = MessageField::Kind;
+
+std::size_t element_size(const MessageField& field) {
+  return field.kind == Kind::nested ? field.nested->fixed_size : value_size(field.kind);
+}
+
+class LayoutWalker {
+ public:
+  explicit LayoutWalker(WireReader& reader) : reader_(reader) {}
+
+  void walk(const MessageType& type, int depth) {
+    if (depth > max_depth) throw DecodeError(type.name + ": nested too deeply");
+    std::vector<std::int64_t> lengths(type.fields.size(), 0);
+    for (std::size_t i = 0; i < type.fields.size(); ++i) {
+      const MessageField& field = type.fields[i];
+      if (field.dimensions.empty() && is_integer(field.kind))
+        lengths[i] = reader_.integer(value_size(field.kind), field.name);
+      else
+        walk_array(field, 0, lengths, depth);
+    }
+  }
+
+ private:
+  static bool is_integer(Kind kind) {
+    return kind == Kind::int8 || kind == Kind::int16 || kind == Kind::int32 || kind == Kind::int64;
+  }
+
+  void walk_array(const MessageField& field, std::size_t dimension, const std::vector<std::int64_t>& lengths,
+                  int depth) {
+    if (dimension == field.dimensions.size()) return walk_value(field, depth);
+    const auto& d = field.dimensions[dimension];
+    const std::int64_t n = d.length_field < 0 ? static_cast<std::int64_t>(d.fixed)
+                                              : lengths[static_cast<std::size_t>(d.length_field)];
+    if (n < 0) throw DecodeError(field.name + ": length " + std::to_string(n) + " is negative");
+    // Every element takes at least one byte: a length beyond the rest of the message is a lie.
+    if (static_cast<std::uint64_t>(n) > reader_.left())
+      throw DecodeError(field.name + ": length " + std::to_string(n) + " exceeds the message");
+    const bool last = dimension + 1 == field.dimensions.size();
+    if (const std::size_t size = element_size(field); last && size > 0)
+      return reader_.skip(static_cast<std::size_t>(n), size, field.name);
+    for (std::int64_t k = 0; k < n; ++k) walk_array(field, dimension + 1, lengths, depth);
+  }
+
+  void walk_value(const MessageField& field, int depth) {
+    if (field.kind == Kind::text)
+      reader_.text(field.name);
+    else if (field.kind == Kind::nested)
+      walk(*field.nested, depth + 1);
+    else
+      reader_.skip(1, value_size(field.kind), field.name);
+  }
+
+  WireReader& reader_;
+};
+
+const std::vector<const MessageType*>& builtin() {
+  static const std::vector<const MessageType*> types = parse_definitions({
+#include "lcm_definitions.inc"
+  });
+  return types;
+}
+
+template <class Predicate>
+const MessageType* find_if(Predicate predicate) {
+  for (const MessageType* type : builtin())
+    if (predicate(*type)) return type;
+  return nullptr;
+}
+
+}  // namespace
+
+const std::vector<const MessageType*>& MessageType::all() { return builtin(); }
+
+const MessageType* MessageType::find(const std::string& name) {
+  return find_if([&](const MessageType& type) { return type.name == name; });
+}
+
+const MessageType* MessageType::find(std::uint64_t fingerprint) {
+  return find_if([&](const MessageType& type) { return type.fingerprint == fingerprint; });
+}
+
+void check_layout(const MessageType& type, const std::uint8_t* data, std::size_t size) {
+  WireReader reader(data, size);
+  const auto fingerprint = static_cast<std::uint64_t>(reader.integer(8, "fingerprint"));
+  if (fingerprint != type.fingerprint) {
+    const MessageType* other = MessageType::find(fingerprint);
+    throw DecodeError("is not a " + type.name + (other ? " but a " + other->name : ": unknown fingerprint"));
+  }
+  LayoutWalker(reader).walk(type, 0);
+  if (reader.left() > 0) throw DecodeError(type.name + ": " + std::to_string(reader.left()) + " bytes too many");
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,59 @@
+#pragma once
+// The message definitions as data. LCM's generated decoders trust the lengths in a message: they read
+// past its end and allocate what it asks for. So every message is first walked along its definition,
+// here, and only what fits exactly is decoded.
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace lcmslam {
+
+/// A message that is not what it claims to be; says what is wrong with it.
+class DecodeError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct MessageType;
+
+/// One member of a message: `type name[dimension]...`.
+struct MessageField {
+  enum class Kind { int8, int16, int32, int64, float32, float64, text, boolean, byte, nested };
+  struct Dimension {
+    std::size_t fixed = 0;   ///< size when not variable
+    int length_field = -1;   ///< index of the member that holds the size, or -1
+    std::string written;     ///< as in the definition
+  };
+  std::string name;
+  Kind kind = Kind::int8;
+  std::string type_name;                ///< as in the definition
+  const MessageType* nested = nullptr;  ///< for Kind::nested
+  std::vector<Dimension> dimensions;
+};
+
+/// Bytes of one value on the wire; 0 for text and nested values.
+std::size_t value_size(MessageField::Kind kind);
+
+struct MessageType {
+  std::string name;                  ///< without package
+  std::vector<MessageField> fields;
+  std::uint64_t fingerprint = 0;     ///< as LCM computes it from the definition
+  std::size_t fixed_size = 0;        ///< bytes on the wire, 0 when it varies
+
+  /// All types of lcmtypes/, by name.
+  static const std::vector<const MessageType*>& all();
+  static const MessageType* find(const std::string& name);
+  static const MessageType* find(std::uint64_t fingerprint);
+};
+
+/// Throws DecodeError unless the bytes (fingerprint included) are exactly one message of this type:
+/// right fingerprint, every length within the message and not negative, no byte left over.
+void check_layout(const MessageType& type, const std::uint8_t* data, std::size_t size);
+
+/// Parses definitions in LCM's language (for tests and tools); throws std::invalid_argument.
+std::vector<const MessageType*> parse_definitions(const std::vector<std::string>& texts);
+
+}  // namespace lcmslam

@@ -1,0 +1,225 @@
+#include "odometry/visual_odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace lcmslam {
+namespace {
+
+FeatureFrame with_points_only(FeatureFrame frame) {
+  const auto has_no_point = [](const Feature& feature) {
+    return feature.kind != MeasurementKind::point || !feature.point.allFinite() ||
+           !std::isfinite(feature.depth_sigma);
+  };
+  auto& features = frame.features;
+  features.erase(std::remove_if(features.begin(), features.end(), has_no_point), features.end());
+  return frame;
+}
+
+Matrix6d diagonal(double translation_sigma, double rotation_sigma) {
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(translation_sigma * translation_sigma),
+      Eigen::Vector3d::Constant(rotation_sigma * rotation_sigma);
+  return variance.asDiagonal();
+}
+
+}  // namespace
+
+void VisualOdometrySettings::check() const {
+  const std::pair<const char*, double> positive[] = {
+      {"keyframe_inlier_ratio", keyframe_inlier_ratio},
+      {"keyframe_translation", keyframe_translation},
+      {"keyframe_rotation", keyframe_rotation},
+      {"max_speed", max_speed},
+      {"max_turn_rate", max_turn_rate},
+      {"covariance_factor", covariance_factor},
+      {"stamp_sigma", stamp_sigma},
+      {"translation_floor", translation_floor},
+      {"rotation_floor", rotation_floor},
+      {"max_prediction", max_prediction},
+      {"prediction_acceleration", prediction_acceleration},
+      {"prediction_turn_acceleration", prediction_turn_acceleration}};
+  for (const auto& [name, value] : positive) {
+    if (!(std::isfinite(value) && value > 0)) {
+      throw std::invalid_argument("visual odometry: " + std::string(name) + " is " + std::to_string(value) +
+                                  "; expected a number above 0");
+    }
+  }
+  if (keyframes < 1 || keyframes > 100) {
+    throw std::invalid_argument("visual odometry: keyframes is " + std::to_string(keyframes) +
+                                "; expected 1 to 100");
+  }
+  if (keyframe_inlier_ratio >= 1) {
+    throw std::invalid_argument("visual odometry: keyframe_inlier_ratio is " +
+                                std::to_string(keyframe_inlier_ratio) + "; expected a ratio below 1");
+  }
+}
+
+VisualOdometry::VisualOdometry(const VisualOdometrySettings& settings, Random random)
+    : settings_(settings), random_(random) {
+  settings_.check();
+}
+
+std::optional<MotionSample> VisualOdometry::update(const FeatureFrame& all_features) {
+  FeatureFrame frame = with_points_only(all_features);
+  if (keyframes_.empty() || frame.utime < sample_.utime) {
+    start(std::move(frame));
+    return keyframes_.empty() ? std::nullopt : std::optional(sample_);
+  }
+  if (frame.utime == sample_.utime) return std::nullopt;
+
+  report_ = {};
+  std::vector<const Reference*> references;
+  for (const Reference& keyframe : keyframes_) references.push_back(&keyframe);
+  auto alignment = align(references, frame);
+  const bool to_keyframes = alignment.has_value();
+  if (!alignment && previous_) alignment = align({&*previous_}, frame);
+
+  if (!alignment) {
+    predict(frame.utime);
+    // Whatever the keyframes showed is gone: go on from here.
+    if (report_.status == VisualStatus::lost && has_enough_points(frame)) {
+      keyframes_.clear();
+      add_keyframe(frame);
+    }
+    return sample_;
+  }
+  accept(*alignment, frame.utime);
+  Reference& newest = keyframes_.back();
+  if (to_keyframes && newest.first_inliers == 0) newest.first_inliers = alignment->newest_inliers;
+  // A frame that is aligned badly (blurred) would hand its error on.
+  const bool is_good = report_.inliers >= 2 * settings_.ransac.min_inliers && has_enough_points(frame);
+  if (is_good && (!to_keyframes || newest_keyframe_is_worn(*alignment))) add_keyframe(frame);
+  previous_ = Reference{std::move(frame), alignment->T_odom_camera, 0};
+  return sample_;
+}
+
+void VisualOdometry::start(FeatureFrame frame) {
+  keyframes_.clear();
+  previous_.reset();
+  report_ = {};
+  sample_ = MotionSample{};
+  sample_.utime = aligned_utime_ = frame.utime;
+  sample_.visual = true;
+  T_odom_aligned_ = sample_.T_odom_robot;
+  velocity_.setZero();
+  if (has_enough_points(frame)) {
+    add_keyframe(frame);
+    report_.status = VisualStatus::tracking;
+  } else {
+    report_.reason = std::to_string(frame.features.size()) + " features with depth; a first keyframe needs " +
+                     std::to_string(2 * settings_.ransac.min_inliers);
+  }
+}
+
+// All references at once: their points in the odometry frame against the frame's in the camera's.
+std::optional<VisualOdometry::Alignment> VisualOdometry::align(
+    const std::vector<const Reference*>& references, const FeatureFrame& frame) {
+  std::vector<PointPair> pairs;
+  std::size_t newest_begin = 0;
+  for (const Reference* reference : references) {
+    newest_begin = pairs.size();
+    const Eigen::Matrix3d R = reference->T_odom_camera.linear();
+    for (const Match& m : match(reference->frame.features, frame.features, settings_.matching)) {
+      const Feature& a = reference->frame.features[static_cast<std::size_t>(m.a)];
+      const Feature& b = frame.features[static_cast<std::size_t>(m.b)];
+      pairs.push_back({reference->T_odom_camera * a.point.cast<double>(), b.point.cast<double>(),
+                       R * point_covariance(a, reference->frame) * R.transpose(),
+                       point_covariance(b, frame)});
+    }
+  }
+  const RigidRansacResult result = align_ransac(pairs, settings_.ransac, random_);
+  report_.matches = static_cast<int>(pairs.size());
+  report_.inliers = static_cast<int>(result.inliers.size());
+  if (!result.success) {
+    report_.reason = result.reason;
+    return std::nullopt;
+  }
+
+  Alignment alignment;
+  alignment.T_odom_camera = result.T_a_b;
+  alignment.T_odom_robot = result.T_a_b * frame.T_robot_camera.inverse();
+  const Matrix6d A = adjoint(frame.T_robot_camera);
+  alignment.covariance = A * result.covariance * A.transpose();
+  alignment.newest_inliers =
+      static_cast<int>(std::count_if(result.inliers.begin(), result.inliers.end(),
+                                     [&](int i) { return static_cast<std::size_t>(i) >= newest_begin; }));
+
+  const Eigen::Isometry3d T_step = T_odom_aligned_.inverse() * alignment.T_odom_robot;
+  const double seconds = seconds_since_aligned(frame.utime);
+  if (T_step.translation().norm() > settings_.max_speed * seconds ||
+      rotation_angle(T_step) > settings_.max_turn_rate * seconds) {
+    report_.reason = "the alignment moves faster than max_speed or max_turn_rate";
+    return std::nullopt;
+  }
+  return alignment;
+}
+
+void VisualOdometry::accept(const Alignment& alignment, Utime utime) {
+  const double seconds = seconds_since_aligned(utime);
+  velocity_ = se3_log(T_odom_aligned_.inverse() * alignment.T_odom_robot) / seconds;
+
+  Matrix6d Q = settings_.covariance_factor * alignment.covariance +
+               diagonal(settings_.translation_floor, settings_.rotation_floor);
+  const Vector6d shift = settings_.stamp_sigma * velocity_;
+  Q += shift * shift.transpose();
+  // The newest sample was a prediction: the step away from it has its error, too.
+  if (sample_.utime != aligned_utime_) Q += prediction_covariance(seconds_since_aligned(sample_.utime));
+  add_step(alignment.T_odom_robot, Q);
+
+  sample_.utime = aligned_utime_ = utime;
+  T_odom_aligned_ = alignment.T_odom_robot;
+  report_.status = VisualStatus::tracking;
+  report_.reason.clear();
+}
+
+void VisualOdometry::predict(Utime utime) {
+  const double before = seconds_since_aligned(sample_.utime);
+  const double now = seconds_since_aligned(utime);
+  const double moving = std::min(now, settings_.max_prediction);
+  add_step(T_odom_aligned_ * se3_exp(moving * velocity_),
+           prediction_covariance(now) - prediction_covariance(before) +
+               diagonal(settings_.translation_floor, settings_.rotation_floor));
+  sample_.utime = utime;
+  report_.status = now > settings_.max_prediction ? VisualStatus::lost : VisualStatus::degraded;
+}
+
+void VisualOdometry::add_step(const Eigen::Isometry3d& T_odom_robot, const Matrix6d& Q) {
+  const Matrix6d A = adjoint(T_odom_robot.inverse() * sample_.T_odom_robot);
+  const Matrix6d S = A * sample_.covariance * A.transpose() + Q;
+  sample_.covariance = 0.5 * (S + S.transpose());
+  sample_.T_odom_robot = T_odom_robot;
+}
+
+bool VisualOdometry::newest_keyframe_is_worn(const Alignment& alignment) const {
+  const Reference& newest = keyframes_.back();
+  const Eigen::Isometry3d T_keyframe_camera = newest.T_odom_camera.inverse() * alignment.T_odom_camera;
+  return alignment.newest_inliers < settings_.keyframe_inlier_ratio * newest.first_inliers ||
+         T_keyframe_camera.translation().norm() > settings_.keyframe_translation ||
+         rotation_angle(T_keyframe_camera) > settings_.keyframe_rotation;
+}
+
+void VisualOdometry::add_keyframe(const FeatureFrame& frame) {
+  keyframes_.push_back({frame, sample_.T_odom_robot * frame.T_robot_camera, 0});
+  if (keyframes_.size() > static_cast<std::size_t>(settings_.keyframes)) keyframes_.pop_front();
+  report_.new_keyframe = true;
+}
+
+bool VisualOdometry::has_enough_points(const FeatureFrame& frame) const {
+  return static_cast<int>(frame.features.size()) >= 2 * settings_.ransac.min_inliers;
+}
+
+// Beyond 1 rad a rotation is unknown and a wider normal distribution says no more.
+Matrix6d VisualOdometry::prediction_covariance(double seconds) const {
+  const double half_square = 0.5 * seconds * seconds;
+  return diagonal(settings_.prediction_acceleration * half_square,
+                  std::min(1.0, settings_.prediction_turn_acceleration * half_square));
+}
+
+double VisualOdometry::seconds_since_aligned(Utime utime) const {
+  return 1e-6 * static_cast<double>(utime - aligned_utime_);
+}
+
+}  // namespace lcmslam

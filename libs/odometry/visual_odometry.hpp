@@ -1,0 +1,114 @@
+#pragma once
+// Odometry from the camera alone: SURF matches with depth against the last keyframes, RANSAC, least
+// squares. For recordings without wheels.
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/motion_buffer.hpp"
+#include "geometry/random.hpp"
+#include "surf/feature.hpp"
+#include "surf/matching.hpp"
+#include "surf/rigid_ransac.hpp"
+
+namespace lcmslam {
+
+struct VisualOdometrySettings {
+  MatchingSettings matching;
+  RigidRansacSettings ransac;
+
+  int keyframes = 4;  ///< that a frame is aligned to, at once: 1 drifts more, 10 cost more
+
+  // The current frame becomes a keyframe when it is aligned well and one of these is passed.
+  double keyframe_inlier_ratio = 0.5;  ///< of the inliers that the newest keyframe had at first
+  double keyframe_translation = 0.3;   ///< m from the newest keyframe
+  double keyframe_rotation = 0.35;     ///< rad
+
+  // Faster motion is a wrong alignment.
+  double max_speed = 3;      ///< m/s
+  double max_turn_rate = 6;  ///< rad/s
+
+  // Least squares takes the errors of all features as independent; what they share enters here.
+  double covariance_factor = 4;       ///< on the alignment's covariance
+  double stamp_sigma = 0.005;         ///< s: stamp and rolling shutter, an error along the motion
+  double translation_floor = 0.5e-3;  ///< m, standard deviation added to each step
+  double rotation_floor = 0.5e-3;     ///< rad
+
+  // Without an alignment the last velocity goes on for a while. Its error is that of an unknown
+  // acceleration: sigma = a t^2 / 2.
+  double max_prediction = 0.5;              ///< s; after that the pose stays
+  double prediction_acceleration = 3;       ///< m/s^2
+  double prediction_turn_acceleration = 6;  ///< rad/s^2
+
+  void check() const;  ///< throws std::invalid_argument that names the wrong value
+};
+
+enum class VisualStatus {
+  waiting,  ///< no frame yet with enough 3-D points
+  tracking,
+  degraded,  ///< this pose is a prediction
+  lost       ///< the same, for longer than max_prediction
+};
+
+struct VisualReport {
+  VisualStatus status = VisualStatus::waiting;
+  int matches = 0;  ///< with 3-D points on both sides
+  int inliers = 0;
+  bool new_keyframe = false;
+  std::string reason;  ///< why not tracking, empty otherwise
+};
+
+class VisualOdometry {
+ public:
+  /// Throws std::invalid_argument when a setting is wrong.
+  VisualOdometry(const VisualOdometrySettings& settings, Random random);
+
+  /// Pose T_odom_robot of the robot frame (frame.T_robot_camera says where the camera is) at the
+  /// image's time; `visual` is true. Nothing while waiting, and for a repeated stamp; a stamp that goes
+  /// back starts anew at the identity. Features without depth are not used.
+  ///
+  /// Covariance: two frames aligned to the same keyframes share their errors; what differs, half of
+  /// each one's alignment covariance, adds up to one covariance a step. It is right from frame to frame,
+  /// and too wide over several frames of one keyframe.
+  std::optional<MotionSample> update(const FeatureFrame& frame);
+
+  const VisualReport& report() const { return report_; }
+
+ private:
+  struct Reference {
+    FeatureFrame frame;  // features with 3-D points only
+    Eigen::Isometry3d T_odom_camera = Eigen::Isometry3d::Identity();
+    int first_inliers = 0;  // of the first frame aligned to it
+  };
+  struct Alignment {
+    Eigen::Isometry3d T_odom_camera;
+    Eigen::Isometry3d T_odom_robot;
+    Matrix6d covariance;     // of the alignment, robot frame
+    int newest_inliers = 0;  // with the newest keyframe
+  };
+
+  void start(FeatureFrame frame);
+  std::optional<Alignment> align(const std::vector<const Reference*>& references, const FeatureFrame& frame);
+  void accept(const Alignment& alignment, Utime utime);
+  void predict(Utime utime);
+  void add_step(const Eigen::Isometry3d& T_odom_robot, const Matrix6d& Q);
+  bool newest_keyframe_is_worn(const Alignment& alignment) const;
+  void add_keyframe(const FeatureFrame& frame);
+  bool has_enough_points(const FeatureFrame& frame) const;
+  Matrix6d prediction_covariance(double seconds) const;
+  double seconds_since_aligned(Utime utime) const;
+
+  VisualOdometrySettings settings_;
+  Random random_;
+  VisualReport report_;
+  std::deque<Reference> keyframes_;    // newest last
+  std::optional<Reference> previous_;  // the last aligned frame: second try
+  MotionSample sample_;                // newest
+  Utime aligned_utime_ = 0;            // of the last aligned frame
+  Eigen::Isometry3d T_odom_aligned_ = Eigen::Isometry3d::Identity();
+  Vector6d velocity_ = Vector6d::Zero();  // robot frame, m/s and rad/s
+};
+
+}  // namespace lcmslam

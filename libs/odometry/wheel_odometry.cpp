@@ -1,0 +1,105 @@
+#include "odometry/wheel_odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "odometry/wheel_kinematics.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double max_turn_per_step = 0.05;  // rad: an increment that turns more is cut for its covariance
+
+// Rows and columns x, y, heading of a 6x6 pose covariance.
+Matrix6d from_planar(const Eigen::Matrix3d& planar) {
+  constexpr int index[3] = {0, 1, 5};
+  Matrix6d full = Matrix6d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) full(index[i], index[j]) = planar(i, j);
+  }
+  return full;
+}
+
+bool impossible(const std::vector<Wheel>& before, const std::vector<Wheel>& after, double max_way) {
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (after[i].radius * std::abs(after[i].angle - before[i].angle) > max_way) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void WheelOdometrySettings::check() const {
+  noise.check();
+  if (!(side_slip_weight > 0 && std::isfinite(side_slip_weight))) {
+    throw std::invalid_argument("wheel odometry: side_slip_weight is " + std::to_string(side_slip_weight) +
+                                "; expected a number above 0");
+  }
+  if (!(max_wheel_speed > 0)) {
+    throw std::invalid_argument("wheel odometry: max_wheel_speed is " + std::to_string(max_wheel_speed) +
+                                "; expected m/s above 0");
+  }
+}
+
+WheelOdometry::WheelOdometry(const WheelOdometrySettings& settings) : settings_(settings) {
+  settings_.check();
+}
+
+std::optional<MotionSample> WheelOdometry::update(const Encoders& encoders) {
+  check_wheels(encoders.wheels);
+  const bool first = wheels_.empty() || encoders.utime < sample_.utime;
+  if (first) {
+    fit_motion(encoders.wheels, encoders.wheels, settings_.side_slip_weight);  // throws when singular
+    sample_ = MotionSample{};
+    twist_ = {};
+    residual_ = 0;
+  } else {
+    if (encoders.utime == sample_.utime) return std::nullopt;
+    if (encoders.wheels.size() != wheels_.size()) {
+      throw std::invalid_argument("encoders of " + std::to_string(encoders.wheels.size()) +
+                                  " wheels, earlier messages had " + std::to_string(wheels_.size()) +
+                                  "; a base keeps its wheels");
+    }
+    const double duration = 1e-6 * static_cast<double>(encoders.utime - sample_.utime);
+    if (impossible(wheels_, encoders.wheels, settings_.max_wheel_speed * duration)) {
+      add_restart();
+    } else {
+      const WheelFit fit = fit_motion(wheels_, encoders.wheels, settings_.side_slip_weight);
+      integrate({fit.motion.x(), fit.motion.y(), fit.motion.z(), fit.way_rolled, duration}, fit.covariance);
+      twist_ = {fit.motion.x() / duration, fit.motion.y() / duration, fit.motion.z() / duration};
+      residual_ = fit.residual;
+    }
+  }
+  wheels_ = encoders.wheels;
+  sample_.utime = encoders.utime;
+  return sample_;
+}
+
+void WheelOdometry::integrate(const PlanarIncrement& increment, const Eigen::Matrix3d& fit_covariance) {
+  // The pose needs one step, whatever its length. Noise enters all along the arc: cut it, so that the
+  // covariance after a lost message is the one that the messages would have given.
+  const double turn = std::abs(increment.heading);
+  const int steps = std::clamp(static_cast<int>(std::ceil(turn / max_turn_per_step)), 1, 1000);
+  const double fraction = 1.0 / steps;
+  const PlanarIncrement step{increment.x * fraction, increment.y * fraction, increment.heading * fraction,
+                             increment.way_rolled * fraction, increment.duration * fraction};
+  const Matrix6d Q = increment_covariance(settings_.noise, step) + fraction * from_planar(fit_covariance);
+  const Matrix6d A = adjoint(se3_exp(-step.twist()));
+  for (int i = 0; i < steps; ++i) sample_.covariance = (A * sample_.covariance * A.transpose() + Q).eval();
+  sample_.covariance = (0.5 * (sample_.covariance + sample_.covariance.transpose())).eval();
+  sample_.T_odom_robot = sample_.T_odom_robot * se3_exp(increment.twist());
+}
+
+void WheelOdometry::add_restart() {
+  ++restarts_;
+  const WheelNoise& noise = settings_.noise;
+  PlanarIncrement slip;
+  slip.way_rolled = noise.slip_distance;
+  sample_.covariance += increment_covariance(noise, slip);
+  twist_ = {};
+  residual_ = 0;
+}
+
+}  // namespace lcmslam

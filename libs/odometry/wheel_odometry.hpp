@@ -1,0 +1,59 @@
+#pragma once
+// Odometry of a wheeled base: pose, covariance and twist from wheel encoders.
+
+#include <optional>
+#include <vector>
+
+#include "geometry/motion_buffer.hpp"
+#include "odometry/encoders.hpp"
+#include "odometry/wheel_noise.hpp"
+
+namespace lcmslam {
+
+struct WheelOdometrySettings {
+  WheelNoise noise;
+  double side_slip_weight = 1.0;  ///< weight of a tyre's "no side slip" against its rolling
+  double max_wheel_speed = 10;    ///< m/s at the rim; faster is a driver that restarted its counters
+
+  void check() const;  ///< throws std::invalid_argument that names the wrong value
+};
+
+/// Body velocity in the robot frame, mean over the last increment.
+struct PlanarTwist {
+  double vx = 0, vy = 0;  ///< m/s
+  double w = 0;           ///< rad/s, counter-clockwise
+};
+
+class WheelOdometry {
+ public:
+  explicit WheelOdometry(const WheelOdometrySettings& settings = {});
+
+  /// The first message gives the identity, later ones the pose T_odom_robot on exact arcs, with the
+  /// covariance S_b = Ad(T_b_a) S_a Ad(T_b_a)^T + Q (right perturbation). Angles are cumulative: after
+  /// lost messages the next one catches up.
+  /// - A stamp that goes back starts anew at the identity; a repeated stamp gives nothing.
+  /// - Wheels that turned impossibly far give the old pose with a slip added to its covariance, and
+  ///   counting goes on from there (`restarts`).
+  /// Throws std::invalid_argument, and stays as it was, when a wheel's value is wrong, when the number
+  /// of wheels changed or when they do not determine the motion.
+  std::optional<MotionSample> update(const Encoders& encoders);
+
+  const PlanarTwist& twist() const { return twist_; }
+  /// Root mean square of the broken rolling constraints over the last increment, m: slip.
+  double residual() const { return residual_; }
+  /// Times that the wheels' counters jumped.
+  int restarts() const { return restarts_; }
+
+ private:
+  void integrate(const PlanarIncrement& increment, const Eigen::Matrix3d& fit_covariance);
+  void add_restart();
+
+  WheelOdometrySettings settings_;
+  std::vector<Wheel> wheels_;  // of the newest message; empty before the first
+  MotionSample sample_;
+  PlanarTwist twist_;
+  double residual_ = 0;
+  int restarts_ = 0;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,50 @@
+#include "runtime/inputs.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace lcmslam {
+
+void InputCount::follow(std::int64_t seq) {
+  if (seq < 0) return;  // a foreign sender that does not number
+  if (last_seq < 0 || seq > last_seq) {
+    if (last_seq >= 0) lost += seq - last_seq - 1;
+    last_seq = seq;
+  } else if (seq == last_seq) {
+    ++duplicates;
+  } else {
+    ++reordered;  // was counted as lost when its successor came
+    if (lost > 0) --lost;
+  }
+}
+
+void Input::deliver(const std::uint8_t* data, std::size_t size) {
+  try {
+    decode_and_handle(data, size);
+  } catch (const DecodeError& error) {
+    if (error.what() != last_error) spdlog::warn("{}: {} (counted in STATUS)", channel_, error.what());
+    last_error = error.what();
+    ++decode_errors;
+  }
+}
+
+void Input::seen(const Origin& origin, Utime utime, std::size_t size) {
+  constexpr std::size_t most_senders = 64;  // garbage must not grow the table for ever
+  const bool known = senders.count(origin.sender) > 0;
+  InputCount& count = senders[known || senders.size() < most_senders ? origin.sender : 0];
+  ++count.received;
+  count.bytes += static_cast<std::int64_t>(size);
+  count.last_utime = utime;
+  count.follow(origin.seq);
+}
+
+bool Inputs::deliver(const std::string& channel, const std::uint8_t* data, std::size_t size) {
+  bool found = false;
+  for (const auto& input : inputs_) {
+    if (input->channel() != channel) continue;
+    input->deliver(data, size);
+    found = true;
+  }
+  return found;
+}
+
+}  // namespace lcmslam

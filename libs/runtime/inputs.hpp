@@ -1,0 +1,94 @@
+#pragma once
+// What a node receives: one handler a channel, each message checked before the handler sees it, and
+// everything that goes wrong counted.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "geometry/transform.hpp"
+#include "messages/decode.hpp"
+#include "messages/origin.hpp"
+
+namespace lcmslam {
+
+/// What was received on one channel from one sender.
+struct InputCount {
+  std::int64_t received = 0;
+  std::int64_t bytes = 0;
+  std::int64_t lost = 0;        ///< gaps in seq
+  std::int64_t duplicates = 0;
+  std::int64_t reordered = 0;
+  std::int64_t last_seq = -1;
+  Utime last_utime = 0;
+
+  /// Follows the sender's numbering.
+  void follow(std::int64_t seq);
+};
+
+class Input {
+ public:
+  Input(std::string channel, std::size_t capacity) : channel_(std::move(channel)), capacity_(capacity) {}
+  virtual ~Input() = default;
+
+  const std::string& channel() const { return channel_; }
+  /// Messages that wait at most; when one more comes, the oldest goes (1: the latest wins).
+  std::size_t capacity() const { return capacity_; }
+
+  /// Checks, counts and handles one message. Never throws for a bad message: it is counted.
+  void deliver(const std::uint8_t* data, std::size_t size);
+
+  /// Latency is measured from the arrival of these messages.
+  bool primary = false;
+
+  std::int64_t decode_errors = 0;
+  std::string last_error;
+  std::map<std::int64_t, InputCount> senders;
+
+ protected:
+  /// Decodes, calls `seen`, then the handler. Throws DecodeError.
+  virtual void decode_and_handle(const std::uint8_t* data, std::size_t size) = 0;
+  void seen(const Origin& origin, Utime utime, std::size_t size);
+
+ private:
+  std::string channel_;
+  std::size_t capacity_;
+};
+
+class Inputs {
+ public:
+  /// Handler for messages of type M on a channel; it may throw DecodeError for wrong values.
+  template <class M>
+  Input& subscribe(const std::string& channel, std::size_t capacity, std::function<void(const M&)> handler) {
+    inputs_.push_back(std::make_unique<TypedInput<M>>(channel, capacity, std::move(handler)));
+    return *inputs_.back();
+  }
+
+  const std::vector<std::unique_ptr<Input>>& all() const { return inputs_; }
+
+  /// Delivers straight to the channel's handlers (batch, tests); false when nobody listens.
+  bool deliver(const std::string& channel, const std::uint8_t* data, std::size_t size);
+
+ private:
+  template <class M>
+  class TypedInput : public Input {
+   public:
+    TypedInput(const std::string& channel, std::size_t capacity, std::function<void(const M&)> handler)
+        : Input(channel, capacity), handler_(std::move(handler)) {}
+
+   private:
+    void decode_and_handle(const std::uint8_t* data, std::size_t size) override {
+      const M message = decode_message<M>(data, size);
+      seen(origin(message), message.utime, size);
+      handler_(message);
+    }
+    std::function<void(const M&)> handler_;
+  };
+
+  std::vector<std::unique_ptr<Input>> inputs_;
+};
+
+}  // namespace lcmslam

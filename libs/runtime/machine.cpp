@@ -1,0 +1,63 @@
+#include "runtime/machine.hpp"
+
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace lcmslam {
+
+double process_cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+std::int64_t resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::int64_t total = 0;
+  std::int64_t resident = 0;
+  file >> total >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+
+SocketState socket_state() {
+  SocketState state;
+  std::set<std::string> inodes;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    const std::string target = std::filesystem::read_symlink(entry, error).string();
+    if (error || target.rfind("socket:[", 0) != 0) continue;
+    const int fd = std::stoi(entry.path().filename().string());
+    int type = 0;
+    int buffer = 0;
+    socklen_t size = sizeof type;
+    if (getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) != 0 || type != SOCK_DGRAM) continue;
+    inodes.insert(target.substr(8, target.size() - 9));
+    size = sizeof buffer;
+    if (getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &buffer, &size) == 0)
+      state.receive_buffer = std::max(state.receive_buffer, static_cast<std::int64_t>(buffer));
+  }
+  // Columns of /proc/net/udp: the tenth is the inode, the last the drops.
+  std::ifstream table("/proc/net/udp");
+  std::string line;
+  while (std::getline(table, line)) {
+    std::istringstream columns(line);
+    std::vector<std::string> words;
+    for (std::string word; columns >> word;) words.push_back(word);
+    if (words.size() >= 13 && inodes.count(words[9]) > 0) state.kernel_drops += std::atoll(words.back().c_str());
+  }
+  return state;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,18 @@
+#pragma once
+// What the operating system says of this process.
+
+#include <cstdint>
+
+namespace lcmslam {
+
+double process_cpu_seconds();
+std::int64_t resident_bytes();
+
+/// Of the UDP sockets that this process holds.
+struct SocketState {
+  std::int64_t kernel_drops = 0;    ///< datagrams dropped because a receive buffer was full
+  std::int64_t receive_buffer = 0;  ///< bytes granted, of the largest; 0 without UDP
+};
+SocketState socket_state();
+
+}  // namespace lcmslam

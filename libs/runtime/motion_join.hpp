@@ -1,0 +1,82 @@
+#pragma once
+// Joins measurements with odometry by utime: a measurement waits until odometry covers its time, or
+// until message time has moved on too far; then it goes on without, and that is counted. Message time
+// only, never the wall clock: batch and live decide alike.
+
+#include <algorithm>
+#include <deque>
+#include <functional>
+#include <utility>
+
+#include "geometry/motion_buffer.hpp"
+
+namespace lcmslam {
+
+template <class Measurement>
+class MotionJoin {
+ public:
+  using Handler = std::function<void(Measurement&)>;
+
+  /// `max_wait` in s of message time; at most `capacity` measurements wait, then the oldest is dropped.
+  MotionJoin(double max_wait, std::size_t capacity, Handler handler)
+      : max_wait_(static_cast<Utime>(1e6 * max_wait)), capacity_(capacity), handler_(std::move(handler)) {}
+
+  const MotionBuffer& motion() const { return motion_; }
+
+  /// `needed` is the latest time that odometry must cover.
+  void add(Utime needed, Measurement measurement) {
+    advance(needed);
+    waiting_.emplace_back(needed, std::move(measurement));
+    while (waiting_.size() > capacity_) {
+      waiting_.pop_front();
+      ++dropped_;
+    }
+    release(false);
+  }
+
+  void add(const MotionSample& sample) {
+    if (!motion_.add(sample)) waiting_.clear();
+    advance(sample.utime);
+    release(false);
+  }
+
+  /// Everything that waits goes on as it is.
+  void flush() { release(true); }
+
+  std::int64_t without_odometry() const { return without_odometry_; }
+  std::int64_t dropped() const { return dropped_; }
+
+ private:
+  void advance(Utime utime) {
+    // Time that jumps back far is a log that loops: start anew.
+    if (utime < now_ - 10 * max_wait_ - 1'000'000) {
+      now_ = utime;
+      waiting_.clear();
+      motion_ = MotionBuffer();
+    }
+    now_ = std::max(now_, utime);
+  }
+
+  void release(bool all) {
+    while (!waiting_.empty()) {
+      const Utime needed = waiting_.front().first;
+      const bool covered = motion_.newest() >= needed;
+      if (!covered && !all && now_ - needed <= max_wait_) return;
+      if (!covered) ++without_odometry_;
+      Measurement measurement = std::move(waiting_.front().second);
+      waiting_.pop_front();
+      handler_(measurement);
+    }
+  }
+
+  Utime max_wait_;
+  std::size_t capacity_;
+  Handler handler_;
+  MotionBuffer motion_;
+  std::deque<std::pair<Utime, Measurement>> waiting_;
+  Utime now_ = 0;
+  std::int64_t without_odometry_ = 0;
+  std::int64_t dropped_ = 0;
+};
+
+}  // namespace lcmslam

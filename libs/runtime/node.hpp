@@ -1,0 +1,44 @@
+#pragma once
+// A node is what a process does, without the process: constructed from its configuration and a
+// publisher, one handler a message. The same class runs live, in batch and in tests.
+
+#include <chrono>
+#include <lcmslam/command_t.hpp>
+#include <optional>
+
+#include "configuration/config.hpp"
+#include "runtime/inputs.hpp"
+#include "runtime/publisher.hpp"
+
+namespace lcmslam {
+
+/// What a node tells of itself in STATUS.
+struct NodeReport {
+  int state = 1;       ///< status_t's: RUNNING, FINISHED, FAILED ...
+  std::string detail;  ///< in words
+  std::vector<std::pair<std::string, double>> values;
+};
+
+class Node {
+ public:
+  using Duration = std::chrono::steady_clock::duration;
+
+  virtual ~Node() = default;
+
+  /// Registers the handlers.
+  virtual void connect(Inputs& inputs) = 0;
+
+  /// A source's own work (camera). Called when no message waits; gives the time until it wants to be
+  /// called again, or nothing when it never does.
+  virtual std::optional<Duration> work() { return std::nullopt; }
+
+  /// A COMMAND for this process other than "stop".
+  virtual void command(const command_t&) {}
+
+  /// The last call: what waits is finished, what must be kept is saved.
+  virtual void finish() {}
+
+  virtual NodeReport report() const { return {}; }
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,58 @@
+#include "runtime/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <iostream>
+
+namespace lcmslam {
+
+bool parse_options(int argc, char** argv, const std::string& process, const std::string& description,
+                   ProcessOptions& options, int& exit_code) {
+  CLI::App app{description, "lcmslam-" + process};
+  app.set_version_flag("--version", std::string("lcmslam ") + lcmslam_version);
+  app.add_option("--config", options.config, "configuration file (YAML)")->check(CLI::ExistingFile);
+  app.add_option("--lcm-url", options.lcm_url, "LCM provider, default LCM_DEFAULT_URL or " +
+                                                   std::string(default_lcm_url));
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}));
+  app.add_option("--set", options.overrides, "override of the configuration: section.key=value");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    exit_code = app.exit(error) == 0 ? 0 : 2;
+    return false;
+  }
+  if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
+  return true;
+}
+
+std::string lcm_url_from_environment() {
+  const char* url = std::getenv("LCM_DEFAULT_URL");
+  return url != nullptr && *url != '\0' ? url : default_lcm_url;
+}
+
+const std::vector<std::string>& process_names() {
+  static const std::vector<std::string> names = {"camera", "surf", "odometry", "fastslam", "icp", "map-server"};
+  return names;
+}
+
+ConfigNode load_config(const std::string& file, const std::vector<std::string>& overrides) {
+  ConfigNode config = file.empty() ? ConfigNode() : ConfigNode::load(file);
+  for (const auto& text : overrides) {
+    const std::size_t equal = text.find('=');
+    if (equal == std::string::npos || equal == 0)
+      throw ConfigError("--set " + text + ": must be section.key=value");
+    config.set(text.substr(0, equal), text.substr(equal + 1));
+  }
+  return config;
+}
+
+ProcessConfig process_config(const ProcessOptions& options, const std::string& process) {
+  ConfigNode file = load_config(options.config, options.overrides);
+  for (const auto& name : process_names())
+    if (name != process) file.ignore(name);
+  file.ignore("launch");
+  return {file, file.section(process)};
+}
+
+}  // namespace lcmslam

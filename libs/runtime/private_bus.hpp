@@ -1,0 +1,10 @@
+#pragma once
+// A bus of one's own: a network namespace with a multicast route on its loop-back interface.
+
+namespace lcmslam {
+
+/// Moves this process (before it starts threads) and all that it starts into a new network namespace;
+/// without root through a user namespace. False, and nothing changed, where the machine forbids it.
+bool enter_private_bus();
+
+}  // namespace lcmslam

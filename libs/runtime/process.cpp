@@ -1,0 +1,116 @@
+#include "runtime/process.hpp"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <iostream>
+
+#include "runtime/lcm_bus.hpp"
+#include "runtime/options.hpp"
+#include "runtime/status_reporter.hpp"
+#include "runtime/stop_signal.hpp"
+
+namespace lcmslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds longest_wait{100};  // a stop request is seen within this time
+constexpr std::chrono::seconds status_period{1};
+
+class Process {
+ public:
+  Process(std::string name, lcm::LCM& lcm)
+      : name_(std::move(name)), lcm_(lcm), publisher_(lcm, draw_sender()), reporter_(name_, publisher_) {}
+
+  void run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
+    node_ = make_node(config, publisher_);
+    configured();
+    node_->connect(inputs_);
+    inputs_.subscribe<command_t>("COMMAND", 100, [this](const command_t& c) { on_command(c); });
+    Receiver receiver(lcm_, inputs_);
+    spdlog::info("{} runs", name_);
+
+    Clock::time_point next_status = Clock::now();
+    Clock::duration wait{0};
+    int last_state = -1;
+    while (!stop_requested()) {
+      Arrival arrival;
+      if (receiver.take(arrival, wait)) handle(arrival);
+      const auto work = node_->work();
+      wait = std::min<Clock::duration>(work.value_or(longest_wait), longest_wait);
+      const NodeReport report = node_->report();
+      if (report.state != last_state || Clock::now() >= next_status) {
+        publish_status(report, receiver);
+        last_state = report.state;
+        next_status = Clock::now() + status_period;
+      }
+      wait = std::clamp<Clock::duration>(wait, Clock::duration{0}, next_status - Clock::now());
+    }
+    node_->finish();
+    NodeReport report = node_->report();
+    report.state = status_t::STOPPING;
+    publish_status(report, receiver);
+    spdlog::info("{} stops", name_);
+  }
+
+ private:
+  void handle(const Arrival& arrival) {
+    // Registered before the handler runs: the answer may come from within it.
+    if (arrival.input->primary && arrival.bytes.size() >= 16) {
+      Utime utime = 0;  // first field behind the fingerprint
+      for (std::size_t i = 8; i < 16; ++i) utime = static_cast<Utime>(static_cast<std::uint64_t>(utime) << 8 | arrival.bytes[i]);
+      reporter_.arrived(utime, arrival.time);
+    }
+    arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size());
+  }
+
+  void on_command(const command_t& command) {
+    if (!command.target.empty() && command.target != name_) return;
+    if (command.name == "stop")
+      request_stop();
+    else
+      node_->command(command);
+  }
+
+  void publish_status(const NodeReport& report, Receiver& receiver) {
+    publisher_.publish("STATUS", reporter_.gather(report, inputs_, receiver));
+  }
+
+  std::string name_;
+  lcm::LCM& lcm_;
+  LcmPublisher publisher_;
+  StatusReporter reporter_;
+  Inputs inputs_;
+  std::unique_ptr<Node> node_;
+};
+
+}  // namespace
+
+int run_process(int argc, char** argv, const std::string& name, const std::string& description,
+                const NodeFactory& make_node) {
+  ProcessOptions options;
+  int exit_code = 0;
+  if (!parse_options(argc, argv, name, description, options, exit_code)) return exit_code;
+  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  install_stop_signals();
+  try {
+    const ProcessConfig config = process_config(options, name);
+    lcm::LCM lcm(options.lcm_url);
+    if (!lcm.good()) {
+      spdlog::error("LCM cannot use {}: no multicast route? Try: ip route add 224.0.0.0/4 dev lo", options.lcm_url);
+      return 1;
+    }
+    Process(name, lcm).run(config.section, make_node, [&] { config.file.finish(); });
+    return 0;
+  } catch (const ConfigError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    spdlog::error("{} failed: {}", name, error.what());
+    return 1;
+  }
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,63 @@
+#pragma once
+// Where nodes send their messages: the bus when live, a log in batch, memory in tests.
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "geometry/transform.hpp"
+#include "messages/decode.hpp"
+#include "messages/origin.hpp"
+
+namespace lcmslam {
+
+/// What went out on one channel.
+struct OutputCount {
+  std::int64_t sent = 0;
+  std::int64_t bytes = 0;
+  std::int64_t largest = 0;
+  Utime last_utime = 0;
+};
+
+class Publisher {
+ public:
+  /// `sender` marks every message, see status_t.
+  explicit Publisher(std::int64_t sender) : sender_(sender) {}
+  virtual ~Publisher() = default;
+
+  /// Numbers, counts and sends. `cause` is the utime of the message that this one answers, where that
+  /// differs from its own utime (latency is measured from there).
+  template <class M>
+  void publish(const std::string& channel, M message, Utime cause = 0) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    OutputCount& count = counts_[channel];
+    set_origin(message, Origin{count.sent, sender_});
+    const std::vector<std::uint8_t> bytes = encode_message(message);
+    count.sent += 1;
+    count.bytes += static_cast<std::int64_t>(bytes.size());
+    count.largest = std::max(count.largest, static_cast<std::int64_t>(bytes.size()));
+    count.last_utime = message.utime;
+    send(channel, bytes, message.utime);
+    if (on_answer) on_answer(cause != 0 ? cause : message.utime);
+  }
+
+  std::int64_t sender() const { return sender_; }
+  std::map<std::string, OutputCount> counts() const;
+
+  /// CPU seconds of this thread; 0 in batch, where output must not depend on the machine.
+  virtual double cpu_time() const { return 0; }
+
+  /// Called with the utime that was answered; the process measures latency with it.
+  std::function<void(Utime)> on_answer;
+
+ private:
+  virtual void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) = 0;
+
+  std::int64_t sender_;
+  mutable std::mutex mutex_;
+  std::map<std::string, OutputCount> counts_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,129 @@
+#include "runtime/status_reporter.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/machine.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t most_waiting = 200;
+constexpr std::size_t most_latencies = 300;
+
+Utime wall_clock() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Quantile (0..1) by nearest rank, 0 for no values.
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(values.size())));
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+StatusReporter::StatusReporter(std::string process, Publisher& publisher)
+    : process_(std::move(process)), publisher_(publisher) {
+  publisher_.on_answer = [this](Utime utime) { answered(utime); };
+}
+
+void StatusReporter::arrived(Utime utime, SteadyTime time) {
+  waiting_[utime] = time;
+  if (waiting_.size() > most_waiting) waiting_.erase(waiting_.begin());
+}
+
+void StatusReporter::answered(Utime utime) {
+  const auto found = waiting_.find(utime);
+  if (found == waiting_.end()) return;
+  const std::chrono::duration<double> latency = std::chrono::steady_clock::now() - found->second;
+  waiting_.erase(found);
+  if (latencies_.size() == most_latencies) latencies_.erase(latencies_.begin());
+  latencies_.push_back(latency.count());
+}
+
+double StatusReporter::rate(const std::string& key, std::int64_t now_value, double seconds) {
+  std::int64_t& last = last_values_[key];
+  const double result = seconds > 0 ? static_cast<double>(now_value - last) / seconds : 0;
+  last = now_value;
+  return result;
+}
+
+status_t StatusReporter::gather(const NodeReport& node, const Inputs& inputs, Receiver& receiver) {
+  const SteadyTime now = std::chrono::steady_clock::now();
+  const double seconds = std::chrono::duration<double>(now - last_).count();
+  const SocketState sockets = socket_state();
+
+  status_t s;
+  s.utime = wall_clock();
+  s.process = process_;
+  s.pid = getpid();
+  s.state = static_cast<int8_t>(node.state);
+  s.detail = node.detail;
+  s.uptime = std::chrono::duration<double>(now - start_).count();
+  s.cpu_total = process_cpu_seconds();
+  s.cpu = seconds > 0 ? (s.cpu_total - last_cpu_) / seconds : 0;
+  s.memory = resident_bytes();
+  s.kernel_drops = sockets.kernel_drops;
+  s.receive_buffer = sockets.receive_buffer;
+  s.latency_p50 = quantile(latencies_, 0.5);
+  s.latency_p95 = quantile(latencies_, 0.95);
+
+  const auto queues = receiver.counts();
+  for (const auto& input : inputs.all()) {
+    auto senders = input->senders;
+    if (senders.empty()) senders[0] = {};
+    bool first = true;  // what belongs to the channel stands with its first sender
+    for (const auto& [sender, count] : senders) {
+      const std::string key = input->channel() + std::to_string(sender);
+      input_status_t in;
+      in.channel = input->channel();
+      in.sender = sender;
+      in.received = count.received;
+      in.decode_errors = first ? input->decode_errors : 0;
+      in.lost = count.lost;
+      in.duplicates = count.duplicates;
+      in.reordered = count.reordered;
+      in.queue_drops = first ? queues.at(input.get()).drops : 0;
+      in.last_seq = count.last_seq;
+      in.last_utime = count.last_utime;
+      in.rate = rate(key + "#", count.received, seconds);
+      in.bytes_per_second = rate(key + "b", count.bytes, seconds);
+      in.queue_age = first ? queues.at(input.get()).oldest : 0;
+      in.last_error = first ? input->last_error : "";
+      s.inputs.push_back(in);
+      first = false;
+    }
+  }
+  for (const auto& [channel, count] : publisher_.counts()) {
+    output_status_t out;
+    out.channel = channel;
+    out.sent = count.sent;
+    out.last_seq = count.sent - 1;
+    out.last_utime = count.last_utime;
+    out.rate = rate("out#" + channel, count.sent, seconds);
+    out.bytes_per_second = rate("outb" + channel, count.bytes, seconds);
+    out.largest = count.largest;
+    s.outputs.push_back(out);
+  }
+  for (const auto& [name, value] : node.values) {
+    value_t v;
+    v.name = name;
+    v.value = value;
+    s.values.push_back(v);
+  }
+  s.n_inputs = static_cast<int32_t>(s.inputs.size());
+  s.n_outputs = static_cast<int32_t>(s.outputs.size());
+  s.n_values = static_cast<int32_t>(s.values.size());
+  last_ = now;
+  last_cpu_ = s.cpu_total;
+  return s;
+}
+
+}  // namespace lcmslam

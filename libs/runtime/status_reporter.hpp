@@ -1,0 +1,35 @@
+#pragma once
+// Gathers STATUS.
+
+#include <lcmslam/status_t.hpp>
+
+#include "runtime/lcm_bus.hpp"
+#include "runtime/node.hpp"
+
+namespace lcmslam {
+
+class StatusReporter {
+ public:
+  StatusReporter(std::string process, Publisher& publisher);
+
+  /// A primary input arrived; the answer to it ends the latency.
+  void arrived(Utime utime, SteadyTime time);
+
+  /// Everything since the last call.
+  status_t gather(const NodeReport& node, const Inputs& inputs, Receiver& receiver);
+
+ private:
+  void answered(Utime utime);
+  double rate(const std::string& key, std::int64_t now_value, double seconds);
+
+  std::string process_;
+  Publisher& publisher_;
+  SteadyTime start_ = std::chrono::steady_clock::now();
+  SteadyTime last_ = start_;
+  double last_cpu_ = 0;
+  std::map<std::string, std::int64_t> last_values_;
+  std::map<Utime, SteadyTime> waiting_;
+  std::vector<double> latencies_;  // s, the newest of them
+};
+
+}  // namespace lcmslam

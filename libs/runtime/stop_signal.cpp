@@ -1,0 +1,32 @@
+#include "runtime/stop_signal.hpp"
+
+#include <unistd.h>
+
+#include <csignal>
+
+namespace lcmslam {
+namespace {
+
+constexpr unsigned patience = 15;  // s
+volatile std::sig_atomic_t stop_flag = 0;
+
+extern "C" void on_stop_signal(int) {
+  stop_flag = 1;
+  alarm(patience);
+}
+
+}  // namespace
+
+void install_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_stop_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+}
+
+bool stop_requested() { return stop_flag != 0; }
+
+void request_stop() { stop_flag = 1; }
+
+}  // namespace lcmslam

@@ -1,0 +1,131 @@
+#include "simulation/colour_camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/rows.hpp"
+#include "simulation/surface.hpp"
+
+namespace lcmslam {
+
+using Eigen::Vector3f;
+
+namespace {
+/// Nearest whole number of a small one; much quicker than std::lround.
+int nearest(float value) {
+  return static_cast<int>(value + 1024.5f) - 1024;
+}
+}  // namespace
+
+ColourCamera::ColourCamera(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
+                           const ColourSensor& sensor)
+    : scene_(scene), caster_(caster), camera_(camera), sensor_(sensor) {
+  ray_table(camera).convertTo(rays_, CV_32F);
+  for (std::size_t value = 0; value < sigma_.size(); ++value)
+    sigma_[value] = static_cast<float>(
+        std::sqrt(sensor.read_sigma * sensor.read_sigma + sensor.shot_variance * static_cast<double>(value)));
+}
+
+cv::Mat ColourCamera::render(const Eigen::Isometry3d& T_world_camera, const Vector6d& velocity,
+                             const PixelNoise& noise, int threads) const {
+  const cv::Size size(camera_.width, camera_.height);
+  cv::Mat sharp(size, CV_8UC3), depth(size, CV_32FC1), image(size, CV_8UC3);
+  const auto last = static_cast<std::uint64_t>(size.area());
+  const float gain = 1 + static_cast<float>(sensor_.gain_sigma) * PixelNoise::normal(noise.bits(last));
+  const Eigen::Isometry3f T = T_world_camera.cast<float>();
+  for_rows(size.height, threads, [&](int row) { trace_row(row, T, gain, sharp, depth); });
+  for_rows(size.height, threads, [&](int row) {
+    blur_row(row, velocity, sharp, depth, image);
+    noise_row(row, noise, image);
+  });
+  return image;
+}
+
+void ColourCamera::trace_row(int row, const Eigen::Isometry3f& T_world_camera, float gain, cv::Mat& image,
+                             cv::Mat& depth) const {
+  const auto* ray = rays_.ptr<cv::Vec2f>(row);
+  auto* pixel = image.ptr<cv::Vec3b>(row);
+  auto* z = depth.ptr<float>(row);
+  const Eigen::Matrix3f R = T_world_camera.linear();
+  const Vector3f origin = T_world_camera.translation();
+  const float pixel_angle = static_cast<float>(1 / camera_.fx);
+  RayPacket rays;
+  for (int left = 0; left < camera_.width; left += RayPacket::size) {
+    for (int i = 0; i < RayPacket::size; ++i) {
+      const cv::Vec2f& xy = ray[std::min(left + i, camera_.width - 1)];
+      const Vector3f direction = R * Vector3f(xy[0], xy[1], 1);
+      rays.x[i] = direction.x(), rays.y[i] = direction.y(), rays.z[i] = direction.z();
+    }
+    caster_.cast(origin, rays);
+    for (int i = 0; i < RayPacket::size && left + i < camera_.width; ++i) {
+      const int column = left + i;
+      if (rays.triangle[i] == RayPacket::none) {
+        pixel[column] = {0, 0, 0};
+        z[column] = 100;
+        continue;
+      }
+      const SceneTriangle& triangle = scene_.triangles[rays.triangle[i]];
+      const Vector3f direction(rays.x[i], rays.y[i], rays.z[i]);
+      const Vector3f normal = facing_normal(triangle, rays.u[i], rays.v[i], direction);
+      const float length = direction.norm(), cosine = -normal.dot(direction) / length;
+      // Across the slope the pixel covers more of the surface; the geometric mean of both directions.
+      const float footprint = pixel_angle * rays.range[i] * length / std::sqrt(std::max(cosine, 0.05f));
+      const cv::Vec4f colour = reflectivity(scene_, triangle, rays.u[i], rays.v[i], footprint);
+      const float light = gain * light_at(scene_, origin + rays.range[i] * direction, normal);
+      for (int c = 0; c < 3; ++c)
+        pixel[column][c] = static_cast<std::uint8_t>(std::min(255.f, light * colour[c] + 0.5f));
+      z[column] = rays.range[i];  // directions have length 1 along the optical axis
+    }
+  }
+}
+
+// Averages along each pixel's path in the image during the exposure. A point p in the camera frame
+// moves with -(v + w x p).
+void ColourCamera::blur_row(int row, const Vector6d& velocity, const cv::Mat& sharp, const cv::Mat& depth,
+                            cv::Mat& image) const {
+  const auto* ray = rays_.ptr<cv::Vec2f>(row);
+  const auto* z = depth.ptr<float>(row);
+  const auto* source = sharp.ptr<cv::Vec3b>(row);
+  auto* pixel = image.ptr<cv::Vec3b>(row);
+  const Vector3f v = velocity.head<3>().cast<float>(), w = velocity.tail<3>().cast<float>();
+  const auto along_x = static_cast<float>(sensor_.exposure * camera_.fx);
+  const auto along_y = static_cast<float>(sensor_.exposure * camera_.fy);
+  for (int column = 0; column < camera_.width; ++column) {
+    const Vector3f direction(ray[column][0], ray[column][1], 1);
+    const Vector3f flow = -(v / z[column] + w.cross(direction));
+    const float dx = along_x * (flow.x() - direction.x() * flow.z());
+    const float dy = along_y * (flow.y() - direction.y() * flow.z());
+    const float length = std::max(std::abs(dx), std::abs(dy));
+    const int half = std::min(static_cast<int>(0.5f * length + 0.5f), 8);
+    if (half == 0) {
+      pixel[column] = source[column];
+      continue;
+    }
+    const float step_x = dx / static_cast<float>(2 * half + 1),
+                step_y = dy / static_cast<float>(2 * half + 1);
+    int sum[3] = {0, 0, 0};
+    for (int tap = -half; tap <= half; ++tap) {
+      const float t = static_cast<float>(tap);
+      const int x = std::clamp(column + nearest(t * step_x), 0, camera_.width - 1);
+      const int y = std::clamp(row + nearest(t * step_y), 0, camera_.height - 1);
+      const cv::Vec3b& value = sharp.ptr<cv::Vec3b>(y)[x];
+      for (int c = 0; c < 3; ++c) sum[c] += value[c];
+    }
+    const int taps = 2 * half + 1;
+    for (int c = 0; c < 3; ++c) pixel[column][c] = static_cast<std::uint8_t>((sum[c] + half) / taps);
+  }
+}
+
+void ColourCamera::noise_row(int row, const PixelNoise& noise, cv::Mat& image) const {
+  auto* pixel = image.ptr<cv::Vec3b>(row);
+  for (int column = 0; column < camera_.width; ++column) {
+    std::uint64_t bits = noise.bits(static_cast<std::uint64_t>(row * camera_.width + column));
+    for (int c = 0; c < 3; ++c, bits >>= 16) {
+      const float value =
+          static_cast<float>(pixel[column][c]) + sigma_[pixel[column][c]] * PixelNoise::normal(bits);
+      pixel[column][c] = static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.f, 255.f));
+    }
+  }
+}
+
+}  // namespace lcmslam

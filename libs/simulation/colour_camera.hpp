@@ -1,0 +1,45 @@
+#pragma once
+// The simulated colour camera: lens distortion, motion blur, exposure and pixel noise.
+
+#include <opencv2/core.hpp>
+
+#include "geometry/transform.hpp"
+#include "imaging/camera_model.hpp"
+#include "simulation/pixel_noise.hpp"
+#include "simulation/ray_caster.hpp"
+
+namespace lcmslam {
+
+struct ColourSensor {
+  double exposure = 1.0 / 60;   ///< s
+  double gain_sigma = 0.01;     ///< relative, of a whole image's brightness
+  double read_sigma = 1.2;      ///< grey values
+  double shot_variance = 0.02;  ///< grey values squared per grey value
+};
+
+class ColourCamera {
+ public:
+  ColourCamera(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
+               const ColourSensor& sensor = {});
+
+  /// CV_8UC3 BGR. `T_world_camera` in the middle of the exposure; `velocity`: of the camera in its
+  /// own frame (m/s, rad/s), for the blur.
+  cv::Mat render(const Eigen::Isometry3d& T_world_camera, const Vector6d& velocity, const PixelNoise& noise,
+                 int threads) const;
+
+ private:
+  void trace_row(int row, const Eigen::Isometry3f& T_world_camera, float gain, cv::Mat& image,
+                 cv::Mat& depth) const;
+  void blur_row(int row, const Vector6d& velocity, const cv::Mat& sharp, const cv::Mat& depth,
+                cv::Mat& image) const;
+  void noise_row(int row, const PixelNoise& noise, cv::Mat& image) const;
+
+  const Scene& scene_;
+  const RayCaster& caster_;
+  CameraModel camera_;
+  ColourSensor sensor_;
+  cv::Mat rays_;                  ///< CV_32FC2, x/z and y/z
+  std::array<float, 256> sigma_;  ///< noise by grey value
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,273 @@
+#include "simulation/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/imgproc.hpp>
+
+#include "geometry/transform.hpp"
+#include "simulation/painter.hpp"
+#include "simulation/shapes.hpp"
+
+namespace lcmslam {
+namespace {
+
+using Eigen::Isometry3f;
+using Eigen::Vector3f;
+
+constexpr double degree = M_PI / 180;
+constexpr Range extent{0.001, 100};
+
+Vector3f vector3(const std::vector<double>& values) {
+  return {static_cast<float>(values[0]), static_cast<float>(values[1]), static_cast<float>(values[2])};
+}
+
+cv::Scalar colour(const ConfigNode& config, const std::string& key, const std::vector<double>& fallback) {
+  const std::vector<double> rgb = config.get(key, fallback);
+  if (rgb.size() != 3) config.fail(key, "must be three numbers 0..255: red, green, blue");
+  for (const double value : rgb)
+    if (!(value >= 0 && value <= 255)) config.fail(key, "must be three numbers 0..255: red, green, blue");
+  return {rgb[2], rgb[1], rgb[0]};
+}
+
+/// Reads one scene file: materials first, then everything that refers to them.
+class SceneReader {
+ public:
+  explicit SceneReader(const ConfigNode& config) : builder_(scene_.triangles) {
+    scene_.name = config.text("name");
+    for (const ConfigNode& node : config.sections("materials")) read_material(node);
+    if (config.sections("rooms").empty()) config.fail("rooms", "a scene needs at least one room");
+    for (const ConfigNode& node : config.sections("rooms")) read_room(node);
+    builder_.kind = SurfaceKind::wall;
+    for (const ConfigNode& node : config.sections("partitions")) read_box(node);
+    builder_.kind = SurfaceKind::object;
+    for (const ConfigNode& node : config.sections("boxes")) read_box(node);
+    for (const ConfigNode& node : config.sections("cylinders")) read_cylinder(node);
+    for (const ConfigNode& node : config.sections("panels")) read_panel(node);
+    for (const ConfigNode& node : config.sections("meshes")) read_mesh(node);
+    scene_.ambient = static_cast<float>(config.get("ambient", 0.5, {0, 2}));
+    for (const ConfigNode& node : config.sections("lights"))
+      scene_.lights.push_back(
+          {vector3(node.numbers("position", 3)), static_cast<float>(node.number("power", {0, 100}))});
+    read_head(config.section("head"));
+    read_path(config);
+    config.finish();
+  }
+
+  Scene take() { return std::move(scene_); }
+
+ private:
+  void read_material(const ConfigNode& node);
+  void add_picture(const std::string& name, const std::string& kind, const PaintSettings& paint, int seed,
+                   double infrared, const FaceMaterial& face);
+  void read_room(const ConfigNode& node);
+  void read_box(const ConfigNode& node);
+  void read_cylinder(const ConfigNode& node);
+  void read_panel(const ConfigNode& node);
+  void read_mesh(const ConfigNode& node);
+  void read_head(const ConfigNode& node);
+  void read_path(const ConfigNode& node);
+
+  FaceMaterial material(const ConfigNode& node, const std::string& key, const std::string& fallback = "");
+  /// Pose of an object's own frame: `at` (base centre), `yaw`, `pitch`, `roll` in degrees.
+  Isometry3f pose(const ConfigNode& node);
+  /// Calls place(offset) for each copy: `copies` of them, `step` apart in the object's frame.
+  template <class Place>
+  void repeat(const ConfigNode& node, Place place);
+
+  Scene scene_;
+  ShapeBuilder builder_;
+  /// All pictures of a material; each object that names it takes the next one.
+  struct Variants {
+    std::vector<FaceMaterial> faces;
+    std::size_t next = 0;
+  };
+  std::map<std::string, Variants> materials_;
+};
+
+void SceneReader::read_material(const ConfigNode& node) {
+  std::vector<std::string> kinds;
+  for (const auto& [kind, painter] : painters()) kinds.push_back(kind);
+  const std::string name = node.text("name"), kind = node.choice("kind", "plain", kinds);
+  PaintSettings paint;
+  paint.colour = colour(node, "colour", {200, 200, 200});
+  paint.accent = colour(node, "accent", {60, 60, 60});
+  paint.texel = node.get("texel", 0.003, {0.0005, 0.1});
+  paint.cell = node.get("cell", 0.15, {0.005, 10});
+  paint.variation = node.get("variation", 0.1, {0, 1});
+  paint.text = node.get("text", "");
+  const double infrared = node.get("infrared", -1.0, {-1, 1});
+  const std::vector<double> size = node.has("size") ? node.numbers("size", 2) : std::vector<double>{1.2, 1.2};
+  if (!(size[0] >= 0.01 && size[1] >= 0.01 && size[0] <= 20 && size[1] <= 20))
+    node.fail("size", "must be two lengths from 0.01 to 20 m");
+
+  const double texels = size[0] * size[1] / (paint.texel * paint.texel);
+  if (texels > 16e6)
+    node.fail("texel", "makes more than 16 million texels; use a larger texel or a smaller size");
+  FaceMaterial face;
+  face.fitted = node.get("fitted", kind == "poster" || kind == "label" || kind == "door" || kind == "oven");
+  face.texture_size = {static_cast<float>(size[0]), static_cast<float>(size[1])};
+  if (materials_.count(name)) node.fail("name", "material '" + name + "' is already defined");
+  const int seed = node.get("seed", static_cast<int>(scene_.materials.size()) + 1, {0, 1e9});
+  const int variants = node.get("variants", 1, {1, 100});
+  for (int variant = 0; variant < variants; ++variant) {
+    add_picture(name, kind, paint, seed + 1000 * variant, infrared, face);
+    std::rotate(&paint.colour[0], &paint.colour[1], &paint.colour[3]);  // other pictures, other colours
+  }
+}
+
+void SceneReader::add_picture(const std::string& name, const std::string& kind, const PaintSettings& paint,
+                              int seed, double infrared, const FaceMaterial& face) {
+  const cv::Size pixels(std::max(1, static_cast<int>(face.texture_size.x() / paint.texel + 0.5)),
+                        std::max(1, static_cast<int>(face.texture_size.y() / paint.texel + 0.5)));
+  cv::Mat canvas(kind == "plain" ? cv::Size(1, 1) : pixels, CV_8UC3, paint.colour);
+  Random random(static_cast<std::uint64_t>(seed));
+  painters().at(kind)(canvas, paint, random);
+
+  // Pigments differ less in the near infrared than in visible light.
+  cv::Mat grey, bgri;
+  cv::cvtColor(canvas, grey, cv::COLOR_BGR2GRAY);
+  if (infrared >= 0)
+    grey.setTo(infrared * 255);
+  else
+    grey.convertTo(grey, CV_8U, 0.6, 60);
+  cv::merge(std::vector<cv::Mat>{canvas, grey}, bgri);
+
+  FaceMaterial numbered = face;
+  numbered.index = static_cast<std::uint16_t>(scene_.materials.size());
+  materials_[name].faces.push_back(numbered);
+  scene_.materials.push_back({name, Texture(bgri, face.texture_size), kind == "plain"});
+}
+
+FaceMaterial SceneReader::material(const ConfigNode& node, const std::string& key,
+                                   const std::string& fallback) {
+  const std::string name = fallback.empty() ? node.text(key) : node.get(key, fallback);
+  auto found = materials_.find(name);
+  if (found != materials_.end()) {
+    Variants& variants = found->second;
+    return variants.faces[variants.next++ % variants.faces.size()];
+  }
+  std::string known;
+  for (const auto& [other, face] : materials_) known += (known.empty() ? "" : ", ") + other;
+  node.fail(key, "no material is named '" + name + "'; there are: " + known);
+}
+
+Isometry3f SceneReader::pose(const ConfigNode& node) {
+  const std::vector<double> at = node.numbers("at", 3);
+  const auto angle = [&](const char* key) {
+    return static_cast<float>(node.get(key, 0.0, {-360, 360}) * degree);
+  };
+  Isometry3f T = Isometry3f::Identity();
+  T.translation() = vector3(at);
+  T.linear() = (Eigen::AngleAxisf(angle("yaw"), Vector3f::UnitZ()) *
+                Eigen::AngleAxisf(angle("pitch"), Vector3f::UnitY()) *
+                Eigen::AngleAxisf(angle("roll"), Vector3f::UnitX()))
+                   .toRotationMatrix();
+  return T;
+}
+
+template <class Place>
+void SceneReader::repeat(const ConfigNode& node, Place place) {
+  const int copies = node.get("copies", 1, {1, 1000});
+  const std::vector<double> step = copies > 1 ? node.numbers("step", 3) : std::vector<double>{0, 0, 0};
+  const Isometry3f T = pose(node);
+  for (int i = 0; i < copies; ++i) place(T * Eigen::Translation3f(static_cast<float>(i) * vector3(step)));
+}
+
+/// A rectangle seen from inside: floor, ceiling and four walls.
+void SceneReader::read_room(const ConfigNode& node) {
+  const std::vector<double> low = node.numbers("from", 2), high = node.numbers("to", 2);
+  const auto height = static_cast<float>(node.get("height", 2.6, {2, 20}));
+  if (!(low[0] < high[0] && low[1] < high[1]))
+    node.fail("to", "must be larger than 'from' in both coordinates");
+  const auto x0 = static_cast<float>(low[0]), y0 = static_cast<float>(low[1]);
+  const float dx = static_cast<float>(high[0]) - x0, dy = static_cast<float>(high[1]) - y0;
+  const Vector3f down(0, 0, -height);
+  builder_.kind = SurfaceKind::wall;
+  builder_.quad({x0 + dx, y0 + dy, height}, {0, -dy, 0}, down, material(node, "east", node.text("walls")));
+  builder_.quad({x0, y0 + dy, height}, {dx, 0, 0}, down, material(node, "north", node.text("walls")));
+  builder_.quad({x0, y0, height}, {0, dy, 0}, down, material(node, "west", node.text("walls")));
+  builder_.quad({x0 + dx, y0, height}, {-dx, 0, 0}, down, material(node, "south", node.text("walls")));
+  builder_.kind = SurfaceKind::floor;
+  builder_.quad({x0, y0 + dy, 0}, {dx, 0, 0}, {0, -dy, 0}, material(node, "floor"));
+  builder_.kind = SurfaceKind::ceiling;
+  builder_.quad({x0, y0, height}, {dx, 0, 0}, {0, dy, 0}, material(node, "ceiling"));
+}
+
+void SceneReader::read_box(const ConfigNode& node) {
+  const Vector3f size = vector3(node.numbers("size", 3));
+  if (!(size.minCoeff() > 0)) node.fail("size", "must be three lengths above 0 m");
+  const std::string base = node.text("material");
+  std::array<FaceMaterial, 6> faces;
+  const char* names[6] = {"front", "left", "back", "right", "top", "bottom"};
+  for (std::size_t i = 0; i < 6; ++i) faces[i] = material(node, names[i], base);
+  repeat(node, [&](const Isometry3f& T) { builder_.box(T, size, faces); });
+}
+
+void SceneReader::read_cylinder(const ConfigNode& node) {
+  const auto radius = static_cast<float>(node.number("radius", {0, 10}));
+  const auto top = static_cast<float>(node.get("top_radius", static_cast<double>(radius), {0, 10}));
+  const auto height = static_cast<float>(node.number("height", extent));
+  if (!(radius > 0 || top > 0)) node.fail("radius", "radius or top_radius must be above 0 m");
+  const bool lids = node.get("lids", true);
+  const FaceMaterial side = material(node, "material"), lid = material(node, "lid", node.text("material"));
+  repeat(node, [&](const Isometry3f& T) { builder_.cylinder(T, radius, top, height, lids, side, lid); });
+}
+
+/// A flat picture: `at` is the middle of its lower edge, it looks along x of its own frame.
+void SceneReader::read_panel(const ConfigNode& node) {
+  const std::vector<double> size = node.numbers("size", 2);
+  if (!(size[0] > 0 && size[1] > 0)) node.fail("size", "must be width and height above 0 m");
+  const auto width = static_cast<float>(size[0]), height = static_cast<float>(size[1]);
+  const FaceMaterial face = material(node, "material");
+  repeat(node, [&](const Isometry3f& T) {
+    builder_.quad(T * Vector3f(0, -width / 2, height), T.linear() * Vector3f(0, width, 0),
+                  T.linear() * Vector3f(0, 0, -height), face);
+  });
+}
+
+void SceneReader::read_mesh(const ConfigNode& node) {
+  const std::vector<double> numbers = node.get("vertices", std::vector<double>{});
+  const std::vector<double> indices = node.get("triangles", std::vector<double>{});
+  if (numbers.empty() || numbers.size() % 3) node.fail("vertices", "must be x, y, z for each vertex");
+  if (indices.empty() || indices.size() % 3)
+    node.fail("triangles", "must be three vertex numbers for each triangle");
+  std::vector<Vector3f> vertices;
+  for (std::size_t i = 0; i < numbers.size(); i += 3)
+    vertices.push_back(vector3({numbers[i], numbers[i + 1], numbers[i + 2]}));
+  std::vector<int> corners;
+  for (const double index : indices) {
+    if (!(index >= 0 && index < static_cast<double>(vertices.size()) && index == std::floor(index)))
+      node.fail("triangles",
+                "vertex numbers must be whole, from 0 to " + std::to_string(vertices.size() - 1));
+    corners.push_back(static_cast<int>(index));
+  }
+  const FaceMaterial face = material(node, "material");
+  repeat(node, [&](const Isometry3f& T) { builder_.mesh(T, vertices, corners, face); });
+}
+
+void SceneReader::read_head(const ConfigNode& node) {
+  scene_.head.forward = node.get("forward", scene_.head.forward, {-1, 1});
+  scene_.head.height = node.get("height", scene_.head.height, {0.1, 3});
+  scene_.head.tilt = node.get("tilt", scene_.head.tilt / degree, {-90, 90}) * degree;
+  scene_.head.pan = node.get("pan", 0.0, {-180, 180}) * degree;
+}
+
+void SceneReader::read_path(const ConfigNode& config) {
+  const std::vector<double> numbers = config.get("path", std::vector<double>{});
+  if (numbers.size() < 4 || numbers.size() % 2)
+    config.fail("path", "must be x, y in m for each of at least two control points");
+  for (std::size_t i = 0; i < numbers.size(); i += 2) scene_.path.emplace_back(numbers[i], numbers[i + 1]);
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& file) {
+  return read_scene(ConfigNode::load(file));
+}
+
+Scene read_scene(const ConfigNode& config) {
+  return SceneReader(config).take();
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,113 @@
+#include "simulation/sensor_head.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "simulation/depth_camera.hpp"
+#include "simulation/tof_camera.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double degree = M_PI / 180;
+
+CameraModel pinhole(int width, int height, double horizontal_angle, double vertical_angle) {
+  CameraModel camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = width / 2.0 / std::tan(horizontal_angle / 2);
+  camera.fy = height / 2.0 / std::tan(vertical_angle / 2);
+  camera.cx = (width - 1) / 2.0;
+  camera.cy = (height - 1) / 2.0;
+  return camera;
+}
+
+CameraModel colour_camera() {
+  const double horizontal = 60 * degree;
+  CameraModel camera = pinhole(640, 480, horizontal, 2 * std::atan(0.75 * std::tan(horizontal / 2)));
+  camera.distortion = {-0.12, 0.05, 0.0005, -0.0003, 0};
+  return camera;
+}
+
+/// Head frame (x forward, y left, z up), tilted and panned, then the camera's axes.
+Eigen::Isometry3d mount_pose(const HeadMount& mount) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << mount.forward, 0, mount.height;
+  T.rotate(Eigen::AngleAxisd(mount.pan, Eigen::Vector3d::UnitZ()));
+  T.rotate(Eigen::AngleAxisd(mount.tilt, Eigen::Vector3d::UnitY()));
+  return T * optical_axes();
+}
+
+class TofSource : public DepthSource {
+ public:
+  TofSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera)
+      : camera_(scene, caster, camera) {}
+  void render(const Eigen::Isometry3d& T, const PixelNoise& noise, int threads,
+              RgbdFrame& frame) const override {
+    TofImage image = camera_.render(T, noise, threads);
+    frame.depth = image.depth;
+    frame.amplitude = image.grey;
+  }
+
+ private:
+  TofCamera camera_;
+};
+
+class StructuredLightSource : public DepthSource {
+ public:
+  StructuredLightSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera)
+      : camera_(scene, caster, camera) {}
+  void render(const Eigen::Isometry3d& T, const PixelNoise& noise, int threads,
+              RgbdFrame& frame) const override {
+    frame.depth = camera_.render(T, noise, threads);
+  }
+
+ private:
+  DepthCamera camera_;
+};
+
+SensorHead tof_head(const Scene& scene, const RayCaster& caster) {
+  SensorHead head;
+  RgbdCalibration& calibration = head.calibration;
+  calibration.depth = pinhole(176, 144, 47.5 * degree, 39.6 * degree);
+  calibration.T_colour_depth.translation() << 0.08, 0, 0;
+  calibration.T_colour_depth.rotate(Eigen::AngleAxisd(-2 * degree, Eigen::Vector3d::UnitY()));  // inwards
+  const TofSensor sensor;
+  // The wiggle is systematic, but unknown to who uses the camera: its root mean square.
+  calibration.depth_noise = {sensor.wiggle / std::sqrt(2.0), 0, 0, sensor.noise};
+  calibration.depth_min = sensor.minimum_range;
+  calibration.depth_max = sensor.unambiguous_range;
+  head.frame_rate = 10;
+  head.depth = std::make_unique<TofSource>(scene, caster, calibration.depth);
+  return head;
+}
+
+SensorHead rgbd_head(const Scene& scene, const RayCaster& caster) {
+  SensorHead head;
+  RgbdCalibration& calibration = head.calibration;
+  calibration.depth = pinhole(640, 480, 57 * degree, 44.3 * degree);
+  calibration.T_colour_depth.translation() << -0.025, 0, 0;
+  const StructuredLightSensor sensor;
+  calibration.depth_noise = {sensor.constant, sensor.quadratic, sensor.offset, 0};
+  calibration.depth_min = sensor.minimum;
+  calibration.depth_max = sensor.maximum;
+  head.frame_rate = 30;
+  head.depth = std::make_unique<StructuredLightSource>(scene, caster, calibration.depth);
+  return head;
+}
+
+}  // namespace
+
+SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster) {
+  if (name != "tof" && name != "rgbd")
+    throw std::invalid_argument("head '" + name + "' is not known: use tof or rgbd");
+  SensorHead head = name == "tof" ? tof_head(scene, caster) : rgbd_head(scene, caster);
+  head.calibration.sensor = name;
+  head.calibration.colour = colour_camera();
+  head.calibration.has_mount = true;
+  head.calibration.T_robot_camera = mount_pose(scene.head);
+  head.calibration.check();
+  return head;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,31 @@
+#pragma once
+// The two sensor heads: exact calibration, and the depth half of a frame.
+
+#include <memory>
+#include <string>
+
+#include "imaging/calibration.hpp"
+#include "imaging/rgbd_frame.hpp"
+#include "simulation/pixel_noise.hpp"
+#include "simulation/ray_caster.hpp"
+
+namespace lcmslam {
+
+/// A depth camera of either kind; fills depth and amplitude of a frame.
+class DepthSource {
+ public:
+  virtual ~DepthSource() = default;
+  virtual void render(const Eigen::Isometry3d& T_world_depth, const PixelNoise& noise, int threads,
+                      RgbdFrame& frame) const = 0;
+};
+
+struct SensorHead {
+  RgbdCalibration calibration;
+  double frame_rate = 10;  ///< Hz
+  std::unique_ptr<DepthSource> depth;
+};
+
+/// "tof" or "rgbd"; throws std::invalid_argument for another name. Scene and caster must outlive it.
+SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster);
+
+}  // namespace lcmslam

@@ -1,0 +1,61 @@
+#pragma once
+// A wheeled robot with an inclined sensor head that drives through a scene: what its cameras and
+// wheel encoders measure, and where it truly is. A source of data like a recording.
+//
+// Same settings, same bytes: every reading is a function of (settings, time), whatever the order of
+// calls and the number of threads.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "imaging/calibration.hpp"
+#include "imaging/rgbd_frame.hpp"
+#include "odometry/encoders.hpp"
+
+namespace lcmslam {
+
+struct SimulationSettings {
+  std::filesystem::path scene;        ///< a file of config/scenes
+  std::string head = "tof";           ///< tof, rgbd
+  std::string base = "differential";  ///< differential, steered, mecanum
+  std::uint64_t seed = 1;             ///< of the sensors' errors; the scene and the path do not depend on it
+  double seconds = 0;                 ///< 0: the whole path
+  double frame_rate = 0;              ///< Hz; 0: 10 for tof, 30 for rgbd
+  int threads = 1;                    ///< for one image
+};
+
+class Simulation {
+ public:
+  /// Throws ConfigError for a bad scene, std::invalid_argument for a bad setting.
+  explicit Simulation(const SimulationSettings& settings);
+  ~Simulation();
+
+  /// Exact intrinsics, T_colour_depth and mount. Depth is not registered to colour with either head.
+  const RgbdCalibration& calibration() const;
+
+  Utime start() const;  ///< 1 s
+  Utime end() const;
+  double frame_rate() const;   ///< Hz
+  double path_length() const;  ///< m
+
+  /// Exact truth. The world frame is the scene's; the path begins anywhere in it. Clamped to start..end
+  /// of the path.
+  Eigen::Isometry3d T_world_robot(Utime utime) const;
+
+  /// The newest reading at or before `utime` (a multiple of 20 ms after start()).
+  const Encoders& encoders(Utime utime) const;
+
+  /// One shot with the colour exposure's middle at `utime`. depth_utime is up to 15 ms off, and the depth is
+  /// that of the robot's pose then. `amplitude` is empty for the rgbd head.
+  RgbdFrame render(Utime utime) const;
+
+  /// Metres from a point in the world to the nearest surface of the scene.
+  double distance_to_surface(const Eigen::Vector3d& point_world) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,109 @@
+#include "simulation/tof_camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "simulation/rows.hpp"
+#include "simulation/surface.hpp"
+
+namespace lcmslam {
+namespace {
+constexpr int split = 3;  // sub-rays of a pixel along each axis
+}
+
+using Eigen::Vector3f;
+
+TofCamera::TofCamera(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
+                     const TofSensor& sensor)
+    : scene_(scene), caster_(caster), camera_(camera), sensor_(sensor) {
+  sub_rays_.create(split * camera.height, split * camera.width, CV_32FC3);
+  for (int y = 0; y < sub_rays_.rows; ++y)
+    for (int x = 0; x < sub_rays_.cols; ++x) {
+      const Eigen::Vector2d pixel((x + 0.5) / split - 0.5, (y + 0.5) / split - 0.5);
+      const Vector3f ray = camera.ray(pixel).normalized().cast<float>();
+      sub_rays_.at<cv::Vec3f>(y, x) = {ray.x(), ray.y(), ray.z()};
+    }
+  cosine_.create(camera.height, camera.width, CV_32FC1);
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x)
+      cosine_.at<float>(y, x) = static_cast<float>(1 / camera.ray(Eigen::Vector2d(x, y)).norm());
+}
+
+TofImage TofCamera::render(const Eigen::Isometry3d& T_world_camera, const PixelNoise& noise,
+                           int threads) const {
+  const cv::Size size(camera_.width, camera_.height);
+  TofImage image{cv::Mat(size, CV_16UC1), cv::Mat(size, CV_8UC1), cv::Mat(size, CV_32FC1)};
+  const Eigen::Isometry3f T = T_world_camera.cast<float>();
+  for_rows(size.height, threads, [&](int row) {
+    std::vector<Echo> sub_rows[split];
+    for (int k = 0; k < split; ++k) trace_row(split * row + k, T, sub_rows[k]);
+    measure_row(row, sub_rows, noise, image);
+  });
+  return image;
+}
+
+void TofCamera::trace_row(int sub_row, const Eigen::Isometry3f& T_world_camera,
+                          std::vector<Echo>& echoes) const {
+  const auto* ray = sub_rays_.ptr<cv::Vec3f>(sub_row);
+  const Eigen::Matrix3f R = T_world_camera.linear();
+  const Vector3f origin = T_world_camera.translation();
+  const auto sub_pixel_angle = static_cast<float>(1 / (split * camera_.fx));
+  const int count = sub_rays_.cols;
+  echoes.assign(static_cast<std::size_t>(count), Echo());
+  RayPacket rays;
+  for (int left = 0; left < count; left += RayPacket::size) {
+    for (int i = 0; i < RayPacket::size; ++i) {
+      const cv::Vec3f& d = ray[std::min(left + i, count - 1)];
+      const Vector3f direction = R * Vector3f(d[0], d[1], d[2]);
+      rays.x[i] = direction.x(), rays.y[i] = direction.y(), rays.z[i] = direction.z();
+    }
+    caster_.cast(origin, rays);
+    for (int i = 0; i < RayPacket::size && left + i < count; ++i) {
+      if (rays.triangle[i] == RayPacket::none) continue;
+      const SceneTriangle& triangle = scene_.triangles[rays.triangle[i]];
+      const Vector3f direction(rays.x[i], rays.y[i], rays.z[i]);
+      const Vector3f normal = facing_normal(triangle, rays.u[i], rays.v[i], direction);
+      const float range = rays.range[i], cosine = -normal.dot(direction);
+      const float infrared =
+          reflectivity(scene_, triangle, rays.u[i], rays.v[i], sub_pixel_angle * range)[3] / 255;
+      echoes[static_cast<std::size_t>(left + i)] = {range, infrared * cosine / (range * range)};
+    }
+  }
+}
+
+void TofCamera::measure_row(int row, const std::vector<Echo>* sub_rows, const PixelNoise& noise,
+                            TofImage& image) const {
+  const double phase_per_metre = 2 * M_PI / sensor_.unambiguous_range;
+  for (int column = 0; column < camera_.width; ++column) {
+    // Phases relative to the first echo, so that the sum's angle does not wrap near 7.5 m.
+    const double reference = sub_rows[0][static_cast<std::size_t>(split * column)].range;
+    double real = 0, imaginary = 0;
+    for (int k = 0; k < split; ++k)
+      for (int i = 0; i < split; ++i) {
+        const Echo& echo = sub_rows[k][static_cast<std::size_t>(split * column + i)];
+        const auto phase =
+            static_cast<float>(phase_per_metre * (static_cast<double>(echo.range) - reference));
+        real += static_cast<double>(echo.signal * std::cos(phase));
+        imaginary += static_cast<double>(echo.signal * std::sin(phase));
+      }
+    const double amplitude = std::hypot(real, imaginary) / (split * split);
+    image.amplitude.at<float>(row, column) = static_cast<float>(amplitude);
+    image.depth.at<std::uint16_t>(row, column) = 0;
+    image.grey.at<std::uint8_t>(row, column) = 0;
+    if (amplitude < sensor_.minimum_amplitude) continue;
+    const double range = reference + std::atan2(imaginary, real) / phase_per_metre;
+    const double corrected = amplitude * range * range;  // reflectivity x cos
+    const double sigma = sensor_.noise * range * range / std::sqrt(corrected);
+    const std::uint64_t bits = noise.bits(static_cast<std::uint64_t>(row * camera_.width + column));
+    const double measured = range + sensor_.wiggle * std::sin(2 * M_PI * range / sensor_.wiggle_period) +
+                            sigma * static_cast<double>(PixelNoise::smooth_normal(bits));
+    if (measured < sensor_.minimum_range || measured > sensor_.unambiguous_range) continue;
+    const double depth = 1000 * measured * static_cast<double>(cosine_.at<float>(row, column));
+    image.depth.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(depth + 0.5);
+    image.grey.at<std::uint8_t>(row, column) =
+        static_cast<std::uint8_t>(std::clamp(255 * corrected + 0.5, 1.0, 255.0));
+  }
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,57 @@
+#pragma once
+// The simulated time-of-flight camera: a phase measurement of modulated infrared light.
+//
+// Each pixel receives 3x3 sub-rays; sub-ray i returns the phasor a_i exp(2 pi j r_i / 7.5 m) with
+// a_i = reflectivity cos(incidence) / r_i^2. Their sum gives range and amplitude, so a pixel on a
+// depth edge measures something in between (mixed or flying pixel).
+
+#include <opencv2/core.hpp>
+
+#include "geometry/transform.hpp"
+#include "imaging/camera_model.hpp"
+#include "simulation/pixel_noise.hpp"
+#include "simulation/ray_caster.hpp"
+
+namespace lcmslam {
+
+struct TofSensor {
+  double unambiguous_range = 7.5;    ///< m, half the modulation's wavelength
+  double minimum_range = 0.3;        ///< m
+  double noise = 0.001;              ///< 1/m: sigma = noise r^2 / sqrt(reflectivity cos)
+  double wiggle = 0.006;             ///< m, systematic error wiggle sin(2 pi r / period)
+  double wiggle_period = 1.9;        ///< m
+  double minimum_amplitude = 0.002;  ///< 1/m^2: weaker pixels are invalid
+};
+
+struct TofImage {
+  cv::Mat depth;      ///< CV_16UC1, mm along the optical axis, 0 = invalid
+  cv::Mat grey;       ///< CV_8UC1, 255 x amplitude x r^2 (as ToF cameras publish it: range-corrected)
+  cv::Mat amplitude;  ///< CV_32FC1, 1/m^2: reflectivity cos / r^2, also where invalid
+};
+
+class TofCamera {
+ public:
+  TofCamera(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
+            const TofSensor& sensor = {});
+
+  TofImage render(const Eigen::Isometry3d& T_world_camera, const PixelNoise& noise, int threads) const;
+
+ private:
+  /// What one sub-ray returns.
+  struct Echo {
+    float range = 0;   ///< m
+    float signal = 0;  ///< reflectivity cos / r^2, 1/m^2
+  };
+  void trace_row(int sub_row, const Eigen::Isometry3f& T_world_camera, std::vector<Echo>& echoes) const;
+  void measure_row(int row, const std::vector<Echo>* sub_rows, const PixelNoise& noise,
+                   TofImage& image) const;
+
+  const Scene& scene_;
+  const RayCaster& caster_;
+  CameraModel camera_;
+  TofSensor sensor_;
+  cv::Mat sub_rays_;  ///< CV_32FC3, unit directions of all sub-rays
+  cv::Mat cosine_;    ///< CV_32FC1, z of each pixel's unit ray
+};
+
+}  // namespace lcmslam

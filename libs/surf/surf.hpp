@@ -1,0 +1,61 @@
+#pragma once
+// SURF, the Speeded-Up Robust Features of Bay et al. (CVIU 2008), as an OpenCV Feature2D.
+
+#include <opencv2/features2d.hpp>
+#include <vector>
+
+#include "surf/feature_budget.hpp"
+#include "surf/hessian.hpp"
+#include "surf/patch.hpp"
+
+namespace lcmslam {
+
+struct SurfSettings {
+  /// Least determinant of the Hessian, in squared grey values (0..255) of box means.
+  double hessian_threshold = 100;
+  int octaves = 4;       ///< 1..6; filter sides 9..27, 15..51, 27..99, 51..195
+  int intervals = 4;     ///< filters an octave, 3..8; blobs are found at all but the first and last
+  bool upright = false;  ///< no orientation (angle 0): faster, more distinctive while the camera is level
+  FeatureBudget budget;  ///< how many, and how evenly spread
+};
+
+/// Detector and descriptor. Keypoints: pt in pixels, size = the blob's diameter (side of the matching
+/// filter; sigma = 1.2 size / 9), angle in degrees clockwise (0..360), response = determinant, octave
+/// 0.., class_id = sign of the Laplacian (-1 bright blob, 1 dark blob), strongest first. Descriptors:
+/// CV_32F, one row of 64 a keypoint, unit norm.
+///
+/// Images are 8-bit with 1, 3 (BGR) or 4 (BGRA) channels; masks CV_8UC1 of the same size, 0 where no
+/// keypoint may be. Anything else throws std::invalid_argument. Empty or tiny images have no keypoints.
+///
+/// Bit-identical whatever cv::setNumThreads says. Keeps its buffers between calls: use one instance a
+/// thread.
+class Surf : public cv::Feature2D {
+ public:
+  /// Throws std::invalid_argument when a setting is out of its range.
+  explicit Surf(const SurfSettings& settings = {});
+  static cv::Ptr<Surf> create(const SurfSettings& settings = {}) { return cv::makePtr<Surf>(settings); }
+
+  const SurfSettings& settings() const { return settings_; }
+
+  /// With use_provided_keypoints nothing is detected; keypoints with a negative angle (unset) get their
+  /// orientation, others keep theirs (upright: 0). `descriptors` may be cv::noArray().
+  void detectAndCompute(cv::InputArray image, cv::InputArray mask, std::vector<cv::KeyPoint>& keypoints,
+                        cv::OutputArray descriptors, bool use_provided_keypoints = false) override;
+
+  int descriptorSize() const override { return 64; }
+  int descriptorType() const override { return CV_32F; }
+  int defaultNorm() const override { return cv::NORM_L2; }
+  bool empty() const override { return false; }
+  cv::String getDefaultName() const override { return "lcmslam.Surf"; }
+
+ private:
+  void detect_blobs(const cv::Mat& mask, std::vector<cv::KeyPoint>& keypoints);
+
+  SurfSettings settings_;
+  cv::Mat grey_;
+  IntegralImage integral_;
+  HessianPyramid pyramid_;
+  PatchSampler sampler_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,148 @@
+#include "camera/camera_node.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <lcmslam/status_t.hpp>
+
+#include "camera/publish_event.hpp"
+#include "messages/camera_messages.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t frames_ahead = 3;
+constexpr std::chrono::milliseconds tolerated_delay{200};
+constexpr std::chrono::seconds calibration_period{1};
+
+}  // namespace
+
+CameraNode::CameraNode(const ConfigNode& config, Publisher& publisher)
+    : publisher_(publisher),
+      source_(make_camera_source(config)),
+      speed_(config.get("speed", 1.0, Range{0.01, 100})) {
+  const auto names = config.get("wait_for", std::vector<std::string>{});
+  wait_for_ = {names.begin(), names.end()};
+  const std::chrono::duration<double> patience(config.get("wait_at_most", 30.0, Range{0, 600}));
+  wait_until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(patience);
+  for (const auto& note : source_->notes()) spdlog::info("{}", note);
+  thread_ = std::thread([this] { prefetch(); });
+}
+
+CameraNode::~CameraNode() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void CameraNode::connect(Inputs& inputs) {
+  inputs.subscribe<status_t>("STATUS", 100, [this](const status_t& status) {
+    if (status.state == status_t::RUNNING) wait_for_.erase(status.process);
+  });
+}
+
+void CameraNode::prefetch() {
+  try {
+    while (auto event = source_->next()) {
+      std::unique_lock<std::mutex> lock(mutex_);
+      changed_.wait(lock, [&] { return stop_ || ready_frames_ < frames_ahead; });
+      if (stop_) return;
+      ready_frames_ += std::holds_alternative<EncodedFrame>(*event) ? 1 : 0;
+      ready_.push_back(std::move(*event));
+      malformed_ = source_->malformed();
+    }
+  } catch (const std::exception& error) {
+    spdlog::error("source failed: {}", error.what());
+    const std::lock_guard<std::mutex> lock(mutex_);
+    failure_ = error.what();
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  malformed_ = source_->malformed();
+  source_ended_ = true;
+}
+
+std::optional<CameraEvent> CameraNode::pop() {
+  std::optional<CameraEvent> event;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (ready_.empty()) return std::nullopt;
+    event = std::move(ready_.front());
+    ready_.pop_front();
+    ready_frames_ -= std::holds_alternative<EncodedFrame>(*event) ? 1 : 0;
+  }
+  changed_.notify_all();
+  return event;
+}
+
+bool CameraNode::consumers_ready() {
+  if (wait_for_.empty()) return true;
+  if (Clock::now() < wait_until_) return false;
+  for (const auto& name : wait_for_) spdlog::warn("starts without {}, which has not reported", name);
+  wait_for_.clear();
+  return true;
+}
+
+std::optional<Node::Duration> CameraNode::work() {
+  const auto now = Clock::now();
+  if (now >= next_calibration_) publish_calibration();
+  if (!consumers_ready()) return std::chrono::milliseconds(20);
+
+  if (!next_) next_ = pop();
+  if (!next_) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (source_ended_ && ready_.empty()) return next_calibration_ - now;
+    return std::chrono::milliseconds(2);
+  }
+  if (!started_) {
+    started_ = true;
+    start_time_ = now;
+    first_utime_ = event_utime(*next_);
+  }
+  const std::chrono::duration<double> offset(1e-6 * static_cast<double>(event_utime(*next_) - first_utime_) / speed_);
+  const auto due = start_time_ + std::chrono::duration_cast<Clock::duration>(offset);
+  if (due > now) return due - now;
+  if (now - due > tolerated_delay) {  // cannot keep the pace: go slower rather than leave frames out
+    start_time_ += now - due;
+    slowed_ += std::chrono::duration<double>(now - due).count();
+  }
+  publish(*next_);
+  next_.reset();
+  return Duration{0};
+}
+
+void CameraNode::publish(const CameraEvent& event) {
+  last_utime_ = event_utime(event);
+  publish_event(publisher_, event);
+  frames_sent_ += std::holds_alternative<EncodedFrame>(event) ? 1 : 0;
+}
+
+void CameraNode::publish_calibration() {
+  camera_calibration_t message = to_message(source_->calibration());
+  message.utime = last_utime_;
+  publisher_.publish("CAMERA_CALIBRATION", message);
+  next_calibration_ = Clock::now() + calibration_period;
+}
+
+NodeReport CameraNode::report() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  NodeReport report;
+  if (!failure_.empty()) {
+    report.state = status_t::FAILED;
+    report.detail = failure_;
+  } else if (!wait_for_.empty()) {
+    report.state = status_t::STARTING;
+    report.detail = "waits for " + *wait_for_.begin();
+  } else if (source_ended_ && ready_.empty() && !next_) {
+    report.state = status_t::FINISHED;
+    report.detail = "source is at its end";
+  }
+  report.values = {{"frames", static_cast<double>(frames_sent_)},
+                   {"frames_total", static_cast<double>(source_->frames())},
+                   {"malformed_frames", static_cast<double>(malformed_)},
+                   {"slowed_seconds", slowed_}};
+  return report;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,60 @@
+#pragma once
+// Publishes what a source gives, at the pace at which it was measured.
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "camera/camera_source.hpp"
+#include "runtime/node.hpp"
+
+namespace lcmslam {
+
+class CameraNode : public Node {
+ public:
+  CameraNode(const ConfigNode& config, Publisher& publisher);
+  ~CameraNode() override;
+
+  void connect(Inputs& inputs) override;
+  std::optional<Duration> work() override;
+  NodeReport report() const override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void prefetch();
+  std::optional<CameraEvent> pop();
+  bool consumers_ready();
+  void publish(const CameraEvent& event);
+  void publish_calibration();
+
+  Publisher& publisher_;
+  std::unique_ptr<CameraSource> source_;
+  double speed_;
+  std::set<std::string> wait_for_;  // processes that have not reported yet
+  Clock::time_point wait_until_;
+
+  // Filled by the prefetching thread, so that rendering and reading never delay the encoders.
+  std::deque<CameraEvent> ready_;
+  std::size_t ready_frames_ = 0;
+  bool source_ended_ = false;
+  bool stop_ = false;
+  std::string failure_;
+  std::size_t malformed_ = 0;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::thread thread_;
+
+  std::optional<CameraEvent> next_;
+  bool started_ = false;
+  Clock::time_point start_time_;  // when the event of first_utime_ is due
+  Utime first_utime_ = 0;
+  Utime last_utime_ = 0;
+  Clock::time_point next_calibration_;
+  std::size_t frames_sent_ = 0;
+  double slowed_ = 0;  // s by which the source fell behind
+};
+
+}  // namespace lcmslam

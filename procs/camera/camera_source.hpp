@@ -1,0 +1,47 @@
+#pragma once
+// Where the camera process gets its data: the simulation, a data set, a device.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "configuration/config.hpp"
+#include "imaging/calibration.hpp"
+#include "imaging/rgbd_frame.hpp"
+#include "odometry/encoders.hpp"
+
+namespace lcmslam {
+
+/// True pose, for evaluation only.
+struct GroundTruth {
+  Utime utime = 0;
+  std::string child_frame;  ///< "robot" or "camera": whose pose it is
+  Eigen::Isometry3d T_world_child = Eigen::Isometry3d::Identity();
+};
+
+using CameraEvent = std::variant<EncodedFrame, Encoders, GroundTruth>;
+
+Utime event_utime(const CameraEvent& event);
+
+class CameraSource {
+ public:
+  virtual ~CameraSource() = default;
+  virtual const RgbdCalibration& calibration() const = 0;
+  /// Next event in the order of utime; nothing at the end. Rendering and reading files happen here.
+  virtual std::optional<CameraEvent> next() = 0;
+  /// Frames in all, 0 when not known.
+  virtual std::size_t frames() const = 0;
+  /// What the user should know: assumptions made, frames skipped so far.
+  virtual std::vector<std::string> notes() const { return {}; }
+  /// Frames that could not be read so far.
+  virtual std::size_t malformed() const { return 0; }
+};
+
+/// Made as the configuration's key `source` says.
+std::unique_ptr<CameraSource> make_camera_source(const ConfigNode& config);
+
+std::unique_ptr<CameraSource> make_simulation_source(const ConfigNode& config);
+std::unique_ptr<CameraSource> make_dataset_source(const ConfigNode& config);
+
+}  // namespace lcmslam

@@ -1,0 +1,10 @@
+#include "camera/camera_node.hpp"
+#include "runtime/process.hpp"
+
+int main(int argc, char** argv) {
+  using namespace lcmslam;
+  return run_process(argc, argv, "camera", "Publishes CAMERA and CAMERA_CALIBRATION from a source.",
+                     [](const ConfigNode& config, Publisher& publisher) {
+                       return std::make_unique<CameraNode>(config, publisher);
+                     });
+}

@@ -1,0 +1,80 @@
+#include "camera/camera_source.hpp"
+#include "imaging/codec.hpp"
+#include "simulation/simulation.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime encoder_period = 20'000;  // us
+
+SimulationSettings read_settings(const ConfigNode& c) {
+  SimulationSettings s;
+  s.scene = c.text("scene");
+  if (s.scene.is_relative()) s.scene = c.folder() / s.scene;
+  s.head = c.choice("head", s.head, {"tof", "rgbd"});
+  s.base = c.choice("base", s.base, {"differential", "steered", "mecanum"});
+  s.seed = static_cast<std::uint64_t>(c.get("seed", 1, Range{0, 2147483647}));
+  s.seconds = c.get("seconds", s.seconds, Range{0, 1e6});
+  s.frame_rate = c.get("frame_rate", s.frame_rate, Range{0, 1000});
+  s.threads = c.get("threads", s.threads, Range{1, 64});
+  return s;
+}
+
+/// Interleaves encoder readings with the truth at their times, and frames, by time.
+class SimulationSource : public CameraSource {
+ public:
+  explicit SimulationSource(const ConfigNode& config)
+      : settings_(read_settings(config)),
+        jpeg_quality_(config.get("jpeg_quality", 90, Range{1, 100})),
+        simulation_(settings_),
+        frame_period_(static_cast<Utime>(1e6 / simulation_.frame_rate())),
+        next_encoders_(simulation_.start()),
+        next_truth_(simulation_.start()),
+        next_frame_(simulation_.start() + frame_period_) {}
+
+  const RgbdCalibration& calibration() const override { return simulation_.calibration(); }
+
+  std::size_t frames() const override {
+    return static_cast<std::size_t>((simulation_.end() - simulation_.start()) / frame_period_);
+  }
+
+  std::vector<std::string> notes() const override {
+    char length[64];
+    std::snprintf(length, sizeof length, "%.1f m, %.0f s", simulation_.path_length(),
+                  1e-6 * static_cast<double>(simulation_.end() - simulation_.start()));
+    return {"simulates " + settings_.scene.filename().string() + ": " + length + ", head " + settings_.head +
+            ", base " + settings_.base + ", seed " + std::to_string(settings_.seed)};
+  }
+
+  std::optional<CameraEvent> next() override {
+    const Utime now = std::min({next_encoders_, next_truth_, next_frame_});
+    if (now > simulation_.end()) return std::nullopt;
+    if (now == next_truth_) {
+      next_truth_ += encoder_period;
+      return GroundTruth{now, "robot", simulation_.T_world_robot(now)};
+    }
+    if (now == next_encoders_) {
+      next_encoders_ += encoder_period;
+      return simulation_.encoders(now);
+    }
+    next_frame_ += frame_period_;
+    EncodedFrame frame = encode(simulation_.render(now), jpeg_quality_);
+    frame.sensor = simulation_.calibration().sensor;
+    return frame;
+  }
+
+ private:
+  SimulationSettings settings_;
+  int jpeg_quality_;
+  Simulation simulation_;
+  Utime frame_period_;
+  Utime next_encoders_, next_truth_, next_frame_;
+};
+
+}  // namespace
+
+std::unique_ptr<CameraSource> make_simulation_source(const ConfigNode& config) {
+  return std::make_unique<SimulationSource>(config);
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,40 @@
+#pragma once
+// FEATURES + ODOMETRY -> FASTSLAM_POSE, FASTSLAM_PARTICLES, FASTSLAM_LANDMARKS.
+
+#include "fastslam/fastslam.hpp"
+#include "runtime/motion_join.hpp"
+#include "runtime/node.hpp"
+#include "surf/feature.hpp"
+
+namespace lcmslam {
+
+class FastSlamNode : public Node {
+ public:
+  FastSlamNode(const ConfigNode& config, Publisher& publisher);
+
+  void connect(Inputs& inputs) override;
+  void command(const command_t& command) override;
+  void finish() override { join_.flush(); }
+  NodeReport report() const override;
+
+ private:
+  void on_features(FeatureFrame frame);
+  void start(const FeatureFrame& frame);
+  Motion motion_to(Utime utime) const;
+  void publish(const FeatureFrame& frame, const StepResult& result, double cpu_time);
+  void publish_particles(Utime utime, const StepResult& result);
+  void publish_changes(Utime utime);
+  void publish_whole_map();
+
+  Publisher& publisher_;
+  FastSlamSettings settings_;
+  std::string pose_;      // "auto": planar when the camera is mounted on a robot
+  MotionJoin<FeatureFrame> join_;
+  std::optional<FastSlam> slam_;
+  Utime last_utime_ = 0;
+  std::int64_t revision_ = 0;
+  StepResult last_;
+  std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0;
+};
+
+}  // namespace lcmslam

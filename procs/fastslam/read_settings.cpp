@@ -1,0 +1,57 @@
+#include "fastslam/read_settings.hpp"
+
+#include "configuration/named_choice.hpp"
+
+namespace lcmslam {
+FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
+  const std::string preset = c.choice("preset", "modern", {"modern", "thesis"});
+  FastSlamSettings s = preset == "thesis" ? thesis_preset() : FastSlamSettings{};
+  s.particles = c.get("particles", s.particles, Range{1, 100000});
+  s.seed = static_cast<std::uint64_t>(c.get("seed", static_cast<int>(s.seed), Range{0, 2147483647}));
+  s.proposal = named_choice<ProposalKind>(c, "proposal", s.proposal,
+                                   {{"motion", ProposalKind::motion}, {"measurement", ProposalKind::measurement}});
+  s.proposal_iterations = c.get("proposal_iterations", s.proposal_iterations, Range{1, 100});
+  s.huber_width = c.get("huber_width", s.huber_width, Range{0.1, 1e6});
+  s.resampling = named_choice<ResamplingScheme>(c, "resampling", s.resampling,
+                                         {{"multinomial", ResamplingScheme::multinomial},
+                                          {"systematic", ResamplingScheme::systematic},
+                                          {"stratified", ResamplingScheme::stratified},
+                                          {"residual", ResamplingScheme::residual}});
+  s.resample_fraction = c.get("resample_fraction", s.resample_fraction, Range{0, 1});
+  s.estimate = named_choice<PoseEstimate>(c, "estimate", s.estimate, {{"best", PoseEstimate::best}, {"mean", PoseEstimate::mean}});
+  s.use_motion_covariance = c.get("use_motion_covariance", s.use_motion_covariance);
+  const Range noise{0, 100};
+  s.translation_noise = c.get("translation_noise", s.translation_noise, noise);
+  s.rotation_noise = c.get("rotation_noise", s.rotation_noise, noise);
+  s.translation_noise_per_m = c.get("translation_noise_per_m", s.translation_noise_per_m, noise);
+  s.rotation_noise_per_rad = c.get("rotation_noise_per_rad", s.rotation_noise_per_rad, noise);
+  s.rotation_noise_per_m = c.get("rotation_noise_per_m", s.rotation_noise_per_m, noise);
+  s.visual_factor = c.get("visual_factor", s.visual_factor, Range{1, 1e6});
+  s.detect_slips = c.get("detect_slips", s.detect_slips);
+  s.slip_gate = c.get("slip_gate", s.slip_gate, Range{0, 1e9});
+  s.minimum_range = c.get("minimum_range", s.minimum_range, Range{0, 1000});
+  s.maximum_range = c.get("maximum_range", s.maximum_range, Range{0, 1000});
+  s.measurement_inflation = c.get("measurement_inflation", s.measurement_inflation, Range{1e-3, 1e6});
+  s.maximum_observations = c.get("maximum_observations", s.maximum_observations, Range{1, 100000});
+  s.gate = c.get("gate", s.gate, Range{0, 1});
+  s.rejection = named_choice<RejectionWeight>(
+      c, "rejection", s.rejection, {{"constant", RejectionWeight::constant}, {"floored", RejectionWeight::floored}});
+  s.p0 = c.get("p0", s.p0, Range{0, 1e9});
+  s.descriptor_ratio = c.get("descriptor_ratio", s.descriptor_ratio, Range{0, 1});
+  s.descriptor_distance = c.get("descriptor_distance", s.descriptor_distance, Range{0, 2});
+  s.search_radius = c.get("search_radius", s.search_radius, Range{0, 2});
+  s.verify_by_consensus = c.get("verify_by_consensus", s.verify_by_consensus);
+  s.minimum_consensus = c.get("minimum_consensus", s.minimum_consensus, Range{3, 100000});
+  s.relocalise_after = c.get("relocalise_after", s.relocalise_after, Range{1, 1000000});
+  s.maximum_new_landmarks = c.get("maximum_new_landmarks", s.maximum_new_landmarks, Range{1, 100000});
+  s.remove_landmarks = c.get("remove_landmarks", s.remove_landmarks);
+  s.minimum_observations = c.get("minimum_observations", s.minimum_observations, Range{1, 100000});
+  try {
+    check(s);
+  } catch (const std::invalid_argument& error) {
+    c.fail("", error.what());
+  }
+  return s;
+}
+
+}  // namespace lcmslam

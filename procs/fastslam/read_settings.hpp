@@ -1,0 +1,10 @@
+#pragma once
+#include "configuration/config.hpp"
+#include "fastslam/settings.hpp"
+
+namespace lcmslam {
+
+/// Keys are the settings' names; throws ConfigError.
+FastSlamSettings read_fastslam_settings(const ConfigNode& config);
+
+}  // namespace lcmslam

@@ -1,0 +1,240 @@
+#include "icp/icp_node.hpp"
+
+#include <cmath>
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/icp_report_t.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+
+#include "icp/read_settings.hpp"
+#include "imaging/codec.hpp"
+#include "messages/camera_messages.hpp"
+#include "messages/geometry_messages.hpp"
+#include "messages/map_messages.hpp"
+#include "messages/motion_messages.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime longest_gap = 5'000'000;  // us
+constexpr std::chrono::milliseconds tile_period{2};
+
+std::int8_t wire_status(MappingStatus status) {
+  switch (status) {
+    case MappingStatus::initialising:
+      return pose_estimate_t::INITIALISING;
+    case MappingStatus::tracking:
+      return pose_estimate_t::TRACKING;
+    case MappingStatus::degraded:
+      return pose_estimate_t::DEGRADED;
+    case MappingStatus::lost:
+      return pose_estimate_t::LOST;
+  }
+  return pose_estimate_t::LOST;
+}
+
+std::int8_t wire_reason(StopReason reason) {
+  switch (reason) {
+    case StopReason::converged:
+      return icp_report_t::CONVERGED;
+    case StopReason::max_iterations:
+      return icp_report_t::MAX_ITERATIONS;
+    case StopReason::too_few_pairs:
+      return icp_report_t::TOO_FEW_POINTS;
+    case StopReason::degenerate:
+      return icp_report_t::DEGENERATE;
+  }
+  return icp_report_t::DIVERGED;
+}
+
+std::string degenerate_directions(const RegistrationResult& result) {
+  static const char* const names[] = {"x", "y", "z", "roll", "pitch", "yaw"};
+  std::string text;
+  for (const Vector6d& direction : result.degenerate) {
+    Eigen::Index largest = 0;
+    direction.cwiseAbs().maxCoeff(&largest);
+    text += (text.empty() ? "degenerate: " : ", ") + std::string(names[largest]);
+  }
+  return text;
+}
+
+}  // namespace
+
+IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
+    : publisher_(publisher),
+      settings_(read_icp_settings(config)),
+      pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
+      cloud_points_(config.get("cloud_points", 20000.0, Range{100, 1e7})),
+      join_(config.get("max_wait", 0.15, Range{0, 10}), 2, [this](EncodedFrame& frame) { on_frame(frame); }) {}
+
+void IcpNode::connect(Inputs& inputs) {
+  inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) {
+    EncodedFrame frame = from_message(m);
+    if (!calibration_) {
+      ++uncalibrated_;
+      return;
+    }
+    const Utime needed = std::max(frame.utime, calibration_->depth_time(frame.depth.utime));
+    join_.add(needed, std::move(frame));
+  }).primary = true;
+  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 1,
+                                         [this](const camera_calibration_t& m) { on_calibration(from_message(m)); });
+  inputs.subscribe<odometry_t>("ODOMETRY", 500, [this](const odometry_t& m) {
+    try {
+      join_.add(from_message(m));
+    } catch (const CodecError& error) {  // of the frame that odometry released
+      throw DecodeError(error.what());
+    }
+  });
+}
+
+void IcpNode::on_calibration(const RgbdCalibration& calibration) {
+  calibration_ = calibration;
+  registration_.emplace(calibration);
+  settings_.prior.planar = pose_ == "planar" || (pose_ == "auto" && calibration.has_mount);
+}
+
+void IcpNode::restart() {
+  mapper_.emplace(settings_);
+  tiles_.clear();
+}
+
+IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
+  Shot shot;
+  shot.depth_utime = calibration_->depth_time(frame.depth_utime);
+  const auto motion = join_.motion().between(frame.utime, shot.depth_utime);
+  shot.utime = motion ? frame.utime : shot.depth_utime;
+  if (motion) shot.T_points_depth = motion->T_from_to;
+  const Eigen::Isometry3d& T_robot_camera = calibration_->T_robot_camera;
+  RegisteredDepth depth = (*registration_)(frame, T_robot_camera.inverse() * shot.T_points_depth * T_robot_camera);
+  remove_jump_edges(depth.points, depth.sigma);
+  const double pixels = static_cast<double>(depth.points.total());
+  const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
+  shot.cloud = make_cloud(frame, depth, step, true);
+  return shot;
+}
+
+void IcpNode::on_frame(EncodedFrame& encoded) {
+  const double begin = publisher_.cpu_time();
+  Shot shot;
+  try {
+    shot = make_shot(decode(encoded));
+  } catch (const CodecError& error) {
+    throw DecodeError(error.what());
+  } catch (const std::invalid_argument& error) {  // an image that is not of the calibration's size
+    throw DecodeError(error.what());
+  }
+  if (mapper_ && shot.utime <= last_utime_ && last_utime_ - shot.utime < 1'000'000) return;  // came too late
+  const bool jumped = shot.utime <= last_utime_ || shot.utime - last_utime_ > longest_gap;
+  if (mapper_ && jumped) ++restarts_;
+  if (!mapper_ || jumped) {
+    restart();
+    last_utime_ = shot.utime;
+  }
+  const auto motion = join_.motion().between(last_utime_, shot.utime);
+  last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion);
+  last_utime_ = shot.utime;
+  ++steps_;
+  lost_ += last_.status == MappingStatus::lost ? 1 : 0;
+  publish(encoded, shot, last_, publisher_.cpu_time() - begin);
+}
+
+void IcpNode::publish(const EncodedFrame& frame, const Shot& shot, const IcpMapper::Step& step, double cpu_time) {
+  pose_estimate_t pose = make_pose_estimate(shot.depth_utime, step.T_world_robot * shot.T_points_depth, step.covariance);
+  pose.status = wire_status(step.status);
+  pose.quality = static_cast<float>(step.quality);
+  pose.inliers = step.registration.inliers;
+  pose.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
+  pose.processing_time = cpu_time;
+  pose.detail = degenerate_directions(step.registration);
+  publisher_.publish("ICP_POSE", pose, frame.utime);
+
+  icp_report_t report;
+  report.utime = shot.depth_utime;
+  report.variant = "point-to-plane, voxel map, Gauss-Newton";
+  report.source_points = static_cast<int32_t>(shot.cloud.size());
+  report.target_points = static_cast<int32_t>(mapper_->map().size());
+  for (const double rms : step.registration.rms) report.rms.push_back(static_cast<float>(rms));
+  report.n_iterations = static_cast<int32_t>(report.rms.size());
+  report.inliers = step.registration.inliers;
+  report.overlap = static_cast<float>(step.registration.overlap);
+  report.stop_reason = wire_reason(step.registration.stop);
+  report.stop_text = to_string(step.registration.stop);
+  report.start_trans = report.start_rot = 0;
+  for (int i = 0; i < 6; ++i) report.eigenvalues[i] = static_cast<float>(step.registration.observability(i));
+  report.processing_time = cpu_time;
+  publisher_.publish("ICP_REPORT", report);
+
+  if (step.keyframe) {
+    queue_keyframe(mapper_->keyframes().back());
+    publish_graph(shot.depth_utime);
+  }
+}
+
+void IcpNode::queue_keyframe(const IcpMapper::Keyframe& keyframe) {
+  const DenseKeyframe dense{keyframe.id, keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
+  const auto revision = static_cast<std::int64_t>(mapper_->keyframes().size());
+  for (auto& tile : make_keyframe_tiles(dense, calibration_->T_robot_camera, revision)) tiles_.push_back(std::move(tile));
+}
+
+void IcpNode::publish_graph(Utime utime) {
+  graph_t graph;
+  graph.utime = utime;
+  graph.frame = "map";
+  graph.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
+  for (const auto& keyframe : mapper_->keyframes()) {
+    graph_node_t node;
+    node.keyframe = keyframe.id;
+    node.keyframe_utime = keyframe.utime;
+    node.T_map_camera = to_message(keyframe.T_world_camera);
+    graph.nodes.push_back(node);
+  }
+  graph.n_nodes = static_cast<int32_t>(graph.nodes.size());
+  graph.n_edges = 0;
+  publisher_.publish("ICP_GRAPH", graph);
+}
+
+void IcpNode::send_waiting_tile() {
+  publisher_.publish("ICP_KEYFRAME", tiles_.front());
+  tiles_.pop_front();
+}
+
+std::optional<Node::Duration> IcpNode::work() {
+  if (tiles_.empty()) return std::nullopt;
+  const auto now = std::chrono::steady_clock::now();
+  if (now >= next_tile_) {
+    send_waiting_tile();
+    next_tile_ = now + tile_period;
+  }
+  return tile_period;
+}
+
+void IcpNode::command(const command_t& command) {
+  if (command.name == "resend" && mapper_) {
+    tiles_.clear();
+    for (const auto& keyframe : mapper_->keyframes()) queue_keyframe(keyframe);
+    publish_graph(last_utime_);
+  }
+  if (command.name == "reset") mapper_.reset();
+}
+
+void IcpNode::finish() {
+  join_.flush();
+  while (!tiles_.empty()) send_waiting_tile();
+}
+
+NodeReport IcpNode::report() const {
+  NodeReport report;
+  if (!calibration_) report.detail = "waits for CAMERA_CALIBRATION";
+  report.values = {{"steps", static_cast<double>(steps_)},
+                   {"without_odometry", static_cast<double>(join_.without_odometry())},
+                   {"skipped", static_cast<double>(join_.dropped())},
+                   {"uncalibrated", static_cast<double>(uncalibrated_)},
+                   {"lost", static_cast<double>(lost_)},
+                   {"restarts", static_cast<double>(restarts_)},
+                   {"keyframes", mapper_ ? static_cast<double>(mapper_->keyframes().size()) : 0},
+                   {"map_points", mapper_ ? static_cast<double>(mapper_->map().size()) : 0},
+                   {"overlap", last_.registration.overlap}};
+  return report;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,57 @@
+#pragma once
+// CAMERA + ODOMETRY -> ICP_POSE, ICP_KEYFRAME, ICP_GRAPH, ICP_REPORT.
+
+#include <deque>
+#include <lcmslam/keyframe_t.hpp>
+
+#include "icp/icp_mapper.hpp"
+#include "imaging/registration.hpp"
+#include "runtime/motion_join.hpp"
+#include "runtime/node.hpp"
+
+namespace lcmslam {
+
+class IcpNode : public Node {
+ public:
+  IcpNode(const ConfigNode& config, Publisher& publisher);
+
+  void connect(Inputs& inputs) override;
+  std::optional<Duration> work() override;
+  void command(const command_t& command) override;
+  void finish() override;
+  NodeReport report() const override;
+
+ private:
+  /// A cloud and the time of the pose from which it is seen.
+  struct Shot {
+    Utime utime = 0;        // of the points: the colour image's, or depth's while motion is not known
+    Utime depth_utime = 0;  // on colour's clock
+    Eigen::Isometry3d T_points_depth = Eigen::Isometry3d::Identity();  // robot at utime <- at depth_utime
+    ColouredCloud cloud;
+  };
+
+  void on_calibration(const RgbdCalibration& calibration);
+  void on_frame(EncodedFrame& encoded);
+  Shot make_shot(const RgbdFrame& frame) const;
+  void restart();
+  void publish(const EncodedFrame& frame, const Shot& shot, const IcpMapper::Step& step, double cpu_time);
+  void queue_keyframe(const IcpMapper::Keyframe& keyframe);
+  void publish_graph(Utime utime);
+  void send_waiting_tile();
+
+  Publisher& publisher_;
+  IcpMapperSettings settings_;
+  std::string pose_;  // "auto": on the floor when the camera is mounted on a robot
+  double cloud_points_;
+  MotionJoin<EncodedFrame> join_;
+  std::optional<RgbdCalibration> calibration_;
+  std::optional<DepthRegistration> registration_;
+  std::optional<IcpMapper> mapper_;
+  Utime last_utime_ = 0;
+  std::deque<keyframe_t> tiles_;  // wait for their turn: bursts overrun receive buffers
+  std::chrono::steady_clock::time_point next_tile_{};
+  std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0, uncalibrated_ = 0;
+  IcpMapper::Step last_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,77 @@
+#include "icp/read_settings.hpp"
+
+#include "configuration/named_choice.hpp"
+
+namespace lcmslam {
+namespace {
+
+const Range metres{0, 1000};
+const Range radians{0, 3.1416};
+const Range share{0, 1};
+
+RegistrationSettings read_registration(const ConfigNode& c, RegistrationSettings s) {
+  s.selection = named_choice<SelectionKind>(
+      c, "selection", s.selection,
+      {{"all", SelectionKind::all}, {"uniform", SelectionKind::uniform}, {"random", SelectionKind::random}});
+  s.selected_points = c.get("selected_points", s.selected_points, Range{10, 1e7});
+  s.metric = named_choice<MetricKind>(
+      c, "metric", s.metric,
+      {{"point_to_point", MetricKind::point_to_point}, {"point_to_plane", MetricKind::point_to_plane}});
+  s.solver = named_choice<SolverKind>(c, "solver", s.solver,
+                               {{"svd", SolverKind::svd},
+                                {"svd_uncorrected", SolverKind::svd_uncorrected},
+                                {"quaternion", SolverKind::quaternion},
+                                {"small_angle", SolverKind::small_angle},
+                                {"small_angle_as_printed", SolverKind::small_angle_as_printed},
+                                {"gauss_newton", SolverKind::gauss_newton}});
+  s.kernel = named_choice<KernelKind>(
+      c, "kernel", s.kernel,
+      {{"none", KernelKind::none}, {"huber", KernelKind::huber}, {"geman_mcclure", KernelKind::geman_mcclure}});
+  s.kernel_width = c.get("kernel_width", s.kernel_width, Range{0.01, 1e6});
+  s.max_distance = c.get("max_distance", s.max_distance, metres);
+  s.min_distance = c.get("min_distance", s.min_distance, metres);
+  s.distance_sigmas = c.get("distance_sigmas", s.distance_sigmas, Range{0, 1e6});
+  s.max_normal_angle = c.get("max_normal_angle", s.max_normal_angle, radians);
+  s.trimmed_fraction = c.get("trimmed_fraction", s.trimmed_fraction, share);
+  s.weigh_by_noise = c.get("weigh_by_noise", s.weigh_by_noise);
+  s.noise_floor = c.get("noise_floor", s.noise_floor, metres);
+  s.max_iterations = c.get("max_iterations", s.max_iterations, Range{1, 10000});
+  s.epsilon_translation = c.get("epsilon_translation", s.epsilon_translation, metres);
+  s.epsilon_rotation = c.get("epsilon_rotation", s.epsilon_rotation, radians);
+  return s;
+}
+
+}  // namespace
+
+IcpMapperSettings read_icp_settings(const ConfigNode& c) {
+  IcpMapperSettings s;
+  s.voxel_size = c.get("voxel_size", s.voxel_size, Range{0.001, 10});
+  s.coarse = read_registration(c.section("coarse"), s.coarse);
+  s.fine = read_registration(c.section("fine"), s.fine);
+
+  const ConfigNode filter = c.section("filter");
+  s.filter.min_range = filter.get("min_range", s.filter.min_range, metres);
+  s.filter.max_range = filter.get("max_range", s.filter.max_range, metres);
+  s.filter.max_incidence = filter.get("max_incidence", s.filter.max_incidence, radians);
+  s.filter.max_sigma = filter.get("max_sigma", s.filter.max_sigma, metres);
+
+  const ConfigNode map = c.section("map");
+  s.map.voxel_size = map.get("voxel_size", s.map.voxel_size, Range{0.001, 10});
+  s.map.max_blocks = map.get("max_blocks", s.map.max_blocks, Range{100, 1e8});
+
+  const ConfigNode prior = c.section("prior");
+  s.prior.floor_translation = prior.get("floor_translation", s.prior.floor_translation, metres);
+  s.prior.floor_rotation = prior.get("floor_rotation", s.prior.floor_rotation, radians);
+  s.prior.free_translation = prior.get("free_translation", s.prior.free_translation, metres);
+  s.prior.free_rotation = prior.get("free_rotation", s.prior.free_rotation, radians);
+
+  s.lost_overlap = c.get("lost_overlap", s.lost_overlap, share);
+  s.good_overlap = c.get("good_overlap", s.good_overlap, share);
+  s.keyframe_distance = c.get("keyframe_distance", s.keyframe_distance, metres);
+  s.keyframe_angle = c.get("keyframe_angle", s.keyframe_angle, radians);
+  s.keyframe_overlap = c.get("keyframe_overlap", s.keyframe_overlap, share);
+  s.keyframe_voxel = c.get("keyframe_voxel", s.keyframe_voxel, Range{0.001, 10});
+  return s;
+}
+
+}  // namespace lcmslam

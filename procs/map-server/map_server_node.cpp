@@ -1,0 +1,186 @@
+#include "map-server/map_server_node.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <lcmslam/map_reply_t.hpp>
+
+#include "map-server/map_files.hpp"
+#include "messages/geometry_messages.hpp"
+#include "messages/map_messages.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime resend_period = 2'000'000;  // us of message time between two requests
+
+/// The session of this sender; a new one when it is not the newest's.
+template <class Map>
+Map& session_map(std::vector<Session<Map>>& sessions, std::int64_t sender) {
+  if (sessions.empty() || sessions.back().sender != sender) {
+    if (!sessions.empty()) spdlog::info("a mapper restarted: its new map begins beside the old one");
+    sessions.push_back({sender, {}});
+  }
+  return sessions.back().map;
+}
+
+void add_to_path(std::vector<Eigen::Vector3d>& path, const pose_estimate_t& message) {
+  path.push_back(from_message(message.T_map_robot, "T_map_robot").translation());
+}
+
+}  // namespace
+
+MapServerNode::MapServerNode(const ConfigNode& config, Publisher& publisher)
+    : publisher_(publisher),
+      folder_(config.get("folder", "out/maps")),
+      resolution_(config.get("resolution", 0.02, Range{0.001, 1})) {}
+
+void MapServerNode::connect(Inputs& inputs) {
+  inputs.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000, [this](const landmarks_t& m) { on_landmarks(m); });
+  inputs.subscribe<keyframe_t>("ICP_KEYFRAME", 1000, [this](const keyframe_t& m) { on_keyframe(m); });
+  inputs.subscribe<graph_t>("ICP_GRAPH", 10, [this](const graph_t& m) { on_graph(m); });
+  inputs.subscribe<pose_estimate_t>("FASTSLAM_POSE", 1000,
+                                    [this](const pose_estimate_t& m) { add_to_path(fastslam_path_, m); });
+  inputs.subscribe<pose_estimate_t>("ICP_POSE", 1000, [this](const pose_estimate_t& m) { add_to_path(icp_path_, m); });
+  inputs.subscribe<map_request_t>("MAP_REQUEST", 100, [this](const map_request_t& m) { on_request(m); }).primary = true;
+}
+
+void MapServerNode::on_landmarks(const landmarks_t& message) {
+  const bool first = landmark_maps_.empty() || landmark_maps_.back().sender != message.sender;
+  std::vector<MapLandmark> landmarks = landmarks_of(message);
+  LandmarkMap& map = session_map(landmark_maps_, message.sender);
+  if (first) fastslam_path_.clear();
+  try {
+    if (message.base_revision == 0 && message.n_tiles > 1)
+      map.add_tile({message.map_revision, message.tile, message.n_tiles, std::move(landmarks)});
+    else
+      map.apply({message.map_revision, message.base_revision, std::move(landmarks), message.removed});
+  } catch (const std::invalid_argument& error) {
+    throw DecodeError(error.what());
+  }
+  ++changes_;
+  if (map.incomplete()) ask_resend("fastslam");
+}
+
+void MapServerNode::on_keyframe(const keyframe_t& message) {
+  const bool first = dense_maps_.empty() || dense_maps_.back().sender != message.sender;
+  const KeyframeTile tile = from_message(message);
+  DenseMap& map = session_map(dense_maps_, message.sender);
+  if (first) icp_path_.clear();
+  try {
+    map.add(tile);
+  } catch (const std::invalid_argument& error) {
+    throw DecodeError(error.what());
+  }
+  ++changes_;
+}
+
+void MapServerNode::on_graph(const graph_t& message) {
+  if (dense_maps_.empty() || dense_maps_.back().sender != message.sender) return;
+  std::vector<KeyframePose> poses;
+  for (const graph_node_t& node : message.nodes)
+    poses.push_back({node.keyframe, from_message(node.T_map_camera, "T_map_camera")});
+  const auto missing = dense_maps_.back().map.correct(poses);
+  // The newest keyframe's tiles still come when the graph already names it.
+  if (missing.size() > 1) ask_resend("icp");
+  ++changes_;
+}
+
+void MapServerNode::ask_resend(const std::string& process) {
+  const Utime now = std::chrono::duration_cast<std::chrono::microseconds>(
+                        std::chrono::steady_clock::now().time_since_epoch()).count();
+  Utime& last = last_resend_[process];
+  if (last != 0 && now - last < resend_period) return;
+  last = now;
+  ++resends_;
+  command_t command;
+  command.utime = now;
+  command.target = process;
+  command.name = "resend";
+  command.n = 0;
+  publisher_.publish("COMMAND", command);
+}
+
+void MapServerNode::on_request(const map_request_t& request) {
+  map_reply_t reply;
+  reply.utime = request.utime;
+  reply.request_id = request.request_id;
+  reply.status = 0;
+  reply.tile = 0;
+  reply.n_tiles = 1;
+  try {
+    if (request.kind == map_request_t::EXPORT) {
+      for (const auto& file : export_maps(request.argument.empty() ? folder_ : std::filesystem::path(request.argument),
+                                          request.format))
+        reply.message += file + "\n";
+    } else if (request.kind == map_request_t::CLEAR) {
+      landmark_maps_.clear();
+      dense_maps_.clear();
+    } else if (request.kind != map_request_t::INFO) {
+      throw std::runtime_error(fmt::format("there is no request of kind {}", request.kind));
+    }
+  } catch (const std::exception& error) {
+    reply.status = 1;
+    reply.message = error.what();
+    spdlog::error("{}", error.what());
+  }
+  const std::string info = describe();
+  reply.content = "application/json";
+  reply.data.assign(info.begin(), info.end());
+  reply.size = static_cast<int32_t>(reply.data.size());
+  publisher_.publish("MAP_REPLY", reply);
+}
+
+std::string MapServerNode::describe() const {
+  const std::size_t landmarks = landmark_maps_.empty() ? 0 : landmark_maps_.back().map.size();
+  const std::size_t keyframes = dense_maps_.empty() ? 0 : dense_maps_.back().map.keyframes().size();
+  const std::size_t points = dense_maps_.empty() ? 0 : dense_maps_.back().map.merge(resolution_).size();
+  return fmt::format(R"({{"landmarks": {}, "keyframes": {}, "map_points": {}, "resolution": {}}})", landmarks, keyframes,
+                     points, resolution_);
+}
+
+std::vector<std::string> MapServerNode::export_maps(const std::filesystem::path& folder, const std::string& formats) const {
+  std::filesystem::create_directories(folder);
+  MapFiles files(folder, formats);
+  // Older sessions carry a number, the newest of each mapper has the plain name.
+  for (std::size_t i = 0; i < landmark_maps_.size(); ++i) {
+    const bool newest = i + 1 == landmark_maps_.size();
+    files.save_landmarks(newest ? "fastslam" : fmt::format("fastslam-session{}", i + 1),
+                         landmark_maps_[i].map.landmarks(), newest ? fastslam_path_ : Path());
+  }
+  for (std::size_t i = 0; i < dense_maps_.size(); ++i) {
+    const bool newest = i + 1 == dense_maps_.size();
+    files.save_cloud(newest ? "icp" : fmt::format("icp-session{}", i + 1), dense_maps_[i].map.merge(resolution_),
+                     resolution_, newest ? icp_path_ : Path());
+  }
+  return files.written();
+}
+
+void MapServerNode::command(const command_t& command) {
+  if (command.name == "save") finish();
+}
+
+void MapServerNode::finish() {
+  if (changes_ == saved_changes_) return;
+  try {
+    export_maps(folder_, "ply,pcd");
+    saved_changes_ = changes_;
+    ++exports_;
+    spdlog::info("maps saved in {}", folder_.string());
+  } catch (const std::exception& error) {
+    spdlog::error("maps are not saved: {}", error.what());
+  }
+}
+
+NodeReport MapServerNode::report() const {
+  NodeReport report;
+  report.values = {
+      {"landmarks", landmark_maps_.empty() ? 0 : static_cast<double>(landmark_maps_.back().map.size())},
+      {"keyframes", dense_maps_.empty() ? 0 : static_cast<double>(dense_maps_.back().map.keyframes().size())},
+      {"map_points", dense_maps_.empty() ? 0 : static_cast<double>(dense_maps_.back().map.point_count())},
+      {"sessions", static_cast<double>(std::max(landmark_maps_.size(), dense_maps_.size()))},
+      {"resends_asked", static_cast<double>(resends_)}};
+  return report;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,56 @@
+#pragma once
+// Keeps both mappers' maps, answers MAP_REQUEST, saves at shutdown.
+
+#include <filesystem>
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/keyframe_t.hpp>
+#include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/map_request_t.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include <map>
+
+#include "mapping/dense_map.hpp"
+#include "mapping/landmark_map.hpp"
+#include "runtime/node.hpp"
+
+namespace lcmslam {
+
+/// What one run of a mapper made. A mapper that restarts begins a new map; the old one stays.
+template <class Map>
+struct Session {
+  std::int64_t sender = 0;
+  Map map;
+};
+
+class MapServerNode : public Node {
+ public:
+  MapServerNode(const ConfigNode& config, Publisher& publisher);
+
+  void connect(Inputs& inputs) override;
+  void command(const command_t& command) override;
+  void finish() override;
+  NodeReport report() const override;
+
+ private:
+  using Path = std::vector<Eigen::Vector3d>;
+
+  void on_landmarks(const landmarks_t& message);
+  void on_keyframe(const keyframe_t& message);
+  void on_graph(const graph_t& message);
+  void on_request(const map_request_t& request);
+  void ask_resend(const std::string& process);
+  std::vector<std::string> export_maps(const std::filesystem::path& folder, const std::string& formats) const;
+  std::string describe() const;
+
+  Publisher& publisher_;
+  std::filesystem::path folder_;
+  double resolution_;
+  std::vector<Session<LandmarkMap>> landmark_maps_;  // the newest last
+  std::vector<Session<DenseMap>> dense_maps_;
+  Path fastslam_path_, icp_path_;
+  std::map<std::string, Utime> last_resend_;  // by process: when it was asked
+  std::int64_t changes_ = 0, saved_changes_ = 0;
+  std::int64_t exports_ = 0, resends_ = 0;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,10 @@
+#include "odometry/odometry_node.hpp"
+#include "runtime/process.hpp"
+
+int main(int argc, char** argv) {
+  using namespace lcmslam;
+  return run_process(argc, argv, "odometry", "ENCODERS, FEATURES or another driver's pose -> ODOMETRY.",
+                     [](const ConfigNode& config, Publisher& publisher) {
+                       return std::make_unique<OdometryNode>(config, publisher);
+                     });
+}

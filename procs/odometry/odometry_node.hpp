@@ -1,0 +1,37 @@
+#pragma once
+// ENCODERS, FEATURES or another driver's pose_t -> ODOMETRY.
+
+#include <lcmslam/encoders_t.hpp>
+#include <lcmslam/odometry_t.hpp>
+
+#include "odometry/motion_noise.hpp"
+#include "odometry/visual_odometry.hpp"
+#include "odometry/wheel_odometry.hpp"
+#include "runtime/node.hpp"
+
+namespace lcmslam {
+
+class OdometryNode : public Node {
+ public:
+  OdometryNode(const ConfigNode& config, Publisher& publisher);
+
+  void connect(Inputs& inputs) override;
+  NodeReport report() const override;
+
+ private:
+  void on_encoders(const Encoders& encoders);
+  void on_features(const FeatureFrame& frame);
+  void publish(const MotionSample& sample, odometry_t message);
+
+  Publisher& publisher_;
+  std::string source_;
+  std::string external_channel_;
+  WheelOdometry wheels_;
+  VisualOdometry visual_;
+  std::optional<MotionNoise> noise_;
+  MotionSample external_;
+  std::int64_t updates_ = 0;
+  std::int64_t degraded_ = 0;  // visual updates that went on by prediction
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,10 @@
+#include "runtime/process.hpp"
+#include "surf/surf_node.hpp"
+
+int main(int argc, char** argv) {
+  using namespace lcmslam;
+  return run_process(argc, argv, "surf", "CAMERA -> FEATURES: SURF with 3-D points.",
+                     [](const ConfigNode& config, Publisher& publisher) {
+                       return std::make_unique<SurfNode>(config, publisher);
+                     });
+}

@@ -1,0 +1,81 @@
+#include "evaluation/trajectory_plot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+
+#include "unit/evaluation/path_samples.hpp"
+
+namespace lcmslam {
+namespace {
+
+const std::array<unsigned char, 3> red = {255, 0, 0}, blue = {0, 0, 255};
+
+// Bounding box of the pixels of exactly this colour below the legend.
+cv::Rect box_of(const cv::Mat& image, const std::array<unsigned char, 3>& colour) {
+  cv::Mat mask;
+  const cv::Scalar bgr(colour[2], colour[1], colour[0]);
+  cv::inRange(image, bgr, bgr, mask);
+  mask.rowRange(0, 60).setTo(0);
+  std::vector<cv::Point> pixels;
+  cv::findNonZero(mask, pixels);
+  if (pixels.empty()) return {};
+  int left = image.cols, right = 0, top = image.rows, bottom = 0;
+  for (const cv::Point& p : pixels) {
+    left = std::min(left, p.x), right = std::max(right, p.x);
+    top = std::min(top, p.y), bottom = std::max(bottom, p.y);
+  }
+  return {left, top, right - left + 1, bottom - top + 1};
+}
+
+TEST(TrajectoryPlot, HasOneScaleForBothAxesAndYUpwards) {
+  PlottedPath square{"square", red, {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}}};
+  PlottedPath above{"above", blue, {{1, 3}, {3, 3}}};
+  const cv::Mat image = plot_paths({square, above}, {900, 600, "title"});
+  ASSERT_EQ(image.size(), cv::Size(900, 600));
+  ASSERT_EQ(image.type(), CV_8UC3);
+  const cv::Rect outer = box_of(image, red), inner = box_of(image, blue);
+  EXPECT_NEAR(outer.width, outer.height, 8);
+  EXPECT_GT(outer.height, 350) << "fills the image";
+  EXPECT_NEAR(inner.width, outer.width / 2, 14);
+  EXPECT_LT(inner.y + inner.height / 2, outer.y + outer.height / 2) << "y = 3 is above the centre, y = 2";
+}
+
+TEST(TrajectoryPlot, DrawsWithoutPathsPointsOrExtent) {
+  EXPECT_FALSE(plot_paths({}).empty());
+  EXPECT_FALSE(plot_paths({{"empty", red, {}}}).empty());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(plot_paths({{"nan", red, {{nan, 0}, {0, nan}}}}).empty());
+  EXPECT_GT(box_of(plot_paths({{"point", red, {{7, 7}}}}), red).area(), 50);
+  EXPECT_GT(box_of(plot_paths({{"far", red, {{1e7, 1e7}, {1e7 + 5, 1e7}}}}), red).area(), 50);
+  EXPECT_THROW(plot_paths({}, {100, 100, ""}), std::invalid_argument);
+}
+
+TEST(TrajectoryPlot, TopViewTakesXAndY) {
+  const Trajectory trajectory = testing::curved_path(20);
+  const PlottedPath path = top_view("path", plot_colour(1), trajectory);
+  ASSERT_EQ(path.points.size(), 20u);
+  EXPECT_EQ(path.points[7], Eigen::Vector2d(trajectory[7].T_world_body.translation().head<2>()));
+  EXPECT_NE(plot_colour(0), plot_colour(1));
+}
+
+// To look at: LCMSLAM_PLOT=/tmp/plot.png test_evaluation
+TEST(TrajectoryPlot, IsTheSameEachTime) {
+  Random random(2);
+  const Trajectory truth = testing::curved_path(900);
+  const auto draw = [&] {
+    Random seed = random;
+    return plot_paths({top_view("truth", plot_colour(0), truth),
+                       top_view("wheels", plot_colour(1), testing::with_noise(truth, seed, 0.01, 0)),
+                       top_view("fastslam", plot_colour(2), testing::moved(truth, planar_pose(0.1, 0, 0.1)))},
+                      {960, 720, "kitchen, seed 1"});
+  };
+  const cv::Mat image = draw();
+  EXPECT_EQ(cv::norm(image, draw(), cv::NORM_INF), 0);
+  if (const char* file = std::getenv("LCMSLAM_PLOT")) cv::imwrite(file, image);
+}
+
+}  // namespace
+}  // namespace lcmslam

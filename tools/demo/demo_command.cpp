@@ -1,0 +1,250 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <lcmslam/map_request_t.hpp>
+
+#include "commands.hpp"
+#include "demo/run_recorder.hpp"
+#include "demo/run_summary.hpp"
+#include "launch/graph.hpp"
+#include "run_folder.hpp"
+#include "runtime/lcm_bus.hpp"
+#include "runtime/options.hpp"
+#include "runtime/private_bus.hpp"
+#include "runtime/stop_signal.hpp"
+
+namespace lcmslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds progress_period{1};
+constexpr std::chrono::seconds quiet_time{2};       // without a new pose: the mappers have worked off everything
+constexpr std::chrono::seconds longest_export{120};
+constexpr std::chrono::seconds longest_start{60};
+
+struct DemoOptions {
+  std::string config, data, calibration, out, lcm_url, log_level = "info";
+  std::vector<std::string> overrides;
+  double seconds = 0;
+  int seed = -1;
+  bool headless = false;
+};
+
+int parse(int argc, char** argv, DemoOptions& o) {
+  CLI::App app{"Runs the whole graph live, on the simulated kitchen or a recording, and shows both maps.", "lcmslam demo"};
+  app.add_option("--data", o.data, "data set folder instead of the simulation: TUM RGB-D, 7-Scenes, numbered images")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--calibration", o.calibration, "camera calibration (YAML) for --data")->check(CLI::ExistingFile);
+  app.add_option("--config", o.config, "graph and settings (default config/demo.yaml, with --data config/dataset.yaml)")
+      ->check(CLI::ExistingFile);
+  app.add_option("--seconds", o.seconds, "only the first so many seconds")->check(CLI::PositiveNumber);
+  app.add_option("--seed", o.seed, "of the simulated sensors and the particles")->check(CLI::NonNegativeNumber);
+  app.add_flag("--headless", o.headless, "plain progress lines, and no pictures are opened at the end");
+  app.add_option("--out", o.out, "folder for the results (default out/NAME-TIME)");
+  app.add_option("--set", o.overrides, "override of the configuration: section.key=value");
+  app.add_option("--lcm-url", o.lcm_url, "LCM provider");
+  app.add_option("--log-level", o.log_level, "of the processes");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return -1;
+}
+
+/// Options become overrides of the configuration.
+void complete(DemoOptions& o) {
+  const bool dataset = !o.data.empty();
+  if (o.config.empty()) o.config = source_folder() / "config" / (dataset ? "dataset.yaml" : "demo.yaml");
+  o.config = std::filesystem::absolute(o.config).lexically_normal();
+  if (o.lcm_url.empty()) o.lcm_url = lcm_url_from_environment();
+  std::vector<std::string> set;
+  const std::string source = dataset ? "camera.dataset." : "camera.simulation.";
+  if (dataset) {
+    set.push_back("camera.source=dataset");
+    set.push_back("camera.dataset.folder=" + std::filesystem::absolute(o.data).lexically_normal().string());
+    if (!o.calibration.empty())
+      set.push_back(source + "calibration=" + std::filesystem::absolute(o.calibration).lexically_normal().string());
+  }
+  if (o.seconds > 0) set.push_back(source + "seconds=" + std::to_string(o.seconds));
+  if (o.seed >= 0) {
+    if (!dataset) set.push_back(source + "seed=" + std::to_string(o.seed));
+    set.push_back("fastslam.seed=" + std::to_string(o.seed));
+    set.push_back("odometry.seed=" + std::to_string(o.seed));
+  }
+  set.push_back("map-server.folder=" + std::filesystem::absolute(o.out).lexically_normal().string());
+  o.overrides.insert(o.overrides.begin(), set.begin(), set.end());  // the user's own --set has the last word
+}
+
+class Demo {
+ public:
+  Demo(const DemoOptions& options, lcm::LCM& lcm)
+      : options_(options), publisher_(lcm, draw_sender()), recorder_(inputs_), receiver_(lcm, inputs_),
+        terminal_(isatty(STDOUT_FILENO) != 0 && !options.headless) {}
+
+  int run() {
+    facts_.title = title();
+    facts_.config = options_.config;
+    GraphOptions graph{options_.config, options_.lcm_url, options_.log_level, options_.overrides, options_.out};
+    for (const auto& spec : read_graph(graph)) supervisor_.start(spec);
+    std::cout << "lcmslam demo: " << facts_.title << "\n  results go to " << options_.out << std::endl;
+
+    const Clock::time_point start = Clock::now();
+    const int failure = map_until_end(start);
+    facts_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    if (failure != 0) return failure;
+
+    const bool exported = export_maps();
+    for (const auto& event : supervisor_.stop()) facts_.events.push_back(event);
+    std::cout << format_summary(recorder_, facts_);
+    write_run_files(options_.out, recorder_, facts_);
+    if (!exported) return 1;
+    std::cout << "\n  maps, pictures, trajectories and summary.json: " << options_.out << "\n";
+    show_pictures();
+    return 0;
+  }
+
+ private:
+  void listen(Clock::duration wait) {
+    Arrival arrival;
+    if (receiver_.take(arrival, wait)) arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size());
+    for (const auto& event : supervisor_.poll()) {
+      facts_.events.push_back(event);
+      say("lcmslam demo: " + event);
+    }
+  }
+
+  /// 0 at the end of the source, else the exit code.
+  int map_until_end(Clock::time_point start) {
+    Clock::time_point next_progress = start;
+    Clock::time_point last_change = start;
+    Utime last_progress = -1;
+    while (true) {
+      if (stop_requested()) return 130;
+      listen(std::chrono::milliseconds(50));
+      std::string reason;
+      if (recorder_.source_failed(reason)) {
+        say("lcmslam demo: the source failed: " + reason);
+        return 1;
+      }
+      const auto now = Clock::now();
+      if (recorder_.progress() != last_progress) {
+        last_progress = recorder_.progress();
+        last_change = now;
+      }
+      if (recorder_.source_finished() && now - last_change > quiet_time) return 0;
+      if (recorder_.board().empty() && now - start > longest_start) {
+        say("lcmslam demo: no process reports; see " + options_.out + "/logs");
+        return 1;
+      }
+      if (now >= next_progress) {
+        show_progress(std::chrono::duration<double>(now - start).count());
+        next_progress = now + progress_period;
+      }
+    }
+  }
+
+  void show_progress(double elapsed) {
+    const auto camera = recorder_.board().find("camera");
+    if (camera == recorder_.board().end() || camera->second.state == status_t::STARTING) {
+      say(fmt::format("  {:>3.0f} s  starting: {} of {} processes", elapsed, recorder_.board().size(),
+                      supervisor_.processes().size()), true);
+      return;
+    }
+    const double frames = status_value(camera->second, "frames");
+    const double total = status_value(camera->second, "frames_total");
+    if (frames > 0 && mapping_since_ < 0) mapping_since_ = elapsed;
+    const double left = frames > 0 ? (elapsed - mapping_since_) * (total - frames) / frames : 0;
+    std::string line = fmt::format("  {:>3.0f} s  {}  frame {:.0f}/{:.0f}", elapsed,
+                                   recorder_.source_finished() ? "finishing" : "mapping", frames, total);
+    for (const auto& [name, path] : {std::pair("odometry", &recorder_.odometry()),
+                                     std::pair("fastslam", &recorder_.fastslam()), std::pair("icp", &recorder_.icp())}) {
+      const auto report = recorder_.evaluate_path(*path);
+      if (report) line += fmt::format("  {} {:.3f} m", name, report->absolute.translation.rmse);
+    }
+    say(line + fmt::format("  {:.0f} s left", left), true);
+  }
+
+  bool export_maps() {
+    say("  saving the maps", true);
+    map_request_t request;
+    request.utime = recorder_.progress();
+    request.request_id = publisher_.sender();
+    request.kind = map_request_t::EXPORT;
+    request.argument = options_.out;
+    request.n_numbers = 0;
+    publisher_.publish("MAP_REQUEST", request);
+    const auto deadline = Clock::now() + longest_export;
+    while (!recorder_.reply() || recorder_.reply()->request_id != request.request_id) {
+      listen(std::chrono::milliseconds(50));
+      if (Clock::now() > deadline || stop_requested()) {
+        say("lcmslam demo: map-server did not answer; see " + options_.out + "/logs/map-server.txt");
+        return false;
+      }
+    }
+    if (recorder_.reply()->status == 0) return true;
+    say("lcmslam demo: the maps were not saved: " + recorder_.reply()->message);
+    return false;
+  }
+
+  /// In a terminal, progress overwrites itself.
+  void say(const std::string& line, bool passing = false) {
+    if (terminal_) std::cout << "\r\x1b[K" << line << (passing ? "" : "\n") << std::flush;
+    else std::cout << line << std::endl;
+  }
+
+  std::string title() const {
+    const ConfigNode config = load_config(options_.config, options_.overrides);
+    if (!options_.data.empty()) return "recording " + options_.data;
+    const ConfigNode simulation = config.section("camera").section("simulation");
+    return fmt::format("simulated {}, head {}, base {}, seed {}",
+                       std::filesystem::path(simulation.get("scene", "kitchen")).stem().string(),
+                       simulation.get("head", "tof"), simulation.get("base", "differential"), simulation.get("seed", 1));
+  }
+
+  void show_pictures() const {
+    const char* display = std::getenv("DISPLAY");
+    if (options_.headless || display == nullptr || *display == '\0') return;
+    const std::string command = "xdg-open '" + options_.out + "/icp_front.png' > /dev/null 2>&1";
+    if (std::system(command.c_str()) != 0) std::cout << "  (no viewer for the pictures found)\n";
+  }
+
+  const DemoOptions& options_;
+  LcmPublisher publisher_;
+  Inputs inputs_;
+  RunRecorder recorder_;
+  Receiver receiver_;
+  Supervisor supervisor_;
+  RunFacts facts_;
+  bool terminal_;
+  double mapping_since_ = -1;
+};
+
+}  // namespace
+
+int demo_command(int argc, char** argv) {
+  DemoOptions options;
+  if (const int exit_code = parse(argc, argv, options); exit_code >= 0) return exit_code;
+  const std::string name = options.data.empty() ? "demo" : std::filesystem::path(options.data).filename().string();
+  if (options.out.empty()) options.out = new_run_folder(name.empty() ? "data" : name);
+  std::filesystem::create_directories(options.out);
+  options.out = std::filesystem::absolute(options.out).lexically_normal();
+  complete(options);
+  install_stop_signals();
+
+  auto lcm = std::make_unique<lcm::LCM>(options.lcm_url);
+  if (!lcm->good() && enter_private_bus()) {
+    std::cout << "lcmslam demo: no multicast route on this machine, runs on a private bus (lcm-spy cannot see it)\n";
+    lcm = std::make_unique<lcm::LCM>(options.lcm_url);
+  }
+  if (!lcm->good()) {
+    std::cerr << "lcmslam demo: LCM cannot use " << options.lcm_url << "; try: sudo ip route add 224.0.0.0/4 dev lo\n";
+    return 1;
+  }
+  return Demo(options, *lcm).run();
+}
+
+}  // namespace lcmslam

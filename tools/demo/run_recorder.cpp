@@ -1,0 +1,85 @@
+#include "demo/run_recorder.hpp"
+
+#include <algorithm>
+
+#include "messages/camera_messages.hpp"
+#include "messages/geometry_messages.hpp"
+#include "messages/motion_messages.hpp"
+
+namespace lcmslam {
+
+RunRecorder::RunRecorder(Inputs& inputs) {
+  inputs.subscribe<status_t>("STATUS", 1000, [this](const status_t& m) { board_[m.process] = m; });
+  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10, [this](const camera_calibration_t& m) {
+    calibration_ = from_message(m);
+  });
+  inputs.subscribe<ground_truth_t>("GROUND_TRUTH", 10000, [this](const ground_truth_t& m) {
+    truth_frame_ = m.child_frame;
+    truth_.push_back({m.utime, from_message(m.T_frame_child, "T_frame_child")});
+  });
+  inputs.subscribe<odometry_t>("ODOMETRY", 10000, [this](const odometry_t& m) {
+    add(odometry_, m.utime, m.sender, m.status, from_message(m).T_odom_robot);
+  });
+  inputs.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000, [this](const pose_estimate_t& m) {
+    add(fastslam_, m.utime, m.sender, m.status, from_message(m.T_map_robot, "T_map_robot"));
+  });
+  inputs.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const pose_estimate_t& m) {
+    add(icp_, m.utime, m.sender, m.status, from_message(m.T_map_robot, "T_map_robot"));
+  });
+  inputs.subscribe<map_reply_t>("MAP_REPLY", 100, [this](const map_reply_t& m) { reply_ = m; });
+}
+
+void RunRecorder::add(RecordedPath& path, Utime utime, std::int64_t sender, std::int8_t status,
+                      const Eigen::Isometry3d& pose) {
+  const bool restarted = path.sender != 0 && path.sender != sender;
+  const bool rewound = !path.trajectory.empty() && utime < path.trajectory.back().utime - 1'000'000;
+  if (restarted || rewound) {  // another map, another frame: earlier poses do not compare
+    path.trajectory.clear();
+    ++path.restarts;
+  }
+  path.sender = sender;
+  path.trajectory.push_back({utime, pose});
+  path.lost += status == pose_estimate_t::LOST ? 1 : 0;
+  path.degraded += status == pose_estimate_t::DEGRADED ? 1 : 0;
+}
+
+Trajectory RunRecorder::truth() const {
+  Trajectory truth = truth_;
+  sort_trajectory(truth);
+  if (truth_frame_ != "camera" || !calibration_) return truth;
+  return in_other_frame(truth, calibration_->T_robot_camera.inverse());
+}
+
+std::optional<TrajectoryReport> RunRecorder::evaluate_path(const RecordedPath& path) const {
+  if (truth_.size() < 2 || path.trajectory.size() < 3) return std::nullopt;
+  Trajectory estimate = path.trajectory;
+  sort_trajectory(estimate);
+  EvaluationSettings settings;
+  settings.association = Association::interpolate_truth;
+  try {
+    return evaluate(truth(), estimate, settings);
+  } catch (const std::invalid_argument&) {  // nothing matches yet
+    return std::nullopt;
+  }
+}
+
+bool RunRecorder::source_finished() const {
+  const auto camera = board_.find("camera");
+  return camera != board_.end() && camera->second.state == status_t::FINISHED;
+}
+
+bool RunRecorder::source_failed(std::string& reason) const {
+  const auto camera = board_.find("camera");
+  if (camera == board_.end() || camera->second.state != status_t::FAILED) return false;
+  reason = camera->second.detail;
+  return true;
+}
+
+Utime RunRecorder::progress() const {
+  Utime sum = 0;
+  for (const RecordedPath* path : {&fastslam_, &icp_})
+    if (!path->trajectory.empty()) sum += path->trajectory.back().utime;
+  return sum;
+}
+
+}  // namespace lcmslam

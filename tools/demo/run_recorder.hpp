@@ -1,0 +1,57 @@
+#pragma once
+// Listens to a running graph and keeps what an evaluation needs: every trajectory, the truth, the
+// state of the processes.
+
+#include <lcmslam/map_reply_t.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include <optional>
+
+#include "evaluation/trajectory_error.hpp"
+#include "imaging/calibration.hpp"
+#include "launch/status_table.hpp"
+#include "runtime/inputs.hpp"
+
+namespace lcmslam {
+
+/// One estimate of the robot's path and how its maker fared.
+struct RecordedPath {
+  Trajectory trajectory;      ///< T_x_robot, x: odom or map
+  std::int64_t sender = 0;
+  int lost = 0, degraded = 0; ///< poses with that status
+  int restarts = 0;           ///< its process began anew; the trajectory is the newest map's
+};
+
+class RunRecorder {
+ public:
+  /// Registers its handlers.
+  explicit RunRecorder(Inputs& inputs);
+
+  const RecordedPath& odometry() const { return odometry_; }
+  const RecordedPath& fastslam() const { return fastslam_; }
+  const RecordedPath& icp() const { return icp_; }
+  /// T_world_robot; empty when the source has no truth.
+  Trajectory truth() const;
+  const StatusBoard& board() const { return board_; }
+  const std::optional<map_reply_t>& reply() const { return reply_; }
+
+  /// Error against the truth so far; nothing without truth or matches.
+  std::optional<TrajectoryReport> evaluate_path(const RecordedPath& path) const;
+
+  /// The source has published everything.
+  bool source_finished() const;
+  bool source_failed(std::string& reason) const;
+  /// Changes whenever a mapper publishes: when it rests, both have worked off what they had.
+  Utime progress() const;
+
+ private:
+  void add(RecordedPath& path, Utime utime, std::int64_t sender, std::int8_t status, const Eigen::Isometry3d& pose);
+
+  RecordedPath odometry_, fastslam_, icp_;
+  Trajectory truth_;             // of truth_frame_
+  std::string truth_frame_ = "robot";
+  std::optional<RgbdCalibration> calibration_;
+  StatusBoard board_;
+  std::optional<map_reply_t> reply_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,162 @@
+#include "demo/run_summary.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "evaluation/trajectory_plot.hpp"
+
+namespace lcmslam {
+namespace {
+
+struct NamedPath {
+  const char* name;
+  const RecordedPath& path;
+};
+
+std::vector<NamedPath> paths(const RunRecorder& run) {
+  return {{"odometry", run.odometry()}, {"fastslam", run.fastslam()}, {"icp", run.icp()}};
+}
+
+const status_t& status_of(const RunRecorder& run, const std::string& process) {
+  static const status_t none = [] {
+    status_t s;
+    s.state = 0;
+    s.cpu_total = s.latency_p50 = s.latency_p95 = 0;
+    s.memory = 0;
+    return s;
+  }();
+  const auto found = run.board().find(process);
+  return found == run.board().end() ? none : found->second;
+}
+
+std::string path_line(const NamedPath& named, const std::optional<TrajectoryReport>& report, double odometry_ate) {
+  const RecordedPath& path = named.path;
+  if (!report) return fmt::format("  {:<9} {:>6} poses\n", named.name, path.trajectory.size());
+  const double ate = report->absolute.translation.rmse;
+  return fmt::format("  {:<9} {:>6} {:>8} {:>9.4f} {:>9.4f} {:>9.4f} {:>10.4f} {:>10.3f} {:>9.2f} {:>6} {:>6}\n", named.name,
+                     path.trajectory.size(), report->matched_poses, ate, report->absolute.translation.median,
+                     report->absolute.translation.maximum, report->per_second.translation.rmse,
+                     report->per_second.rotation.rmse * 180 / M_PI, odometry_ate > 0 ? ate / odometry_ate : 1.0,
+                     path.lost, path.degraded);
+}
+
+std::string loss_line(const RunRecorder& run, const std::string& process, const std::string& channel) {
+  const status_t& status = status_of(run, process);
+  const ChannelLoss loss = channel_loss(status, channel);
+  return fmt::format("  {:<9} {:>6} received, {} lost on the bus, {} skipped for lack of time, {} malformed; "
+                     "latency p50 {:.0f} ms, p95 {:.0f} ms; CPU {:.1f} s, {:.0f} MB\n",
+                     process, loss.received, loss.lost,
+                     loss.queue_drops + static_cast<std::int64_t>(status_value(status, "skipped")), loss.decode_errors,
+                     1e3 * status.latency_p50, 1e3 * status.latency_p95, status.cpu_total,
+                     static_cast<double>(status.memory) / 1e6);
+}
+
+nlohmann::json error_json(const PoseErrors& errors) {
+  return {{"translation_rmse_m", errors.translation.rmse},
+          {"translation_median_m", errors.translation.median},
+          {"translation_max_m", errors.translation.maximum},
+          {"rotation_rmse_rad", errors.rotation.rmse},
+          {"pairs", errors.translation.count}};
+}
+
+nlohmann::json path_json(const RecordedPath& path, const std::optional<TrajectoryReport>& report) {
+  nlohmann::json json = {{"poses", path.trajectory.size()},
+                         {"lost", path.lost},
+                         {"degraded", path.degraded},
+                         {"restarts", path.restarts}};
+  if (report) {
+    json["matched"] = report->matched_poses;
+    json["tracked_fraction"] = report->tracked_fraction;
+    json["ate"] = error_json(report->absolute);
+    json["rpe_per_second"] = error_json(report->per_second);
+    json["rpe_per_metre"] = error_json(report->per_metre);
+  }
+  return json;
+}
+
+nlohmann::json process_json(const status_t& status) {
+  nlohmann::json json = {{"cpu_s", status.cpu_total},
+                         {"memory_bytes", status.memory},
+                         {"latency_p50_s", status.latency_p50},
+                         {"latency_p95_s", status.latency_p95}};
+  for (const auto& in : status.inputs) {
+    auto& channel = json["inputs"][in.channel];
+    channel = {{"received", in.received},
+               {"lost", in.lost},
+               {"queue_drops", in.queue_drops},
+               {"decode_errors", in.decode_errors}};
+  }
+  for (const auto& out : status.outputs) json["outputs"][out.channel] = {{"sent", out.sent}, {"largest_bytes", out.largest}};
+  for (const auto& value : status.values) json["values"][value.name] = value.value;
+  return json;
+}
+
+}  // namespace
+
+std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
+  const auto odometry = run.evaluate_path(run.odometry());
+  const double odometry_ate = odometry ? odometry->absolute.translation.rmse : 0;
+  std::string text = fmt::format("\n{}\n", facts.title);
+  text += fmt::format("{:.0f} frames in {:.1f} s", status_value(status_of(run, "camera"), "frames"), facts.seconds);
+  if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
+  text += fmt::format("\n\n  {:<9} {:>6} {:>8} {:>9} {:>9} {:>9} {:>10} {:>10} {:>9} {:>6} {:>6}\n", "path", "poses", "matched",
+                      "ATE rmse", "median", "max (m)", "RPE m/s", "RPE deg/s", "vs odom", "lost", "degr.");
+  for (const auto& named : paths(run)) text += path_line(named, run.evaluate_path(named.path), odometry_ate);
+  text += "\n";
+  text += loss_line(run, "surf", "CAMERA");
+  text += loss_line(run, "icp", "CAMERA");
+  text += loss_line(run, "fastslam", "FEATURES");
+  text += fmt::format("  landmarks {:.0f}, keyframes {:.0f}, points in keyframes {:.0f}\n",
+                      status_value(status_of(run, "map-server"), "landmarks"),
+                      status_value(status_of(run, "map-server"), "keyframes"),
+                      status_value(status_of(run, "map-server"), "map_points"));
+  if (const double bad = status_value(status_of(run, "camera"), "malformed_frames"); bad > 0)
+    text += fmt::format("  {:.0f} frames were malformed or missing and skipped\n", bad);
+  if (const double slowed = status_value(status_of(run, "camera"), "slowed_seconds"); slowed > 0.05)
+    text += fmt::format("  the source fell {:.1f} s behind and was slowed down\n", slowed);
+  for (const auto& event : facts.events) text += "  " + event + "\n";
+  return text;
+}
+
+void write_run_files(const std::filesystem::path& folder, const RunRecorder& run, const RunFacts& facts) {
+  nlohmann::json json = {{"title", facts.title},
+                         {"config", facts.config},
+                         {"wall_seconds", facts.seconds},
+                         {"frames", status_value(status_of(run, "camera"), "frames")},
+                         {"alignment", "se3"},
+                         {"association", "truth interpolated at the estimate's stamps"},
+                         {"events", facts.events}};
+  const Trajectory truth = run.truth();
+  std::vector<PlottedPath> plotted;
+  if (!truth.empty()) {
+    write_tum(folder / "truth.txt", truth);
+    plotted.push_back(top_view("truth", plot_colour(0), truth));
+  }
+  std::size_t colour = 1;
+  for (const auto& [name, path] : paths(run)) {
+    const auto report = run.evaluate_path(path);
+    json["paths"][name] = path_json(path, report);
+    Trajectory trajectory = path.trajectory;
+    sort_trajectory(trajectory);
+    write_tum(folder / (std::string(name) + ".txt"), trajectory);
+    Trajectory shown = report ? Trajectory() : trajectory;
+    if (report)
+      for (const MatchedPose& match : report->matches) shown.push_back({match.utime, match.T_world_estimate});
+    plotted.push_back(top_view(name, plot_colour(colour++), shown));
+  }
+  for (const auto& [process, status] : run.board()) json["processes"][process] = process_json(status);
+  if (run.reply()) json["map"] = nlohmann::json::parse(run.reply()->data.begin(), run.reply()->data.end(), nullptr, false);
+
+  std::ofstream file(folder / "summary.json");
+  file << json.dump(2) << "\n";
+  if (!file.flush()) throw std::runtime_error((folder / "summary.json").string() + ": cannot be written");
+  PlotSettings plot;
+  plot.title = facts.title;
+  if (!cv::imwrite((folder / "trajectories.png").string(), plot_paths(plotted, plot)))
+    throw std::runtime_error((folder / "trajectories.png").string() + ": cannot be written");
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "commands.hpp"
+#include "log_writer.hpp"
+
+namespace lcmslam {
+namespace {
+
+int write(CameraSource& source, const std::string& log) {
+  for (const auto& note : source.notes()) std::cout << "  " << note << "\n";
+  const LogCounts counts = write_log(source, log);
+  std::cout << fmt::format("  {}: {} frames, {} encoder readings, {} true poses, {:.1f} MB\n", log, counts.frames,
+                           counts.encoders, counts.truths, static_cast<double>(counts.bytes) / 1e6);
+  if (source.malformed() > 0) std::cout << fmt::format("  {} frames were malformed or missing\n", source.malformed());
+  return counts.frames > 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int import_command(int argc, char** argv) {
+  std::string folder, log, calibration, description;
+  CLI::App app{"Turns a data set folder into an .lcmlog that lcm-logplayer replays.", "lcmslam import"};
+  app.add_option("folder", folder, "TUM RGB-D, 7-Scenes or numbered images")->required()->check(CLI::ExistingDirectory);
+  app.add_option("log", log, "file to write")->required();
+  app.add_option("--calibration", calibration, "camera calibration (YAML)")->check(CLI::ExistingFile);
+  app.add_option("--description", description, "layout of the folder (YAML, see config/datasets)")->check(CLI::ExistingFile);
+  CLI11_PARSE(app, argc, argv);
+  ConfigNode config;
+  config.set("folder", folder);
+  if (!calibration.empty()) config.set("calibration", calibration);
+  if (!description.empty()) config.set("description", description);
+  return write(*make_dataset_source(config), log);
+}
+
+int simulate_command(int argc, char** argv) {
+  std::string scene, log, head = "tof", base = "differential";
+  int seed = 1;
+  double seconds = 0;
+  CLI::App app{"Renders a simulated run into an .lcmlog.", "lcmslam simulate"};
+  app.add_option("scene", scene, "scene (YAML), e.g. config/scenes/kitchen.yaml")->required()->check(CLI::ExistingFile);
+  app.add_option("log", log, "file to write")->required();
+  app.add_option("--head", head, "tof or rgbd");
+  app.add_option("--base", base, "differential, steered or mecanum");
+  app.add_option("--seed", seed, "of the sensors' errors");
+  app.add_option("--seconds", seconds, "only the first so many seconds");
+  CLI11_PARSE(app, argc, argv);
+  ConfigNode config;
+  config.set("scene", std::filesystem::absolute(scene).lexically_normal());
+  config.set("head", head);
+  config.set("base", base);
+  config.set("seed", std::to_string(seed));
+  config.set("seconds", std::to_string(seconds));
+  config.set("threads", "2");
+  return write(*make_simulation_source(config), log);
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,87 @@
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "commands.hpp"
+#include "launch/graph.hpp"
+#include "launch/status_table.hpp"
+#include "run_folder.hpp"
+#include "runtime/lcm_bus.hpp"
+#include "runtime/options.hpp"
+#include "runtime/private_bus.hpp"
+#include "runtime/stop_signal.hpp"
+
+namespace lcmslam {
+namespace {
+
+/// In a terminal the table is drawn over itself; in a file it is appended every ten seconds.
+class Screen {
+ public:
+  void show(const std::string& table) {
+    const auto now = std::chrono::steady_clock::now();
+    const auto period = terminal_ ? std::chrono::seconds(1) : std::chrono::seconds(10);
+    if (now - last_ < period) return;
+    last_ = now;
+    if (terminal_) std::cout << "\x1b[H\x1b[2J";
+    std::cout << table << std::flush;
+  }
+
+ private:
+  bool terminal_ = isatty(STDOUT_FILENO) != 0;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+int launch_command(int argc, char** argv) {
+  GraphOptions options;
+  bool private_bus = false;
+  CLI::App app{"Starts the process graph that a configuration names and stops it cleanly on Ctrl-C.", "lcmslam launch"};
+  app.add_option("config", options.config, "configuration, e.g. config/robot.yaml")->required()->check(CLI::ExistingFile);
+  app.add_option("--lcm-url", options.lcm_url, "LCM provider");
+  app.add_option("--log-level", options.log_level, "of the processes");
+  app.add_option("--set", options.overrides, "override: section.key=value");
+  std::string folder;
+  app.add_option("--out", folder, "folder for the processes' output (default out/launch-TIME)");
+  app.add_flag("--private-bus", private_bus, "own network namespace: nobody else hears or disturbs the graph");
+  CLI11_PARSE(app, argc, argv);
+  if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
+  options.folder = folder.empty() ? new_run_folder("launch") : std::filesystem::path(folder);
+  if (private_bus && !enter_private_bus()) {
+    std::cerr << "lcmslam launch: this machine permits no private network namespace\n";
+    return 1;
+  }
+
+  install_stop_signals();
+  lcm::LCM lcm(options.lcm_url);
+  if (!lcm.good()) {
+    std::cerr << "lcmslam launch: LCM cannot use " << options.lcm_url
+              << ": no multicast route? Try: sudo ip route add 224.0.0.0/4 dev lo, or --private-bus\n";
+    return 1;
+  }
+  const auto specs = read_graph(options);
+  Supervisor supervisor;
+  for (const auto& spec : specs) supervisor.start(spec);
+  std::cout << "lcmslam launch: " << specs.size() << " processes, logs in " << (options.folder / "logs").string() << std::endl;
+
+  StatusBoard board;
+  Inputs inputs;
+  inputs.subscribe<status_t>("STATUS", 1000, [&](const status_t& s) { board[s.process] = s; });
+  Receiver receiver(lcm, inputs);
+  Screen screen;
+  while (!stop_requested()) {
+    Arrival arrival;
+    if (receiver.take(arrival, std::chrono::milliseconds(100)))
+      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size());
+    for (const auto& event : supervisor.poll()) std::cout << "lcmslam launch: " << event << std::endl;
+    screen.show(format_status(board, supervisor.processes()));
+  }
+  std::cout << "lcmslam launch: stops" << std::endl;
+  const auto events = supervisor.stop();
+  for (const auto& event : events) std::cout << "lcmslam launch: " << event << std::endl;
+  return events.empty() ? 0 : 1;
+}
+
+}  // namespace lcmslam

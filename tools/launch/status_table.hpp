@@ -1,0 +1,26 @@
+#pragma once
+// The state of the whole graph from its STATUS messages.
+
+#include <lcmslam/status_t.hpp>
+#include <map>
+#include <string>
+
+#include "launch/supervisor.hpp"
+
+namespace lcmslam {
+
+/// Newest STATUS of each process.
+using StatusBoard = std::map<std::string, status_t>;
+
+/// A table with a line for each process: state, CPU, memory, latency, what goes in and out, losses.
+std::string format_status(const StatusBoard& board, const std::vector<Supervisor::State>& processes);
+
+/// Counters of one channel summed over a process's inputs.
+struct ChannelLoss {
+  std::int64_t received = 0, lost = 0, decode_errors = 0, queue_drops = 0;
+};
+ChannelLoss channel_loss(const status_t& status, const std::string& channel);
+/// One of the process's own values; 0 when it has none of that name.
+double status_value(const status_t& status, const std::string& name);
+
+}  // namespace lcmslam

@@ -1,0 +1,27 @@
+#include <cstring>
+#include <exception>
+#include <iostream>
+
+#include "commands.hpp"
+
+int main(int argc, char** argv) {
+  using namespace lcmslam;
+  struct Command {
+    const char* name;
+    int (*run)(int, char**);
+  };
+  const Command commands[] = {
+      {"demo", demo_command}, {"import", import_command}, {"launch", launch_command}, {"simulate", simulate_command}};
+  const char* name = argc > 1 ? argv[1] : "";
+  for (const Command& command : commands) {
+    if (std::strcmp(command.name, name) != 0) continue;
+    try {
+      return command.run(argc - 1, argv + 1);
+    } catch (const std::exception& error) {
+      std::cerr << "lcmslam " << name << ": " << error.what() << "\n";
+      return 1;
+    }
+  }
+  std::cerr << "lcmslam: unknown command '" << name << "'; ./lcmslam help lists them\n";
+  return 2;
+}
