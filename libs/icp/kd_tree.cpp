@@ -117,7 +117,7 @@ KdTree::Neighbour KdTree::nearest(const Eigen::Vector3f& query, float max_distan
   return search.best();
 }
 
-std::vector<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& query, std::size_t count) const {
+std::vector<KdTree::Neighbour> KdTree::nearest_few(const Eigen::Vector3f& query, std::size_t count) const {
   if (order_.empty() || !query.allFinite() || count == 0) return {};
   ManySearch search(count);
   descend(0, query, Eigen::Vector3f::Zero(), search);

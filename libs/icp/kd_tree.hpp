@@ -24,7 +24,7 @@ class KdTree {
   Neighbour nearest(const Eigen::Vector3f& query, float max_distance) const;
 
   /// The `count` nearest points, nearest first.
-  std::vector<Neighbour> nearest(const Eigen::Vector3f& query, std::size_t count) const;
+  std::vector<Neighbour> nearest_few(const Eigen::Vector3f& query, std::size_t count) const;
 
   std::size_t size() const { return order_.size(); }
 

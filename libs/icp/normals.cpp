@@ -11,7 +11,7 @@ void estimate_normals(Cloud& cloud, const Eigen::Vector3d& view_point, int neigh
   const KdTree tree(cloud.points);
   cloud.normals.assign(cloud.size(), Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const auto near = tree.nearest(cloud.points[i], static_cast<std::size_t>(std::max(neighbours, 0)));
+    const auto near = tree.nearest_few(cloud.points[i], static_cast<std::size_t>(std::max(neighbours, 0)));
     if (near.size() < 3) continue;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const auto& n : near) mean += cloud.points[static_cast<std::size_t>(n.index)].cast<double>();

@@ -31,7 +31,7 @@ struct RegistrationSettings {
 
   // weighting
   bool weigh_by_noise = true;        ///< 1 / variance of the pair; otherwise all one
-  double noise_floor = 0.006;        ///< m, added (squared) to every pair's variance: what sigmas leave out
+  double noise_floor = 0.004;        ///< m, added (squared) to every pair's variance: what sigmas leave out
   KernelKind kernel = KernelKind::geman_mcclure;
   double kernel_width = 2.5;         ///< standard deviations
 

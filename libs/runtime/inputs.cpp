@@ -2,12 +2,14 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 namespace lcmslam {
 
-void InputCount::follow(std::int64_t seq) {
+void InputCount::follow(std::int64_t seq, std::int64_t known_missing) {
   if (seq < 0) return;  // a foreign sender that does not number
   if (last_seq < 0 || seq > last_seq) {
-    if (last_seq >= 0) lost += seq - last_seq - 1;
+    if (last_seq >= 0) lost += std::max<std::int64_t>(0, seq - last_seq - 1 - known_missing);
     last_seq = seq;
   } else if (seq == last_seq) {
     ++duplicates;
@@ -17,13 +19,16 @@ void InputCount::follow(std::int64_t seq) {
   }
 }
 
-void Input::deliver(const std::uint8_t* data, std::size_t size) {
+void Input::deliver(const std::uint8_t* data, std::size_t size, std::int64_t dropped) {
+  known_missing_ += dropped;
+  counted_ = false;
   try {
     decode_and_handle(data, size);
   } catch (const DecodeError& error) {
     if (error.what() != last_error) spdlog::warn("{}: {} (counted in STATUS)", channel_, error.what());
     last_error = error.what();
     ++decode_errors;
+    if (!counted_) ++known_missing_;
   }
 }
 
@@ -34,7 +39,9 @@ void Input::seen(const Origin& origin, Utime utime, std::size_t size) {
   ++count.received;
   count.bytes += static_cast<std::int64_t>(size);
   count.last_utime = utime;
-  count.follow(origin.seq);
+  count.follow(origin.seq, known_missing_);
+  known_missing_ = 0;
+  counted_ = true;
 }
 
 bool Inputs::deliver(const std::string& channel, const std::uint8_t* data, std::size_t size) {

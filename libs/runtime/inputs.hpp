@@ -25,8 +25,9 @@ struct InputCount {
   std::int64_t last_seq = -1;
   Utime last_utime = 0;
 
-  /// Follows the sender's numbering.
-  void follow(std::int64_t seq);
+  /// Follows the sender's numbering. `known_missing` messages before this one arrived but were thrown
+  /// away here (queue drops, decode errors): they are not lost.
+  void follow(std::int64_t seq, std::int64_t known_missing = 0);
 };
 
 class Input {
@@ -39,7 +40,8 @@ class Input {
   std::size_t capacity() const { return capacity_; }
 
   /// Checks, counts and handles one message. Never throws for a bad message: it is counted.
-  void deliver(const std::uint8_t* data, std::size_t size);
+  /// `dropped` messages of this channel were thrown away since the last call.
+  void deliver(const std::uint8_t* data, std::size_t size, std::int64_t dropped = 0);
 
   /// Latency is measured from the arrival of these messages.
   bool primary = false;
@@ -56,6 +58,8 @@ class Input {
  private:
   std::string channel_;
   std::size_t capacity_;
+  std::int64_t known_missing_ = 0;  // since the last good message
+  bool counted_ = false;            // the message under way was followed by its number
 };
 
 class Inputs {

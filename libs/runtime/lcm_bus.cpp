@@ -4,6 +4,7 @@
 
 #include <ctime>
 #include <random>
+#include <utility>
 
 namespace lcmslam {
 
@@ -46,13 +47,14 @@ void Receiver::drain() {
 
 void Receiver::Queue::receive(const lcm::ReceiveBuffer* buffer, const std::string&) {
   const auto* data = static_cast<const std::uint8_t*>(buffer->data);
-  Arrival arrival{input, {data, data + buffer->data_size}, std::chrono::steady_clock::now()};
+  Arrival arrival{input, {data, data + buffer->data_size}, std::chrono::steady_clock::now(), 0};
   {
     const std::lock_guard<std::mutex> lock(receiver->mutex_);
     waiting.push_back(std::move(arrival));
     if (waiting.size() > input->capacity()) {
       waiting.pop_front();
       ++count.drops;
+      ++dropped;
     }
   }
   receiver->arrived_.notify_one();
@@ -71,6 +73,7 @@ bool Receiver::take(Arrival& arrival, std::chrono::steady_clock::duration wait) 
   if (!arrived_.wait_for(lock, wait, find_first)) return false;
   arrival = std::move(first->waiting.front());
   first->waiting.pop_front();
+  arrival.dropped = std::exchange(first->dropped, 0);
   const std::chrono::duration<double> age = std::chrono::steady_clock::now() - arrival.time;
   first->count.oldest = std::max(first->count.oldest, age.count());
   return true;

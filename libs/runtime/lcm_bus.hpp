@@ -30,6 +30,7 @@ struct Arrival {
   Input* input = nullptr;
   std::vector<std::uint8_t> bytes;
   SteadyTime time;
+  std::int64_t dropped = 0;  ///< messages of its queue that were thrown away just before it
 };
 
 /// Drains the bus without ever waiting for the node: when a queue is full, its oldest message goes.
@@ -55,6 +56,7 @@ class Receiver {
     Input* input = nullptr;
     std::deque<Arrival> waiting;
     QueueCount count;
+    std::int64_t dropped = 0;  // since the last one was taken
     void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   };
   void drain();

@@ -62,7 +62,7 @@ class Process {
       for (std::size_t i = 8; i < 16; ++i) utime = static_cast<Utime>(static_cast<std::uint64_t>(utime) << 8 | arrival.bytes[i]);
       reporter_.arrived(utime, arrival.time);
     }
-    arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size());
+    arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
   }
 
   void on_command(const command_t& command) {

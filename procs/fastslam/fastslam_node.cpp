@@ -48,7 +48,7 @@ FastSlamNode::FastSlamNode(const ConfigNode& config, Publisher& publisher)
     : publisher_(publisher),
       settings_(read_fastslam_settings(config)),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), 4, [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
+      join_(config.get("max_wait", 0.15, Range{0, 10}), 6, [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
 
 void FastSlamNode::connect(Inputs& inputs) {
   inputs.subscribe<features_t>("FEATURES", 3, [this](const features_t& m) {

@@ -64,7 +64,7 @@ IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
       settings_(read_icp_settings(config)),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
       cloud_points_(config.get("cloud_points", 20000.0, Range{100, 1e7})),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), 2, [this](EncodedFrame& frame) { on_frame(frame); }) {}
+      join_(config.get("max_wait", 0.15, Range{0, 10}), 6, [this](EncodedFrame& frame) { on_frame(frame); }) {}
 
 void IcpNode::connect(Inputs& inputs) {
   inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) {
@@ -109,7 +109,7 @@ IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   remove_jump_edges(depth.points, depth.sigma);
   const double pixels = static_cast<double>(depth.points.total());
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
-  shot.cloud = make_cloud(frame, depth, step, true);
+  shot.cloud = make_cloud(frame, depth, step);
   return shot;
 }
 

@@ -74,7 +74,7 @@ int launch_command(int argc, char** argv) {
   while (!stop_requested()) {
     Arrival arrival;
     if (receiver.take(arrival, std::chrono::milliseconds(100)))
-      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size());
+      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
     for (const auto& event : supervisor.poll()) std::cout << "lcmslam launch: " << event << std::endl;
     screen.show(format_status(board, supervisor.processes()));
   }

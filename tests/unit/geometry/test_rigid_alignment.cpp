@@ -58,8 +58,8 @@ TEST_P(ExactEstimator, NoiseNeverMakesAReflection) {
     const Points source = random_points(random, 4, Eigen::Vector3d(1, 1, 0.01));
     Points target = random_points(random, 4, Eigen::Vector3d(1, 1, 0.01));  // nothing in common
     const RigidAlignment found = GetParam()->estimate(source, target);
-    if (found.status == AlignmentStatus::ok)
-      EXPECT_NEAR(found.T_target_source.linear().determinant(), 1, 1e-9);
+    ASSERT_EQ(found.status, AlignmentStatus::ok);
+    EXPECT_NEAR(found.T_target_source.linear().determinant(), 1, 1e-9);
   }
 }
 

@@ -62,10 +62,10 @@ TEST(KdTree, FindsTheNearestFewInOrder) {
   std::vector<float> distances;
   for (const auto& p : points) distances.push_back((p - query).squaredNorm());
   std::sort(distances.begin(), distances.end());
-  const auto found = tree.nearest(query, std::size_t{20});
+  const auto found = tree.nearest_few(query, 20);
   ASSERT_EQ(found.size(), 20u);
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].squared_distance, distances[i]);
-  EXPECT_EQ(tree.nearest(query, std::size_t{1000}).size(), points.size());
+  EXPECT_EQ(tree.nearest_few(query, 1000).size(), points.size());
 }
 
 TEST(KdTree, GarbageIsNeverFound) {
@@ -98,7 +98,8 @@ TEST(VoxelMap, FindsTheNearestSurfelAtAnyDistance) {
     const int expected = exhaustive(surfels.points, query, max_distance);
     TargetPoint found;
     ASSERT_EQ(map.find(query, max_distance, found), expected >= 0);
-    if (expected >= 0) EXPECT_EQ(found.point, surfels.points[static_cast<std::size_t>(expected)]);
+    if (expected < 0) continue;
+    EXPECT_EQ(found.point, surfels.points[static_cast<std::size_t>(expected)]);
   }
 }
 

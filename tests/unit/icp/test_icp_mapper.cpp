@@ -1,0 +1,229 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "icp/icp_mapper.hpp"
+#include "unit/icp/recordings.hpp"
+
+namespace lcmslam {
+namespace {
+
+// What a robot in the room sees: the scene in the robot's (= camera's) frame, slightly noisy.
+ColouredCloud seen_from(const Cloud& scene, const Eigen::Isometry3d& T_world_robot, std::uint64_t seed) {
+  const Cloud moved = transformed(scene, T_world_robot.inverse());
+  Random random(seed);
+  ColouredCloud cloud;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    cloud.points.push_back(moved.points[i] + static_cast<float>(random.normal(0, 0.003)) * moved.normals[i]);
+    cloud.normals.push_back(moved.normals[i]);
+    cloud.sigmas.push_back(0.003f);
+    cloud.colours.emplace_back(10, 20, 30);
+  }
+  return cloud;
+}
+
+void expect_pose(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth, double metres, double radians) {
+  const Eigen::Isometry3d e = truth.inverse() * found;
+  EXPECT_LT(e.translation().norm(), metres);
+  EXPECT_LT(rotation_angle(e), radians);
+}
+
+const Eigen::Isometry3d no_mount = Eigen::Isometry3d::Identity();
+constexpr Utime frame_time = 100'000;
+
+TEST(IcpMapper, FollowsAKnownPathWithoutOdometry) {
+  IcpMapper mapper;
+  const Cloud scene = room(0.03);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 20; ++i) {
+    SCOPED_TRACE(i);
+    const auto step = mapper.step(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount);
+    EXPECT_EQ(to_string(step.status), "tracking");
+    expect_pose(step.T_world_robot, T, 0.01, 0.005);
+    T = T * se3_exp(twist(0.02, 0.01, 0, 0, 0.005, 0.02));
+  }
+  EXPECT_GT(mapper.keyframes().size(), 1u);
+}
+
+// A slip that exceeds what odometry states: registration wins where the scene fixes the pose.
+TEST(IcpMapper, OvercomesAWheelSlip) {
+  IcpMapperSettings settings;
+  settings.prior.planar = true;
+  IcpMapper mapper(settings);
+  const Cloud scene = room(0.03);
+  mapper.step(0, seen_from(scene, no_mount, 1), no_mount);
+  Motion slipped;
+  slipped.T_from_to = planar_pose(0.05, 0.03, 0.04);  // in truth it stood still
+  slipped.covariance = 1e-8 * Matrix6d::Identity();
+  const auto step = mapper.step(frame_time, seen_from(scene, no_mount, 2), no_mount, slipped);
+  EXPECT_EQ(to_string(step.status), "tracking");
+  expect_pose(step.T_world_robot, no_mount, 0.006, 0.004);
+}
+
+TEST(IcpMapper, FollowsOdometryAlongABareWall) {
+  IcpMapperSettings settings;
+  settings.prior.planar = true;
+  IcpMapper mapper(settings);
+  const Cloud scene = wall(0.03);
+  mapper.step(0, seen_from(scene, no_mount, 1), no_mount);
+  Motion motion;
+  motion.T_from_to = planar_pose(0, 0.1, 0);
+  motion.covariance = 1e-6 * Matrix6d::Identity();
+  const auto step = mapper.step(frame_time, seen_from(scene, motion.T_from_to, 2), no_mount, motion);
+  EXPECT_FALSE(step.registration.degenerate.empty());
+  expect_pose(step.T_world_robot, motion.T_from_to, 0.01, 0.01);
+}
+
+TEST(IcpMapper, GarbageIsLostAndTheMapIsLeftAlone) {
+  IcpMapper mapper;
+  const Cloud scene = room(0.03);
+  EXPECT_EQ(to_string(mapper.step(0, {}, no_mount).status), "initialising");
+  mapper.step(frame_time, seen_from(scene, no_mount, 1), no_mount);
+  const std::size_t before = mapper.map().size();
+
+  ColouredCloud not_finite = seen_from(scene, no_mount, 2);
+  for (auto& p : not_finite.points) p.setConstant(std::numeric_limits<float>::quiet_NaN());
+  ColouredCloud coincident = seen_from(scene, no_mount, 3);
+  for (auto& p : coincident.points) p = Eigen::Vector3f(1, 0, 0);
+  ColouredCloud no_normals = seen_from(scene, no_mount, 4);
+  no_normals.normals.clear();
+  const ColouredCloud elsewhere = seen_from(sphere({3, 2, 2}, 0.5), no_mount, 5);
+  Utime utime = 2 * frame_time;
+  for (const ColouredCloud& cloud : {ColouredCloud{}, not_finite, coincident, no_normals, elsewhere}) {
+    const auto step = mapper.step(utime += frame_time, cloud, no_mount);
+    EXPECT_EQ(to_string(step.status), "lost");
+    EXPECT_TRUE(step.T_world_robot.matrix().allFinite());
+    EXPECT_TRUE(step.covariance.allFinite());
+    EXPECT_EQ(mapper.map().size(), before);
+  }
+  // And it comes back.
+  const auto step = mapper.step(utime + frame_time, seen_from(scene, no_mount, 6), no_mount);
+  EXPECT_EQ(to_string(step.status), "tracking");
+  expect_pose(step.T_world_robot, no_mount, 0.01, 0.005);
+}
+
+TEST(IcpMapper, RecoversAtAKeyframeAfterAJump) {
+  IcpMapper mapper;
+  const Cloud scene = room(0.03);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  Utime utime = 0;
+  for (int i = 0; i < 25; ++i) {
+    mapper.step(utime += frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount);
+    T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.03));
+  }
+  // Carried back to the start while the camera was covered.
+  for (int i = 0; i < 3; ++i) mapper.step(utime += frame_time, {}, no_mount);
+  IcpMapper::Step step;
+  for (int i = 0; i < 5; ++i)
+    step = mapper.step(utime += frame_time, seen_from(scene, no_mount, 77), no_mount);
+  EXPECT_EQ(to_string(step.status), "tracking");
+  expect_pose(step.T_world_robot, no_mount, 0.02, 0.01);
+}
+
+// A cloud that shares nothing with the map: odometry, when there is any, is believed after a while.
+TEST(IcpMapper, GoesOnFromOdometryWhereTheMapEnds) {
+  IcpMapperSettings settings;
+  settings.reseed_after = 3;
+  IcpMapper mapper(settings);
+  mapper.step(0, seen_from(room(0.03), no_mount, 1), no_mount);
+  Motion turn;
+  turn.T_from_to = planar_pose(0, 0, 0.6);
+  turn.covariance = 1e-4 * Matrix6d::Identity();
+  const Eigen::Isometry3d T = planar_pose(0, 0, 3.0);
+  Motion still = turn;
+  still.T_from_to.setIdentity();
+  const ColouredCloud behind = seen_from(transformed(room(0.03), T), T, 2);
+  IcpMapper::Step step;
+  for (int i = 1; i <= 8; ++i) step = mapper.step(i * frame_time, behind, no_mount, i <= 5 ? turn : still);
+  EXPECT_EQ(to_string(step.status), "tracking");
+  expect_pose(step.T_world_robot, T, 0.02, 0.02);
+}
+
+// Against motion capture; the stretch turns fast and comes back.
+TEST(IcpMapper, TracksAHandHeldRecording) {
+  const auto recording = Fr1Recording::open();
+  if (!recording) GTEST_SKIP() << "no ../shared/data/tum_fr1_rpy";
+  const std::size_t first = 100;
+  const auto run = [&](std::size_t count) {
+    IcpMapper mapper;
+    std::vector<IcpMapper::Step> steps;
+    for (std::size_t i = first; i < first + count; ++i)
+      steps.push_back(mapper.step(recording->utime(i), recording->cloud(i), optical_axes()));
+    return steps;
+  };
+  const auto steps = run(60);
+  const Eigen::Isometry3d T_truth_world = recording->T_world_camera(first) * optical_axes().inverse();
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    SCOPED_TRACE(k);
+    EXPECT_EQ(to_string(steps[k].status), "tracking");
+    const Eigen::Isometry3d T_truth_camera = T_truth_world * steps[k].T_world_robot * optical_axes();
+    expect_pose(T_truth_camera, recording->T_world_camera(first + k), 0.06, 0.04);
+  }
+  const auto again = run(10);
+  for (std::size_t k = 0; k < again.size(); ++k)
+    EXPECT_TRUE(again[k].T_world_robot.matrix() == steps[k].T_world_robot.matrix());
+}
+
+TEST(CloudFilter, KeepsWhatIsWithinTheLimits) {
+  ColouredCloud cloud;
+  const auto add = [&](const Eigen::Vector3f& p, const Eigen::Vector3f& n, float sigma) {
+    cloud.points.push_back(p);
+    cloud.normals.push_back(n);
+    cloud.sigmas.push_back(sigma);
+    cloud.colours.emplace_back(0, 0, 0);
+  };
+  const Eigen::Vector3f facing(0, 0, -1);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  add({0, 0, 2}, facing, 0.01f);        // good
+  add({0, 0, 0.1f}, facing, 0.01f);     // too near
+  add({0, 0, 20}, facing, 0.01f);       // too far
+  add({0, 0, 2}, {1, 0, 0}, 0.01f);     // grazing
+  add({0, 0, 2}, facing, 1.0f);         // too noisy
+  add({nan, 0, 2}, facing, 0.01f);
+  add({0, 0, 2}, {nan, nan, nan}, 0.01f);
+  EXPECT_EQ(usable_points(cloud).size(), 1u);
+}
+
+// A wall 3 m away, a box at 2 m in front of it and mixed pixels between, at several resolutions.
+TEST(JumpEdges, MixedPixelsGoAndSurfacesStay) {
+  for (const int width : {176, 320, 640}) {
+    SCOPED_TRACE(width);
+    const int height = width * 3 / 4;
+    const double focal = width;
+    Random random(1);
+    cv::Mat points(height, width, CV_32FC3), sigma(height, width, CV_32FC1, cv::Scalar(0.004));
+    int good = 0;
+    const int left = width / 3, right = 2 * width / 3;
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) {
+        double z = u > left && u < right ? 2 : 3;
+        if (u == left || u == right) z = 2.5 + random.uniform(-0.25, 0.25);  // mixed
+        else ++good;
+        z += random.normal(0, 0.004);
+        points.at<cv::Vec3f>(v, u) = cv::Vec3f(static_cast<float>(z * (u - width / 2) / focal),
+                                               static_cast<float>(z * (v - height / 2) / focal),
+                                               static_cast<float>(z));
+      }
+    JumpEdgeSettings settings;
+    settings.min_neighbours = 3;
+    const int removed = remove_jump_edges(points, sigma, settings);
+    int mixed_left = 0;
+    for (int v = 0; v < height; ++v)
+      for (const int u : {left, right}) mixed_left += points.at<cv::Vec3f>(v, u)[2] > 0;
+    EXPECT_LT(mixed_left, 0.05 * 2 * height);
+    EXPECT_LT(removed - (2 * height - mixed_left), 0.05 * good);
+  }
+}
+
+TEST(VoxelFilter, AveragesAndRefusesBadSizes) {
+  Cloud cloud;
+  cloud.points = {{0.01f, 0, 0}, {0.03f, 0, 0}, {1, 0, 0}};
+  const Cloud reduced = voxel_filtered(cloud, 0.1);
+  ASSERT_EQ(reduced.size(), 2u);
+  EXPECT_FLOAT_EQ(reduced.points[0].x(), 0.02f);
+  EXPECT_THROW(voxel_filtered(cloud, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace lcmslam
