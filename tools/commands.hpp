@@ -7,5 +7,6 @@ int demo_command(int argc, char** argv);
 int import_command(int argc, char** argv);
 int launch_command(int argc, char** argv);
 int simulate_command(int argc, char** argv);
+int study_command(int argc, char** argv);
 
 }  // namespace lcmslam

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "commands.hpp"
 #include "log_writer.hpp"
+#include "parse_command.hpp"
 
 namespace lcmslam {
 namespace {
@@ -27,7 +27,7 @@ int import_command(int argc, char** argv) {
   app.add_option("log", log, "file to write")->required();
   app.add_option("--calibration", calibration, "camera calibration (YAML)")->check(CLI::ExistingFile);
   app.add_option("--description", description, "layout of the folder (YAML, see config/datasets)")->check(CLI::ExistingFile);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   ConfigNode config;
   config.set("folder", folder);
   if (!calibration.empty()) config.set("calibration", calibration);
@@ -46,7 +46,7 @@ int simulate_command(int argc, char** argv) {
   app.add_option("--base", base, "differential, steered or mecanum");
   app.add_option("--seed", seed, "of the sensors' errors");
   app.add_option("--seconds", seconds, "only the first so many seconds");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   ConfigNode config;
   config.set("scene", std::filesystem::absolute(scene).lexically_normal());
   config.set("head", head);

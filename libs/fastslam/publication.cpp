@@ -7,8 +7,8 @@ namespace lcmslam {
 Landmark make_public(int slot, const ParticleMap& map, const LandmarkIndex& index) {
   const LandmarkRecord& record = index.record(slot);
   const LandmarkGaussian& gaussian = *map.find(static_cast<std::size_t>(slot));
-  return {record.id,     gaussian.mean,    gaussian.covariance,   record.observations,
-          record.colour, record.laplacian, index.descriptor(slot)};
+  return {record.id,       gaussian.mean, gaussian.covariance, record.observations,
+          record.log_odds, record.colour, record.laplacian,    index.descriptor(slot)};
 }
 
 bool LandmarkPublication::differs(const Sent& sent, const LandmarkGaussian& now) const {

@@ -45,7 +45,7 @@ ColouredCloud usable_points(const ColouredCloud& cloud, const CloudFilterSetting
   return result;
 }
 
-int remove_jump_edges(cv::Mat& points, const cv::Mat& sigma, const JumpEdgeSettings& settings) {
+int remove_jump_edges(cv::Mat& points, const cv::Mat& sigma, const JumpEdgeSettings& settings, int step) {
   if (points.type() != CV_32FC3 || (!sigma.empty() && (sigma.type() != CV_32FC1 || sigma.size() != points.size())))
     throw std::invalid_argument("jump edges: points must be CV_32FC3, sigma empty or CV_32FC1 of the same size");
   const cv::Mat seen = points.clone();
@@ -53,15 +53,15 @@ int remove_jump_edges(cv::Mat& points, const cv::Mat& sigma, const JumpEdgeSetti
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const cv::Point neighbours[4] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   int removed = 0;
-  for (int v = 0; v < seen.rows; ++v)
-    for (int u = 0; u < seen.cols; ++u) {
+  for (int v = 0; v < seen.rows; v += step)
+    for (int u = 0; u < seen.cols; u += step) {
       const cv::Vec3f& p = seen.at<cv::Vec3f>(v, u);
       if (!(p[2] == p[2])) continue;
       const float noise =
           sigma.empty() ? 0 : static_cast<float>(settings.noise_sigmas * std::sqrt(2.0)) * sigma.at<float>(v, u);
       int same = 0;
-      for (const cv::Point& step : neighbours) {
-        const cv::Point q(u + step.x, v + step.y);
+      for (const cv::Point& side : neighbours) {
+        const cv::Point q(u + side.x, v + side.y);
         if (q.x < 0 || q.y < 0 || q.x >= seen.cols || q.y >= seen.rows) continue;
         same += continues(p, seen.at<cv::Vec3f>(q), noise, tangent) == 1;
       }

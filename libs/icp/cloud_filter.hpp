@@ -26,7 +26,8 @@ struct JumpEdgeSettings {
 /// surface when their range differs by no more than the distance between their rays at that range
 /// times tan(max_incidence) plus the noise: the limit scales with pixel pitch and noise, so that it
 /// holds for any resolution. `points` CV_32FC3 (camera frame, m), `sigma` CV_32FC1 (m, may be empty).
+/// Only every `step`-th row and column is judged (and removed): what a thinned cloud will use.
 /// Returns how many were removed. Throws std::invalid_argument for other types or sizes.
-int remove_jump_edges(cv::Mat& points, const cv::Mat& sigma, const JumpEdgeSettings& settings = {});
+int remove_jump_edges(cv::Mat& points, const cv::Mat& sigma, const JumpEdgeSettings& settings = {}, int step = 1);
 
 }  // namespace lcmslam

@@ -191,16 +191,18 @@ void draw_landmarks(cv::Mat& picture, const ViewCamera& camera, const std::vecto
     if (landmark.mean.allFinite()) ordered.emplace_back(camera.project(landmark.mean).z(), &landmark);
   std::stable_sort(ordered.begin(), ordered.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
+  // Thousands of dots get smaller, so that the room's shape stays to be seen.
+  const double crowd = std::clamp(std::sqrt(1000.0 / static_cast<double>(ordered.size() + 1)), 0.45, 1.0);
   for (const auto& [depth, landmark] : ordered) {
     if (!camera.orthographic && depth <= 0.05) continue;
-    // 7 pixels at a standard deviation of 1 cm, falling to 2 at 1 m.
+    // 7 pixels at a standard deviation of 1 cm, falling to 2 at 1 m, where there are few.
     const double sigma = std::sqrt(std::max(landmark->covariance.trace() / 3, 1e-4));
     const double certainty = std::isfinite(sigma) ? std::clamp(-std::log10(sigma) / 2, 0.0, 1.0) : 0;
-    const double radius = (2 + 5 * certainty) * style.unit;
+    const double radius = (2 + 5 * certainty) * crowd * style.unit;
     const cv::Scalar colour(landmark->rgb[2], landmark->rgb[1], landmark->rgb[0]);
     const cv::Point centre = sub_pixel(camera.project(landmark->mean));
     const double one = 1 << fraction_bits;
-    cv::circle(picture, centre, pixels((radius + style.unit) * one), style.frame, cv::FILLED, cv::LINE_AA,
+    cv::circle(picture, centre, pixels((radius + crowd * style.unit) * one), style.frame, cv::FILLED, cv::LINE_AA,
                fraction_bits);
     cv::circle(picture, centre, pixels(radius * one), colour, cv::FILLED, cv::LINE_AA, fraction_bits);
   }

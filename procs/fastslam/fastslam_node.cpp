@@ -30,7 +30,7 @@ std::int8_t wire_status(TrackStatus status) {
   return pose_estimate_t::LOST;
 }
 
-landmark_t to_message(const Landmark& landmark, double log_odds) {
+landmark_t to_message(const Landmark& landmark) {
   MapLandmark m;
   m.id = landmark.id;
   m.mean = landmark.mean;
@@ -39,7 +39,7 @@ landmark_t to_message(const Landmark& landmark, double log_odds) {
   m.rgb = landmark.colour;
   m.descriptor = landmark.descriptor;
   m.laplacian = landmark.laplacian;
-  return to_message(m, log_odds);
+  return to_message(m, landmark.log_odds);
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ void FastSlamNode::publish_changes(Utime utime) {
   const MapChanges changes = slam_->take_changes();
   if (changes.changed.empty() && changes.removed.empty()) return;
   std::vector<landmark_t> landmarks;
-  for (const Landmark& landmark : changes.changed) landmarks.push_back(to_message(landmark, 0));
+  for (const Landmark& landmark : changes.changed) landmarks.push_back(to_message(landmark));
   // A change that needs several tiles goes out as several changes, each on top of the one before.
   for (landmarks_t& tile : make_landmark_tiles(utime, 0, 0, landmarks, changes.removed)) {
     tile.base_revision = revision_;
@@ -148,7 +148,7 @@ void FastSlamNode::publish_whole_map() {
   if (!slam_ || revision_ == 0) return;
   publish_changes(last_utime_);
   std::vector<landmark_t> landmarks;
-  for (const Landmark& landmark : slam_->landmarks()) landmarks.push_back(to_message(landmark, 0));
+  for (const Landmark& landmark : slam_->landmarks()) landmarks.push_back(to_message(landmark));
   for (const landmarks_t& tile : make_landmark_tiles(last_utime_, revision_, 0, landmarks, {}))
     publisher_.publish("FASTSLAM_LANDMARKS", tile);
 }

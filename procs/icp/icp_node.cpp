@@ -101,14 +101,16 @@ void IcpNode::restart() {
 IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   Shot shot;
   shot.depth_utime = calibration_->depth_time(frame.depth_utime);
-  const auto motion = join_.motion().between(frame.utime, shot.depth_utime);
+  // Images of one moment need no motion, and registering them without it is much cheaper.
+  const bool together = std::abs(frame.utime - shot.depth_utime) < 1000;
+  const auto motion = together ? std::nullopt : join_.motion().between(frame.utime, shot.depth_utime);
   shot.utime = motion ? frame.utime : shot.depth_utime;
   if (motion) shot.T_points_depth = motion->T_from_to;
   const Eigen::Isometry3d& T_robot_camera = calibration_->T_robot_camera;
   RegisteredDepth depth = (*registration_)(frame, T_robot_camera.inverse() * shot.T_points_depth * T_robot_camera);
-  remove_jump_edges(depth.points, depth.sigma);
   const double pixels = static_cast<double>(depth.points.total());
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
+  remove_jump_edges(depth.points, depth.sigma, {}, step);
   shot.cloud = make_cloud(frame, depth, step);
   return shot;
 }

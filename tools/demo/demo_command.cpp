@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <lcmslam/map_request_t.hpp>
 
@@ -9,6 +8,7 @@
 #include "demo/run_recorder.hpp"
 #include "demo/run_summary.hpp"
 #include "launch/graph.hpp"
+#include "parse_command.hpp"
 #include "run_folder.hpp"
 #include "runtime/lcm_bus.hpp"
 #include "runtime/options.hpp"
@@ -33,7 +33,7 @@ struct DemoOptions {
   bool headless = false;
 };
 
-int parse(int argc, char** argv, DemoOptions& o) {
+std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
   CLI::App app{"Runs the whole graph live, on the simulated kitchen or a recording, and shows both maps.", "lcmslam demo"};
   app.add_option("--data", o.data, "data set folder instead of the simulation: TUM RGB-D, 7-Scenes, numbered images")
       ->check(CLI::ExistingDirectory);
@@ -47,12 +47,7 @@ int parse(int argc, char** argv, DemoOptions& o) {
   app.add_option("--set", o.overrides, "override of the configuration: section.key=value");
   app.add_option("--lcm-url", o.lcm_url, "LCM provider");
   app.add_option("--log-level", o.log_level, "of the processes");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  return -1;
+  return parse_command(app, argc, argv);
 }
 
 /// Options become overrides of the configuration.
@@ -227,7 +222,7 @@ class Demo {
 
 int demo_command(int argc, char** argv) {
   DemoOptions options;
-  if (const int exit_code = parse(argc, argv, options); exit_code >= 0) return exit_code;
+  if (const auto exit_code = parse(argc, argv, options)) return *exit_code;
   const std::string name = options.data.empty() ? "demo" : std::filesystem::path(options.data).filename().string();
   if (options.out.empty()) options.out = new_run_folder(name.empty() ? "data" : name);
   std::filesystem::create_directories(options.out);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "evaluation/table.hpp"
 #include "evaluation/trajectory_plot.hpp"
 
 namespace lcmslam {
@@ -32,15 +33,28 @@ const status_t& status_of(const RunRecorder& run, const std::string& process) {
   return found == run.board().end() ? none : found->second;
 }
 
-std::string path_line(const NamedPath& named, const std::optional<TrajectoryReport>& report, double odometry_ate) {
-  const RecordedPath& path = named.path;
-  if (!report) return fmt::format("  {:<9} {:>6} poses\n", named.name, path.trajectory.size());
-  const double ate = report->absolute.translation.rmse;
-  return fmt::format("  {:<9} {:>6} {:>8} {:>9.4f} {:>9.4f} {:>9.4f} {:>10.4f} {:>10.3f} {:>9.2f} {:>6} {:>6}\n", named.name,
-                     path.trajectory.size(), report->matched_poses, ate, report->absolute.translation.median,
-                     report->absolute.translation.maximum, report->per_second.translation.rmse,
-                     report->per_second.rotation.rmse * 180 / M_PI, odometry_ate > 0 ? ate / odometry_ate : 1.0,
-                     path.lost, path.degraded);
+Table path_table(const RunRecorder& run) {
+  Table table({"path", "poses", "matched", "ATE rmse m", "median", "max", "RPE m/s", "RPE deg/s", "vs odometry", "lost",
+               "degraded"});
+  double odometry_ate = 0;
+  for (const auto& [name, path] : paths(run)) {
+    std::vector<std::string> row = {name, std::to_string(path.trajectory.size())};
+    if (const auto report = run.evaluate_path(path)) {
+      const double ate = report->absolute.translation.rmse;
+      if (&path == &run.odometry()) odometry_ate = ate;
+      row.insert(row.end(), {std::to_string(report->matched_poses), fixed_number(ate, 4),
+                             fixed_number(report->absolute.translation.median, 4),
+                             fixed_number(report->absolute.translation.maximum, 4),
+                             fixed_number(report->per_second.translation.rmse, 4),
+                             fixed_number(report->per_second.rotation.rmse * 180 / M_PI, 2),
+                             fixed_number(ate / odometry_ate, 2)});
+    } else {
+      row.resize(9, "-");
+    }
+    row.insert(row.end(), {std::to_string(path.lost), std::to_string(path.degraded)});
+    table.add(row);
+  }
+  return table;
 }
 
 std::string loss_line(const RunRecorder& run, const std::string& process, const std::string& channel) {
@@ -98,14 +112,10 @@ nlohmann::json process_json(const status_t& status) {
 
 std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
   const auto odometry = run.evaluate_path(run.odometry());
-  const double odometry_ate = odometry ? odometry->absolute.translation.rmse : 0;
   std::string text = fmt::format("\n{}\n", facts.title);
   text += fmt::format("{:.0f} frames in {:.1f} s", status_value(status_of(run, "camera"), "frames"), facts.seconds);
   if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
-  text += fmt::format("\n\n  {:<9} {:>6} {:>8} {:>9} {:>9} {:>9} {:>10} {:>10} {:>9} {:>6} {:>6}\n", "path", "poses", "matched",
-                      "ATE rmse", "median", "max (m)", "RPE m/s", "RPE deg/s", "vs odom", "lost", "degr.");
-  for (const auto& named : paths(run)) text += path_line(named, run.evaluate_path(named.path), odometry_ate);
-  text += "\n";
+  text += "\n\n" + path_table(run).text() + "\n";
   text += loss_line(run, "surf", "CAMERA");
   text += loss_line(run, "icp", "CAMERA");
   text += loss_line(run, "fastslam", "FEATURES");

@@ -1,12 +1,12 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "commands.hpp"
 #include "launch/graph.hpp"
 #include "launch/status_table.hpp"
+#include "parse_command.hpp"
 #include "run_folder.hpp"
 #include "runtime/lcm_bus.hpp"
 #include "runtime/options.hpp"
@@ -46,7 +46,7 @@ int launch_command(int argc, char** argv) {
   std::string folder;
   app.add_option("--out", folder, "folder for the processes' output (default out/launch-TIME)");
   app.add_flag("--private-bus", private_bus, "own network namespace: nobody else hears or disturbs the graph");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
   options.folder = folder.empty() ? new_run_folder("launch") : std::filesystem::path(folder);
   if (private_bus && !enter_private_bus()) {

@@ -1,0 +1,69 @@
+// The command lines of all programs.
+
+#include <gmock/gmock.h>
+
+#include "integration/support/environment.hpp"
+#include "integration/support/program.hpp"
+
+namespace lcmslam::integration {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double patience = 30;  // s
+
+std::vector<std::vector<std::string>> all_programs() {
+  return {{"lcmslam"},         {"lcmslam", "demo"},  {"lcmslam", "launch"}, {"lcmslam", "import"}, {"lcmslam", "simulate"},
+          {"lcmslam-camera"},  {"lcmslam-surf"},     {"lcmslam-odometry"},  {"lcmslam-fastslam"},  {"lcmslam-icp"},
+          {"lcmslam-map-server"}};
+}
+
+class Options : public testing::TestWithParam<std::vector<std::string>> {
+ protected:
+  static Result run_with(const std::string& option) {
+    std::vector<std::string> arguments = GetParam();
+    arguments.push_back(option);
+    return run(arguments, patience);
+  }
+};
+
+TEST_P(Options, HelpNamesTheProgramAndSucceeds) {
+  const Result result = run_with("--help");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr(GetParam().front()));
+}
+
+TEST_P(Options, VersionSucceeds) {
+  const Result result = run_with("--version");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, testing::ContainsRegex("lcmslam [0-9]+\\.[0-9]+\\.[0-9]+"));
+}
+
+TEST_P(Options, AnUnknownOptionIsNamedAndRefused) {
+  const Result result = run_with("--no-such-option");
+  EXPECT_EQ(result.exit_code, 2) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("--no-such-option"));
+}
+
+INSTANTIATE_TEST_SUITE_P(AllPrograms, Options, testing::ValuesIn(all_programs()), [](const auto& info) {
+  std::string name = info.param.front() + (info.param.size() > 1 ? "_" + info.param[1] : "");
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+TEST(OptionsOfLcmslam, AnUnknownCommandIsRefused) {
+  const Result result = run({"lcmslam", "dance"}, patience);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("dance"));
+}
+
+TEST(OptionsOfProcesses, AFileThatIsMissingIsNamed) {
+  for (const std::string option : {"--config", "--log-level"}) {
+    const Result result = run({"lcmslam-surf", option, "/nowhere/at-all"}, patience);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.output, HasSubstr("/nowhere/at-all"));
+  }
+}
+
+}  // namespace
+}  // namespace lcmslam::integration

@@ -1,0 +1,67 @@
+#include "integration/support/environment.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <random>
+#include <thread>
+
+#include "runtime/options.hpp"
+#include "runtime/private_bus.hpp"
+
+namespace lcmslam::integration {
+
+int run_tests(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  std::string url = default_lcm_url;
+  if (!enter_private_bus()) {
+    const unsigned port = 20'000 + std::random_device()() % 10'000;
+    url.replace(url.find(":7667"), 5, ":" + std::to_string(port));
+    std::cerr << "no private network namespace on this machine: tests run on the shared bus " << url << "\n";
+  }
+  setenv("LCM_DEFAULT_URL", url.c_str(), 1);
+  return RUN_ALL_TESTS();
+}
+
+std::filesystem::path program_folder() {
+  const char* folder = std::getenv("LCMSLAM_PROGRAMS");
+  return folder != nullptr ? folder : LCMSLAM_PROGRAMS;
+}
+
+std::filesystem::path source_folder() { return LCMSLAM_SOURCE_DIR; }
+
+std::filesystem::path data_folder() {
+  const char* folder = std::getenv("LCMSLAM_DATA");
+  return folder != nullptr ? std::filesystem::path(folder) : source_folder() / "../shared/data";
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = std::filesystem::temp_directory_path() / "lcmslam-test-XXXXXX";
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot be made");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  const auto* test = testing::UnitTest::GetInstance();
+  if (test->current_test_suite() != nullptr && test->current_test_suite()->Failed()) {
+    std::cerr << "kept for a look: " << path_ << "\n";
+    return;
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+bool wait_until(const std::function<bool()>& predicate, double seconds) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_factor * seconds);
+  while (!predicate()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+}  // namespace lcmslam::integration
+
+int main(int argc, char** argv) { return lcmslam::integration::run_tests(argc, argv); }

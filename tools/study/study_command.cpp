@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "evaluation/table.hpp"
+#include "launch/graph.hpp"
+#include "run_folder.hpp"
+
+namespace lcmslam {
+namespace {
+
+const char* const path_names[] = {"odometry", "fastslam", "icp"};
+
+/// One live run; its summary.json.
+nlohmann::json run_demo(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+  std::string command = (program_folder() / "lcmslam").string() + " demo --headless --out '" + folder.string() + "'";
+  for (const auto& argument : arguments) command += " '" + argument + "'";
+  command += " > '" + (folder.string() + ".txt") + "' 2>&1";
+  const int status = std::system(command.c_str());
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw std::runtime_error("the run failed; see " + folder.string() + ".txt");
+  std::ifstream file(folder / "summary.json");
+  return nlohmann::json::parse(file);
+}
+
+double ate(const nlohmann::json& summary, const std::string& path) {
+  return summary.at("paths").at(path).at("ate").at("translation_rmse_m").get<double>();
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
+}  // namespace
+
+int study_command(int argc, char** argv) {
+  std::vector<int> seeds = {1, 2, 3, 4, 5};
+  std::string config, data;
+  double seconds = 0;
+  std::vector<std::string> overrides;
+  CLI::App app{"Runs the demo live once for each seed and prints the errors of all runs.", "lcmslam study"};
+  app.add_option("--seeds", seeds, "of sensors and particles")->delimiter(',');
+  app.add_option("--config", config, "as for the demo")->check(CLI::ExistingFile);
+  app.add_option("--data", data, "a recording instead of the simulation")->check(CLI::ExistingDirectory);
+  app.add_option("--seconds", seconds, "only the first so many seconds");
+  app.add_option("--set", overrides, "override: section.key=value");
+  CLI11_PARSE(app, argc, argv);
+
+  const std::filesystem::path folder = new_run_folder("study");
+  Table table({"seed", "frames", "odometry ATE m", "fastslam ATE m", "icp ATE m", "icp frames", "lost"});
+  std::map<std::string, std::vector<double>> errors;
+  for (const int seed : seeds) {
+    std::vector<std::string> arguments = {"--seed", std::to_string(seed)};
+    if (!config.empty()) arguments.insert(arguments.end(), {"--config", config});
+    if (!data.empty()) arguments.insert(arguments.end(), {"--data", data});
+    if (seconds > 0) arguments.insert(arguments.end(), {"--seconds", std::to_string(seconds)});
+    for (const auto& value : overrides) arguments.insert(arguments.end(), {"--set", value});
+    const nlohmann::json summary = run_demo(arguments, folder / ("seed-" + std::to_string(seed)));
+    std::vector<std::string> row = {std::to_string(seed), fmt::format("{:.0f}", summary.at("frames").get<double>())};
+    for (const char* name : path_names) {
+      errors[name].push_back(ate(summary, name));
+      row.push_back(fixed_number(errors[name].back(), 4));
+    }
+    const auto& paths = summary.at("paths");
+    row.push_back(std::to_string(paths.at("icp").at("poses").get<int>()));
+    row.push_back(std::to_string(paths.at("icp").at("lost").get<int>() + paths.at("fastslam").at("lost").get<int>()));
+    table.add(row);
+    std::cout << "seed " << seed << ": done" << std::endl;
+  }
+  for (const bool worst : {false, true}) {
+    std::vector<std::string> row = {worst ? "worst" : "median", ""};
+    for (const char* name : path_names) {
+      const auto& values = errors[name];
+      row.push_back(fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 4));
+    }
+    row.insert(row.end(), {"", ""});
+    table.add(row);
+  }
+  std::cout << table.text() << "\nruns: " << folder.string() << "\n";
+  return 0;
+}
+
+}  // namespace lcmslam
