@@ -2,8 +2,8 @@
 
 #include <iostream>
 
+#include "camera/camera_log.hpp"
 #include "commands.hpp"
-#include "log_writer.hpp"
 #include "parse_command.hpp"
 
 namespace lcmslam {
@@ -54,7 +54,7 @@ int simulate_command(int argc, char** argv) {
   config.set("seed", std::to_string(seed));
   config.set("seconds", std::to_string(seconds));
   config.set("threads", "2");
-  return write(*make_simulation_source(config), log);
+  return write(*make_live_simulation(config), log);
 }
 
 }  // namespace lcmslam

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "commands.hpp"
+#include "runtime/options.hpp"
 
 int main(int argc, char** argv) {
   using namespace lcmslam;
@@ -22,6 +23,16 @@ int main(int argc, char** argv) {
       std::cerr << "lcmslam " << name << ": " << error.what() << "\n";
       return 1;
     }
+  }
+  if (std::strcmp(name, "--version") == 0) {
+    std::cout << "lcmslam " << lcmslam_version << "\n";
+    return 0;
+  }
+  if (std::strcmp(name, "--help") == 0) {
+    std::cout << "usage: lcmslam COMMAND [options]; lcmslam COMMAND --help for its options. Commands:";
+    for (const Command& command : commands) std::cout << " " << command.name;
+    std::cout << "\n";
+    return 0;
   }
   std::cerr << "lcmslam: unknown command '" << name << "'; ./lcmslam help lists them\n";
   return 2;

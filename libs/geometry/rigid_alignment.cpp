@@ -34,18 +34,23 @@ AlignmentStatus check_shape(const PairMoments& m, double source_square, double t
 
 std::string to_string(AlignmentStatus status) {
   switch (status) {
-    case AlignmentStatus::ok: return "ok";
-    case AlignmentStatus::bad_input: return "bad input";
-    case AlignmentStatus::too_few: return "too few pairs";
-    case AlignmentStatus::coincident: return "coincident points";
-    case AlignmentStatus::collinear: return "collinear points";
+    case AlignmentStatus::ok:
+      return "ok";
+    case AlignmentStatus::bad_input:
+      return "bad input";
+    case AlignmentStatus::too_few:
+      return "too few pairs";
+    case AlignmentStatus::coincident:
+      return "coincident points";
+    case AlignmentStatus::collinear:
+      return "collinear points";
   }
   return "unknown";
 }
 
 RigidAlignment RigidEstimator::estimate(const std::vector<Eigen::Vector3d>& source,
-                                   const std::vector<Eigen::Vector3d>& target,
-                                   const std::vector<double>& weights) const {
+                                        const std::vector<Eigen::Vector3d>& target,
+                                        const std::vector<double>& weights) const {
   RigidAlignment result;
   result.status = check_input(source, target, weights);
   if (!result) return result;

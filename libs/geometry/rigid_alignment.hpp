@@ -29,10 +29,10 @@ struct RigidAlignment {
 
 /// What the pairs are reduced to.
 struct PairMoments {
-  double total = 0;                     ///< sum of weights
+  double total = 0;  ///< sum of weights
   Eigen::Vector3d source_mean, target_mean;
-  Eigen::Matrix3d cross;                ///< H = sum w p' q'^T
-  Eigen::Matrix3d source_spread;        ///< sum w p' p'^T
+  Eigen::Matrix3d cross;          ///< H = sum w p' q'^T
+  Eigen::Matrix3d source_spread;  ///< sum w p' p'^T
 };
 
 /// Finds the rotation from the moments; the interface does what is common.
@@ -40,8 +40,9 @@ class RigidEstimator {
  public:
   virtual ~RigidEstimator() = default;
   /// Weights may be empty: all one. Never throws, never gives NaN.
-  RigidAlignment estimate(const std::vector<Eigen::Vector3d>& source, const std::vector<Eigen::Vector3d>& target,
-                     const std::vector<double>& weights = {}) const;
+  RigidAlignment estimate(const std::vector<Eigen::Vector3d>& source,
+                          const std::vector<Eigen::Vector3d>& target,
+                          const std::vector<double>& weights = {}) const;
 
  private:
   virtual Eigen::Matrix3d rotation(const PairMoments& moments) const = 0;

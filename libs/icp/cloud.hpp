@@ -19,8 +19,7 @@ struct Cloud {
 };
 
 /// The coloured cloud without its colours, points and normals moved by T.
-Cloud geometry_of(const ColouredCloud& cloud,
-                  const Eigen::Isometry3d& T = Eigen::Isometry3d::Identity());
+Cloud geometry_of(const ColouredCloud& cloud, const Eigen::Isometry3d& T = Eigen::Isometry3d::Identity());
 
 Cloud transformed(const Cloud& cloud, const Eigen::Isometry3d& T);
 

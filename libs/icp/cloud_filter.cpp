@@ -46,8 +46,10 @@ ColouredCloud usable_points(const ColouredCloud& cloud, const CloudFilterSetting
 }
 
 int remove_jump_edges(cv::Mat& points, const cv::Mat& sigma, const JumpEdgeSettings& settings, int step) {
-  if (points.type() != CV_32FC3 || (!sigma.empty() && (sigma.type() != CV_32FC1 || sigma.size() != points.size())))
-    throw std::invalid_argument("jump edges: points must be CV_32FC3, sigma empty or CV_32FC1 of the same size");
+  if (points.type() != CV_32FC3 ||
+      (!sigma.empty() && (sigma.type() != CV_32FC1 || sigma.size() != points.size())))
+    throw std::invalid_argument(
+        "jump edges: points must be CV_32FC3, sigma empty or CV_32FC1 of the same size");
   const cv::Mat seen = points.clone();
   const auto tangent = static_cast<float>(std::tan(settings.max_incidence));
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -58,7 +60,8 @@ int remove_jump_edges(cv::Mat& points, const cv::Mat& sigma, const JumpEdgeSetti
       const cv::Vec3f& p = seen.at<cv::Vec3f>(v, u);
       if (!(p[2] == p[2])) continue;
       const float noise =
-          sigma.empty() ? 0 : static_cast<float>(settings.noise_sigmas * std::sqrt(2.0)) * sigma.at<float>(v, u);
+          sigma.empty() ? 0
+                        : static_cast<float>(settings.noise_sigmas * std::sqrt(2.0)) * sigma.at<float>(v, u);
       int same = 0;
       for (const cv::Point& side : neighbours) {
         const cv::Point q(u + side.x, v + side.y);

@@ -45,10 +45,14 @@ RegistrationSettings IcpMapperSettings::fine_defaults() {
 
 std::string to_string(MappingStatus status) {
   switch (status) {
-    case MappingStatus::initialising: return "initialising";
-    case MappingStatus::tracking: return "tracking";
-    case MappingStatus::degraded: return "degraded";
-    case MappingStatus::lost: return "lost";
+    case MappingStatus::initialising:
+      return "initialising";
+    case MappingStatus::tracking:
+      return "tracking";
+    case MappingStatus::degraded:
+      return "degraded";
+    case MappingStatus::lost:
+      return "lost";
   }
   return "unknown";
 }
@@ -70,14 +74,14 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
 
   // Predict and register.
   const Prior prior = predict(T_world_last_, motion, free_motion(utime), settings_.prior);
-  const Attempt best = try_starts(reduced, starts(prior, feature_motion, T_robot_camera), prior);
+  const Attempt best = try_starts(reduced, starts(prior, motion, feature_motion, T_robot_camera), prior);
   step.registration = best.registration;
   step.status = best.status;
   step.quality = best.quality;
   const bool believed = best.status != MappingStatus::lost;
   step.T_world_robot = believed ? best.registration.T_target_source : prior.T_target_source;
-  step.covariance = believed ? best.registration.covariance
-                             : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+  step.covariance =
+      believed ? best.registration.covariance : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
   bad_steps_ = best.status == MappingStatus::tracking ? 0 : bad_steps_ + 1;
@@ -116,7 +120,7 @@ Eigen::Isometry3d IcpMapper::free_motion(Utime utime) const {
   return se3_exp(seconds * velocity_);
 }
 
-std::vector<Eigen::Isometry3d> IcpMapper::starts(const Prior& prior,
+std::vector<Eigen::Isometry3d> IcpMapper::starts(const Prior& prior, const std::optional<Motion>& motion,
                                                  const std::optional<Eigen::Isometry3d>& feature_motion,
                                                  const Eigen::Isometry3d& T_robot_camera) {
   std::vector<Eigen::Isometry3d> starts = {prior.T_target_source};
@@ -125,6 +129,8 @@ std::vector<Eigen::Isometry3d> IcpMapper::starts(const Prior& prior,
   if (bad_steps_ == 0) return starts;
 
   starts.push_back(T_world_last_);
+  // Wheels slip by centimetres, they do not jump to another place that happens to look alike.
+  if (motion && !motion->visual) return starts;
   const Eigen::Isometry3d T_camera_robot = T_robot_camera.inverse();
   for (int i = 0; i < settings_.recovery_keyframes && !keyframes_.empty(); ++i)
     starts.push_back(keyframes_[next_recovery_++ % keyframes_.size()].T_world_camera * T_camera_robot);

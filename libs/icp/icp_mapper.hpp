@@ -26,14 +26,14 @@ struct IcpMapperSettings {
   RegistrationSettings fine = fine_defaults();
 
   // trust
-  int min_points = 200;         ///< usable points after the voxel filter; fewer are no basis
-  double lost_overlap = 0.25;   ///< below: lost
-  double good_overlap = 0.40;   ///< below: degraded; also what a recovery must reach
-  double good_inliers = 0.5;    ///< share of the pairs within three sigmas; below: degraded
-  double max_jump = 0.30;       ///< m beyond the prediction: lost
-  double max_turn = 0.35;       ///< rad beyond the prediction: lost
-  int reseed_after = 10;        ///< bad frames after which odometry, if there is any, is believed
-  int recovery_keyframes = 3;   ///< tried as starts in each frame while lost
+  int min_points = 200;        ///< usable points after the voxel filter; fewer are no basis
+  double lost_overlap = 0.25;  ///< below: lost
+  double good_overlap = 0.40;  ///< below: degraded; also what a recovery must reach
+  double good_inliers = 0.5;   ///< share of the pairs within three sigmas; below: degraded
+  double max_jump = 0.30;      ///< m beyond the prediction: lost
+  double max_turn = 0.35;      ///< rad beyond the prediction: lost
+  int reseed_after = 10;       ///< bad frames after which odometry, if there is any, is believed
+  int recovery_keyframes = 3;  ///< tried as starts in each frame while lost, without wheels
 
   // growth
   double insert_distance = 0.02;   ///< m between insertions
@@ -59,8 +59,8 @@ class IcpMapper {
     Matrix6d covariance = Matrix6d::Zero();  ///< against the map; right perturbation, robot frame
     RegistrationResult registration;         ///< of the cloud in the robot frame to the world
     MappingStatus status = MappingStatus::initialising;
-    double quality = 0;                      ///< 0..1: overlap times share of inliers
-    bool keyframe = false;                   ///< keyframes().back() is new
+    double quality = 0;     ///< 0..1: overlap times share of inliers
+    bool keyframe = false;  ///< keyframes().back() is new
   };
 
   struct Keyframe {
@@ -90,7 +90,7 @@ class IcpMapper {
   void start_map(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
                  const Eigen::Isometry3d& T_robot_camera, Step& step);
   Eigen::Isometry3d free_motion(Utime utime) const;
-  std::vector<Eigen::Isometry3d> starts(const Prior& prior,
+  std::vector<Eigen::Isometry3d> starts(const Prior& prior, const std::optional<Motion>& motion,
                                         const std::optional<Eigen::Isometry3d>& feature_motion,
                                         const Eigen::Isometry3d& T_robot_camera);
   double score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const;

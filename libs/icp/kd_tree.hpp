@@ -13,8 +13,8 @@ namespace lcmslam {
 class KdTree {
  public:
   struct Neighbour {
-    std::int32_t index = -1;      ///< into the points, -1 when none
-    float squared_distance = 0;   ///< m^2
+    std::int32_t index = -1;     ///< into the points, -1 when none
+    float squared_distance = 0;  ///< m^2
   };
 
   /// Copies the points; those that are not finite are never found.
@@ -31,8 +31,8 @@ class KdTree {
  private:
   struct Node {
     float split = 0;
-    std::int32_t axis = -1;               // -1: leaf
-    std::int32_t left = -1, right = -1;   // children, or the range of a leaf
+    std::int32_t axis = -1;              // -1: leaf
+    std::int32_t left = -1, right = -1;  // children, or the range of a leaf
   };
   class NearestSearch;
   class ManySearch;

@@ -20,7 +20,9 @@ void PointToPlane::add(const Pair& pair, const Eigen::Matrix3d& R, NormalEquatio
   equations.weight += pair.weight;
 }
 
-double PointToPoint::squared_error(const Pair& pair) const { return pair.squared_distance(); }
+double PointToPoint::squared_error(const Pair& pair) const {
+  return pair.squared_distance();
+}
 
 // In source axes the residual is R^T (T p - q) and J = [I, -hat(p)].
 void PointToPoint::add(const Pair& pair, const Eigen::Matrix3d& R, NormalEquations& equations) const {

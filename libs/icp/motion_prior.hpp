@@ -15,11 +15,11 @@ struct MotionPriorSettings {
   double floor_translation = 0.03;  ///< m a step
   double floor_rotation = 0.03;     ///< rad a step
   // Without odometry: how far a step may differ from constant velocity.
-  double free_translation = 0.04;   ///< m a step
-  double free_rotation = 0.06;      ///< rad a step
+  double free_translation = 0.04;  ///< m a step
+  double free_rotation = 0.06;     ///< rad a step
   // With `planar`: how well the floor is a plane.
-  double plane_height = 0.01;       ///< m
-  double plane_tilt = 0.004;        ///< rad
+  double plane_height = 0.01;  ///< m
+  double plane_tilt = 0.004;   ///< rad
 };
 
 /// Prior of T_world_robot from the last pose and the motion since: odometry's, or with a velocity

@@ -8,13 +8,14 @@
 namespace lcmslam {
 
 struct Pair {
-  Eigen::Vector3d source = Eigen::Vector3d::Zero();         ///< m, source frame
-  Eigen::Vector3d moved = Eigen::Vector3d::Zero();          ///< m, target frame: T_target_source * source
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();         ///< m, target frame
-  Eigen::Vector3d moved_normal = Eigen::Vector3d::Zero();   ///< source normal in the target frame, NaN where unknown
+  Eigen::Vector3d source = Eigen::Vector3d::Zero();  ///< m, source frame
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();   ///< m, target frame: T_target_source * source
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< m, target frame
+  Eigen::Vector3d moved_normal =
+      Eigen::Vector3d::Zero();  ///< source normal in the target frame, NaN where unknown
   Eigen::Vector3d target_normal = Eigen::Vector3d::Zero();  ///< target frame, NaN where unknown
-  double variance = 1;            ///< m^2, both points' noise together
-  double weight = 1;              ///< set by weighting
+  double variance = 1;                                      ///< m^2, both points' noise together
+  double weight = 1;                                        ///< set by weighting
   double squared_distance() const { return (moved - target).squaredNorm(); }
 };
 

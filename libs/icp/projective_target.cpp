@@ -11,7 +11,8 @@ ProjectiveTarget::ProjectiveTarget(const Cloud& cloud, const Eigen::Isometry3d& 
                                    const ProjectionGrid& grid, int window)
     : cloud_(cloud), T_camera_target_(T_target_camera.inverse().cast<float>()), grid_(grid), window_(window) {
   if (grid.width <= 0 || grid.height <= 0 || !(grid.fx > 0) || !(grid.fy > 0) || window < 0)
-    throw std::invalid_argument("projection grid: sizes and focal lengths must be positive, window not negative");
+    throw std::invalid_argument(
+        "projection grid: sizes and focal lengths must be positive, window not negative");
   cells_.assign(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height), -1);
   std::vector<float> nearest(cells_.size(), std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < cloud_.size(); ++i) {

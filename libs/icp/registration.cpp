@@ -71,17 +71,20 @@ bool rms_settled(const std::vector<double>& history, double epsilon) {
 
 std::string to_string(StopReason reason) {
   switch (reason) {
-    case StopReason::converged: return "converged";
-    case StopReason::max_iterations: return "max_iterations";
-    case StopReason::too_few_pairs: return "too_few_pairs";
-    case StopReason::degenerate: return "degenerate";
+    case StopReason::converged:
+      return "converged";
+    case StopReason::max_iterations:
+      return "max_iterations";
+    case StopReason::too_few_pairs:
+      return "too_few_pairs";
+    case StopReason::degenerate:
+      return "degenerate";
   }
   return "unknown";
 }
 
-RegistrationResult register_cloud(const Cloud& source, const Target& target,
-                                  const Eigen::Isometry3d& T_start, const RegistrationSettings& settings,
-                                  const Prior* prior) {
+RegistrationResult register_cloud(const Cloud& source, const Target& target, const Eigen::Isometry3d& T_start,
+                                  const RegistrationSettings& settings, const Prior* prior) {
   const auto solver = make_solver(settings, prior);
   const auto metric = make_metric(settings.metric);
   const auto kernel = make_kernel(settings);
@@ -134,7 +137,8 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target,
 std::unique_ptr<Target> make_target(const Cloud& cloud, const RegistrationSettings& settings,
                                     const Eigen::Isometry3d& T_target_camera) {
   if (settings.correspondence == CorrespondenceKind::projective)
-    return std::make_unique<ProjectiveTarget>(cloud, T_target_camera);
+    return std::make_unique<ProjectiveTarget>(cloud, T_target_camera, ProjectionGrid{},
+                                              settings.projective_window);
   return std::make_unique<KdTreeTarget>(cloud);
 }
 

@@ -14,20 +14,20 @@
 namespace lcmslam {
 
 enum class StopReason {
-  converged,        ///< the last step was below epsilon
+  converged,  ///< the last step was below epsilon
   max_iterations,
-  too_few_pairs,    ///< nothing to register: T is where the last good step led
-  degenerate        ///< the pairs give no step at all
+  too_few_pairs,  ///< nothing to register: T is where the last good step led
+  degenerate      ///< the pairs give no step at all
 };
 std::string to_string(StopReason reason);
 
 struct RegistrationResult {
   Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();  ///< always finite
   Matrix6d covariance = Matrix6d::Identity();  ///< of T_target_source, right perturbation
-  std::vector<double> rms;       ///< m, of the metric's residual over the kept pairs, each iteration
-  int pairs = 0;                 ///< kept in the last iteration
-  int inliers = 0;               ///< of them, with a residual below three standard deviations
-  double overlap = 0;            ///< kept pairs / selected points, 0..1
+  std::vector<double> rms;  ///< m, of the metric's residual over the kept pairs, each iteration
+  int pairs = 0;            ///< kept in the last iteration
+  int inliers = 0;          ///< of them, with a residual below three standard deviations
+  double overlap = 0;       ///< kept pairs / selected points, 0..1
   Vector6d observability = Vector6d::Zero();  ///< share of the information, ascending (Observability::shares)
   std::vector<Vector6d> degenerate;           ///< unit twists (translation, rotation), source frame
   StopReason stop = StopReason::too_few_pairs;
@@ -37,9 +37,8 @@ struct RegistrationResult {
 /// T_target_source from a start. Throws std::invalid_argument for combinations of parts that do not
 /// exist (make_solver), never for data: clouds that are empty, not finite or degenerate give a stop
 /// reason and the start (or the last good) transform.
-RegistrationResult register_cloud(const Cloud& source, const Target& target,
-                                  const Eigen::Isometry3d& T_start, const RegistrationSettings& settings,
-                                  const Prior* prior = nullptr);
+RegistrationResult register_cloud(const Cloud& source, const Target& target, const Eigen::Isometry3d& T_start,
+                                  const RegistrationSettings& settings, const Prior* prior = nullptr);
 
 /// The cloud as the kind of target that the settings name. `T_target_camera` is where it was seen
 /// from, for the projective kind.

@@ -21,26 +21,27 @@ struct RegistrationSettings {
 
   // correspondence (how a cloud becomes a target; ready targets are taken as they are)
   CorrespondenceKind correspondence = CorrespondenceKind::kd_tree;
+  int projective_window = 2;  ///< cells searched on either side of the projection
 
   // rejection
-  double max_distance = 0.3;         ///< m, of the first iteration
-  double min_distance = 0.06;        ///< m; the adaptive limit does not fall below
-  double distance_sigmas = 3;        ///< limit = this times the pairs' RMS distance; 0: stays at max_distance
-  double max_normal_angle = 0.7;     ///< rad between both normals, where both are known; pi: off
-  double trimmed_fraction = 1.0;     ///< share of the nearest pairs that is kept
+  double max_distance = 0.3;      ///< m, of the first iteration
+  double min_distance = 0.06;     ///< m; the adaptive limit does not fall below
+  double distance_sigmas = 3;     ///< limit = this times the pairs' RMS distance; 0: stays at max_distance
+  double max_normal_angle = 0.7;  ///< rad between both normals, where both are known; pi: off
+  double trimmed_fraction = 1.0;  ///< share of the nearest pairs that is kept
 
   // weighting
-  bool weigh_by_noise = true;        ///< 1 / variance of the pair; otherwise all one
-  double noise_floor = 0.004;        ///< m, added (squared) to every pair's variance: what sigmas leave out
+  bool weigh_by_noise = true;  ///< 1 / variance of the pair; otherwise all one
+  double noise_floor = 0.004;  ///< m, added (squared) to every pair's variance: what sigmas leave out
   KernelKind kernel = KernelKind::geman_mcclure;
-  double kernel_width = 2.5;         ///< standard deviations
+  double kernel_width = 2.5;  ///< standard deviations
 
   // metric and solver
   MetricKind metric = MetricKind::point_to_plane;
   SolverKind solver = SolverKind::gauss_newton;
-  double degenerate_share = 0.01;    ///< directions with less information than this share of what the
-                                     ///< pairs could give are degenerate
-  double independent_pairs = 300;    ///< neighbouring pixels share errors: more pairs add no information
+  double degenerate_share = 0.01;  ///< directions with less information than this share of what the
+                                   ///< pairs could give are degenerate
+  double independent_pairs = 300;  ///< neighbouring pixels share errors: more pairs add no information
 
   // stop
   int max_iterations = 30;

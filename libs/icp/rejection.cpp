@@ -31,7 +31,8 @@ void MissingNormalRejector::reject(std::vector<Pair>& pairs) const {
 
 std::vector<std::unique_ptr<Rejector>> make_rejectors(const RegistrationSettings& settings) {
   std::vector<std::unique_ptr<Rejector>> chain;
-  if (settings.metric == MetricKind::point_to_plane) chain.push_back(std::make_unique<MissingNormalRejector>());
+  if (settings.metric == MetricKind::point_to_plane)
+    chain.push_back(std::make_unique<MissingNormalRejector>());
   if (settings.max_normal_angle < 3.14)
     chain.push_back(std::make_unique<NormalAngleRejector>(settings.max_normal_angle));
   if (settings.trimmed_fraction < 1)

@@ -8,13 +8,18 @@ namespace {
 
 std::unique_ptr<RigidEstimator> make_estimator(SolverKind kind) {
   switch (kind) {
-    case SolverKind::svd: return std::make_unique<SvdEstimator>();
-    case SolverKind::svd_uncorrected: return std::make_unique<SvdEstimator>(false);
-    case SolverKind::quaternion: return std::make_unique<QuaternionEstimator>();
-    case SolverKind::small_angle: return std::make_unique<SmallAngleEstimator>();
+    case SolverKind::svd:
+      return std::make_unique<SvdEstimator>();
+    case SolverKind::svd_uncorrected:
+      return std::make_unique<SvdEstimator>(false);
+    case SolverKind::quaternion:
+      return std::make_unique<QuaternionEstimator>();
+    case SolverKind::small_angle:
+      return std::make_unique<SmallAngleEstimator>();
     case SolverKind::small_angle_as_printed:
       return std::make_unique<SmallAngleEstimator>(SmallAngleEstimator::Form::as_printed);
-    case SolverKind::gauss_newton: break;
+    case SolverKind::gauss_newton:
+      break;
   }
   return nullptr;
 }
@@ -60,8 +65,9 @@ std::unique_ptr<Solver> make_solver(const RegistrationSettings& settings, const 
   if (settings.solver == SolverKind::gauss_newton)
     return std::make_unique<GaussNewtonSolver>(settings, prior);
   if (settings.metric != MetricKind::point_to_point)
-    throw std::invalid_argument("registration: closed-form estimators minimise point_to_point only; "
-                                "point_to_plane needs the solver gauss_newton");
+    throw std::invalid_argument(
+        "registration: closed-form estimators minimise point_to_point only; "
+        "point_to_plane needs the solver gauss_newton");
   if (prior) throw std::invalid_argument("registration: only the solver gauss_newton takes a prior");
   return std::make_unique<ClosedFormSolver>(make_estimator(settings.solver));
 }

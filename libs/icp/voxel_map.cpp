@@ -102,7 +102,8 @@ void VoxelMap::forget(const Eigen::Vector3d& view_point) {
   const double block_size = settings_.voxel_size * block_side;
   std::vector<double> distance(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i)
-    distance[i] = ((blocks_[i].position.cast<double>().array() + 0.5).matrix() * block_size - view_point).norm();
+    distance[i] =
+        ((blocks_[i].position.cast<double>().array() + 0.5).matrix() * block_size - view_point).norm();
   std::vector<std::size_t> order(blocks_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),

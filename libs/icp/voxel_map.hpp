@@ -42,11 +42,11 @@ class VoxelMap : public Target {
   struct Surfel {
     Eigen::Vector3f point;
     Eigen::Vector3f normal;
-    float weight;         // sum of 1 / sigma^2
-    float sigma;          // of one observation, m
+    float weight;  // sum of 1 / sigma^2
+    float sigma;   // of one observation, m
     std::int16_t observations;
-    std::int16_t cell;    // voxel in the block, 0..63
-    std::int32_t frame;   // last insertion that touched it
+    std::int16_t cell;   // voxel in the block, 0..63
+    std::int32_t frame;  // last insertion that touched it
   };
   struct Block {
     Eigen::Vector3i position;

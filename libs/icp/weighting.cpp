@@ -16,9 +16,12 @@ double GemanMcClureKernel::weight(double squared_sigmas) const {
 
 std::unique_ptr<RobustKernel> make_kernel(const RegistrationSettings& settings) {
   switch (settings.kernel) {
-    case KernelKind::huber: return std::make_unique<HuberKernel>(settings.kernel_width);
-    case KernelKind::geman_mcclure: return std::make_unique<GemanMcClureKernel>(settings.kernel_width);
-    case KernelKind::none: break;
+    case KernelKind::huber:
+      return std::make_unique<HuberKernel>(settings.kernel_width);
+    case KernelKind::geman_mcclure:
+      return std::make_unique<GemanMcClureKernel>(settings.kernel_width);
+    case KernelKind::none:
+      break;
   }
   return std::make_unique<NoKernel>();
 }

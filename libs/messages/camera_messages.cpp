@@ -7,6 +7,7 @@ namespace lcmslam {
 namespace {
 
 constexpr int largest_side = 8192;  // pixels
+constexpr int big_endian_depth = 357;  // bot_core's PIXEL_FORMAT_BE_GRAY16
 
 image_t make_image(const EncodedImage& image, int pixelformat, int bytes_per_pixel) {
   image_t message;
@@ -28,6 +29,7 @@ void add(images_t& message, std::int16_t type, image_t image) {
 }
 
 EncodedImage read_image(const image_t& message, ImageCoding coding, std::size_t raw_pixel_bytes) {
+  check_range(static_cast<double>(message.utime), -1e17, 1e17, "image utime");
   check_range(message.width, 1, largest_side, "image width");
   check_range(message.height, 1, largest_side, "image height");
   const std::size_t raw_size = static_cast<std::size_t>(message.width) *
@@ -36,6 +38,11 @@ EncodedImage read_image(const image_t& message, ImageCoding coding, std::size_t 
     throw DecodeError("image: " + std::to_string(message.data.size()) + " bytes, " + std::to_string(raw_size) +
                       " are needed");
   return {message.utime, message.width, message.height, coding, message.data};
+}
+
+EncodedImage read_depth(const image_t& message, ImageCoding coding, std::size_t raw_pixel_bytes) {
+  if (message.pixelformat == big_endian_depth) throw DecodeError("depth image: big-endian pixels are not supported");
+  return read_image(message, coding, raw_pixel_bytes);
 }
 
 EncodedImage read_colour(const image_t& message) {
@@ -118,10 +125,10 @@ EncodedFrame from_message(const images_t& message) {
         frame.sensor = get_text(image, "sensor");
         break;
       case images_t::DEPTH_MM:
-        frame.depth = read_image(image, ImageCoding::depth_raw, 2);
+        frame.depth = read_depth(image, ImageCoding::depth_raw, 2);
         break;
       case images_t::DEPTH_MM_ZIPPED:
-        frame.depth = read_image(image, ImageCoding::depth_zlib, 0);
+        frame.depth = read_depth(image, ImageCoding::depth_zlib, 0);
         break;
       case images_t::AMPLITUDE_ZIPPED:
         frame.amplitude = read_image(image, ImageCoding::gray_zlib, 0);
@@ -130,6 +137,8 @@ EncodedFrame from_message(const images_t& message) {
         break;  // other people's image types are none of our business
     }
   }
+  for (EncodedImage* image : {&frame.colour, &frame.depth, &frame.amplitude})
+    if (image->utime == 0) image->utime = frame.utime;  // drivers that stamp the message alone
   if (frame.colour.coding == ImageCoding::none) throw DecodeError("images_t has no colour image (LEFT)");
   if (frame.depth.coding == ImageCoding::none) throw DecodeError("images_t has no depth image");
   return frame;

@@ -32,7 +32,9 @@ std::vector<std::string> tokenize(const std::string& text) {
     } else if (text.compare(i, 2, "//") == 0) {
       i = std::min(text.find('\n', i), text.size());
     } else if (text.compare(i, 2, "/*") == 0) {
-      i = std::min(text.find("*/", i), text.size() - 2) + 2;
+      i = text.find("*/", i + 2);
+      if (i == std::string::npos) throw std::invalid_argument("a comment is not closed");
+      i += 2;
     } else if (in_word(text[i])) {
       const std::size_t start = i;
       while (i < text.size() && in_word(text[i])) ++i;
@@ -106,7 +108,7 @@ class Parser {
       MessageField::Dimension dimension;
       dimension.written = next();
       if (std::isdigit(static_cast<unsigned char>(dimension.written[0])))
-        dimension.fixed = std::stoul(dimension.written);
+        dimension.fixed = fixed_length(field.name, dimension.written);
       else
         dimension.length_field = index_of(dimension.written, type);
       field.dimensions.push_back(dimension);
@@ -115,9 +117,21 @@ class Parser {
     return field;
   }
 
+  static std::size_t fixed_length(const std::string& field, const std::string& written) {
+    const bool digits = written.size() <= 9 && written.find_first_not_of("0123456789") == std::string::npos;
+    const std::size_t length = digits ? std::stoul(written) : 0;
+    if (length == 0) throw std::invalid_argument(field + ": array length '" + written + "' is no positive number");
+    return length;
+  }
+
   static int index_of(const std::string& name, const MessageType& type) {
-    for (std::size_t i = 0; i < type.fields.size(); ++i)
-      if (type.fields[i].name == name) return static_cast<int>(i);
+    for (std::size_t i = 0; i < type.fields.size(); ++i) {
+      const MessageField& field = type.fields[i];
+      if (field.name != name) continue;
+      if (!is_integer(field.kind) || !field.dimensions.empty())
+        throw std::invalid_argument(type.name + ": array length '" + name + "' is no integer");
+      return static_cast<int>(i);
+    }
     throw std::invalid_argument(type.name + ": array length '" + name + "' is not a member before it");
   }
 
@@ -159,10 +173,12 @@ class Fingerprint {
   }
 };
 
-std::size_t fixed_size(const MessageType& type) {
+/// 0 when the size varies, which it does where a type contains itself.
+std::size_t fixed_size(const MessageType& type, std::set<const MessageType*> parents = {}) {
+  if (!parents.insert(&type).second) return 0;
   std::size_t total = 0;
   for (const MessageField& field : type.fields) {
-    std::size_t size = field.kind == Kind::nested ? fixed_size(*field.nested) : value_size(field.kind);
+    std::size_t size = field.kind == Kind::nested ? fixed_size(*field.nested, parents) : value_size(field.kind);
     if (size == 0) return 0;
     for (const auto& d : field.dimensions) {
       if (d.length_field >= 0) return 0;
@@ -174,6 +190,10 @@ std::size_t fixed_size(const MessageType& type) {
 }
 
 }  // namespace
+
+bool is_integer(Kind kind) {
+  return kind == Kind::int8 || kind == Kind::int16 || kind == Kind::int32 || kind == Kind::int64;
+}
 
 std::size_t value_size(MessageField::Kind kind) {
   switch (kind) {
@@ -203,7 +223,9 @@ std::vector<const MessageType*> parse_definitions(const std::vector<std::string>
   for (const auto& text : texts) Parser(text).parse(types);
 
   std::map<std::string, const MessageType*> by_name;
-  for (const auto& type : types) by_name[type->name] = type.get();
+  for (const auto& type : types)
+    if (!by_name.emplace(type->name, type.get()).second)
+      throw std::invalid_argument(type->name + " is defined twice");
   for (auto& type : types)
     for (auto& field : type->fields) {
       if (field.kind != Kind::nested) continue;

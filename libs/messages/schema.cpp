@@ -30,10 +30,6 @@ class LayoutWalker {
   }
 
  private:
-  static bool is_integer(Kind kind) {
-    return kind == Kind::int8 || kind == Kind::int16 || kind == Kind::int32 || kind == Kind::int64;
-  }
-
   void walk_array(const MessageField& field, std::size_t dimension, const std::vector<std::int64_t>& lengths,
                   int depth) {
     if (dimension == field.dimensions.size()) return walk_value(field, depth);

@@ -34,6 +34,9 @@ struct MessageField {
   std::vector<Dimension> dimensions;
 };
 
+/// Kinds that may hold an array's length.
+bool is_integer(MessageField::Kind kind);
+
 /// Bytes of one value on the wire; 0 for text and nested values.
 std::size_t value_size(MessageField::Kind kind);
 

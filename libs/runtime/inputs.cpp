@@ -33,6 +33,8 @@ void Input::deliver(const std::uint8_t* data, std::size_t size, std::int64_t dro
 }
 
 void Input::seen(const Origin& origin, Utime utime, std::size_t size) {
+  constexpr Utime far_away = 100'000'000'000'000'000;  // us, 3000 years: differences of sound times never overflow
+  if (utime < -far_away || utime > far_away) throw DecodeError("utime " + std::to_string(utime) + " is no time");
   constexpr std::size_t most_senders = 64;  // garbage must not grow the table for ever
   const bool known = senders.count(origin.sender) > 0;
   InputCount& count = senders[known || senders.size() < most_senders ? origin.sender : 0];

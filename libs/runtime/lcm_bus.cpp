@@ -25,7 +25,8 @@ Receiver::Receiver(lcm::LCM& lcm, const Inputs& inputs) : lcm_(lcm) {
     queue->receiver = this;
     queue->input = input.get();
     // LCM's own queue drops the newest: keep it long, ours decides.
-    lcm_.subscribe(input->channel(), &Queue::receive, queue.get())->setQueueCapacity(1000);
+    queue->subscription = lcm_.subscribe(input->channel(), &Queue::receive, queue.get());
+    queue->subscription->setQueueCapacity(1000);
     queues_.push_back(std::move(queue));
   }
   thread_ = std::thread([this] { drain(); });
@@ -34,6 +35,7 @@ Receiver::Receiver(lcm::LCM& lcm, const Inputs& inputs) : lcm_(lcm) {
 Receiver::~Receiver() {
   stop_ = true;
   thread_.join();
+  for (const auto& queue : queues_) lcm_.unsubscribe(queue->subscription);
 }
 
 void Receiver::drain() {

@@ -54,6 +54,7 @@ class Receiver {
   struct Queue {
     Receiver* receiver = nullptr;
     Input* input = nullptr;
+    lcm::Subscription* subscription = nullptr;
     std::deque<Arrival> waiting;
     QueueCount count;
     std::int64_t dropped = 0;  // since the last one was taken

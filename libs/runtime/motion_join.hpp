@@ -34,7 +34,13 @@ class MotionJoin {
     release(false);
   }
 
-  void add(const MotionSample& sample) {
+  /// `sender` of odometry: another one's path begins elsewhere, so that the two do not compare. A sample
+  /// that comes twice or a little late is left out.
+  void add(const MotionSample& sample, std::int64_t sender = 0) {
+    constexpr Utime little = 1'000'000;
+    if (sender != sender_) motion_ = MotionBuffer();
+    sender_ = sender;
+    if (sample.utime <= motion_.newest() && motion_.newest() - sample.utime < little) return;
     if (!motion_.add(sample)) waiting_.clear();
     advance(sample.utime);
     release(false);
@@ -73,6 +79,7 @@ class MotionJoin {
   std::size_t capacity_;
   Handler handler_;
   MotionBuffer motion_;
+  std::int64_t sender_ = 0;  // of odometry
   std::deque<std::pair<Utime, Measurement>> waiting_;
   Utime now_ = 0;
   std::int64_t without_odometry_ = 0;

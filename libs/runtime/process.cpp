@@ -24,7 +24,7 @@ class Process {
       : name_(std::move(name)), lcm_(lcm), publisher_(lcm, draw_sender()), reporter_(name_, publisher_) {}
 
   void run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
-    node_ = make_node(config, publisher_);
+    make(config, make_node);
     configured();
     node_->connect(inputs_);
     inputs_.subscribe<command_t>("COMMAND", 100, [this](const command_t& c) { on_command(c); });
@@ -45,7 +45,7 @@ class Process {
         last_state = report.state;
         next_status = Clock::now() + status_period;
       }
-      wait = std::clamp<Clock::duration>(wait, Clock::duration{0}, next_status - Clock::now());
+      wait = std::max(Clock::duration{0}, std::min(wait, next_status - Clock::now()));
     }
     node_->finish();
     NodeReport report = node_->report();
@@ -55,6 +55,15 @@ class Process {
   }
 
  private:
+  /// What a node cannot be made from is wrong configuration, say a folder without data.
+  void make(const ConfigNode& config, const NodeFactory& make_node) {
+    try {
+      node_ = make_node(config, publisher_);
+    } catch (const std::exception& error) {
+      throw ConfigError(error.what());
+    }
+  }
+
   void handle(const Arrival& arrival) {
     // Registered before the handler runs: the answer may come from within it.
     if (arrival.input->primary && arrival.bytes.size() >= 16) {

@@ -1,5 +1,9 @@
 #include "camera/camera_source.hpp"
 
+#include <map>
+
+#include "camera/camera_log.hpp"
+
 namespace lcmslam {
 
 Utime event_utime(const CameraEvent& event) {
@@ -7,11 +11,16 @@ Utime event_utime(const CameraEvent& event) {
 }
 
 std::unique_ptr<CameraSource> make_camera_source(const ConfigNode& config) {
-  const std::string source = config.choice("source", "simulation", {"simulation", "dataset"});
-  // The other source's section may stand in the file: a run chooses between them.
-  config.ignore(source == "simulation" ? "dataset" : "simulation");
-  return source == "simulation" ? make_simulation_source(config.section("simulation"))
-                                : make_dataset_source(config.section("dataset"));
+  using Factory = std::unique_ptr<CameraSource> (*)(const ConfigNode&);
+  const std::map<std::string, Factory> factories = {
+      {"simulation", make_simulation_source}, {"dataset", make_dataset_source}, {"log", make_log_source}};
+  const std::string source = config.choice("source", "simulation", {"simulation", "dataset", "log"});
+  // The other sources' sections may stand in the file: a run chooses between them.
+  for (const auto& [name, factory] : factories)
+    if (name != source) config.ignore(name);
+  return factories.at(source)(config.section(source));
 }
+
+std::unique_ptr<CameraSource> make_log_source(const ConfigNode& config) { return open_log(config.text("file")); }
 
 }  // namespace lcmslam

@@ -41,7 +41,12 @@ class CameraSource {
 /// Made as the configuration's key `source` says.
 std::unique_ptr<CameraSource> make_camera_source(const ConfigNode& config);
 
+/// Key `render`: live, or cached: rendered once into a log below out/cache, then played from there.
 std::unique_ptr<CameraSource> make_simulation_source(const ConfigNode& config);
+/// Always rendered anew.
+std::unique_ptr<CameraSource> make_live_simulation(const ConfigNode& config);
+/// Key `file`: an .lcmlog with CAMERA, CAMERA_CALIBRATION ...
+std::unique_ptr<CameraSource> make_log_source(const ConfigNode& config);
 std::unique_ptr<CameraSource> make_dataset_source(const ConfigNode& config);
 
 }  // namespace lcmslam

@@ -1,5 +1,11 @@
+#include <spdlog/spdlog.h>
+
+#include <fstream>
+
+#include "camera/camera_log.hpp"
 #include "camera/camera_source.hpp"
 #include "imaging/codec.hpp"
+#include "runtime/options.hpp"
 #include "simulation/simulation.hpp"
 
 namespace lcmslam {
@@ -32,6 +38,7 @@ class SimulationSource : public CameraSource {
         next_truth_(simulation_.start()),
         next_frame_(simulation_.start() + frame_period_) {}
 
+  const SimulationSettings& settings() const { return settings_; }
   const RgbdCalibration& calibration() const override { return simulation_.calibration(); }
 
   std::size_t frames() const override {
@@ -71,10 +78,34 @@ class SimulationSource : public CameraSource {
   Utime next_encoders_, next_truth_, next_frame_;
 };
 
+/// Names everything that the rendered log depends on.
+std::filesystem::path cache_file(const SimulationSettings& s) {
+  std::ifstream scene(s.scene);
+  const std::string text((std::istreambuf_iterator<char>(scene)), {});
+  char name[256];
+  std::snprintf(name, sizeof name, "%s-%s-%s-seed%llu-%gs-%gHz-%016zx-v%s.lcmlog", s.scene.stem().c_str(), s.head.c_str(),
+                s.base.c_str(), static_cast<unsigned long long>(s.seed), s.seconds, s.frame_rate,
+                std::hash<std::string>()(text), lcmslam_version);
+  return std::filesystem::absolute("out") / "cache" / name;
+}
+
 }  // namespace
 
-std::unique_ptr<CameraSource> make_simulation_source(const ConfigNode& config) {
+std::unique_ptr<CameraSource> make_live_simulation(const ConfigNode& config) {
   return std::make_unique<SimulationSource>(config);
+}
+
+std::unique_ptr<CameraSource> make_simulation_source(const ConfigNode& config) {
+  const bool cached = config.choice("render", "live", {"live", "cached"}) == "cached";
+  auto simulation = std::make_unique<SimulationSource>(config);
+  if (!cached) return simulation;
+  const std::filesystem::path file = cache_file(simulation->settings());
+  if (!std::filesystem::exists(file)) {
+    std::filesystem::create_directories(file.parent_path());
+    spdlog::info("renders the run into {}", file.string());
+    write_log(*simulation, file);
+  }
+  return open_log(file);
 }
 
 }  // namespace lcmslam

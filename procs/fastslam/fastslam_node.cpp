@@ -56,7 +56,7 @@ void FastSlamNode::connect(Inputs& inputs) {
     const Utime needed = frame.utime;
     join_.add(needed, std::move(frame));
   }).primary = true;
-  inputs.subscribe<odometry_t>("ODOMETRY", 500, [this](const odometry_t& m) { join_.add(from_message(m)); });
+  inputs.subscribe<odometry_t>("ODOMETRY", 500, [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
 }
 
 void FastSlamNode::command(const command_t& command) {

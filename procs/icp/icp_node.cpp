@@ -4,6 +4,7 @@
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/icp_report_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
+#include <utility>
 
 #include "icp/read_settings.hpp"
 #include "imaging/codec.hpp"
@@ -68,29 +69,33 @@ IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
 
 void IcpNode::connect(Inputs& inputs) {
   inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) {
-    EncodedFrame frame = from_message(m);
-    if (!calibration_) {
-      ++uncalibrated_;
-      return;
-    }
-    const Utime needed = std::max(frame.utime, calibration_->depth_time(frame.depth.utime));
-    join_.add(needed, std::move(frame));
+    on_camera(from_message(m));
   }).primary = true;
   inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 1,
                                          [this](const camera_calibration_t& m) { on_calibration(from_message(m)); });
   inputs.subscribe<odometry_t>("ODOMETRY", 500, [this](const odometry_t& m) {
     try {
-      join_.add(from_message(m));
+      join_.add(from_message(m), m.sender);
     } catch (const CodecError& error) {  // of the frame that odometry released
       throw DecodeError(error.what());
     }
   });
 }
 
+void IcpNode::on_camera(EncodedFrame frame) {
+  if (!calibration_) {
+    uncalibrated_ = std::move(frame);
+    return;
+  }
+  const Utime needed = std::max(frame.utime, calibration_->depth_time(frame.depth.utime));
+  join_.add(needed, std::move(frame));
+}
+
 void IcpNode::on_calibration(const RgbdCalibration& calibration) {
   calibration_ = calibration;
   registration_.emplace(calibration);
   settings_.prior.planar = pose_ == "planar" || (pose_ == "auto" && calibration.has_mount);
+  if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
 }
 
 void IcpNode::restart() {
@@ -230,7 +235,6 @@ NodeReport IcpNode::report() const {
   report.values = {{"steps", static_cast<double>(steps_)},
                    {"without_odometry", static_cast<double>(join_.without_odometry())},
                    {"skipped", static_cast<double>(join_.dropped())},
-                   {"uncalibrated", static_cast<double>(uncalibrated_)},
                    {"lost", static_cast<double>(lost_)},
                    {"restarts", static_cast<double>(restarts_)},
                    {"keyframes", mapper_ ? static_cast<double>(mapper_->keyframes().size()) : 0},

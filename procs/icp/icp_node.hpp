@@ -30,6 +30,7 @@ class IcpNode : public Node {
     ColouredCloud cloud;
   };
 
+  void on_camera(EncodedFrame frame);
   void on_calibration(const RgbdCalibration& calibration);
   void on_frame(EncodedFrame& encoded);
   Shot make_shot(const RgbdFrame& frame) const;
@@ -46,11 +47,12 @@ class IcpNode : public Node {
   MotionJoin<EncodedFrame> join_;
   std::optional<RgbdCalibration> calibration_;
   std::optional<DepthRegistration> registration_;
+  std::optional<EncodedFrame> uncalibrated_;  // the newest frame that came before the calibration
   std::optional<IcpMapper> mapper_;
   Utime last_utime_ = 0;
   std::deque<keyframe_t> tiles_;  // wait for their turn: bursts overrun receive buffers
   std::chrono::steady_clock::time_point next_tile_{};
-  std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0, uncalibrated_ = 0;
+  std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0;
   IcpMapper::Step last_;
 };
 

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <lcmslam/map_reply_t.hpp>
+#include <set>
 
 #include "map-server/map_files.hpp"
 #include "messages/geometry_messages.hpp"
@@ -14,13 +15,21 @@ namespace {
 
 constexpr Utime resend_period = 2'000'000;  // us of message time between two requests
 
-/// The session of this sender; a new one when it is not the newest's.
+/// nullptr when this sender has none.
 template <class Map>
-Map& session_map(std::vector<Session<Map>>& sessions, std::int64_t sender) {
-  if (sessions.empty() || sessions.back().sender != sender) {
-    if (!sessions.empty()) spdlog::info("a mapper restarted: its new map begins beside the old one");
-    sessions.push_back({sender, {}});
-  }
+Map* find_map(std::vector<Session<Map>>& sessions, std::int64_t sender) {
+  for (auto& session : sessions)
+    if (session.sender == sender) return &session.map;
+  return nullptr;
+}
+
+/// The map of this sender, begun when it has none; then the newest mapper's path begins anew.
+template <class Map>
+Map& session_map(std::vector<Session<Map>>& sessions, std::int64_t sender, std::vector<Eigen::Vector3d>& path) {
+  if (Map* map = find_map(sessions, sender)) return *map;
+  if (!sessions.empty()) spdlog::info("a mapper restarted: its new map begins beside the old one");
+  path.clear();
+  sessions.push_back({sender, {}});
   return sessions.back().map;
 }
 
@@ -46,10 +55,8 @@ void MapServerNode::connect(Inputs& inputs) {
 }
 
 void MapServerNode::on_landmarks(const landmarks_t& message) {
-  const bool first = landmark_maps_.empty() || landmark_maps_.back().sender != message.sender;
   std::vector<MapLandmark> landmarks = landmarks_of(message);
-  LandmarkMap& map = session_map(landmark_maps_, message.sender);
-  if (first) fastslam_path_.clear();
+  LandmarkMap& map = session_map(landmark_maps_, message.sender, fastslam_path_);
   try {
     if (message.base_revision == 0 && message.n_tiles > 1)
       map.add_tile({message.map_revision, message.tile, message.n_tiles, std::move(landmarks)});
@@ -63,10 +70,8 @@ void MapServerNode::on_landmarks(const landmarks_t& message) {
 }
 
 void MapServerNode::on_keyframe(const keyframe_t& message) {
-  const bool first = dense_maps_.empty() || dense_maps_.back().sender != message.sender;
   const KeyframeTile tile = from_message(message);
-  DenseMap& map = session_map(dense_maps_, message.sender);
-  if (first) icp_path_.clear();
+  DenseMap& map = session_map(dense_maps_, message.sender, icp_path_);
   try {
     map.add(tile);
   } catch (const std::invalid_argument& error) {
@@ -76,11 +81,19 @@ void MapServerNode::on_keyframe(const keyframe_t& message) {
 }
 
 void MapServerNode::on_graph(const graph_t& message) {
-  if (dense_maps_.empty() || dense_maps_.back().sender != message.sender) return;
+  DenseMap* map = find_map(dense_maps_, message.sender);
+  if (map == nullptr) return;
   std::vector<KeyframePose> poses;
-  for (const graph_node_t& node : message.nodes)
+  std::set<std::int32_t> named;
+  for (const graph_node_t& node : message.nodes) {
     poses.push_back({node.keyframe, from_message(node.T_map_camera, "T_map_camera")});
-  const auto missing = dense_maps_.back().map.correct(poses);
+    named.insert(node.keyframe);
+  }
+  std::vector<std::int32_t> gone;  // of a map that the mapper has given up (reset, a log that loops)
+  for (const auto& [id, keyframe] : map->keyframes())
+    if (named.count(id) == 0) gone.push_back(id);
+  for (const std::int32_t id : gone) map->remove(id);
+  const auto missing = map->correct(poses);
   // The newest keyframe's tiles still come when the graph already names it.
   if (missing.size() > 1) ask_resend("icp");
   ++changes_;

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "integration/support/environment.hpp"
 #include "integration/support/program.hpp"
 
@@ -20,10 +22,20 @@ std::vector<std::vector<std::string>> all_programs() {
 
 class Options : public testing::TestWithParam<std::vector<std::string>> {
  protected:
-  static Result run_with(const std::string& option) {
+  static Result run_with(const std::string& option, const std::vector<std::string>& before = {}) {
     std::vector<std::string> arguments = GetParam();
+    arguments.insert(arguments.end(), before.begin(), before.end());
     arguments.push_back(option);
     return run(arguments, patience);
+  }
+
+  /// Without them their absence is what a command complains of.
+  static std::vector<std::string> required_arguments() {
+    const std::string command = GetParam().back();
+    if (command == "launch") return {source_folder() / "config/demo.yaml"};
+    if (command == "import") return {source_folder(), "/tmp/never-written.lcmlog"};
+    if (command == "simulate") return {source_folder() / "config/scenes/kitchen.yaml", "/tmp/never-written.lcmlog"};
+    return {};
   }
 };
 
@@ -40,13 +52,13 @@ TEST_P(Options, VersionSucceeds) {
 }
 
 TEST_P(Options, AnUnknownOptionIsNamedAndRefused) {
-  const Result result = run_with("--no-such-option");
+  const Result result = run_with("--no-such-option", required_arguments());
   EXPECT_EQ(result.exit_code, 2) << result.output;
   EXPECT_THAT(result.output, HasSubstr("--no-such-option"));
 }
 
-INSTANTIATE_TEST_SUITE_P(AllPrograms, Options, testing::ValuesIn(all_programs()), [](const auto& info) {
-  std::string name = info.param.front() + (info.param.size() > 1 ? "_" + info.param[1] : "");
+INSTANTIATE_TEST_SUITE_P(AllPrograms, Options, testing::ValuesIn(all_programs()), [](const auto& instance) {
+  std::string name = instance.param.front() + (instance.param.size() > 1 ? "_" + instance.param[1] : "");
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });

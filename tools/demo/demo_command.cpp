@@ -120,6 +120,7 @@ class Demo {
     while (true) {
       if (stop_requested()) return 130;
       listen(std::chrono::milliseconds(50));
+      if (supervisor_.refused()) return 2;
       std::string reason;
       if (recorder_.source_failed(reason)) {
         say("lcmslam demo: the source failed: " + reason);

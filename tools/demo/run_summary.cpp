@@ -57,15 +57,23 @@ Table path_table(const RunRecorder& run) {
   return table;
 }
 
-std::string loss_line(const RunRecorder& run, const std::string& process, const std::string& channel) {
-  const status_t& status = status_of(run, process);
-  const ChannelLoss loss = channel_loss(status, channel);
-  return fmt::format("  {:<9} {:>6} received, {} lost on the bus, {} skipped for lack of time, {} malformed; "
-                     "latency p50 {:.0f} ms, p95 {:.0f} ms; CPU {:.1f} s, {:.0f} MB\n",
-                     process, loss.received, loss.lost,
-                     loss.queue_drops + static_cast<std::int64_t>(status_value(status, "skipped")), loss.decode_errors,
-                     1e3 * status.latency_p50, 1e3 * status.latency_p95, status.cpu_total,
-                     static_cast<double>(status.memory) / 1e6);
+/// How the processes kept up with the channel that drives them.
+Table load_table(const RunRecorder& run) {
+  Table table({"process", "channel", "received", "lost on the bus", "skipped for time", "malformed", "p50 ms", "p95 ms",
+               "CPU s", "MB"});
+  for (const auto& [process, channel] : {std::pair("surf", "CAMERA"), std::pair("icp", "CAMERA"),
+                                         std::pair("odometry", "FEATURES"), std::pair("odometry", "ENCODERS"),
+                                         std::pair("fastslam", "FEATURES")}) {
+    const status_t& status = status_of(run, process);
+    const ChannelLoss loss = channel_loss(status, channel);
+    if (loss.received == 0) continue;
+    const auto skipped = loss.queue_drops + static_cast<std::int64_t>(status_value(status, "skipped"));
+    table.add({process, channel, std::to_string(loss.received), std::to_string(loss.lost), std::to_string(skipped),
+               std::to_string(loss.decode_errors), fixed_number(1e3 * status.latency_p50, 0),
+               fixed_number(1e3 * status.latency_p95, 0), fixed_number(status.cpu_total, 1),
+               fixed_number(static_cast<double>(status.memory) / 1e6, 0)});
+  }
+  return table;
 }
 
 nlohmann::json error_json(const PoseErrors& errors) {
@@ -116,18 +124,16 @@ std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
   text += fmt::format("{:.0f} frames in {:.1f} s", status_value(status_of(run, "camera"), "frames"), facts.seconds);
   if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
   text += "\n\n" + path_table(run).text() + "\n";
-  text += loss_line(run, "surf", "CAMERA");
-  text += loss_line(run, "icp", "CAMERA");
-  text += loss_line(run, "fastslam", "FEATURES");
-  text += fmt::format("  landmarks {:.0f}, keyframes {:.0f}, points in keyframes {:.0f}\n",
+  text += load_table(run).text() + "\n";
+  text += fmt::format("landmarks {:.0f}, keyframes {:.0f}, points in keyframes {:.0f}\n",
                       status_value(status_of(run, "map-server"), "landmarks"),
                       status_value(status_of(run, "map-server"), "keyframes"),
                       status_value(status_of(run, "map-server"), "map_points"));
   if (const double bad = status_value(status_of(run, "camera"), "malformed_frames"); bad > 0)
-    text += fmt::format("  {:.0f} frames were malformed or missing and skipped\n", bad);
+    text += fmt::format("{:.0f} frames were malformed or missing and skipped\n", bad);
   if (const double slowed = status_value(status_of(run, "camera"), "slowed_seconds"); slowed > 0.05)
-    text += fmt::format("  the source fell {:.1f} s behind and was slowed down\n", slowed);
-  for (const auto& event : facts.events) text += "  " + event + "\n";
+    text += fmt::format("the source fell {:.1f} s behind and was slowed down\n", slowed);
+  for (const auto& event : facts.events) text += event + "\n";
   return text;
 }
 

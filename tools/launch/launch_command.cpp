@@ -71,7 +71,7 @@ int launch_command(int argc, char** argv) {
   inputs.subscribe<status_t>("STATUS", 1000, [&](const status_t& s) { board[s.process] = s; });
   Receiver receiver(lcm, inputs);
   Screen screen;
-  while (!stop_requested()) {
+  while (!stop_requested() && !supervisor.refused()) {
     Arrival arrival;
     if (receiver.take(arrival, std::chrono::milliseconds(100)))
       arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
@@ -81,6 +81,7 @@ int launch_command(int argc, char** argv) {
   std::cout << "lcmslam launch: stops" << std::endl;
   const auto events = supervisor.stop();
   for (const auto& event : events) std::cout << "lcmslam launch: " << event << std::endl;
+  if (supervisor.refused()) return 2;
   return events.empty() ? 0 : 1;
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 #include <thread>
 
@@ -16,11 +17,20 @@ namespace {
 
 constexpr std::chrono::seconds longest_backoff{30};
 constexpr std::chrono::milliseconds poll_period{20};
+constexpr int wrong_configuration = 2;  // exit code, see run_process()
 
 std::string describe_exit(int status) {
   if (WIFSIGNALED(status))
     return "signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")";
   return "exit " + std::to_string(WEXITSTATUS(status));
+}
+
+std::string last_line(const std::filesystem::path& file) {
+  std::ifstream text(file);
+  std::string last;
+  for (std::string line; std::getline(text, line);)
+    if (!line.empty()) last = line;
+  return last;
 }
 
 /// Runs in the child between fork and exec: only async-signal-safe calls.
@@ -70,6 +80,7 @@ bool Supervisor::reap(State& state) {
   if (state.pid == 0 || waitpid(state.pid, &status, WNOHANG) != state.pid) return false;
   state.pid = 0;
   state.last_exit = describe_exit(status);
+  state.refused = WIFEXITED(status) && WEXITSTATUS(status) == wrong_configuration;
   return true;
 }
 
@@ -78,7 +89,9 @@ std::vector<std::string> Supervisor::poll() {
   for (State& state : processes_) {
     if (reap(state)) {
       std::string event = state.spec.name + " ended: " + state.last_exit;
-      if (state.spec.restart) {
+      if (state.refused) {
+        event += ": " + last_line(state.spec.log);
+      } else if (state.spec.restart) {
         if (Clock::now() - state.started > longest_backoff) state.backoff = std::chrono::seconds(1);
         state.restart_at = Clock::now() + state.backoff;
         event += ", restarts in " + std::to_string(state.backoff.count()) + " s";
@@ -86,12 +99,16 @@ std::vector<std::string> Supervisor::poll() {
       }
       events.push_back(event);
     }
-    if (state.pid == 0 && state.spec.restart && Clock::now() >= state.restart_at) {
+    if (state.pid == 0 && state.spec.restart && !state.refused && Clock::now() >= state.restart_at) {
       spawn(state);
       events.push_back(state.spec.name + " restarted");
     }
   }
   return events;
+}
+
+bool Supervisor::refused() const {
+  return std::any_of(processes_.begin(), processes_.end(), [](const State& state) { return state.refused; });
 }
 
 bool Supervisor::wait_for_all(std::chrono::seconds patience) {
@@ -110,8 +127,9 @@ bool Supervisor::wait_for_all(std::chrono::seconds patience) {
 
 std::vector<std::string> Supervisor::stop(std::chrono::seconds patience) {
   std::vector<std::string> events;
+  const auto less_patience = std::min(patience, std::chrono::seconds(5));
   const std::pair<int, std::chrono::seconds> steps[] = {
-      {SIGINT, patience}, {SIGTERM, std::chrono::seconds(5)}, {SIGKILL, std::chrono::seconds(5)}};
+      {SIGINT, patience}, {SIGTERM, less_patience}, {SIGKILL, std::chrono::seconds(5)}};
   for (const auto& [signal, wait] : steps) {
     for (const State& state : processes_) {
       if (state.pid == 0) continue;

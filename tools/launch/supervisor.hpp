@@ -26,6 +26,7 @@ class Supervisor {
     ProcessSpec spec;
     pid_t pid = 0;  ///< 0: does not run
     int starts = 0;
+    bool refused = false;   ///< ended with exit 2: its configuration is wrong, starting it again is no use
     std::string last_exit;  ///< "exit 1", "signal 9 (Killed)"; empty before the first
     Clock::time_point started{};
     Clock::time_point restart_at{};
@@ -44,6 +45,9 @@ class Supervisor {
   std::vector<std::string> stop(std::chrono::seconds patience = std::chrono::seconds(20));
 
   const std::vector<State>& processes() const { return processes_; }
+
+  /// True when a process does not accept its configuration; poll() has told which and why.
+  bool refused() const;
 
  private:
   void spawn(State& state);

@@ -44,8 +44,11 @@ TemporaryFolder::TemporaryFolder() {
 }
 
 TemporaryFolder::~TemporaryFolder() {
-  const auto* test = testing::UnitTest::GetInstance();
-  if (test->current_test_suite() != nullptr && test->current_test_suite()->Failed()) {
+  const auto* unit = testing::UnitTest::GetInstance();
+  const bool failed = unit->current_test_info() != nullptr    ? unit->current_test_info()->result()->Failed()
+                      : unit->current_test_suite() != nullptr ? unit->current_test_suite()->Failed()
+                                                              : false;
+  if (failed) {
     std::cerr << "kept for a look: " << path_ << "\n";
     return;
   }

@@ -29,7 +29,8 @@ inline Matrix6d random_covariance(Random& random, double scale) {
   return A * A.transpose();
 }
 
-inline std::vector<Eigen::Vector3d> moved(const std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& T) {
+inline std::vector<Eigen::Vector3d> moved(const std::vector<Eigen::Vector3d>& points,
+                                          const Eigen::Isometry3d& T) {
   std::vector<Eigen::Vector3d> result;
   for (const auto& p : points) result.push_back(T * p);
   return result;

@@ -41,7 +41,8 @@ TEST(MotionBuffer, IncrementBetweenNeighboursIsTheOneThatWasAccumulated) {
     const auto motion = buffer.between(chain.samples[i].utime, chain.samples[i + 1].utime);
     ASSERT_TRUE(motion);
     EXPECT_LT((motion->T_from_to.matrix() - chain.increments[i].matrix()).norm(), 1e-12);
-    EXPECT_LT((motion->covariance - chain.noise[i]).norm(), 1e-9 * (1 + chain.samples[i + 1].covariance.norm()));
+    EXPECT_LT((motion->covariance - chain.noise[i]).norm(),
+              1e-9 * (1 + chain.samples[i + 1].covariance.norm()));
   }
 }
 

@@ -183,7 +183,8 @@ TEST_P(AnyEstimator, DegenerateSetsHaveAStatus) {
   check(Points(20, Eigen::Vector3d(1000.1, -2000.2, 3000.3)), AlignmentStatus::coincident);
   check(Points(20, Eigen::Vector3d::Zero()), AlignmentStatus::coincident);
   Points line;
-  for (int i = 0; i < 20; ++i) line.push_back(Eigen::Vector3d(1, 2, 3) + 0.37 * i * Eigen::Vector3d(1, 1, -2));
+  for (int i = 0; i < 20; ++i)
+    line.push_back(Eigen::Vector3d(1, 2, 3) + 0.37 * i * Eigen::Vector3d(1, 1, -2));
   check(line, AlignmentStatus::collinear);
 }
 
@@ -194,7 +195,8 @@ TEST_P(AnyEstimator, BadInputHasAStatus) {
   expect(good, good, AlignmentStatus::bad_input, {1, 1});
   expect(good, good, AlignmentStatus::bad_input, {1, 1, 1, 1, -1});
   expect(good, good, AlignmentStatus::too_few, {1, 1, 0, 0, 0});
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Points broken = good;
     broken[2].y() = bad;
     expect(broken, good, AlignmentStatus::bad_input);

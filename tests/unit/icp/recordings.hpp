@@ -1,9 +1,9 @@
 #pragma once
 // Recorded clouds with known transforms. Every function returns nothing where the data is absent.
 
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/core.hpp>
 #include <map>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -104,7 +104,8 @@ class Fr1Recording {
     while (std::getline(truth, line)) {
       std::istringstream words(line);
       double t, p[3], q[4];
-      if (words >> t >> p[0] >> p[1] >> p[2] >> q[1] >> q[2] >> q[3] >> q[0]) truth_[t] = make_transform(p, q);
+      if (words >> t >> p[0] >> p[1] >> p[2] >> q[1] >> q[2] >> q[3] >> q[0])
+        truth_[t] = make_transform(p, q);
     }
   }
 

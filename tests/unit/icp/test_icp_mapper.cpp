@@ -1,8 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "geometry/rigid_alignment.hpp"
 #include "icp/icp_mapper.hpp"
 #include "unit/icp/recordings.hpp"
 
@@ -23,7 +24,8 @@ ColouredCloud seen_from(const Cloud& scene, const Eigen::Isometry3d& T_world_rob
   return cloud;
 }
 
-void expect_pose(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth, double metres, double radians) {
+void expect_pose(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth, double metres,
+                 double radians) {
   const Eigen::Isometry3d e = truth.inverse() * found;
   EXPECT_LT(e.translation().norm(), metres);
   EXPECT_LT(rotation_angle(e), radians);
@@ -38,7 +40,8 @@ TEST(IcpMapper, FollowsAKnownPathWithoutOdometry) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   for (int i = 0; i < 20; ++i) {
     SCOPED_TRACE(i);
-    const auto step = mapper.step(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount);
+    const auto step =
+        mapper.step(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount);
     EXPECT_EQ(to_string(step.status), "tracking");
     expect_pose(step.T_world_robot, T, 0.01, 0.005);
     T = T * se3_exp(twist(0.02, 0.01, 0, 0, 0.005, 0.02));
@@ -121,7 +124,8 @@ TEST(IcpMapper, RecoversAtAKeyframeAfterAJump) {
   expect_pose(step.T_world_robot, no_mount, 0.02, 0.01);
 }
 
-// A cloud that shares nothing with the map: odometry, when there is any, is believed after a while.
+// Another room behind the robot that looks the same: odometry tells them apart, and is believed where the
+// map ends.
 TEST(IcpMapper, GoesOnFromOdometryWhereTheMapEnds) {
   IcpMapperSettings settings;
   settings.reseed_after = 3;
@@ -153,12 +157,26 @@ TEST(IcpMapper, TracksAHandHeldRecording) {
     return steps;
   };
   const auto steps = run(60);
-  const Eigen::Isometry3d T_truth_world = recording->T_world_camera(first) * optical_axes().inverse();
+  std::vector<Eigen::Vector3d> found, truth;
   for (std::size_t k = 0; k < steps.size(); ++k) {
-    SCOPED_TRACE(k);
-    EXPECT_EQ(to_string(steps[k].status), "tracking");
-    const Eigen::Isometry3d T_truth_camera = T_truth_world * steps[k].T_world_robot * optical_axes();
-    expect_pose(T_truth_camera, recording->T_world_camera(first + k), 0.06, 0.04);
+    EXPECT_EQ(to_string(steps[k].status), "tracking") << k;
+    found.push_back((steps[k].T_world_robot * optical_axes()).translation());
+    truth.push_back(recording->T_world_camera(first + k).translation());
+  }
+  const auto T_truth_world = align_svd(found, truth);
+  ASSERT_TRUE(T_truth_world);
+  double squares = 0;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    squares += (*T_truth_world * found[k] - truth[k]).squaredNorm();
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(found.size())), 0.03);
+  constexpr std::size_t half_second = 15;
+  for (std::size_t k = half_second; k < steps.size(); ++k) {
+    const Eigen::Isometry3d moved = optical_axes().inverse() *
+                                    steps[k - half_second].T_world_robot.inverse() * steps[k].T_world_robot *
+                                    optical_axes();
+    const Eigen::Isometry3d expected =
+        recording->T_world_camera(first + k - half_second).inverse() * recording->T_world_camera(first + k);
+    EXPECT_LT(rotation_angle(expected.inverse() * moved), 0.10) << k;
   }
   const auto again = run(10);
   for (std::size_t k = 0; k < again.size(); ++k)
@@ -175,11 +193,11 @@ TEST(CloudFilter, KeepsWhatIsWithinTheLimits) {
   };
   const Eigen::Vector3f facing(0, 0, -1);
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  add({0, 0, 2}, facing, 0.01f);        // good
-  add({0, 0, 0.1f}, facing, 0.01f);     // too near
-  add({0, 0, 20}, facing, 0.01f);       // too far
-  add({0, 0, 2}, {1, 0, 0}, 0.01f);     // grazing
-  add({0, 0, 2}, facing, 1.0f);         // too noisy
+  add({0, 0, 2}, facing, 0.01f);     // good
+  add({0, 0, 0.1f}, facing, 0.01f);  // too near
+  add({0, 0, 20}, facing, 0.01f);    // too far
+  add({0, 0, 2}, {1, 0, 0}, 0.01f);  // grazing
+  add({0, 0, 2}, facing, 1.0f);      // too noisy
   add({nan, 0, 2}, facing, 0.01f);
   add({0, 0, 2}, {nan, nan, nan}, 0.01f);
   EXPECT_EQ(usable_points(cloud).size(), 1u);
@@ -198,12 +216,14 @@ TEST(JumpEdges, MixedPixelsGoAndSurfacesStay) {
     for (int v = 0; v < height; ++v)
       for (int u = 0; u < width; ++u) {
         double z = u > left && u < right ? 2 : 3;
-        if (u == left || u == right) z = 2.5 + random.uniform(-0.25, 0.25);  // mixed
-        else ++good;
+        if (u == left || u == right)
+          z = 2.5 + random.uniform(-0.25, 0.25);  // mixed
+        else
+          ++good;
         z += random.normal(0, 0.004);
-        points.at<cv::Vec3f>(v, u) = cv::Vec3f(static_cast<float>(z * (u - width / 2) / focal),
-                                               static_cast<float>(z * (v - height / 2) / focal),
-                                               static_cast<float>(z));
+        points.at<cv::Vec3f>(v, u) =
+            cv::Vec3f(static_cast<float>(z * (u - width / 2) / focal),
+                      static_cast<float>(z * (v - height / 2) / focal), static_cast<float>(z));
       }
     JumpEdgeSettings settings;
     settings.min_neighbours = 3;

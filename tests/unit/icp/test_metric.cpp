@@ -68,7 +68,8 @@ TEST_P(MetricJacobian, HessianIsExactAtZeroResidual) {
     d << random_vector(random, 1), random_vector(random, 1);
     Pair p = pair;
     p.moved = T * se3_exp(h * d) * p.source;
-    EXPECT_NEAR(p.weight * metric->squared_error(p) / (h * h), d.dot(equations.H * d), 3e-3 * d.squaredNorm());
+    EXPECT_NEAR(p.weight * metric->squared_error(p) / (h * h), d.dot(equations.H * d),
+                3e-3 * d.squaredNorm());
   }
 }
 

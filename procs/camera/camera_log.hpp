@@ -1,5 +1,5 @@
 #pragma once
-// Writes a camera source as an .lcmlog that stock lcm-logplayer replays.
+// Camera data as an .lcmlog: written once, then played here or by stock lcm-logplayer.
 
 #include <string>
 
@@ -14,5 +14,9 @@ struct LogCounts {
 /// CAMERA, CAMERA_CALIBRATION (first, then 1 Hz), ENCODERS and GROUND_TRUTH with message times. Writes to
 /// FILE.part and renames at the end; throws std::runtime_error naming the file.
 LogCounts write_log(CameraSource& source, const std::string& file);
+
+/// Plays the same channels of a log; events of others are left out, damaged ones are counted as
+/// malformed. Throws std::runtime_error when the file is missing, is no log, or has no calibration.
+std::unique_ptr<CameraSource> open_log(const std::string& file);
 
 }  // namespace lcmslam

@@ -1,0 +1,165 @@
+// Garbage on every channel of every process: nobody crashes, grows or falls silent, and all of it is
+// counted in STATUS.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+#include <set>
+
+#include "integration/garbage/bad_messages.hpp"
+#include "integration/garbage/samples.hpp"
+#include "integration/support/environment.hpp"
+#include "integration/support/program.hpp"
+
+namespace lcmslam::integration {
+namespace {
+
+constexpr std::uint64_t seed = 20100;
+constexpr double largest_memory = 400e6;  // bytes
+
+struct Target {
+  std::string name;      // of the test
+  std::string process;
+  std::string settings;  // its section
+  std::string output;    // channel on which a valid input is answered
+};
+
+std::ostream& operator<<(std::ostream& out, const Target& target) { return out << target.name; }
+
+class Garbage : public testing::TestWithParam<Target> {
+ protected:
+  static void SetUpTestSuite() {
+    if (samples_.empty()) samples_ = record_samples(1.5);
+  }
+
+  void start() {
+    std::ofstream(folder_ / "process.yaml") << GetParam().process << ":\n" << GetParam().settings << "\n";
+    program_.emplace(std::vector<std::string>{"lcmslam-" + GetParam().process, "--config", folder_ / "process.yaml"},
+                     folder_.path());
+    ASSERT_TRUE(bus_.wait_for_status(GetParam().process, [&](const status_t& s) { return s.pid == program_->pid(); }, 30))
+        << program_->output();
+  }
+
+  /// Channels that the process listens to, as it says itself.
+  std::set<std::string> channels() const {
+    std::set<std::string> names;
+    const auto status = bus_.status(GetParam().process);
+    for (const auto& input : status->inputs) names.insert(input.channel);
+    return names;
+  }
+
+  Bytes sample(const std::string& channel) const {
+    Bytes newest;
+    for (const Sample& s : samples_)
+      if (s.channel == channel) newest = s.bytes;
+    return newest;
+  }
+
+  void flood(const std::string& channel, const std::vector<Bytes>& messages) {
+    constexpr std::size_t burst = 50'000;  // bytes that any receive buffer holds
+    std::size_t sent = burst;
+    for (const Bytes& message : messages) {
+      if (sent + message.size() > burst) {
+        bus_.wait_until_taken();
+        sent = 0;
+      }
+      bus_.publish(channel, message);
+      sent += message.size();
+    }
+    bus_.wait_until_taken();
+  }
+
+  /// Refused or, where newer ones came too fast, dropped unseen.
+  std::int64_t turned_away(const std::string& channel, bool with_drops = true) const {
+    std::int64_t sum = 0;
+    const auto status = bus_.status(GetParam().process);
+    for (const auto& input : status->inputs)
+      if (input.channel == channel) sum += input.decode_errors + (with_drops ? input.queue_drops : 0);
+    return sum;
+  }
+
+  void expect_reports_go_on() {
+    const std::size_t reports = bus_.status_count(GetParam().process, program_->pid());
+    EXPECT_TRUE(wait_until(
+        [&] { return !program_->running() || bus_.status_count(GetParam().process, program_->pid()) > reports + 1; }, 60));
+    ASSERT_TRUE(program_->running()) << "signal " << program_->wait(0).signal << "\n" << program_->output();
+  }
+
+  /// Plays the valid messages, over and over, until the process answers one of them.
+  bool answers_valid_input() {
+    const auto listens = channels();
+    const std::size_t answers = bus_.count(GetParam().output);
+    std::size_t next = 0;
+    return wait_until(
+        [&] {
+          for (int i = 0; i < 5; ++i) {
+            const Sample& s = samples_[next++ % samples_.size()];
+            if (listens.count(s.channel) > 0 && s.channel != "COMMAND") bus_.publish(s.channel, s.bytes);
+          }
+          return bus_.count(GetParam().output) > answers;
+        },
+        60);
+  }
+
+  static std::vector<Sample> samples_;
+  TemporaryFolder folder_;
+  Bus bus_;
+  std::optional<Program> program_;
+};
+std::vector<Sample> Garbage::samples_;
+
+TEST_P(Garbage, IsCountedAndDoesNoHarm) {
+  Random random(seed);
+  RecordProperty("seed", static_cast<int>(seed));
+  start();
+  ASSERT_TRUE(answers_valid_input()) << program_->output();
+  const auto listens = channels();
+  ASSERT_THAT(listens, testing::Contains("COMMAND"));
+
+  std::map<std::string, std::int64_t> expected;
+  for (const std::string& channel : listens) {
+    SCOPED_TRACE(channel);
+    const Bytes valid = sample(channel);
+    ASSERT_FALSE(valid.empty()) << "no sample of " << channel;
+    const auto impossible = impossible_messages(valid, random);
+    expected[channel] = turned_away(channel) + static_cast<std::int64_t>(impossible.size());
+    flood(channel, impossible);
+    expect_reports_go_on();
+    flood(channel, absurd_messages(valid, random));
+    expect_reports_go_on();
+    if (channel != "CAMERA") continue;
+    const auto images = bad_images(valid, random);
+    // icp leaves out frames that odometry does not explain before it decodes them.
+    if (GetParam().process == "surf") expected[channel] += static_cast<std::int64_t>(images.size());
+    flood(channel, images);
+    expect_reports_go_on();
+  }
+  for (const auto& [channel, count] : expected) {
+    SCOPED_TRACE(channel);
+    wait_until([&, c = channel, n = count] { return turned_away(c) >= n; }, 20);
+    EXPECT_GE(turned_away(channel), count);
+    EXPECT_GE(turned_away(channel, false), count / 2) << "most were seen, not dropped";
+  }
+  EXPECT_TRUE(answers_valid_input()) << program_->output();
+  EXPECT_LT(static_cast<double>(bus_.status(GetParam().process)->memory), memory_factor * largest_memory);
+  program_->send(SIGINT);
+  EXPECT_EQ(program_->wait(60).exit_code, 0) << program_->output();
+}
+
+const std::string kitchen = (source_folder() / "config/scenes/kitchen.yaml").string();
+
+INSTANTIATE_TEST_SUITE_P(
+    AllProcesses, Garbage,
+    testing::Values(Target{"camera", "camera", "  speed: 0.3\n  simulation: {scene: " + kitchen + "}", "CAMERA"},
+                    Target{"surf", "surf", "  max_features: 600", "FEATURES"},
+                    Target{"wheel_odometry", "odometry", "  source: wheels", "ODOMETRY"},
+                    Target{"visual_odometry", "odometry", "  source: visual", "ODOMETRY"},
+                    Target{"external_odometry", "odometry", "  source: external", "ODOMETRY"},
+                    Target{"fastslam", "fastslam", "  particles: 100", "FASTSLAM_POSE"},
+                    Target{"icp", "icp", "  voxel_size: 0.04", "ICP_POSE"},
+                    Target{"map_server", "map-server", "  folder: maps", "MAP_REPLY"}),
+    [](const auto& instance) { return instance.param.name; });
+
+}  // namespace
+}  // namespace lcmslam::integration

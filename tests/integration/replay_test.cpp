@@ -1,0 +1,119 @@
+// Raw data is what is logged: stock lcm-logplayer replays a log into a graph without camera, stock
+// lcm-logger records one.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <lcm/lcm-cpp.hpp>
+#include <lcmslam/images_t.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+
+#include "integration/support/bus.hpp"
+#include "integration/support/environment.hpp"
+#include "integration/support/program.hpp"
+#include "mapping/map_export.hpp"
+#include "runtime/options.hpp"
+
+namespace lcmslam::integration {
+namespace {
+
+// Results must never be replayed: they would mix with those of the running graph.
+const char* const raw_channels = "^(CAMERA|CAMERA_CALIBRATION|ENCODERS|GROUND_TRUTH)$";
+
+struct LogFacts {
+  std::map<std::string, int> events;
+  std::int64_t last_frame = 0;  // utime
+};
+
+LogFacts read_log(const std::string& file) {
+  LogFacts facts;
+  lcm::LogFile log(file, "r");
+  if (!log.good()) return facts;
+  while (const lcm::LogEvent* event = log.readNextEvent()) {
+    ++facts.events[event->channel];
+    const auto* data = static_cast<const std::uint8_t*>(event->data);
+    if (event->channel == "CAMERA")
+      facts.last_frame = decode_message<images_t>(data, static_cast<std::size_t>(event->datalen)).utime;
+  }
+  return facts;
+}
+
+class Replay : public testing::Test {
+ protected:
+  static std::string url() { return lcm_url_from_environment(); }
+
+  void start_graph() {
+    graph_.emplace(std::vector<std::string>{"lcmslam", "launch", source_folder() / "config/replay.yaml", "--out",
+                                            folder_.path(), "--set", "map-server.folder=" + (folder_ / "maps").string()});
+    for (const std::string process : {"surf", "odometry", "fastslam", "icp", "map-server"})
+      ASSERT_TRUE(bus_.wait_for_status(process, [](const status_t& s) { return s.state == status_t::RUNNING; }, 60))
+          << process << "\n" << graph_->output();
+  }
+
+  bool reached(const std::string& channel, std::int64_t utime) const {
+    const auto pose = bus_.newest<pose_estimate_t>(channel);
+    return pose && pose->utime >= utime;
+  }
+
+  /// Plays the log; both mappers must come to its end.
+  void play(const std::string& log) {
+    const LogFacts facts = read_log(log);
+    ASSERT_GT(facts.last_frame, 0) << log;
+    Program player({"lcm-logplayer", "-l", url(), log});
+    const Ending ending = player.wait(120);
+    ASSERT_EQ(ending.exit_code, 0) << player.output();
+    // The last frames wait for odometry that may not come: what is 0.5 s before the end must be mapped.
+    const std::int64_t end = facts.last_frame - 500'000;
+    EXPECT_TRUE(wait_until([&] { return reached("FASTSLAM_POSE", end) && reached("ICP_POSE", end); }, 60));
+  }
+
+  void stop_and_check_maps() {
+    ASSERT_TRUE(bus_.wait_for_status(
+        "map-server", [](const status_t& s) { return value_of(s, "landmarks") > 0 && value_of(s, "map_points") > 0; }, 60));
+    graph_->send(SIGINT);
+    EXPECT_EQ(graph_->wait(60).exit_code, 0) << graph_->output();
+    EXPECT_GT(load_ply(folder_ / "maps/fastslam_map.ply").size(), 100U);
+    EXPECT_GT(load_ply(folder_ / "maps/icp_map.ply").size(), 5'000U);
+  }
+
+  TemporaryFolder folder_;
+  Bus bus_;
+  std::optional<Program> graph_;
+};
+
+TEST_F(Replay, ASimulatedLogGivesMaps) {
+  const std::string log = folder_ / "run.lcmlog";
+  const Result made =
+      run({"lcmslam", "simulate", source_folder() / "config/scenes/kitchen.yaml", log, "--seconds", "6"}, 120);
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const LogFacts facts = read_log(log);
+  EXPECT_NEAR(facts.events.at("CAMERA"), 60, 2);
+  EXPECT_NEAR(facts.events.at("ENCODERS"), 300, 5);
+  EXPECT_NEAR(facts.events.at("CAMERA_CALIBRATION"), 6, 1);
+  EXPECT_NEAR(facts.events.at("GROUND_TRUTH"), 300, 5);
+
+  start_graph();
+  play(log);
+  stop_and_check_maps();
+}
+
+TEST_F(Replay, WhatTheLoggerRecordsOfALiveRunGivesMaps) {
+  const std::string log = folder_ / "live.lcmlog";
+  Program logger({"lcm-logger", "--lcm-url=" + url(), "-c", raw_channels, log});
+  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(log) || !logger.running(); }, 20));
+  ASSERT_TRUE(logger.running()) << logger.output();
+  const Result demo = run({"lcmslam", "demo", "--headless", "--seconds", "5", "--out", folder_ / "demo"}, 200);
+  ASSERT_EQ(demo.exit_code, 0) << demo.output;
+  logger.send(SIGINT);
+  ASSERT_TRUE(logger.wait(20).ended) << logger.output();
+
+  const LogFacts facts = read_log(log);
+  EXPECT_THAT(facts.events, testing::SizeIs(4)) << "nothing but raw data";
+  EXPECT_NEAR(facts.events.at("CAMERA"), 50, 3);
+  start_graph();
+  play(log);
+  stop_and_check_maps();
+}
+
+}  // namespace
+}  // namespace lcmslam::integration

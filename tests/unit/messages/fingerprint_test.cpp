@@ -1,0 +1,89 @@
+// The wire is frozen: a changed member makes old logs unreadable. Who must change a type gives it a
+// new name; this table only grows.
+
+#include "unit/messages/all_types.hpp"
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "messages/decode.hpp"
+
+namespace lcmslam {
+namespace {
+
+const std::map<std::string, std::uint64_t>& frozen() {
+  static const std::map<std::string, std::uint64_t> fingerprints = {
+      {"camera_calibration_t", 0xc046c53f42e41f11},
+      {"camera_intrinsics_t", 0x7865f30ef88b1456},
+      {"command_t", 0x7911011782801bc5},
+      {"encoders_t", 0x5a96f5030cc7692f},
+      {"feature_t", 0x9c5f47cc9d12a4ce},
+      {"features_t", 0x6262ce5329c8f825},
+      {"graph_edge_t", 0x73ff0009ea33f960},
+      {"graph_node_t", 0x9d48cc4afa702729},
+      {"graph_t", 0x440ef967ce91c74a},
+      {"ground_truth_t", 0xd0523560a83871d7},
+      {"icp_report_t", 0x88876e71ba6738aa},
+      {"image_metadata_t", 0x9a4b634d0577fb8e},
+      {"image_t", 0x14739ffe13d5f5f0},
+      {"images_t", 0x20ba4f05e8f5e33a},
+      {"input_status_t", 0x6f10d7a3471d3f26},
+      {"keyframe_t", 0x916ee79e14f4bce0},
+      {"landmark_t", 0xe6d7beaa007e99b7},
+      {"landmarks_t", 0x63fd50e6bf35d9cd},
+      {"map_reply_t", 0x023ace5dcb8b0610},
+      {"map_request_t", 0x99db0cf62e05ed73},
+      {"odometry_t", 0x5ec93350d4c4b43c},
+      {"output_status_t", 0x3974a7cdb87b38ae},
+      {"particle_t", 0x31beb10b9b6180e0},
+      {"particles_t", 0x7c59856f0f7c81c7},
+      {"pointcloud2_t", 0x0bcd5ce4bf5a1b4a},
+      {"pointfield_t", 0xb24e10825e0b476d},
+      {"pose_estimate_t", 0x1547952d277437bd},
+      {"pose_t", 0x2e16efb052b0105e},
+      {"rigid_transform_t", 0xecc586678117a361},
+      {"status_t", 0x1e92269aeb92c5b9},
+      {"value_t", 0xea7bbdc5e39b2f1e},
+      {"wheel_t", 0x7c8c135845c05559},
+  };
+  return fingerprints;
+}
+
+/// bot_core's public fingerprints (lcm-gen 1.3.1 on openhumanoids/bot_core_lcmtypes).
+const std::map<std::string, std::uint64_t>& bot_core() {
+  static const std::map<std::string, std::uint64_t> fingerprints = {
+      {"image_metadata_t", 0x9a4b634d0577fb8e}, {"image_t", 0x14739ffe13d5f5f0},
+      {"images_t", 0x20ba4f05e8f5e33a},         {"pointcloud2_t", 0x0bcd5ce4bf5a1b4a},
+      {"pointfield_t", 0xb24e10825e0b476d},     {"pose_t", 0x2e16efb052b0105e}};
+  return fingerprints;
+}
+
+template <class M>
+class Fingerprint : public ::testing::Test {};
+TYPED_TEST_SUITE(Fingerprint, testing::AllTypes);
+
+TYPED_TEST(Fingerprint, IsFrozen) {
+  const auto found = frozen().find(TypeParam::getTypeName());
+  ASSERT_NE(found, frozen().end()) << "add the new type to the table";
+  EXPECT_EQ(static_cast<std::uint64_t>(TypeParam::getHash()), found->second);
+}
+
+TYPED_TEST(Fingerprint, OfTheDefinitionEqualsTheGeneratedOne) {
+  const MessageType* type = MessageType::find(std::string(TypeParam::getTypeName()));
+  ASSERT_NE(type, nullptr);
+  EXPECT_EQ(type->fingerprint, static_cast<std::uint64_t>(TypeParam::getHash()));
+  EXPECT_EQ(MessageType::find(type->fingerprint), type);
+}
+
+TEST(Fingerprints, TableHoldsEveryDefinition) {
+  EXPECT_EQ(MessageType::all().size(), frozen().size());
+  for (const MessageType* type : MessageType::all()) EXPECT_EQ(frozen().count(type->name), 1U) << type->name;
+}
+
+TEST(Fingerprints, AreThoseOfBotCoreWhereWeClaimIt) {
+  for (const auto& [name, fingerprint] : bot_core()) EXPECT_EQ(frozen().at(name), fingerprint) << name;
+}
+
+}  // namespace
+}  // namespace lcmslam

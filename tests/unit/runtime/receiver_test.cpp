@@ -1,0 +1,141 @@
+// The queues between the bus and a node, over LCM's in-memory transport, and once over UDP multicast on
+// a private bus.
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/encoders_t.hpp>
+
+#include "runtime/lcm_bus.hpp"
+#include "runtime/private_bus.hpp"
+
+namespace lcmslam {
+namespace {
+
+using std::chrono::seconds;
+using ::testing::ElementsAre;
+
+encoders_t encoders(Utime utime) {
+  encoders_t m;
+  m.utime = utime;
+  m.n_wheels = 0;
+  return m;
+}
+
+class ReceiverTest : public ::testing::Test {
+ protected:
+  void subscribe(const std::string& channel, std::size_t capacity) {
+    inputs_.subscribe<encoders_t>(channel, capacity,
+                                  [this](const encoders_t& m) { handled_.push_back(m.utime); });
+  }
+
+  /// Waits until the receiving thread has seen everything up to a last message on a channel of its own.
+  /// That one is the newest, so it stays behind all others.
+  void drain(Receiver& receiver, LcmPublisher& publisher) {
+    publisher.publish("LAST", encoders(-1));
+    const auto deadline = std::chrono::steady_clock::now() + seconds(20);
+    Arrival arrival;
+    while (std::chrono::steady_clock::now() < deadline && receiver.take(arrival, seconds(5))) {
+      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+      if (arrival.input->channel() == "LAST") return;
+    }
+    FAIL() << "the last message did not arrive";
+  }
+
+  /// Lets the receiving thread work until `drops` messages were dropped in all.
+  void wait_for_drops(Receiver& receiver, std::int64_t drops) {
+    const auto deadline = std::chrono::steady_clock::now() + seconds(20);
+    while (std::chrono::steady_clock::now() < deadline) {
+      std::int64_t sum = 0;
+      for (const auto& [input, count] : receiver.counts()) sum += count.drops;
+      if (sum >= drops) return;
+      std::this_thread::yield();
+    }
+    FAIL() << "fewer than " << drops << " messages were dropped";
+  }
+
+  Inputs inputs_;
+  std::vector<Utime> handled_;
+};
+
+TEST_F(ReceiverTest, OldestAreDroppedAndCountedSoThatNothingIsTakenForLost) {
+  lcm::LCM lcm("memq://");
+  ASSERT_TRUE(lcm.good());
+  subscribe("IMAGES", 1);
+  subscribe("ODOMETRY", 4);
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  LcmPublisher publisher(lcm, 5);
+  // The first are taken at once, so that the numbering has begun.
+  Receiver receiver(lcm, inputs_);
+  publisher.publish("IMAGES", encoders(0));
+  publisher.publish("ODOMETRY", encoders(100));
+  drain(receiver, publisher);
+  EXPECT_THAT(handled_, ElementsAre(0, 100));
+  handled_.clear();
+
+  for (int i = 1; i <= 10; ++i) {
+    publisher.publish("IMAGES", encoders(i));
+    publisher.publish("ODOMETRY", encoders(100 + i));
+  }
+  wait_for_drops(receiver, 9 + 6);
+  drain(receiver, publisher);
+  EXPECT_THAT(handled_, ElementsAre(107, 108, 109, 10, 110));  // in the order of arrival, the latest wins
+  const Input& images = *inputs_.all()[0];
+  const Input& odometry = *inputs_.all()[1];
+  EXPECT_EQ(receiver.counts().at(&images).drops, 9);
+  EXPECT_EQ(receiver.counts().at(&odometry).drops, 6);
+  EXPECT_EQ(images.senders.at(5).received, 2);
+  EXPECT_EQ(images.senders.at(5).lost, 0);
+  EXPECT_EQ(odometry.senders.at(5).received, 5);
+  EXPECT_EQ(odometry.senders.at(5).lost, 0);
+}
+
+TEST_F(ReceiverTest, NothingToTakeIsSaid) {
+  lcm::LCM lcm("memq://");
+  subscribe("IMAGES", 1);
+  Receiver receiver(lcm, inputs_);
+  Arrival arrival;
+  EXPECT_FALSE(receiver.take(arrival, std::chrono::milliseconds(1)));
+}
+
+TEST_F(ReceiverTest, AnotherReceiverCanFollowOnTheSameBus) {
+  lcm::LCM lcm("memq://");
+  subscribe("IMAGES", 10);
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  LcmPublisher publisher(lcm, 5);
+  for (int round = 0; round < 2; ++round) {
+    Receiver receiver(lcm, inputs_);
+    publisher.publish("IMAGES", encoders(round));
+    drain(receiver, publisher);
+  }
+  EXPECT_THAT(handled_, ElementsAre(0, 1));
+}
+
+TEST_F(ReceiverTest, MessagesOfEverySizeCrossAPrivateBus) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  lcm::LCM sending("udpm://239.255.76.67:7667?ttl=0"), receiving("udpm://239.255.76.67:7667?ttl=0");
+  ASSERT_TRUE(sending.good() && receiving.good());
+  std::vector<std::size_t> sizes;
+  inputs_.subscribe<encoders_t>("BIG", 10, [&](const encoders_t& m) { sizes.push_back(m.wheels.size()); });
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  Receiver receiver(receiving, inputs_);
+  LcmPublisher publisher(sending, 6);
+  for (const std::size_t wheels : {0U, 20U, 1250U}) {  // up to 60 kB: fragmented
+    encoders_t m = encoders(static_cast<Utime>(wheels));
+    m.wheels.resize(wheels);
+    m.n_wheels = static_cast<int>(wheels);
+    publisher.publish("BIG", m);
+  }
+  drain(receiver, publisher);
+  EXPECT_THAT(sizes, ElementsAre(0, 20, 1250));
+  EXPECT_EQ(inputs_.all()[0]->senders.at(6).lost, 0);
+}
+
+TEST(Sender, IsNeverZeroAndDiffers) {
+  const std::int64_t a = draw_sender(), b = draw_sender();
+  EXPECT_GT(a, 0);
+  EXPECT_GT(b, 0);
+  EXPECT_NE(a, b);
+}
+
+}  // namespace
+}  // namespace lcmslam
