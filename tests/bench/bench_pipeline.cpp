@@ -1,0 +1,161 @@
+// What one frame costs in each part of the graph, on the simulated kitchen (ToF head), one thread.
+//   build/release/bin/bench_pipeline --benchmark_repetitions=10 --benchmark_report_aggregates_only=true
+
+#include <benchmark/benchmark.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "fastslam/fastslam.hpp"
+#include "icp/icp_mapper.hpp"
+#include "imaging/codec.hpp"
+#include "imaging/registration.hpp"
+#include "simulation/simulation.hpp"
+#include "surf/surf.hpp"
+
+#if __has_include(<dlib/image_keypoint/surf.h>)
+#define LCMSLAM_HAS_DLIB 1
+#include <dlib/test_for_odr_violations.h>
+// Debian's configuration asks for BLAS and LAPACK, which SURF never calls: headers suffice without.
+#undef DLIB_USE_BLAS
+#undef DLIB_USE_LAPACK
+#include <dlib/image_keypoint/surf.h>
+#include <dlib/opencv/cv_image.h>
+#endif
+
+namespace lcmslam {
+namespace {
+
+const Simulation& kitchen() {
+  static const Simulation simulation({LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml"});
+  return simulation;
+}
+
+Utime frame_time(int i) { return kitchen().start() + 1'000'000 + 100'000 * i; }
+
+const std::vector<RgbdFrame>& frames() {
+  static const std::vector<RgbdFrame> rendered = [] {
+    std::vector<RgbdFrame> all;
+    for (int i = 0; i < 20; ++i) all.push_back(kitchen().render(frame_time(i)));
+    return all;
+  }();
+  return rendered;
+}
+
+cv::Mat grey(const RgbdFrame& frame) {
+  cv::Mat image;
+  cv::cvtColor(frame.colour, image, cv::COLOR_BGR2GRAY);
+  return image;
+}
+
+FeatureFrame features(const RgbdFrame& frame, Utime utime) {
+  const RgbdCalibration& c = kitchen().calibration();
+  Surf surf;
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+  surf.detectAndCompute(frame.colour, cv::noArray(), keypoints, descriptors);
+  std::vector<cv::Point2f> pixels;
+  for (const auto& k : keypoints) pixels.push_back(k.pt);
+  const auto depth = depth_at_pixels(register_depth(frame, c), c, pixels);
+  FeatureFrame result;
+  result.utime = utime;
+  result.width = c.colour.width;
+  result.height = c.colour.height;
+  result.fx = c.colour.fx;
+  result.fy = c.colour.fy;
+  result.cx = c.colour.cx;
+  result.cy = c.colour.cy;
+  result.has_mount = true;
+  result.T_robot_camera = c.T_robot_camera;
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    if (!depth[i].point.allFinite()) continue;
+    Feature f;
+    f.kind = MeasurementKind::point;
+    f.x = keypoints[i].pt.x;
+    f.y = keypoints[i].pt.y;
+    f.laplacian = static_cast<std::int8_t>(keypoints[i].class_id);
+    f.point = depth[i].point;
+    f.depth_sigma = depth[i].sigma;
+    f.descriptor = to_bytes(descriptors.ptr<float>(static_cast<int>(i)));
+    result.features.push_back(f);
+  }
+  return result;
+}
+
+Motion true_motion(Utime from, Utime to) {
+  Motion motion;
+  motion.T_from_to = kitchen().T_world_robot(from).inverse() * kitchen().T_world_robot(to);
+  motion.covariance = 1e-6 * Matrix6d::Identity();
+  return motion;
+}
+
+void surf_detect_and_describe(benchmark::State& state) {
+  cv::setNumThreads(1);
+  frames();  // rendered before the clock runs
+  Surf surf;
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+  std::size_t i = 0;
+  double found = 0;
+  for (auto _ : state) {
+    surf.detectAndCompute(grey(frames()[i++ % frames().size()]), cv::noArray(), keypoints, descriptors);
+    found += static_cast<double>(keypoints.size());
+  }
+  state.counters["keypoints"] = benchmark::Counter(found, benchmark::Counter::kAvgIterations);
+}
+BENCHMARK(surf_detect_and_describe)->Unit(benchmark::kMillisecond);
+
+#ifdef LCMSLAM_HAS_DLIB
+void surf_of_dlib(benchmark::State& state) {
+  frames();
+  std::size_t i = 0;
+  double found = 0;
+  for (auto _ : state) {
+    const cv::Mat image = grey(frames()[i++ % frames().size()]);
+    found += static_cast<double>(dlib::get_surf_points(dlib::cv_image<unsigned char>(image), 600, 1.0).size());
+  }
+  state.counters["keypoints"] = benchmark::Counter(found, benchmark::Counter::kAvgIterations);
+}
+BENCHMARK(surf_of_dlib)->Unit(benchmark::kMillisecond);
+#endif
+
+void render(benchmark::State& state) {
+  int i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(kitchen().render(frame_time(i++ % 200)));
+}
+BENCHMARK(render)->Unit(benchmark::kMillisecond);
+
+void icp_step(benchmark::State& state) {
+  const RgbdCalibration& c = kitchen().calibration();
+  const DepthRegistration registration(c);
+  frames();
+  IcpMapper mapper;
+  Utime last = frame_time(0);
+  int i = 0;
+  for (auto _ : state) {
+    const auto index = static_cast<std::size_t>(i++ % static_cast<int>(frames().size()));
+    const Utime now = frame_time(static_cast<int>(index));
+    RegisteredDepth depth = registration(frames()[index]);
+    remove_jump_edges(depth.points, depth.sigma);
+    mapper.step(now, make_cloud(frames()[index], depth), c.T_robot_camera, true_motion(last, now));
+    last = now;
+  }
+}
+BENCHMARK(icp_step)->Unit(benchmark::kMillisecond);
+
+void fastslam_step(benchmark::State& state) {
+  std::vector<FeatureFrame> all;
+  for (std::size_t i = 0; i < frames().size(); ++i)
+    all.push_back(features(frames()[i], frame_time(static_cast<int>(i))));
+  FastSlam slam({});
+  std::size_t i = 0;
+  Utime last = frame_time(0);
+  for (auto _ : state) {
+    const FeatureFrame& frame = all[i++ % all.size()];
+    slam.step(true_motion(last, frame.utime), frame);
+    last = frame.utime;
+  }
+}
+BENCHMARK(fastslam_step)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace lcmslam
