@@ -18,6 +18,11 @@ double inlier_share(const RegistrationResult& r) {
   return r.pairs > 0 ? static_cast<double>(r.inliers) / r.pairs : 0;
 }
 
+/// Closed-form estimators know no prior: for them odometry is only the start.
+const Prior* prior_for(const RegistrationSettings& settings, const Prior& prior) {
+  return settings.solver == SolverKind::gauss_newton ? &prior : nullptr;
+}
+
 }  // namespace
 
 RegistrationSettings IcpMapperSettings::coarse_defaults() {
@@ -188,8 +193,10 @@ IcpMapper::Attempt IcpMapper::attempt(const Cloud& cloud, const Eigen::Isometry3
     used.information *= 0.1;
   }
   Attempt result;
-  const RegistrationResult coarse = register_cloud(cloud, map_, T_start, settings_.coarse, &used);
-  result.registration = register_cloud(cloud, map_, coarse.T_target_source, settings_.fine, &used);
+  const RegistrationResult coarse =
+      register_cloud(cloud, map_, T_start, settings_.coarse, prior_for(settings_.coarse, used));
+  result.registration =
+      register_cloud(cloud, map_, coarse.T_target_source, settings_.fine, prior_for(settings_.fine, used));
   result.quality = result.registration.overlap * inlier_share(result.registration);
   result.status = judge(result.registration, used);
   if (recovery && result.status == MappingStatus::degraded) result.status = MappingStatus::lost;

@@ -90,6 +90,9 @@ void OdometryNode::connect(Inputs& inputs) {
 }
 
 void OdometryNode::on_encoders(const Encoders& encoders) {
+  constexpr Utime little = 1'000'000;
+  if (encoders.utime < last_utime_ && last_utime_ - encoders.utime < little) return;  // came too late
+  last_utime_ = encoders.utime;
   std::optional<MotionSample> sample;
   try {
     sample = wheels_.update(encoders);

@@ -30,6 +30,7 @@ class OdometryNode : public Node {
   VisualOdometry visual_;
   std::optional<MotionNoise> noise_;
   MotionSample external_;
+  Utime last_utime_ = 0;  // of the encoders
   std::int64_t updates_ = 0;
   std::int64_t degraded_ = 0;  // visual updates that went on by prediction
 };

@@ -1,0 +1,161 @@
+#include "odometry/odometry_node.hpp"
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/pose_t.hpp>
+
+#include "messages/geometry_messages.hpp"
+#include "unit/nodes/simulated_kitchen.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double degree = M_PI / 180;
+
+struct Segment {
+  double length, turn;                       ///< m, rad driven in truth
+  double translation_error, rotation_error;  ///< m, rad of the relative pose
+};
+
+class EveryBase : public ::testing::TestWithParam<const char*> {
+ protected:
+  /// Drives the whole path; errors of odometry over pieces of about a metre.
+  static std::vector<Segment> drive(const std::string& base, std::uint64_t seed) {
+    const Simulation simulation(testing::kitchen_settings(base, seed));
+    testing::TestBus bus;
+    bus.add<OdometryNode>();
+    for (Utime t = simulation.start(); t <= simulation.end(); t += 20'000)
+      bus.deliver("ENCODERS", to_message(simulation.encoders(t)));
+    EXPECT_EQ(bus.decode_errors(), 0);
+    std::vector<Segment> segments;
+    const auto odometry = bus.on<odometry_t>("ODOMETRY");
+    std::size_t begin = 0;
+    Segment s{};
+    for (std::size_t i = 1; i < odometry.size(); ++i) {
+      const auto truth = [&](std::size_t k) { return simulation.T_world_robot(odometry[k].utime); };
+      const auto estimate = [&](std::size_t k) { return from_message(odometry[k]).T_odom_robot; };
+      const Eigen::Isometry3d step = truth(i - 1).inverse() * truth(i);
+      s.length += step.translation().norm();
+      s.turn += rotation_angle(step);
+      if (s.length < 1) continue;
+      const Eigen::Isometry3d error =
+          (truth(begin).inverse() * truth(i)).inverse() * (estimate(begin).inverse() * estimate(i));
+      s.translation_error = error.translation().norm();
+      s.rotation_error = rotation_angle(error);
+      segments.push_back(s);
+      begin = i;
+      s = {};
+    }
+    return segments;
+  }
+};
+
+TEST_P(EveryBase, FollowsTheTruthWithinThePinnedErrors) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const auto segments = drive(GetParam(), seed);
+    ASSERT_GE(segments.size(), 11U);
+    double sum = 0;
+    for (const Segment& s : segments) {
+      // Three sigma of scale (3 %) and drift (0.5 degree per root metre), and one slip (3 degrees, 5 cm).
+      const double rotation = 3 * (0.03 * s.turn + 0.5 * degree * std::sqrt(s.length)) + 3 * degree;
+      EXPECT_LT(s.rotation_error, rotation);
+      EXPECT_LT(s.translation_error, 3 * (0.03 + 0.01) * s.length + 0.05 + rotation * s.length / 2);
+      sum += s.translation_error;
+    }
+    const double mean = sum / static_cast<double>(segments.size());
+    EXPECT_LT(mean, 0.06);
+    EXPECT_GT(mean, 0.002);  // wheels without error would hide that the truth is used
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bases, EveryBase, ::testing::Values("differential", "steered", "mecanum"));
+
+class OdometryNodeTest : public ::testing::Test {
+ protected:
+  encoders_t encoders(Utime since_start) {
+    return to_message(simulation_.encoders(simulation_.start() + since_start));
+  }
+  Simulation simulation_{testing::kitchen_settings()};
+  testing::TestBus bus_;
+};
+
+TEST_F(OdometryNodeTest, ChangedNumberOfWheelsIsCountedAndTheOldBaseGoesOn) {
+  bus_.add<OdometryNode>();
+  bus_.deliver("ENCODERS", encoders(0));
+  encoders_t more = encoders(20'000);
+  more.wheels.push_back(more.wheels[0]);
+  more.n_wheels += 1;
+  bus_.deliver("ENCODERS", more);
+  EXPECT_EQ(bus_.input(0, "ENCODERS").decode_errors, 1);
+  EXPECT_THAT(bus_.input(0, "ENCODERS").last_error, HasSubstr("wheels"));
+  EXPECT_EQ(bus_.count("ODOMETRY"), 1U);
+  bus_.deliver("ENCODERS", encoders(40'000));
+  EXPECT_EQ(bus_.count("ODOMETRY"), 2U);
+}
+
+TEST_F(OdometryNodeTest, LateOrRepeatedEncodersChangeNothing) {
+  bus_.add<OdometryNode>();
+  for (const Utime t : {0, 1'000'000, 2'000'000}) bus_.deliver("ENCODERS", encoders(t));
+  bus_.deliver("ENCODERS", encoders(1'980'000));
+  bus_.deliver("ENCODERS", encoders(2'000'000));
+  EXPECT_EQ(bus_.count("ODOMETRY"), 3U);
+  bus_.deliver("ENCODERS", encoders(3'000'000));
+  const auto odometry = bus_.on<odometry_t>("ODOMETRY");
+  ASSERT_EQ(odometry.size(), 4U);
+  const auto step = from_message(odometry[2]).T_odom_robot.inverse() * from_message(odometry[3]).T_odom_robot;
+  EXPECT_LT(step.translation().norm(), 0.6);  // and no jump back to the start
+}
+
+TEST_F(OdometryNodeTest, LogThatLoopsStartsAnewAtTheIdentity) {
+  bus_.add<OdometryNode>();
+  for (const Utime t : {0, 2'000'000, 4'000'000, 0}) bus_.deliver("ENCODERS", encoders(t));
+  const auto odometry = bus_.on<odometry_t>("ODOMETRY");
+  ASSERT_EQ(odometry.size(), 4U);
+  EXPECT_TRUE(from_message(odometry[3]).T_odom_robot.isApprox(Eigen::Isometry3d::Identity()));
+}
+
+TEST_F(OdometryNodeTest, TwistIsTheMotionOverTime) {
+  bus_.add<OdometryNode>();
+  const Utime a = 3'000'000, b = 3'020'000;
+  for (const Utime t : {a, b}) bus_.deliver("ENCODERS", encoders(t));
+  const odometry_t m = bus_.on<odometry_t>("ODOMETRY").at(1);
+  const double way = from_message(m).T_odom_robot.translation().norm();
+  EXPECT_NEAR(std::hypot(m.linear_velocity[0], m.linear_velocity[1]), way / 0.02, 1e-3);
+}
+
+TEST_F(OdometryNodeTest, AnotherDriversPoseIsPassedOn) {
+  bus_.add<OdometryNode>(ConfigNode::parse("{source: external, external_channel: POSE_BODY}"));
+  pose_t pose{};
+  pose.orientation[0] = 1;
+  double last = 0;
+  for (int i = 1; i <= 3; ++i) {
+    pose.utime = i * 1'000'000;
+    pose.pos[0] = i;
+    bus_.deliver("POSE_BODY", pose);
+    const odometry_t m = bus_.on<odometry_t>("ODOMETRY").back();
+    EXPECT_EQ(m.utime, pose.utime);
+    EXPECT_NEAR(m.T_odom_robot.trans[0], i, 1e-12);
+    EXPECT_GT(m.covariance[0], last);
+    last = m.covariance[0];
+  }
+  pose.orientation[0] = 3;
+  bus_.deliver("POSE_BODY", pose);
+  EXPECT_EQ(bus_.decode_errors(), 1);
+  EXPECT_EQ(bus_.count("ODOMETRY"), 3U);
+}
+
+TEST_F(OdometryNodeTest, NoiseIsAddedWhenAskedFor) {
+  bus_.add<OdometryNode>();
+  bus_.add<OdometryNode>(ConfigNode::parse("{noise: {mode: white, sigma: 0.05}}"));
+  for (Utime t = 0; t <= 2'000'000; t += 20'000) bus_.deliver("ENCODERS", encoders(t));
+  double squares = 0;
+  const auto odometry = bus_.on<odometry_t>("ODOMETRY");
+  for (std::size_t i = 0; i < odometry.size(); i += 2)
+    squares += std::pow(odometry[i].T_odom_robot.trans[0] - odometry[i + 1].T_odom_robot.trans[0], 2);
+  EXPECT_GT(squares, 0);
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,73 @@
+#pragma once
+// The first seconds of the simulated kitchen as messages, rendered once for all tests of a program.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "imaging/codec.hpp"
+#include "messages/camera_messages.hpp"
+#include "messages/motion_messages.hpp"
+#include "messages/origin.hpp"
+#include "simulation/simulation.hpp"
+#include "unit/nodes/test_bus.hpp"
+
+namespace lcmslam::testing {
+
+inline SimulationSettings kitchen_settings(const std::string& base = "differential", std::uint64_t seed = 1) {
+  SimulationSettings settings;
+  settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
+  settings.base = base;
+  settings.seed = seed;
+  return settings;
+}
+
+class SimulatedKitchen {
+ public:
+  /// The same for every caller.
+  static SimulatedKitchen& instance() {
+    static SimulatedKitchen kitchen;
+    return kitchen;
+  }
+
+  const Simulation& simulation() const { return simulation_; }
+  camera_calibration_t calibration() const {
+    camera_calibration_t message = to_message(simulation_.calibration());
+    message.seq = 0;
+    message.sender = 1000;
+    return message;
+  }
+  /// The k-th frame, at 10 Hz.
+  const images_t& frame(int k) {
+    const auto found = frames_.find(k);
+    if (found != frames_.end()) return found->second;
+    EncodedFrame encoded = encode(simulation_.render(frame_time(k)));
+    encoded.sensor = simulation_.calibration().sensor;
+    images_t message = to_message(encoded);
+    set_origin(message, {k, 1000});
+    return frames_[k] = message;
+  }
+  Utime frame_time(int k) const { return simulation_.start() + 100'000 * (k + 1); }
+
+  /// Plays the first frames with the encoders between them, up to 40 ms after the last.
+  void play(TestBus& bus, int frames, const std::string& base = "differential") {
+    const Simulation other(kitchen_settings(base));
+    bus.deliver("CAMERA_CALIBRATION", calibration());
+    std::int64_t seq = 0;
+    for (Utime t = simulation_.start(); t <= frame_time(frames - 1) + 40'000; t += 20'000) {
+      encoders_t encoders = to_message(other.encoders(t));
+      set_origin(encoders, {seq++, 1001});
+      bus.deliver("ENCODERS", encoders);
+      const Utime since = t - simulation_.start();
+      const int k = static_cast<int>(since / 100'000) - 1;
+      if (since % 100'000 == 0 && k >= 0 && k < frames) bus.deliver("CAMERA", frame(k));
+    }
+  }
+
+ private:
+  SimulatedKitchen() : simulation_(kitchen_settings()) {}
+  Simulation simulation_;
+  std::map<int, images_t> frames_;
+};
+
+}  // namespace lcmslam::testing

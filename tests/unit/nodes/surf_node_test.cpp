@@ -1,0 +1,91 @@
+#include "surf/surf_node.hpp"
+
+#include <gmock/gmock.h>
+
+#include "messages/feature_messages.hpp"
+#include "unit/messages/wire_sample.hpp"
+#include "unit/nodes/simulated_kitchen.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::SimulatedKitchen;
+
+class SurfNodeTest : public ::testing::Test {
+ protected:
+  SimulatedKitchen& kitchen_ = SimulatedKitchen::instance();
+  testing::TestBus bus_;
+  SurfNode& node_ = bus_.add<SurfNode>();
+};
+
+TEST_F(SurfNodeTest, FrameWaitsForTheCalibrationAndThenGivesFeatures) {
+  bus_.deliver("CAMERA", kitchen_.frame(0));
+  bus_.deliver("CAMERA", kitchen_.frame(1));
+  EXPECT_TRUE(bus_.published().empty());
+  EXPECT_THAT(node_.report().detail, HasSubstr("CAMERA_CALIBRATION"));
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  const auto features = bus_.on<features_t>("FEATURES");
+  ASSERT_EQ(features.size(), 1U);  // of the newest frame that waited
+  EXPECT_EQ(features[0].utime, kitchen_.frame_time(1));
+  EXPECT_EQ(features[0].frame_seq, 1);
+  EXPECT_EQ(node_.report().detail, "");
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  EXPECT_EQ(bus_.count("FEATURES"), 1U);
+}
+
+TEST_F(SurfNodeTest, PointsLieOnTheScene) {
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  bus_.deliver("CAMERA", kitchen_.frame(0));
+  const FeatureFrame frame = from_message(bus_.on<features_t>("FEATURES").at(0));
+  const Eigen::Isometry3d T_world_camera =
+      kitchen_.simulation().T_world_robot(frame.utime) * kitchen_.simulation().calibration().T_robot_camera;
+  std::vector<double> distances;
+  for (const Feature& f : frame.features)
+    if (f.kind == MeasurementKind::point)
+      distances.push_back(kitchen_.simulation().distance_to_surface(T_world_camera * f.point.cast<double>()));
+  ASSERT_GT(distances.size(), 50U);
+  EXPECT_EQ(testing::value_of(node_, "with_depth"), static_cast<double>(distances.size()));
+  std::sort(distances.begin(), distances.end());
+  EXPECT_LT(distances[distances.size() / 2], 0.02);  // ToF noise and wiggle
+}
+
+TEST_F(SurfNodeTest, BadImageBytesAreCountedAndTheNextFrameIsUsed) {
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  std::int64_t errors = 0;
+  const auto expect_refused = [&](auto change) {
+    images_t message = kitchen_.frame(0);
+    change(message);
+    bus_.deliver("CAMERA", message);
+    EXPECT_EQ(bus_.input(0, "CAMERA").decode_errors, ++errors);
+    EXPECT_EQ(bus_.count("FEATURES"), 0U);
+  };
+  expect_refused([](images_t& m) { m.images[0].data.resize(100), m.images[0].size = 100; });
+  expect_refused([](images_t& m) { m.images[1].data.assign(10, 7), m.images[1].size = 10; });
+  expect_refused([](images_t& m) { m.images[1].width -= 1; });
+  expect_refused([](images_t& m) {  // sound, but not of the calibration's size
+    m.images[1].width = m.images[1].height = 2;
+    m.images[1].data = encode_depth(cv::Mat::ones(2, 2, CV_16UC1), 0).bytes;
+    m.images[1].size = static_cast<int32_t>(m.images[1].data.size());
+  });
+  bus_.deliver("CAMERA", kitchen_.frame(1));
+  EXPECT_EQ(bus_.count("FEATURES"), 1U);
+}
+
+TEST_F(SurfNodeTest, MutatedFramesDoNotStopIt) {
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  Random random(1);
+  const auto good = encode_message(kitchen_.frame(0));
+  for (int i = 0; i < 40; ++i) {
+    auto bytes = good;
+    testing::mutate(bytes, random);
+    bus_.deliver("CAMERA", bytes);
+  }
+  const std::size_t before = bus_.count("FEATURES");
+  EXPECT_GT(bus_.decode_errors(), 0);
+  bus_.deliver("CAMERA", kitchen_.frame(2));
+  EXPECT_EQ(bus_.count("FEATURES"), before + 1);
+}
+
+}  // namespace
+}  // namespace lcmslam

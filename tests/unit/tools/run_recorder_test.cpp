@@ -1,0 +1,144 @@
+#include "demo/run_recorder.hpp"
+
+#include <gmock/gmock.h>
+
+#include "messages/camera_messages.hpp"
+#include "messages/geometry_messages.hpp"
+#include "messages/motion_messages.hpp"
+
+namespace lcmslam {
+namespace {
+
+class Recorder : public ::testing::Test {
+ protected:
+  template <class M>
+  void deliver(const std::string& channel, const M& message) {
+    const auto bytes = encode_message(message);
+    ASSERT_TRUE(inputs_.deliver(channel, bytes.data(), bytes.size()));
+  }
+
+  /// The robot's true path: a curve.
+  static Eigen::Isometry3d path(Utime utime) {
+    const double t = 1e-6 * static_cast<double>(utime);
+    return planar_pose(0.5 * t, std::sin(t), std::atan2(std::cos(t), 0.5));
+  }
+
+  void truth(Utime utime, const std::string& frame, const Eigen::Isometry3d& T) {
+    ground_truth_t m;
+    m.utime = utime;
+    m.seq = utime;
+    m.sender = 1;
+    m.frame = "world";
+    m.child_frame = frame;
+    m.T_frame_child = to_message(T);
+    deliver("GROUND_TRUTH", m);
+  }
+
+  void pose(const std::string& channel, Utime utime, const Eigen::Isometry3d& T, std::int64_t sender = 5,
+            std::int8_t status = pose_estimate_t::TRACKING) {
+    pose_estimate_t m = make_pose_estimate(utime, T, Matrix6d::Identity());
+    m.seq = 0;
+    m.sender = sender;
+    m.status = status;
+    deliver(channel, m);
+  }
+
+  void camera_status(std::int8_t state, const std::string& detail) {
+    status_t s{};
+    s.process = "camera";
+    s.state = state;
+    s.detail = detail;
+    deliver("STATUS", s);
+  }
+
+  Inputs inputs_;
+  RunRecorder recorder_{inputs_};
+};
+
+TEST_F(Recorder, EvaluatesEachPathAgainstTheTruth) {
+  const Eigen::Isometry3d T_map_world = planar_pose(3, -2, 1);  // a map begins anywhere
+  for (Utime t = 0; t <= 10'000'000; t += 20'000) truth(t, "robot", path(t));
+  for (Utime t = 50'000; t < 10'000'000; t += 100'000) {
+    pose("FASTSLAM_POSE", t, T_map_world * path(t));
+    const double error = (t / 100'000) % 2 == 0 ? 0.01 : -0.01;
+    pose("ICP_POSE", t, T_map_world * path(t) * planar_pose(0, error, 0));
+  }
+  const auto exact = recorder_.evaluate_path(recorder_.fastslam());
+  const auto noisy = recorder_.evaluate_path(recorder_.icp());
+  ASSERT_TRUE(exact && noisy);
+  EXPECT_EQ(exact->matched_poses, recorder_.fastslam().trajectory.size());
+  EXPECT_LT(exact->absolute.translation.rmse, 2e-4);  // interpolation of the truth
+  EXPECT_NEAR(noisy->absolute.translation.rmse, 0.01, 5e-4);
+  EXPECT_FALSE(recorder_.evaluate_path(recorder_.odometry()));  // there was none
+}
+
+TEST_F(Recorder, TruthOfTheCameraIsToldOfTheRobot) {
+  RgbdCalibration c;
+  c.colour.width = c.depth.width = 64;
+  c.colour.height = c.depth.height = 48;
+  c.colour.fx = c.colour.fy = c.depth.fx = c.depth.fy = 60;
+  c.has_mount = true;
+  c.T_robot_camera = planar_pose(0.2, 0.1, 0.3) * optical_axes();
+  c.T_robot_camera.translation().z() = 1.3;
+  for (Utime t = 0; t < 1'000'000; t += 100'000) truth(t, "camera", path(t) * c.T_robot_camera);
+  EXPECT_TRUE(recorder_.truth()[3].T_world_body.isApprox(path(300'000) * c.T_robot_camera, 1e-9))
+      << "not known yet";
+  deliver("CAMERA_CALIBRATION", [&] {
+    camera_calibration_t m = to_message(c);
+    m.seq = m.sender = 0;
+    return m;
+  }());
+  const Trajectory truth = recorder_.truth();
+  ASSERT_EQ(truth.size(), 10U);
+  for (const StampedPose& p : truth) EXPECT_TRUE(p.T_world_body.isApprox(path(p.utime), 1e-9)) << p.utime;
+}
+
+TEST_F(Recorder, RestartOfASenderClearsThePath) {
+  for (Utime t = 0; t < 500'000; t += 100'000) pose("ICP_POSE", t, path(t), 5);
+  for (Utime t = 500'000; t < 700'000; t += 100'000) pose("ICP_POSE", t, path(t), 6);
+  EXPECT_EQ(recorder_.icp().trajectory.size(), 2U);
+  EXPECT_EQ(recorder_.icp().restarts, 1);
+  EXPECT_EQ(recorder_.fastslam().restarts, 0);
+}
+
+TEST_F(Recorder, JumpBackInTimeClearsThePathButALatePoseDoesNot) {
+  for (const Utime t : {10'000'000, 10'100'000, 10'050'000}) pose("ICP_POSE", t, path(t));
+  EXPECT_EQ(recorder_.icp().restarts, 0);
+  EXPECT_EQ(recorder_.icp().trajectory.size(), 3U);
+  pose("ICP_POSE", 1'000'000, path(0));
+  EXPECT_EQ(recorder_.icp().restarts, 1);
+  EXPECT_EQ(recorder_.icp().trajectory.size(), 1U);
+}
+
+TEST_F(Recorder, CountsWhatTheMapperSaysOfItself) {
+  pose("FASTSLAM_POSE", 1, path(1), 5, pose_estimate_t::LOST);
+  pose("FASTSLAM_POSE", 2, path(2), 5, pose_estimate_t::DEGRADED);
+  pose("FASTSLAM_POSE", 3, path(3), 5, pose_estimate_t::TRACKING);
+  EXPECT_EQ(recorder_.fastslam().lost, 1);
+  EXPECT_EQ(recorder_.fastslam().degraded, 1);
+}
+
+TEST_F(Recorder, ProgressChangesWithEveryPose) {
+  Utime last = recorder_.progress();
+  for (Utime t = 100; t < 500; t += 100) {
+    pose(t % 200 == 0 ? "ICP_POSE" : "FASTSLAM_POSE", t, path(t));
+    EXPECT_NE(recorder_.progress(), last);
+    last = recorder_.progress();
+  }
+}
+
+TEST_F(Recorder, KnowsWhenTheSourceIsAtItsEndOrFailed) {
+  std::string reason;
+  EXPECT_FALSE(recorder_.source_finished());
+  EXPECT_FALSE(recorder_.source_failed(reason));
+  camera_status(status_t::RUNNING, "");
+  EXPECT_FALSE(recorder_.source_finished());
+  camera_status(status_t::FINISHED, "");
+  EXPECT_TRUE(recorder_.source_finished());
+  camera_status(status_t::FAILED, "no such folder");
+  EXPECT_TRUE(recorder_.source_failed(reason));
+  EXPECT_EQ(reason, "no such folder");
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,106 @@
+#include "launch/status_table.hpp"
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+namespace lcmslam {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+input_status_t input(const std::string& channel, std::int64_t received, std::int64_t lost, double rate) {
+  input_status_t in{};
+  in.channel = channel;
+  in.received = received;
+  in.lost = lost;
+  in.queue_drops = 2;
+  in.decode_errors = 1;
+  in.rate = rate;
+  return in;
+}
+
+status_t status() {
+  status_t s{};
+  s.process = "surf";
+  s.pid = 42;
+  s.state = status_t::RUNNING;
+  s.cpu = 0.37;
+  s.memory = 81'000'000;
+  s.latency_p50 = 0.012;
+  s.latency_p95 = 0.034;
+  s.inputs = {input("CAMERA", 100, 5, 30), input("CAMERA", 10, 3, 0), input("ODOMETRY", 500, 0, 50)};
+  output_status_t features{}, own{};
+  features.channel = "FEATURES";
+  features.rate = 29.6;
+  own.channel = "STATUS";
+  own.rate = 1;
+  s.outputs = {features, own};
+  value_t value;
+  value.name = "keypoints";
+  value.value = 480;
+  s.values = {value};
+  return s;
+}
+
+Supervisor::State process(const std::string& name, pid_t pid, const std::string& last_exit = "") {
+  Supervisor::State state;
+  state.spec.name = name;
+  state.pid = pid;
+  state.last_exit = last_exit;
+  return state;
+}
+
+std::vector<std::string> lines(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> result;
+  for (std::string line; std::getline(stream, line);) result.push_back(line);
+  return result;
+}
+
+TEST(StatusTable, ShowsAProcessWithItsLoadLossesAndRates) {
+  const auto table = lines(format_status({{"surf", status()}}, {process("surf", 42)}));
+  ASSERT_EQ(table.size(), 2U);
+  EXPECT_THAT(table[1],
+              AllOf(HasSubstr("surf"), HasSubstr("42"), HasSubstr("running"), HasSubstr(" 37 "),
+                    HasSubstr(" 81 "), HasSubstr("12/34"), HasSubstr("CAMERA 30"), HasSubstr("ODOMETRY 50"),
+                    HasSubstr("-> FEATURES 30"), Not(HasSubstr("STATUS"))));
+  // lost, drops and malformed of all inputs stand under their headings
+  for (const auto& [heading, value] :
+       {std::pair("lost", "8"), std::pair("drops", "6"), std::pair("bad", "3")}) {
+    const std::size_t end = table[0].find(heading) + std::string(heading).size();
+    EXPECT_EQ(table[1].substr(end - 1, 1), value) << heading;
+  }
+}
+
+TEST(StatusTable, ShowsProcessesThatHaveNotReportedOrHaveEnded) {
+  const auto table = lines(
+      format_status({{"surf", status()}}, {process("icp", 7), process("surf", 0, "signal 9 (Killed)")}));
+  ASSERT_EQ(table.size(), 3U);
+  EXPECT_THAT(table[1], AllOf(HasSubstr("icp"), HasSubstr("starting")));
+  EXPECT_THAT(table[2], AllOf(HasSubstr("surf"), HasSubstr("signal 9 (Killed)"), Not(HasSubstr("running"))));
+}
+
+TEST(StatusTable, ForeignStateNumbersDoNoHarm) {
+  status_t s = status();
+  for (const int state : {-1, 5, 127}) {
+    s.state = static_cast<std::int8_t>(state);
+    EXPECT_THAT(format_status({{"surf", s}}, {process("surf", 42)}), HasSubstr("?"));
+  }
+}
+
+TEST(StatusTable, LossOfAChannelIsSummedOverItsSenders) {
+  const ChannelLoss loss = channel_loss(status(), "CAMERA");
+  EXPECT_EQ(loss.received, 110);
+  EXPECT_EQ(loss.lost, 8);
+  EXPECT_EQ(loss.queue_drops, 4);
+  EXPECT_EQ(loss.decode_errors, 2);
+  EXPECT_EQ(channel_loss(status(), "NONE").received, 0);
+  EXPECT_EQ(status_value(status(), "keypoints"), 480);
+  EXPECT_EQ(status_value(status(), "none"), 0);
+}
+
+}  // namespace
+}  // namespace lcmslam

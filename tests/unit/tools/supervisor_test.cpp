@@ -1,0 +1,152 @@
+#include "launch/supervisor.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+
+#include <csignal>
+
+#include "unit/tools/scratch.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::wait_for;
+
+class SupervisorTest : public ::testing::Test {
+ protected:
+  ProcessSpec shell(const std::string& script, bool restart = false) {
+    return {"worker", {"/bin/sh", "-c", script}, scratch_.path() / "worker.txt", restart};
+  }
+  std::string output() const { return scratch_.read("worker.txt"); }
+
+  /// Polls until this many things happened.
+  std::vector<std::string> events(Supervisor& supervisor, std::size_t count) {
+    std::vector<std::string> all;
+    EXPECT_TRUE(wait_for([&] {
+      for (auto& event : supervisor.poll()) all.push_back(event);
+      return all.size() >= count;
+    }));
+    return all;
+  }
+
+  testing::ScratchFolder scratch_;
+};
+
+TEST_F(SupervisorTest, ReportsTheExitStatusAndKeepsTheOutput) {
+  Supervisor supervisor;
+  supervisor.start(shell("echo to stdout; echo to stderr >&2; exit 3"));
+  EXPECT_THAT(events(supervisor, 1), ElementsAre("worker ended: exit 3"));
+  EXPECT_EQ(supervisor.processes()[0].last_exit, "exit 3");
+  EXPECT_EQ(supervisor.processes()[0].pid, 0);
+  EXPECT_EQ(output(), "to stdout\nto stderr\n");
+  EXPECT_THAT(supervisor.poll(), IsEmpty());  // and is not started again
+}
+
+TEST_F(SupervisorTest, ReportsTheSignalThatEndedAProcess) {
+  Supervisor supervisor;
+  supervisor.start(shell("kill -SEGV $$"));
+  EXPECT_THAT(events(supervisor, 1),
+              ElementsAre(AllOf(HasSubstr("signal 11"), HasSubstr("Segmentation fault"))));
+}
+
+TEST_F(SupervisorTest, OutputOfEveryStartIsAppended) {
+  scratch_.write("worker.txt", "before\n");
+  Supervisor supervisor;
+  supervisor.start(shell("echo after"));
+  events(supervisor, 1);
+  EXPECT_EQ(output(), "before\nafter\n");
+}
+
+TEST_F(SupervisorTest, ProgramThatCannotBeStartedIsAnErrorThatNamesIt) {
+  Supervisor supervisor;
+  ProcessSpec spec = shell("");
+  spec.arguments = {"/no/such/program"};
+  try {
+    supervisor.start(spec);
+    FAIL() << "it was started";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("/no/such/program"), HasSubstr("No such file")));
+  }
+  spec = shell("true");
+  spec.log = scratch_.path() / "no-such-folder" / "log.txt";
+  EXPECT_THROW(Supervisor().start(spec), std::runtime_error);
+}
+
+TEST_F(SupervisorTest, RestartsWithGrowingPauses) {
+  Supervisor supervisor;
+  const auto begin = Supervisor::Clock::now();
+  supervisor.start(shell("exit 1", true));
+  const auto happened = events(supervisor, 3);
+  EXPECT_THAT(happened, ElementsAre("worker ended: exit 1, restarts in 1 s", "worker restarted",
+                                    "worker ended: exit 1, restarts in 2 s"));
+  EXPECT_GE(Supervisor::Clock::now() - begin, std::chrono::seconds(1));
+  EXPECT_EQ(supervisor.processes()[0].starts, 2);
+}
+
+TEST_F(SupervisorTest, WrongConfigurationIsNotTriedAgain) {
+  Supervisor supervisor;
+  supervisor.start(shell("echo 'surf: unknown key'; exit 2", true));
+  EXPECT_THAT(events(supervisor, 1), ElementsAre("worker ended: exit 2: surf: unknown key"));
+  EXPECT_TRUE(supervisor.refused());
+  EXPECT_THAT(supervisor.poll(), IsEmpty());
+}
+
+TEST_F(SupervisorTest, StopsWithInterruptAlone) {
+  Supervisor supervisor;
+  supervisor.start(shell("trap 'echo bye; exit 0' INT; echo ready; while :; do sleep 0.02; done", true));
+  ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
+  EXPECT_THAT(supervisor.stop(), IsEmpty());
+  EXPECT_EQ(supervisor.processes()[0].last_exit, "exit 0");
+  EXPECT_EQ(output(), "ready\nbye\n");
+}
+
+TEST_F(SupervisorTest, StopInsistsUntilTheKernelEndsTheProcess) {
+  Supervisor supervisor;
+  supervisor.start(shell("trap '' INT TERM; echo ready; while :; do sleep 0.02; done", true));
+  ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
+  EXPECT_THAT(supervisor.stop(std::chrono::seconds(1)),
+              ElementsAre("worker did not stop: Terminated", "worker did not stop: Killed"));
+  EXPECT_EQ(supervisor.processes()[0].pid, 0);
+  EXPECT_THAT(supervisor.processes()[0].last_exit, HasSubstr("signal 9"));
+}
+
+TEST_F(SupervisorTest, ItsEndStopsWhatItStarted) {
+  pid_t pid = 0;
+  {
+    Supervisor supervisor;
+    supervisor.start(shell("echo ready; exec sleep 1000"));
+    ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
+    pid = supervisor.processes()[0].pid;
+    EXPECT_EQ(kill(pid, 0), 0);
+  }
+  EXPECT_EQ(kill(pid, 0), -1);
+  EXPECT_EQ(errno, ESRCH);
+}
+
+TEST_F(SupervisorTest, NoProcessOutlivesASupervisorThatIsKilled) {
+  ASSERT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // orphans become ours, so that their end is seen
+  const pid_t supervising = fork();
+  ASSERT_GE(supervising, 0);
+  if (supervising == 0) {
+    Supervisor supervisor;
+    supervisor.start(shell("echo $$; exec sleep 1000"));
+    while (true) pause();
+  }
+  ASSERT_TRUE(wait_for([&] { return !output().empty() && output().back() == '\n'; }));
+  const pid_t worker = std::stoi(output());
+  EXPECT_EQ(kill(worker, 0), 0);
+  kill(supervising, SIGKILL);
+  int status = 0;
+  EXPECT_EQ(waitpid(supervising, &status, 0), supervising);
+  EXPECT_TRUE(wait_for([&] { return waitpid(worker, &status, WNOHANG) == worker; })) << "the worker lives on";
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGTERM);
+}
+
+}  // namespace
+}  // namespace lcmslam
