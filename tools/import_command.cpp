@@ -12,9 +12,11 @@ namespace {
 int write(CameraSource& source, const std::string& log) {
   for (const auto& note : source.notes()) std::cout << "  " << note << "\n";
   const LogCounts counts = write_log(source, log);
-  std::cout << fmt::format("  {}: {} frames, {} encoder readings, {} true poses, {:.1f} MB\n", log, counts.frames,
-                           counts.encoders, counts.truths, static_cast<double>(counts.bytes) / 1e6);
-  if (source.malformed() > 0) std::cout << fmt::format("  {} frames were malformed or missing\n", source.malformed());
+  std::cout << fmt::format("  {}: {} frames, {} encoder readings, {} true poses, {:.1f} MB\n", log,
+                           counts.frames, counts.encoders, counts.truths,
+                           static_cast<double>(counts.bytes) / 1e6);
+  if (source.malformed() > 0)
+    std::cout << fmt::format("  {} frames were malformed or missing\n", source.malformed());
   return counts.frames > 0 ? 0 : 1;
 }
 
@@ -23,10 +25,13 @@ int write(CameraSource& source, const std::string& log) {
 int import_command(int argc, char** argv) {
   std::string folder, log, calibration, description;
   CLI::App app{"Turns a data set folder into an .lcmlog that lcm-logplayer replays.", "lcmslam import"};
-  app.add_option("folder", folder, "TUM RGB-D, 7-Scenes or numbered images")->required()->check(CLI::ExistingDirectory);
+  app.add_option("folder", folder, "TUM RGB-D, 7-Scenes or numbered images")
+      ->required()
+      ->check(CLI::ExistingDirectory);
   app.add_option("log", log, "file to write")->required();
   app.add_option("--calibration", calibration, "camera calibration (YAML)")->check(CLI::ExistingFile);
-  app.add_option("--description", description, "layout of the folder (YAML, see config/datasets)")->check(CLI::ExistingFile);
+  app.add_option("--description", description, "layout of the folder (YAML, see config/datasets)")
+      ->check(CLI::ExistingFile);
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   ConfigNode config;
   config.set("folder", folder);
@@ -40,7 +45,9 @@ int simulate_command(int argc, char** argv) {
   int seed = 1;
   double seconds = 0;
   CLI::App app{"Renders a simulated run into an .lcmlog.", "lcmslam simulate"};
-  app.add_option("scene", scene, "scene (YAML), e.g. config/scenes/kitchen.yaml")->required()->check(CLI::ExistingFile);
+  app.add_option("scene", scene, "scene (YAML), e.g. config/scenes/kitchen.yaml")
+      ->required()
+      ->check(CLI::ExistingFile);
   app.add_option("log", log, "file to write")->required();
   app.add_option("--head", head, "tof or rgbd");
   app.add_option("--base", base, "differential, steered or mecanum");

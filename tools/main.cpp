@@ -11,9 +11,11 @@ int main(int argc, char** argv) {
     const char* name;
     int (*run)(int, char**);
   };
-  const Command commands[] = {
-      {"demo", demo_command}, {"import", import_command}, {"launch", launch_command}, {"simulate", simulate_command},
-      {"study", study_command}};
+  const Command commands[] = {{"demo", demo_command},
+                              {"import", import_command},
+                              {"launch", launch_command},
+                              {"simulate", simulate_command},
+                              {"study", study_command}};
   const char* name = argc > 1 ? argv[1] : "";
   for (const Command& command : commands) {
     if (std::strcmp(command.name, name) != 0) continue;

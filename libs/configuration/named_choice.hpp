@@ -11,7 +11,8 @@ namespace lcmslam {
 
 /// The value behind the name that stands under `key`; throws ConfigError for a name that is not there.
 template <class T>
-T named_choice(const ConfigNode& config, const std::string& key, T fallback, const std::map<std::string, T>& names) {
+T named_choice(const ConfigNode& config, const std::string& key, T fallback,
+               const std::map<std::string, T>& names) {
   std::vector<std::string> choices;
   std::string standard;
   for (const auto& [name, value] : names) {

@@ -73,7 +73,9 @@ Eigen::Isometry3d interpolate(const Eigen::Isometry3d& a, const Eigen::Isometry3
   return a * se3_exp(fraction * se3_log(a.inverse() * b));
 }
 
-double rotation_angle(const Eigen::Isometry3d& transform) { return so3_log(transform.linear()).norm(); }
+double rotation_angle(const Eigen::Isometry3d& transform) {
+  return so3_log(transform.linear()).norm();
+}
 
 double yaw(const Eigen::Isometry3d& T_world_robot) {
   return std::atan2(T_world_robot(1, 0), T_world_robot(0, 0));
@@ -88,10 +90,10 @@ Eigen::Isometry3d planar_pose(double x, double y, double heading) {
 
 Eigen::Isometry3d make_transform(const double translation[3], const double quaternion_wxyz[4]) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::Quaterniond(quaternion_wxyz[0], quaternion_wxyz[1], quaternion_wxyz[2],
-                                  quaternion_wxyz[3])
-                   .normalized()
-                   .toRotationMatrix();
+  T.linear() =
+      Eigen::Quaterniond(quaternion_wxyz[0], quaternion_wxyz[1], quaternion_wxyz[2], quaternion_wxyz[3])
+          .normalized()
+          .toRotationMatrix();
   T.translation() << translation[0], translation[1], translation[2];
   return T;
 }

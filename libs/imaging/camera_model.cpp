@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "imaging/codec.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -119,6 +121,8 @@ CameraModel CameraModel::scaled(double factor) const {
 void CameraModel::check(const std::string& name) const {
   if (width < 1 || width > 8192) refuse(name, "width", width, "must be 1 to 8192 pixels");
   if (height < 1 || height > 8192) refuse(name, "height", height, "must be 1 to 8192 pixels");
+  if (static_cast<std::int64_t>(width) * height > max_image_pixels)
+    refuse(name, "width", width, "times height must be at most 32 Mpixel");
   if (!(fx > 0 && fx < 1e6)) refuse(name, "fx", fx, "must be above 0 pixels");
   if (!(fy > 0 && fy < 1e6)) refuse(name, "fy", fy, "must be above 0 pixels");
   if (!(cx > -width && cx < 2 * width)) refuse(name, "cx", cx, "must be near the image's middle, in pixels");

@@ -11,15 +11,8 @@ namespace {
 
 constexpr float nan_value = std::numeric_limits<float>::quiet_NaN();
 
-void check_frame(const RgbdFrame& frame, const CameraModel& depth) {
-  if (frame.depth.type() != CV_16UC1 || frame.depth.cols != depth.width || frame.depth.rows != depth.height)
-    throw std::invalid_argument("the depth image is " + std::to_string(frame.depth.cols) + "x" +
-                                std::to_string(frame.depth.rows) + ", by its calibration it must be " +
-                                std::to_string(depth.width) + "x" + std::to_string(depth.height) +
-                                " with 16 bits");
-  if (!frame.amplitude.empty() &&
-      (frame.amplitude.type() != CV_8UC1 || frame.amplitude.size() != frame.depth.size()))
-    throw std::invalid_argument("the amplitude image must have the depth image's size and 8 bits");
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 // Valid depths become points T * (z * ray), with their standard deviation.
@@ -83,6 +76,22 @@ DepthRegistration::DepthRegistration(RgbdCalibration calibration) : calibration_
   rays_ = ray_table(calibration_.depth);
 }
 
+void check_frame(const RgbdFrame& frame, const RgbdCalibration& calibration) {
+  const CameraModel& colour = calibration.colour;
+  const CameraModel& depth = calibration.depth;
+  if (!frame.colour.empty() && (frame.colour.cols != colour.width || frame.colour.rows != colour.height))
+    throw std::invalid_argument("the colour image is " + size_text(frame.colour.cols, frame.colour.rows) +
+                                ", by its calibration it must be " + size_text(colour.width, colour.height));
+  if (frame.depth.empty()) return;
+  if (frame.depth.type() != CV_16UC1 || frame.depth.cols != depth.width || frame.depth.rows != depth.height)
+    throw std::invalid_argument("the depth image is " + size_text(frame.depth.cols, frame.depth.rows) +
+                                ", by its calibration it must be " + size_text(depth.width, depth.height) +
+                                " with 16 bits");
+  if (!frame.amplitude.empty() &&
+      (frame.amplitude.type() != CV_8UC1 || frame.amplitude.size() != frame.depth.size()))
+    throw std::invalid_argument("the amplitude image must have the depth image's size and 8 bits");
+}
+
 RegisteredDepth DepthRegistration::operator()(const RgbdFrame& frame,
                                               const Eigen::Isometry3d& T_colour_depth_time) const {
   if (!T_colour_depth_time.matrix().allFinite())
@@ -99,7 +108,7 @@ RegisteredDepth DepthRegistration::operator()(const RgbdFrame& frame,
   result.aligned = calibration_.depth_registered && T_colour_depth_time.matrix().isIdentity(0);
   if (frame.depth.empty()) return result;
 
-  check_frame(frame, depth);
+  check_frame(frame, calibration_);
   unproject(frame, calibration_, rays_, T_colour_depth_time * calibration_.T_colour_depth, result);
   if (result.aligned) {
     copy_own_pixels(result);

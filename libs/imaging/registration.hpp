@@ -28,6 +28,9 @@ struct RegisteredDepth {
   bool aligned = false;  ///< depth pixel (u, v) is colour pixel (u, v)
 };
 
+/// Throws std::invalid_argument, with both sizes, when an image is not of the calibration's size.
+void check_frame(const RgbdFrame& frame, const RgbdCalibration& calibration);
+
 /// Brings depth images into the colour camera; keeps the tables that depend on the calibration alone.
 class DepthRegistration {
  public:

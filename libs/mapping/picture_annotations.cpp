@@ -202,8 +202,8 @@ void draw_landmarks(cv::Mat& picture, const ViewCamera& camera, const std::vecto
     const cv::Scalar colour(landmark->rgb[2], landmark->rgb[1], landmark->rgb[0]);
     const cv::Point centre = sub_pixel(camera.project(landmark->mean));
     const double one = 1 << fraction_bits;
-    cv::circle(picture, centre, pixels((radius + crowd * style.unit) * one), style.frame, cv::FILLED, cv::LINE_AA,
-               fraction_bits);
+    cv::circle(picture, centre, pixels((radius + crowd * style.unit) * one), style.frame, cv::FILLED,
+               cv::LINE_AA, fraction_bits);
     cv::circle(picture, centre, pixels(radius * one), colour, cv::FILLED, cv::LINE_AA, fraction_bits);
   }
 }

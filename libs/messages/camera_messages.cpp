@@ -1,12 +1,14 @@
 #include "messages/camera_messages.hpp"
 
+#include "imaging/codec.hpp"
+#include "imaging/registration.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/origin.hpp"
 
 namespace lcmslam {
 namespace {
 
-constexpr int largest_side = 8192;  // pixels
+constexpr int largest_side = 8192;     // pixels
 constexpr int big_endian_depth = 357;  // bot_core's PIXEL_FORMAT_BE_GRAY16
 
 image_t make_image(const EncodedImage& image, int pixelformat, int bytes_per_pixel) {
@@ -32,16 +34,17 @@ EncodedImage read_image(const image_t& message, ImageCoding coding, std::size_t 
   check_range(static_cast<double>(message.utime), -1e17, 1e17, "image utime");
   check_range(message.width, 1, largest_side, "image width");
   check_range(message.height, 1, largest_side, "image height");
-  const std::size_t raw_size = static_cast<std::size_t>(message.width) *
-                               static_cast<std::size_t>(message.height) * raw_pixel_bytes;
+  const std::size_t raw_size =
+      static_cast<std::size_t>(message.width) * static_cast<std::size_t>(message.height) * raw_pixel_bytes;
   if (raw_pixel_bytes > 0 && message.data.size() != raw_size)
-    throw DecodeError("image: " + std::to_string(message.data.size()) + " bytes, " + std::to_string(raw_size) +
-                      " are needed");
+    throw DecodeError("image: " + std::to_string(message.data.size()) + " bytes, " +
+                      std::to_string(raw_size) + " are needed");
   return {message.utime, message.width, message.height, coding, message.data};
 }
 
 EncodedImage read_depth(const image_t& message, ImageCoding coding, std::size_t raw_pixel_bytes) {
-  if (message.pixelformat == big_endian_depth) throw DecodeError("depth image: big-endian pixels are not supported");
+  if (message.pixelformat == big_endian_depth)
+    throw DecodeError("depth image: big-endian pixels are not supported");
   return read_image(message, coding, raw_pixel_bytes);
 }
 
@@ -142,6 +145,18 @@ EncodedFrame from_message(const images_t& message) {
   if (frame.colour.coding == ImageCoding::none) throw DecodeError("images_t has no colour image (LEFT)");
   if (frame.depth.coding == ImageCoding::none) throw DecodeError("images_t has no depth image");
   return frame;
+}
+
+RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibration) {
+  try {
+    const RgbdFrame frame = decode(from_message(message));
+    check_frame(frame, calibration);
+    return frame;
+  } catch (const CodecError& error) {
+    throw DecodeError(error.what());
+  } catch (const std::invalid_argument& error) {
+    throw DecodeError(error.what());
+  }
 }
 
 camera_calibration_t to_message(const RgbdCalibration& c) {

@@ -15,6 +15,10 @@ images_t to_message(const EncodedFrame& frame);
 /// DecodeError for absurd sizes and unknown formats. The images' bytes are checked by the codec.
 EncodedFrame from_message(const images_t& message);
 
+/// The same with the images decoded; throws DecodeError for bytes that are no such images, and for images
+/// that are not of the calibration's size.
+RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibration);
+
 camera_calibration_t to_message(const RgbdCalibration& calibration);
 RgbdCalibration from_message(const camera_calibration_t& message);
 

@@ -14,8 +14,8 @@ using Kind = MessageField::Kind;
 
 const std::map<std::string, Kind>& primitives() {
   static const std::map<std::string, Kind> kinds = {
-      {"int8_t", Kind::int8},   {"int16_t", Kind::int16},  {"int32_t", Kind::int32},
-      {"int64_t", Kind::int64}, {"float", Kind::float32},  {"double", Kind::float64},
+      {"int8_t", Kind::int8},   {"int16_t", Kind::int16},   {"int32_t", Kind::int32},
+      {"int64_t", Kind::int64}, {"float", Kind::float32},   {"double", Kind::float64},
       {"string", Kind::text},   {"boolean", Kind::boolean}, {"byte", Kind::byte}};
   return kinds;
 }
@@ -120,7 +120,8 @@ class Parser {
   static std::size_t fixed_length(const std::string& field, const std::string& written) {
     const bool digits = written.size() <= 9 && written.find_first_not_of("0123456789") == std::string::npos;
     const std::size_t length = digits ? std::stoul(written) : 0;
-    if (length == 0) throw std::invalid_argument(field + ": array length '" + written + "' is no positive number");
+    if (length == 0)
+      throw std::invalid_argument(field + ": array length '" + written + "' is no positive number");
     return length;
   }
 
@@ -178,7 +179,8 @@ std::size_t fixed_size(const MessageType& type, std::set<const MessageType*> par
   if (!parents.insert(&type).second) return 0;
   std::size_t total = 0;
   for (const MessageField& field : type.fields) {
-    std::size_t size = field.kind == Kind::nested ? fixed_size(*field.nested, parents) : value_size(field.kind);
+    std::size_t size =
+        field.kind == Kind::nested ? fixed_size(*field.nested, parents) : value_size(field.kind);
     if (size == 0) return 0;
     for (const auto& d : field.dimensions) {
       if (d.length_field >= 0) return 0;
@@ -231,7 +233,8 @@ std::vector<const MessageType*> parse_definitions(const std::vector<std::string>
       if (field.kind != Kind::nested) continue;
       const std::string plain = field.type_name.substr(field.type_name.rfind('.') + 1);
       const auto found = by_name.find(plain);
-      if (found == by_name.end()) throw std::invalid_argument(type->name + ": unknown type " + field.type_name);
+      if (found == by_name.end())
+        throw std::invalid_argument(type->name + ": unknown type " + field.type_name);
       field.nested = found->second;
     }
 

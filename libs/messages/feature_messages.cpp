@@ -42,7 +42,8 @@ Feature from_message(const feature_t& m) {
   f.landmark_id = m.landmark_id;
   std::copy(std::begin(m.colour), std::end(m.colour), f.colour.begin());
   std::copy(std::begin(m.descriptor), std::end(m.descriptor), f.descriptor.begin());
-  const bool depth_is_sound = f.point.z() > 0 && f.point.norm() < 1e4F && f.depth_sigma > 0 && f.depth_sigma < 1e3F;
+  const bool depth_is_sound =
+      f.point.z() > 0 && f.point.norm() < 1e4F && f.depth_sigma > 0 && f.depth_sigma < 1e3F;
   if (f.kind == MeasurementKind::point && !depth_is_sound) f.kind = MeasurementKind::bearing;
   return f;
 }
@@ -95,8 +96,8 @@ FeatureFrame from_message(const features_t& m) {
   frame.features.reserve(m.features.size());
   for (const feature_t& f : m.features) {
     Feature feature = from_message(f);
-    const bool placed = std::isfinite(f.x) && std::isfinite(f.y) && std::isfinite(f.size) && std::isfinite(f.angle) &&
-                        std::isfinite(f.response);
+    const bool placed = std::isfinite(f.x) && std::isfinite(f.y) && std::isfinite(f.size) &&
+                        std::isfinite(f.angle) && std::isfinite(f.response);
     const bool measured = feature.kind == MeasurementKind::bearing || feature.point.allFinite();
     if (placed && measured) frame.features.push_back(feature);
   }

@@ -8,7 +8,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t landmark_bytes = 136;      // landmark_t on the wire
+constexpr std::size_t landmark_bytes = 136;       // landmark_t on the wire
 constexpr std::size_t keyframe_point_bytes = 12;  // 3 x int16 position, 3 bytes colour, 3 bytes normal
 constexpr int most_tiles = 100'000;
 
@@ -48,8 +48,8 @@ std::vector<landmarks_t> make_landmark_tiles(Utime utime, std::int64_t revision,
                                              const std::vector<landmark_t>& landmarks,
                                              const std::vector<std::int64_t>& removed) {
   constexpr std::size_t per_tile = tile_bytes / landmark_bytes;
-  const std::size_t tiles = std::max<std::size_t>(
-      1, (landmarks.size() + removed.size() / 16 + per_tile - 1) / per_tile);
+  const std::size_t tiles =
+      std::max<std::size_t>(1, (landmarks.size() + removed.size() / 16 + per_tile - 1) / per_tile);
   std::vector<landmarks_t> messages(tiles);
   const auto share = [&](std::size_t total, std::size_t k) { return total * k / tiles; };
   for (std::size_t k = 0; k < tiles; ++k) {
@@ -92,8 +92,8 @@ std::vector<MapLandmark> landmarks_of(const landmarks_t& message) {
   return landmarks;
 }
 
-std::vector<keyframe_t> make_keyframe_tiles(const DenseKeyframe& keyframe, const Eigen::Isometry3d& T_robot_camera,
-                                            std::int64_t revision) {
+std::vector<keyframe_t> make_keyframe_tiles(const DenseKeyframe& keyframe,
+                                            const Eigen::Isometry3d& T_robot_camera, std::int64_t revision) {
   constexpr double resolution = 0.001;  // m
   constexpr std::size_t per_tile = tile_bytes / keyframe_point_bytes;
   std::vector<std::size_t> chosen;
@@ -138,7 +138,8 @@ KeyframeTile from_message(const keyframe_t& message) {
     const Eigen::Vector3f normal(message.normal[i], message.normal[i + 1], message.normal[i + 2]);
     tile.part.cloud.points.emplace_back(resolution * p[0], resolution * p[1], resolution * p[2]);
     tile.part.cloud.colours.emplace_back(c[2], c[1], c[0]);
-    tile.part.cloud.normals.push_back(normal.isZero() ? Eigen::Vector3f::Constant(std::nanf("")) : normal.normalized());
+    tile.part.cloud.normals.push_back(normal.isZero() ? Eigen::Vector3f::Constant(std::nanf(""))
+                                                      : normal.normalized());
   }
   return tile;
 }

@@ -18,6 +18,7 @@ odometry_t to_message(const MotionSample& sample, const std::string& source);
 MotionSample from_message(const odometry_t& message);
 
 /// Pose and covariance of a mapper; status and the rest are the caller's.
-pose_estimate_t make_pose_estimate(Utime utime, const Eigen::Isometry3d& T_map_robot, const Matrix6d& covariance);
+pose_estimate_t make_pose_estimate(Utime utime, const Eigen::Isometry3d& T_map_robot,
+                                   const Matrix6d& covariance);
 
 }  // namespace lcmslam

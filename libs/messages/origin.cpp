@@ -26,7 +26,8 @@ void set_bytes(image_t& image, const std::string& key, std::vector<std::uint8_t>
 void set_integer(image_t& image, const std::string& key, std::int64_t value) {
   std::vector<std::uint8_t> bytes(8);
   for (int i = 0; i < 8; ++i)
-    bytes[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
+    bytes[static_cast<std::size_t>(i)] =
+        static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
   set_bytes(image, key, std::move(bytes));
 }
 

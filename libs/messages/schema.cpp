@@ -74,7 +74,9 @@ const MessageType* find_if(Predicate predicate) {
 
 }  // namespace
 
-const std::vector<const MessageType*>& MessageType::all() { return builtin(); }
+const std::vector<const MessageType*>& MessageType::all() {
+  return builtin();
+}
 
 const MessageType* MessageType::find(const std::string& name) {
   return find_if([&](const MessageType& type) { return type.name == name; });
@@ -92,7 +94,8 @@ void check_layout(const MessageType& type, const std::uint8_t* data, std::size_t
     throw DecodeError("is not a " + type.name + (other ? " but a " + other->name : ": unknown fingerprint"));
   }
   LayoutWalker(reader).walk(type, 0);
-  if (reader.left() > 0) throw DecodeError(type.name + ": " + std::to_string(reader.left()) + " bytes too many");
+  if (reader.left() > 0)
+    throw DecodeError(type.name + ": " + std::to_string(reader.left()) + " bytes too many");
 }
 
 }  // namespace lcmslam

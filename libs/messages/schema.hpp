@@ -23,9 +23,9 @@ struct MessageType;
 struct MessageField {
   enum class Kind { int8, int16, int32, int64, float32, float64, text, boolean, byte, nested };
   struct Dimension {
-    std::size_t fixed = 0;   ///< size when not variable
-    int length_field = -1;   ///< index of the member that holds the size, or -1
-    std::string written;     ///< as in the definition
+    std::size_t fixed = 0;  ///< size when not variable
+    int length_field = -1;  ///< index of the member that holds the size, or -1
+    std::string written;    ///< as in the definition
   };
   std::string name;
   Kind kind = Kind::int8;
@@ -41,10 +41,10 @@ bool is_integer(MessageField::Kind kind);
 std::size_t value_size(MessageField::Kind kind);
 
 struct MessageType {
-  std::string name;                  ///< without package
+  std::string name;  ///< without package
   std::vector<MessageField> fields;
-  std::uint64_t fingerprint = 0;     ///< as LCM computes it from the definition
-  std::size_t fixed_size = 0;        ///< bytes on the wire, 0 when it varies
+  std::uint64_t fingerprint = 0;  ///< as LCM computes it from the definition
+  std::size_t fixed_size = 0;     ///< bytes on the wire, 0 when it varies
 
   /// All types of lcmtypes/, by name.
   static const std::vector<const MessageType*>& all();

@@ -24,17 +24,21 @@ void Input::deliver(const std::uint8_t* data, std::size_t size, std::int64_t dro
   counted_ = false;
   try {
     decode_and_handle(data, size);
-  } catch (const DecodeError& error) {
-    if (error.what() != last_error) spdlog::warn("{}: {} (counted in STATUS)", channel_, error.what());
+  } catch (const std::exception& error) {  // nothing that comes from the bus may end the process
     last_error = error.what();
     ++decode_errors;
+    // The 1st, 2nd, 4th, 8th ...: a flood of garbage must not flood the log.
+    if ((decode_errors & (decode_errors - 1)) == 0)
+      spdlog::warn("{}: {} ({} so far)", channel_, error.what(), decode_errors);
     if (!counted_) ++known_missing_;
   }
 }
 
 void Input::seen(const Origin& origin, Utime utime, std::size_t size) {
-  constexpr Utime far_away = 100'000'000'000'000'000;  // us, 3000 years: differences of sound times never overflow
-  if (utime < -far_away || utime > far_away) throw DecodeError("utime " + std::to_string(utime) + " is no time");
+  constexpr Utime far_away =
+      100'000'000'000'000'000;  // us, 3000 years: differences of sound times never overflow
+  if (utime < -far_away || utime > far_away)
+    throw DecodeError("utime " + std::to_string(utime) + " is no time");
   constexpr std::size_t most_senders = 64;  // garbage must not grow the table for ever
   const bool known = senders.count(origin.sender) > 0;
   InputCount& count = senders[known || senders.size() < most_senders ? origin.sender : 0];

@@ -19,7 +19,7 @@ namespace lcmslam {
 struct InputCount {
   std::int64_t received = 0;
   std::int64_t bytes = 0;
-  std::int64_t lost = 0;        ///< gaps in seq
+  std::int64_t lost = 0;  ///< gaps in seq
   std::int64_t duplicates = 0;
   std::int64_t reordered = 0;
   std::int64_t last_seq = -1;

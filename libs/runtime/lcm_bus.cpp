@@ -68,7 +68,8 @@ bool Receiver::take(Arrival& arrival, std::chrono::steady_clock::duration wait) 
   const auto find_first = [&] {
     first = nullptr;
     for (const auto& queue : queues_)
-      if (!queue->waiting.empty() && (first == nullptr || queue->waiting.front().time < first->waiting.front().time))
+      if (!queue->waiting.empty() &&
+          (first == nullptr || queue->waiting.front().time < first->waiting.front().time))
         first = queue.get();
     return first != nullptr;
   };

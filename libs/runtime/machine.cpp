@@ -55,7 +55,8 @@ SocketState socket_state() {
     std::istringstream columns(line);
     std::vector<std::string> words;
     for (std::string word; columns >> word;) words.push_back(word);
-    if (words.size() >= 13 && inodes.count(words[9]) > 0) state.kernel_drops += std::atoll(words.back().c_str());
+    if (words.size() >= 13 && inodes.count(words[9]) > 0)
+      state.kernel_drops += std::atoll(words.back().c_str());
   }
   return state;
 }

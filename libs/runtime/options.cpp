@@ -11,8 +11,8 @@ bool parse_options(int argc, char** argv, const std::string& process, const std:
   CLI::App app{description, "lcmslam-" + process};
   app.set_version_flag("--version", std::string("lcmslam ") + lcmslam_version);
   app.add_option("--config", options.config, "configuration file (YAML)")->check(CLI::ExistingFile);
-  app.add_option("--lcm-url", options.lcm_url, "LCM provider, default LCM_DEFAULT_URL or " +
-                                                   std::string(default_lcm_url));
+  app.add_option("--lcm-url", options.lcm_url,
+                 "LCM provider, default LCM_DEFAULT_URL or " + std::string(default_lcm_url));
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}));
   app.add_option("--set", options.overrides, "override of the configuration: section.key=value");
@@ -32,7 +32,8 @@ std::string lcm_url_from_environment() {
 }
 
 const std::vector<std::string>& process_names() {
-  static const std::vector<std::string> names = {"camera", "surf", "odometry", "fastslam", "icp", "map-server"};
+  static const std::vector<std::string> names = {"camera",   "surf", "odometry",
+                                                 "fastslam", "icp",  "map-server"};
   return names;
 }
 

@@ -68,7 +68,8 @@ class Process {
     // Registered before the handler runs: the answer may come from within it.
     if (arrival.input->primary && arrival.bytes.size() >= 16) {
       Utime utime = 0;  // first field behind the fingerprint
-      for (std::size_t i = 8; i < 16; ++i) utime = static_cast<Utime>(static_cast<std::uint64_t>(utime) << 8 | arrival.bytes[i]);
+      for (std::size_t i = 8; i < 16; ++i)
+        utime = static_cast<Utime>(static_cast<std::uint64_t>(utime) << 8 | arrival.bytes[i]);
       reporter_.arrived(utime, arrival.time);
     }
     arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
@@ -108,7 +109,8 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
     const ProcessConfig config = process_config(options, name);
     lcm::LCM lcm(options.lcm_url);
     if (!lcm.good()) {
-      spdlog::error("LCM cannot use {}: no multicast route? Try: ip route add 224.0.0.0/4 dev lo", options.lcm_url);
+      spdlog::error("LCM cannot use {}: no multicast route? Try: ip route add 224.0.0.0/4 dev lo",
+                    options.lcm_url);
       return 1;
     }
     Process(name, lcm).run(config.section, make_node, [&] { config.file.finish(); });

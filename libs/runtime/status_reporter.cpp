@@ -14,7 +14,8 @@ constexpr std::size_t most_waiting = 200;
 constexpr std::size_t most_latencies = 300;
 
 Utime wall_clock() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
 

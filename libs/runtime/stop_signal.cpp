@@ -25,8 +25,12 @@ void install_stop_signals() {
   signal(SIGPIPE, SIG_IGN);
 }
 
-bool stop_requested() { return stop_flag != 0; }
+bool stop_requested() {
+  return stop_flag != 0;
+}
 
-void request_stop() { stop_flag = 1; }
+void request_stop() {
+  stop_flag = 1;
+}
 
 }  // namespace lcmslam

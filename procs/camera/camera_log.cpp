@@ -61,7 +61,9 @@ class LogSource : public CameraSource {
   const RgbdCalibration& calibration() const override { return *calibration_; }
   std::size_t frames() const override { return frames_; }
   std::size_t malformed() const override { return malformed_; }
-  std::vector<std::string> notes() const override { return {file_ + ": " + std::to_string(frames_) + " frames"}; }
+  std::vector<std::string> notes() const override {
+    return {file_ + ": " + std::to_string(frames_) + " frames"};
+  }
 
   std::optional<CameraEvent> next() override {
     while (const lcm::LogEvent* event = log_->readNextEvent()) {
@@ -96,7 +98,9 @@ class LogSource : public CameraSource {
 
 }  // namespace
 
-std::unique_ptr<CameraSource> open_log(const std::string& file) { return std::make_unique<LogSource>(file); }
+std::unique_ptr<CameraSource> open_log(const std::string& file) {
+  return std::make_unique<LogSource>(file);
+}
 
 LogCounts write_log(CameraSource& source, const std::string& file) {
   const std::string part = file + ".part";

@@ -100,7 +100,8 @@ std::optional<Node::Duration> CameraNode::work() {
     start_time_ = now;
     first_utime_ = event_utime(*next_);
   }
-  const std::chrono::duration<double> offset(1e-6 * static_cast<double>(event_utime(*next_) - first_utime_) / speed_);
+  const std::chrono::duration<double> offset(1e-6 * static_cast<double>(event_utime(*next_) - first_utime_) /
+                                             speed_);
   const auto due = start_time_ + std::chrono::duration_cast<Clock::duration>(offset);
   if (due > now) return due - now;
   if (now - due > tolerated_delay) {  // cannot keep the pace: go slower rather than leave frames out

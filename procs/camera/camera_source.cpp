@@ -21,6 +21,8 @@ std::unique_ptr<CameraSource> make_camera_source(const ConfigNode& config) {
   return factories.at(source)(config.section(source));
 }
 
-std::unique_ptr<CameraSource> make_log_source(const ConfigNode& config) { return open_log(config.text("file")); }
+std::unique_ptr<CameraSource> make_log_source(const ConfigNode& config) {
+  return open_log(config.text("file"));
+}
 
 }  // namespace lcmslam

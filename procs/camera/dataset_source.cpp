@@ -20,7 +20,8 @@ class DatasetSource : public CameraSource {
     }
     // The truth before the first frame serves nobody.
     const Trajectory& truth = source_->truth();
-    while (next_truth_ < truth.size() && frames_ > 0 && truth[next_truth_].utime < source_->entry(0).utime - 1'000'000)
+    while (next_truth_ < truth.size() && frames_ > 0 &&
+           truth[next_truth_].utime < source_->entry(0).utime - 1'000'000)
       ++next_truth_;
   }
 

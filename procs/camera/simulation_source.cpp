@@ -83,9 +83,9 @@ std::filesystem::path cache_file(const SimulationSettings& s) {
   std::ifstream scene(s.scene);
   const std::string text((std::istreambuf_iterator<char>(scene)), {});
   char name[256];
-  std::snprintf(name, sizeof name, "%s-%s-%s-seed%llu-%gs-%gHz-%016zx-v%s.lcmlog", s.scene.stem().c_str(), s.head.c_str(),
-                s.base.c_str(), static_cast<unsigned long long>(s.seed), s.seconds, s.frame_rate,
-                std::hash<std::string>()(text), lcmslam_version);
+  std::snprintf(name, sizeof name, "%s-%s-%s-seed%llu-%gs-%gHz-%016zx-v%s.lcmlog", s.scene.stem().c_str(),
+                s.head.c_str(), s.base.c_str(), static_cast<unsigned long long>(s.seed), s.seconds,
+                s.frame_rate, std::hash<std::string>()(text), lcmslam_version);
   return std::filesystem::absolute("out") / "cache" / name;
 }
 

@@ -48,15 +48,20 @@ FastSlamNode::FastSlamNode(const ConfigNode& config, Publisher& publisher)
     : publisher_(publisher),
       settings_(read_fastslam_settings(config)),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), 6, [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
+      join_(config.get("max_wait", 0.15, Range{0, 10}), 6,
+            [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
 
 void FastSlamNode::connect(Inputs& inputs) {
-  inputs.subscribe<features_t>("FEATURES", 3, [this](const features_t& m) {
-    FeatureFrame frame = from_message(m);
-    const Utime needed = frame.utime;
-    join_.add(needed, std::move(frame));
-  }).primary = true;
-  inputs.subscribe<odometry_t>("ODOMETRY", 500, [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
+  inputs
+      .subscribe<features_t>("FEATURES", 3,
+                             [this](const features_t& m) {
+                               FeatureFrame frame = from_message(m);
+                               const Utime needed = frame.utime;
+                               join_.add(needed, std::move(frame));
+                             })
+      .primary = true;
+  inputs.subscribe<odometry_t>("ODOMETRY", 500,
+                               [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
 }
 
 void FastSlamNode::command(const command_t& command) {
@@ -100,7 +105,8 @@ void FastSlamNode::on_features(FeatureFrame frame) {
 void FastSlamNode::publish(const FeatureFrame& frame, const StepResult& result, double cpu_time) {
   pose_estimate_t pose = make_pose_estimate(frame.utime, result.T_world_robot, result.covariance);
   pose.status = wire_status(result.status);
-  pose.quality = result.offered > 0 ? static_cast<float>(result.used) / static_cast<float>(result.offered) : 0.F;
+  pose.quality =
+      result.offered > 0 ? static_cast<float>(result.used) / static_cast<float>(result.offered) : 0.F;
   pose.inliers = result.used;
   pose.map_revision = revision_;
   pose.processing_time = cpu_time;

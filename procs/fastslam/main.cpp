@@ -3,7 +3,8 @@
 
 int main(int argc, char** argv) {
   using namespace lcmslam;
-  return run_process(argc, argv, "fastslam", "FEATURES + ODOMETRY -> FASTSLAM_*: particle filter over SURF landmarks.",
+  return run_process(argc, argv, "fastslam",
+                     "FEATURES + ODOMETRY -> FASTSLAM_*: particle filter over SURF landmarks.",
                      [](const ConfigNode& config, Publisher& publisher) {
                        return std::make_unique<FastSlamNode>(config, publisher);
                      });

@@ -8,17 +8,19 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   FastSlamSettings s = preset == "thesis" ? thesis_preset() : FastSlamSettings{};
   s.particles = c.get("particles", s.particles, Range{1, 100000});
   s.seed = static_cast<std::uint64_t>(c.get("seed", static_cast<int>(s.seed), Range{0, 2147483647}));
-  s.proposal = named_choice<ProposalKind>(c, "proposal", s.proposal,
-                                   {{"motion", ProposalKind::motion}, {"measurement", ProposalKind::measurement}});
+  s.proposal = named_choice<ProposalKind>(
+      c, "proposal", s.proposal,
+      {{"motion", ProposalKind::motion}, {"measurement", ProposalKind::measurement}});
   s.proposal_iterations = c.get("proposal_iterations", s.proposal_iterations, Range{1, 100});
   s.huber_width = c.get("huber_width", s.huber_width, Range{0.1, 1e6});
   s.resampling = named_choice<ResamplingScheme>(c, "resampling", s.resampling,
-                                         {{"multinomial", ResamplingScheme::multinomial},
-                                          {"systematic", ResamplingScheme::systematic},
-                                          {"stratified", ResamplingScheme::stratified},
-                                          {"residual", ResamplingScheme::residual}});
+                                                {{"multinomial", ResamplingScheme::multinomial},
+                                                 {"systematic", ResamplingScheme::systematic},
+                                                 {"stratified", ResamplingScheme::stratified},
+                                                 {"residual", ResamplingScheme::residual}});
   s.resample_fraction = c.get("resample_fraction", s.resample_fraction, Range{0, 1});
-  s.estimate = named_choice<PoseEstimate>(c, "estimate", s.estimate, {{"best", PoseEstimate::best}, {"mean", PoseEstimate::mean}});
+  s.estimate = named_choice<PoseEstimate>(c, "estimate", s.estimate,
+                                          {{"best", PoseEstimate::best}, {"mean", PoseEstimate::mean}});
   s.use_motion_covariance = c.get("use_motion_covariance", s.use_motion_covariance);
   const Range noise{0, 100};
   s.translation_noise = c.get("translation_noise", s.translation_noise, noise);
@@ -35,7 +37,8 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.maximum_observations = c.get("maximum_observations", s.maximum_observations, Range{1, 100000});
   s.gate = c.get("gate", s.gate, Range{0, 1});
   s.rejection = named_choice<RejectionWeight>(
-      c, "rejection", s.rejection, {{"constant", RejectionWeight::constant}, {"floored", RejectionWeight::floored}});
+      c, "rejection", s.rejection,
+      {{"constant", RejectionWeight::constant}, {"floored", RejectionWeight::floored}});
   s.p0 = c.get("p0", s.p0, Range{0, 1e9});
   s.descriptor_ratio = c.get("descriptor_ratio", s.descriptor_ratio, Range{0, 1});
   s.descriptor_distance = c.get("descriptor_distance", s.descriptor_distance, Range{0, 2});

@@ -4,10 +4,10 @@
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/icp_report_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
+#include <limits>
 #include <utility>
 
 #include "icp/read_settings.hpp"
-#include "imaging/codec.hpp"
 #include "messages/camera_messages.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/map_messages.hpp"
@@ -58,6 +58,14 @@ std::string degenerate_directions(const RegistrationResult& result) {
   return text;
 }
 
+std::string describe(const RegistrationSettings& s) {
+  const bool plane = s.metric == MetricKind::point_to_plane;
+  static const char* const solvers[] = {"SVD",         "SVD uncorrected",        "quaternion",
+                                        "small angle", "small angle as printed", "Gauss-Newton"};
+  return std::string(plane ? "point-to-plane" : "point-to-point") + ", voxel map, " +
+         solvers[static_cast<std::size_t>(s.solver)];
+}
+
 }  // namespace
 
 IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
@@ -65,29 +73,23 @@ IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
       settings_(read_icp_settings(config)),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
       cloud_points_(config.get("cloud_points", 20000.0, Range{100, 1e7})),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), 6, [this](EncodedFrame& frame) { on_frame(frame); }) {}
+      join_(config.get("max_wait", 0.15, Range{0, 10}), 6, [this](RgbdFrame& frame) { on_frame(frame); }) {}
 
 void IcpNode::connect(Inputs& inputs) {
-  inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) {
-    on_camera(from_message(m));
-  }).primary = true;
-  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 1,
-                                         [this](const camera_calibration_t& m) { on_calibration(from_message(m)); });
-  inputs.subscribe<odometry_t>("ODOMETRY", 500, [this](const odometry_t& m) {
-    try {
-      join_.add(from_message(m), m.sender);
-    } catch (const CodecError& error) {  // of the frame that odometry released
-      throw DecodeError(error.what());
-    }
-  });
+  inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) { on_camera(m); }).primary = true;
+  inputs.subscribe<camera_calibration_t>(
+      "CAMERA_CALIBRATION", 1, [this](const camera_calibration_t& m) { on_calibration(from_message(m)); });
+  inputs.subscribe<odometry_t>("ODOMETRY", 500,
+                               [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
 }
 
-void IcpNode::on_camera(EncodedFrame frame) {
+void IcpNode::on_camera(const images_t& message) {
   if (!calibration_) {
-    uncalibrated_ = std::move(frame);
+    uncalibrated_ = message;
     return;
   }
-  const Utime needed = std::max(frame.utime, calibration_->depth_time(frame.depth.utime));
+  RgbdFrame frame = decode_images(message, *calibration_);
+  const Utime needed = std::max(frame.utime, calibration_->depth_time(frame.depth_utime));
   join_.add(needed, std::move(frame));
 }
 
@@ -112,7 +114,8 @@ IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   shot.utime = motion ? frame.utime : shot.depth_utime;
   if (motion) shot.T_points_depth = motion->T_from_to;
   const Eigen::Isometry3d& T_robot_camera = calibration_->T_robot_camera;
-  RegisteredDepth depth = (*registration_)(frame, T_robot_camera.inverse() * shot.T_points_depth * T_robot_camera);
+  RegisteredDepth depth =
+      (*registration_)(frame, T_robot_camera.inverse() * shot.T_points_depth * T_robot_camera);
   const double pixels = static_cast<double>(depth.points.total());
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
   remove_jump_edges(depth.points, depth.sigma, {}, step);
@@ -120,16 +123,9 @@ IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   return shot;
 }
 
-void IcpNode::on_frame(EncodedFrame& encoded) {
+void IcpNode::on_frame(const RgbdFrame& frame) {
   const double begin = publisher_.cpu_time();
-  Shot shot;
-  try {
-    shot = make_shot(decode(encoded));
-  } catch (const CodecError& error) {
-    throw DecodeError(error.what());
-  } catch (const std::invalid_argument& error) {  // an image that is not of the calibration's size
-    throw DecodeError(error.what());
-  }
+  const Shot shot = make_shot(frame);
   if (mapper_ && shot.utime <= last_utime_ && last_utime_ - shot.utime < 1'000'000) return;  // came too late
   const bool jumped = shot.utime <= last_utime_ || shot.utime - last_utime_ > longest_gap;
   if (mapper_ && jumped) ++restarts_;
@@ -138,26 +134,30 @@ void IcpNode::on_frame(EncodedFrame& encoded) {
     last_utime_ = shot.utime;
   }
   const auto motion = join_.motion().between(last_utime_, shot.utime);
+  T_world_previous_ = last_.T_world_robot;
   last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion);
   last_utime_ = shot.utime;
   ++steps_;
   lost_ += last_.status == MappingStatus::lost ? 1 : 0;
-  publish(encoded, shot, last_, publisher_.cpu_time() - begin);
+  publish(frame.utime, shot, motion, publisher_.cpu_time() - begin);
 }
 
-void IcpNode::publish(const EncodedFrame& frame, const Shot& shot, const IcpMapper::Step& step, double cpu_time) {
-  pose_estimate_t pose = make_pose_estimate(shot.depth_utime, step.T_world_robot * shot.T_points_depth, step.covariance);
+void IcpNode::publish(Utime frame_utime, const Shot& shot, const std::optional<Motion>& motion,
+                      double cpu_time) {
+  const IcpMapper::Step& step = last_;
+  pose_estimate_t pose =
+      make_pose_estimate(shot.depth_utime, step.T_world_robot * shot.T_points_depth, step.covariance);
   pose.status = wire_status(step.status);
   pose.quality = static_cast<float>(step.quality);
   pose.inliers = step.registration.inliers;
   pose.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
   pose.processing_time = cpu_time;
   pose.detail = degenerate_directions(step.registration);
-  publisher_.publish("ICP_POSE", pose, frame.utime);
+  publisher_.publish("ICP_POSE", pose, frame_utime);
 
   icp_report_t report;
   report.utime = shot.depth_utime;
-  report.variant = "point-to-plane, voxel map, Gauss-Newton";
+  report.variant = describe(settings_.fine);
   report.source_points = static_cast<int32_t>(shot.cloud.size());
   report.target_points = static_cast<int32_t>(mapper_->map().size());
   for (const double rms : step.registration.rms) report.rms.push_back(static_cast<float>(rms));
@@ -166,8 +166,15 @@ void IcpNode::publish(const EncodedFrame& frame, const Shot& shot, const IcpMapp
   report.overlap = static_cast<float>(step.registration.overlap);
   report.stop_reason = wire_reason(step.registration.stop);
   report.stop_text = to_string(step.registration.stop);
-  report.start_trans = report.start_rot = 0;
-  for (int i = 0; i < 6; ++i) report.eigenvalues[i] = static_cast<float>(step.registration.observability(i));
+  report.correction_trans = report.correction_rot = std::numeric_limits<float>::quiet_NaN();
+  if (motion) {
+    const Eigen::Isometry3d correction =
+        (T_world_previous_ * motion->T_from_to).inverse() * step.T_world_robot;
+    report.correction_trans = static_cast<float>(correction.translation().norm());
+    report.correction_rot = static_cast<float>(rotation_angle(correction));
+  }
+  for (int i = 0; i < 6; ++i)
+    report.observability[i] = static_cast<float>(step.registration.observability(i));
   report.processing_time = cpu_time;
   publisher_.publish("ICP_REPORT", report);
 
@@ -180,7 +187,8 @@ void IcpNode::publish(const EncodedFrame& frame, const Shot& shot, const IcpMapp
 void IcpNode::queue_keyframe(const IcpMapper::Keyframe& keyframe) {
   const DenseKeyframe dense{keyframe.id, keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
   const auto revision = static_cast<std::int64_t>(mapper_->keyframes().size());
-  for (auto& tile : make_keyframe_tiles(dense, calibration_->T_robot_camera, revision)) tiles_.push_back(std::move(tile));
+  for (auto& tile : make_keyframe_tiles(dense, calibration_->T_robot_camera, revision))
+    tiles_.push_back(std::move(tile));
 }
 
 void IcpNode::publish_graph(Utime utime) {

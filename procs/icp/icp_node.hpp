@@ -2,6 +2,7 @@
 // CAMERA + ODOMETRY -> ICP_POSE, ICP_KEYFRAME, ICP_GRAPH, ICP_REPORT.
 
 #include <deque>
+#include <lcmslam/images_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
 
 #include "icp/icp_mapper.hpp"
@@ -30,12 +31,12 @@ class IcpNode : public Node {
     ColouredCloud cloud;
   };
 
-  void on_camera(EncodedFrame frame);
+  void on_camera(const images_t& message);
   void on_calibration(const RgbdCalibration& calibration);
-  void on_frame(EncodedFrame& encoded);
+  void on_frame(const RgbdFrame& frame);
   Shot make_shot(const RgbdFrame& frame) const;
   void restart();
-  void publish(const EncodedFrame& frame, const Shot& shot, const IcpMapper::Step& step, double cpu_time);
+  void publish(Utime frame_utime, const Shot& shot, const std::optional<Motion>& motion, double cpu_time);
   void queue_keyframe(const IcpMapper::Keyframe& keyframe);
   void publish_graph(Utime utime);
   void send_waiting_tile();
@@ -44,16 +45,17 @@ class IcpNode : public Node {
   IcpMapperSettings settings_;
   std::string pose_;  // "auto": on the floor when the camera is mounted on a robot
   double cloud_points_;
-  MotionJoin<EncodedFrame> join_;
+  MotionJoin<RgbdFrame> join_;
   std::optional<RgbdCalibration> calibration_;
   std::optional<DepthRegistration> registration_;
-  std::optional<EncodedFrame> uncalibrated_;  // the newest frame that came before the calibration
+  std::optional<images_t> uncalibrated_;  // the newest message that came before the calibration
   std::optional<IcpMapper> mapper_;
   Utime last_utime_ = 0;
   std::deque<keyframe_t> tiles_;  // wait for their turn: bursts overrun receive buffers
   std::chrono::steady_clock::time_point next_tile_{};
   std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0;
   IcpMapper::Step last_;
+  Eigen::Isometry3d T_world_previous_ = Eigen::Isometry3d::Identity();  // of the step before last_
 };
 
 }  // namespace lcmslam

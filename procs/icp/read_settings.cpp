@@ -18,15 +18,16 @@ RegistrationSettings read_registration(const ConfigNode& c, RegistrationSettings
       c, "metric", s.metric,
       {{"point_to_point", MetricKind::point_to_point}, {"point_to_plane", MetricKind::point_to_plane}});
   s.solver = named_choice<SolverKind>(c, "solver", s.solver,
-                               {{"svd", SolverKind::svd},
-                                {"svd_uncorrected", SolverKind::svd_uncorrected},
-                                {"quaternion", SolverKind::quaternion},
-                                {"small_angle", SolverKind::small_angle},
-                                {"small_angle_as_printed", SolverKind::small_angle_as_printed},
-                                {"gauss_newton", SolverKind::gauss_newton}});
-  s.kernel = named_choice<KernelKind>(
-      c, "kernel", s.kernel,
-      {{"none", KernelKind::none}, {"huber", KernelKind::huber}, {"geman_mcclure", KernelKind::geman_mcclure}});
+                                      {{"svd", SolverKind::svd},
+                                       {"svd_uncorrected", SolverKind::svd_uncorrected},
+                                       {"quaternion", SolverKind::quaternion},
+                                       {"small_angle", SolverKind::small_angle},
+                                       {"small_angle_as_printed", SolverKind::small_angle_as_printed},
+                                       {"gauss_newton", SolverKind::gauss_newton}});
+  s.kernel = named_choice<KernelKind>(c, "kernel", s.kernel,
+                                      {{"none", KernelKind::none},
+                                       {"huber", KernelKind::huber},
+                                       {"geman_mcclure", KernelKind::geman_mcclure}});
   s.kernel_width = c.get("kernel_width", s.kernel_width, Range{0.01, 1e6});
   s.max_distance = c.get("max_distance", s.max_distance, metres);
   s.min_distance = c.get("min_distance", s.min_distance, metres);

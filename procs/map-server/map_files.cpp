@@ -24,7 +24,8 @@ MapFiles::MapFiles(std::filesystem::path folder, const std::string& formats) : f
   const std::set<std::string> known = {"ply", "pcd", "png"};
   std::istringstream text(formats);
   for (std::string format; std::getline(text, format, ',');) {
-    if (known.count(format) == 0) throw std::runtime_error("format '" + format + "' is none of ply, pcd, png");
+    if (known.count(format) == 0)
+      throw std::runtime_error("format '" + format + "' is none of ply, pcd, png");
     formats_.insert(format);
   }
   if (formats_.empty()) formats_ = known;
@@ -45,7 +46,8 @@ void MapFiles::save_landmarks(const std::string& name, const std::vector<MapLand
                               const std::vector<Eigen::Vector3d>& path) {
   save_points(name, landmarks);
   if (!wants("png")) return;
-  for (const auto& [view, suffix] : {std::pair(MapView::front, "_front.png"), std::pair(MapView::top, "_top.png")}) {
+  for (const auto& [view, suffix] :
+       {std::pair(MapView::front, "_front.png"), std::pair(MapView::top, "_top.png")}) {
     PictureRequest r = request(view, "FastSLAM: " + std::to_string(landmarks.size()) + " landmarks", path);
     r.landmarks = &landmarks;
     save_picture(file(name + suffix), draw_map(r));
@@ -56,7 +58,8 @@ void MapFiles::save_cloud(const std::string& name, const ColouredCloud& cloud, d
                           const std::vector<Eigen::Vector3d>& path) {
   save_points(name, cloud);
   if (!wants("png")) return;
-  for (const auto& [view, suffix] : {std::pair(MapView::front, "_front.png"), std::pair(MapView::top, "_top.png")}) {
+  for (const auto& [view, suffix] :
+       {std::pair(MapView::front, "_front.png"), std::pair(MapView::top, "_top.png")}) {
     PictureRequest r = request(view, "6-D SLAM: " + std::to_string(cloud.size()) + " points", path);
     r.cloud = &cloud;
     r.resolution = resolution;

@@ -25,7 +25,8 @@ Map* find_map(std::vector<Session<Map>>& sessions, std::int64_t sender) {
 
 /// The map of this sender, begun when it has none; then the newest mapper's path begins anew.
 template <class Map>
-Map& session_map(std::vector<Session<Map>>& sessions, std::int64_t sender, std::vector<Eigen::Vector3d>& path) {
+Map& session_map(std::vector<Session<Map>>& sessions, std::int64_t sender,
+                 std::vector<Eigen::Vector3d>& path) {
   if (Map* map = find_map(sessions, sender)) return *map;
   if (!sessions.empty()) spdlog::info("a mapper restarted: its new map begins beside the old one");
   path.clear();
@@ -45,13 +46,16 @@ MapServerNode::MapServerNode(const ConfigNode& config, Publisher& publisher)
       resolution_(config.get("resolution", 0.02, Range{0.001, 1})) {}
 
 void MapServerNode::connect(Inputs& inputs) {
-  inputs.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000, [this](const landmarks_t& m) { on_landmarks(m); });
+  inputs.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000,
+                                [this](const landmarks_t& m) { on_landmarks(m); });
   inputs.subscribe<keyframe_t>("ICP_KEYFRAME", 1000, [this](const keyframe_t& m) { on_keyframe(m); });
   inputs.subscribe<graph_t>("ICP_GRAPH", 10, [this](const graph_t& m) { on_graph(m); });
   inputs.subscribe<pose_estimate_t>("FASTSLAM_POSE", 1000,
                                     [this](const pose_estimate_t& m) { add_to_path(fastslam_path_, m); });
-  inputs.subscribe<pose_estimate_t>("ICP_POSE", 1000, [this](const pose_estimate_t& m) { add_to_path(icp_path_, m); });
-  inputs.subscribe<map_request_t>("MAP_REQUEST", 100, [this](const map_request_t& m) { on_request(m); }).primary = true;
+  inputs.subscribe<pose_estimate_t>("ICP_POSE", 1000,
+                                    [this](const pose_estimate_t& m) { add_to_path(icp_path_, m); });
+  inputs.subscribe<map_request_t>("MAP_REQUEST", 100, [this](const map_request_t& m) { on_request(m); })
+      .primary = true;
 }
 
 void MapServerNode::on_landmarks(const landmarks_t& message) {
@@ -101,7 +105,8 @@ void MapServerNode::on_graph(const graph_t& message) {
 
 void MapServerNode::ask_resend(const std::string& process) {
   const Utime now = std::chrono::duration_cast<std::chrono::microseconds>(
-                        std::chrono::steady_clock::now().time_since_epoch()).count();
+                        std::chrono::steady_clock::now().time_since_epoch())
+                        .count();
   Utime& last = last_resend_[process];
   if (last != 0 && now - last < resend_period) return;
   last = now;
@@ -123,8 +128,8 @@ void MapServerNode::on_request(const map_request_t& request) {
   reply.n_tiles = 1;
   try {
     if (request.kind == map_request_t::EXPORT) {
-      for (const auto& file : export_maps(request.argument.empty() ? folder_ : std::filesystem::path(request.argument),
-                                          request.format))
+      for (const auto& file : export_maps(
+               request.argument.empty() ? folder_ : std::filesystem::path(request.argument), request.format))
         reply.message += file + "\n";
     } else if (request.kind == map_request_t::CLEAR) {
       landmark_maps_.clear();
@@ -148,11 +153,12 @@ std::string MapServerNode::describe() const {
   const std::size_t landmarks = landmark_maps_.empty() ? 0 : landmark_maps_.back().map.size();
   const std::size_t keyframes = dense_maps_.empty() ? 0 : dense_maps_.back().map.keyframes().size();
   const std::size_t points = dense_maps_.empty() ? 0 : dense_maps_.back().map.merge(resolution_).size();
-  return fmt::format(R"({{"landmarks": {}, "keyframes": {}, "map_points": {}, "resolution": {}}})", landmarks, keyframes,
-                     points, resolution_);
+  return fmt::format(R"({{"landmarks": {}, "keyframes": {}, "map_points": {}, "resolution": {}}})", landmarks,
+                     keyframes, points, resolution_);
 }
 
-std::vector<std::string> MapServerNode::export_maps(const std::filesystem::path& folder, const std::string& formats) const {
+std::vector<std::string> MapServerNode::export_maps(const std::filesystem::path& folder,
+                                                    const std::string& formats) const {
   std::filesystem::create_directories(folder);
   MapFiles files(folder, formats);
   // Older sessions carry a number, the newest of each mapper has the plain name.
@@ -163,8 +169,8 @@ std::vector<std::string> MapServerNode::export_maps(const std::filesystem::path&
   }
   for (std::size_t i = 0; i < dense_maps_.size(); ++i) {
     const bool newest = i + 1 == dense_maps_.size();
-    files.save_cloud(newest ? "icp" : fmt::format("icp-session{}", i + 1), dense_maps_[i].map.merge(resolution_),
-                     resolution_, newest ? icp_path_ : Path());
+    files.save_cloud(newest ? "icp" : fmt::format("icp-session{}", i + 1),
+                     dense_maps_[i].map.merge(resolution_), resolution_, newest ? icp_path_ : Path());
   }
   return files.written();
 }

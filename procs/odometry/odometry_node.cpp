@@ -76,16 +76,20 @@ OdometryNode::OdometryNode(const ConfigNode& config, Publisher& publisher)
 
 void OdometryNode::connect(Inputs& inputs) {
   if (source_ == "wheels") {
-    inputs.subscribe<encoders_t>("ENCODERS", 500, [this](const encoders_t& m) { on_encoders(from_message(m)); })
+    inputs
+        .subscribe<encoders_t>("ENCODERS", 500, [this](const encoders_t& m) { on_encoders(from_message(m)); })
         .primary = true;
   } else if (source_ == "visual") {
     inputs.subscribe<features_t>("FEATURES", 4, [this](const features_t& m) { on_features(from_message(m)); })
         .primary = true;
   } else {
-    inputs.subscribe<pose_t>(external_channel_, 500, [this](const pose_t& m) {
-      external_ = external_sample(m, external_);
-      publish(external_, to_message(external_, source_));
-    }).primary = true;
+    inputs
+        .subscribe<pose_t>(external_channel_, 500,
+                           [this](const pose_t& m) {
+                             external_ = external_sample(m, external_);
+                             publish(external_, to_message(external_, source_));
+                           })
+        .primary = true;
   }
 }
 
@@ -116,7 +120,8 @@ void OdometryNode::on_features(const FeatureFrame& frame) {
   message.status = report.status == VisualStatus::tracking   ? pose_estimate_t::TRACKING
                    : report.status == VisualStatus::degraded ? pose_estimate_t::DEGRADED
                                                              : pose_estimate_t::LOST;
-  message.quality = report.matches > 0 ? static_cast<float>(report.inliers) / static_cast<float>(report.matches) : 0.F;
+  message.quality =
+      report.matches > 0 ? static_cast<float>(report.inliers) / static_cast<float>(report.matches) : 0.F;
   publish(*sample, message);
 }
 

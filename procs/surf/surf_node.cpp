@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
-#include "imaging/codec.hpp"
 #include "messages/camera_messages.hpp"
 #include "messages/feature_messages.hpp"
 #include "messages/motion_messages.hpp"
@@ -40,9 +40,9 @@ SurfNode::SurfNode(const ConfigNode& config, Publisher& publisher)
     : publisher_(publisher), surf_(read_settings(config)) {}
 
 void SurfNode::connect(Inputs& inputs) {
-  inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) { on_frame(from_message(m)); }).primary = true;
-  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 1,
-                                         [this](const camera_calibration_t& m) { on_calibration(from_message(m)); });
+  inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) { on_camera(m); }).primary = true;
+  inputs.subscribe<camera_calibration_t>(
+      "CAMERA_CALIBRATION", 1, [this](const camera_calibration_t& m) { on_calibration(from_message(m)); });
   inputs.subscribe<odometry_t>("ODOMETRY", 200, [this](const odometry_t& m) {
     if (m.source != "visual") motion_.add(from_message(m));
   });
@@ -50,26 +50,16 @@ void SurfNode::connect(Inputs& inputs) {
 
 void SurfNode::on_calibration(const RgbdCalibration& calibration) {
   registration_.emplace(calibration);
-  if (uncalibrated_) {
-    const EncodedFrame frame = std::move(*uncalibrated_);
-    uncalibrated_.reset();
-    on_frame(frame);
-  }
+  if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
 }
 
-void SurfNode::on_frame(const EncodedFrame& encoded) {
+void SurfNode::on_camera(const images_t& message) {
   if (!registration_) {
-    uncalibrated_ = encoded;
+    uncalibrated_ = message;
     return;
   }
-  try {
-    publisher_.publish("FEATURES", to_message(describe(decode(encoded))));
-    ++frames_;
-  } catch (const CodecError& error) {
-    throw DecodeError(error.what());
-  } catch (const std::invalid_argument& error) {  // an image that is not of the calibration's size
-    throw DecodeError(error.what());
-  }
+  publisher_.publish("FEATURES", to_message(describe(decode_images(message, registration_->calibration()))));
+  ++frames_;
 }
 
 Eigen::Isometry3d SurfNode::motion_between_shots(const RgbdFrame& frame) const {
@@ -138,7 +128,8 @@ FeatureFrame SurfNode::describe(const RgbdFrame& frame) {
 NodeReport SurfNode::report() const {
   NodeReport report;
   if (!registration_) report.detail = "waits for CAMERA_CALIBRATION";
-  report.values = {{"frames", static_cast<double>(frames_)}, {"keypoints", keypoints_}, {"with_depth", with_depth_}};
+  report.values = {
+      {"frames", static_cast<double>(frames_)}, {"keypoints", keypoints_}, {"with_depth", with_depth_}};
   return report;
 }
 

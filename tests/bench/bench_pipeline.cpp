@@ -30,7 +30,9 @@ const Simulation& kitchen() {
   return simulation;
 }
 
-Utime frame_time(int i) { return kitchen().start() + 1'000'000 + 100'000 * i; }
+Utime frame_time(int i) {
+  return kitchen().start() + 1'000'000 + 100'000 * i;
+}
 
 const std::vector<RgbdFrame>& frames() {
   static const std::vector<RgbdFrame> rendered = [] {
@@ -111,7 +113,8 @@ void surf_of_dlib(benchmark::State& state) {
   double found = 0;
   for (auto _ : state) {
     const cv::Mat image = grey(frames()[i++ % frames().size()]);
-    found += static_cast<double>(dlib::get_surf_points(dlib::cv_image<unsigned char>(image), 600, 1.0).size());
+    found +=
+        static_cast<double>(dlib::get_surf_points(dlib::cv_image<unsigned char>(image), 600, 1.0).size());
   }
   state.counters["keypoints"] = benchmark::Counter(found, benchmark::Counter::kAvgIterations);
 }

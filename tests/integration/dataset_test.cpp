@@ -66,7 +66,8 @@ TEST_P(Import, WritesEveryFrameWithItsTruth) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings, Import,
-                         testing::Values(Recording{"rgbd_slambook2", 5, 5}, Recording{"livingroom1", 211, 211}),
+                         testing::Values(Recording{"rgbd_slambook2", 5, 5},
+                                         Recording{"livingroom1", 211, 211}),
                          [](const auto& instance) { return instance.param.folder; });
 
 void expect_maps(const std::filesystem::path& folder, std::size_t least_landmarks) {
@@ -74,7 +75,8 @@ void expect_maps(const std::filesystem::path& folder, std::size_t least_landmark
   EXPECT_GT(load_ply(folder / "icp_map.ply").size(), 1'000U);
   std::ifstream file(folder / "summary.json");
   const auto summary = nlohmann::json::parse(file);
-  for (const std::string mapper : {"fastslam", "icp"}) EXPECT_GT(summary.at("paths").at(mapper).at("poses"), 0) << mapper;
+  for (const std::string mapper : {"fastslam", "icp"})
+    EXPECT_GT(summary.at("paths").at(mapper).at("poses"), 0) << mapper;
 }
 
 TEST(DemoOfRecording, FiveFramesGiveMaps) {
@@ -104,7 +106,8 @@ TEST(WrongInput, AFolderThatIsNoDataSetIsNamed) {
   EXPECT_THAT(import.output, HasSubstr(folder.path()));
   EXPECT_FALSE(std::filesystem::exists(folder / "run.lcmlog"));
 
-  const Result demo = run({"lcmslam", "demo", "--data", folder.path(), "--headless", "--out", folder / "out"}, 90);
+  const Result demo =
+      run({"lcmslam", "demo", "--data", folder.path(), "--headless", "--out", folder / "out"}, 90);
   EXPECT_EQ(demo.exit_code, 2) << demo.output;
   EXPECT_THAT(demo.output, HasSubstr(folder.path()));
 }
@@ -121,8 +124,9 @@ TEST(WrongInput, AMissingFolderIsNamed) {
 
 /// A configuration with `max_featurs` in its third line.
 std::string misspelt_configuration(const TemporaryFolder& folder) {
-  std::ofstream(folder / "misspelt.yaml") << "include: " << (source_folder() / "config/demo.yaml").string() << "\n"
-                                          << "surf:\n  max_featurs: 300\n";
+  std::ofstream(folder / "misspelt.yaml")
+      << "include: " << (source_folder() / "config/demo.yaml").string() << "\n"
+      << "surf:\n  max_featurs: 300\n";
   return folder / "misspelt.yaml";
 }
 
@@ -133,7 +137,8 @@ TEST(WrongInput, AWrongKeyIsToldWithFileLineAndTheNearestKey) {
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"lcmslam-surf", "--config", config},
         std::vector<std::string>{"lcmslam", "launch", config, "--out", folder / "launch"},
-        std::vector<std::string>{"lcmslam", "demo", "--headless", "--config", config, "--out", folder / "demo"}}) {
+        std::vector<std::string>{"lcmslam", "demo", "--headless", "--config", config, "--out",
+                                 folder / "demo"}}) {
     SCOPED_TRACE(command[0] + " " + command[1]);
     const Result result = run(command, 90);
     EXPECT_EQ(result.exit_code, 2) << result.output;
@@ -153,7 +158,8 @@ TEST(WrongInput, ADamagedSceneEndsTheDemo) {
   const TemporaryFolder folder;
   std::ofstream(folder / "scene.yaml") << "name: broken\nlights: 7\n";
   const Result result = run({"lcmslam", "demo", "--headless", "--out", folder / "out", "--set",
-                             "camera.simulation.scene=" + (folder / "scene.yaml").string()}, 90);
+                             "camera.simulation.scene=" + (folder / "scene.yaml").string()},
+                            90);
   EXPECT_EQ(result.exit_code, 2) << result.output;
   EXPECT_THAT(result.output, HasSubstr("scene.yaml"));
 }

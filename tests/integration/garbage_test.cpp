@@ -16,18 +16,22 @@ namespace lcmslam::integration {
 namespace {
 
 /// --gtest_random_seed=N gives other garbage.
-std::uint64_t seed() { return 20100 + static_cast<std::uint64_t>(GTEST_FLAG_GET(random_seed)); }
+std::uint64_t seed() {
+  return 20100 + static_cast<std::uint64_t>(GTEST_FLAG_GET(random_seed));
+}
 
 constexpr double largest_memory = 400e6;  // bytes
 
 struct Target {
-  std::string name;      // of the test
+  std::string name;  // of the test
   std::string process;
   std::string settings;  // its section
   std::string output;    // channel on which a valid input is answered
 };
 
-std::ostream& operator<<(std::ostream& out, const Target& target) { return out << target.name; }
+std::ostream& operator<<(std::ostream& out, const Target& target) {
+  return out << target.name;
+}
 
 class Garbage : public testing::TestWithParam<Target> {
  protected:
@@ -37,9 +41,11 @@ class Garbage : public testing::TestWithParam<Target> {
 
   void start() {
     std::ofstream(folder_ / "process.yaml") << GetParam().process << ":\n" << GetParam().settings << "\n";
-    program_.emplace(std::vector<std::string>{"lcmslam-" + GetParam().process, "--config", folder_ / "process.yaml"},
-                     folder_.path());
-    ASSERT_TRUE(bus_.wait_for_status(GetParam().process, [&](const status_t& s) { return s.pid == program_->pid(); }, 30))
+    program_.emplace(
+        std::vector<std::string>{"lcmslam-" + GetParam().process, "--config", folder_ / "process.yaml"},
+        folder_.path());
+    ASSERT_TRUE(bus_.wait_for_status(
+        GetParam().process, [&](const status_t& s) { return s.pid == program_->pid(); }, 30))
         << program_->output();
   }
 
@@ -85,7 +91,10 @@ class Garbage : public testing::TestWithParam<Target> {
   void expect_reports_go_on() {
     const std::size_t reports = bus_.status_count(GetParam().process, program_->pid());
     EXPECT_TRUE(wait_until(
-        [&] { return !program_->running() || bus_.status_count(GetParam().process, program_->pid()) > reports; }, 60));
+        [&] {
+          return !program_->running() || bus_.status_count(GetParam().process, program_->pid()) > reports;
+        },
+        60));
     ASSERT_TRUE(program_->running()) << "signal " << program_->wait(0).signal << "\n" << program_->output();
   }
 
@@ -149,11 +158,34 @@ TEST_P(Garbage, IsCountedAndDoesNoHarm) {
   EXPECT_EQ(program_->wait(60).exit_code, 0) << program_->output();
 }
 
+/// launch draws its table from STATUS, whoever sends it.
+TEST(GarbageStatus, LaunchGoesOn) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "graph.yaml") << "launch: {processes: [odometry]}\n";
+  Bus bus;
+  Program launch({"lcmslam", "launch", folder / "graph.yaml", "--out", folder / "out"});
+  ASSERT_TRUE(bus.wait_for_status(
+      "odometry", [](const status_t&) { return true; }, 60))
+      << launch.output();
+  const auto odometry = bus.status("odometry");
+  Bytes valid = encode_message(*odometry);
+  Random random(seed());
+  for (const auto& messages : {impossible_messages(valid, random), absurd_messages(valid, random)})
+    for (const Bytes& message : messages) {
+      bus.publish("STATUS", message);
+      bus.wait_until_taken();
+    }
+  EXPECT_TRUE(launch.running()) << launch.output();
+  launch.send(SIGINT);
+  EXPECT_EQ(launch.wait(60).exit_code, 0) << launch.output();
+}
+
 const std::string kitchen = (source_folder() / "config/scenes/kitchen.yaml").string();
 
 INSTANTIATE_TEST_SUITE_P(
     AllProcesses, Garbage,
-    testing::Values(Target{"camera", "camera", "  speed: 0.3\n  simulation: {scene: " + kitchen + "}", "CAMERA"},
+    testing::Values(Target{"camera", "camera", "  speed: 0.3\n  simulation: {scene: " + kitchen + "}",
+                           "CAMERA"},
                     Target{"surf", "surf", "  max_features: 600", "FEATURES"},
                     Target{"wheel_odometry", "odometry", "  source: wheels", "ODOMETRY"},
                     Target{"visual_odometry", "odometry", "  source: visual", "ODOMETRY"},

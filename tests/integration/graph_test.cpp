@@ -14,9 +14,9 @@
 namespace lcmslam::integration {
 namespace {
 
-constexpr double seconds = 6;            // of the simulated drive
-constexpr double largest_error = 0.06;   // m, ATE
-constexpr double frame_rate = 10;        // Hz, of the ToF head
+constexpr double seconds = 6;           // of the simulated drive
+constexpr double largest_error = 0.06;  // m, ATE
+constexpr double frame_rate = 10;       // Hz, of the ToF head
 
 /// One run serves all tests.
 class Graph : public testing::Test {
@@ -24,8 +24,8 @@ class Graph : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
     const double waits = 100 * patience_factor;  // for the other processes to come up on a loaded machine
-    result_ = run({"lcmslam", "demo", "--headless", "--seconds", std::to_string(seconds), "--out", folder_->path(), "--set",
-                   "camera.wait_at_most=" + std::to_string(waits)},
+    result_ = run({"lcmslam", "demo", "--headless", "--seconds", std::to_string(seconds), "--out",
+                   folder_->path(), "--set", "camera.wait_at_most=" + std::to_string(waits)},
                   240);
     std::ifstream file(*folder_ / "summary.json");
     if (result_.exit_code == 0) summary_ = nlohmann::json::parse(file);
@@ -51,7 +51,8 @@ TEST_F(Graph, BothMappersFollowTheTruth) {
     EXPECT_LT(path.at("ate").at("translation_rmse_m").get<double>(), largest_error);
     EXPECT_EQ(path.at("lost"), 0);
     EXPECT_EQ(path.at("restarts"), 0);
-    RecordProperty(mapper + "_ate_mm", static_cast<int>(1e3 * path.at("ate").at("translation_rmse_m").get<double>()));
+    RecordProperty(mapper + "_ate_mm",
+                   static_cast<int>(1e3 * path.at("ate").at("translation_rmse_m").get<double>()));
   }
 }
 
@@ -74,7 +75,8 @@ TEST_F(Graph, EveryProcessReportedAndNoneDied) {
     ASSERT_TRUE(std::filesystem::exists(log)) << log;
     std::ifstream file(log);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    EXPECT_THAT(text, testing::AllOf(testing::HasSubstr(process + " runs"), testing::HasSubstr(process + " stops")));
+    EXPECT_THAT(
+        text, testing::AllOf(testing::HasSubstr(process + " runs"), testing::HasSubstr(process + " stops")));
   }
 }
 

@@ -15,9 +15,10 @@ using testing::HasSubstr;
 constexpr double patience = 30;  // s
 
 std::vector<std::vector<std::string>> all_programs() {
-  return {{"lcmslam"},         {"lcmslam", "demo"},  {"lcmslam", "launch"}, {"lcmslam", "import"}, {"lcmslam", "simulate"},
-          {"lcmslam-camera"},  {"lcmslam-surf"},     {"lcmslam-odometry"},  {"lcmslam-fastslam"},  {"lcmslam-icp"},
-          {"lcmslam-map-server"}};
+  return {{"lcmslam"},           {"lcmslam", "demo"},     {"lcmslam", "launch"},
+          {"lcmslam", "import"}, {"lcmslam", "simulate"}, {"lcmslam", "study"},
+          {"lcmslam-camera"},    {"lcmslam-surf"},        {"lcmslam-odometry"},
+          {"lcmslam-fastslam"},  {"lcmslam-icp"},         {"lcmslam-map-server"}};
 }
 
 class Options : public testing::TestWithParam<std::vector<std::string>> {
@@ -34,7 +35,8 @@ class Options : public testing::TestWithParam<std::vector<std::string>> {
     const std::string command = GetParam().back();
     if (command == "launch") return {source_folder() / "config/demo.yaml"};
     if (command == "import") return {source_folder(), "/tmp/never-written.lcmlog"};
-    if (command == "simulate") return {source_folder() / "config/scenes/kitchen.yaml", "/tmp/never-written.lcmlog"};
+    if (command == "simulate")
+      return {source_folder() / "config/scenes/kitchen.yaml", "/tmp/never-written.lcmlog"};
     return {};
   }
 };

@@ -43,11 +43,14 @@ class Replay : public testing::Test {
   static std::string url() { return lcm_url_from_environment(); }
 
   void start_graph() {
-    graph_.emplace(std::vector<std::string>{"lcmslam", "launch", source_folder() / "config/replay.yaml", "--out",
-                                            folder_.path(), "--set", "map-server.folder=" + (folder_ / "maps").string()});
+    graph_.emplace(std::vector<std::string>{"lcmslam", "launch", source_folder() / "config/replay.yaml",
+                                            "--out", folder_.path(), "--set",
+                                            "map-server.folder=" + (folder_ / "maps").string()});
     for (const std::string process : {"surf", "odometry", "fastslam", "icp", "map-server"})
-      ASSERT_TRUE(bus_.wait_for_status(process, [](const status_t& s) { return s.state == status_t::RUNNING; }, 60))
-          << process << "\n" << graph_->output();
+      ASSERT_TRUE(bus_.wait_for_status(
+          process, [](const status_t& s) { return s.state == status_t::RUNNING; }, 60))
+          << process << "\n"
+          << graph_->output();
   }
 
   bool reached(const std::string& channel, std::int64_t utime) const {
@@ -69,7 +72,8 @@ class Replay : public testing::Test {
 
   void stop_and_check_maps() {
     ASSERT_TRUE(bus_.wait_for_status(
-        "map-server", [](const status_t& s) { return value_of(s, "landmarks") > 0 && value_of(s, "map_points") > 0; }, 60));
+        "map-server",
+        [](const status_t& s) { return value_of(s, "landmarks") > 0 && value_of(s, "map_points") > 0; }, 60));
     graph_->send(SIGINT);
     EXPECT_EQ(graph_->wait(60).exit_code, 0) << graph_->output();
     EXPECT_GT(load_ply(folder_ / "maps/fastslam_map.ply").size(), 100U);
@@ -83,8 +87,8 @@ class Replay : public testing::Test {
 
 TEST_F(Replay, ASimulatedLogGivesMaps) {
   const std::string log = folder_ / "run.lcmlog";
-  const Result made =
-      run({"lcmslam", "simulate", source_folder() / "config/scenes/kitchen.yaml", log, "--seconds", "6"}, 120);
+  const Result made = run(
+      {"lcmslam", "simulate", source_folder() / "config/scenes/kitchen.yaml", log, "--seconds", "6"}, 120);
   ASSERT_EQ(made.exit_code, 0) << made.output;
   const LogFacts facts = read_log(log);
   EXPECT_NEAR(facts.events.at("CAMERA"), 60, 2);
@@ -102,7 +106,8 @@ TEST_F(Replay, WhatTheLoggerRecordsOfALiveRunGivesMaps) {
   Program logger({"lcm-logger", "--lcm-url=" + url(), "-c", raw_channels, log});
   ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(log) || !logger.running(); }, 20));
   ASSERT_TRUE(logger.running()) << logger.output();
-  const Result demo = run({"lcmslam", "demo", "--headless", "--seconds", "5", "--out", folder_ / "demo"}, 200);
+  const Result demo =
+      run({"lcmslam", "demo", "--headless", "--seconds", "5", "--out", folder_ / "demo"}, 200);
   ASSERT_EQ(demo.exit_code, 0) << demo.output;
   logger.send(SIGINT);
   ASSERT_TRUE(logger.wait(20).ended) << logger.output();

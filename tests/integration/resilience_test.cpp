@@ -20,19 +20,23 @@ constexpr double stop_patience = 60;    // s; launch itself waits 20 s for INT, 
 class Resilience : public testing::Test {
  protected:
   void launch() {
-    launch_.emplace(std::vector<std::string>{"lcmslam", "launch", source_folder() / "config/demo.yaml", "--out",
-                                             folder_.path(), "--set", "map-server.folder=" + (folder_ / "maps").string()});
+    launch_.emplace(std::vector<std::string>{"lcmslam", "launch", source_folder() / "config/demo.yaml",
+                                             "--out", folder_.path(), "--set",
+                                             "map-server.folder=" + (folder_ / "maps").string()});
   }
 
   /// Every process reports and both mappers publish.
   void wait_for_mapping() {
     for (const auto& name : process_names())
       ASSERT_TRUE(bus_.wait_for_status(name, is_up, start_patience)) << name << "\n" << launch_->output();
-    ASSERT_TRUE(wait_until([&] { return bus_.count("FASTSLAM_POSE") > 3 && bus_.count("ICP_POSE") > 3; }, start_patience))
+    ASSERT_TRUE(wait_until([&] { return bus_.count("FASTSLAM_POSE") > 3 && bus_.count("ICP_POSE") > 3; },
+                           start_patience))
         << launch_->output();
   }
 
-  static bool is_up(const status_t& s) { return s.state == status_t::RUNNING || s.state == status_t::FINISHED; }
+  static bool is_up(const status_t& s) {
+    return s.state == status_t::RUNNING || s.state == status_t::FINISHED;
+  }
 
   std::int64_t pid_of(const std::string& process) const { return bus_.status(process)->pid; }
 
@@ -58,7 +62,8 @@ class Resilience : public testing::Test {
     const std::size_t endings = occurrences(victim + " ended: signal 9");
 
     ASSERT_EQ(kill(static_cast<pid_t>(before.at(victim)), SIGKILL), 0);
-    EXPECT_TRUE(wait_until([&] { return occurrences(victim + " ended: signal 9") > endings; }, 20)) << launch_->output();
+    EXPECT_TRUE(wait_until([&] { return occurrences(victim + " ended: signal 9") > endings; }, 20))
+        << launch_->output();
     EXPECT_TRUE(bus_.wait_for_status(
         victim, [&](const status_t& s) { return s.pid != before.at(victim) && is_up(s); }, start_patience))
         << launch_->output();
@@ -90,7 +95,8 @@ TEST_F(Resilience, AKilledProcessComesBackAndTheOthersGoOn) {
   // The graph of processes old and new still maps.
   const std::size_t fastslam = bus_.count("FASTSLAM_POSE");
   const std::size_t icp = bus_.count("ICP_POSE");
-  EXPECT_TRUE(wait_until([&] { return bus_.count("FASTSLAM_POSE") > fastslam && bus_.count("ICP_POSE") > icp; }, 60));
+  EXPECT_TRUE(
+      wait_until([&] { return bus_.count("FASTSLAM_POSE") > fastslam && bus_.count("ICP_POSE") > icp; }, 60));
 
   const auto processes = pids();
   launch_->send(SIGINT);
@@ -104,7 +110,8 @@ TEST_F(Resilience, CtrlCStopsAllAndSavesTheMaps) {
   launch();
   wait_for_mapping();
   ASSERT_TRUE(bus_.wait_for_status(
-      "map-server", [](const status_t& s) { return value_of(s, "landmarks") > 0 && value_of(s, "map_points") > 0; }, 60));
+      "map-server",
+      [](const status_t& s) { return value_of(s, "landmarks") > 0 && value_of(s, "map_points") > 0; }, 60));
   const auto processes = pids();
   launch_->send(SIGINT);
   const Ending ending = launch_->wait(stop_patience);

@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds progress_period{1};
-constexpr std::chrono::seconds quiet_time{2};       // without a new pose: the mappers have worked off everything
+constexpr std::chrono::seconds quiet_time{2};  // without a new pose: the mappers have worked off everything
 constexpr std::chrono::seconds longest_export{120};
 constexpr std::chrono::seconds longest_start{60};
 
@@ -34,14 +34,19 @@ struct DemoOptions {
 };
 
 std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
-  CLI::App app{"Runs the whole graph live, on the simulated kitchen or a recording, and shows both maps.", "lcmslam demo"};
-  app.add_option("--data", o.data, "data set folder instead of the simulation: TUM RGB-D, 7-Scenes, numbered images")
+  CLI::App app{"Runs the whole graph live, on the simulated kitchen or a recording, and shows both maps.",
+               "lcmslam demo"};
+  app.add_option("--data", o.data,
+                 "data set folder instead of the simulation: TUM RGB-D, 7-Scenes, numbered images")
       ->check(CLI::ExistingDirectory);
-  app.add_option("--calibration", o.calibration, "camera calibration (YAML) for --data")->check(CLI::ExistingFile);
-  app.add_option("--config", o.config, "graph and settings (default config/demo.yaml, with --data config/dataset.yaml)")
+  app.add_option("--calibration", o.calibration, "camera calibration (YAML) for --data")
+      ->check(CLI::ExistingFile);
+  app.add_option("--config", o.config,
+                 "graph and settings (default config/demo.yaml, with --data config/dataset.yaml)")
       ->check(CLI::ExistingFile);
   app.add_option("--seconds", o.seconds, "only the first so many seconds")->check(CLI::PositiveNumber);
-  app.add_option("--seed", o.seed, "of the simulated sensors and the particles")->check(CLI::NonNegativeNumber);
+  app.add_option("--seed", o.seed, "of the simulated sensors and the particles")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--headless", o.headless, "plain progress lines, and no pictures are opened at the end");
   app.add_option("--out", o.out, "folder for the results (default out/NAME-TIME)");
   app.add_option("--set", o.overrides, "override of the configuration: section.key=value");
@@ -62,7 +67,8 @@ void complete(DemoOptions& o) {
     set.push_back("camera.source=dataset");
     set.push_back("camera.dataset.folder=" + std::filesystem::absolute(o.data).lexically_normal().string());
     if (!o.calibration.empty())
-      set.push_back(source + "calibration=" + std::filesystem::absolute(o.calibration).lexically_normal().string());
+      set.push_back(source +
+                    "calibration=" + std::filesystem::absolute(o.calibration).lexically_normal().string());
   }
   if (o.seconds > 0) set.push_back(source + "seconds=" + std::to_string(o.seconds));
   if (o.seed >= 0) {
@@ -77,13 +83,17 @@ void complete(DemoOptions& o) {
 class Demo {
  public:
   Demo(const DemoOptions& options, lcm::LCM& lcm)
-      : options_(options), publisher_(lcm, draw_sender()), recorder_(inputs_), receiver_(lcm, inputs_),
+      : options_(options),
+        publisher_(lcm, draw_sender()),
+        recorder_(inputs_),
+        receiver_(lcm, inputs_),
         terminal_(isatty(STDOUT_FILENO) != 0 && !options.headless) {}
 
   int run() {
     facts_.title = title();
     facts_.config = options_.config;
-    GraphOptions graph{options_.config, options_.lcm_url, options_.log_level, options_.overrides, options_.out};
+    GraphOptions graph{options_.config, options_.lcm_url, options_.log_level, options_.overrides,
+                       options_.out};
     for (const auto& spec : read_graph(graph)) supervisor_.start(spec);
     std::cout << "lcmslam demo: " << facts_.title << "\n  results go to " << options_.out << std::endl;
 
@@ -105,7 +115,8 @@ class Demo {
  private:
   void listen(Clock::duration wait) {
     Arrival arrival;
-    if (receiver_.take(arrival, wait)) arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+    if (receiver_.take(arrival, wait))
+      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
     for (const auto& event : supervisor_.poll()) {
       facts_.events.push_back(event);
       say("lcmslam demo: " + event);
@@ -147,7 +158,8 @@ class Demo {
     const auto camera = recorder_.board().find("camera");
     if (camera == recorder_.board().end() || camera->second.state == status_t::STARTING) {
       say(fmt::format("  {:>3.0f} s  starting: {} of {} processes", elapsed, recorder_.board().size(),
-                      supervisor_.processes().size()), true);
+                      supervisor_.processes().size()),
+          true);
       return;
     }
     const double frames = status_value(camera->second, "frames");
@@ -156,8 +168,9 @@ class Demo {
     const double left = frames > 0 ? (elapsed - mapping_since_) * (total - frames) / frames : 0;
     std::string line = fmt::format("  {:>3.0f} s  {}  frame {:.0f}/{:.0f}", elapsed,
                                    recorder_.source_finished() ? "finishing" : "mapping", frames, total);
-    for (const auto& [name, path] : {std::pair("odometry", &recorder_.odometry()),
-                                     std::pair("fastslam", &recorder_.fastslam()), std::pair("icp", &recorder_.icp())}) {
+    for (const auto& [name, path] :
+         {std::pair("odometry", &recorder_.odometry()), std::pair("fastslam", &recorder_.fastslam()),
+          std::pair("icp", &recorder_.icp())}) {
       const auto report = recorder_.evaluate_path(*path);
       if (report) line += fmt::format("  {} {:.3f} m", name, report->absolute.translation.rmse);
     }
@@ -188,8 +201,10 @@ class Demo {
 
   /// In a terminal, progress overwrites itself.
   void say(const std::string& line, bool passing = false) {
-    if (terminal_) std::cout << "\r\x1b[K" << line << (passing ? "" : "\n") << std::flush;
-    else std::cout << line << std::endl;
+    if (terminal_)
+      std::cout << "\r\x1b[K" << line << (passing ? "" : "\n") << std::flush;
+    else
+      std::cout << line << std::endl;
   }
 
   std::string title() const {
@@ -198,7 +213,8 @@ class Demo {
     const ConfigNode simulation = config.section("camera").section("simulation");
     return fmt::format("simulated {}, head {}, base {}, seed {}",
                        std::filesystem::path(simulation.get("scene", "kitchen")).stem().string(),
-                       simulation.get("head", "tof"), simulation.get("base", "differential"), simulation.get("seed", 1));
+                       simulation.get("head", "tof"), simulation.get("base", "differential"),
+                       simulation.get("seed", 1));
   }
 
   void show_pictures() const {
@@ -224,7 +240,8 @@ class Demo {
 int demo_command(int argc, char** argv) {
   DemoOptions options;
   if (const auto exit_code = parse(argc, argv, options)) return *exit_code;
-  const std::string name = options.data.empty() ? "demo" : std::filesystem::path(options.data).filename().string();
+  const std::string name =
+      options.data.empty() ? "demo" : std::filesystem::path(options.data).filename().string();
   if (options.out.empty()) options.out = new_run_folder(name.empty() ? "data" : name);
   std::filesystem::create_directories(options.out);
   options.out = std::filesystem::absolute(options.out).lexically_normal();
@@ -233,11 +250,13 @@ int demo_command(int argc, char** argv) {
 
   auto lcm = std::make_unique<lcm::LCM>(options.lcm_url);
   if (!lcm->good() && enter_private_bus()) {
-    std::cout << "lcmslam demo: no multicast route on this machine, runs on a private bus (lcm-spy cannot see it)\n";
+    std::cout << "lcmslam demo: no multicast route on this machine, runs on a private bus (lcm-spy cannot "
+                 "see it)\n";
     lcm = std::make_unique<lcm::LCM>(options.lcm_url);
   }
   if (!lcm->good()) {
-    std::cerr << "lcmslam demo: LCM cannot use " << options.lcm_url << "; try: sudo ip route add 224.0.0.0/4 dev lo\n";
+    std::cerr << "lcmslam demo: LCM cannot use " << options.lcm_url
+              << "; try: sudo ip route add 224.0.0.0/4 dev lo\n";
     return 1;
   }
   return Demo(options, *lcm).run();

@@ -10,9 +10,8 @@ namespace lcmslam {
 
 RunRecorder::RunRecorder(Inputs& inputs) {
   inputs.subscribe<status_t>("STATUS", 1000, [this](const status_t& m) { board_[m.process] = m; });
-  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10, [this](const camera_calibration_t& m) {
-    calibration_ = from_message(m);
-  });
+  inputs.subscribe<camera_calibration_t>(
+      "CAMERA_CALIBRATION", 10, [this](const camera_calibration_t& m) { calibration_ = from_message(m); });
   inputs.subscribe<ground_truth_t>("GROUND_TRUTH", 10000, [this](const ground_truth_t& m) {
     truth_frame_ = m.child_frame;
     truth_.push_back({m.utime, from_message(m.T_frame_child, "T_frame_child")});

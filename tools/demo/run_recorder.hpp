@@ -15,10 +15,10 @@ namespace lcmslam {
 
 /// One estimate of the robot's path and how its maker fared.
 struct RecordedPath {
-  Trajectory trajectory;      ///< T_x_robot, x: odom or map
+  Trajectory trajectory;  ///< T_x_robot, x: odom or map
   std::int64_t sender = 0;
-  int lost = 0, degraded = 0; ///< poses with that status
-  int restarts = 0;           ///< its process began anew; the trajectory is the newest map's
+  int lost = 0, degraded = 0;  ///< poses with that status
+  int restarts = 0;            ///< its process began anew; the trajectory is the newest map's
 };
 
 class RunRecorder {
@@ -44,10 +44,11 @@ class RunRecorder {
   Utime progress() const;
 
  private:
-  void add(RecordedPath& path, Utime utime, std::int64_t sender, std::int8_t status, const Eigen::Isometry3d& pose);
+  void add(RecordedPath& path, Utime utime, std::int64_t sender, std::int8_t status,
+           const Eigen::Isometry3d& pose);
 
   RecordedPath odometry_, fastslam_, icp_;
-  Trajectory truth_;             // of truth_frame_
+  Trajectory truth_;  // of truth_frame_
   std::string truth_frame_ = "robot";
   std::optional<RgbdCalibration> calibration_;
   StatusBoard board_;

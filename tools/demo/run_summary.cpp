@@ -34,8 +34,8 @@ const status_t& status_of(const RunRecorder& run, const std::string& process) {
 }
 
 Table path_table(const RunRecorder& run) {
-  Table table({"path", "poses", "matched", "ATE rmse m", "median", "max", "RPE m/s", "RPE deg/s", "vs odometry", "lost",
-               "degraded"});
+  Table table({"path", "poses", "matched", "ATE rmse m", "median", "max", "RPE m/s", "RPE deg/s",
+               "vs odometry", "lost", "degraded"});
   double odometry_ate = 0;
   for (const auto& [name, path] : paths(run)) {
     std::vector<std::string> row = {name, std::to_string(path.trajectory.size())};
@@ -59,19 +59,19 @@ Table path_table(const RunRecorder& run) {
 
 /// How the processes kept up with the channel that drives them.
 Table load_table(const RunRecorder& run) {
-  Table table({"process", "channel", "received", "lost on the bus", "skipped for time", "malformed", "p50 ms", "p95 ms",
-               "CPU s", "MB"});
-  for (const auto& [process, channel] : {std::pair("surf", "CAMERA"), std::pair("icp", "CAMERA"),
-                                         std::pair("odometry", "FEATURES"), std::pair("odometry", "ENCODERS"),
-                                         std::pair("fastslam", "FEATURES")}) {
+  Table table({"process", "channel", "received", "lost on the bus", "skipped for time", "malformed", "p50 ms",
+               "p95 ms", "CPU s", "MB"});
+  for (const auto& [process, channel] :
+       {std::pair("surf", "CAMERA"), std::pair("icp", "CAMERA"), std::pair("odometry", "FEATURES"),
+        std::pair("odometry", "ENCODERS"), std::pair("fastslam", "FEATURES")}) {
     const status_t& status = status_of(run, process);
     const ChannelLoss loss = channel_loss(status, channel);
     if (loss.received == 0) continue;
     const auto skipped = loss.queue_drops + static_cast<std::int64_t>(status_value(status, "skipped"));
-    table.add({process, channel, std::to_string(loss.received), std::to_string(loss.lost), std::to_string(skipped),
-               std::to_string(loss.decode_errors), fixed_number(1e3 * status.latency_p50, 0),
-               fixed_number(1e3 * status.latency_p95, 0), fixed_number(status.cpu_total, 1),
-               fixed_number(static_cast<double>(status.memory) / 1e6, 0)});
+    table.add({process, channel, std::to_string(loss.received), std::to_string(loss.lost),
+               std::to_string(skipped), std::to_string(loss.decode_errors),
+               fixed_number(1e3 * status.latency_p50, 0), fixed_number(1e3 * status.latency_p95, 0),
+               fixed_number(status.cpu_total, 1), fixed_number(static_cast<double>(status.memory) / 1e6, 0)});
   }
   return table;
 }
@@ -111,7 +111,8 @@ nlohmann::json process_json(const status_t& status) {
                {"queue_drops", in.queue_drops},
                {"decode_errors", in.decode_errors}};
   }
-  for (const auto& out : status.outputs) json["outputs"][out.channel] = {{"sent", out.sent}, {"largest_bytes", out.largest}};
+  for (const auto& out : status.outputs)
+    json["outputs"][out.channel] = {{"sent", out.sent}, {"largest_bytes", out.largest}};
   for (const auto& value : status.values) json["values"][value.name] = value.value;
   return json;
 }
@@ -121,7 +122,8 @@ nlohmann::json process_json(const status_t& status) {
 std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
   const auto odometry = run.evaluate_path(run.odometry());
   std::string text = fmt::format("\n{}\n", facts.title);
-  text += fmt::format("{:.0f} frames in {:.1f} s", status_value(status_of(run, "camera"), "frames"), facts.seconds);
+  text += fmt::format("{:.0f} frames in {:.1f} s", status_value(status_of(run, "camera"), "frames"),
+                      facts.seconds);
   if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
   text += "\n\n" + path_table(run).text() + "\n";
   text += load_table(run).text() + "\n";
@@ -164,7 +166,8 @@ void write_run_files(const std::filesystem::path& folder, const RunRecorder& run
     plotted.push_back(top_view(name, plot_colour(colour++), shown));
   }
   for (const auto& [process, status] : run.board()) json["processes"][process] = process_json(status);
-  if (run.reply()) json["map"] = nlohmann::json::parse(run.reply()->data.begin(), run.reply()->data.end(), nullptr, false);
+  if (run.reply())
+    json["map"] = nlohmann::json::parse(run.reply()->data.begin(), run.reply()->data.end(), nullptr, false);
 
   std::ofstream file(folder / "summary.json");
   file << json.dump(2) << "\n";

@@ -9,9 +9,9 @@
 namespace lcmslam {
 
 struct RunFacts {
-  std::string title;   ///< e.g. "kitchen, head tof, base differential, seed 1"
+  std::string title;  ///< e.g. "kitchen, head tof, base differential, seed 1"
   std::string config;
-  double seconds = 0;  ///< wall time of the mapping
+  double seconds = 0;               ///< wall time of the mapping
   std::vector<std::string> events;  ///< processes that ended or restarted
 };
 

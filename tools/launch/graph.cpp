@@ -22,8 +22,13 @@ std::vector<ProcessSpec> read_graph(const GraphOptions& options) {
       launch.fail("processes", "there is no process '" + name + "'");
     ProcessSpec spec;
     spec.name = name;
-    spec.arguments = {program_folder() / ("lcmslam-" + name), "--config", options.config, "--lcm-url",
-                      options.lcm_url, "--log-level", options.log_level};
+    spec.arguments = {program_folder() / ("lcmslam-" + name),
+                      "--config",
+                      options.config,
+                      "--lcm-url",
+                      options.lcm_url,
+                      "--log-level",
+                      options.log_level};
     for (const auto& value : options.overrides) {
       spec.arguments.push_back("--set");
       spec.arguments.push_back(value);
@@ -39,6 +44,8 @@ std::filesystem::path program_folder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
-std::filesystem::path source_folder() { return LCMSLAM_SOURCE_DIR; }
+std::filesystem::path source_folder() {
+  return LCMSLAM_SOURCE_DIR;
+}
 
 }  // namespace lcmslam

@@ -7,7 +7,7 @@
 namespace lcmslam {
 
 struct GraphOptions {
-  std::string config;                  ///< file
+  std::string config;  ///< file
   std::string lcm_url;
   std::string log_level = "info";
   std::vector<std::string> overrides;  ///< section.key=value, handed to every process

@@ -38,14 +38,18 @@ class Screen {
 int launch_command(int argc, char** argv) {
   GraphOptions options;
   bool private_bus = false;
-  CLI::App app{"Starts the process graph that a configuration names and stops it cleanly on Ctrl-C.", "lcmslam launch"};
-  app.add_option("config", options.config, "configuration, e.g. config/robot.yaml")->required()->check(CLI::ExistingFile);
+  CLI::App app{"Starts the process graph that a configuration names and stops it cleanly on Ctrl-C.",
+               "lcmslam launch"};
+  app.add_option("config", options.config, "configuration, e.g. config/robot.yaml")
+      ->required()
+      ->check(CLI::ExistingFile);
   app.add_option("--lcm-url", options.lcm_url, "LCM provider");
   app.add_option("--log-level", options.log_level, "of the processes");
   app.add_option("--set", options.overrides, "override: section.key=value");
   std::string folder;
   app.add_option("--out", folder, "folder for the processes' output (default out/launch-TIME)");
-  app.add_flag("--private-bus", private_bus, "own network namespace: nobody else hears or disturbs the graph");
+  app.add_flag("--private-bus", private_bus,
+               "own network namespace: nobody else hears or disturbs the graph");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
   options.folder = folder.empty() ? new_run_folder("launch") : std::filesystem::path(folder);
@@ -64,7 +68,8 @@ int launch_command(int argc, char** argv) {
   const auto specs = read_graph(options);
   Supervisor supervisor;
   for (const auto& spec : specs) supervisor.start(spec);
-  std::cout << "lcmslam launch: " << specs.size() << " processes, logs in " << (options.folder / "logs").string() << std::endl;
+  std::cout << "lcmslam launch: " << specs.size() << " processes, logs in "
+            << (options.folder / "logs").string() << std::endl;
 
   StatusBoard board;
   Inputs inputs;

@@ -41,8 +41,9 @@ double status_value(const status_t& status, const std::string& name) {
 }
 
 std::string format_status(const StatusBoard& board, const std::vector<Supervisor::State>& processes) {
-  std::string table = fmt::format("{:<11} {:>7} {:<9} {:>5} {:>7} {:>11} {:>5} {:>5} {:>4}  {}\n", "process", "pid", "state",
-                                  "CPU%", "MB", "p50/p95 ms", "lost", "drops", "bad", "channels (Hz)");
+  std::string table =
+      fmt::format("{:<11} {:>7} {:<9} {:>5} {:>7} {:>11} {:>5} {:>5} {:>4}  {}\n", "process", "pid", "state",
+                  "CPU%", "MB", "p50/p95 ms", "lost", "drops", "bad", "channels (Hz)");
   for (const auto& process : processes) {
     const std::string& name = process.spec.name;
     const auto found = board.find(name);
@@ -58,9 +59,10 @@ std::string format_status(const StatusBoard& board, const std::vector<Supervisor
       all.queue_drops += in.queue_drops;
       all.decode_errors += in.decode_errors;
     }
-    table += fmt::format("{:<11} {:>7} {:<9} {:>5.0f} {:>7.0f} {:>5.0f}/{:<5.0f} {:>5} {:>5} {:>4}  {}\n", name, process.pid,
-                         state_name(s.state), 100 * s.cpu, static_cast<double>(s.memory) / 1e6, 1e3 * s.latency_p50,
-                         1e3 * s.latency_p95, all.lost, all.queue_drops, all.decode_errors, rates(s));
+    table += fmt::format("{:<11} {:>7} {:<9} {:>5.0f} {:>7.0f} {:>5.0f}/{:<5.0f} {:>5} {:>5} {:>4}  {}\n",
+                         name, process.pid, state_name(s.state), 100 * s.cpu,
+                         static_cast<double>(s.memory) / 1e6, 1e3 * s.latency_p50, 1e3 * s.latency_p95,
+                         all.lost, all.queue_drops, all.decode_errors, rates(s));
   }
   return table;
 }

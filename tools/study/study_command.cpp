@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "commands.hpp"
 #include "evaluation/table.hpp"
 #include "launch/graph.hpp"
+#include "parse_command.hpp"
 #include "run_folder.hpp"
 
 namespace lcmslam {
@@ -21,7 +21,8 @@ const char* const path_names[] = {"odometry", "fastslam", "icp"};
 
 /// One live run; its summary.json.
 nlohmann::json run_demo(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
-  std::string command = (program_folder() / "lcmslam").string() + " demo --headless --out '" + folder.string() + "'";
+  std::string command =
+      (program_folder() / "lcmslam").string() + " demo --headless --out '" + folder.string() + "'";
   for (const auto& argument : arguments) command += " '" + argument + "'";
   command += " > '" + (folder.string() + ".txt") + "' 2>&1";
   const int status = std::system(command.c_str());
@@ -54,7 +55,7 @@ int study_command(int argc, char** argv) {
   app.add_option("--data", data, "a recording instead of the simulation")->check(CLI::ExistingDirectory);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
 
   const std::filesystem::path folder = new_run_folder("study");
   Table table({"seed", "frames", "odometry ATE m", "fastslam ATE m", "icp ATE m", "icp frames", "lost"});
@@ -66,14 +67,16 @@ int study_command(int argc, char** argv) {
     if (seconds > 0) arguments.insert(arguments.end(), {"--seconds", std::to_string(seconds)});
     for (const auto& value : overrides) arguments.insert(arguments.end(), {"--set", value});
     const nlohmann::json summary = run_demo(arguments, folder / ("seed-" + std::to_string(seed)));
-    std::vector<std::string> row = {std::to_string(seed), fmt::format("{:.0f}", summary.at("frames").get<double>())};
+    std::vector<std::string> row = {std::to_string(seed),
+                                    fmt::format("{:.0f}", summary.at("frames").get<double>())};
     for (const char* name : path_names) {
       errors[name].push_back(ate(summary, name));
       row.push_back(fixed_number(errors[name].back(), 4));
     }
     const auto& paths = summary.at("paths");
     row.push_back(std::to_string(paths.at("icp").at("poses").get<int>()));
-    row.push_back(std::to_string(paths.at("icp").at("lost").get<int>() + paths.at("fastslam").at("lost").get<int>()));
+    row.push_back(
+        std::to_string(paths.at("icp").at("lost").get<int>() + paths.at("fastslam").at("lost").get<int>()));
     table.add(row);
     std::cout << "seed " << seed << ": done" << std::endl;
   }
@@ -81,7 +84,8 @@ int study_command(int argc, char** argv) {
     std::vector<std::string> row = {worst ? "worst" : "median", ""};
     for (const char* name : path_names) {
       const auto& values = errors[name];
-      row.push_back(fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 4));
+      row.push_back(
+          fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 4));
     }
     row.insert(row.end(), {"", ""});
     table.add(row);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <lcmslam/images_t.hpp>
+#include <limits>
 
 namespace lcmslam::integration {
 namespace {
@@ -37,7 +37,8 @@ std::vector<std::size_t> length_offsets(const Bytes& valid) {
   std::size_t at = fingerprint_bytes;
   for (const MessageField& field : type->fields) {
     starts.push_back(at);
-    std::size_t size = field.kind == MessageField::Kind::nested ? field.nested->fixed_size : value_size(field.kind);
+    std::size_t size =
+        field.kind == MessageField::Kind::nested ? field.nested->fixed_size : value_size(field.kind);
     if (field.kind == MessageField::Kind::text) size = 4 + get(valid, at, 4);
     for (const auto& dimension : field.dimensions) {
       if (dimension.length_field >= 0) {
@@ -75,7 +76,8 @@ Bytes with_images_only(const images_t& valid, const std::vector<std::size_t>& ke
 
 std::vector<Bytes> impossible_messages(const Bytes& valid, Random& random) {
   std::vector<Bytes> messages;
-  for (const std::size_t size : {0, 1, 3, 7, 8, 9, 15, 16, 17, 31, 64, 255, 1400, 1500, 9000, 65535, 65536, 70000})
+  for (const std::size_t size :
+       {0, 1, 3, 7, 8, 9, 15, 16, 17, 31, 64, 255, 1400, 1500, 9000, 65535, 65536, 70000})
     messages.push_back(random_bytes(size, random));
   for (int i = 0; i < 12; ++i) messages.push_back(random_bytes(random.below(70001), random));
 
@@ -88,7 +90,8 @@ std::vector<Bytes> impossible_messages(const Bytes& valid, Random& random) {
     messages.push_back(message);
   }
   for (int i = 0; i < 20; ++i)
-    messages.emplace_back(valid.begin(), valid.begin() + static_cast<std::ptrdiff_t>(random.below(valid.size())));
+    messages.emplace_back(valid.begin(),
+                          valid.begin() + static_cast<std::ptrdiff_t>(random.below(valid.size())));
   for (const std::size_t size : {1, 2, 8, 100, 10000}) {
     Bytes message = valid;
     const Bytes rest = random_bytes(size, random);
@@ -110,12 +113,14 @@ std::vector<Bytes> impossible_messages(const Bytes& valid, Random& random) {
 }
 
 std::vector<Bytes> absurd_messages(const Bytes& valid, Random& random) {
-  const std::uint64_t values[] = {0x7ff8000000000000, 0x7ff0000000000000, 0xfff0000000000000, 0x7fefffffffffffff,
-                                  0xffefffffffffffff, 0x7fc000007fc00000, 0x7f8000007f800000, 0x7f7fffffff7fffff,
-                                  0x7fffffffffffffff, 0x8000000000000000, 0xffffffffffffffff, 0};
+  const std::uint64_t values[] = {0x7ff8000000000000, 0x7ff0000000000000, 0xfff0000000000000,
+                                  0x7fefffffffffffff, 0xffefffffffffffff, 0x7fc000007fc00000,
+                                  0x7f8000007f800000, 0x7f7fffffff7fffff, 0x7fffffffffffffff,
+                                  0x8000000000000000, 0xffffffffffffffff, 0};
   std::vector<Bytes> messages;
-  for (const std::int64_t utime : {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min(),
-                                   std::int64_t{-1}, std::int64_t{1} << 62, -(std::int64_t{1} << 62)}) {
+  for (const std::int64_t utime :
+       {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min(), std::int64_t{-1},
+        std::int64_t{1} << 62, -(std::int64_t{1} << 62)}) {
     Bytes message = valid;
     put(message, fingerprint_bytes, static_cast<std::uint64_t>(utime), 8);
     messages.push_back(message);
@@ -131,7 +136,8 @@ std::vector<Bytes> absurd_messages(const Bytes& valid, Random& random) {
       }
   for (int i = 0; i < 20; ++i) {  // a handful of random bytes anywhere
     Bytes message = valid;
-    for (int k = 0; k < 8; ++k) message[fingerprint_bytes + random.below(body)] = static_cast<std::uint8_t>(random.below(256));
+    for (int k = 0; k < 8; ++k)
+      message[fingerprint_bytes + random.below(body)] = static_cast<std::uint8_t>(random.below(256));
     messages.push_back(message);
   }
   return messages;
@@ -141,21 +147,25 @@ std::vector<Bytes> bad_images(const Bytes& valid_bytes, Random& random) {
   const auto valid = decode_message<images_t>(valid_bytes.data(), valid_bytes.size());
   std::vector<Bytes> messages;
   for (std::size_t i = 0; i < 2; ++i) {  // colour, depth
-    const auto change = [&](const std::function<void(image_t&)>& f) { messages.push_back(with_image(valid, i, f)); };
+    const auto change = [&](const std::function<void(image_t&)>& f) {
+      messages.push_back(with_image(valid, i, f));
+    };
     change([&](image_t& image) { image.data = random_bytes(image.data.size(), random); });
     change([&](image_t& image) { image.data.clear(); });
     change([&](image_t& image) { image.data.resize(1); });
     change([&](image_t& image) { image.data.resize(image.data.size() / 16); });
     change([&](image_t& image) { image.data.assign(60'000, 0); });
-    for (const auto& [width, height] : {std::pair(0, 0), std::pair(-1, -1), std::pair(1, 1), std::pair(8192, 8192),
-                                        std::pair(30'000, 30'000), std::pair(2'147'483'647, 2'147'483'647),
-                                        std::pair(-2'147'483'647, 480), std::pair(641, 480)})
+    for (const auto& [width, height] :
+         {std::pair(0, 0), std::pair(-1, -1), std::pair(1, 1), std::pair(8192, 8192),
+          std::pair(30'000, 30'000), std::pair(2'147'483'647, 2'147'483'647), std::pair(-2'147'483'647, 480),
+          std::pair(641, 480)})
       change([w = width, h = height](image_t& image) {
         image.width = w;
         image.height = h;
       });
   }
-  for (const int format : {0, -1, -2, static_cast<int>(image_t::PIXEL_FORMAT_BGR), static_cast<int>(image_t::PIXEL_FORMAT_GRAY), 12345})
+  for (const int format : {0, -1, -2, static_cast<int>(image_t::PIXEL_FORMAT_BGR),
+                           static_cast<int>(image_t::PIXEL_FORMAT_GRAY), 12345})
     messages.push_back(with_image(valid, 0, [format](image_t& image) { image.pixelformat = format; }));
 
   messages.push_back(with_images_only(valid, {}));

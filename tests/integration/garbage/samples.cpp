@@ -23,7 +23,9 @@ class Tape : public Publisher {
   std::deque<Sample> fresh;
 
  private:
-  void send(const std::string& channel, const Bytes& bytes, Utime) override { fresh.push_back({channel, bytes}); }
+  void send(const std::string& channel, const Bytes& bytes, Utime) override {
+    fresh.push_back({channel, bytes});
+  }
 };
 
 /// The processing nodes, with the tape for a bus.

@@ -30,7 +30,9 @@ std::filesystem::path program_folder() {
   return folder != nullptr ? folder : LCMSLAM_PROGRAMS;
 }
 
-std::filesystem::path source_folder() { return LCMSLAM_SOURCE_DIR; }
+std::filesystem::path source_folder() {
+  return LCMSLAM_SOURCE_DIR;
+}
 
 std::filesystem::path data_folder() {
   const char* folder = std::getenv("LCMSLAM_DATA");
@@ -57,7 +59,8 @@ TemporaryFolder::~TemporaryFolder() {
 }
 
 bool wait_until(const std::function<bool()>& predicate, double seconds) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_factor * seconds);
+  const auto deadline =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_factor * seconds);
   while (!predicate()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -67,4 +70,6 @@ bool wait_until(const std::function<bool()>& predicate, double seconds) {
 
 }  // namespace lcmslam::integration
 
-int main(int argc, char** argv) { return lcmslam::integration::run_tests(argc, argv); }
+int main(int argc, char** argv) {
+  return lcmslam::integration::run_tests(argc, argv);
+}

@@ -131,16 +131,21 @@ TEST(IcpMapper, GoesOnFromOdometryWhereTheMapEnds) {
   settings.reseed_after = 3;
   IcpMapper mapper(settings);
   mapper.step(0, seen_from(room(0.03), no_mount, 1), no_mount);
-  Motion turn;
-  turn.T_from_to = planar_pose(0, 0, 0.6);
-  turn.covariance = 1e-4 * Matrix6d::Identity();
   const Eigen::Isometry3d T = planar_pose(0, 0, 3.0);
-  Motion still = turn;
-  still.T_from_to.setIdentity();
+  Motion motion;
+  motion.T_from_to = T;
+  motion.covariance = 1e-4 * Matrix6d::Identity();
   const ColouredCloud behind = seen_from(transformed(room(0.03), T), T, 2);
   IcpMapper::Step step;
-  for (int i = 1; i <= 8; ++i) step = mapper.step(i * frame_time, behind, no_mount, i <= 5 ? turn : still);
-  EXPECT_EQ(to_string(step.status), "tracking");
+  for (int i = 1; i <= 8; ++i) {
+    SCOPED_TRACE(i);
+    step = mapper.step(i * frame_time, behind, no_mount, motion);
+    const bool waiting = i <= settings.reseed_after;
+    EXPECT_EQ(to_string(step.status), waiting                          ? "lost"
+                                      : i == settings.reseed_after + 1 ? "degraded"
+                                                                       : "tracking");
+    motion.T_from_to.setIdentity();
+  }
   expect_pose(step.T_world_robot, T, 0.02, 0.02);
 }
 

@@ -24,7 +24,7 @@ const std::map<std::string, std::uint64_t>& frozen() {
       {"graph_node_t", 0x9d48cc4afa702729},
       {"graph_t", 0x440ef967ce91c74a},
       {"ground_truth_t", 0xd0523560a83871d7},
-      {"icp_report_t", 0x88876e71ba6738aa},
+      {"icp_report_t", 0x2d6935c79d4c0626},
       {"image_metadata_t", 0x9a4b634d0577fb8e},
       {"image_t", 0x14739ffe13d5f5f0},
       {"images_t", 0x20ba4f05e8f5e33a},
