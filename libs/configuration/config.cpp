@@ -29,8 +29,8 @@ struct ConfigNode::Data {
   std::filesystem::path folder;
   std::vector<Entry> entries;
 
-  std::set<std::string> known;  ///< keys that a reader asked for, there or not
-  std::set<std::string> read;   ///< keys that need no complaint
+  std::set<std::string> known;    ///< keys that a reader asked for, there or not
+  std::set<std::string> read;     ///< keys that need no complaint
   std::set<std::string> ignored;  ///< keys whose sections need none either
   std::map<std::string, std::vector<std::shared_ptr<Data>>> children;  ///< sections made so far
 

@@ -15,7 +15,7 @@ struct Landmark {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();            ///< m, world
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2, world
   int observations = 0;
-  double log_odds = 0;  ///< of existing
+  double log_odds = 0;                   ///< of existing
   std::array<std::uint8_t, 3> colour{};  ///< R, G, B
   std::int8_t laplacian = 0;
   Descriptor descriptor{};
