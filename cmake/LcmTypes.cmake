@@ -4,16 +4,20 @@
 function(lcm_types)
   cmake_parse_arguments(ARG "" "TARGET;PACKAGE" "FILES" ${ARGN})
   set(out ${CMAKE_CURRENT_BINARY_DIR}/cpp)
+  set(java ${CMAKE_CURRENT_BINARY_DIR}/java)
   set(headers)
+  set(java_sources)
   foreach(file ${ARG_FILES})
     get_filename_component(type ${file} NAME_WE)
     list(APPEND headers ${out}/${ARG_PACKAGE}/${type}.hpp)
+    list(APPEND java_sources ${java}/src/${ARG_PACKAGE}/${type}.java)
   endforeach()
   add_custom_command(
     OUTPUT ${headers}
     COMMAND ${LCM_GEN} --cpp --cpp-std c++11 --cpp-hpath ${out} ${ARG_FILES}
     DEPENDS ${ARG_FILES}
-    COMMENT "lcm-gen: C++ types")
+    COMMENT "lcm-gen: C++ types"
+    VERBATIM)
   add_custom_target(${ARG_TARGET}_headers DEPENDS ${headers})
   add_library(${ARG_TARGET} INTERFACE)
   add_dependencies(${ARG_TARGET} ${ARG_TARGET}_headers)
@@ -24,17 +28,17 @@ function(lcm_types)
   find_program(JAR jar)
   find_file(LCM_JAR lcm.jar PATHS /usr/share/java /usr/local/share/java NO_DEFAULT_PATH)
   if(JAVAC AND JAR AND LCM_JAR)
-    set(java ${CMAKE_CURRENT_BINARY_DIR}/java)
     set(jar ${CMAKE_BINARY_DIR}/bin/${ARG_TARGET}.jar)
     add_custom_command(
       OUTPUT ${jar}
       COMMAND ${CMAKE_COMMAND} -E rm -rf ${java}
       COMMAND ${LCM_GEN} --java --jpath ${java}/src ${ARG_FILES}
       COMMAND ${CMAKE_COMMAND} -E make_directory ${java}/classes
-      COMMAND sh -c "${JAVAC} -nowarn -cp ${LCM_JAR} -d ${java}/classes ${java}/src/${ARG_PACKAGE}/*.java"
+      COMMAND ${JAVAC} -nowarn -cp ${LCM_JAR} -d ${java}/classes ${java_sources}
       COMMAND ${JAR} cf ${jar} -C ${java}/classes .
       DEPENDS ${ARG_FILES}
-      COMMENT "lcm-gen: Java types")
+      COMMENT "lcm-gen: Java types"
+      VERBATIM)
     add_custom_target(${ARG_TARGET}_jar ALL DEPENDS ${jar})
   endif()
 endfunction()

@@ -2,6 +2,7 @@
 
 #include "imaging/codec.hpp"
 #include "imaging/registration.hpp"
+#include "messages/decode.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/origin.hpp"
 
@@ -202,6 +203,11 @@ RgbdCalibration from_message(const camera_calibration_t& m) {
     throw DecodeError(error.what());
   }
   return c;
+}
+
+bool same_calibration(camera_calibration_t a, camera_calibration_t b) {
+  for (camera_calibration_t* m : {&a, &b}) m->utime = m->seq = m->sender = 0;
+  return encode_message(a) == encode_message(b);
 }
 
 }  // namespace lcmslam

@@ -21,5 +21,7 @@ RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibrat
 
 camera_calibration_t to_message(const RgbdCalibration& calibration);
 RgbdCalibration from_message(const camera_calibration_t& message);
+/// Whether both say the same of the head (stamps, numbers and senders may differ).
+bool same_calibration(camera_calibration_t a, camera_calibration_t b);
 
 }  // namespace lcmslam

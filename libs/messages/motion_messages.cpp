@@ -1,6 +1,7 @@
 #include "messages/motion_messages.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "messages/geometry_messages.hpp"
 
@@ -46,9 +47,10 @@ odometry_t to_message(const MotionSample& sample, const std::string& source) {
   m.source = source;
   m.T_odom_robot = to_message(sample.T_odom_robot);
   to_message(sample.covariance, m.covariance);
-  std::fill_n(m.linear_velocity, 3, 0.0);
-  std::fill_n(m.angular_velocity, 3, 0.0);
-  std::fill_n(m.velocity_covariance, 36, 0.0);
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  std::fill_n(m.linear_velocity, 3, unknown);
+  std::fill_n(m.angular_velocity, 3, unknown);
+  std::fill_n(m.velocity_covariance, 36, unknown);
   m.status = pose_estimate_t::TRACKING;
   m.quality = 1;
   return m;

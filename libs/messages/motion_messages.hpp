@@ -13,7 +13,7 @@ namespace lcmslam {
 encoders_t to_message(const Encoders& encoders);
 Encoders from_message(const encoders_t& message);
 
-/// Velocities stay zero unless the caller fills them in.
+/// Velocities are NaN (unknown) unless the caller fills them in.
 odometry_t to_message(const MotionSample& sample, const std::string& source);
 MotionSample from_message(const odometry_t& message);
 

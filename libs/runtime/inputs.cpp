@@ -48,6 +48,7 @@ void Input::seen(const Origin& origin, Utime utime, std::size_t size) {
   count.follow(origin.seq, known_missing_);
   known_missing_ = 0;
   counted_ = true;
+  if (on_seen) on_seen(utime);
 }
 
 bool Inputs::deliver(const std::string& channel, const std::uint8_t* data, std::size_t size) {

@@ -45,6 +45,8 @@ class Input {
 
   /// Latency is measured from the arrival of these messages.
   bool primary = false;
+  /// Called with the utime of each message that decoded, before its handler.
+  std::function<void(Utime)> on_seen;
 
   std::int64_t decode_errors = 0;
   std::string last_error;

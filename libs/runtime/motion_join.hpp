@@ -41,7 +41,7 @@ class MotionJoin {
     if (sender != sender_) motion_ = MotionBuffer();
     sender_ = sender;
     if (sample.utime <= motion_.newest() && motion_.newest() - sample.utime < little) return;
-    if (!motion_.add(sample)) waiting_.clear();
+    if (!motion_.add(sample)) drop_all();
     advance(sample.utime);
     release(false);
   }
@@ -57,10 +57,15 @@ class MotionJoin {
     // Time that jumps back far is a log that loops: start anew.
     if (utime < now_ - 10 * max_wait_ - 1'000'000) {
       now_ = utime;
-      waiting_.clear();
+      drop_all();
       motion_ = MotionBuffer();
     }
     now_ = std::max(now_, utime);
+  }
+
+  void drop_all() {
+    dropped_ += static_cast<std::int64_t>(waiting_.size());
+    waiting_.clear();
   }
 
   void release(bool all) {

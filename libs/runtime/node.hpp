@@ -28,8 +28,8 @@ class Node {
   /// Registers the handlers.
   virtual void connect(Inputs& inputs) = 0;
 
-  /// A source's own work (camera). Called when no message waits; gives the time until it wants to be
-  /// called again, or nothing when it never does.
+  /// A source's own work (camera). Called after each message and when none comes; gives the time until it
+  /// wants to be called again, or nothing when it never does.
   virtual std::optional<Duration> work() { return std::nullopt; }
 
   /// A COMMAND for this process other than "stop".

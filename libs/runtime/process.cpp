@@ -17,6 +17,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds longest_wait{100};  // a stop request is seen within this time
 constexpr std::chrono::seconds status_period{1};
+constexpr std::chrono::seconds longest_drain{2};  // of what still arrives when a stop is asked
+constexpr unsigned longest_stop = 60;             // s, above a supervisor's own patience
 
 class Process {
  public:
@@ -47,6 +49,7 @@ class Process {
       }
       wait = std::max(Clock::duration{0}, std::min(wait, next_status - Clock::now()));
     }
+    drain(receiver);
     node_->finish();
     NodeReport report = node_->report();
     report.state = status_t::STOPPING;
@@ -64,14 +67,17 @@ class Process {
     }
   }
 
+  /// What was sent before the stop must not be lost: a map's last part, say.
+  void drain(Receiver& receiver) {
+    const auto end = Clock::now() + longest_drain;
+    Arrival arrival;
+    while (Clock::now() < end && receiver.take(arrival, longest_wait)) handle(arrival);
+  }
+
   void handle(const Arrival& arrival) {
-    // Registered before the handler runs: the answer may come from within it.
-    if (arrival.input->primary && arrival.bytes.size() >= 16) {
-      Utime utime = 0;  // first field behind the fingerprint
-      for (std::size_t i = 8; i < 16; ++i)
-        utime = static_cast<Utime>(static_cast<std::uint64_t>(utime) << 8 | arrival.bytes[i]);
-      reporter_.arrived(utime, arrival.time);
-    }
+    // Registered when the message has been decoded, before its handler runs: the answer may come from there.
+    if (arrival.input->primary)
+      arrival.input->on_seen = [&](Utime utime) { reporter_.arrived(utime, arrival.time); };
     arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
   }
 
@@ -104,7 +110,7 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
   if (!parse_options(argc, argv, name, description, options, exit_code)) return exit_code;
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
   spdlog::set_level(spdlog::level::from_str(options.log_level));
-  install_stop_signals();
+  install_stop_signals(longest_stop);
   try {
     const ProcessConfig config = process_config(options, name);
     lcm::LCM lcm(options.lcm_url);

@@ -37,7 +37,9 @@ StatusReporter::StatusReporter(std::string process, Publisher& publisher)
 
 void StatusReporter::arrived(Utime utime, SteadyTime time) {
   waiting_[utime] = time;
-  if (waiting_.size() > most_waiting) waiting_.erase(waiting_.begin());
+  if (waiting_.size() <= most_waiting) return;
+  waiting_.erase(std::min_element(waiting_.begin(), waiting_.end(),
+                                  [](const auto& a, const auto& b) { return a.second < b.second; }));
 }
 
 void StatusReporter::answered(Utime utime) {

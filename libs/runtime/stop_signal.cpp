@@ -7,17 +7,18 @@
 namespace lcmslam {
 namespace {
 
-constexpr unsigned patience = 15;  // s
+unsigned watchdog_seconds = 0;
 volatile std::sig_atomic_t stop_flag = 0;
 
 extern "C" void on_stop_signal(int) {
   stop_flag = 1;
-  alarm(patience);
+  if (watchdog_seconds > 0) alarm(watchdog_seconds);
 }
 
 }  // namespace
 
-void install_stop_signals() {
+void install_stop_signals(unsigned watchdog) {
+  watchdog_seconds = watchdog;
   struct sigaction action {};
   action.sa_handler = on_stop_signal;
   sigaction(SIGINT, &action, nullptr);

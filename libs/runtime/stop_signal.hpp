@@ -1,9 +1,11 @@
 #pragma once
-// SIGINT and SIGTERM ask a process to stop; one that has not stopped 15 s later is ended by the kernel.
+// SIGINT and SIGTERM ask a process to stop.
 
 namespace lcmslam {
 
-void install_stop_signals();
+/// A process that has not stopped `watchdog` seconds after the signal is ended by the kernel (SIGALRM):
+/// its supervisor may be dead. 0: never.
+void install_stop_signals(unsigned watchdog);
 bool stop_requested();
 void request_stop();
 

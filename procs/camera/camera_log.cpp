@@ -1,5 +1,7 @@
 #include "camera/camera_log.hpp"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <lcm/lcm-cpp.hpp>
 
@@ -103,7 +105,7 @@ std::unique_ptr<CameraSource> open_log(const std::string& file) {
 }
 
 LogCounts write_log(CameraSource& source, const std::string& file) {
-  const std::string part = file + ".part";
+  const std::string part = file + ".part" + std::to_string(getpid());
   LogCounts counts;
   {
     LogPublisher log(part);
@@ -123,6 +125,9 @@ LogCounts write_log(CameraSource& source, const std::string& file) {
     }
     counts.bytes = log.bytes();
   }
+  // The last bytes are written when the log closes, which tells no errors.
+  if (std::filesystem::file_size(part) < static_cast<std::uintmax_t>(counts.bytes))
+    throw std::runtime_error(part + ": is incomplete (disk full?)");
   std::filesystem::rename(part, file);
   return counts;
 }

@@ -12,7 +12,7 @@ struct LogCounts {
 };
 
 /// CAMERA, CAMERA_CALIBRATION (first, then 1 Hz), ENCODERS and GROUND_TRUTH with message times. Writes to
-/// FILE.part and renames at the end; throws std::runtime_error naming the file.
+/// FILE.partPID and renames at the end; throws std::runtime_error naming the file.
 LogCounts write_log(CameraSource& source, const std::string& file);
 
 /// Plays the same channels of a log; events of others are left out, damaged ones are counted as

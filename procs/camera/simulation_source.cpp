@@ -5,7 +5,6 @@
 #include "camera/camera_log.hpp"
 #include "camera/camera_source.hpp"
 #include "imaging/codec.hpp"
-#include "runtime/options.hpp"
 #include "simulation/simulation.hpp"
 
 namespace lcmslam {
@@ -39,6 +38,7 @@ class SimulationSource : public CameraSource {
         next_frame_(simulation_.start() + frame_period_) {}
 
   const SimulationSettings& settings() const { return settings_; }
+  int jpeg_quality() const { return jpeg_quality_; }
   const RgbdCalibration& calibration() const override { return simulation_.calibration(); }
 
   std::size_t frames() const override {
@@ -78,14 +78,15 @@ class SimulationSource : public CameraSource {
   Utime next_encoders_, next_truth_, next_frame_;
 };
 
-/// Names everything that the rendered log depends on.
-std::filesystem::path cache_file(const SimulationSettings& s) {
+/// Names everything that the rendered log depends on; raise `revision` when sensors or renderer change.
+std::filesystem::path cache_file(const SimulationSettings& s, int jpeg_quality) {
   std::ifstream scene(s.scene);
   const std::string text((std::istreambuf_iterator<char>(scene)), {});
+  constexpr int revision = 1;
   char name[256];
-  std::snprintf(name, sizeof name, "%s-%s-%s-seed%llu-%gs-%gHz-%016zx-v%s.lcmlog", s.scene.stem().c_str(),
+  std::snprintf(name, sizeof name, "%s-%s-%s-seed%llu-%gs-%gHz-q%d-%016zx-r%d.lcmlog", s.scene.stem().c_str(),
                 s.head.c_str(), s.base.c_str(), static_cast<unsigned long long>(s.seed), s.seconds,
-                s.frame_rate, std::hash<std::string>()(text), lcmslam_version);
+                s.frame_rate, jpeg_quality, std::hash<std::string>()(text), revision);
   return std::filesystem::absolute("out") / "cache" / name;
 }
 
@@ -99,7 +100,7 @@ std::unique_ptr<CameraSource> make_simulation_source(const ConfigNode& config) {
   const bool cached = config.choice("render", "live", {"live", "cached"}) == "cached";
   auto simulation = std::make_unique<SimulationSource>(config);
   if (!cached) return simulation;
-  const std::filesystem::path file = cache_file(simulation->settings());
+  const std::filesystem::path file = cache_file(simulation->settings(), simulation->jpeg_quality());
   if (!std::filesystem::exists(file)) {
     std::filesystem::create_directories(file.parent_path());
     spdlog::info("renders the run into {}", file.string());

@@ -5,6 +5,7 @@
 #include <lcmslam/icp_report_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <limits>
+#include <thread>
 #include <utility>
 
 #include "icp/read_settings.hpp"
@@ -77,8 +78,8 @@ IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
 
 void IcpNode::connect(Inputs& inputs) {
   inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) { on_camera(m); }).primary = true;
-  inputs.subscribe<camera_calibration_t>(
-      "CAMERA_CALIBRATION", 1, [this](const camera_calibration_t& m) { on_calibration(from_message(m)); });
+  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 1,
+                                         [this](const camera_calibration_t& m) { on_calibration(m); });
   inputs.subscribe<odometry_t>("ODOMETRY", 500,
                                [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
 }
@@ -93,7 +94,11 @@ void IcpNode::on_camera(const images_t& message) {
   join_.add(needed, std::move(frame));
 }
 
-void IcpNode::on_calibration(const RgbdCalibration& calibration) {
+void IcpNode::on_calibration(const camera_calibration_t& message) {
+  if (calibration_ && same_calibration(message, calibration_message_)) return;
+  const RgbdCalibration calibration = from_message(message);
+  join_.flush();  // frames of the old one
+  calibration_message_ = message;
   calibration_ = calibration;
   registration_.emplace(calibration);
   settings_.prior.planar = pose_ == "planar" || (pose_ == "auto" && calibration.has_mount);
@@ -103,6 +108,7 @@ void IcpNode::on_calibration(const RgbdCalibration& calibration) {
 void IcpNode::restart() {
   mapper_.emplace(settings_);
   tiles_.clear();
+  last_ = {};
 }
 
 IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
@@ -224,8 +230,7 @@ std::optional<Node::Duration> IcpNode::work() {
 }
 
 void IcpNode::command(const command_t& command) {
-  if (command.name == "resend" && mapper_) {
-    tiles_.clear();
+  if (command.name == "resend" && mapper_ && tiles_.empty()) {  // else what waits is under way already
     for (const auto& keyframe : mapper_->keyframes()) queue_keyframe(keyframe);
     publish_graph(last_utime_);
   }
@@ -234,7 +239,10 @@ void IcpNode::command(const command_t& command) {
 
 void IcpNode::finish() {
   join_.flush();
-  while (!tiles_.empty()) send_waiting_tile();
+  while (!tiles_.empty()) {
+    send_waiting_tile();
+    std::this_thread::sleep_for(tile_period);  // bursts overrun receive buffers
+  }
 }
 
 NodeReport IcpNode::report() const {

@@ -2,6 +2,7 @@
 // CAMERA + ODOMETRY -> ICP_POSE, ICP_KEYFRAME, ICP_GRAPH, ICP_REPORT.
 
 #include <deque>
+#include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
 
@@ -32,7 +33,7 @@ class IcpNode : public Node {
   };
 
   void on_camera(const images_t& message);
-  void on_calibration(const RgbdCalibration& calibration);
+  void on_calibration(const camera_calibration_t& message);
   void on_frame(const RgbdFrame& frame);
   Shot make_shot(const RgbdFrame& frame) const;
   void restart();
@@ -46,6 +47,7 @@ class IcpNode : public Node {
   std::string pose_;  // "auto": on the floor when the camera is mounted on a robot
   double cloud_points_;
   MotionJoin<RgbdFrame> join_;
+  camera_calibration_t calibration_message_;
   std::optional<RgbdCalibration> calibration_;
   std::optional<DepthRegistration> registration_;
   std::optional<images_t> uncalibrated_;  // the newest message that came before the calibration

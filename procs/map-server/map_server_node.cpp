@@ -13,7 +13,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr Utime resend_period = 2'000'000;  // us of message time between two requests
+constexpr Utime resend_period = 2'000'000;   // us of message time between two requests
+constexpr Utime longest_behind = 1'000'000;  // us that a map may be older than its mapper's poses say
 
 /// nullptr when this sender has none.
 template <class Map>
@@ -50,10 +51,16 @@ void MapServerNode::connect(Inputs& inputs) {
                                 [this](const landmarks_t& m) { on_landmarks(m); });
   inputs.subscribe<keyframe_t>("ICP_KEYFRAME", 1000, [this](const keyframe_t& m) { on_keyframe(m); });
   inputs.subscribe<graph_t>("ICP_GRAPH", 10, [this](const graph_t& m) { on_graph(m); });
-  inputs.subscribe<pose_estimate_t>("FASTSLAM_POSE", 1000,
-                                    [this](const pose_estimate_t& m) { add_to_path(fastslam_path_, m); });
-  inputs.subscribe<pose_estimate_t>("ICP_POSE", 1000,
-                                    [this](const pose_estimate_t& m) { add_to_path(icp_path_, m); });
+  inputs.subscribe<pose_estimate_t>("FASTSLAM_POSE", 1000, [this](const pose_estimate_t& m) {
+    add_to_path(fastslam_path_, m);
+    const LandmarkMap* map = find_map(landmark_maps_, m.sender);
+    follow("fastslam", m, map != nullptr && !map->incomplete() ? map->revision() : 0);
+  });
+  inputs.subscribe<pose_estimate_t>("ICP_POSE", 1000, [this](const pose_estimate_t& m) {
+    add_to_path(icp_path_, m);
+    const DenseMap* map = find_map(dense_maps_, m.sender);
+    follow("icp", m, map != nullptr ? static_cast<std::int64_t>(map->keyframes().size()) : 0);
+  });
   inputs.subscribe<map_request_t>("MAP_REQUEST", 100, [this](const map_request_t& m) { on_request(m); })
       .primary = true;
 }
@@ -70,7 +77,6 @@ void MapServerNode::on_landmarks(const landmarks_t& message) {
     throw DecodeError(error.what());
   }
   ++changes_;
-  if (map.incomplete()) ask_resend("fastslam");
 }
 
 void MapServerNode::on_keyframe(const keyframe_t& message) {
@@ -97,22 +103,23 @@ void MapServerNode::on_graph(const graph_t& message) {
   for (const auto& [id, keyframe] : map->keyframes())
     if (named.count(id) == 0) gone.push_back(id);
   for (const std::int32_t id : gone) map->remove(id);
-  const auto missing = map->correct(poses);
-  // The newest keyframe's tiles still come when the graph already names it.
-  if (missing.size() > 1) ask_resend("icp");
+  map->correct(poses);
   ++changes_;
 }
 
-void MapServerNode::ask_resend(const std::string& process) {
-  const Utime now = std::chrono::duration_cast<std::chrono::microseconds>(
-                        std::chrono::steady_clock::now().time_since_epoch())
-                        .count();
-  Utime& last = last_resend_[process];
-  if (last != 0 && now - last < resend_period) return;
-  last = now;
+// A map that stays behind what its mapper's poses name has lost something: this server restarted, or a
+// message did not arrive.
+void MapServerNode::follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision) {
+  Progress& progress = progress_[process];
+  const bool behind = revision < pose.map_revision;
+  if (!behind || pose.utime < progress.up_to_date) progress.up_to_date = pose.utime;
+  if (pose.utime < progress.asked) progress.asked = 0;
+  if (pose.utime - progress.up_to_date < longest_behind || pose.utime - progress.asked < resend_period)
+    return;
+  progress.asked = pose.utime;
   ++resends_;
   command_t command;
-  command.utime = now;
+  command.utime = pose.utime;
   command.target = process;
   command.name = "resend";
   command.n = 0;
@@ -131,9 +138,6 @@ void MapServerNode::on_request(const map_request_t& request) {
       for (const auto& file : export_maps(
                request.argument.empty() ? folder_ : std::filesystem::path(request.argument), request.format))
         reply.message += file + "\n";
-    } else if (request.kind == map_request_t::CLEAR) {
-      landmark_maps_.clear();
-      dense_maps_.clear();
     } else if (request.kind != map_request_t::INFO) {
       throw std::runtime_error(fmt::format("there is no request of kind {}", request.kind));
     }

@@ -38,7 +38,7 @@ class MapServerNode : public Node {
   void on_keyframe(const keyframe_t& message);
   void on_graph(const graph_t& message);
   void on_request(const map_request_t& request);
-  void ask_resend(const std::string& process);
+  void follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision);
   std::vector<std::string> export_maps(const std::filesystem::path& folder, const std::string& formats) const;
   std::string describe() const;
 
@@ -48,7 +48,11 @@ class MapServerNode : public Node {
   std::vector<Session<LandmarkMap>> landmark_maps_;  // the newest last
   std::vector<Session<DenseMap>> dense_maps_;
   Path fastslam_path_, icp_path_;
-  std::map<std::string, Utime> last_resend_;  // by process: when it was asked
+  struct Progress {
+    Utime up_to_date = 0;  // message time at which the map was last complete
+    Utime asked = 0;       // message time of the last request
+  };
+  std::map<std::string, Progress> progress_;  // by mapper
   std::int64_t changes_ = 0, saved_changes_ = 0;
   std::int64_t exports_ = 0, resends_ = 0;
 };

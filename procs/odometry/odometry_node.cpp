@@ -105,6 +105,7 @@ void OdometryNode::on_encoders(const Encoders& encoders) {
   }
   if (!sample) return;
   odometry_t message = to_message(*sample, source_);
+  message.linear_velocity[2] = message.angular_velocity[0] = message.angular_velocity[1] = 0;
   message.linear_velocity[0] = wheels_.twist().vx;
   message.linear_velocity[1] = wheels_.twist().vy;
   message.angular_velocity[2] = wheels_.twist().w;

@@ -41,16 +41,24 @@ SurfNode::SurfNode(const ConfigNode& config, Publisher& publisher)
 
 void SurfNode::connect(Inputs& inputs) {
   inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) { on_camera(m); }).primary = true;
-  inputs.subscribe<camera_calibration_t>(
-      "CAMERA_CALIBRATION", 1, [this](const camera_calibration_t& m) { on_calibration(from_message(m)); });
-  inputs.subscribe<odometry_t>("ODOMETRY", 200, [this](const odometry_t& m) {
-    if (m.source != "visual") motion_.add(from_message(m));
-  });
+  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 1,
+                                         [this](const camera_calibration_t& m) { on_calibration(m); });
+  inputs.subscribe<odometry_t>("ODOMETRY", 200, [this](const odometry_t& m) { on_odometry(m); });
 }
 
-void SurfNode::on_calibration(const RgbdCalibration& calibration) {
-  registration_.emplace(calibration);
+void SurfNode::on_calibration(const camera_calibration_t& message) {
+  if (registration_ && same_calibration(message, calibration_message_)) return;
+  registration_.emplace(from_message(message));
+  calibration_message_ = message;
   if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
+}
+
+void SurfNode::on_odometry(const odometry_t& message) {
+  if (message.source == "visual") return;
+  constexpr Utime little = 1'000'000;  // us; a sample that comes twice or late is left out
+  const MotionSample sample = from_message(message);
+  const bool late = sample.utime <= motion_.newest() && motion_.newest() - sample.utime < little;
+  if (!late) motion_.add(sample);
 }
 
 void SurfNode::on_camera(const images_t& message) {

@@ -1,7 +1,9 @@
 #pragma once
 // CAMERA -> FEATURES: SURF keypoints of the colour image with their 3-D points from the depth image.
 
+#include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/images_t.hpp>
+#include <lcmslam/odometry_t.hpp>
 
 #include "geometry/motion_buffer.hpp"
 #include "imaging/registration.hpp"
@@ -20,12 +22,14 @@ class SurfNode : public Node {
 
  private:
   void on_camera(const images_t& message);
-  void on_calibration(const RgbdCalibration& calibration);
+  void on_calibration(const camera_calibration_t& message);
+  void on_odometry(const odometry_t& message);
   FeatureFrame describe(const RgbdFrame& frame);
   Eigen::Isometry3d motion_between_shots(const RgbdFrame& frame) const;
 
   Publisher& publisher_;
   Surf surf_;
+  camera_calibration_t calibration_message_;
   std::optional<DepthRegistration> registration_;
   std::optional<images_t> uncalibrated_;  // the newest message that came before the calibration
   MotionBuffer motion_;                   // wheel odometry, for the time between the two images

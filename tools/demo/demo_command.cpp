@@ -27,6 +27,7 @@ constexpr std::chrono::seconds longest_start{60};
 
 struct DemoOptions {
   std::string config, data, calibration, out, lcm_url, log_level = "info";
+  std::string source;  // of the camera, by the configuration
   std::vector<std::string> overrides;
   double seconds = 0;
   int seed = -1;
@@ -55,29 +56,34 @@ std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
   return parse_command(app, argc, argv);
 }
 
-/// Options become overrides of the configuration.
+/// Options become overrides of the configuration. Throws ConfigError for a graph without a source.
 void complete(DemoOptions& o) {
-  const bool dataset = !o.data.empty();
-  if (o.config.empty()) o.config = source_folder() / "config" / (dataset ? "dataset.yaml" : "demo.yaml");
+  if (o.config.empty())
+    o.config = source_folder() / "config" / (o.data.empty() ? "demo.yaml" : "dataset.yaml");
   o.config = std::filesystem::absolute(o.config).lexically_normal();
   if (o.lcm_url.empty()) o.lcm_url = lcm_url_from_environment();
+
   std::vector<std::string> set;
-  const std::string source = dataset ? "camera.dataset." : "camera.simulation.";
-  if (dataset) {
-    set.push_back("camera.source=dataset");
-    set.push_back("camera.dataset.folder=" + std::filesystem::absolute(o.data).lexically_normal().string());
-    if (!o.calibration.empty())
-      set.push_back(source +
-                    "calibration=" + std::filesystem::absolute(o.calibration).lexically_normal().string());
-  }
-  if (o.seconds > 0) set.push_back(source + "seconds=" + std::to_string(o.seconds));
-  if (o.seed >= 0) {
-    if (!dataset) set.push_back(source + "seed=" + std::to_string(o.seed));
-    set.push_back("fastslam.seed=" + std::to_string(o.seed));
-    set.push_back("odometry.seed=" + std::to_string(o.seed));
-  }
-  set.push_back("map-server.folder=" + std::filesystem::absolute(o.out).lexically_normal().string());
+  const auto absolute = [](const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal().string();
+  };
+  if (!o.data.empty())
+    set.insert(set.end(), {"camera.source=dataset", "camera.dataset.folder=" + absolute(o.data)});
+  if (!o.calibration.empty()) set.push_back("camera.dataset.calibration=" + absolute(o.calibration));
+  if (o.seed >= 0)
+    for (const char* key : {"fastslam.seed=", "odometry.seed=", "camera.simulation.seed="})
+      set.push_back(key + std::to_string(o.seed));
+  set.push_back("map-server.folder=" + absolute(o.out));
   o.overrides.insert(o.overrides.begin(), set.begin(), set.end());  // the user's own --set has the last word
+
+  const ConfigNode config = load_config(o.config, o.overrides);
+  if (!config.has("camera"))
+    throw ConfigError(o.config + ": has no camera, so the run would never end; use launch");
+  o.source = config.section("camera").get("source", "simulation");
+  if (o.seconds > 0) {
+    if (o.source == "log") throw ConfigError("--seconds: a log is played whole; cut it first");
+    o.overrides.push_back("camera." + o.source + ".seconds=" + std::to_string(o.seconds));
+  }
 }
 
 class Demo {
@@ -127,7 +133,7 @@ class Demo {
   int map_until_end(Clock::time_point start) {
     Clock::time_point next_progress = start;
     Clock::time_point last_change = start;
-    Utime last_progress = -1;
+    std::int64_t last_progress = -1;
     while (true) {
       if (stop_requested()) return 130;
       listen(std::chrono::milliseconds(50));
@@ -180,7 +186,7 @@ class Demo {
   bool export_maps() {
     say("  saving the maps", true);
     map_request_t request;
-    request.utime = recorder_.progress();
+    request.utime = recorder_.icp().trajectory.empty() ? 0 : recorder_.icp().trajectory.back().utime;
     request.request_id = publisher_.sender();
     request.kind = map_request_t::EXPORT;
     request.argument = options_.out;
@@ -209,8 +215,10 @@ class Demo {
 
   std::string title() const {
     const ConfigNode config = load_config(options_.config, options_.overrides);
-    if (!options_.data.empty()) return "recording " + options_.data;
-    const ConfigNode simulation = config.section("camera").section("simulation");
+    const ConfigNode camera = config.section("camera");
+    if (options_.source == "dataset") return "recording " + camera.section("dataset").get("folder", "");
+    if (options_.source == "log") return "log " + camera.section("log").get("file", "");
+    const ConfigNode simulation = camera.section("simulation");
     return fmt::format("simulated {}, head {}, base {}, seed {}",
                        std::filesystem::path(simulation.get("scene", "kitchen")).stem().string(),
                        simulation.get("head", "tof"), simulation.get("base", "differential"),
@@ -246,7 +254,7 @@ int demo_command(int argc, char** argv) {
   std::filesystem::create_directories(options.out);
   options.out = std::filesystem::absolute(options.out).lexically_normal();
   complete(options);
-  install_stop_signals();
+  install_stop_signals(0);
 
   auto lcm = std::make_unique<lcm::LCM>(options.lcm_url);
   if (!lcm->good() && enter_private_bus()) {

@@ -20,23 +20,25 @@ RunRecorder::RunRecorder(Inputs& inputs) {
     add(odometry_, m.utime, m.sender, m.status, from_message(m).T_odom_robot);
   });
   inputs.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000, [this](const pose_estimate_t& m) {
-    add(fastslam_, m.utime, m.sender, m.status, from_message(m.T_map_robot, "T_map_robot"));
+    add(fastslam_, m.utime, m.sender, m.status, from_message(m.T_map_robot, "T_map_robot"), m.map_revision);
   });
   inputs.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const pose_estimate_t& m) {
-    add(icp_, m.utime, m.sender, m.status, from_message(m.T_map_robot, "T_map_robot"));
+    add(icp_, m.utime, m.sender, m.status, from_message(m.T_map_robot, "T_map_robot"), m.map_revision);
   });
   inputs.subscribe<map_reply_t>("MAP_REPLY", 100, [this](const map_reply_t& m) { reply_ = m; });
 }
 
 void RunRecorder::add(RecordedPath& path, Utime utime, std::int64_t sender, std::int8_t status,
-                      const Eigen::Isometry3d& pose) {
-  const bool restarted = path.sender != 0 && path.sender != sender;
+                      const Eigen::Isometry3d& pose, std::int64_t map_revision) {
+  const bool restarted = (path.sender != 0 && path.sender != sender) || map_revision < path.map_revision;
   const bool rewound = !path.trajectory.empty() && utime < path.trajectory.back().utime - 1'000'000;
   if (restarted || rewound) {  // another map, another frame: earlier poses do not compare
     path.trajectory.clear();
     ++path.restarts;
   }
   path.sender = sender;
+  path.map_revision = map_revision;
+  ++messages_;
   path.trajectory.push_back({utime, pose});
   path.lost += status == pose_estimate_t::LOST ? 1 : 0;
   path.degraded += status == pose_estimate_t::DEGRADED ? 1 : 0;
@@ -72,13 +74,6 @@ bool RunRecorder::source_failed(std::string& reason) const {
   if (camera == board_.end() || camera->second.state != status_t::FAILED) return false;
   reason = camera->second.detail;
   return true;
-}
-
-Utime RunRecorder::progress() const {
-  Utime sum = 0;
-  for (const RecordedPath* path : {&fastslam_, &icp_})
-    if (!path->trajectory.empty()) sum += path->trajectory.back().utime;
-  return sum;
 }
 
 }  // namespace lcmslam

@@ -17,8 +17,9 @@ namespace lcmslam {
 struct RecordedPath {
   Trajectory trajectory;  ///< T_x_robot, x: odom or map
   std::int64_t sender = 0;
+  std::int64_t map_revision = 0;
   int lost = 0, degraded = 0;  ///< poses with that status
-  int restarts = 0;            ///< its process began anew; the trajectory is the newest map's
+  int restarts = 0;  ///< it began a new map (restart, reset, time jump); the trajectory is the newest map's
 };
 
 class RunRecorder {
@@ -40,17 +41,18 @@ class RunRecorder {
   /// The source has published everything.
   bool source_finished() const;
   bool source_failed(std::string& reason) const;
-  /// Changes whenever a mapper publishes: when it rests, both have worked off what they had.
-  Utime progress() const;
+  /// Poses received so far: when the number rests, the mappers have worked off what they had.
+  std::int64_t progress() const { return messages_; }
 
  private:
   void add(RecordedPath& path, Utime utime, std::int64_t sender, std::int8_t status,
-           const Eigen::Isometry3d& pose);
+           const Eigen::Isometry3d& pose, std::int64_t map_revision = 0);
 
   RecordedPath odometry_, fastslam_, icp_;
   Trajectory truth_;  // of truth_frame_
   std::string truth_frame_ = "robot";
   std::optional<RgbdCalibration> calibration_;
+  std::int64_t messages_ = 0;
   StatusBoard board_;
   std::optional<map_reply_t> reply_;
 };

@@ -105,11 +105,11 @@ nlohmann::json process_json(const status_t& status) {
                          {"latency_p50_s", status.latency_p50},
                          {"latency_p95_s", status.latency_p95}};
   for (const auto& in : status.inputs) {
-    auto& channel = json["inputs"][in.channel];
-    channel = {{"received", in.received},
-               {"lost", in.lost},
-               {"queue_drops", in.queue_drops},
-               {"decode_errors", in.decode_errors}};
+    const ChannelLoss loss = channel_loss(status, in.channel);  // over all senders
+    json["inputs"][in.channel] = {{"received", loss.received},
+                                  {"lost", loss.lost},
+                                  {"queue_drops", loss.queue_drops},
+                                  {"decode_errors", loss.decode_errors}};
   }
   for (const auto& out : status.outputs)
     json["outputs"][out.channel] = {{"sent", out.sent}, {"largest_bytes", out.largest}};

@@ -35,6 +35,7 @@ std::vector<ProcessSpec> read_graph(const GraphOptions& options) {
     }
     spec.log = options.folder / "logs" / (name + ".txt");
     spec.restart = restart;
+    spec.stop_last = name == "map-server";  // the mappers' last words belong into the map
     specs.push_back(spec);
   }
   return specs;

@@ -47,7 +47,7 @@ int launch_command(int argc, char** argv) {
   app.add_option("--log-level", options.log_level, "of the processes");
   app.add_option("--set", options.overrides, "override: section.key=value");
   std::string folder;
-  app.add_option("--out", folder, "folder for the processes' output (default out/launch-TIME)");
+  app.add_option("--out", folder, "folder for maps and logs (default out/launch-TIME)");
   app.add_flag("--private-bus", private_bus,
                "own network namespace: nobody else hears or disturbs the graph");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
@@ -58,7 +58,10 @@ int launch_command(int argc, char** argv) {
     return 1;
   }
 
-  install_stop_signals();
+  // Maps go to this run's folder: a new run must not overwrite the last one's. The user's --set wins.
+  options.overrides.insert(options.overrides.begin(),
+                           "map-server.folder=" + std::filesystem::absolute(options.folder).string());
+  install_stop_signals(0);
   lcm::LCM lcm(options.lcm_url);
   if (!lcm.good()) {
     std::cerr << "lcmslam launch: LCM cannot use " << options.lcm_url
@@ -68,8 +71,8 @@ int launch_command(int argc, char** argv) {
   const auto specs = read_graph(options);
   Supervisor supervisor;
   for (const auto& spec : specs) supervisor.start(spec);
-  std::cout << "lcmslam launch: " << specs.size() << " processes, logs in "
-            << (options.folder / "logs").string() << std::endl;
+  std::cout << "lcmslam launch: " << specs.size() << " processes; maps and logs go to "
+            << options.folder.string() << std::endl;
 
   StatusBoard board;
   Inputs inputs;

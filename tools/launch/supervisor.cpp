@@ -111,13 +111,13 @@ bool Supervisor::refused() const {
   return std::any_of(processes_.begin(), processes_.end(), [](const State& state) { return state.refused; });
 }
 
-bool Supervisor::wait_for_all(std::chrono::seconds patience) {
+bool Supervisor::wait_for_all(std::chrono::seconds patience, bool with_last) {
   const auto deadline = Clock::now() + patience;
   while (true) {
     bool running = false;
     for (State& state : processes_) {
       reap(state);
-      running = running || state.pid != 0;
+      running = running || (state.pid != 0 && (with_last || !state.spec.stop_last));
     }
     if (!running) return true;
     if (Clock::now() >= deadline) return false;
@@ -127,18 +127,23 @@ bool Supervisor::wait_for_all(std::chrono::seconds patience) {
 
 std::vector<std::string> Supervisor::stop(std::chrono::seconds patience) {
   std::vector<std::string> events;
+  stop_stage(false, patience, events);
+  stop_stage(true, patience, events);
+  return events;
+}
+
+void Supervisor::stop_stage(bool with_last, std::chrono::seconds patience, std::vector<std::string>& events) {
   const auto less_patience = std::min(patience, std::chrono::seconds(5));
   const std::pair<int, std::chrono::seconds> steps[] = {
       {SIGINT, patience}, {SIGTERM, less_patience}, {SIGKILL, std::chrono::seconds(5)}};
   for (const auto& [signal, wait] : steps) {
     for (const State& state : processes_) {
-      if (state.pid == 0) continue;
+      if (state.pid == 0 || (state.spec.stop_last && !with_last)) continue;
       kill(state.pid, signal);
       if (signal != SIGINT) events.push_back(state.spec.name + " did not stop: " + strsignal(signal));
     }
-    if (wait_for_all(wait)) break;
+    if (wait_for_all(wait, with_last)) break;
   }
-  return events;
 }
 
 }  // namespace lcmslam

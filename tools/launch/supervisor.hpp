@@ -16,6 +16,7 @@ struct ProcessSpec {
   std::vector<std::string> arguments;  ///< program first
   std::filesystem::path log;           ///< its standard output and error are appended there
   bool restart = true;                 ///< when it ends by itself
+  bool stop_last = false;              ///< only when the others have stopped: it keeps what they make
 };
 
 class Supervisor {
@@ -52,7 +53,8 @@ class Supervisor {
  private:
   void spawn(State& state);
   bool reap(State& state);
-  bool wait_for_all(std::chrono::seconds patience);
+  bool wait_for_all(std::chrono::seconds patience, bool with_last);
+  void stop_stage(bool with_last, std::chrono::seconds patience, std::vector<std::string>& events);
 
   std::vector<State> processes_;
 };

@@ -19,7 +19,7 @@ class Options : public ::testing::Test {
  protected:
   void SetUp() override {
     unsetenv("LCM_DEFAULT_URL");
-    file_ = ::testing::TempDir() + "options_test_" + std::to_string(getpid()) + ".yaml";
+    file_ = ::testing::TempDir() + std::to_string(getpid()) + "_options_test.yaml";
     write("surf: {octaves: 3}\nicp: {voxel_size: 0.1}\nlaunch: {restart: false}\n");
   }
   void TearDown() override { std::remove(file_.c_str()); }
