@@ -112,7 +112,8 @@ void MapServerNode::on_graph(const graph_t& message) {
 void MapServerNode::follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision) {
   Progress& progress = progress_[process];
   const bool behind = revision < pose.map_revision;
-  if (!behind || pose.utime < progress.up_to_date) progress.up_to_date = pose.utime;
+  const bool watched = progress.up_to_date != 0 && pose.utime >= progress.up_to_date;
+  if (!behind || !watched) progress.up_to_date = pose.utime;
   if (pose.utime < progress.asked) progress.asked = 0;
   if (pose.utime - progress.up_to_date < longest_behind || pose.utime - progress.asked < resend_period)
     return;

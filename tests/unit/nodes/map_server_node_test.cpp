@@ -8,6 +8,7 @@
 #include "mapping/map_export.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/map_messages.hpp"
+#include "messages/motion_messages.hpp"
 #include "unit/messages/samples.hpp"
 #include "unit/nodes/test_bus.hpp"
 #include "unit/tools/scratch.hpp"
@@ -55,6 +56,15 @@ class MapServer : public ::testing::Test {
     m.n_nodes = static_cast<int32_t>(ids.size());
     m.n_edges = 0;
     bus_.deliver("ICP_GRAPH", m);
+  }
+  /// A mapper's pose at `seconds`, measured against this revision of its map.
+  void pose(const std::string& channel, std::int64_t sender, std::int64_t revision, double seconds) {
+    pose_estimate_t m = make_pose_estimate(static_cast<Utime>(1e6 * seconds), Eigen::Isometry3d::Identity(),
+                                           Matrix6d::Identity());
+    m.seq = seq_++;
+    m.sender = sender;
+    m.map_revision = revision;
+    bus_.deliver(channel, m);
   }
   map_reply_t request(std::int8_t kind, const std::string& argument = "", const std::string& format = "") {
     map_request_t m;
@@ -129,7 +139,7 @@ TEST_F(MapServer, RequestsThatCannotBeFulfilledSayWhy) {
   EXPECT_EQ(request(map_request_t::INFO).status, 0);  // and it goes on
 }
 
-TEST_F(MapServer, InfoTellsWhatIsThereAndClearForgetsIt) {
+TEST_F(MapServer, InfoTellsWhatIsThere) {
   landmarks(1, 1, 0, {10, 11});
   keyframe(2, 0, 50);
   const auto text = [](const map_reply_t& reply) {
@@ -137,29 +147,41 @@ TEST_F(MapServer, InfoTellsWhatIsThereAndClearForgetsIt) {
   };
   EXPECT_THAT(text(request(map_request_t::INFO)),
               AllOf(HasSubstr("\"landmarks\": 2"), HasSubstr("\"keyframes\": 1")));
-  EXPECT_THAT(text(request(map_request_t::CLEAR)),
-              AllOf(HasSubstr("\"landmarks\": 0"), HasSubstr("\"keyframes\": 0")));
 }
 
 TEST_F(MapServer, MissedLandmarkChangeIsAskedForAgainAndRepaired) {
   landmarks(1, 1, 0, {10});
-  EXPECT_EQ(resends("fastslam"), 0U);
+  pose("FASTSLAM_POSE", 1, 1, 10.0);
   landmarks(1, 3, 2, {12});  // the change from 1 to 2 is missing
+  pose("FASTSLAM_POSE", 1, 3, 10.1);
+  EXPECT_EQ(resends("fastslam"), 0U) << "it may still be under way";
+  pose("FASTSLAM_POSE", 1, 3, 11.2);
   EXPECT_EQ(resends("fastslam"), 1U);
-  landmarks(1, 4, 3, {13});
+  pose("FASTSLAM_POSE", 1, 3, 11.3);
   EXPECT_EQ(resends("fastslam"), 1U) << "not with every message";
   landmarks(1, 4, 0, {10, 11, 12, 13});
   EXPECT_EQ(value_of(node_, "landmarks"), 4);
   landmarks(1, 5, 4, {14});
   EXPECT_EQ(value_of(node_, "landmarks"), 5);
+  pose("FASTSLAM_POSE", 1, 5, 20.0);
   EXPECT_EQ(value_of(node_, "resends_asked"), 1);
 }
 
-TEST_F(MapServer, MissingKeyframesOfTheGraphAreAskedForAgain) {
+TEST_F(MapServer, KeyframesThatDoNotComeAreAskedForAgain) {
   keyframe(2, 0, 10);
-  graph(2, {0, 1});  // the newest still comes
+  pose("ICP_POSE", 2, 1, 10.0);
+  pose("ICP_POSE", 2, 2, 10.1);  // the newest still comes
   EXPECT_EQ(resends("icp"), 0U);
-  graph(2, {0, 1, 2});
+  pose("ICP_POSE", 2, 2, 11.1);
+  EXPECT_EQ(resends("icp"), 1U);
+  keyframe(2, 1, 10);
+  pose("ICP_POSE", 2, 2, 15.0);
+  EXPECT_EQ(resends("icp"), 1U);
+}
+
+TEST_F(MapServer, ServerThatStartsLateAsksForTheWholeMap) {
+  pose("ICP_POSE", 2, 7, 100.0);
+  pose("ICP_POSE", 2, 7, 101.5);
   EXPECT_EQ(resends("icp"), 1U);
 }
 
