@@ -62,7 +62,8 @@ std::string to_string(MappingStatus status) {
   return "unknown";
 }
 
-IcpMapper::IcpMapper(const IcpMapperSettings& settings) : settings_(settings), map_(settings.map) {}
+IcpMapper::IcpMapper(const IcpMapperSettings& settings)
+    : settings_(settings), map_(settings.map), view_(map_, settings.correspondence, settings.view_radius) {}
 
 IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
                                 const Eigen::Isometry3d& T_robot_camera, const std::optional<Motion>& motion,
@@ -79,7 +80,8 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
 
   // Predict and register.
   const Prior prior = predict(T_world_last_, motion, free_motion(utime), settings_.prior);
-  const Attempt best = try_starts(reduced, starts(prior, motion, feature_motion, T_robot_camera), prior);
+  const Attempt best =
+      try_starts(reduced, starts(prior, motion, feature_motion, T_robot_camera), prior, T_robot_camera);
   step.registration = best.registration;
   step.status = best.status;
   step.quality = best.quality;
@@ -162,7 +164,7 @@ double IcpMapper::score(const Cloud& cloud, const Eigen::Isometry3d& T_world_rob
 
 // Best-looking starts first; the first one that tracks is taken, otherwise the best of all.
 IcpMapper::Attempt IcpMapper::try_starts(const Cloud& cloud, std::vector<Eigen::Isometry3d> starts,
-                                         const Prior& prior) const {
+                                         const Prior& prior, const Eigen::Isometry3d& T_robot_camera) {
   Attempt best;
   best.registration.T_target_source = prior.T_target_source;
   if (static_cast<int>(cloud.size()) < settings_.min_points) return best;
@@ -175,15 +177,15 @@ IcpMapper::Attempt IcpMapper::try_starts(const Cloud& cloud, std::vector<Eigen::
     starts = sorted;
   }
   for (const Eigen::Isometry3d& T_start : starts) {
-    const Attempt now = attempt(cloud, T_start, prior);
+    const Attempt now = attempt(cloud, view_.from(T_start * T_robot_camera), T_start, prior);
     if (now.quality > best.quality || &T_start == &starts.front()) best = now;
     if (best.status == MappingStatus::tracking) break;
   }
   return best;
 }
 
-IcpMapper::Attempt IcpMapper::attempt(const Cloud& cloud, const Eigen::Isometry3d& T_start,
-                                      const Prior& prior) const {
+IcpMapper::Attempt IcpMapper::attempt(const Cloud& cloud, const Target& target,
+                                      const Eigen::Isometry3d& T_start, const Prior& prior) const {
   // A recovery starts far from the prediction, which then is no knowledge but a wrong guess.
   const bool recovery = distance_between(T_start, prior.T_target_source) > settings_.max_jump ||
                         angle_between(T_start, prior.T_target_source) > settings_.max_turn;
@@ -194,9 +196,9 @@ IcpMapper::Attempt IcpMapper::attempt(const Cloud& cloud, const Eigen::Isometry3
   }
   Attempt result;
   const RegistrationResult coarse =
-      register_cloud(cloud, map_, T_start, settings_.coarse, prior_for(settings_.coarse, used));
+      register_cloud(cloud, target, T_start, settings_.coarse, prior_for(settings_.coarse, used));
   result.registration =
-      register_cloud(cloud, map_, coarse.T_target_source, settings_.fine, prior_for(settings_.fine, used));
+      register_cloud(cloud, target, coarse.T_target_source, settings_.fine, prior_for(settings_.fine, used));
   result.quality = result.registration.overlap * inlier_share(result.registration);
   result.status = judge(result.registration, used);
   if (recovery && result.status == MappingStatus::degraded) result.status = MappingStatus::lost;

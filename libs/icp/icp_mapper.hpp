@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "icp/cloud_filter.hpp"
+#include "icp/map_view.hpp"
 #include "icp/motion_prior.hpp"
 #include "icp/registration.hpp"
 #include "icp/voxel_map.hpp"
@@ -22,6 +23,8 @@ struct IcpMapperSettings {
 
   // registration: a coarse pass over few points from far, then a fine one
   double voxel_size = 0.04;  ///< m, of the cloud that is registered and inserted
+  CorrespondenceKind correspondence = CorrespondenceKind::voxel_map;
+  double view_radius = 5;  ///< m, of the map around the camera that k-d trees and projections show
   RegistrationSettings coarse = coarse_defaults();
   RegistrationSettings fine = fine_defaults();
 
@@ -53,6 +56,8 @@ std::string to_string(MappingStatus status);
 class IcpMapper {
  public:
   explicit IcpMapper(const IcpMapperSettings& settings = {});
+  IcpMapper(const IcpMapper&) = delete;  // the view points to the map
+  IcpMapper& operator=(const IcpMapper&) = delete;
 
   struct Step {
     Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
@@ -94,8 +99,10 @@ class IcpMapper {
                                         const std::optional<Eigen::Isometry3d>& feature_motion,
                                         const Eigen::Isometry3d& T_robot_camera);
   double score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const;
-  Attempt try_starts(const Cloud& cloud, std::vector<Eigen::Isometry3d> starts, const Prior& prior) const;
-  Attempt attempt(const Cloud& cloud, const Eigen::Isometry3d& T_start, const Prior& prior) const;
+  Attempt try_starts(const Cloud& cloud, std::vector<Eigen::Isometry3d> starts, const Prior& prior,
+                     const Eigen::Isometry3d& T_robot_camera);
+  Attempt attempt(const Cloud& cloud, const Target& target, const Eigen::Isometry3d& T_start,
+                  const Prior& prior) const;
   MappingStatus judge(const RegistrationResult& result, const Prior& prior) const;
   void grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
             const Eigen::Isometry3d& T_robot_camera, Step& step);
@@ -103,6 +110,7 @@ class IcpMapper {
 
   IcpMapperSettings settings_;
   VoxelMap map_;
+  MapView view_;
   std::vector<Keyframe> keyframes_;
   bool started_ = false;
   int bad_steps_ = 0;              // in a row

@@ -22,7 +22,7 @@ class ProjectiveTarget : public Target {
   /// The cloud, in the target frame, is rendered into the grid of a camera at T_target_camera; the
   /// nearest point wins a cell. A window of (2 window + 1)^2 cells is searched for the closest.
   ProjectiveTarget(const Cloud& cloud, const Eigen::Isometry3d& T_target_camera,
-                   const ProjectionGrid& grid = {}, int window = 1);
+                   const ProjectionGrid& grid = {}, int window = 2);
 
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
   std::size_t size() const override { return filled_; }

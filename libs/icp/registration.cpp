@@ -8,6 +8,7 @@
 #include "icp/projective_target.hpp"
 #include "icp/rejection.hpp"
 #include "icp/selection.hpp"
+#include "icp/voxel_map.hpp"
 #include "icp/weighting.hpp"
 
 namespace lcmslam {
@@ -134,11 +135,19 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
   return result;
 }
 
-std::unique_ptr<Target> make_target(const Cloud& cloud, const RegistrationSettings& settings,
+std::unique_ptr<Target> make_target(const Cloud& cloud, CorrespondenceKind kind,
                                     const Eigen::Isometry3d& T_target_camera) {
-  if (settings.correspondence == CorrespondenceKind::projective)
-    return std::make_unique<ProjectiveTarget>(cloud, T_target_camera, ProjectionGrid{},
-                                              settings.projective_window);
+  switch (kind) {
+    case CorrespondenceKind::projective:
+      return std::make_unique<ProjectiveTarget>(cloud, T_target_camera);
+    case CorrespondenceKind::voxel_map: {
+      auto map = std::make_unique<VoxelMap>();
+      map->insert(cloud, T_target_camera.translation());
+      return map;
+    }
+    case CorrespondenceKind::kd_tree:
+      break;
+  }
   return std::make_unique<KdTreeTarget>(cloud);
 }
 

@@ -40,9 +40,9 @@ struct RegistrationResult {
 RegistrationResult register_cloud(const Cloud& source, const Target& target, const Eigen::Isometry3d& T_start,
                                   const RegistrationSettings& settings, const Prior* prior = nullptr);
 
-/// The cloud as the kind of target that the settings name. `T_target_camera` is where it was seen
-/// from, for the projective kind.
-std::unique_ptr<Target> make_target(const Cloud& cloud, const RegistrationSettings& settings,
+/// The cloud as a target of that kind. `T_target_camera` is where it is looked at from, for the
+/// projective kind.
+std::unique_ptr<Target> make_target(const Cloud& cloud, CorrespondenceKind kind,
                                     const Eigen::Isometry3d& T_target_camera = Eigen::Isometry3d::Identity());
 
 }  // namespace lcmslam

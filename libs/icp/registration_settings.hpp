@@ -6,7 +6,7 @@
 namespace lcmslam {
 
 enum class SelectionKind { all, uniform, random };
-enum class CorrespondenceKind { kd_tree, projective };
+enum class CorrespondenceKind { voxel_map, kd_tree, projective };
 enum class MetricKind { point_to_point, point_to_plane };
 /// What minimises the metric: closed-form estimators (thesis section 3.6, point-to-point only) or
 /// Gauss-Newton on SE(3).
@@ -18,10 +18,6 @@ struct RegistrationSettings {
   SelectionKind selection = SelectionKind::all;
   int selected_points = 4000;  ///< for uniform and random
   std::uint64_t seed = 1;      ///< for random
-
-  // correspondence (how a cloud becomes a target; ready targets are taken as they are)
-  CorrespondenceKind correspondence = CorrespondenceKind::kd_tree;
-  int projective_window = 2;  ///< cells searched on either side of the projection
 
   // rejection
   double max_distance = 0.3;      ///< m, of the first iteration

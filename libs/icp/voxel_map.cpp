@@ -124,9 +124,16 @@ void VoxelMap::forget(const Eigen::Vector3d& view_point) {
 }
 
 Cloud VoxelMap::cloud() const {
+  return cloud_around(Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity());
+}
+
+Cloud VoxelMap::cloud_around(const Eigen::Vector3d& centre, double radius) const {
   Cloud cloud;
+  const Eigen::Vector3f c = centre.cast<float>();
+  const auto squared_radius = static_cast<float>(radius * radius);
   for (const Block& block : blocks_)
     for (const Surfel& s : block.surfels) {
+      if ((s.point - c).squaredNorm() > squared_radius) continue;
       cloud.points.push_back(s.point);
       cloud.normals.push_back(s.normal);
       cloud.sigmas.push_back(s.sigma / std::sqrt(static_cast<float>(s.observations)));

@@ -35,8 +35,13 @@ class VoxelMap : public Target {
   std::size_t size() const override { return surfels_; }
   std::size_t blocks() const { return blocks_.size(); }
 
+  /// Counts insertions: the same number, the same map.
+  std::int32_t revision() const { return frame_; }
+
   /// All surfels, in an order that depends only on what was inserted.
   Cloud cloud() const;
+  /// Those less than `radius` (m) from `centre` (map coordinates).
+  Cloud cloud_around(const Eigen::Vector3d& centre, double radius) const;
 
  private:
   struct Surfel {

@@ -47,21 +47,22 @@ float smaller_step(float before, float z, float after) {
 
 }  // namespace
 
-void hide_occluded(RegisteredDepth& registered, cv::Size colour_size) {
+void hide_occluded(RegisteredDepth& registered, cv::Size colour_size, int step) {
   const cv::Mat_<cv::Vec3f> points = registered.points;
   const cv::Mat_<float> sigma = registered.sigma;
   cv::Mat_<cv::Vec2f> pixels = registered.pixels;
 
-  DepthBuffer buffer(colour_size, registered.footprint);
-  for (int v = 0; v < points.rows; ++v)
-    for (int u = 0; u < points.cols; ++u)
+  DepthBuffer buffer(colour_size, static_cast<float>(step) * registered.footprint);
+  for (int v = 0; v < points.rows; v += step)
+    for (int u = 0; u < points.cols; u += step)
       if (!std::isnan(pixels(v, u)[0])) buffer.splat(pixels(v, u), points(v, u)[2]);
 
-  // Two depth pixels of slope in each direction lie between a point and the farthest edge of a splat that
-  // covers it; three standard deviations for each of the two points.
+  // Two (thinned) depth pixels of slope in each direction lie between a point and the farthest edge of a
+  // splat that covers it; three standard deviations for each of the two points.
   constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
-  for (int v = 0; v < points.rows; ++v) {
-    for (int u = 0; u < points.cols; ++u) {
+  const auto slopes = 2 * static_cast<float>(step);
+  for (int v = 0; v < points.rows; v += step) {
+    for (int u = 0; u < points.cols; u += step) {
       if (std::isnan(pixels(v, u)[0])) continue;
       const float z = points(v, u)[2];
       const float gap = z - buffer.at(pixels(v, u)) - 6 * sigma(v, u);
@@ -70,7 +71,7 @@ void hide_occluded(RegisteredDepth& registered, cv::Size colour_size) {
                                             u + 1 < points.cols ? points(v, u + 1)[2] : nothing);
       const float vertical = smaller_step(v > 0 ? points(v - 1, u)[2] : nothing, z,
                                           v + 1 < points.rows ? points(v + 1, u)[2] : nothing);
-      if (gap > 2 * (horizontal + vertical)) pixels(v, u) = {nothing, nothing};
+      if (gap > slopes * (horizontal + vertical)) pixels(v, u) = {nothing, nothing};
     }
   }
 }

@@ -43,11 +43,11 @@ void unproject(const RgbdFrame& frame, const RgbdCalibration& calibration, const
   }
 }
 
-void project_points(const CameraModel& colour, RegisteredDepth& result) {
-  for (int v = 0; v < result.points.rows; ++v) {
+void project_points(const CameraModel& colour, int step, RegisteredDepth& result) {
+  for (int v = 0; v < result.points.rows; v += step) {
     const auto* point = result.points.ptr<cv::Vec3f>(v);
     auto* pixel = result.pixels.ptr<cv::Vec2f>(v);
-    for (int u = 0; u < result.points.cols; ++u) {
+    for (int u = 0; u < result.points.cols; u += step) {
       if (std::isnan(point[u][2])) continue;
       const auto projected = colour.project({point[u][0], point[u][1], point[u][2]});
       if (projected && colour.contains(*projected))
@@ -56,11 +56,11 @@ void project_points(const CameraModel& colour, RegisteredDepth& result) {
   }
 }
 
-void copy_own_pixels(RegisteredDepth& result) {
-  for (int v = 0; v < result.points.rows; ++v) {
+void copy_own_pixels(int step, RegisteredDepth& result) {
+  for (int v = 0; v < result.points.rows; v += step) {
     const auto* point = result.points.ptr<cv::Vec3f>(v);
     auto* pixel = result.pixels.ptr<cv::Vec2f>(v);
-    for (int u = 0; u < result.points.cols; ++u)
+    for (int u = 0; u < result.points.cols; u += step)
       if (!std::isnan(point[u][2])) pixel[u] = {static_cast<float>(u), static_cast<float>(v)};
   }
 }
@@ -93,7 +93,9 @@ void check_frame(const RgbdFrame& frame, const RgbdCalibration& calibration) {
 }
 
 RegisteredDepth DepthRegistration::operator()(const RgbdFrame& frame,
-                                              const Eigen::Isometry3d& T_colour_depth_time) const {
+                                              const Eigen::Isometry3d& T_colour_depth_time,
+                                              int pixel_step) const {
+  if (pixel_step < 1) throw std::invalid_argument("pixel_step must be at least 1");
   if (!T_colour_depth_time.matrix().allFinite())
     throw std::invalid_argument("T_colour_depth_time must be finite");
   const CameraModel& depth = calibration_.depth;
@@ -111,10 +113,10 @@ RegisteredDepth DepthRegistration::operator()(const RgbdFrame& frame,
   check_frame(frame, calibration_);
   unproject(frame, calibration_, rays_, T_colour_depth_time * calibration_.T_colour_depth, result);
   if (result.aligned) {
-    copy_own_pixels(result);
+    copy_own_pixels(pixel_step, result);
   } else {
-    project_points(colour, result);
-    hide_occluded(result, {colour.width, colour.height});
+    project_points(colour, pixel_step, result);
+    hide_occluded(result, {colour.width, colour.height}, pixel_step);
   }
   return result;
 }

@@ -42,10 +42,12 @@ class DepthRegistration {
   /// is T_camera(colour)_world * T_world_camera(depth). The depth stamp to look the motion up at is
   /// calibration.depth_time(frame.depth_utime).
   /// A depth point that another one hides from the colour camera has no pixel (z-buffer). A frame
-  /// without depth gives points that are all NaN. Throws std::invalid_argument when the depth image
-  /// does not have the calibration's size.
-  RegisteredDepth operator()(const RgbdFrame& frame, const Eigen::Isometry3d& T_colour_depth_time =
-                                                         Eigen::Isometry3d::Identity()) const;
+  /// without depth gives points that are all NaN. Pixels are looked up at every `pixel_step`-th row and
+  /// column, for those who thin the cloud (looking them up is most of the cost), the others are NaN.
+  /// Throws std::invalid_argument when the depth image does not have the calibration's size.
+  RegisteredDepth operator()(const RgbdFrame& frame,
+                             const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity(),
+                             int pixel_step = 1) const;
 
   const RgbdCalibration& calibration() const { return calibration_; }
 

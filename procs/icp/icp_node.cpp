@@ -59,11 +59,14 @@ std::string degenerate_directions(const RegistrationResult& result) {
   return text;
 }
 
-std::string describe(const RegistrationSettings& s) {
+std::string describe(const IcpMapperSettings& settings) {
+  const RegistrationSettings& s = settings.fine;
+  static const char* const targets[] = {"voxel map", "k-d tree", "projective"};
   const bool plane = s.metric == MetricKind::point_to_plane;
   static const char* const solvers[] = {"SVD",         "SVD uncorrected",        "quaternion",
                                         "small angle", "small angle as printed", "Gauss-Newton"};
-  return std::string(plane ? "point-to-plane" : "point-to-point") + ", voxel map, " +
+  return std::string(plane ? "point-to-plane" : "point-to-point") + ", " +
+         targets[static_cast<std::size_t>(settings.correspondence)] + ", " +
          solvers[static_cast<std::size_t>(s.solver)];
 }
 
@@ -120,10 +123,10 @@ IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   shot.utime = motion ? frame.utime : shot.depth_utime;
   if (motion) shot.T_points_depth = motion->T_from_to;
   const Eigen::Isometry3d& T_robot_camera = calibration_->T_robot_camera;
-  RegisteredDepth depth =
-      (*registration_)(frame, T_robot_camera.inverse() * shot.T_points_depth * T_robot_camera);
-  const double pixels = static_cast<double>(depth.points.total());
+  const double pixels = static_cast<double>(frame.depth.total());
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
+  RegisteredDepth depth =
+      (*registration_)(frame, T_robot_camera.inverse() * shot.T_points_depth * T_robot_camera, step);
   remove_jump_edges(depth.points, depth.sigma, {}, step);
   shot.cloud = make_cloud(frame, depth, step);
   return shot;
@@ -163,7 +166,7 @@ void IcpNode::publish(Utime frame_utime, const Shot& shot, const std::optional<M
 
   icp_report_t report;
   report.utime = shot.depth_utime;
-  report.variant = describe(settings_.fine);
+  report.variant = describe(settings_);
   report.source_points = static_cast<int32_t>(shot.cloud.size());
   report.target_points = static_cast<int32_t>(mapper_->map().size());
   for (const double rms : step.registration.rms) report.rms.push_back(static_cast<float>(rms));

@@ -47,6 +47,11 @@ RegistrationSettings read_registration(const ConfigNode& c, RegistrationSettings
 IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   IcpMapperSettings s;
   s.voxel_size = c.get("voxel_size", s.voxel_size, Range{0.001, 10});
+  s.correspondence = named_choice<CorrespondenceKind>(c, "correspondence", s.correspondence,
+                                                      {{"voxel_map", CorrespondenceKind::voxel_map},
+                                                       {"kd_tree", CorrespondenceKind::kd_tree},
+                                                       {"projective", CorrespondenceKind::projective}});
+  s.view_radius = c.get("view_radius", s.view_radius, Range{0.1, 1000});
   s.coarse = read_registration(c.section("coarse"), s.coarse);
   s.fine = read_registration(c.section("fine"), s.fine);
 

@@ -34,14 +34,44 @@ void expect_pose(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth,
 const Eigen::Isometry3d no_mount = Eigen::Isometry3d::Identity();
 constexpr Utime frame_time = 100'000;
 
-TEST(IcpMapper, FollowsAKnownPathWithoutOdometry) {
-  IcpMapper mapper;
+std::string name_of(const testing::TestParamInfo<CorrespondenceKind>& test) {
+  static const char* const names[] = {"VoxelMap", "KdTree", "Projective"};
+  return names[static_cast<std::size_t>(test.param)];
+}
+
+class EveryCorrespondence : public testing::TestWithParam<CorrespondenceKind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryCorrespondence,
+                         testing::Values(CorrespondenceKind::voxel_map, CorrespondenceKind::kd_tree,
+                                         CorrespondenceKind::projective),
+                         name_of);
+
+// What a camera with 80 x 60 degrees sees of a cloud in its frame.
+ColouredCloud in_view(const ColouredCloud& cloud) {
+  ColouredCloud seen;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f& p = cloud.points[i];
+    if (p.z() < 0.2f || std::abs(p.x()) > 0.6f * p.z() || std::abs(p.y()) > 0.45f * p.z()) continue;
+    seen.points.push_back(p);
+    seen.normals.push_back(cloud.normals[i]);
+    seen.sigmas.push_back(cloud.sigmas[i]);
+    seen.colours.push_back(cloud.colours[i]);
+  }
+  return seen;
+}
+
+TEST_P(EveryCorrespondence, FollowsAKnownPathWithoutOdometry) {
+  IcpMapperSettings settings;
+  settings.correspondence = GetParam();
+  IcpMapper mapper(settings);
   const Cloud scene = room(0.03);
+  Eigen::Isometry3d looks_ahead = Eigen::Isometry3d::Identity();  // camera's z is the robot's x
+  looks_ahead.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   for (int i = 0; i < 20; ++i) {
     SCOPED_TRACE(i);
+    const auto seed = static_cast<std::uint64_t>(i);
     const auto step =
-        mapper.step(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount);
+        mapper.step(i * frame_time, in_view(seen_from(scene, T * looks_ahead, seed)), looks_ahead);
     EXPECT_EQ(to_string(step.status), "tracking");
     expect_pose(step.T_world_robot, T, 0.01, 0.005);
     T = T * se3_exp(twist(0.02, 0.01, 0, 0, 0.005, 0.02));

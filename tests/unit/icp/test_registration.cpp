@@ -41,7 +41,6 @@ RegistrationSettings settings_of(const Combination& c) {
   RegistrationSettings s;
   s.metric = c.metric;
   s.solver = c.solver;
-  s.correspondence = c.correspondence;
   s.kernel = c.kernel;
   s.max_iterations = 60;
   if (c.metric == MetricKind::point_to_point) {  // slides slowly along surfaces
@@ -63,11 +62,11 @@ void expect_near(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth,
 class EveryCombination : public testing::TestWithParam<Combination> {
  protected:
   // Forward, inverse and from shifted starts.
-  void check(const RecordedPair& pair, const RegistrationSettings& settings, double shift, double turn,
-             double metres, double degrees) {
+  void check(const RecordedPair& pair, CorrespondenceKind kind, const RegistrationSettings& settings,
+             double shift, double turn, double metres, double degrees) {
     const Eigen::Isometry3d T = pair.T_target_source;
-    const auto target = make_target(pair.target, settings);
-    const auto source_as_target = make_target(pair.source, settings);
+    const auto target = make_target(pair.target, kind);
+    const auto source_as_target = make_target(pair.source, kind);
     for (const double sign : {-1.0, 0.0, 1.0}) {
       SCOPED_TRACE(sign);
       const Eigen::Isometry3d start =
@@ -96,7 +95,7 @@ TEST_P(EveryCombination, OutdoorLidarPair) {
   settings.max_distance = 2;
   settings.min_distance = 0.8;
   settings.noise_floor = 0.05;
-  check(*pair, settings, 0.2, 0.02, 0.15, 1.0);
+  check(*pair, GetParam().correspondence, settings, 0.2, 0.02, 0.15, 1.0);
 }
 
 TEST_P(EveryCombination, HandHeldIndoorPairs) {
@@ -108,14 +107,14 @@ TEST_P(EveryCombination, HandHeldIndoorPairs) {
     pair.target = voxel_filtered(geometry_of(recording->cloud(i)), 0.03);
     pair.source = voxel_filtered(geometry_of(recording->cloud(i + 3)), 0.05);
     pair.T_target_source = recording->T_world_camera(i).inverse() * recording->T_world_camera(i + 3);
-    check(pair, settings_of(GetParam()), 0.03, 0.03, 0.05, 2.0);
+    check(pair, GetParam().correspondence, settings_of(GetParam()), 0.03, 0.03, 0.05, 2.0);
   }
 }
 
 RegistrationResult register_to_itself(const Cloud& cloud, const Eigen::Isometry3d& start,
                                       const Prior* prior = nullptr) {
   const RegistrationSettings settings;
-  return register_cloud(cloud, *make_target(cloud, settings), start, settings, prior);
+  return register_cloud(cloud, *make_target(cloud, CorrespondenceKind::kd_tree), start, settings, prior);
 }
 
 // Degenerate directions are those whose motion leaves all residuals at zero.
@@ -191,7 +190,7 @@ TEST(Registration, CovarianceIsConsistent) {
   settings.kernel = KernelKind::none;
   settings.distance_sigmas = 0;
   const Cloud exact = room(0.1);
-  const auto target = make_target(room(0.02), settings);
+  const auto target = make_target(room(0.02), CorrespondenceKind::kd_tree);
   double sum = 0;
   constexpr int runs = 40;
   for (std::uint64_t seed = 1; seed <= runs; ++seed) {
@@ -212,7 +211,7 @@ TEST(Registration, RepeatsExactly) {
   RegistrationSettings settings;
   settings.selection = SelectionKind::random;
   settings.selected_points = 300;
-  const auto target = make_target(room(), settings);
+  const auto target = make_target(room(), CorrespondenceKind::kd_tree);
   const Eigen::Isometry3d start = se3_exp(twist(0.02, 0.02, 0, 0.01, 0, 0.02));
   const RegistrationResult a = register_cloud(room(), *target, start, settings);
   const RegistrationResult b = register_cloud(room(), *target, start, settings);
@@ -244,7 +243,7 @@ TEST_P(Garbage, GivesAStatusAndAFiniteTransform) {
   const std::vector<const Cloud*> clouds = {&empty, &not_finite, &coincident, &no_normals, &good};
   for (const Cloud* source : clouds)
     for (const Cloud* target : clouds) {
-      const auto built = make_target(*target, settings);
+      const auto built = make_target(*target, GetParam().correspondence);
       const RegistrationResult r = register_cloud(*source, *built, start, settings);
       EXPECT_TRUE(r.T_target_source.matrix().allFinite());
       EXPECT_TRUE(r.covariance.allFinite());
@@ -260,7 +259,7 @@ TEST_P(Garbage, GivesAStatusAndAFiniteTransform) {
 TEST(Registration, CombinationsThatDoNotExistAreNamed) {
   RegistrationSettings settings;
   settings.solver = SolverKind::svd;
-  const auto target = make_target(room(), settings);
+  const auto target = make_target(room(), CorrespondenceKind::kd_tree);
   EXPECT_THROW(register_cloud(room(), *target, Eigen::Isometry3d::Identity(), settings),
                std::invalid_argument);
   settings.metric = MetricKind::point_to_point;

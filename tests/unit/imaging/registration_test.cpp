@@ -102,11 +102,17 @@ TEST(Registration, MotionBetweenTheStampsIsCompensated) {
 // A near box hides part of the wall from the colour camera, not from the depth camera 25 cm beside it.
 // The truth for each point: does the segment from the colour camera to it meet the box? Points within
 // 1.5 depth pixels of the box's silhouette may be judged either way.
-class OcclusionTest : public testing::TestWithParam<bool> {};
+struct OcclusionCase {
+  const char* name;
+  bool tof;
+  int step;
+};
+class OcclusionTest : public testing::TestWithParam<OcclusionCase> {};
 
 TEST_P(OcclusionTest, WhatTheBoxHidesHasNoPixel) {
-  RgbdCalibration head = GetParam() ? tof_head() : registered_head();
-  if (!GetParam()) {  // a depth camera as fine as the colour camera, at its own place
+  const auto [name, tof, step] = GetParam();
+  RgbdCalibration head = tof ? tof_head() : registered_head();
+  if (!tof) {  // a depth camera as fine as the colour camera, at its own place
     head.depth_registered = false;
     head.depth.distortion.clear();
   }
@@ -114,9 +120,10 @@ TEST_P(OcclusionTest, WhatTheBoxHidesHasNoPixel) {
   Scene scene = wall();
   const Eigen::AlignedBox3d box(Eigen::Vector3d(-0.1, -0.2, 1.0), Eigen::Vector3d(0.25, 0.25, 1.4));
   scene.boxes.push_back(box);
-  const auto registered = register_depth(frame_of(render(scene, head.depth, head.T_colour_depth)), head);
+  const auto registered = DepthRegistration(head)(frame_of(render(scene, head.depth, head.T_colour_depth)),
+                                                  Eigen::Isometry3d::Identity(), step);
 
-  const double margin = 1.5 * registered.pitch;  // rad
+  const double margin = 1.5 * step * registered.pitch;  // rad
   const auto meets_box = [&](const Eigen::Vector3d& point, double dx, double dy) {
     const Eigen::Vector3d direction = point / point.z() + Eigen::Vector3d(dx, dy, 0);
     Scene only_box;
@@ -127,8 +134,8 @@ TEST_P(OcclusionTest, WhatTheBoxHidesHasNoPixel) {
   int seen = 0;
   int wrong_hidden = 0;
   int wrong_seen = 0;
-  for (int v = 0; v < registered.points.rows; ++v) {
-    for (int u = 0; u < registered.points.cols; ++u) {
+  for (int v = 0; v < registered.points.rows; v += step) {
+    for (int u = 0; u < registered.points.cols; u += step) {
       const Eigen::Vector3d p = to_eigen(registered.points.at<cv::Vec3f>(v, u));
       const auto expected = head.colour.project(p);
       if (!expected || !head.colour.contains(*expected)) continue;
@@ -142,13 +149,16 @@ TEST_P(OcclusionTest, WhatTheBoxHidesHasNoPixel) {
       wrong_hidden += votes == 0 && !has_pixel ? 1 : 0;
     }
   }
-  EXPECT_GT(hidden, GetParam() ? 200 : 2000);
-  EXPECT_GT(seen, GetParam() ? 10000 : 100000);
+  EXPECT_GT(hidden, tof ? 200 : 2000 / (step * step));
+  EXPECT_GT(seen, tof ? 10000 : 100000 / (step * step));
   EXPECT_EQ(wrong_seen, 0) << "of " << hidden;
   EXPECT_EQ(wrong_hidden, 0) << "of " << seen;
 }
 
-INSTANTIATE_TEST_SUITE_P(ToFAndFineDepth, OcclusionTest, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(Depth, OcclusionTest,
+                         testing::Values(OcclusionCase{"ToF", true, 1}, OcclusionCase{"Fine", false, 1},
+                                         OcclusionCase{"Thinned", false, 4}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 // The floor under an inclined head, seen at a grazing angle, recedes by decimetres from one ToF pixel to
 // the next: it must not hide itself, noise or not.

@@ -1,0 +1,31 @@
+#pragma once
+// What registration searches for partners: the map itself, or a k-d tree or a projection of the part
+// of it around the camera, made anew when the map has grown or the camera has moved on.
+
+#include <memory>
+
+#include "icp/registration.hpp"
+#include "icp/voxel_map.hpp"
+
+namespace lcmslam {
+
+class MapView {
+ public:
+  /// `map` must outlive the view. `radius` (m): the part around the camera that is looked at.
+  MapView(const VoxelMap& map, CorrespondenceKind kind, double radius);
+
+  /// As seen from about T_world_camera. Valid until the next call and the map's next insertion.
+  const Target& from(const Eigen::Isometry3d& T_world_camera);
+
+ private:
+  bool still_good(const Eigen::Isometry3d& T_world_camera) const;
+
+  const VoxelMap& map_;
+  CorrespondenceKind kind_;
+  double radius_;
+  std::unique_ptr<Target> target_;
+  std::int32_t revision_ = -1;  // of the map that target_ shows
+  Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();
+};
+
+}  // namespace lcmslam
