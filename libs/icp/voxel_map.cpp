@@ -79,17 +79,28 @@ bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoin
   const Eigen::Vector3i high = block_of(voxel_of(point + reach, inverse_size_));
   float best = max_distance * max_distance;
   const Surfel* nearest = nullptr;
+  const auto search = [&](const Eigen::Vector3i& block) {
+    const std::int32_t slot = index_.find(voxel_key(block));
+    if (slot == VoxelIndex::none) return;
+    for (const Surfel& s : blocks_[static_cast<std::size_t>(slot)].surfels) {
+      const float d = (s.point - point).squaredNorm();
+      if (d > best || s.observations < settings_.min_observations) continue;
+      best = d;
+      nearest = &s;
+    }
+  };
+  // The point's own block first: mostly the others are then too far away to hold anything nearer.
+  const Eigen::Vector3i own = block_of(voxel_of(point, inverse_size_));
+  search(own);
+  const float side = block_side / inverse_size_;
   for (int x = low.x(); x <= high.x(); ++x)
     for (int y = low.y(); y <= high.y(); ++y)
       for (int z = low.z(); z <= high.z(); ++z) {
-        const std::int32_t slot = index_.find(voxel_key({x, y, z}));
-        if (slot == VoxelIndex::none) continue;
-        for (const Surfel& s : blocks_[static_cast<std::size_t>(slot)].surfels) {
-          const float d = (s.point - point).squaredNorm();
-          if (d > best || s.observations < settings_.min_observations) continue;
-          best = d;
-          nearest = &s;
-        }
+        const Eigen::Vector3i block(x, y, z);
+        if (block == own) continue;
+        const Eigen::Array3f corner = side * block.cast<float>().array();
+        const Eigen::Array3f outside = (corner - point.array()).max(point.array() - corner - side).max(0.0f);
+        if (outside.square().sum() <= best) search(block);
       }
   if (!nearest) return false;
   found = {nearest->point, nearest->normal,

@@ -15,7 +15,7 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-// Valid depths become points T * (z * ray), with their standard deviation.
+// Valid depths become points T * (z * ray), with their standard deviation; the others NaN.
 void unproject(const RgbdFrame& frame, const RgbdCalibration& calibration, const cv::Mat_<cv::Vec2f>& rays,
                const Eigen::Isometry3d& T, RegisteredDepth& result) {
   const Eigen::Matrix3f R = T.linear().cast<float>();
@@ -31,7 +31,11 @@ void unproject(const RgbdFrame& frame, const RgbdCalibration& calibration, const
     auto* point = result.points.ptr<cv::Vec3f>(v);
     auto* sigma = result.sigma.ptr<float>(v);
     for (int u = 0; u < frame.depth.cols; ++u) {
-      if (depth[u] < nearest || depth[u] > farthest) continue;
+      if (depth[u] < nearest || depth[u] > farthest) {
+        point[u] = {nan_value, nan_value, nan_value};
+        sigma[u] = nan_value;
+        continue;
+      }
       const float z = 0.001f * static_cast<float>(depth[u]);
       const cv::Vec2f& ray = rays(v, u);
       Eigen::Vector3f p(z * ray[0], z * ray[1], z);
@@ -102,13 +106,17 @@ RegisteredDepth DepthRegistration::operator()(const RgbdFrame& frame,
   const CameraModel& colour = calibration_.colour;
   const cv::Size size(depth.width, depth.height);
   RegisteredDepth result;
-  result.points = cv::Mat(size, CV_32FC3, cv::Scalar::all(nan_value));
-  result.sigma = cv::Mat(size, CV_32FC1, cv::Scalar::all(nan_value));
+  result.points.create(size, CV_32FC3);
+  result.sigma.create(size, CV_32FC1);
   result.pixels = cv::Mat(size, CV_32FC2, cv::Scalar::all(nan_value));
   result.pitch = static_cast<float>(1 / depth.fx);
   result.footprint = static_cast<float>(colour.fx / depth.fx);
   result.aligned = calibration_.depth_registered && T_colour_depth_time.matrix().isIdentity(0);
-  if (frame.depth.empty()) return result;
+  if (frame.depth.empty()) {
+    result.points.setTo(cv::Scalar::all(nan_value));
+    result.sigma.setTo(cv::Scalar::all(nan_value));
+    return result;
+  }
 
   check_frame(frame, calibration_);
   unproject(frame, calibration_, rays_, T_colour_depth_time * calibration_.T_colour_depth, result);
