@@ -2,11 +2,23 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cstdlib>
 #include <ctime>
+#include <limits>
 #include <random>
 #include <utility>
 
+#include "runtime/machine.hpp"
+
 namespace lcmslam {
+namespace {
+
+// One datagram a piece. A quiet machine needs half a millisecond between them; on a busy one a receiver may
+// have to wait for its core while they pile up, and the kernel's default buffer holds three or four.
+constexpr std::size_t part_size = 60'000;  // bytes
+constexpr std::chrono::microseconds part_period{2000};
+
+}  // namespace
 
 double LcmPublisher::cpu_time() const {
   timespec t{};
@@ -14,7 +26,35 @@ double LcmPublisher::cpu_time() const {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-void LcmPublisher::send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime) {
+void LcmPublisher::send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) {
+  sender_.send(channel, bytes, utime);
+}
+
+std::size_t largest_whole_message(const std::string& lcm_url) {
+  if (lcm_url.rfind("udpm", 0) != 0) return std::numeric_limits<std::size_t>::max();
+  const std::string key = "recv_buf_size=";
+  const std::size_t at = lcm_url.find(key);
+  const std::int64_t asked =
+      at == std::string::npos ? 0 : std::strtoll(lcm_url.c_str() + at + key.size(), nullptr, 10);
+  return static_cast<std::size_t>(granted_receive_buffer(asked) / 4);
+}
+
+BusSender::BusSender(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole)
+    : lcm_(lcm), sender_(sender), largest_whole_(largest_whole) {}
+
+void BusSender::send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) {
+  if (bytes.size() <= std::max(largest_whole_, part_size)) return publish(channel, bytes);
+  Numbers& numbers = numbers_[channel];
+  const std::string name = part_channel(channel);
+  for (part_t& part : split_message(channel, bytes, utime, numbers.messages++, part_size)) {
+    if (part.part > 0) std::this_thread::sleep_for(part_period);
+    set_origin(part, Origin{numbers.parts++, sender_});
+    publish(name, encode_message(part));
+  }
+  ++split_;
+}
+
+void BusSender::publish(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
   if (lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
     spdlog::error("{}: LCM could not send {} bytes", channel, bytes.size());
 }
@@ -25,8 +65,10 @@ Receiver::Receiver(lcm::LCM& lcm, const Inputs& inputs) : lcm_(lcm) {
     queue->receiver = this;
     queue->input = input.get();
     // LCM's own queue drops the newest: keep it long, ours decides.
-    queue->subscription = lcm_.subscribe(input->channel(), &Queue::receive, queue.get());
-    queue->subscription->setQueueCapacity(1000);
+    queue->subscriptions = {
+        lcm_.subscribe(input->channel(), &Queue::receive, queue.get()),
+        lcm_.subscribe(part_channel(input->channel()), &Queue::receive_part, queue.get())};
+    for (lcm::Subscription* subscription : queue->subscriptions) subscription->setQueueCapacity(1000);
     queues_.push_back(std::move(queue));
   }
   thread_ = std::thread([this] { drain(); });
@@ -35,7 +77,8 @@ Receiver::Receiver(lcm::LCM& lcm, const Inputs& inputs) : lcm_(lcm) {
 Receiver::~Receiver() {
   stop_ = true;
   thread_.join();
-  for (const auto& queue : queues_) lcm_.unsubscribe(queue->subscription);
+  for (const auto& queue : queues_)
+    for (lcm::Subscription* subscription : queue->subscriptions) lcm_.unsubscribe(subscription);
 }
 
 void Receiver::drain() {
@@ -49,7 +92,23 @@ void Receiver::drain() {
 
 void Receiver::Queue::receive(const lcm::ReceiveBuffer* buffer, const std::string&) {
   const auto* data = static_cast<const std::uint8_t*>(buffer->data);
-  Arrival arrival{input, {data, data + buffer->data_size}, std::chrono::steady_clock::now(), 0};
+  push({data, data + buffer->data_size});
+}
+
+void Receiver::Queue::receive_part(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  try {
+    const auto part =
+        decode_message<part_t>(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    if (part.channel != input->channel()) throw DecodeError("part_t of another channel");
+    if (auto whole = assembler.add(part)) push(std::move(whole->bytes));
+  } catch (const DecodeError&) {
+    const std::lock_guard<std::mutex> lock(receiver->mutex_);
+    ++count.bad_parts;
+  }
+}
+
+void Receiver::Queue::push(std::vector<std::uint8_t> bytes) {
+  Arrival arrival{input, std::move(bytes), std::chrono::steady_clock::now(), 0};
   {
     const std::lock_guard<std::mutex> lock(receiver->mutex_);
     waiting.push_back(std::move(arrival));

@@ -8,6 +8,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <thread>
 
+#include "messages/parts.hpp"
 #include "runtime/inputs.hpp"
 #include "runtime/publisher.hpp"
 
@@ -15,14 +16,46 @@ namespace lcmslam {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
+/// Bytes of the largest message that a receiver on this machine, asking for the buffer that the URL names,
+/// can be trusted to take whole: a quarter of what the kernel grants, because several senders share it and
+/// the kernel counts more than the payload. Without UDP there is no limit.
+std::size_t largest_whole_message(const std::string& lcm_url);
+
+/// Puts bytes on the bus: as they are where receivers can hold them, else in paced pieces.
+class BusSender {
+ public:
+  /// Messages above `largest_whole` bytes go in pieces; see largest_whole_message().
+  BusSender(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole);
+
+  /// Returns when the last piece is out. Errors are logged: there is nothing that a sender could do.
+  void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime);
+
+  /// Messages that went out in pieces so far.
+  std::int64_t split() const { return split_; }
+
+ private:
+  struct Numbers {
+    std::int64_t messages = 0, parts = 0;
+  };
+  void publish(const std::string& channel, const std::vector<std::uint8_t>& bytes);
+
+  lcm::LCM& lcm_;
+  std::int64_t sender_;
+  std::size_t largest_whole_;
+  std::map<std::string, Numbers> numbers_;
+  std::int64_t split_ = 0;
+};
+
 class LcmPublisher : public Publisher {
  public:
-  LcmPublisher(lcm::LCM& lcm, std::int64_t sender) : Publisher(sender), lcm_(lcm) {}
+  LcmPublisher(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole)
+      : Publisher(sender), sender_(lcm, sender, largest_whole) {}
   double cpu_time() const override;
+  std::int64_t split() const { return sender_.split(); }
 
  private:
   void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) override;
-  lcm::LCM& lcm_;
+  BusSender sender_;
 };
 
 /// A message that waits for the node.
@@ -34,6 +67,7 @@ struct Arrival {
 };
 
 /// Drains the bus without ever waiting for the node: when a queue is full, its oldest message goes.
+/// Messages in pieces are put together here; nodes do not know of them.
 class Receiver {
  public:
   Receiver(lcm::LCM& lcm, const Inputs& inputs);
@@ -46,7 +80,8 @@ class Receiver {
 
   struct QueueCount {
     std::int64_t drops = 0;
-    double oldest = 0;  ///< s, largest wait since the last call of counts()
+    std::int64_t bad_parts = 0;  ///< pieces that do not decode or contradict each other
+    double oldest = 0;           ///< s, largest wait since the last call of counts()
   };
   std::map<const Input*, QueueCount> counts();
 
@@ -54,11 +89,14 @@ class Receiver {
   struct Queue {
     Receiver* receiver = nullptr;
     Input* input = nullptr;
-    lcm::Subscription* subscription = nullptr;
+    std::vector<lcm::Subscription*> subscriptions;
+    PartAssembler assembler;
     std::deque<Arrival> waiting;
     QueueCount count;
     std::int64_t dropped = 0;  // since the last one was taken
     void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+    void receive_part(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+    void push(std::vector<std::uint8_t> bytes);
   };
   void drain();
 

@@ -61,4 +61,16 @@ SocketState socket_state() {
   return state;
 }
 
+std::int64_t granted_receive_buffer(std::int64_t bytes) {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  if (fd < 0) return 0;
+  const int asked = static_cast<int>(std::clamp<std::int64_t>(bytes, 0, 1 << 30));
+  if (asked > 0) setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &asked, sizeof asked);
+  int granted = 0;
+  socklen_t size = sizeof granted;
+  if (getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &granted, &size) != 0) granted = 0;
+  close(fd);
+  return granted;
+}
+
 }  // namespace lcmslam

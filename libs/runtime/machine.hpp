@@ -15,4 +15,8 @@ struct SocketState {
 };
 SocketState socket_state();
 
+/// Receive buffer that the kernel grants a UDP socket that asks for `bytes` (0: does not ask), as the
+/// kernel reports it: twice the grant.
+std::int64_t granted_receive_buffer(std::int64_t bytes);
+
 }  // namespace lcmslam

@@ -23,8 +23,11 @@ constexpr unsigned longest_stop = 60;             // s, above a supervisor's own
 
 class Process {
  public:
-  Process(std::string name, lcm::LCM& lcm)
-      : name_(std::move(name)), lcm_(lcm), publisher_(lcm, draw_sender()), reporter_(name_, publisher_) {}
+  Process(std::string name, lcm::LCM& lcm, std::size_t largest_whole)
+      : name_(std::move(name)),
+        lcm_(lcm),
+        publisher_(lcm, draw_sender(), largest_whole),
+        reporter_(name_, publisher_) {}
 
   void run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
     make(config, make_node);
@@ -128,7 +131,9 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
                     options.lcm_url);
       return 1;
     }
-    Process(name, lcm).run(config.section, make_node, [&] { config.file.finish(); });
+    Process(name, lcm, largest_whole_message(options.lcm_url)).run(config.section, make_node, [&] {
+      config.file.finish();
+    });
     return 0;
   } catch (const ConfigError& error) {
     spdlog::error("{}", error.what());

@@ -89,7 +89,7 @@ status_t StatusReporter::gather(const NodeReport& node, const Inputs& inputs, Re
       in.channel = input->channel();
       in.sender = sender;
       in.received = count.received;
-      in.decode_errors = first ? input->decode_errors : 0;
+      in.decode_errors = first ? input->decode_errors + queues.at(input.get()).bad_parts : 0;
       in.lost = count.lost;
       in.duplicates = count.duplicates;
       in.reordered = count.reordered;

@@ -23,6 +23,7 @@
 #include <lcmslam/map_request_t.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/output_status_t.hpp>
+#include <lcmslam/part_t.hpp>
 #include <lcmslam/particle_t.hpp>
 #include <lcmslam/particles_t.hpp>
 #include <lcmslam/pointcloud2_t.hpp>
@@ -42,7 +43,8 @@ using AllTypes =
     ::testing::Types<camera_calibration_t, camera_intrinsics_t, command_t, encoders_t, feature_t, features_t,
                      graph_edge_t, graph_node_t, graph_t, ground_truth_t, icp_report_t, image_metadata_t,
                      image_t, images_t, input_status_t, keyframe_t, landmark_t, landmarks_t, map_reply_t,
-                     map_request_t, odometry_t, output_status_t, particle_t, particles_t, pointcloud2_t,
-                     pointfield_t, pose_estimate_t, pose_t, rigid_transform_t, status_t, value_t, wheel_t>;
+                     map_request_t, odometry_t, output_status_t, part_t, particle_t, particles_t,
+                     pointcloud2_t, pointfield_t, pose_estimate_t, pose_t, rigid_transform_t, status_t,
+                     value_t, wheel_t>;
 
 }  // namespace lcmslam::testing

@@ -36,6 +36,7 @@ const std::map<std::string, std::uint64_t>& frozen() {
       {"map_request_t", 0x99db0cf62e05ed73},
       {"odometry_t", 0x5ec93350d4c4b43c},
       {"output_status_t", 0x3974a7cdb87b38ae},
+      {"part_t", 0x6a6f8c93ff89b814},
       {"particle_t", 0x31beb10b9b6180e0},
       {"particles_t", 0x7c59856f0f7c81c7},
       {"pointcloud2_t", 0x0bcd5ce4bf5a1b4a},

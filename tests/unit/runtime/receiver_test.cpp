@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <lcmslam/encoders_t.hpp>
+#include <lcmslam/status_t.hpp>
 
 #include "runtime/lcm_bus.hpp"
 #include "runtime/private_bus.hpp"
@@ -13,6 +14,7 @@ namespace {
 
 using std::chrono::seconds;
 using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
 
 encoders_t encoders(Utime utime) {
   encoders_t m;
@@ -63,7 +65,7 @@ TEST_F(ReceiverTest, OldestAreDroppedAndCountedSoThatNothingIsTakenForLost) {
   subscribe("IMAGES", 1);
   subscribe("ODOMETRY", 4);
   inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
-  LcmPublisher publisher(lcm, 5);
+  LcmPublisher publisher(lcm, 5, 1'000'000);
   // The first are taken at once, so that the numbering has begun.
   Receiver receiver(lcm, inputs_);
   publisher.publish("IMAGES", encoders(0));
@@ -101,7 +103,7 @@ TEST_F(ReceiverTest, AnotherReceiverCanFollowOnTheSameBus) {
   lcm::LCM lcm("memq://");
   subscribe("IMAGES", 10);
   inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
-  LcmPublisher publisher(lcm, 5);
+  LcmPublisher publisher(lcm, 5, 1'000'000);
   for (int round = 0; round < 2; ++round) {
     Receiver receiver(lcm, inputs_);
     publisher.publish("IMAGES", encoders(round));
@@ -118,7 +120,7 @@ TEST_F(ReceiverTest, MessagesOfEverySizeCrossAPrivateBus) {
   inputs_.subscribe<encoders_t>("BIG", 10, [&](const encoders_t& m) { sizes.push_back(m.wheels.size()); });
   inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
   Receiver receiver(receiving, inputs_);
-  LcmPublisher publisher(sending, 6);
+  LcmPublisher publisher(sending, 6, 1'000'000);
   for (const std::size_t wheels : {0U, 20U, 1250U}) {  // up to 60 kB: fragmented
     encoders_t m = encoders(static_cast<Utime>(wheels));
     m.wheels.resize(wheels);
@@ -128,6 +130,74 @@ TEST_F(ReceiverTest, MessagesOfEverySizeCrossAPrivateBus) {
   drain(receiver, publisher);
   EXPECT_THAT(sizes, ElementsAre(0, 20, 1250));
   EXPECT_EQ(inputs_.all()[0]->senders.at(6).lost, 0);
+}
+
+TEST_F(ReceiverTest, BigMessagesCrossInPieces) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  // The buffer that every kernel grants holds all pieces of one message, however late they are read.
+  const std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=212992";
+  lcm::LCM sending(url), receiving(url);
+  ASSERT_TRUE(sending.good() && receiving.good());
+  std::vector<std::string> details;
+  inputs_.subscribe<status_t>("BIG", 100, [&](const status_t& m) { details.push_back(m.detail); });
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  Receiver receiver(receiving, inputs_);
+  LcmPublisher publisher(sending, 6, 0);
+  std::vector<std::string> sent;
+  for (std::size_t i = 0; i < 10; ++i) {
+    sent.emplace_back(59'000 + i * 24'000, static_cast<char>('a' + i));
+    status_t m{};
+    m.detail = sent.back();
+    publisher.publish("BIG", m);
+    drain(receiver, publisher);
+  }
+  EXPECT_THAT(details, ElementsAreArray(sent));
+  EXPECT_EQ(inputs_.all()[0]->senders.at(6).lost, 0);
+  EXPECT_EQ(publisher.split(), 9);
+}
+
+// With a receive buffer that cannot hold what comes, messages are lost; each of them is counted.
+TEST_F(ReceiverTest, EveryLostMessageIsCounted) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  lcm::LCM sending("udpm://239.255.76.67:7667?ttl=0");
+  lcm::LCM receiving("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=40000");
+  ASSERT_TRUE(sending.good() && receiving.good());
+  inputs_.subscribe<encoders_t>("BIG", 1000, [&](const encoders_t& m) { handled_.push_back(m.utime); });
+  Receiver receiver(receiving, inputs_);
+  LcmPublisher publisher(sending, 6, 1'000'000);
+  const Input& big = *inputs_.all()[0];
+
+  // The first and the last arrive: they are repeated until one is seen.
+  const auto send_until_seen = [&](Utime utime) {
+    Arrival arrival;
+    for (int tries = 0; tries < 1000; ++tries) {
+      publisher.publish("BIG", encoders(utime));
+      while (receiver.take(arrival, std::chrono::milliseconds(20)))
+        arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+      if (!handled_.empty() && handled_.back() == utime) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(send_until_seen(-1));
+  encoders_t m = encoders(0);
+  m.wheels.resize(600);  // 29 kB
+  m.n_wheels = 600;
+  for (int i = 0; i < 500; ++i) {
+    m.utime = i;
+    publisher.publish("BIG", m);
+  }
+  ASSERT_TRUE(send_until_seen(-2));
+  const InputCount& count = big.senders.at(6);
+  EXPECT_EQ(count.received, static_cast<std::int64_t>(handled_.size()));
+  EXPECT_GT(count.lost, 0);
+  EXPECT_EQ(publisher.counts().at("BIG").sent, count.received + count.lost);
+}
+
+TEST(LargestWholeMessage, FollowsTheGrantedBuffer) {
+  const std::size_t small = largest_whole_message("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=100000");
+  EXPECT_EQ(small, 50'000u);  // the kernel reports twice what was asked for, a quarter of it is trusted
+  EXPECT_GE(largest_whole_message("udpm://239.255.76.67:7667?ttl=0"), 16'384u);
+  EXPECT_GT(largest_whole_message("memq://"), std::size_t{1} << 30);
 }
 
 TEST(Sender, IsNeverZeroAndDiffers) {

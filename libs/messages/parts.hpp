@@ -1,0 +1,61 @@
+#pragma once
+// Big messages in pieces (<CHANNEL>_PART), for machines whose receive buffers are too small for them,
+// and back.
+
+#include <cstdint>
+#include <deque>
+#include <lcmslam/part_t.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/transform.hpp"
+
+namespace lcmslam {
+
+/// The channel that carries the pieces of a channel, and whether a channel is one of those.
+std::string part_channel(const std::string& channel);
+bool is_part_channel(const std::string& channel);
+
+/// `message` counts the messages that went out in pieces on this channel; seq and sender are left to the
+/// publisher. Throws std::invalid_argument when part_size is 0.
+std::vector<part_t> split_message(const std::string& channel, const std::vector<std::uint8_t>& bytes,
+                                  Utime utime, std::int64_t message, std::size_t part_size);
+
+/// Puts pieces together, in whatever order and from however many senders they come.
+class PartAssembler {
+ public:
+  struct Whole {
+    std::string channel;
+    Utime utime = 0;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  /// The whole message when this was its last missing piece. Pieces that come twice are left out. Throws
+  /// DecodeError for a piece that contradicts itself or the others.
+  std::optional<Whole> add(const part_t& part);
+
+  /// Messages that were given up because pieces of them never came.
+  std::int64_t incomplete() const { return incomplete_; }
+
+ private:
+  struct Key {
+    std::int64_t sender;
+    std::string channel;
+    std::int64_t message;
+    bool operator==(const Key& other) const {
+      return sender == other.sender && message == other.message && channel == other.channel;
+    }
+  };
+  struct Waiting {
+    Key key;
+    std::int32_t n_parts, total_size;
+    std::map<std::int32_t, std::vector<std::uint8_t>> parts;
+  };
+
+  std::deque<Waiting> waiting_;  // oldest first
+  std::int64_t incomplete_ = 0;
+};
+
+}  // namespace lcmslam

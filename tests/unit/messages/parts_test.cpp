@@ -1,0 +1,109 @@
+// Messages in pieces, and back.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "geometry/random.hpp"
+#include "messages/decode.hpp"
+#include "messages/parts.hpp"
+
+namespace lcmslam {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes some_bytes(std::size_t size, std::uint64_t seed) {
+  Random random(seed);
+  Bytes bytes(size);
+  for (auto& b : bytes) b = static_cast<std::uint8_t>(random.uniform(0, 256));
+  return bytes;
+}
+
+TEST(Parts, ChannelsAreToldApart) {
+  EXPECT_EQ(part_channel("CAMERA"), "CAMERA_PART");
+  EXPECT_TRUE(is_part_channel("CAMERA_PART"));
+  EXPECT_FALSE(is_part_channel("CAMERA"));
+  EXPECT_FALSE(is_part_channel("_PART"));
+}
+
+TEST(Parts, EverySizeComesBackInAnyOrder) {
+  for (const std::size_t size : {1U, 99U, 100U, 101U, 200U, 1234U}) {
+    SCOPED_TRACE(size);
+    const Bytes bytes = some_bytes(size, size);
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      auto parts = split_message("X", bytes, 77, 3, 100);
+      EXPECT_EQ(parts.size(), (size + 99) / 100);
+      Random random(seed);
+      for (std::size_t i = parts.size(); i > 1; --i)
+        std::swap(parts[i - 1], parts[static_cast<std::size_t>(random.uniform(0, static_cast<double>(i)))]);
+      PartAssembler assembler;
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        const auto whole = assembler.add(parts[i]);
+        ASSERT_EQ(whole.has_value(), i + 1 == parts.size());
+        if (!whole) continue;
+        EXPECT_EQ(whole->channel, "X");
+        EXPECT_EQ(whole->utime, 77);
+        EXPECT_EQ(whole->bytes, bytes);
+      }
+    }
+  }
+}
+
+TEST(Parts, SendersAndChannelsDoNotMixAndTwicePiecesDoNoHarm) {
+  const Bytes a = some_bytes(250, 1), b = some_bytes(250, 2), c = some_bytes(250, 3);
+  auto of_a = split_message("X", a, 1, 0, 100);
+  auto of_b = split_message("X", b, 1, 0, 100);
+  auto of_c = split_message("Y", c, 1, 0, 100);
+  for (auto& part : of_b) part.sender = 9;
+  PartAssembler assembler;
+  std::vector<Bytes> wholes;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const auto* part : {&of_a[i], &of_b[i], &of_c[i], &of_a[i]}) {
+      if (i == 2 && part == &of_a[i] && wholes.size() == 3) break;  // it would begin the message anew
+      if (auto whole = assembler.add(*part)) wholes.push_back(whole->bytes);
+    }
+  EXPECT_THAT(wholes, testing::ElementsAre(a, b, c));
+}
+
+TEST(Parts, AMissingPieceCostsItsMessageAndIsCounted) {
+  PartAssembler assembler;
+  int wholes = 0;
+  for (std::int64_t message = 0; message < 50; ++message)
+    for (const auto& part : split_message("X", some_bytes(250, 1), 1, message, 100))
+      if (message % 5 != 2 || part.part != 1) wholes += assembler.add(part) ? 1 : 0;
+  EXPECT_EQ(wholes, 40);
+  EXPECT_EQ(assembler.incomplete(), 10);
+}
+
+TEST(Parts, ContradictionsAreRefused) {
+  const auto good = split_message("X", some_bytes(250, 1), 1, 0, 100);
+  const auto refused = [&](auto change) {
+    part_t bad = good[1];
+    change(bad);
+    PartAssembler assembler;
+    assembler.add(good[0]);
+    EXPECT_THROW(assembler.add(bad), DecodeError);
+  };
+  refused([](part_t& p) { p.n_parts = 0; });
+  refused([](part_t& p) { p.n_parts = 4; });
+  refused([](part_t& p) { p.part = 3; });
+  refused([](part_t& p) { p.part = -1; });
+  refused([](part_t& p) { p.total_size = -1; });
+  refused([](part_t& p) { p.total_size = 2'000'000'000; });
+  refused([](part_t& p) { p.total_size = 251; });
+  refused([](part_t& p) { p.size = 0; });
+  refused([](part_t& p) { p.channel = ""; });
+  refused([](part_t& p) { p.channel = "X_PART"; });
+  part_t short_piece = good[1];
+  short_piece.data.pop_back();
+  --short_piece.size;
+  PartAssembler assembler;
+  assembler.add(good[0]);
+  assembler.add(short_piece);
+  EXPECT_THROW(assembler.add(good[2]), DecodeError);
+  EXPECT_THROW(split_message("X", some_bytes(1, 1), 0, 0, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace lcmslam
