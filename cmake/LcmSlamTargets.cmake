@@ -11,6 +11,9 @@ if(LCMSLAM_SANITIZE)
                                                    -fno-sanitize-recover=undefined)
   target_link_options(lcmslam_options INTERFACE -fsanitize=address,undefined)
 endif()
+if(LCMSLAM_FUZZ)
+  target_compile_options(lcmslam_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # lcmslam_library(surf DEPENDS lcmslam_geometry opencv_core ... PRIVATE pcl_io ...)
 # makes lcmslam_surf from every .cpp of the current folder. PRIVATE: libraries that only its .cpp files

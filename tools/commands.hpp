@@ -3,10 +3,17 @@
 
 namespace lcmslam {
 
+int batch_command(int argc, char** argv);
 int demo_command(int argc, char** argv);
+int doctor_command(int argc, char** argv);
+int evaluate_command(int argc, char** argv);
+int echo_command(int argc, char** argv);
 int import_command(int argc, char** argv);
 int launch_command(int argc, char** argv);
+int lcm_spy_command(int argc, char** argv);
+int log_command(int argc, char** argv);
 int simulate_command(int argc, char** argv);
+int spy_command(int argc, char** argv);
 int study_command(int argc, char** argv);
 
 }  // namespace lcmslam

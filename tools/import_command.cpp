@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "camera/camera_log.hpp"
+#include "camera/repeated_source.hpp"
 #include "commands.hpp"
 #include "parse_command.hpp"
 
@@ -32,12 +33,15 @@ int import_command(int argc, char** argv) {
   app.add_option("--calibration", calibration, "camera calibration (YAML)")->check(CLI::ExistingFile);
   app.add_option("--description", description, "layout of the folder (YAML, see config/datasets)")
       ->check(CLI::ExistingFile);
+  int passes = 1;
+  app.add_option("--repeat", passes, "the recording so many times, times shifted on: for endurance tests")
+      ->check(CLI::Range(1, 1000));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   ConfigNode config;
   config.set("folder", folder);
   if (!calibration.empty()) config.set("calibration", calibration);
   if (!description.empty()) config.set("description", description);
-  return write(*make_dataset_source(config), log);
+  return write(*repeat_source([&] { return make_dataset_source(config); }, passes), log);
 }
 
 int simulate_command(int argc, char** argv) {

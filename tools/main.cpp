@@ -11,11 +11,11 @@ int main(int argc, char** argv) {
     const char* name;
     int (*run)(int, char**);
   };
-  const Command commands[] = {{"demo", demo_command},
-                              {"import", import_command},
-                              {"launch", launch_command},
-                              {"simulate", simulate_command},
-                              {"study", study_command}};
+  const Command commands[] = {
+      {"batch", batch_command},       {"demo", demo_command},       {"doctor", doctor_command},
+      {"evaluate", evaluate_command}, {"echo", echo_command},       {"import", import_command},
+      {"launch", launch_command},     {"lcm-spy", lcm_spy_command}, {"log", log_command},
+      {"simulate", simulate_command}, {"spy", spy_command},         {"study", study_command}};
   const char* name = argc > 1 ? argv[1] : "";
   for (const Command& command : commands) {
     if (std::strcmp(command.name, name) != 0) continue;

@@ -41,6 +41,9 @@ std::string read_file(const fs::path& file, const std::string& asked_from) {
   if (!fs::exists(file, error)) throw ConfigError(asked_from + file.string() + ": no such file");
   if (fs::is_directory(file, error))
     throw ConfigError(asked_from + file.string() + ": is a folder, not a YAML file");
+  // What is named on the command line may be a pipe; what a file includes could wait for ever.
+  if (!asked_from.empty() && !fs::is_regular_file(file, error))
+    throw ConfigError(asked_from + file.string() + ": is no ordinary file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw ConfigError(asked_from + file.string() + ": cannot be opened for reading");
   std::string text;
@@ -58,7 +61,9 @@ std::string read_file(const fs::path& file, const std::string& asked_from) {
 class Loader {
  public:
   YamlPointer load(const fs::path& file, const std::string& asked_from) {
-    const fs::path identity = fs::weakly_canonical(file);
+    std::error_code error;  // names that no file can have, folders that nobody may enter
+    const fs::path identity = fs::weakly_canonical(file, error);
+    if (error) throw ConfigError(asked_from + file.string() + ": " + error.message());
     if (std::find(chain_.begin(), chain_.end(), identity) != chain_.end())
       throw ConfigError(asked_from + file.string() + ": includes itself in a circle");
     if (++files_ > max_files)

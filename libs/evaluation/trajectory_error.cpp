@@ -48,14 +48,17 @@ std::optional<std::size_t> nearest_to(const std::vector<double>& values, double 
 }
 
 double tracked_fraction(const Trajectory& truth, const std::vector<MatchedPose>& matches, double max_gap) {
-  const Utime span = truth.back().utime - truth.front().utime;
-  if (span == 0) return 1;
-  Utime tracked = 0;
-  for (std::size_t i = 1; i < matches.size(); ++i) {
-    const Utime gap = matches[i].utime - matches[i - 1].utime;
-    if (static_cast<double>(gap) <= 1e6 * max_gap) tracked += gap;
-  }
-  return std::min(1.0, static_cast<double>(tracked) / static_cast<double>(span));
+  // Time in steps of at most max_gap.
+  const auto covered = [&](const auto& poses) {
+    double sum = 0;
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+      const double step = 1e-6 * static_cast<double>(poses[i].utime - poses[i - 1].utime);
+      if (step <= max_gap) sum += step;
+    }
+    return sum;
+  };
+  const double whole = covered(truth);
+  return whole > 0 ? std::min(1.0, covered(matches) / whole) : 1;
 }
 
 }  // namespace

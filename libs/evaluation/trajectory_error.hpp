@@ -66,8 +66,8 @@ enum class StepUnit { frames, seconds, metres };
 
 struct TrajectoryReport {
   std::size_t truth_poses = 0, estimate_poses = 0, matched_poses = 0;
-  double tracked_fraction = 0;  ///< share of the truth's time span between matched poses that are no
-                                ///< further apart than max_tracking_gap
+  double tracked_fraction = 0;  ///< time between matched poses that are no further apart than
+                                ///< max_tracking_gap, by the same time of the truth's poses
   double truth_length = 0;      ///< m, path through the matched poses
   WorldAlignment alignment;
   PoseErrors absolute;                          ///< ATE, and the rotation left after alignment

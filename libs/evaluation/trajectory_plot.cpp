@@ -2,184 +2,108 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <opencv2/imgproc.hpp>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "evaluation/table.hpp"
+#include "evaluation/plot_frame.hpp"
 
 namespace lcmslam {
 namespace {
 
-constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double left_margin = 66, right_margin = 20, line_height = 22;  // pixels
 constexpr double min_span = 0.1;  // m: a robot at rest has a picture too
-constexpr double font_scale = 0.5;
-constexpr int line_height = 22;  // pixels
-constexpr int sub_pixel_bits = 4;
-const cv::Scalar white(255, 255, 255), black(0, 0, 0), grid_colour(228, 228, 228), grey(110, 110, 110);
+const PlotColour black = {0, 0, 0}, grey = {110, 110, 110};
 
-struct Bounds {
-  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d high = -low;
-};
-
-// All points with some room around them.
-Bounds bounds_of(const std::vector<PlottedPath>& paths) {
-  Bounds bounds;
-  for (const PlottedPath& path : paths) {
-    for (const Eigen::Vector2d& point : path.points) {
-      if (!point.allFinite()) continue;
-      bounds.low = bounds.low.cwiseMin(point);
-      bounds.high = bounds.high.cwiseMax(point);
-    }
-  }
-  if (!(bounds.low.x() <= bounds.high.x())) return {{-0.5, -0.5}, {0.5, 0.5}};
-  const double span = std::max(min_span, (bounds.high - bounds.low).maxCoeff());
+/// Shown with some room around it, one scale for both axes.
+PlotBounds top_view_bounds(const std::vector<PlottedPath>& paths) {
+  const auto bounds = bounds_of(paths);
+  if (!bounds) return {{-0.5, -0.5}, {0.5, 0.5}};
+  const double span = std::max(min_span, (bounds->high - bounds->low).maxCoeff());
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.05 * span);
-  return {bounds.low - margin, bounds.high + margin};
+  return {bounds->low - margin, bounds->high + margin};
 }
 
-// 1, 2 or 5 times a power of ten, at least `value`.
-double round_step(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= value * (1 - 1e-9)) return factor * power;
-  }
-  return 10 * power;
+/// From zero error to a bit above the largest.
+PlotBounds error_bounds(const std::vector<PlottedPath>& errors) {
+  const auto bounds = bounds_of(errors);
+  if (!bounds) return {{0, 0}, {1, 1}};
+  const double seconds = std::max(1e-3, bounds->high.x() - bounds->low.x());
+  return {{bounds->low.x(), 0}, {bounds->low.x() + seconds, std::max(1e-6, 1.1 * bounds->high.y())}};
 }
 
-std::string metres(double value, double step) {
-  const int decimals = std::clamp(static_cast<int>(-std::floor(std::log10(step) + 1e-9)), 0, 6);
-  return fixed_number(std::abs(value) < 1e-9 ? 0 : value, decimals);
-}
-
-cv::Scalar bgr(const std::array<unsigned char, 3>& colour) {
-  return {double(colour[2]), double(colour[1]), double(colour[0])};
-}
-
-int text_width(const std::string& text) {
-  int baseline = 0;
-  return cv::getTextSize(text, font, font_scale, 1, &baseline).width;
-}
-
-class Canvas {
- public:
-  Canvas(const std::vector<PlottedPath>& paths, const PlotSettings& settings)
-      : image_(settings.height, settings.width, CV_8UC3, white) {
-    int top = 12;
-    if (!settings.title.empty()) {
-      write(settings.title, {(settings.width - text_width(settings.title)) / 2, top + 14}, black);
+/// Names in rows that break at the right edge; returns the height that is free below.
+double draw_legend(PlotSurface& surface, const std::vector<PlottedPath>& paths, double top, double right) {
+  double x = left_margin;
+  for (const PlottedPath& path : paths) {
+    const double width = 28 + surface.text_width(path.name) + 22;
+    if (x > left_margin && x + width > right) {
+      x = left_margin;
       top += line_height;
     }
-    top = draw_legend(paths, top);
-    frame_ = cv::Rect(66, top + 6, settings.width - 66 - 20, settings.height - top - 6 - 52);
-    fit(bounds_of(paths));
+    surface.line({x, top + 9}, {x + 22, top + 9}, path.colour, 3);
+    surface.text(path.name, {x + 28, top + 14}, black);
+    x += width;
   }
+  return paths.empty() ? top : top + line_height;
+}
 
-  void draw_grid() {
-    const double step = round_step(90 / pixels_per_metre_);
-    const Eigen::Vector2d low = to_world(cv::Point(frame_.x, frame_.y + frame_.height));
-    const Eigen::Vector2d high = to_world(cv::Point(frame_.x + frame_.width, frame_.y));
-    for (double x = std::ceil(low.x() / step) * step; x <= high.x(); x += step) {
-      const int u = cvRound(to_pixel({x, 0}).x);
-      cv::line(image_, {u, frame_.y}, {u, frame_.y + frame_.height}, grid_colour);
-      const std::string label = metres(x, step);
-      write(label, {u - text_width(label) / 2, frame_.y + frame_.height + 18}, grey);
-    }
-    for (double y = std::ceil(low.y() / step) * step; y <= high.y(); y += step) {
-      const int v = cvRound(to_pixel({0, y}).y);
-      cv::line(image_, {frame_.x, v}, {frame_.x + frame_.width, v}, grid_colour);
-      const std::string label = metres(y, step);
-      write(label, {frame_.x - 8 - text_width(label), v + 5}, grey);
-    }
-    cv::rectangle(image_, frame_, grey);
-    const std::string axes = "x to the right, y upwards, m";
-    write(axes, {frame_.x + frame_.width - text_width(axes), frame_.y + frame_.height + 40}, grey);
-  }
+void draw_scale_bar(PlotSurface& surface, const PlotFrame& frame) {
+  const double length = grid_step(70 / frame.pixels_per_unit());
+  const double pixels = std::round(length * frame.pixels_per_unit());
+  const cv::Point2d left(frame.box().x, frame.box().br().y + 36);
+  for (const double x : {0.0, pixels})
+    surface.line(left + cv::Point2d(x, -4), left + cv::Point2d(x, 4), black, 2);
+  surface.line(left, left + cv::Point2d(pixels, 0), black, 2);
+  surface.text(axis_number(length, length) + " m", left + cv::Point2d(pixels + 8, 5), black);
+}
 
-  void draw_path(const PlottedPath& path) {
-    std::vector<cv::Point> run;
-    const auto finish = [&] {
-      if (run.size() > 1) cv::polylines(image_, run, false, bgr(path.colour), 2, cv::LINE_AA, sub_pixel_bits);
-      run.clear();
-    };
-    for (const Eigen::Vector2d& point : path.points) {
-      if (!point.allFinite()) {
-        finish();
-        continue;
-      }
-      const cv::Point2d p = to_pixel(point);
-      constexpr double factor = 1 << sub_pixel_bits;
-      run.emplace_back(cvRound(p.x * factor), cvRound(p.y * factor));
-    }
-    finish();
+void draw_top_view(PlotSurface& surface, const std::vector<PlottedPath>& paths,
+                   const PlotSettings& settings) {
+  double top = 12;
+  if (!settings.title.empty()) {
+    surface.text(settings.title, {0.5 * settings.width, top + 14}, black, PlotSurface::Anchor::middle);
+    top += line_height;
   }
+  top = draw_legend(surface, paths, top, settings.width);
+  const PlotFrame frame(cv::Rect2d(left_margin, top + 6, settings.width - left_margin - right_margin,
+                                   settings.height - top - 6 - 52),
+                        top_view_bounds(paths), true);
+  frame.draw_grid(surface, {90, 90});
+  for (const PlottedPath& path : paths) frame.draw_curve(surface, path);
+  for (const PlottedPath& path : paths) frame.draw_ends(surface, path);
+  draw_scale_bar(surface, frame);
+  surface.text("x to the right, y upwards, m", {frame.box().br().x, frame.box().br().y + 40}, grey,
+               PlotSurface::Anchor::right);
+}
 
-  void draw_ends(const PlottedPath& path) {
-    const auto finite = [](const Eigen::Vector2d& p) { return p.allFinite(); };
-    const auto first = std::find_if(path.points.begin(), path.points.end(), finite);
-    const auto last = std::find_if(path.points.rbegin(), path.points.rend(), finite);
-    if (first == path.points.end()) return;
-    const cv::Point start = to_pixel(*first), end = to_pixel(*last);
-    cv::circle(image_, start, 6, white, cv::FILLED, cv::LINE_AA);
-    cv::circle(image_, start, 5, bgr(path.colour), cv::FILLED, cv::LINE_AA);
-    cv::rectangle(image_, end - cv::Point(6, 6), end + cv::Point(6, 6), white, cv::FILLED);
-    cv::rectangle(image_, end - cv::Point(5, 5), end + cv::Point(5, 5), bgr(path.colour), cv::FILLED);
-  }
+/// Below the top view, in `height` pixels from `top`.
+void draw_errors(PlotSurface& surface, const std::vector<PlottedPath>& errors, double top, double height,
+                 double width) {
+  const PlotFrame frame(
+      cv::Rect2d(left_margin, top + 26, width - left_margin - right_margin, height - 26 - 46),
+      error_bounds(errors), false);
+  surface.text("translation error after alignment, m", {left_margin, top + 16}, black);
+  frame.draw_grid(surface, {90, 40});
+  for (const PlottedPath& curve : errors) frame.draw_curve(surface, curve);
+  surface.text("time, s", {frame.box().br().x, frame.box().br().y + 38}, grey, PlotSurface::Anchor::right);
+}
 
-  void draw_scale_bar() {
-    const double length = round_step(70 / pixels_per_metre_);
-    const int pixels = cvRound(length * pixels_per_metre_);
-    const std::string label = metres(length, length) + " m";
-    const cv::Point left(frame_.x, frame_.y + frame_.height + 36);
-    for (const int x : {0, pixels})
-      cv::line(image_, left + cv::Point(x, -4), left + cv::Point(x, 4), black, 2);
-    cv::line(image_, left, left + cv::Point(pixels, 0), black, 2);
-    write(label, left + cv::Point(pixels + 8, 5), black);
+void check(const PlotSettings& settings) {
+  if (settings.width < 320 || settings.height < 240) {
+    throw std::invalid_argument("plot of " + std::to_string(settings.width) + "x" +
+                                std::to_string(settings.height) + " pixels; expected at least 320x240");
   }
+}
 
-  cv::Mat image() const { return image_; }
+int error_height(const PlotSettings& settings) {
+  return std::max(160, settings.height / 2);
+}
 
- private:
-  // Names in rows that break at the image's edge; returns the height that is free below.
-  int draw_legend(const std::vector<PlottedPath>& paths, int top) {
-    int x = 66;
-    for (const PlottedPath& path : paths) {
-      const int width = 28 + text_width(path.name) + 22;
-      if (x > 66 && x + width > image_.cols) {
-        x = 66;
-        top += line_height;
-      }
-      cv::line(image_, {x, top + 9}, {x + 22, top + 9}, bgr(path.colour), 3);
-      write(path.name, {x + 28, top + 14}, black);
-      x += width;
-    }
-    return paths.empty() ? top : top + line_height;
-  }
-
-  void fit(const Bounds& bounds) {
-    const Eigen::Vector2d size = bounds.high - bounds.low;
-    pixels_per_metre_ = std::min(frame_.width / size.x(), frame_.height / size.y());
-    centre_ = 0.5 * (bounds.low + bounds.high);
-  }
-
-  cv::Point2d middle() const { return {frame_.x + 0.5 * frame_.width, frame_.y + 0.5 * frame_.height}; }
-  cv::Point2d to_pixel(const Eigen::Vector2d& p) const {
-    return middle() + pixels_per_metre_ * cv::Point2d(p.x() - centre_.x(), centre_.y() - p.y());
-  }
-  Eigen::Vector2d to_world(const cv::Point2d& p) const {
-    const cv::Point2d d = (p - middle()) / pixels_per_metre_;
-    return {centre_.x() + d.x, centre_.y() - d.y};
-  }
-  void write(const std::string& text, const cv::Point& left_bottom, const cv::Scalar& colour) {
-    cv::putText(image_, text, left_bottom, font, font_scale, colour, 1, cv::LINE_AA);
-  }
-
-  cv::Mat image_;
-  cv::Rect frame_;  // of the plot
-  double pixels_per_metre_ = 1;
-  Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();
-};
+void draw(PlotSurface& surface, const EvaluationPlot& plot, const PlotSettings& settings) {
+  draw_top_view(surface, plot.paths, settings);
+  draw_errors(surface, plot.errors, settings.height, error_height(settings), settings.width);
+}
 
 }  // namespace
 
@@ -202,16 +126,43 @@ std::array<unsigned char, 3> plot_colour(std::size_t index) {
 }
 
 cv::Mat plot_paths(const std::vector<PlottedPath>& paths, const PlotSettings& settings) {
-  if (settings.width < 320 || settings.height < 240) {
-    throw std::invalid_argument("plot of " + std::to_string(settings.width) + "x" +
-                                std::to_string(settings.height) + " pixels; expected at least 320x240");
+  check(settings);
+  RasterSurface surface(settings.width, settings.height);
+  draw_top_view(surface, paths, settings);
+  return surface.image();
+}
+
+cv::Mat plot_evaluation(const EvaluationPlot& plot, const PlotSettings& settings) {
+  check(settings);
+  RasterSurface surface(settings.width, settings.height + error_height(settings));
+  draw(surface, plot, settings);
+  return surface.image();
+}
+
+std::string plot_evaluation_svg(const EvaluationPlot& plot, const PlotSettings& settings) {
+  check(settings);
+  SvgSurface surface(settings.width, settings.height + error_height(settings));
+  draw(surface, plot, settings);
+  return surface.document();
+}
+
+void write_plot(const std::filesystem::path& file, const EvaluationPlot& plot, const PlotSettings& settings) {
+  const std::string kind = file.extension().string();
+  if (kind == ".svg") {
+    std::ofstream text(file);
+    text << plot_evaluation_svg(plot, settings);
+    text.close();
+    if (!text) throw std::runtime_error(file.string() + ": cannot be written");
+  } else if (kind == ".png") {
+    std::vector<unsigned char> bytes;
+    cv::imencode(".png", plot_evaluation(plot, settings), bytes);
+    std::ofstream image(file, std::ios::binary);
+    image.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    image.close();
+    if (!image) throw std::runtime_error(file.string() + ": cannot be written");
+  } else {
+    throw std::invalid_argument(file.string() + ": a plot's name must end in .png or .svg");
   }
-  Canvas canvas(paths, settings);
-  canvas.draw_grid();
-  for (const PlottedPath& path : paths) canvas.draw_path(path);
-  for (const PlottedPath& path : paths) canvas.draw_ends(path);
-  canvas.draw_scale_bar();
-  return canvas.image();
 }
 
 }  // namespace lcmslam

@@ -1,7 +1,8 @@
 #pragma once
-// Trajectories seen from above, drawn into an image.
+// Trajectories seen from above and their errors over time, drawn into an image or as SVG.
 
 #include <array>
+#include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -34,5 +35,18 @@ std::array<unsigned char, 3> plot_colour(std::size_t index);
 /// are not finite interrupt a path. Throws std::invalid_argument when the image is smaller than
 /// 320x240.
 cv::Mat plot_paths(const std::vector<PlottedPath>& paths, const PlotSettings& settings = {});
+
+/// The top view and, below it and half as high, errors over time.
+struct EvaluationPlot {
+  std::vector<PlottedPath> paths;   ///< x, y in m
+  std::vector<PlottedPath> errors;  ///< time in s, error in m; drawn in their colours, without names
+};
+cv::Mat plot_evaluation(const EvaluationPlot& plot, const PlotSettings& settings = {});
+std::string plot_evaluation_svg(const EvaluationPlot& plot, const PlotSettings& settings = {});
+
+/// As PNG or SVG, by the name's end. Throws std::invalid_argument for another one and std::runtime_error
+/// when the file cannot be written.
+void write_plot(const std::filesystem::path& file, const EvaluationPlot& plot,
+                const PlotSettings& settings = {});
 
 }  // namespace lcmslam

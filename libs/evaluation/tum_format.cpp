@@ -14,6 +14,8 @@
 namespace lcmslam {
 namespace {
 
+constexpr double largest_coordinate = 1e9;  // m; its square and sums of it are exact enough
+
 [[noreturn]] void fail(const std::string& name, int line, const std::string& what) {
   throw TrajectoryError(name + ":" + std::to_string(line) + ": " + what);
 }
@@ -46,6 +48,10 @@ StampedPose parse_pose(const std::array<double, 8>& v, const std::string& name, 
   if (v[0] < 0 || v[0] > 9e9) {
     fail(name, line, "stamp " + std::to_string(v[0]) + "; expected seconds from 0 to 9e9");
   }
+  for (int i = 1; i <= 3; ++i)
+    if (std::abs(v[static_cast<std::size_t>(i)]) > largest_coordinate)
+      fail(name, line,
+           "position " + std::to_string(v[static_cast<std::size_t>(i)]) + "; expected at most 1e9 m");
   const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
   if (std::abs(q.norm() - 1.0) > 0.01) {
     fail(name, line, "quaternion of norm " + std::to_string(q.norm()) + "; expected norm 1 (qx qy qz qw)");

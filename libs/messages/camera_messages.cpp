@@ -64,6 +64,14 @@ EncodedImage read_colour(const image_t& message) {
   }
 }
 
+/// Before anything is decoded: a few bytes may claim to be millions of pixels.
+void check_declared_size(const char* name, const EncodedImage& image, const CameraModel& camera) {
+  if (image.width != camera.width || image.height != camera.height)
+    throw DecodeError(std::string("the ") + name + " image is " + std::to_string(image.width) + "x" +
+                      std::to_string(image.height) + ", by its calibration it must be " +
+                      std::to_string(camera.width) + "x" + std::to_string(camera.height));
+}
+
 camera_intrinsics_t intrinsics_message(const CameraModel& camera) {
   camera_intrinsics_t m;
   m.width = camera.width;
@@ -150,7 +158,12 @@ EncodedFrame from_message(const images_t& message) {
 
 RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibration) {
   try {
-    const RgbdFrame frame = decode(from_message(message));
+    const EncodedFrame encoded = from_message(message);
+    check_declared_size("colour", encoded.colour, calibration.colour);
+    check_declared_size("depth", encoded.depth, calibration.depth);
+    if (encoded.amplitude.coding != ImageCoding::none)
+      check_declared_size("amplitude", encoded.amplitude, calibration.depth);
+    const RgbdFrame frame = decode(encoded);
     check_frame(frame, calibration);
     return frame;
   } catch (const CodecError& error) {

@@ -12,7 +12,7 @@ M decode_message(const std::uint8_t* data, std::size_t size) {
   if (type == nullptr) throw DecodeError(std::string(M::getTypeName()) + " has no definition in lcmtypes/");
   check_layout(*type, data, size);
   M message;
-  if (message.decode(data, 0, static_cast<unsigned>(size)) < 0)
+  if (message.decode(data, 0, static_cast<int>(size)) < 0)
     throw DecodeError(type->name + " does not decode");
   return message;
 }
@@ -20,7 +20,7 @@ M decode_message(const std::uint8_t* data, std::size_t size) {
 template <class M>
 std::vector<std::uint8_t> encode_message(const M& message) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<unsigned>(bytes.size()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   return bytes;
 }
 

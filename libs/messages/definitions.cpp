@@ -51,13 +51,15 @@ class Parser {
   explicit Parser(const std::string& text) : tokens_(tokenize(text)) {}
 
   void parse(std::vector<std::unique_ptr<MessageType>>& types) {
+    std::string package;
     while (at_ < tokens_.size()) {
       const std::string word = next();
       if (word == "package") {
-        next();
+        package = next();
         expect(";");
       } else if (word == "struct") {
         types.push_back(parse_struct());
+        types.back()->package = package;
       } else {
         throw std::invalid_argument("expected 'package' or 'struct', got '" + word + "'");
       }

@@ -65,12 +65,18 @@ std::optional<PartAssembler::Whole> PartAssembler::add(const part_t& part) {
       waiting_.pop_front();
       ++incomplete_;
     }
-    waiting_.push_back({key, part.n_parts, part.total_size, {}});
+    waiting_.push_back({key, part.n_parts, part.total_size, 0, {}});
     found = std::prev(waiting_.end());
   }
   if (found->n_parts != part.n_parts || found->total_size != part.total_size)
     throw DecodeError("part_t: the pieces of one message disagree on its size");
-  found->parts.emplace(part.part, part.data);
+  if (found->parts.count(part.part) == 0) {
+    // Else a sender could make us keep n_parts times total_size bytes.
+    if (part.data.size() > static_cast<std::size_t>(part.total_size) - found->received)
+      throw DecodeError("part_t: the pieces of a message are more than its size");
+    found->received += part.data.size();
+    found->parts.emplace(part.part, part.data);
+  }
   if (found->parts.size() < static_cast<std::size_t>(part.n_parts)) return std::nullopt;
 
   Whole whole{part.channel, part.utime, {}};

@@ -51,6 +51,7 @@ class PartAssembler {
   struct Waiting {
     Key key;
     std::int32_t n_parts, total_size;
+    std::size_t received;  // bytes
     std::map<std::int32_t, std::vector<std::uint8_t>> parts;
   };
 

@@ -58,24 +58,29 @@ class LayoutWalker {
   WireReader& reader_;
 };
 
-const std::vector<const MessageType*>& builtin() {
-  static const std::vector<const MessageType*> types = parse_definitions({
-#include "lcm_definitions.inc"
-  });
-  return types;
-}
-
 template <class Predicate>
 const MessageType* find_if(Predicate predicate) {
-  for (const MessageType* type : builtin())
-    if (predicate(*type)) return type;
+  for (const auto* types : {&MessageType::all(), &MessageType::foreign()})
+    for (const MessageType* type : *types)
+      if (predicate(*type)) return type;
   return nullptr;
 }
 
 }  // namespace
 
 const std::vector<const MessageType*>& MessageType::all() {
-  return builtin();
+  static const std::vector<const MessageType*> types = parse_definitions({
+#include "lcm_definitions.inc"
+  });
+  return types;
+}
+
+const std::vector<const MessageType*>& MessageType::foreign() {
+  all();  // the parser's storage takes one at a time
+  static const std::vector<const MessageType*> types = parse_definitions({
+#include "lcm_foreign_definitions.inc"
+  });
+  return types;
 }
 
 const MessageType* MessageType::find(const std::string& name) {

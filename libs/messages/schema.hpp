@@ -41,13 +41,17 @@ bool is_integer(MessageField::Kind kind);
 std::size_t value_size(MessageField::Kind kind);
 
 struct MessageType {
-  std::string name;  ///< without package
+  std::string name;     ///< without package
+  std::string package;  ///< empty when the definition names none
   std::vector<MessageField> fields;
   std::uint64_t fingerprint = 0;  ///< as LCM computes it from the definition
   std::size_t fixed_size = 0;     ///< bytes on the wire, 0 when it varies
 
   /// All types of lcmtypes/, by name.
   static const std::vector<const MessageType*>& all();
+  /// bot_core's other types (lcmtypes/bot_core/): tools show them, no code is generated for them.
+  static const std::vector<const MessageType*>& foreign();
+  /// By name: ours before bot_core's (both have a rigid_transform_t).
   static const MessageType* find(const std::string& name);
   static const MessageType* find(std::uint64_t fingerprint);
 };

@@ -16,7 +16,7 @@ namespace {
 // One datagram a piece. A quiet machine needs half a millisecond between them; on a busy one a receiver may
 // have to wait for its core while they pile up, and the kernel's default buffer holds three or four.
 constexpr std::size_t part_size = 60'000;  // bytes
-constexpr std::chrono::microseconds part_period{2000};
+constexpr std::chrono::microseconds part_period{3000};
 
 }  // namespace
 
@@ -25,6 +25,8 @@ double LcmPublisher::cpu_time() const {
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
+
+std::chrono::microseconds LcmPublisher::pace() const { return part_period; }
 
 void LcmPublisher::send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) {
   sender_.send(channel, bytes, utime);

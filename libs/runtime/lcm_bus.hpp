@@ -51,6 +51,7 @@ class LcmPublisher : public Publisher {
   LcmPublisher(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole)
       : Publisher(sender), sender_(lcm, sender, largest_whole) {}
   double cpu_time() const override;
+  std::chrono::microseconds pace() const override;
   std::int64_t split() const { return sender_.split(); }
 
  private:

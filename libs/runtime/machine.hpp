@@ -5,8 +5,16 @@
 
 namespace lcmslam {
 
+/// Images come and go thirty times a second. By default glibc maps and unmaps each of them, and the
+/// kernel's clearing of fresh pages costs a vision process a fifth of its time; so freed memory is kept.
+void keep_freed_memory();
+
 double process_cpu_seconds();
 std::int64_t resident_bytes();
+
+/// The calling thread, and those that it starts, stand back when another one of this machine's wakes up.
+/// For the thread that computes: the one that empties the sockets must not wait for it.
+void yield_to_receivers();
 
 /// Of the UDP sockets that this process holds.
 struct SocketState {

@@ -1,12 +1,12 @@
 #include "runtime/process.hpp"
 
-#include <malloc.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <iostream>
 
 #include "runtime/lcm_bus.hpp"
+#include "runtime/machine.hpp"
 #include "runtime/options.hpp"
 #include "runtime/status_reporter.hpp"
 #include "runtime/stop_signal.hpp"
@@ -35,6 +35,7 @@ class Process {
     node_->connect(inputs_);
     inputs_.subscribe<command_t>("COMMAND", 100, [this](const command_t& c) { on_command(c); });
     Receiver receiver(lcm_, inputs_);
+    yield_to_receivers();  // after the receivers' threads have started
     spdlog::info("{} runs", name_);
 
     Clock::time_point next_status = Clock::now();
@@ -104,13 +105,6 @@ class Process {
   Inputs inputs_;
   std::unique_ptr<Node> node_;
 };
-
-/// Images come and go thirty times a second. By default glibc maps and unmaps each of them, and the
-/// kernel's clearing of fresh pages costs a vision process a fifth of its time; so freed memory is kept.
-void keep_freed_memory() {
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest that it takes
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-}
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #pragma once
 // Where nodes send their messages: the bus when live, a log in batch, memory in tests.
 
+#include <chrono>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -48,6 +49,10 @@ class Publisher {
 
   /// CPU seconds of this thread; 0 in batch, where output must not depend on the machine.
   virtual double cpu_time() const { return 0; }
+
+  /// Time to leave between the pieces of something big, so that receive buffers do not overrun; none where
+  /// there are no buffers.
+  virtual std::chrono::microseconds pace() const { return std::chrono::microseconds(0); }
 
   /// Called with the utime that was answered; the process measures latency with it.
   std::function<void(Utime)> on_answer;

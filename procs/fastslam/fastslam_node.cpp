@@ -2,6 +2,7 @@
 
 #include <lcmslam/particles_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
+#include <thread>
 
 #include "fastslam/read_settings.hpp"
 #include "messages/feature_messages.hpp"
@@ -155,8 +156,10 @@ void FastSlamNode::publish_whole_map() {
   publish_changes(last_utime_);
   std::vector<landmark_t> landmarks;
   for (const Landmark& landmark : slam_->landmarks()) landmarks.push_back(to_message(landmark));
-  for (const landmarks_t& tile : make_landmark_tiles(last_utime_, revision_, 0, landmarks, {}))
+  for (const landmarks_t& tile : make_landmark_tiles(last_utime_, revision_, 0, landmarks, {})) {
     publisher_.publish("FASTSLAM_LANDMARKS", tile);
+    std::this_thread::sleep_for(publisher_.pace());
+  }
 }
 
 NodeReport FastSlamNode::report() const {

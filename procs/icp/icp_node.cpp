@@ -18,7 +18,6 @@ namespace lcmslam {
 namespace {
 
 constexpr Utime longest_gap = 5'000'000;  // us
-constexpr std::chrono::milliseconds tile_period{2};
 
 std::int8_t wire_status(MappingStatus status) {
   switch (status) {
@@ -223,13 +222,15 @@ void IcpNode::send_waiting_tile() {
 }
 
 std::optional<Node::Duration> IcpNode::work() {
+  const auto pace = publisher_.pace();
+  while (!tiles_.empty() && pace.count() == 0) send_waiting_tile();
   if (tiles_.empty()) return std::nullopt;
   const auto now = std::chrono::steady_clock::now();
   if (now >= next_tile_) {
     send_waiting_tile();
-    next_tile_ = now + tile_period;
+    next_tile_ = now + pace;
   }
-  return tile_period;
+  return pace;
 }
 
 void IcpNode::command(const command_t& command) {
@@ -244,7 +245,7 @@ void IcpNode::finish() {
   join_.flush();
   while (!tiles_.empty()) {
     send_waiting_tile();
-    std::this_thread::sleep_for(tile_period);  // bursts overrun receive buffers
+    std::this_thread::sleep_for(publisher_.pace());
   }
 }
 

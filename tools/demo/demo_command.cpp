@@ -90,7 +90,7 @@ class Demo {
  public:
   Demo(const DemoOptions& options, lcm::LCM& lcm)
       : options_(options),
-        publisher_(lcm, draw_sender(), largest_whole_message(lcm_url_from_environment())),
+        publisher_(lcm, draw_sender(), largest_whole_message(options.lcm_url)),
         recorder_(inputs_),
         receiver_(lcm, inputs_),
         terminal_(isatty(STDOUT_FILENO) != 0 && !options.headless) {}

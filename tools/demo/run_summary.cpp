@@ -100,16 +100,14 @@ nlohmann::json path_json(const RecordedPath& path, const std::optional<Trajector
 }
 
 nlohmann::json process_json(const status_t& status) {
-  nlohmann::json json = {{"cpu_s", status.cpu_total},
-                         {"memory_bytes", status.memory},
-                         {"latency_p50_s", status.latency_p50},
-                         {"latency_p95_s", status.latency_p95}};
+  nlohmann::json json = {{"cpu_s", status.cpu_total},           {"memory_bytes", status.memory},
+                         {"kernel_drops", status.kernel_drops}, {"receive_buffer", status.receive_buffer},
+                         {"latency_p50_s", status.latency_p50}, {"latency_p95_s", status.latency_p95}};
   for (const auto& in : status.inputs) {
     const ChannelLoss loss = channel_loss(status, in.channel);  // over all senders
-    json["inputs"][in.channel] = {{"received", loss.received},
-                                  {"lost", loss.lost},
-                                  {"queue_drops", loss.queue_drops},
-                                  {"decode_errors", loss.decode_errors}};
+    json["inputs"][in.channel] = {{"received", loss.received},       {"lost", loss.lost},
+                                  {"duplicates", loss.duplicates},   {"reordered", loss.reordered},
+                                  {"queue_drops", loss.queue_drops}, {"decode_errors", loss.decode_errors}};
   }
   for (const auto& out : status.outputs)
     json["outputs"][out.channel] = {{"sent", out.sent}, {"largest_bytes", out.largest}};

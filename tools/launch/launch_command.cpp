@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "commands.hpp"
+#include "doctor/checks.hpp"
 #include "launch/graph.hpp"
 #include "launch/status_table.hpp"
 #include "parse_command.hpp"
@@ -64,11 +65,16 @@ int launch_command(int argc, char** argv) {
   install_stop_signals(0);
   lcm::LCM lcm(options.lcm_url);
   if (!lcm.good()) {
-    std::cerr << "lcmslam launch: LCM cannot use " << options.lcm_url
-              << ": no multicast route? Try: sudo ip route add 224.0.0.0/4 dev lo, or --private-bus\n";
+    std::cerr << "lcmslam launch: LCM cannot use " << options.lcm_url << "\n"
+              << format_findings({check_route(options.lcm_url)}, true);
     return 1;
   }
   const auto specs = read_graph(options);
+  DoctorOptions doctor;
+  doctor.lcm_url = options.lcm_url;
+  doctor.seconds = 0.3;
+  doctor.folder = options.folder;
+  std::cout << format_findings(examine(doctor), false) << std::flush;
   Supervisor supervisor;
   for (const auto& spec : specs) supervisor.start(spec);
   std::cout << "lcmslam launch: " << specs.size() << " processes; maps and logs go to "

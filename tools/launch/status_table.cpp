@@ -28,6 +28,8 @@ ChannelLoss channel_loss(const status_t& status, const std::string& channel) {
     if (in.channel != channel) continue;
     sum.received += in.received;
     sum.lost += in.lost;
+    sum.duplicates += in.duplicates;
+    sum.reordered += in.reordered;
     sum.decode_errors += in.decode_errors;
     sum.queue_drops += in.queue_drops;
   }
@@ -42,8 +44,8 @@ double status_value(const status_t& status, const std::string& name) {
 
 std::string format_status(const StatusBoard& board, const std::vector<Supervisor::State>& processes) {
   std::string table =
-      fmt::format("{:<11} {:>7} {:<9} {:>5} {:>7} {:>11} {:>5} {:>5} {:>4}  {}\n", "process", "pid", "state",
-                  "CPU%", "MB", "p50/p95 ms", "lost", "drops", "bad", "channels (Hz)");
+      fmt::format("{:<11} {:>7} {:<9} {:>5} {:>7} {:>11} {:>5} {:>6} {:>5} {:>4}  {}\n", "process", "pid",
+                  "state", "CPU%", "MB", "p50/p95 ms", "lost", "kernel", "drops", "bad", "channels (Hz)");
   for (const auto& process : processes) {
     const std::string& name = process.spec.name;
     const auto found = board.find(name);
@@ -59,10 +61,11 @@ std::string format_status(const StatusBoard& board, const std::vector<Supervisor
       all.queue_drops += in.queue_drops;
       all.decode_errors += in.decode_errors;
     }
-    table += fmt::format("{:<11} {:>7} {:<9} {:>5.0f} {:>7.0f} {:>5.0f}/{:<5.0f} {:>5} {:>5} {:>4}  {}\n",
-                         name, process.pid, state_name(s.state), 100 * s.cpu,
-                         static_cast<double>(s.memory) / 1e6, 1e3 * s.latency_p50, 1e3 * s.latency_p95,
-                         all.lost, all.queue_drops, all.decode_errors, rates(s));
+    table +=
+        fmt::format("{:<11} {:>7} {:<9} {:>5.0f} {:>7.0f} {:>5.0f}/{:<5.0f} {:>5} {:>6} {:>5} {:>4}  {}\n",
+                    name, process.pid, state_name(s.state), 100 * s.cpu, static_cast<double>(s.memory) / 1e6,
+                    1e3 * s.latency_p50, 1e3 * s.latency_p95, all.lost, s.kernel_drops, all.queue_drops,
+                    all.decode_errors, rates(s));
   }
   return table;
 }

@@ -17,7 +17,7 @@ std::string format_status(const StatusBoard& board, const std::vector<Supervisor
 
 /// Counters of one channel summed over a process's inputs.
 struct ChannelLoss {
-  std::int64_t received = 0, lost = 0, decode_errors = 0, queue_drops = 0;
+  std::int64_t received = 0, lost = 0, duplicates = 0, reordered = 0, decode_errors = 0, queue_drops = 0;
 };
 ChannelLoss channel_loss(const status_t& status, const std::string& channel);
 /// One of the process's own values; 0 when it has none of that name.

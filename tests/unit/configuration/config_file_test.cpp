@@ -146,6 +146,11 @@ TEST_F(ConfigFile, CirclesAndBadIncludesAreErrors) {
   const fs::path missing = write("missing.yaml", "a: 1\ninclude: gone.yaml\n");
   EXPECT_EQ(error_of([&] { ConfigNode::load(missing); }),
             path("missing.yaml") + ":2: includes " + path("gone.yaml") + ": no such file");
+  const fs::path endless = write("endless.yaml", "include: /dev/zero\n");
+  EXPECT_THAT(error_of([&] { ConfigNode::load(endless); }), HasSubstr("/dev/zero: is no ordinary file"));
+  const fs::path longest = write("long.yaml", "include: " + std::string(300, 'x') + "\n");
+  EXPECT_THAT(error_of([&] { ConfigNode::load(longest); }),
+              ::testing::AllOf(StartsWith(path("long.yaml") + ":1: includes "), HasSubstr("too long")));
   const fs::path wrong = write("wrong.yaml", "include: {a: 1}\n");
   EXPECT_THAT(error_of([&] { ConfigNode::load(wrong); }), HasSubstr("must be a file name or a list"));
 

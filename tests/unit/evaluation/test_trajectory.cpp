@@ -74,6 +74,7 @@ TEST(TumFormat, ErrorsNameFileLineAndWhatIsRight) {
   EXPECT_THAT(error_of("1 0 0 0 0 0 0 0\n"), HasSubstr("quaternion of norm 0"));
   EXPECT_THAT(error_of("1403636579763555584 0 0 0 0 0 0 1\n"), HasSubstr("expected seconds"));
   EXPECT_THAT(error_of("-1 0 0 0 0 0 0 1\n"), HasSubstr("expected seconds"));
+  EXPECT_THAT(error_of("1 0 -1e300 0 0 0 0 1\n"), HasSubstr("expected at most 1e9 m"));
 }
 
 TEST(TumFormat, FilesThatCannotBeUsedAreNamed) {

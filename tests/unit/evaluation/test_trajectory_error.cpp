@@ -245,5 +245,12 @@ TEST(Association, TrackedFractionIsTheShareOfTime) {
   EXPECT_EQ(report.matched_poses, 501u);
 }
 
+TEST(Association, TimeWithoutATruthIsNotHeldAgainstTheEstimate) {
+  const Trajectory estimate = testing::curved_path(1001);
+  Trajectory truth = estimate;
+  truth.erase(truth.begin() + 200, truth.begin() + 700);
+  EXPECT_DOUBLE_EQ(evaluate(truth, estimate).tracked_fraction, 1);
+}
+
 }  // namespace
 }  // namespace lcmslam

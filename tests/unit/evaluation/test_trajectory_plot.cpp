@@ -1,8 +1,12 @@
 #include "evaluation/trajectory_plot.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
@@ -14,11 +18,11 @@ namespace {
 const std::array<unsigned char, 3> red = {255, 0, 0}, blue = {0, 0, 255};
 
 // Bounding box of the pixels of exactly this colour below the legend.
-cv::Rect box_of(const cv::Mat& image, const std::array<unsigned char, 3>& colour) {
+cv::Rect box_of(const cv::Mat& image, const std::array<unsigned char, 3>& colour, int legend = 60) {
   cv::Mat mask;
   const cv::Scalar bgr(colour[2], colour[1], colour[0]);
   cv::inRange(image, bgr, bgr, mask);
-  mask.rowRange(0, 60).setTo(0);
+  mask.rowRange(0, legend).setTo(0);
   std::vector<cv::Point> pixels;
   cv::findNonZero(mask, pixels);
   if (pixels.empty()) return {};
@@ -75,6 +79,72 @@ TEST(TrajectoryPlot, IsTheSameEachTime) {
   const cv::Mat image = draw();
   EXPECT_EQ(cv::norm(image, draw(), cv::NORM_INF), 0);
   if (const char* file = std::getenv("LCMSLAM_PLOT")) cv::imwrite(file, image);
+}
+
+EvaluationPlot two_estimates() {
+  EvaluationPlot plot;
+  plot.paths = {{"truth", plot_colour(0), {{0, 0}, {4, 0}}},
+                {"a<b> & c", red, {{0, 1}, {2, 1}}},
+                {"other", blue, {{0, 2}, {2, 2}}}};
+  plot.errors = {{"", red, {{0, 0.1}, {10, 0.1}}}, {"", blue, {{0, 0.4}, {5, 0.4}}}};
+  return plot;
+}
+
+TEST(EvaluationPlot, ShowsErrorsBelowLargerOnesHigher) {
+  const cv::Mat image = plot_evaluation(two_estimates(), {900, 600, "title"});
+  ASSERT_EQ(image.size(), cv::Size(900, 900));
+  const cv::Mat errors = image.rowRange(600, 900);
+  const cv::Rect small = box_of(errors, red, 0), large = box_of(errors, blue, 0);
+  EXPECT_GT(small.area(), 0);
+  EXPECT_GT(small.y, large.y + large.height) << "0.4 m lies above 0.1 m";
+  EXPECT_NEAR(large.width, small.width / 2, 3) << "5 s of 10 s";
+  EXPECT_FALSE(plot_evaluation({}).empty());
+}
+
+/// Values of an attribute, in order.
+std::vector<std::string> attributes(const std::string& svg, const std::string& name) {
+  std::vector<std::string> values;
+  for (std::size_t at = 0; (at = svg.find(" " + name + "=\"", at)) != std::string::npos;) {
+    at += name.size() + 3;
+    values.push_back(svg.substr(at, svg.find('"', at) - at));
+  }
+  return values;
+}
+
+// The same drawing on another surface: the polylines' points are where the pixels are.
+TEST(EvaluationPlot, SvgHasTheSameCurves) {
+  const std::string svg = plot_evaluation_svg(two_estimates(), {900, 600, "title"});
+  EXPECT_EQ(svg.rfind("<svg ", 0), 0u);
+  EXPECT_NE(svg.find("a&lt;b&gt; &amp; c"), std::string::npos) << "names are escaped";
+  const auto lines = attributes(svg, "points");
+  ASSERT_EQ(lines.size(), 5u) << "three paths, two errors";
+  const auto ends = [](const std::string& points) {
+    std::array<double, 4> v{};
+    EXPECT_EQ(std::sscanf(points.c_str(), "%lf,%lf %lf,%lf", &v[0], &v[1], &v[2], &v[3]), 4);
+    return v;
+  };
+  const cv::Rect drawn = box_of(plot_evaluation(two_estimates(), {900, 600, "title"}).rowRange(0, 600), red);
+  const auto path = ends(lines[1]);
+  EXPECT_NEAR(path[0], drawn.x + 5, 3) << "the disc at its start stands out by 5 pixels";
+  EXPECT_NEAR(path[2], drawn.x + drawn.width - 6, 3);
+  const auto error = ends(lines[3]);
+  EXPECT_GT(error[1], ends(lines[4])[1]);
+  EXPECT_EQ(error[1], error[3]) << "a constant error is level";
+}
+
+TEST(EvaluationPlot, IsWrittenByTheNamesEnd) {
+  const auto folder = std::filesystem::temp_directory_path();
+  const std::string name = "lcmslam-plot-" + std::to_string(getpid());
+  const auto png = folder / (name + ".png"), svg = folder / (name + ".svg");
+  write_plot(png, two_estimates());
+  write_plot(svg, two_estimates());
+  EXPECT_EQ(cv::norm(cv::imread(png.string()), plot_evaluation(two_estimates()), cv::NORM_INF), 0);
+  EXPECT_EQ(std::filesystem::file_size(svg), plot_evaluation_svg(two_estimates()).size());
+  std::filesystem::remove(png);
+  std::filesystem::remove(svg);
+  EXPECT_THROW(write_plot(folder / "plot.gif", {}), std::invalid_argument);
+  EXPECT_THROW(write_plot("/no/such/folder/plot.svg", {}), std::runtime_error);
+  EXPECT_THROW(write_plot("/no/such/folder/plot.png", {}), std::runtime_error);
 }
 
 }  // namespace

@@ -129,6 +129,21 @@ TEST(CameraMessages, ImpossibleImagesAreRefusedByName) {
               HasSubstr("no depth image"));
 }
 
+TEST(CameraMessages, ImagesOfAnotherSizeThanTheCalibrationsAreRefusedBeforeTheyAreDecoded) {
+  Random random(4);
+  const RgbdCalibration calibration = testing::some_calibration(random);
+  const EncodedFrame good = testing::some_frame(random);
+  decode_images(to_message(good), calibration);
+  for (EncodedImage EncodedFrame::*image :
+       {&EncodedFrame::colour, &EncodedFrame::depth, &EncodedFrame::amplitude}) {
+    EncodedFrame frame = good;
+    (frame.*image).width = 8192;
+    (frame.*image).bytes = {1, 2, 3};  // what decodes them would say something else
+    EXPECT_THAT(error_of([&] { decode_images(to_message(frame), calibration); }),
+                HasSubstr("by its calibration it must be"));
+  }
+}
+
 TEST(CameraMessages, MutatedFramesAreRefusedOrDecodeButNeverCrash) {
   Random random(4);
   const Bytes good = encode_message(to_message(testing::some_frame(random)));

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "messages/decode.hpp"
 #include "unit/messages/all_types.hpp"
 #include "unit/messages/allocation_watch.hpp"
@@ -88,6 +90,22 @@ TYPED_TEST(Layout, LyingLengthsAreRefusedBeforeTheyTakeMemory) {
                                HasSubstr("does not fit")));
       EXPECT_LT(testing::largest_allocation(), 10'000U) << error;
     }
+}
+
+// A std::string may hold one, but LCM's encoders stop there: sent on, the message would be another.
+TEST(LayoutOfText, WithANulInItIsRefused) {
+  command_t command{};
+  command.target = "icp";
+  Bytes bytes = encode_message(command);
+  EXPECT_EQ(decode_message<command_t>(bytes.data(), bytes.size()).target, "icp");
+  const std::string text = "icp";
+  *std::search(bytes.begin(), bytes.end(), text.begin(), text.end()) = 0;
+  try {
+    decode_message<command_t>(bytes.data(), bytes.size());
+    FAIL() << "no error";
+  } catch (const DecodeError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("target: text with a NUL in it"));
+  }
 }
 
 TYPED_TEST(Layout, MutationsNeverCrashNorTakeMuchMemory) {

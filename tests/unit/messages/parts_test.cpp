@@ -76,6 +76,20 @@ TEST(Parts, AMissingPieceCostsItsMessageAndIsCounted) {
   EXPECT_EQ(assembler.incomplete(), 10);
 }
 
+TEST(Parts, MoreBytesThanTheMessageHasAreNotKept) {
+  auto parts = split_message("X", some_bytes(250, 1), 1, 0, 100);
+  PartAssembler assembler;
+  assembler.add(parts[0]);
+  part_t swollen = parts[1];
+  swollen.data.resize(151);
+  swollen.size = 151;
+  EXPECT_THROW(assembler.add(swollen), DecodeError);
+  assembler.add(parts[1]);
+  const auto whole = assembler.add(parts[2]);
+  ASSERT_TRUE(whole) << "the message's own pieces still make it whole";
+  EXPECT_EQ(whole->bytes, some_bytes(250, 1));
+}
+
 TEST(Parts, ContradictionsAreRefused) {
   const auto good = split_message("X", some_bytes(250, 1), 1, 0, 100);
   const auto refused = [&](auto change) {

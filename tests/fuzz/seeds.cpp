@@ -1,0 +1,166 @@
+// fuzz_seeds FOLDER: inputs of the right form for every fuzzer, one folder each.
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include "evaluation/trajectory.hpp"
+#include "log/log_format.hpp"
+#include "messages/camera_messages.hpp"
+#include "messages/decode.hpp"
+#include "messages/feature_messages.hpp"
+#include "messages/map_messages.hpp"
+#include "messages/motion_messages.hpp"
+#include "unit/messages/samples.hpp"
+#include "unit/messages/wire_sample.hpp"
+
+namespace lcmslam {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::uint8_t>;
+
+class SeedFolder {
+ public:
+  explicit SeedFolder(const fs::path& folder) : folder_(folder) {
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  void add(const Bytes& bytes) {
+    std::ofstream file(folder_ / std::to_string(count_++), std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  void add(const std::string& text) { add(Bytes(text.begin(), text.end())); }
+
+ private:
+  fs::path folder_;
+  int count_ = 0;
+};
+
+/// As message_fuzzer.cpp reads it: type chosen by the fingerprint in the bytes.
+Bytes raw(const Bytes& message) {
+  Bytes seed = {200};
+  seed.insert(seed.end(), message.begin(), message.end());
+  return seed;
+}
+
+template <class M>
+void add_message(SeedFolder& folder, M message) {
+  message.utime = 1'000'000;
+  folder.add(raw(encode_message(message)));
+}
+
+void make_messages(SeedFolder folder) {
+  Random random(1);
+  for (const MessageType* type : MessageType::all())
+    for (int i = 0; i < 2; ++i) folder.add(raw(testing::WireSampler(random).make(*type).bytes));
+
+  EncodedFrame frame = testing::some_frame(random);
+  folder.add(raw(encode_message(to_message(frame))));
+  frame.colour.coding = ImageCoding::raw_bgr;
+  frame.colour.bytes.resize(3 * 16 * 12);
+  frame.depth.coding = ImageCoding::depth_raw;
+  frame.depth.bytes.resize(2 * 8 * 6);
+  folder.add(raw(encode_message(to_message(frame))));
+
+  camera_calibration_t calibration = to_message(testing::some_calibration(random));
+  calibration.seq = calibration.sender = 0;
+  add_message(folder, calibration);
+  encoders_t encoders = to_message(testing::some_encoders(random));
+  encoders.seq = encoders.sender = 0;
+  add_message(folder, encoders);
+  features_t features = to_message(testing::some_features(random, 3));
+  features.seq = features.sender = 0;
+  add_message(folder, features);
+  pose_estimate_t pose = make_pose_estimate(0, testing::some_pose(random), testing::some_covariance(random));
+  pose.seq = pose.sender = 0;
+  add_message(folder, pose);
+  std::vector<landmark_t> landmarks;
+  for (int id = 0; id < 3; ++id) landmarks.push_back(to_message(testing::some_landmark(random, id), 1));
+  for (landmarks_t& tile : make_landmark_tiles(0, 2, 1, landmarks, {7})) {
+    tile.seq = tile.sender = 0;
+    add_message(folder, tile);
+  }
+  for (keyframe_t& tile :
+       make_keyframe_tiles(testing::some_keyframe(random, 12), testing::some_pose(random), 1)) {
+    tile.seq = tile.sender = 0;
+    add_message(folder, tile);
+  }
+}
+
+void make_parts(SeedFolder folder) {
+  Random random(2);
+  for (int i = 0; i < 10; ++i) {
+    Bytes bytes(8 * 10);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random.below(12));
+    folder.add(bytes);
+  }
+}
+
+void make_configurations(SeedFolder folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(LCMSLAM_SOURCE_DIR) / "config"))
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    std::ifstream text(file);
+    folder.add(std::string(std::istreambuf_iterator<char>(text), {}));
+  }
+  folder.add(std::string("icp: &a {radius: 1, numbers: [1, 2.5e3], fine: {enabled: no}}\n"
+                         "camera: *a\nrooms: [{name: x}]\ninclude: other.yaml\n") +
+             '\0' + "icp.fine.radius=3");
+}
+
+void make_trajectories(SeedFolder folder) {
+  folder.add("# timestamp tx ty tz qx qy qz qw\n1 2 3 4 0 0 0 1\n1.5\t-2e3,0 +0 .5 .5 .5 -.5\r\n");
+  Random random(3);
+  Trajectory trajectory;
+  for (Utime utime = 0; utime < 5'000'000; utime += 300'000)
+    trajectory.push_back({utime, testing::some_pose(random)});
+  std::ostringstream text;
+  write_tum(text, trajectory);
+  folder.add(text.str());
+}
+
+void make_logs(SeedFolder folder) {
+  Random random(4);
+  Bytes log;
+  for (int i = 0; i < 6; ++i) {
+    const std::string channel = i % 2 == 0 ? "CAMERA" : "ODOMETRY";
+    const Bytes data =
+        testing::WireSampler(random).make(*MessageType::all()[static_cast<std::size_t>(i)]).bytes;
+    log_format::Header header;
+    header.number = i;
+    header.timestamp = 1000 * i;
+    header.channel_size = channel.size();
+    header.data_size = data.size();
+    const std::size_t at = log.size();
+    log.resize(at + log_format::header_size);
+    log_format::write_header(log.data() + at, header);
+    log.insert(log.end(), channel.begin(), channel.end());
+    log.insert(log.end(), data.begin(), data.end());
+    folder.add(log);
+  }
+  log.erase(log.begin() + 40, log.begin() + 50);  // a hole
+  folder.add(log);
+}
+
+}  // namespace
+}  // namespace lcmslam
+
+int main(int argc, char** argv) {
+  using namespace lcmslam;
+  if (argc != 2) {
+    std::cerr << "usage: fuzz_seeds FOLDER\n";
+    return 2;
+  }
+  const fs::path folder = argv[1];
+  make_messages(SeedFolder(folder / "message"));
+  make_parts(SeedFolder(folder / "parts"));
+  make_configurations(SeedFolder(folder / "configuration"));
+  make_trajectories(SeedFolder(folder / "trajectory"));
+  make_logs(SeedFolder(folder / "log_reader"));
+  return 0;
+}

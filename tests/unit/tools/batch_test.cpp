@@ -1,0 +1,164 @@
+// The whole graph straight from a log: bit for bit the same, whatever the threads, and whatever else is in
+// the log.
+
+#include <gmock/gmock.h>
+
+#include "batch/batch_run.hpp"
+#include "log/log_reader.hpp"
+#include "log/log_writer.hpp"
+#include "messages/decode.hpp"
+#include "messages/parts.hpp"
+#include "runtime/options.hpp"
+#include "unit/tools/scratch.hpp"
+
+namespace lcmslam {
+namespace {
+
+using testing::ScratchFolder;
+
+const std::filesystem::path kitchen = LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog";
+
+constexpr int frames = 15;  // of the first 1.5 s at 10 Hz; the camera's stamps are not the wheels'
+
+BatchOptions options(const std::filesystem::path& log, const std::filesystem::path& folder) {
+  BatchOptions o;
+  o.config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {});
+  o.log = log;
+  o.folder = folder;
+  o.to = 1.5;
+  return o;
+}
+
+std::map<std::string, std::string> files(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> all;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::ostringstream text;
+    text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
+    all[entry.path().filename()] = text.str();
+  }
+  return all;
+}
+
+/// Names of the files that differ.
+std::vector<std::string> differing(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::vector<std::string> names;
+  auto of_b = files(b);
+  for (const auto& [name, content] : files(a)) {
+    if (of_b.count(name) == 0 || of_b[name] != content) names.push_back(name);
+    of_b.erase(name);
+  }
+  for (const auto& [name, content] : of_b) names.push_back(name);
+  return names;
+}
+
+/// Copies the log, each event changed to any number of events.
+void rewrite(const std::filesystem::path& from, const std::filesystem::path& to,
+             const std::function<void(const LogEvent&, LogWriter&)>& change) {
+  LogReader reader(from.string());
+  LogWriter writer(to.string());
+  while (const auto event = reader.next()) change(*event, writer);
+  writer.close();
+}
+
+class Batch : public ::testing::Test {
+ protected:
+  void SetUp() override { reference_ = run_batch(options(kitchen, folder("reference"))); }
+  std::filesystem::path folder(const std::string& name) const { return scratch_.path() / name; }
+
+  ScratchFolder scratch_;
+  BatchResult reference_;
+};
+
+TEST_F(Batch, MapsEveryFrame) {
+  EXPECT_EQ(reference_.frames, frames);
+  EXPECT_EQ(reference_.damages, 0U);
+  std::map<std::string, int> count;
+  LogReader log(reference_.output.string());
+  Utime last = 0;
+  while (const auto event = log.next()) {
+    ++count[event->channel];
+    EXPECT_GE(event->timestamp, last);
+    last = event->timestamp;
+  }
+  EXPECT_EQ(count["FEATURES"], frames);
+  EXPECT_EQ(count["FASTSLAM_POSE"], frames);
+  EXPECT_EQ(count["ICP_POSE"], frames);
+  EXPECT_GT(count["ODOMETRY"], 70);
+  EXPECT_GT(count["FASTSLAM_LANDMARKS"], 0);
+  EXPECT_GT(count["ICP_KEYFRAME"], 0);
+  EXPECT_EQ(count.count("STATUS"), 0U);
+  EXPECT_TRUE(std::filesystem::exists(folder("reference") / "fastslam_map.ply"));
+  EXPECT_TRUE(std::filesystem::exists(folder("reference") / "icp_map.ply"));
+}
+
+TEST_F(Batch, IsTheSameForAnyNumberOfThreads) {
+  for (const int threads : {1, 2, 4}) {
+    BatchOptions o = options(kitchen, folder(std::to_string(threads)));
+    o.threads = threads;
+    run_batch(o);
+    EXPECT_THAT(differing(folder("reference"), o.folder), ::testing::IsEmpty()) << threads << " threads";
+  }
+}
+
+TEST_F(Batch, NeverReadsGroundTruth) {
+  const auto log = scratch_.path() / "without.lcmlog";
+  int truths = 0;
+  rewrite(kitchen, log, [&](const LogEvent& event, LogWriter& writer) {
+    if (event.channel == "GROUND_TRUTH")
+      ++truths;
+    else
+      writer.write(event.timestamp, event.channel, event.data);
+  });
+  ASSERT_GT(truths, 50);
+  run_batch(options(log, folder("without")));
+  EXPECT_THAT(differing(folder("reference"), folder("without")), ::testing::IsEmpty());
+}
+
+TEST_F(Batch, LeavesOutWhatTheGraphMakesItselfAndPutsPiecesTogether) {
+  const auto log = scratch_.path() / "parts.lcmlog";
+  std::int64_t messages = 0;
+  rewrite(kitchen, log, [&](const LogEvent& event, LogWriter& writer) {
+    if (event.channel != "CAMERA") return writer.write(event.timestamp, event.channel, event.data);
+    for (const part_t& part : split_message("CAMERA", event.data, event.timestamp, messages, 40'000))
+      writer.write(event.timestamp, "CAMERA_PART", encode_message(part));
+    writer.write(event.timestamp, "FEATURES", {1, 2, 3});
+    writer.write(event.timestamp, "COMMAND", {1, 2, 3});
+    writer.write(event.timestamp, "SOMEBODY ELSE'S", {1, 2, 3});
+    ++messages;
+  });
+  const BatchResult result = run_batch(options(log, folder("parts")));
+  EXPECT_EQ(result.frames, frames);
+  EXPECT_EQ(result.incomplete, 0);
+  EXPECT_THAT(differing(folder("reference"), folder("parts")), ::testing::IsEmpty());
+}
+
+TEST_F(Batch, BeginsInTheMiddleWithTheCalibrationFromBefore) {
+  BatchOptions o = options(kitchen, folder("middle"));
+  o.from = 0.5;
+  o.to = 0.95;
+  const BatchResult result = run_batch(o);
+  EXPECT_EQ(result.frames, 5);
+  for (const auto& process : result.processes) EXPECT_EQ(process.decode_errors, 0) << process.process;
+  LogReader log(result.output.string());
+  int features = 0;
+  while (const auto event = log.next()) features += event->channel == "FEATURES" ? 1 : 0;
+  EXPECT_EQ(features, 5);
+}
+
+TEST(BatchErrors, NameWhatIsWrong) {
+  ScratchFolder scratch;
+  BatchOptions o = options(kitchen, scratch.path() / "out");
+  o.config.set("icp.voxel_sice", "1");
+  try {
+    run_batch(o);
+    FAIL() << "a wrong key was accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("voxel_size"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(o.folder / "batch.lcmlog"));
+  o = options(scratch.write("no.lcmlog", "this is no log"), scratch.path() / "out");
+  EXPECT_THROW(run_batch(o), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,137 @@
+// What the doctor finds on machines that are well and on machines that are made ill.
+
+#include <gmock/gmock.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <lcmslam/status_t.hpp>
+#include <thread>
+
+#include "doctor/checks.hpp"
+#include "runtime/lcm_bus.hpp"
+#include "runtime/private_bus.hpp"
+#include "unit/tools/scratch.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::HasSubstr;
+using Level = Finding::Level;
+
+const std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=212992";
+
+DoctorOptions quick(const std::string& lcm_url) {
+  DoctorOptions options;
+  options.lcm_url = lcm_url;
+  options.seconds = 0.3;
+  return options;
+}
+
+TEST(MulticastAddress, IsReadOrRefusedWithWhatWouldBeRight) {
+  const MulticastAddress address = multicast_address("udpm://239.1.2.3:1234?recv_buf_size=9&ttl=2");
+  EXPECT_EQ(address.group, "239.1.2.3");
+  EXPECT_EQ(address.port, 1234);
+  EXPECT_EQ(address.ttl, 2);
+  EXPECT_EQ(multicast_address("memq://").group, "");
+  for (const char* wrong : {"udpm://", "udpm://239.1.2.3", "udpm://10.0.0.1:7667", "udpm://239.1.2.3:99999",
+                            "udpm://239.1.2.3:x", "udpm://robot:7667"})
+    try {
+      multicast_address(wrong);
+      ADD_FAILURE() << wrong;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr(wrong));
+      EXPECT_THAT(error.what(), HasSubstr("udpm://239.255.76.67:7667"));
+    }
+}
+
+// In a process of its own, which then has no network at all.
+TEST(Doctor, NamesTheRouteThatIsMissing) {
+  const pid_t child = fork();
+  if (child == 0) {
+    if (unshare(geteuid() == 0 ? CLONE_NEWNET : CLONE_NEWUSER | CLONE_NEWNET) != 0) _exit(77);
+    const Finding finding = check_route(url);
+    const bool right =
+        finding.level == Level::failure && finding.text.find("239.255.76.67") != std::string::npos &&
+        finding.cure == "sudo ip route add 224.0.0.0/4 dev lo" && examine(quick(url)).size() == 3;
+    _exit(right ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 77)
+    GTEST_SKIP() << "no network namespace is permitted here";
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+TEST(Doctor, FindsAPrivateBusWell) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  const Finding route = check_route(url);
+  EXPECT_EQ(route.level, Level::good) << route.text;
+  EXPECT_THAT(route.text, HasSubstr("through lo"));
+  EXPECT_EQ(check_route("udpm://239.255.76.67:7667?ttl=1").level, Level::warning);
+  const Finding test = check_loop_back(quick(url));
+  EXPECT_EQ(test.level, Level::good) << test.text;
+  EXPECT_THAT(test.text, HasSubstr("9 of 9 messages of 300 kB"));
+  EXPECT_THAT(test.text, HasSubstr("in pieces"));
+  EXPECT_EQ(check_senders(quick(url)).level, Level::good);
+}
+
+TEST(Doctor, SaysWhatASmallBufferMeans) {
+  const std::string tiny = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2000";
+  const Finding buffer = check_receive_buffer(tiny, 300'000);
+  EXPECT_EQ(buffer.level, Level::note);
+  EXPECT_THAT(buffer.text, HasSubstr("above 60 kB"));
+  EXPECT_THAT(buffer.cure, HasSubstr("rmem_max"));
+  EXPECT_EQ(check_receive_buffer("memq://", 300'000).level, Level::good);
+}
+
+TEST(Doctor, NamesTheGraphThatRunsAlready) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  std::atomic<bool> stop{false};
+  std::thread other([&] {
+    lcm::LCM lcm(url);
+    LcmPublisher publisher(lcm, 3, 1'000'000);
+    status_t status{};
+    status.process = "surf";
+    status.pid = 4711;
+    while (!stop) {
+      publisher.publish("STATUS", status);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  const Finding finding = check_senders(quick(url));
+  stop = true;
+  other.join();
+  EXPECT_EQ(finding.level, Level::warning);
+  EXPECT_THAT(finding.text, HasSubstr("surf (4711)"));
+}
+
+TEST(Doctor, ReadsTheGovernor) {
+  testing::ScratchFolder scratch;
+  const auto folder = scratch.path() / "sys/devices/system/cpu/cpu0/cpufreq";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "scaling_governor") << "performance\n";
+  EXPECT_EQ(check_governor(scratch.path()).level, Level::good);
+  std::ofstream(folder / "scaling_governor") << "powersave\n";
+  EXPECT_EQ(check_governor(scratch.path()).level, Level::note);
+  EXPECT_EQ(check_governor(scratch.path() / "nothing").level, Level::good);
+}
+
+TEST(Doctor, MissesAFolderThatIsNotThere) {
+  EXPECT_EQ(check_disk("/no/such/folder").level, Level::failure);
+  EXPECT_THAT(check_disk("/no/such/folder").text, HasSubstr("/no/such/folder"));
+}
+
+TEST(Doctor, PrintsTheCureBelowTheFinding) {
+  const std::vector<Finding> findings{{Level::good, "a", "fine", ""},
+                                      {Level::warning, "b", "ill", "do this"}};
+  EXPECT_EQ(worst(findings), Level::warning);
+  EXPECT_THAT(format_findings(findings, true), HasSubstr("fine"));
+  const std::string brief = format_findings(findings, false);
+  EXPECT_EQ(brief.find("fine"), std::string::npos);
+  EXPECT_THAT(brief, HasSubstr("ill\n           do this\n"));
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,70 @@
+#include "lcm-spy/spy_launch.hpp"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "unit/tools/scratch.hpp"
+
+namespace lcmslam {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class LcmSpy : public ::testing::Test {
+ protected:
+  void put(const std::string& name, bool program = false) {
+    const fs::path file = folder_ / name;
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << "x";
+    if (program) fs::permissions(file, fs::perms::owner_all);
+  }
+  SpyParts find(const std::string& display = ":0") const {
+    const std::string search = (folder_ / "nowhere").string() + ":" + (folder_ / "usr/bin").string();
+    return find_spy_parts(search, {folder_ / "jars"}, folder_ / "programs", display);
+  }
+  std::string obstacle(const std::string& display = ":0") const { return spy_obstacle(find(display)); }
+
+  const testing::ScratchFolder scratch_;
+  const fs::path folder_ = scratch_.path();
+};
+
+TEST_F(LcmSpy, EachMissingPartIsNamedWithItsCure) {
+  EXPECT_THAT(obstacle(), HasSubstr("no Java"));
+  put("usr/bin/java");
+  EXPECT_THAT(obstacle(), HasSubstr("no Java")) << "a file that is no program";
+  fs::remove(folder_ / "usr/bin/java");
+
+  put("jvm/bin/java", true);
+  fs::create_symlink(folder_ / "jvm/bin/java", folder_ / "usr/bin/java");
+  EXPECT_THAT(obstacle(), HasSubstr("apt-get install default-jre"));
+  put("jvm/lib/libawt_xawt.so");
+  EXPECT_THAT(obstacle(), HasSubstr("apt-get install liblcm-java"));
+  put("jars/lcm.jar");
+  EXPECT_THAT(obstacle(), HasSubstr("apt-get install libjchart2d-java"));
+  put("jars/jchart2d.jar");
+  EXPECT_THAT(obstacle(), HasSubstr("lcmslam_types.jar was not built"));
+  put("programs/lcmslam_types.jar");
+  EXPECT_THAT(obstacle(), HasSubstr("lcmslam_spy.jar was not built"));
+  put("programs/lcmslam_spy.jar");
+  EXPECT_THAT(obstacle(""), HasSubstr("DISPLAY is not set"));
+  EXPECT_THAT(obstacle(":98765"), HasSubstr("no X server answers at DISPLAY=:98765"));
+  EXPECT_EQ(obstacle("desk.example:0.0"), "") << "displays of other machines are not asked";
+}
+
+TEST_F(LcmSpy, CommandHasEveryJarTheBusAndWhatElseWasGiven) {
+  SpyParts parts;
+  parts.java = "/j/java";
+  parts.lcm_jar = "/a.jar";
+  parts.chart_jar = "/b.jar";
+  parts.types_jar = "/c.jar";
+  parts.plugin_jar = "/d.jar";
+  EXPECT_THAT(spy_arguments(parts, "udpm://x?ttl=0&y", {"-h"}),
+              ElementsAre("/j/java", "-Djava.net.preferIPv4Stack=true", "-Xmx256m", "-cp",
+                          "/a.jar:/b.jar:/c.jar:/d.jar", "lcm.spy.Spy", "--lcm-url=udpm://x?ttl=0&y", "-h"));
+}
+
+}  // namespace
+}  // namespace lcmslam

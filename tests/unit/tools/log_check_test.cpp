@@ -1,0 +1,122 @@
+#include "log/log_check.hpp"
+
+#include <gmock/gmock.h>
+
+#include "log_samples.hpp"
+
+namespace lcmslam {
+namespace {
+
+using namespace testing;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class LogCheckTest : public ::testing::Test {
+ protected:
+  LogCheck check(const std::function<void(LogWriter&)>& write) {
+    const std::string file = (folder_.path() / "checked.lcmlog").string();
+    LogWriter log(file);
+    write(log);
+    log.close();
+    return check_log(file);
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(LogCheckTest, SoundLogIsClean) {
+  const LogCheck result = check_log(sample_log(folder_, 3));
+  EXPECT_TRUE(result.findings.empty());
+  EXPECT_EQ(result.events, 3 + 150 + 30 + 6);
+  EXPECT_EQ(result.unknown_types, 6);
+  EXPECT_EQ(result.sessions, 1);
+}
+
+TEST_F(LogCheckTest, SessionsInOneFileAreNoFault) {
+  sample_log(folder_, 2, "a");
+  folder_.write("both", folder_.read("a") + folder_.read("a"));
+  const LogCheck result = check_log((folder_.path() / "both").string());
+  EXPECT_TRUE(result.findings.empty());
+  EXPECT_EQ(result.sessions, 2);
+}
+
+TEST_F(LogCheckTest, DamageIsFoundAtItsPlace) {
+  const std::string file = sample_log(folder_, 3);
+  const std::uint64_t size = std::filesystem::file_size(file);
+  LogReader reader(file);
+  std::uint64_t offset = 0;
+  for (int i = 0; i < 20; ++i) offset = reader.next_view()->offset;
+  damage(file, offset);  // the sync word of event 19
+  const LogCheck result = check_log(file);
+  ASSERT_EQ(result.findings.size(), 1U);
+  EXPECT_EQ(result.findings[0].offset, offset);
+  EXPECT_THAT(format_finding(result.findings[0]), HasSubstr("(1 events lost)"));
+  std::filesystem::resize_file(file, size - 1);
+  EXPECT_EQ(check_log(file).findings.size(), 2U);
+}
+
+TEST_F(LogCheckTest, MessageOfAKnownTypeMustFitItsDefinition) {
+  const LogCheck result = check([](LogWriter& log) {
+    Bytes cut = encoders_message(sample_start, 0);
+    cut.pop_back();
+    log.write(sample_start, "ENCODERS", encoders_message(sample_start, 0));
+    log.write(sample_start, "ENCODERS", cut);
+    log.write(sample_start, "ENCODERS", encoders_message(sample_start, 1));
+  });
+  ASSERT_EQ(result.findings.size(), 1U);
+  EXPECT_THAT(result.findings[0].text, AllOf(HasSubstr("event 1"), HasSubstr("not what its type says")));
+}
+
+TEST_F(LogCheckTest, DisorderAndClocksThatJump) {
+  const LogCheck result = check([](LogWriter& log) {
+    log.write(2'000'000, "ENCODERS", encoders_message(2'000'000, 0));
+    log.write(1'900'000, "ENCODERS", encoders_message(1'900'000, 1));   // earlier
+    log.write(2'100'000, "ENCODERS", encoders_message(80'000'000, 2));  // 78 s ahead of the log
+    log.write(2'200'000, "ENCODERS", encoders_message(-5, 3));          // no time
+    log.write(2'300'000, "CAMERA_CALIBRATION", calibration_message(0, 0));
+    log.write(2'400'000, "CAMERA_CALIBRATION", calibration_message(2'400'000, 1));
+  });
+  ASSERT_EQ(result.findings.size(), 3U);
+  EXPECT_THAT(format_finding(result.findings[0]),
+              AllOf(HasSubstr("event 1"), HasSubstr("ENCODERS"), HasSubstr("0.100000 s before")));
+  EXPECT_THAT(result.findings[1].text, HasSubstr("utime jumps by 77.9"));
+  EXPECT_THAT(result.findings[2].text, HasSubstr("utime -5"));
+  EXPECT_EQ(result.findings[2].number, 3);
+}
+
+TEST_F(LogCheckTest, MissingEventNumbersAreFound) {
+  const std::string file = sample_log(folder_, 1);
+  LogReader reader(file);
+  std::vector<std::uint64_t> offsets;
+  while (const auto event = reader.next_view()) offsets.push_back(event->offset);
+  const std::string bytes = folder_.read("a.lcmlog");
+  folder_.write("cut", bytes.substr(0, offsets[10]) + bytes.substr(offsets[13]));
+  const LogCheck result = check_log((folder_.path() / "cut").string());
+  ASSERT_EQ(result.findings.size(), 1U);
+  EXPECT_EQ(result.findings[0].number, 13);
+  EXPECT_THAT(result.findings[0].text, HasSubstr("follows event number 9"));
+}
+
+TEST_F(LogCheckTest, PiecesThatAreMissingOrContradictEachOther) {
+  const LogCheck result = check([](LogWriter& log) {
+    write_pieces(log, sample_start, "CAMERA", camera_message(sample_start, 0), 0);
+    write_pieces(log, sample_start, "CAMERA", camera_message(sample_start, 1), 1, 0);
+    part_t bad = split_message("CAMERA", Bytes(100), sample_start, 2, 50).front();
+    bad.part = 9;
+    log.write(sample_start, "CAMERA_PART", encode_message(bad));
+    Bytes wrong = camera_message(sample_start, 3);
+    wrong.pop_back();  // whole pieces of a message that is not
+    write_pieces(log, sample_start, "CAMERA", wrong, 3);
+  });
+  ASSERT_EQ(result.findings.size(), 3U);
+  EXPECT_THAT(result.findings[0].text, HasSubstr("part 9 of 2"));
+  EXPECT_THAT(result.findings[1].text, HasSubstr("not what its type says"));
+  EXPECT_THAT(format_finding(result.findings[2]), HasSubstr("CAMERA: 1 messages in pieces are incomplete"));
+}
+
+TEST_F(LogCheckTest, WhatIsNoLogIsAnError) {
+  EXPECT_THROW(check_log((folder_.path() / "none").string()), std::runtime_error);
+  EXPECT_THROW(check_log(folder_.write("text", "no log").string()), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,172 @@
+#include "log/log_edit.hpp"
+
+#include <gmock/gmock.h>
+
+#include "geometry/random.hpp"
+#include "log/log_check.hpp"
+#include "log_samples.hpp"
+
+namespace lcmslam {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+class LogEditTest : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+  template <class Action>
+  static std::string error_of(Action action) {
+    try {
+      action();
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static LogSelection between(double from, double to) {
+    LogSelection selection;
+    selection.from = LogTime{from};
+    selection.to = LogTime{to};
+    return selection;
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(LogEditTest, RepairKeepsEveryWholeEventAndTellsWhatIsLost) {
+  const std::string file = sample_log(folder_, 20);
+  const auto events = read_log(file);
+  std::vector<std::uint64_t> offsets;
+  LogReader reader(file);
+  while (const auto event = reader.next_view()) offsets.push_back(event->offset);
+  Random random(1);
+  std::set<std::size_t> hit;
+  for (int i = 0; i < 12; ++i) {
+    hit.insert(5 + random.below(events.size() - 10));
+    damage(file, offsets[*hit.rbegin()] + 1);  // sync words
+  }
+  for (const std::size_t i : hit) damage(file, offsets[i], 0x40);
+  const LogEdit edit = repair_log(file, {path("b.lcmlog"), false});
+  const auto repaired = read_log(path("b.lcmlog"));
+  std::vector<const LogEvent*> expected;
+  for (std::size_t i = 0; i < events.size(); ++i)
+    if (hit.count(i) == 0) expected.push_back(&events[i]);
+  ASSERT_EQ(repaired.size(), expected.size());
+  for (std::size_t i = 0; i < repaired.size(); ++i) {
+    EXPECT_EQ(repaired[i].timestamp, expected[i]->timestamp);
+    EXPECT_EQ(repaired[i].channel, expected[i]->channel);
+    EXPECT_EQ(repaired[i].data, expected[i]->data);
+  }
+  std::int64_t lost = 0;
+  for (const auto& damage : edit.damages) lost += damage.lost;
+  EXPECT_EQ(lost, static_cast<std::int64_t>(hit.size()));
+  EXPECT_EQ(edit.written, static_cast<std::int64_t>(expected.size()));
+  EXPECT_TRUE(check_log(path("b.lcmlog")).findings.empty());
+}
+
+TEST_F(LogEditTest, RepairOverwritesNothing) {
+  const std::string file = sample_log(folder_, 1);
+  EXPECT_THAT(error_of([&] { repair_log(file, {file, true}); }), HasSubstr("is the input"));
+  std::filesystem::create_hard_link(file, path("link"));
+  EXPECT_THAT(error_of([&] { repair_log(file, {path("link"), true}); }), HasSubstr("is the input"));
+  folder_.write("other", "precious");
+  EXPECT_THAT(error_of([&] { repair_log(file, {path("other"), false}); }), HasSubstr("--force"));
+  EXPECT_EQ(folder_.read("other"), "precious");
+  repair_log(file, {path("other"), true});
+  EXPECT_EQ(read_log(path("other")).size(), read_log(file).size());
+}
+
+TEST_F(LogEditTest, NothingWholeIsAnErrorAndLeavesNoFile) {
+  const std::string header("\xED\xA1\xDA\x01 but nothing that follows", 20);
+  const std::string file = folder_.write("bad", header).string();
+  EXPECT_THAT(error_of([&] {
+                repair_log(file, {path("out"), false});
+              }),
+              HasSubstr("no event in it is whole"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
+}
+
+TEST_F(LogEditTest, CutTakesTimesFromTheLogsStartAndPutsTheCalibrationFirst) {
+  const std::string file = sample_log(folder_, 10);
+  cut_log(file, {path("b"), false}, between(2.5, 4.5));
+  const auto events = read_log(path("b"));
+  EXPECT_EQ(count(events, "ENCODERS"), 100U);
+  EXPECT_EQ(count(events, "CAMERA"), 20U);
+  ASSERT_EQ(count(events, "CAMERA_CALIBRATION"), 3U);  // that of 2 s, 3 s and 4 s
+  EXPECT_EQ(events[0].channel, "CAMERA_CALIBRATION");
+  EXPECT_EQ(events[0].timestamp, sample_start + 2'500'000);
+  EXPECT_EQ(events[0].data, calibration_message(sample_start + 2'000'000, 2));
+  EXPECT_EQ(events[1].timestamp, sample_start + 2'500'000);
+  EXPECT_LT(events.back().timestamp, sample_start + 4'500'000);
+}
+
+TEST_F(LogEditTest, TwoCutsMakeTheWhole) {
+  const std::string file = sample_log(folder_, 6);
+  LogSelection first, second;
+  first.to = LogTime{2.98};
+  second.from = LogTime{2.98};
+  cut_log(file, {path("b"), false}, first);
+  cut_log(file, {path("c"), false}, second);
+  auto all = read_log(path("b"));
+  const auto rest = read_log(path("c"));
+  all.insert(all.end(), rest.begin() + 1, rest.end());  // without the calibration put at the head
+  const auto whole = read_log(file);
+  ASSERT_EQ(all.size(), whole.size());
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i].data, whole[i].data);
+}
+
+TEST_F(LogEditTest, CutTakesUtimesAndChannels) {
+  const std::string file = (folder_.path() / "late").string();
+  LogWriter log(file);
+  write_sample(log, 5, 1'700'000'000'000'000);
+  log.close();
+  LogSelection selection = between(1'700'000'001'000'000, 1'700'000'002'000'000);
+  selection.channels = {"ENCODERS", "ODD name, \xC3\xA4"};
+  cut_log(file, {path("b"), false}, selection);
+  const auto events = read_log(path("b"));
+  EXPECT_EQ(count(events, "ENCODERS"), 50U);
+  EXPECT_EQ(count(events, "ODD name, \xC3\xA4"), 2U);
+  EXPECT_EQ(events.size(), 52U);
+  LogSelection without;
+  without.without_channels = {"CAMERA", "CAMERA_CALIBRATION"};
+  cut_log(file, {path("c"), false}, without);
+  EXPECT_EQ(read_log(path("c")).size(), 250U + 10U);
+}
+
+TEST_F(LogEditTest, CutOfNothingNamesWhatIsWrong) {
+  const std::string file = sample_log(folder_, 2);
+  const LogOutput output{path("b"), false};
+  EXPECT_THAT(error_of([&] { cut_log(file, output, between(3, 2)); }), HasSubstr("--from 3 --to 2"));
+  EXPECT_THAT(error_of([&] { cut_log(file, output, between(-1, 2)); }), HasSubstr("--from -1"));
+  EXPECT_THAT(error_of([&] { cut_log(file, output, between(50, 60)); }), HasSubstr("no event lies within"));
+  LogSelection selection;
+  selection.channels = {"CAMRA"};
+  EXPECT_THAT(error_of([&] { cut_log(file, output, selection); }),
+              AllOf(HasSubstr("'CAMRA'"), HasSubstr("CAMERA, CAMERA_CALIBRATION, ENCODERS")));
+  EXPECT_FALSE(std::filesystem::exists(path("b")));
+}
+
+TEST_F(LogEditTest, MessagesInPiecesBecomeWhole) {
+  const std::string file = path("pieces");
+  LogWriter log(file);
+  for (int i = 0; i < 5; ++i) {
+    const Utime now = sample_start + 100'000 * i;
+    write_pieces(log, now, "CAMERA", camera_message(now, i), i, i == 2 ? 1 : -1);
+    log.write(now, "ENCODERS", encoders_message(now, i));
+  }
+  log.close();
+  const LogEdit edit = repair_log(file, {path("b"), false});
+  EXPECT_EQ(edit.joined, 4);
+  EXPECT_EQ(edit.incomplete, 1);
+  const auto events = read_log(path("b"));
+  EXPECT_EQ(count(events, "CAMERA"), 4U);
+  EXPECT_EQ(count(events, "CAMERA_PART"), 0U);
+  EXPECT_EQ(count(events, "ENCODERS"), 5U);
+  EXPECT_EQ(events[0].data, camera_message(sample_start, 0));
+  LogSelection camera;
+  camera.channels = {"CAMERA"};
+  EXPECT_EQ(cut_log(file, {path("c"), false}, camera).written, 4);
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,97 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <iostream>
+#include <thread>
+
+#include "batch/batch_run.hpp"
+#include "commands.hpp"
+#include "evaluation/table.hpp"
+#include "parse_command.hpp"
+#include "run_folder.hpp"
+#include "runtime/machine.hpp"
+#include "runtime/options.hpp"
+
+namespace lcmslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+void print(const BatchResult& result, double seconds) {
+  std::cout << fmt::format("{} frames, {:.1f} s of log in {:.1f} s: {:.2f} x real time, {:.1f} s CPU\n\n",
+                           result.frames, result.log_seconds, seconds, result.log_seconds / seconds,
+                           process_cpu_seconds());
+  Table table({"process", "received", "malformed", "published"});
+  for (const auto& process : result.processes)
+    table.add({process.process, std::to_string(process.received), std::to_string(process.decode_errors),
+               std::to_string(process.published)});
+  std::cout << table << "\n";
+  for (const auto& process : result.processes) {
+    std::cout << process.process << ":";
+    for (const auto& [name, value] : process.report.values)
+      std::cout << fmt::format("  {} {:g}", name, value);
+    std::cout << "\n";
+  }
+  std::cout << "\n";
+  if (result.damages > 0)
+    std::cout << "the log is damaged in " << result.damages << " places (lcmslam log check)\n";
+  if (result.incomplete > 0) std::cout << result.incomplete << " messages in pieces were incomplete\n";
+  std::cout << "results: " << result.output.string() << " (" << result.published
+            << " messages), maps beside it\n";
+}
+
+}  // namespace
+
+int batch_command(int argc, char** argv) {
+  BatchOptions options;
+  std::string config, log, out;
+  std::vector<std::string> overrides;
+  options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  CLI::App app{
+      "Runs the whole graph in one process straight from a log: nothing dropped, the same result on "
+      "every run.",
+      "lcmslam batch"};
+  app.add_option("config", config, "configuration (YAML), e.g. config/replay.yaml")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("log", log, ".lcmlog with CAMERA, CAMERA_CALIBRATION and, if there are wheels, ENCODERS")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--out", out, "folder for batch.lcmlog and the maps, default out/batch-TIME");
+  app.add_option("--from", options.from, "s from the log's start")->check(CLI::NonNegativeNumber);
+  app.add_option("--to", options.to, "s from the log's start")->check(CLI::NonNegativeNumber);
+  app.add_option("--threads", options.threads, "does not change the result")->check(CLI::Range(1, 256));
+  app.add_option("--set", overrides, "override: section.key=value");
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  if (options.to > 0 && options.to <= options.from) {
+    std::cerr << fmt::format("lcmslam batch: --to {} must be later than --from {}\n", options.to,
+                             options.from);
+    return 2;
+  }
+  keep_freed_memory();
+  options.config = load_config(config, overrides);
+  options.log = log;
+  options.folder = out.empty() ? new_run_folder("batch") : std::filesystem::path(out);
+
+  const Clock::time_point begin = Clock::now();
+  const bool terminal = isatty(STDOUT_FILENO) != 0;
+  double shown = 0;
+  options.progress = [&](double share, double seconds) {
+    const double elapsed = seconds_since(begin);
+    if (!terminal || elapsed - shown < 1) return;
+    shown = elapsed;
+    std::cout << fmt::format("\r  {:3.0f} %  {:.1f} s of log in {:.0f} s ", 100 * share, seconds, elapsed)
+              << std::flush;
+  };
+  const BatchResult result = run_batch(options);
+  if (terminal) std::cout << "\r";
+  print(result, seconds_since(begin));
+  return result.frames > 0 ? 0 : 1;
+}
+
+}  // namespace lcmslam

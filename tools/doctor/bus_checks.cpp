@@ -1,0 +1,129 @@
+// The checks that use the bus.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <lcmslam/status_t.hpp>
+#include <set>
+
+#include "doctor/checks.hpp"
+#include "runtime/lcm_bus.hpp"
+
+namespace lcmslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Level = Finding::Level;
+
+std::chrono::duration<double> seconds(double s) {
+  return std::chrono::duration<double>(s);
+}
+
+std::int64_t microseconds_now() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count();
+}
+
+Finding no_lcm(const std::string& subject, const std::string& url) {
+  return {Level::failure, subject, "LCM cannot use " + url, ""};
+}
+
+/// Everything heard on the bus within a time.
+class Listener {
+ public:
+  void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+    if (channel.rfind("LCM_SELF_TEST", 0) == 0) return;
+    channels.insert(channel);
+    if (channel != "STATUS") return;
+    try {
+      const auto status =
+          decode_message<status_t>(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+      processes.insert(fmt::format("{} ({})", status.process, status.pid));
+    } catch (const DecodeError&) {
+    }
+  }
+  std::set<std::string> channels, processes;
+};
+
+template <class Texts>
+std::string joined(const Texts& texts, std::size_t most) {
+  std::string all;
+  std::size_t count = 0;
+  for (const auto& text : texts) {
+    if (++count > most) return all + ", ...";
+    all += (all.empty() ? "" : ", ") + text;
+  }
+  return all;
+}
+
+}  // namespace
+
+Finding check_loop_back(const DoctorOptions& options) {
+  Finding finding{Level::good, "loop-back test", "", ""};
+  lcm::LCM sending(options.lcm_url), receiving(options.lcm_url);
+  if (!sending.good() || !receiving.good()) return no_lcm(finding.subject, options.lcm_url);
+  Inputs inputs;
+  std::vector<double> latencies;  // s
+  const std::string channel = fmt::format("LCMSLAM_DOCTOR_{}", getpid());
+  const Input& input = inputs.subscribe<status_t>(channel, 1000, [&](const status_t& m) {
+    latencies.push_back(1e-6 * static_cast<double>(microseconds_now() - m.utime));
+  });
+  const std::int64_t sender = draw_sender();
+  LcmPublisher publisher(sending, sender, largest_whole_message(options.lcm_url));
+  Receiver receiver(receiving, inputs);
+  const auto take_until = [&](Clock::time_point end) {
+    Arrival arrival;
+    while (Clock::now() < end && receiver.take(arrival, std::max(Clock::duration{0}, end - Clock::now())))
+      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+  };
+  const auto period = std::chrono::duration_cast<Clock::duration>(seconds(1 / options.rate));
+  const auto count = static_cast<std::size_t>(std::max(3.0, options.seconds * options.rate));
+  status_t message{};
+  message.detail.assign(options.largest, 'x');
+  Clock::time_point next = Clock::now();
+  for (std::size_t i = 0; i < count; ++i, next += period) {
+    message.utime = microseconds_now();
+    publisher.publish(channel, message);
+    take_until(next + period);
+  }
+  const Clock::time_point deadline = Clock::now() + std::chrono::seconds(1);
+  while (latencies.size() < count && Clock::now() < deadline) take_until(Clock::now() + period);
+
+  const std::size_t lost = count - std::min(count, latencies.size());
+  std::sort(latencies.begin(), latencies.end());
+  finding.text = fmt::format("{} of {} messages of {} kB at {:g} Hz came back", latencies.size(), count,
+                             options.largest / 1000, options.rate);
+  if (!latencies.empty())
+    finding.text += fmt::format(", median {:.1f} ms, largest {:.1f} ms",
+                                1e3 * latencies[latencies.size() / 2], 1e3 * latencies.back());
+  if (publisher.split() > 0) finding.text += ", in pieces";
+  if (lost == 0) return finding;
+  finding.level = lost == count ? Level::failure : Level::warning;
+  const auto sender_count = input.senders.find(sender);
+  if (sender_count != input.senders.end())
+    finding.text += fmt::format(" ({} counted as lost)", sender_count->second.lost);
+  finding.cure = "sudo sysctl -w net.core.rmem_max=4194304";
+  return finding;
+}
+
+Finding check_senders(const DoctorOptions& options) {
+  Finding finding{Level::good, "other senders", "nobody else is heard on this bus", ""};
+  lcm::LCM lcm(options.lcm_url);
+  if (!lcm.good()) return no_lcm(finding.subject, options.lcm_url);
+  Listener listener;
+  lcm.subscribe(".*", &Listener::hear, &listener);
+  const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds(
+                                                   std::max(1.2, options.seconds)));  // STATUS is at 1 Hz
+  while (Clock::now() < end)
+    lcm.handleTimeout(static_cast<int>(std::max<std::int64_t>(
+        1, std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count())));
+  if (listener.channels.empty()) return finding;
+  finding.level = listener.processes.empty() ? Level::note : Level::warning;
+  finding.text = listener.processes.empty()
+                     ? "others send here: " + joined(listener.channels, 8)
+                     : "a graph of lcmslam runs here already: " + joined(listener.processes, 8) +
+                           "; a second one needs another port (--lcm-url) or --private-bus";
+  return finding;
+}
+
+}  // namespace lcmslam

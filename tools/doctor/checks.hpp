@@ -1,0 +1,52 @@
+#pragma once
+// What keeps LCM from working on a machine, and the line that mends it.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lcmslam {
+
+struct Finding {
+  enum class Level { good, note, warning, failure };
+  Level level = Level::good;
+  std::string subject;  ///< "multicast route", ...
+  std::string text;     ///< what was found, in plain words
+  std::string cure;     ///< command that mends it; empty when nothing needs to be mended
+};
+
+struct DoctorOptions {
+  std::string lcm_url;
+  std::size_t largest = 300'000;       ///< bytes of the graph's largest message: VGA colour with depth
+  double rate = 30;                    ///< Hz, of those
+  double seconds = 1;                  ///< of the loop-back test and of listening
+  std::filesystem::path folder = ".";  ///< where maps and logs go
+};
+
+/// Address of udpm://ADDRESS:PORT?...; other providers give none.
+struct MulticastAddress {
+  std::string group;
+  int port = 0;
+  int ttl = 0;
+};
+/// Throws std::invalid_argument when a udpm URL is not understood; group is empty for other providers.
+MulticastAddress multicast_address(const std::string& lcm_url);
+
+Finding check_route(const std::string& lcm_url);
+Finding check_receive_buffer(const std::string& lcm_url, std::size_t largest);
+/// Sends to itself at the graph's size and rate. Needs a route.
+Finding check_loop_back(const DoctorOptions& options);
+/// Listens for what others send.
+Finding check_senders(const DoctorOptions& options);
+/// `root`: of the file system's tree below which sys/devices/system/cpu is looked for.
+Finding check_governor(const std::filesystem::path& root = "/");
+Finding check_disk(const std::filesystem::path& folder);
+
+/// All of them, in this order; what needs a route only where there is one.
+std::vector<Finding> examine(const DoctorOptions& options);
+
+Finding::Level worst(const std::vector<Finding>& findings);
+/// Lines to print; good ones only when `all`.
+std::string format_findings(const std::vector<Finding>& findings, bool all);
+
+}  // namespace lcmslam

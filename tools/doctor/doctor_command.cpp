@@ -1,0 +1,63 @@
+#include <unistd.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "commands.hpp"
+#include "doctor/checks.hpp"
+#include "parse_command.hpp"
+#include "runtime/options.hpp"
+#include "runtime/private_bus.hpp"
+
+namespace lcmslam {
+namespace {
+
+/// Applies what can be applied; true when something was.
+bool mend(const std::vector<Finding>& findings) {
+  bool mended = false;
+  for (const Finding& finding : findings) {
+    if (finding.cure.empty() || finding.cure.find("NETWORK_CARD") != std::string::npos) continue;
+    std::string command = finding.cure;
+    const std::string sudo = "sudo ";
+    const std::size_t at = command.find(sudo);
+    if (at != std::string::npos) command.replace(at, sudo.size(), geteuid() == 0 ? "" : "sudo -n ");
+    std::cout << "runs: " << command << std::endl;
+    if (std::system(command.c_str()) == 0)
+      mended = true;
+    else
+      std::cout << "  that is not permitted here; run it yourself: " << finding.cure << "\n";
+  }
+  return mended;
+}
+
+}  // namespace
+
+int doctor_command(int argc, char** argv) {
+  DoctorOptions options;
+  bool fix = false, private_bus = false;
+  CLI::App app{"Looks for what makes LCM lose messages on this machine, and says what mends it.",
+               "lcmslam doctor"};
+  app.add_option("--lcm-url", options.lcm_url, "LCM provider");
+  app.add_option("--largest", options.largest, "bytes of the largest message, default 300000: VGA with depth")
+      ->check(CLI::Range(1000, 100'000'000));
+  app.add_option("--rate", options.rate, "Hz, of those")->check(CLI::Range(0.1, 1000.0));
+  app.add_option("--seconds", options.seconds, "how long the bus is tried")->check(CLI::Range(0.1, 3600.0));
+  app.add_flag("--fix", fix, "run the lines that mend what was found, as root or by sudo");
+  app.add_flag("--private-bus", private_bus, "look at a private network namespace instead");
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
+  if (private_bus && !enter_private_bus()) {
+    std::cerr << "lcmslam doctor: this machine permits no private network namespace\n";
+    return 1;
+  }
+  std::cout << options.lcm_url << std::endl;
+  auto findings = examine(options);
+  std::cout << format_findings(findings, true);
+  if (fix && mend(findings)) {
+    findings = examine(options);
+    std::cout << "after mending:\n" << format_findings(findings, true);
+  }
+  return worst(findings) >= Finding::Level::warning ? 1 : 0;
+}
+
+}  // namespace lcmslam

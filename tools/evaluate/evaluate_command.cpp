@@ -1,0 +1,105 @@
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "evaluate/evaluation_report.hpp"
+#include "evaluate/pose_log.hpp"
+#include "parse_command.hpp"
+
+namespace lcmslam {
+namespace {
+
+const std::map<std::string, Alignment> alignments = {{"se3", Alignment::se3},
+                                                     {"sim3", Alignment::sim3},
+                                                     {"first-pose", Alignment::first_pose},
+                                                     {"se2", Alignment::se2},
+                                                     {"none", Alignment::none}};
+const std::map<std::string, Association> associations = {{"nearest", Association::nearest},
+                                                         {"interpolate", Association::interpolate_truth}};
+
+template <class T>
+CLI::IsMember one_of(const std::map<std::string, T>& choices) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices) names.push_back(name);
+  return CLI::IsMember(names);
+}
+
+struct Request {
+  InputRequest inputs;
+  std::string alignment = "se3", association, json;
+  std::vector<std::string> plots;
+  EvaluationSettings settings;
+  bool find_clock_offset = false;
+  ClockOffsetSearch search;
+};
+
+std::optional<int> parse(Request& r, int argc, char** argv) {
+  CLI::App app{
+      "Compares estimated trajectories with the truth: absolute (ATE) and relative (RPE) errors as the TUM "
+      "RGB-D benchmark defines them. FILE is a TUM text file (t x y z qx qy qz qw) or an .lcmlog, also "
+      "LOG:CHANNEL; a log alone stands for its FASTSLAM_POSE, ICP_POSE and ODOMETRY, and brings its "
+      "GROUND_TRUTH.",
+      "lcmslam evaluate"};
+  app.add_option("--truth", r.inputs.truth, "FILE or LOG[:CHANNEL]");
+  app.add_option("estimate,--estimate", r.inputs.estimates, "FILE or LOG[:CHANNEL], one or more");
+  app.add_option("--alignment", r.alignment, "taken away before errors are measured (se3)")
+      ->check(one_of(alignments));
+  app.add_option(
+         "--association", r.association,
+         "nearest stamps (TUM's; default when the truth is a text file), or the truth interpolated at "
+         "the estimate's stamps (default when it is a log)")
+      ->check(one_of(associations));
+  app.add_option(
+         "--max-difference", r.settings.max_time_difference,
+         "s, between matched stamps; the truth is interpolated over gaps up to 10 times as long (0.02)")
+      ->check(CLI::Range(1e-6, 1e3));
+  auto* offset =
+      app.add_option("--clock-offset", r.settings.clock_offset, "s, added to the estimates' stamps")
+          ->check(CLI::Range(-1e9, 1e9));
+  app.add_flag("--estimate-clock-offset", r.find_clock_offset,
+               "find the offset with the least ATE and show the errors without and with it")
+      ->excludes(offset);
+  app.add_option("--clock-range", r.search.range, "s, largest offset that is looked for (0.5)")
+      ->check(CLI::Range(0.01, 10.0));
+  const CLI::IsMember bodies({"robot", "camera"});
+  app.add_option("--truth-frame", r.inputs.truth_body, "whose pose the truth is, where it does not say so")
+      ->check(bodies);
+  app.add_option("--estimate-frame", r.inputs.estimate_body, "the same for the estimates")->check(bodies);
+  app.add_option("--plot", r.plots, "FILE.png or FILE.svg: paths from above, errors over time")
+      ->check(CLI::Validator(
+          [](const std::string& name) {
+            const std::string end = std::filesystem::path(name).extension();
+            return end == ".png" || end == ".svg" ? "" : name + " must end in .png or .svg";
+          },
+          "FILE.png|FILE.svg"));
+  app.add_option("--json", r.json, "file for all figures");
+  return parse_command(app, argc, argv);
+}
+
+}  // namespace
+
+int evaluate_command(int argc, char** argv) {
+  Request r;
+  if (const auto exit_code = parse(r, argc, argv)) return *exit_code;
+  EvaluationInputs inputs = read_inputs(r.inputs);
+  r.settings.alignment = alignments.at(r.alignment);
+  r.settings.association = !r.association.empty()         ? associations.at(r.association)
+                           : inputs.truth.channel.empty() ? Association::nearest
+                                                          : Association::interpolate_truth;
+  const Evaluation evaluation = evaluate_all(std::move(inputs), r.settings, r.find_clock_offset, r.search);
+  std::cout << format_evaluation(evaluation);
+  for (const std::string& file : r.plots) write_plot(file, evaluation_plot(evaluation));
+  if (!r.json.empty()) {
+    std::ofstream text(r.json);
+    text << evaluation_json(evaluation).dump(2) << "\n";
+    text.close();
+    if (!text) throw std::runtime_error(r.json + ": cannot be written");
+  }
+  const bool all = std::all_of(evaluation.estimates.begin(), evaluation.estimates.end(),
+                               [](const EvaluatedEstimate& e) { return e.report.has_value(); });
+  return all ? 0 : 1;
+}
+
+}  // namespace lcmslam

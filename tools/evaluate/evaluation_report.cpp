@@ -1,0 +1,173 @@
+#include "evaluate/evaluation_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "evaluation/table.hpp"
+
+namespace lcmslam {
+namespace {
+
+double degrees(double radians) {
+  return radians * 180 / M_PI;
+}
+
+std::vector<std::string> row(const std::string& name, const EvaluatedEstimate& e, const TrajectoryReport& r) {
+  const auto metres = [](const ErrorStatistics& s) { return fixed_number(s.rmse, 4); };
+  const auto angle = [](const ErrorStatistics& s) { return fixed_number(degrees(s.rmse), 2); };
+  return {name,
+          std::to_string(r.estimate_poses),
+          std::to_string(r.matched_poses),
+          fixed_number(100 * r.tracked_fraction, 1),
+          fixed_number(r.absolute.translation.rmse, 6),
+          fixed_number(r.absolute.translation.median, 4),
+          fixed_number(r.absolute.translation.maximum, 4),
+          angle(r.absolute.rotation),
+          metres(r.per_frame.translation),
+          angle(r.per_frame.rotation),
+          metres(r.per_second.translation),
+          angle(r.per_second.rotation),
+          metres(r.per_metre.translation),
+          angle(r.per_metre.rotation),
+          fixed_number(r.alignment.scale, 4),
+          std::to_string(e.path.lost)};
+}
+
+Table error_table(const Evaluation& evaluation) {
+  Table table({"estimate", "poses", "matched", "tracked %", "ATE rmse m", "median", "max", "deg",
+               "RPE frame m", "deg", "second m", "deg", "metre m", "deg", "scale", "lost"});
+  for (const EvaluatedEstimate& e : evaluation.estimates) {
+    if (e.report) {
+      table.add(row(e.path.name, e, *e.report));
+    } else {
+      std::vector<std::string> empty(16, "-");
+      empty[0] = e.path.name;
+      empty[1] = std::to_string(e.path.trajectory.size());
+      table.add(empty);
+    }
+    if (e.clocked) table.add(row(fmt::format("  clock {:+.1f} ms", 1e3 * e.clock->offset), e, *e.clocked));
+  }
+  return table;
+}
+
+std::string clock_text(const EvaluatedEstimate& e) {
+  const ClockOffset& c = *e.clock;
+  std::string text = fmt::format(
+      "{}: clock offset {:+.1f} ms ({} poses compared; the error is within 5 % of its least from {:+.1f} to "
+      "{:+.1f} ms): ATE {:.6f} m without it, {:.6f} m with it\n",
+      e.path.name, 1e3 * c.offset, c.compared_poses, 1e3 * c.low, 1e3 * c.high,
+      e.report->absolute.translation.rmse, e.clocked->absolute.translation.rmse);
+  text += c.determined ? fmt::format("  not applied above; --clock-offset {:.4f} applies it\n", c.offset)
+                       : "  this motion does not tell the offset: do not use it\n";
+  return text;
+}
+
+void evaluate_one(EvaluatedEstimate& e, const Trajectory& truth, const EvaluationSettings& settings) {
+  try {
+    e.report = evaluate(truth, e.path.trajectory, settings);
+  } catch (const std::invalid_argument& error) {
+    e.problem = error.what();
+  }
+}
+
+void find_clock(EvaluatedEstimate& e, const Trajectory& truth, EvaluationSettings settings,
+                const ClockOffsetSearch& search) {
+  try {
+    const ClockOffset clock = estimate_clock_offset(truth, e.path.trajectory, settings, search);
+    settings.clock_offset = clock.offset;
+    e.clocked = evaluate(truth, e.path.trajectory, settings);
+    e.clock = clock;
+  } catch (const std::invalid_argument& error) {
+    e.problem = error.what();
+  }
+}
+
+}  // namespace
+
+std::string name_of(Alignment alignment) {
+  switch (alignment) {
+    case Alignment::none:
+      return "none";
+    case Alignment::first_pose:
+      return "first-pose";
+    case Alignment::se2:
+      return "se2";
+    case Alignment::se3:
+      return "se3";
+    case Alignment::sim3:
+      return "sim3";
+  }
+  throw std::invalid_argument("unknown alignment");
+}
+
+std::string name_of(Association association) {
+  return association == Association::nearest ? "nearest" : "interpolate";
+}
+
+Evaluation evaluate_all(EvaluationInputs inputs, const EvaluationSettings& settings, bool find_clock_offset,
+                        const ClockOffsetSearch& search) {
+  Evaluation evaluation{std::move(inputs.truth), {}, std::move(inputs.notes), settings};
+  for (EvaluatedPath& path : inputs.estimates) {
+    EvaluatedEstimate e;
+    e.path = std::move(path);
+    evaluate_one(e, evaluation.truth.trajectory, settings);
+    if (e.report && find_clock_offset) find_clock(e, evaluation.truth.trajectory, settings, search);
+    evaluation.estimates.push_back(std::move(e));
+  }
+  return evaluation;
+}
+
+std::string format_evaluation(const Evaluation& evaluation) {
+  std::string text;
+  for (const EvaluatedEstimate& e : evaluation.estimates)
+    if (!e.path.truth_origin.empty())
+      text += fmt::format("MADE FROM GROUND TRUTH, its errors prove nothing: {} ({})\n", e.path.name,
+                          e.path.truth_origin);
+  const EvaluatedPath& truth = evaluation.truth;
+  const double seconds =
+      1e-6 * static_cast<double>(truth.trajectory.back().utime - truth.trajectory.front().utime);
+  text += fmt::format("truth: {}{}, {} poses, {:.1f} s, {:.2f} m\n", truth.file,
+                      truth.channel.empty() ? "" : ":" + truth.channel, truth.trajectory.size(), seconds,
+                      path_length(truth.trajectory));
+  const EvaluationSettings& s = evaluation.settings;
+  text += fmt::format("alignment {}, association {} (at most {} s), clock offset {} s\n",
+                      name_of(s.alignment), name_of(s.association), s.max_time_difference, s.clock_offset);
+  for (const std::string& note : evaluation.notes) text += note + "\n";
+  text += "\n" + error_table(evaluation).text() + "\n";
+  for (const EvaluatedEstimate& e : evaluation.estimates) {
+    if (e.clock) text += clock_text(e);
+    if (!e.problem.empty()) text += e.path.name + ": " + e.problem + "\n";
+  }
+  return text;
+}
+
+EvaluationPlot evaluation_plot(const Evaluation& evaluation) {
+  EvaluationPlot plot;
+  const Trajectory& truth = evaluation.truth.trajectory;
+  plot.paths.push_back(top_view("truth", plot_colour(0), truth));
+  const Eigen::Vector2d gap = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (const EvaluatedEstimate& e : evaluation.estimates) {
+    if (!e.report) continue;
+    const auto colour = plot_colour(1 + (plot.paths.size() - 1) % 6);  // the truth's colour is its own
+    PlottedPath path{e.path.name, colour, {}}, error{e.path.name, colour, {}};
+    Utime last = 0;
+    for (const MatchedPose& match : e.report->matches) {
+      const bool lost_track = !path.points.empty() && static_cast<double>(match.utime - last) >
+                                                          1e6 * evaluation.settings.max_tracking_gap;
+      if (lost_track) path.points.push_back(gap), error.points.push_back(gap);
+      last = match.utime;
+      path.points.push_back(match.T_world_estimate.translation().head<2>());
+      error.points.emplace_back(
+          1e-6 * static_cast<double>(match.utime - truth.front().utime),
+          (match.T_world_estimate.translation() - match.T_world_truth.translation()).norm());
+    }
+    plot.paths.push_back(std::move(path));
+    plot.errors.push_back(std::move(error));
+  }
+  return plot;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,44 @@
+#pragma once
+// What `evaluate` found, as a table, as JSON and as a plot.
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluate/trajectory_inputs.hpp"
+#include "evaluation/clock_offset.hpp"
+#include "evaluation/trajectory_plot.hpp"
+
+namespace lcmslam {
+
+struct EvaluatedEstimate {
+  EvaluatedPath path;
+  std::optional<TrajectoryReport> report;   ///< nothing when `problem` says why
+  std::optional<ClockOffset> clock;         ///< when it was asked for and found
+  std::optional<TrajectoryReport> clocked;  ///< with that offset
+  std::string problem;                      ///< of the evaluation or of the search for the offset
+};
+
+struct Evaluation {
+  EvaluatedPath truth;
+  std::vector<EvaluatedEstimate> estimates;
+  std::vector<std::string> notes;
+  EvaluationSettings settings;
+};
+
+/// Evaluates every estimate; what cannot be evaluated or has no clock offset says so in `problem`.
+Evaluation evaluate_all(EvaluationInputs inputs, const EvaluationSettings& settings, bool find_clock_offset,
+                        const ClockOffsetSearch& search);
+
+/// Names as on the command line.
+std::string name_of(Alignment alignment);
+std::string name_of(Association association);
+
+/// Begins with the estimates that were made from ground truth, if any.
+std::string format_evaluation(const Evaluation& evaluation);
+nlohmann::json evaluation_json(const Evaluation& evaluation);
+/// The truth and the aligned estimates from above, and the errors over time (s since the truth's first pose).
+EvaluationPlot evaluation_plot(const Evaluation& evaluation);
+
+}  // namespace lcmslam

@@ -1,0 +1,130 @@
+#include "evaluate/pose_log.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <lcmslam/pose_t.hpp>
+
+#include "log/log_reader.hpp"
+#include "messages/camera_messages.hpp"
+#include "messages/decode.hpp"
+#include "messages/geometry_messages.hpp"
+#include "messages/motion_messages.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime latest = 9'000'000'000'000'000;  // us; what exceeds it is garbage
+constexpr Utime rewind_time = 1'000'000;         // us; a pose that comes this late belongs to another run
+
+std::uint64_t fingerprint_of(const std::uint8_t* data, std::size_t size) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(8, size); ++i) value = (value << 8) | data[i];
+  return value;
+}
+
+Utime checked(Utime utime) {
+  check_range(static_cast<double>(utime), 0, static_cast<double>(latest), "utime");
+  return utime;
+}
+
+rigid_transform_t transform_of(const pose_t& m) {
+  rigid_transform_t transform;
+  std::copy_n(m.pos, 3, transform.trans);
+  std::copy_n(m.orientation, 4, transform.quat);
+  return transform;
+}
+
+}  // namespace
+
+void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::size_t size) {
+  const std::uint64_t fingerprint = fingerprint_of(data, size);
+  const MessageType* const type = MessageType::find(fingerprint);
+  const std::string name = type != nullptr ? type->name : fmt::format("fingerprint {:016x}", fingerprint);
+  try {
+    if (name == "ground_truth_t") {
+      const auto m = decode_message<ground_truth_t>(data, size);
+      const StampedPose pose{checked(m.utime), from_message(m.T_frame_child, "T_frame_child")};
+      channels_[channel].trajectory.push_back(pose);
+      channels_[channel].body = m.child_frame;
+    } else if (name == "odometry_t") {
+      const auto m = decode_message<odometry_t>(data, size);
+      add_pose(channel, {checked(m.utime), from_message(m).T_odom_robot}, m.sender, m.status, 0);
+      channels_[channel].body = m.child_frame;
+      channels_[channel].source = m.source;
+    } else if (name == "pose_estimate_t") {
+      const auto m = decode_message<pose_estimate_t>(data, size);
+      add_pose(channel, {checked(m.utime), from_message(m.T_map_robot, "T_map_robot")}, m.sender, m.status,
+               m.map_revision);
+      channels_[channel].body = m.child_frame;
+    } else if (name == "pose_t") {
+      const auto m = decode_message<pose_t>(data, size);
+      add_pose(channel, {checked(m.utime), from_message(transform_of(m), "pose_t")}, 0, 0, 0);
+      channels_[channel].body = "robot";
+    } else if (name == "camera_calibration_t" && !calibration_) {
+      calibration_ = from_message(decode_message<camera_calibration_t>(data, size));
+    }
+  } catch (const DecodeError&) {
+    if (channels_.count(channel) > 0) ++channels_[channel].undecodable;
+  }
+  if (channels_.count(channel) > 0)
+    channels_[channel].type = name;
+  else
+    others_[channel] = name;
+}
+
+void PoseLog::add_pose(const std::string& channel, const StampedPose& pose, std::int64_t sender, int status,
+                       std::int64_t map_revision) {
+  PoseChannel& path = channels_[channel];
+  Mapper& mapper = mappers_[channel];
+  const bool restarted =
+      (mapper.sender != 0 && mapper.sender != sender) || map_revision < mapper.map_revision;
+  const bool rewound = !path.trajectory.empty() && pose.utime < path.trajectory.back().utime - rewind_time;
+  if (restarted || rewound) {  // another map, another frame: earlier poses do not compare
+    path.left_out += static_cast<std::int64_t>(path.trajectory.size());
+    path.trajectory.clear();
+    ++path.restarts;
+  }
+  mapper = {sender, map_revision};
+  path.trajectory.push_back(pose);
+  path.lost += status == pose_estimate_t::LOST ? 1 : 0;
+  path.degraded += status == pose_estimate_t::DEGRADED ? 1 : 0;
+}
+
+void PoseLog::finish(std::size_t damages) {
+  damages_ = damages;
+  for (auto& [name, channel] : channels_) sort_trajectory(channel.trajectory);
+}
+
+const PoseChannel& PoseLog::channel(const std::string& name, const std::string& log) const {
+  if (const auto found = channels_.find(name); found != channels_.end()) return found->second;
+  std::string choices;
+  for (const auto& [channel, path] : channels_) choices += (choices.empty() ? "" : ", ") + channel;
+  const auto other = others_.find(name);
+  throw std::runtime_error(log + ": " +
+                           (other == others_.end()
+                                ? "has no channel " + name
+                                : "channel " + name + " carries no poses but " + other->second) +
+                           "; channels with poses: " + (choices.empty() ? "none" : choices));
+}
+
+PoseLog read_pose_log(const std::string& file) {
+  LogReader log(file);
+  PoseLog poses;
+  while (const auto event = log.next_view()) poses.add(std::string(event->channel), event->data, event->size);
+  poses.finish(log.damages().size());
+  return poses;
+}
+
+bool is_log(const std::string& file) {
+  if (std::filesystem::path(file).extension() == ".lcmlog") return true;
+  constexpr std::array<unsigned char, 4> sync = {0xed, 0xa1, 0xda, 0x01};
+  std::ifstream bytes(file, std::ios::binary);
+  for (const unsigned char expected : sync)
+    if (bytes.get() != expected) return false;
+  return true;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,63 @@
+#pragma once
+// The trajectories that an LCM log holds.
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "evaluation/trajectory.hpp"
+#include "imaging/calibration.hpp"
+
+namespace lcmslam {
+
+/// What one channel says of a body's path.
+struct PoseChannel {
+  std::string type;              ///< of its messages, e.g. pose_estimate_t
+  std::string body;              ///< the frame whose pose it is: "robot", "camera" ...
+  std::string source;            ///< odometry_t's: wheels, visual ...
+  Trajectory trajectory;         ///< sorted; of the newest map where a mapper began again
+  int lost = 0, degraded = 0;    ///< poses with that status
+  int restarts = 0;              ///< new maps (restart, reset, time jump)
+  std::int64_t left_out = 0;     ///< poses of earlier maps
+  std::int64_t undecodable = 0;  ///< messages that were no poses
+  bool is_ground_truth() const { return type == "ground_truth_t"; }
+};
+
+/// Collects the poses of a log's messages, in the log's order.
+class PoseLog {
+ public:
+  /// A message of a type without poses is noted, nothing else.
+  void add(const std::string& channel, const std::uint8_t* data, std::size_t size);
+  /// Sorts the trajectories; after the last message. `damages`: places where the log could not be read.
+  void finish(std::size_t damages = 0);
+
+  /// Channels with poses, by name.
+  const std::map<std::string, PoseChannel>& channels() const { return channels_; }
+  /// Throws std::runtime_error naming `log`, what the channel carries instead, and the channels that would
+  /// do.
+  const PoseChannel& channel(const std::string& name, const std::string& log) const;
+  std::size_t damages() const { return damages_; }
+  /// The first one.
+  const std::optional<RgbdCalibration>& calibration() const { return calibration_; }
+
+ private:
+  struct Mapper {
+    std::int64_t sender = 0, map_revision = 0;
+  };
+  void add_pose(const std::string& channel, const StampedPose& pose, std::int64_t sender, int status,
+                std::int64_t map_revision);
+
+  std::map<std::string, PoseChannel> channels_;
+  std::map<std::string, Mapper> mappers_;
+  std::map<std::string, std::string> others_;  // what the other channels carry
+  std::optional<RgbdCalibration> calibration_;
+  std::size_t damages_ = 0;
+};
+
+/// Every whole event of it. Throws std::runtime_error when the file is missing or is no LCM log.
+PoseLog read_pose_log(const std::string& file);
+
+/// Whether a file is called .lcmlog or begins as an LCM log does.
+bool is_log(const std::string& file);
+
+}  // namespace lcmslam

@@ -1,0 +1,37 @@
+#pragma once
+// The live bus of `lcmslam log play`.
+
+#include <map>
+
+#include "log/log_player.hpp"
+#include "runtime/lcm_bus.hpp"
+
+namespace lcmslam {
+
+class LcmPlayBus : public PlayBus {
+ public:
+  /// Hears STATUS and the answer channels. Throws std::runtime_error when LCM cannot use the URL.
+  LcmPlayBus(const std::string& lcm_url, const std::set<std::string>& answer_channels);
+
+  Time now() override { return std::chrono::steady_clock::now(); }
+  void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) override;
+  void wait_until(Time time) override;
+  bool stopped() override;
+
+  /// Processes that report that they run.
+  const std::set<std::string>& running() const { return running_; }
+  /// Listens until all of these run, or the time is over; true when they do.
+  bool wait_for(const std::set<std::string>& processes, Time until);
+
+  std::int64_t split() const { return sender_.split(); }
+
+ private:
+  void receive_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void receive_answer(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+
+  lcm::LCM lcm_;
+  BusSender sender_;
+  std::set<std::string> running_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,32 @@
+#pragma once
+// What is wrong with a log: `lcmslam log check`.
+
+#include <string>
+#include <vector>
+
+#include "log/log_reader.hpp"
+
+namespace lcmslam {
+
+struct LogFinding {
+  std::int64_t number = -1;  ///< of the event; -1: none
+  std::uint64_t offset = 0;  ///< bytes
+  std::string channel;       ///< empty: none
+  std::string text;
+};
+
+struct LogCheck {
+  std::vector<LogFinding> findings;  ///< in the file's order
+  std::int64_t events = 0;
+  std::int64_t sessions = 0;
+  std::int64_t unknown_types = 0;  ///< events whose type is not known: only their framing was checked
+};
+
+/// Framing, event numbers, order in time, layout of every message of a known type, utime against log
+/// time, messages in pieces. Throws std::runtime_error when the file is no log.
+LogCheck check_log(const std::string& file);
+
+/// One line.
+std::string format_finding(const LogFinding& finding);
+
+}  // namespace lcmslam

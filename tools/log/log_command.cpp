@@ -1,0 +1,45 @@
+#include <cstring>
+#include <iostream>
+
+#include "commands.hpp"
+#include "log/log_commands.hpp"
+
+namespace lcmslam {
+namespace {
+
+struct Subcommand {
+  const char* name;
+  int (*run)(int, char**);
+  const char* help;
+};
+
+constexpr Subcommand subcommands[] = {
+    {"info", log_info_command, "what is in a log: channels, types, rates, gaps, sessions"},
+    {"check", log_check_command, "what is wrong with it; exit code 0 only when nothing is"},
+    {"repair", log_repair_command, "a new log with every whole event of a damaged one"},
+    {"cut", log_cut_command, "a new log with some of the time or of the channels"},
+    {"play", log_play_command, "sends a log's messages, at any speed or in step with the mappers"}};
+
+void print_help(std::ostream& stream) {
+  stream << "usage: lcmslam log SUBCOMMAND [options]; lcmslam log SUBCOMMAND --help for its options\n";
+  for (const Subcommand& subcommand : subcommands)
+    stream << "  " << subcommand.name << std::string(8 - std::strlen(subcommand.name), ' ') << subcommand.help
+           << "\n";
+}
+
+}  // namespace
+
+int log_command(int argc, char** argv) {
+  const std::string name = argc > 1 ? argv[1] : "";
+  for (const Subcommand& subcommand : subcommands)
+    if (name == subcommand.name) return subcommand.run(argc - 1, argv + 1);
+  if (name == "--help" || name == "-h") {
+    print_help(std::cout);
+    return 0;
+  }
+  if (!name.empty()) std::cerr << "lcmslam log: unknown subcommand '" << name << "'\n";
+  print_help(std::cerr);
+  return 2;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,54 @@
+#include "log/message_reader.hpp"
+
+#include "log/message_facts.hpp"
+
+namespace lcmslam {
+
+MessageReader::MessageReader(const std::string& file) : reader_(file, check_message) {}
+
+std::optional<LogEventView> MessageReader::next() {
+  while (const auto event = reader_.next_view()) {
+    ++read_;
+    if (!PartJoiner::is_piece(*event)) return event;
+    try {
+      auto whole = joiner_.add(*event);
+      if (!whole) continue;
+      whole_ = std::move(*whole);
+      ++joined_;
+      return LogEventView{whole_.number,      whole_.timestamp,   whole_.channel,
+                          whole_.data.data(), whole_.data.size(), event->offset};
+    } catch (const DecodeError& error) {
+      bad_pieces_.push_back({event->offset, reader_.position(), error.what(), 1});
+    }
+  }
+  return std::nullopt;
+}
+
+std::int64_t MessageReader::incomplete() const {
+  std::int64_t sum = 0;
+  for (const auto& [channel, count] : joiner_.counts()) sum += count.incomplete;
+  return sum;
+}
+
+std::vector<LogDamage> MessageReader::damages() const {
+  std::vector<LogDamage> all = bad_pieces_;
+  all.insert(all.end(), reader_.damages().begin(), reader_.damages().end());
+  return all;
+}
+
+LogContents scan_log(const std::string& file) {
+  LogReader reader(file);
+  LogContents contents;
+  bool first = true;
+  while (const auto event = reader.next_view()) {
+    if (first) contents.first = event->timestamp;
+    first = false;
+    const std::string channel(event->channel);
+    const bool piece = PartJoiner::is_piece(*event);
+    contents.channels.insert(piece ? channel.substr(0, channel.size() - part_channel("").size()) : channel);
+  }
+  if (first) throw std::runtime_error(file + ": no event in it is whole");
+  return contents;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,39 @@
+#pragma once
+// The messages of a log, whatever way they were logged: damaged ones left out, those in pieces joined.
+
+#include <string>
+
+#include "log/log_reader.hpp"
+#include "log/part_joiner.hpp"
+
+namespace lcmslam {
+
+class MessageReader {
+ public:
+  /// Throws std::runtime_error when the file is no log.
+  explicit MessageReader(const std::string& file);
+
+  /// Valid until the next call.
+  std::optional<LogEventView> next();
+
+  std::int64_t read() const { return read_; }      ///< whole events so far
+  std::int64_t joined() const { return joined_; }  ///< messages that were in pieces, so far
+  std::int64_t incomplete() const;                 ///< messages that lack pieces, so far
+  std::vector<LogDamage> damages() const;          ///< found so far
+
+ private:
+  LogReader reader_;
+  PartJoiner joiner_;
+  LogEvent whole_;
+  std::int64_t read_ = 0, joined_ = 0;
+  std::vector<LogDamage> bad_pieces_;
+};
+
+/// What a log holds, by its headers alone.
+struct LogContents {
+  Utime first = 0;                 ///< log time of the first event
+  std::set<std::string> channels;  ///< of whole messages; pieces count as the channel that they belong to
+};
+LogContents scan_log(const std::string& file);
+
+}  // namespace lcmslam
