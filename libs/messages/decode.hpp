@@ -12,8 +12,7 @@ M decode_message(const std::uint8_t* data, std::size_t size) {
   if (type == nullptr) throw DecodeError(std::string(M::getTypeName()) + " has no definition in lcmtypes/");
   check_layout(*type, data, size);
   M message;
-  if (message.decode(data, 0, static_cast<int>(size)) < 0)
-    throw DecodeError(type->name + " does not decode");
+  if (message.decode(data, 0, static_cast<int>(size)) < 0) throw DecodeError(type->name + " does not decode");
   return message;
 }
 

@@ -26,7 +26,9 @@ double LcmPublisher::cpu_time() const {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-std::chrono::microseconds LcmPublisher::pace() const { return part_period; }
+std::chrono::microseconds LcmPublisher::pace() const {
+  return part_period;
+}
 
 void LcmPublisher::send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) {
   sender_.send(channel, bytes, utime);
