@@ -20,6 +20,9 @@ bool check(const std::string& file, std::size_t shown) {
   if (result.sessions > 1) summary += fmt::format(" in {} sessions", result.sessions);
   if (result.unknown_types > 0)
     summary += fmt::format(", {} of unknown types (only their framing was checked)", result.unknown_types);
+  if (result.jittered > 0)
+    summary += fmt::format(", {} logged a little early (by {:.1f} ms at most)", result.jittered,
+                           1e-3 * static_cast<double>(result.largest_jitter));
   const std::size_t n = result.findings.size();
   std::cout << fmt::format("{}: {}: {}\n", file, summary,
                            n == 0 ? "clean" : fmt::format("{} finding{}", n, n == 1 ? "" : "s"));

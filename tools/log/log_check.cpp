@@ -15,6 +15,7 @@ namespace {
 
 /// us; a message's utime may drift against the log's clock, and log time may jitter, but not that fast.
 constexpr Utime largest_step = 10'000'000;
+constexpr Utime largest_jitter = 100'000;  // us, by which lcm-logger may mix up the order of two senders
 
 double seconds(Utime utime) {
   return 1e-6 * static_cast<double>(utime);
@@ -54,9 +55,15 @@ class Checker {
   }
 
   void check_order(const LogEventView& event, bool after_damage) {
-    if (event.timestamp < last_.timestamp)
-      found(event, fmt::format("logged {:.6f} s before the event before it",
-                               seconds(time_between(event.timestamp, last_.timestamp))));
+    if (event.timestamp < last_.timestamp) {
+      const Utime back = time_between(event.timestamp, last_.timestamp);
+      if (back > largest_jitter) {
+        found(event, fmt::format("logged {:.6f} s before the event before it", seconds(back)));
+      } else {
+        ++check_.jittered;
+        check_.largest_jitter = std::max(check_.largest_jitter, back);
+      }
+    }
     if (!after_damage && (event.number == INT64_MIN || event.number - 1 != last_.number))
       found(event, fmt::format("follows event number {}", last_.number));
   }

@@ -19,6 +19,9 @@ struct LogCheck {
   std::vector<LogFinding> findings;  ///< in the file's order
   std::int64_t events = 0;
   std::int64_t sessions = 0;
+  std::int64_t jittered =
+      0;                     ///< logged up to 0.1 s before the event before: lcm-logger does that, no finding
+  Utime largest_jitter = 0;  ///< us, of those
   std::int64_t unknown_types = 0;  ///< events whose type is not known: only their framing was checked
 };
 

@@ -69,7 +69,7 @@ TEST_F(LogCheckTest, MessageOfAKnownTypeMustFitItsDefinition) {
 TEST_F(LogCheckTest, DisorderAndClocksThatJump) {
   const LogCheck result = check([](LogWriter& log) {
     log.write(2'000'000, "ENCODERS", encoders_message(2'000'000, 0));
-    log.write(1'900'000, "ENCODERS", encoders_message(1'900'000, 1));   // earlier
+    log.write(1'700'000, "ENCODERS", encoders_message(1'700'000, 1));   // earlier
     log.write(2'100'000, "ENCODERS", encoders_message(80'000'000, 2));  // 78 s ahead of the log
     log.write(2'200'000, "ENCODERS", encoders_message(-5, 3));          // no time
     log.write(2'300'000, "CAMERA_CALIBRATION", calibration_message(0, 0));
@@ -77,10 +77,23 @@ TEST_F(LogCheckTest, DisorderAndClocksThatJump) {
   });
   ASSERT_EQ(result.findings.size(), 3U);
   EXPECT_THAT(format_finding(result.findings[0]),
-              AllOf(HasSubstr("event 1"), HasSubstr("ENCODERS"), HasSubstr("0.100000 s before")));
+              AllOf(HasSubstr("event 1"), HasSubstr("ENCODERS"), HasSubstr("0.300000 s before")));
   EXPECT_THAT(result.findings[1].text, HasSubstr("utime jumps by 77.9"));
   EXPECT_THAT(result.findings[2].text, HasSubstr("utime -5"));
   EXPECT_EQ(result.findings[2].number, 3);
+}
+
+// lcm-logger mixes up the order of messages that come nearly together.
+TEST_F(LogCheckTest, ALittleDisorderIsCountedAndNoFinding) {
+  const LogCheck result = check([](LogWriter& log) {
+    log.write(2'000'000, "ENCODERS", encoders_message(2'000'000, 0));
+    log.write(1'999'800, "ENCODERS", encoders_message(2'000'100, 1));
+    log.write(2'100'000, "ENCODERS", encoders_message(2'100'000, 2));
+    log.write(2'000'000, "ENCODERS", encoders_message(2'100'100, 3));
+  });
+  EXPECT_TRUE(result.findings.empty());
+  EXPECT_EQ(result.jittered, 2);
+  EXPECT_EQ(result.largest_jitter, 100'000);
 }
 
 TEST_F(LogCheckTest, MissingEventNumbersAreFound) {
