@@ -81,12 +81,11 @@ int batch_command(int argc, char** argv) {
   const Clock::time_point begin = Clock::now();
   const bool terminal = isatty(STDOUT_FILENO) != 0;
   double shown = 0;
-  options.progress = [&](double share, double seconds) {
+  options.progress = [&](double seconds) {
     const double elapsed = seconds_since(begin);
     if (!terminal || elapsed - shown < 1) return;
     shown = elapsed;
-    std::cout << fmt::format("\r  {:3.0f} %  {:.1f} s of log in {:.0f} s ", 100 * share, seconds, elapsed)
-              << std::flush;
+    std::cout << fmt::format("\r  {:.1f} s of log in {:.0f} s ", seconds, elapsed) << std::flush;
   };
   const BatchResult result = run_batch(options);
   if (terminal) std::cout << "\r";

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
-#include "log/log_reader.hpp"
 #include "log/log_writer.hpp"
-#include "messages/decode.hpp"
-#include "messages/parts.hpp"
+#include "log/message_reader.hpp"
 #include "runtime/options.hpp"
 
 namespace lcmslam {
@@ -22,46 +20,13 @@ std::vector<std::string> processes(const ConfigNode& config) {
   return names;
 }
 
-/// The log's messages, those in pieces put together.
-class LogInputs {
- public:
-  explicit LogInputs(const std::string& file) : reader_(file) {}
-
-  std::optional<LogEvent> next() {
-    while (auto event = reader_.next()) {
-      ++events_;
-      if (!is_part_channel(event->channel)) return event;
-      try {
-        const auto part = decode_message<part_t>(event->data.data(), event->data.size());
-        if (auto whole = assembler_.add(part))
-          return LogEvent{event->number, event->timestamp, whole->channel, std::move(whole->bytes)};
-      } catch (const DecodeError&) {
-        ++bad_parts_;
-      }
-    }
-    return std::nullopt;
-  }
-
-  double share() const {
-    return static_cast<double>(reader_.position()) / static_cast<double>(reader_.size());
-  }
-  std::int64_t events() const { return events_; }
-  std::int64_t incomplete() const { return assembler_.incomplete() + bad_parts_; }
-  std::size_t damages() const { return reader_.damages().size(); }
-
- private:
-  LogReader reader_;
-  PartAssembler assembler_;
-  std::int64_t events_ = 0, bad_parts_ = 0;
-};
-
 }  // namespace
 
 BatchResult run_batch(const BatchOptions& options) {
   BatchResult result;
   std::filesystem::create_directories(options.folder);
   result.output = options.folder / "batch.lcmlog";
-  LogInputs inputs(options.log.string());
+  MessageReader log(options.log.string());
   LogWriter output(result.output.string());
   ConfigNode config = options.config;
   config.set("map-server.folder", options.folder.string());
@@ -74,12 +39,13 @@ BatchResult run_batch(const BatchOptions& options) {
 
   std::optional<Utime> start;
   std::optional<BatchMessage> calibration;  // the last one before `from`
-  while (auto event = inputs.next()) {
+  while (const auto event = log.next()) {
     if (!start) start = event->timestamp;
     const double seconds = 1e-6 * static_cast<double>(event->timestamp - *start);
     if (options.to > 0 && seconds > options.to) break;
-    if (!graph.is_input(event->channel)) continue;
-    BatchMessage message{event->channel, std::move(event->data), event->timestamp};
+    BatchMessage message{std::string(event->channel), {}, event->timestamp};
+    if (!graph.is_input(message.channel)) continue;
+    message.bytes.assign(event->data, event->data + event->size);
     if (seconds < options.from) {
       if (message.channel == "CAMERA_CALIBRATION") calibration = std::move(message);
       continue;
@@ -90,14 +56,14 @@ BatchResult run_batch(const BatchOptions& options) {
     result.frames += message.channel == "CAMERA" ? 1 : 0;
     result.log_seconds = seconds - options.from;
     graph.deliver(std::move(message));
-    if (options.progress) options.progress(inputs.share(), result.log_seconds);
+    if (options.progress) options.progress(result.log_seconds);
   }
   graph.finish();
   result.published = output.events();
   output.close();
-  result.events = inputs.events();
-  result.incomplete = inputs.incomplete();
-  result.damages = inputs.damages();
+  result.events = log.read();
+  result.incomplete = log.incomplete();
+  result.damages = log.damages().size();
   result.processes = graph.summary();
   return result;
 }

@@ -16,7 +16,7 @@ struct BatchOptions {
   double from = 0;               ///< s from the log's start
   double to = 0;                 ///< s from the log's start, 0: its end
   int threads = 1;
-  std::function<void(double share, double seconds)> progress;  ///< of the log's bytes; s of log time done
+  std::function<void(double seconds)> progress;  ///< s of log time that are done
 };
 
 struct BatchResult {
