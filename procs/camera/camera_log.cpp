@@ -7,6 +7,7 @@
 #include "messages/decode.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/motion_messages.hpp"
+#include "messages/parts.hpp"
 #include "runtime/publisher.hpp"
 
 namespace lcmslam {
@@ -53,7 +54,7 @@ class LogSource : public CameraSource {
   std::optional<CameraEvent> next() override {
     while (const auto event = log_.next_view()) {
       try {
-        if (auto read = read_event(*event)) return read;
+        if (auto read = is_piece(*event) ? join(*event) : read_event(*event)) return read;
       } catch (const DecodeError&) {
         ++malformed_;
       }
@@ -62,10 +63,25 @@ class LogSource : public CameraSource {
   }
 
  private:
+  /// Images that were too big for the recorder's receive buffer came in pieces.
+  static bool is_piece(const LogEventView& event) { return event.channel == part_channel("CAMERA"); }
+  static bool is_first(const LogEventView& event) {
+    try {
+      return decode_message<part_t>(event.data, event.size).part == 0;
+    } catch (const DecodeError&) {
+      return false;
+    }
+  }
+  std::optional<CameraEvent> join(const LogEventView& piece) {
+    const auto whole = assembler_.add(decode_message<part_t>(piece.data, piece.size));
+    if (!whole) return std::nullopt;
+    return from_message(decode_message<images_t>(whole->bytes.data(), whole->bytes.size()));
+  }
+
   /// Counts the frames and finds the first calibration.
   void scan() {
     while (const auto event = log_.next_view()) {
-      frames_ += event->channel == "CAMERA" ? 1 : 0;
+      frames_ += event->channel == "CAMERA" || (is_piece(*event) && is_first(*event)) ? 1 : 0;
       if (calibration_ || event->channel != "CAMERA_CALIBRATION") continue;
       try {
         calibration_ = from_message(decode_message<camera_calibration_t>(event->data, event->size));
@@ -78,6 +94,7 @@ class LogSource : public CameraSource {
 
   std::string file_;
   LogReader log_;
+  PartAssembler assembler_;
   std::optional<RgbdCalibration> calibration_;
   std::size_t frames_ = 0, malformed_ = 0;
 };

@@ -11,9 +11,11 @@ const char* state_name(int state) {
 }
 
 std::string rates(const status_t& status) {
-  std::string text;
+  std::map<std::string, double> inputs;  // over all senders
   for (const auto& in : status.inputs)
-    if (in.rate > 0) text += fmt::format("{} {:.0f} ", in.channel, in.rate);
+    if (in.channel != "STATUS" && in.rate > 0) inputs[in.channel] += in.rate;
+  std::string text;
+  for (const auto& [channel, rate] : inputs) text += fmt::format("{} {:.0f} ", channel, rate);
   text += "->";
   for (const auto& out : status.outputs)
     if (out.channel != "STATUS" && out.rate > 0) text += fmt::format(" {} {:.0f}", out.channel, out.rate);

@@ -1,0 +1,99 @@
+// Camera data from logs, whole or in pieces, once or several times over.
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "camera/camera_log.hpp"
+#include "camera/repeated_source.hpp"
+#include "log/log_reader.hpp"
+#include "log/log_writer.hpp"
+#include "messages/decode.hpp"
+#include "messages/parts.hpp"
+
+namespace lcmslam {
+namespace {
+
+const std::string kitchen = LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog";
+
+class CameraLog : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (std::filesystem::temp_directory_path() / "lcmslam-camera-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_;
+};
+
+struct Frame {
+  Utime utime, depth_utime;
+  std::vector<std::uint8_t> colour, depth;
+  bool operator==(const Frame& o) const {
+    return utime == o.utime && depth_utime == o.depth_utime && colour == o.colour && depth == o.depth;
+  }
+};
+
+std::vector<Frame> frames_of(CameraSource& source) {
+  std::vector<Frame> frames;
+  while (const auto event = source.next())
+    if (const auto* f = std::get_if<EncodedFrame>(&*event))
+      frames.push_back({f->utime, f->depth.utime, f->colour.bytes, f->depth.bytes});
+  return frames;
+}
+
+TEST_F(CameraLog, PiecesAreReadLikeWholeImages) {
+  const std::string pieces = folder_ / "pieces.lcmlog";
+  LogReader reader(kitchen);
+  LogWriter writer(pieces);
+  std::int64_t message = 0;
+  while (const auto event = reader.next()) {
+    if (event->channel != "CAMERA") {
+      writer.write(event->timestamp, event->channel, event->data);
+      continue;
+    }
+    for (const part_t& part : split_message("CAMERA", event->data, event->timestamp, message, 30'000))
+      writer.write(event->timestamp, "CAMERA_PART", encode_message(part));
+    ++message;
+  }
+  writer.close();
+  const auto whole = open_log(kitchen), split = open_log(pieces);
+  EXPECT_EQ(whole->frames(), 40U);
+  EXPECT_EQ(split->frames(), 40U);
+  const auto expected = frames_of(*whole);
+  EXPECT_EQ(expected.size(), 40U);
+  EXPECT_TRUE(frames_of(*split) == expected);
+  EXPECT_EQ(split->malformed(), 0U);
+}
+
+TEST_F(CameraLog, RepeatedPassesGoOnInTime) {
+  const auto source = repeat_source([] { return open_log(kitchen); }, 3);
+  EXPECT_EQ(source->frames(), 120U);
+  const auto once = frames_of(*open_log(kitchen));
+  const auto thrice = frames_of(*source);
+  ASSERT_EQ(thrice.size(), 3 * once.size());
+  for (std::size_t i = 1; i < thrice.size(); ++i) EXPECT_GT(thrice[i].utime, thrice[i - 1].utime);
+  for (std::size_t i = 0; i < thrice.size(); ++i) {
+    const Frame& like = once[i % once.size()];
+    EXPECT_EQ(thrice[i].colour, like.colour);
+    EXPECT_EQ(thrice[i].depth_utime - thrice[i].utime, like.depth_utime - like.utime);
+  }
+}
+
+TEST_F(CameraLog, WhatCannotBePlayedIsNamed) {
+  const std::string empty = folder_ / "empty.lcmlog";
+  LogWriter writer(empty);
+  writer.write(1, "ENCODERS", std::vector<std::uint8_t>{1, 2, 3});
+  writer.close();
+  for (const std::string& file : {empty, (folder_ / "missing.lcmlog").string()}) try {
+      open_log(file);
+      ADD_FAILURE() << file;
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(file));
+    }
+}
+
+}  // namespace
+}  // namespace lcmslam
