@@ -13,6 +13,7 @@
 #include "launch/graph.hpp"
 #include "parse_command.hpp"
 #include "run_folder.hpp"
+#include "study/feature_study.hpp"
 
 namespace lcmslam {
 namespace {
@@ -42,20 +43,57 @@ double median(std::vector<double> values) {
   return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
 
+int run_feature_study(const std::string& data, const FeatureStudySettings& settings) {
+  settings.check();
+  const auto source = open_dataset(data);
+  FeatureMethods methods = all_feature_methods(settings.keypoints);
+  const FeatureStudyResult result = study_features(*source, methods, settings);
+  const std::filesystem::path folder = new_run_folder("study-features");
+  std::ofstream(folder / "features.csv") << feature_csv(result);
+  nlohmann::json report = feature_json(result, settings);
+  report["data"] = data;
+  std::ofstream json_file(folder / "features.json");
+  json_file << report.dump(2) << "\n";
+  if (!json_file) throw std::runtime_error((folder / "features.json").string() + " cannot be written");
+  std::cout << feature_table(result) << "\n" << (folder / "features.json").string() << ", features.csv\n";
+  return 0;
+}
+
 }  // namespace
 
 int study_command(int argc, char** argv) {
   std::vector<int> seeds = {1, 2, 3, 4, 5};
-  std::string config, data;
+  std::string config, data, only;
   double seconds = 0;
   std::vector<std::string> overrides;
-  CLI::App app{"Runs the demo live once for each seed and prints the errors of all runs.", "lcmslam study"};
+  FeatureStudySettings features;
+  CLI::App app{
+      "Runs the demo live once for each seed and prints the errors of all runs. "
+      "--only features: instead, how well features are found again and matched on a recording, ours beside "
+      "dlib's SURF, SIFT and ORB.",
+      "lcmslam study"};
   app.add_option("--seeds", seeds, "of sensors and particles")->delimiter(',');
   app.add_option("--config", config, "as for the demo")->check(CLI::ExistingFile);
   app.add_option("--data", data, "a recording instead of the simulation")->check(CLI::ExistingDirectory);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
+  const auto only_option =
+      app.add_option("--only", only, "one study of its own: features")->check(CLI::IsMember({"features"}));
+  app.add_option("--apart", features.apart, "features: frames between the images of a pair, ascending")
+      ->delimiter(',')
+      ->needs(only_option)
+      ->capture_default_str();
+  app.add_option("--starts", features.starts, "features: first images, spread over the recording")
+      ->needs(only_option)
+      ->capture_default_str();
+  app.add_option("--keypoints", features.keypoints, "features: at most, by response")
+      ->needs(only_option)
+      ->capture_default_str();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  if (only == "features") {
+    if (data.empty()) throw std::invalid_argument("--only features needs --data FOLDER, a recording");
+    return run_feature_study(data, features);
+  }
 
   const std::filesystem::path folder = new_run_folder("study");
   Table table({"seed", "frames", "odometry ATE m", "fastslam ATE m", "icp ATE m", "icp frames", "lost"});

@@ -1,0 +1,227 @@
+#include "study/feature_study.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "imaging/codec.hpp"
+
+namespace lcmslam {
+namespace {
+
+/// Processor time of this thread, s: what others do on the machine does not count.
+double thread_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+class OneThread {
+ public:
+  OneThread() : before_(cv::getNumThreads()) { cv::setNumThreads(1); }
+  ~OneThread() { cv::setNumThreads(before_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  int before_;
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// An image, what each row sees in it, and its measured pose.
+struct StudiedImage {
+  StudyView view;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  std::vector<ImageFeatures> features;  // by row
+};
+
+class FeatureStudy {
+ public:
+  FeatureStudy(RgbdSource& source, FeatureMethods& methods, const FeatureStudySettings& settings)
+      : source_(source), methods_(methods), settings_(settings), seconds_(methods.size()) {
+    settings.check();
+    if (source.truth().empty())
+      throw std::invalid_argument("the recording has no true poses, which a feature study needs");
+    result_.apart = settings.apart;
+    result_.left_out.resize(settings.apart.size());
+    for (const StudyRow& row : study_rows(methods))
+      result_.methods.push_back({row, std::vector<DistanceScore>(settings.apart.size()), 0});
+  }
+
+  FeatureStudyResult run() {
+    const OneThread one_thread;
+    for (const std::size_t start : spread_starts(source_.size(), settings_.apart.back(), settings_.starts)) {
+      const auto a = image(start);
+      for (std::size_t d = 0; d < settings_.apart.size(); ++d) {
+        const auto b = a ? image(start + static_cast<std::size_t>(settings_.apart[d])) : std::nullopt;
+        if (!b)
+          ++result_.unreadable;
+        else
+          judge(*a, *b, d);
+      }
+    }
+    finish();
+    return result_;
+  }
+
+ private:
+  std::optional<StudiedImage> image(std::size_t index) {
+    const auto frame = source_.frame(index);
+    const auto pose = pose_at(source_.truth(), source_.entry(index).utime);
+    if (!frame || !pose) return std::nullopt;
+    StudiedImage image{study_view(decode(*frame), source_.calibration()), *pose, {}};
+    if (source_.truth_frame() == "robot") image.T_world_camera = *pose * source_.calibration().T_robot_camera;
+    std::vector<ImageFeatures> found;
+    for (std::size_t m = 0; m < methods_.size(); ++m) {
+      const double before = thread_seconds();
+      const ImageFeatures features = methods_[m]->compute(image.view.grey);
+      seconds_[m].push_back(thread_seconds() - before);
+      found.push_back(
+          with_depth(first_features(strongest_first(features), static_cast<std::size_t>(settings_.keypoints)),
+                     image.view));
+    }
+    for (const MethodResult& method : result_.methods) {
+      const StudyRow& row = method.row;
+      const ImageFeatures& features = found[row.method];
+      image.features.push_back(
+          row.as_many_as ? first_features(features, found[*row.as_many_as].keypoints.size()) : features);
+    }
+    return image;
+  }
+
+  const FeatureMethod& method_of(std::size_t row) const { return *methods_[result_.methods[row].row.method]; }
+
+  void judge(const StudiedImage& a, const StudiedImage& b, std::size_t distance) {
+    const std::size_t rows = result_.methods.size();
+    std::vector<std::vector<cv::Vec2i>> matches(rows);
+    for (std::size_t r = 0; r < rows; ++r)
+      matches[r] = mutual_matches(a.features[r].descriptors, b.features[r].descriptors, method_of(r).norm(),
+                                  settings_.ratio);
+    const Eigen::Isometry3d T_b_a_recorded = b.T_world_camera.inverse() * a.T_world_camera;
+    std::vector<Eigen::Isometry3d> poses;
+    for (std::size_t r = 0; r < rows; ++r) {
+      const auto T_b_a = reference_pose(pool_without(method_of(r).family(), a, b, matches), a.view.K,
+                                        T_b_a_recorded, settings_.pose);
+      if (!T_b_a) {
+        ++result_.left_out[distance];
+        return;
+      }
+      poses.push_back(*T_b_a);
+    }
+    for (std::size_t r = 0; r < rows; ++r)
+      add(result_.methods[r].scores[distance],
+          score_features(a.view, b.view, poses[r], a.features[r], b.features[r], matches[r],
+                         settings_.tolerances));
+  }
+
+  /// Matches of the other families, each family with its first row.
+  PointsAndPixels pool_without(const std::string& judged, const StudiedImage& a, const StudiedImage& b,
+                               const std::vector<std::vector<cv::Vec2i>>& matches) const {
+    PointsAndPixels pool;
+    std::vector<std::string> seen = {judged};
+    for (std::size_t r = 0; r < matches.size(); ++r) {
+      const std::string family = method_of(r).family();
+      if (std::find(seen.begin(), seen.end(), family) != seen.end()) continue;
+      seen.push_back(family);
+      add_matches(pool, a.view, b.view, a.features[r], b.features[r], matches[r]);
+    }
+    return pool;
+  }
+
+  static void add(DistanceScore& sum, const FeatureScore& score) {
+    ++sum.pairs;
+    sum.keypoints += score.keypoints;
+    sum.repeatability += score.repeatability();
+    sum.precision += score.precision();
+    sum.correct += score.correct;
+  }
+
+  void finish() {
+    for (MethodResult& method : result_.methods) {
+      method.milliseconds = method.row.as_many_as ? std::numeric_limits<double>::quiet_NaN()
+                                                  : 1e3 * median(seconds_[method.row.method]);
+      for (DistanceScore& score : method.scores)
+        for (double* value : {&score.keypoints, &score.repeatability, &score.precision, &score.correct})
+          *value /= score.pairs;  // NaN without a pair
+    }
+  }
+
+  RgbdSource& source_;
+  FeatureMethods& methods_;
+  const FeatureStudySettings& settings_;
+  std::vector<std::vector<double>> seconds_;  // by method
+  FeatureStudyResult result_;
+};
+
+}  // namespace
+
+void FeatureStudySettings::check() const {
+  const auto refuse = [](const std::string& what) { throw std::invalid_argument("feature study: " + what); };
+  if (apart.empty() || apart.front() < 1 || !std::is_sorted(apart.begin(), apart.end()))
+    refuse("the frames between the images of a pair must be ascending numbers from 1 on");
+  if (starts < 1) refuse(fmt::format("{} starts; at least 1", starts));
+  if (keypoints < 2) refuse(fmt::format("{} keypoints; at least 2", keypoints));
+  if (!(ratio > 0 && ratio <= 1)) refuse(fmt::format("ratio {}; above 0, at most 1", ratio));
+}
+
+std::vector<StudyRow> study_rows(const FeatureMethods& methods) {
+  std::vector<StudyRow> rows;
+  for (std::size_t m = 0; m < methods.size(); ++m) rows.push_back({methods[m]->name(), m, std::nullopt});
+  const auto is_dlib = [](const auto& method) { return method->family() == "dlib SURF"; };
+  const auto dlib = std::find_if(methods.begin(), methods.end(), is_dlib);
+  if (dlib != methods.end())
+    rows.insert(rows.begin() + 1,
+                {methods.front()->family() + ", as many as dlib", 0, std::size_t(dlib - methods.begin())});
+  return rows;
+}
+
+std::vector<std::size_t> spread_starts(std::size_t size, int reach, int count) {
+  const std::size_t needed = static_cast<std::size_t>(reach) + static_cast<std::size_t>(count);
+  if (size < needed)
+    throw std::invalid_argument(
+        fmt::format("the recording has {} frames; {} starts and pairs {} frames apart need at least {}", size,
+                    count, reach, needed));
+  std::vector<std::size_t> starts;
+  const std::size_t last = size - 1 - static_cast<std::size_t>(reach);
+  for (int i = 0; i < count; ++i)  // the middles of `count` equal parts
+    starts.push_back(last * static_cast<std::size_t>(2 * i + 1) / static_cast<std::size_t>(2 * count));
+  return starts;
+}
+
+StudyView study_view(const RgbdFrame& frame, const RgbdCalibration& calibration) {
+  if (!calibration.depth_registered)
+    throw std::invalid_argument("a feature study needs depth images registered to colour; those of " +
+                                calibration.sensor + " are not");
+  if (frame.colour.empty() || frame.depth.empty())
+    throw std::invalid_argument(fmt::format("frame {} has no colour or no depth image", frame.seq));
+  const CameraModel& camera = calibration.colour;
+  cv::Mat map_x, map_y, distorted, depth;
+  cv::initUndistortRectifyMap(camera.matrix(), camera.distortion, cv::noArray(), camera.matrix(),
+                              {camera.width, camera.height}, CV_32FC1, map_x, map_y);
+  StudyView view;
+  view.K = camera.matrix();
+  cv::cvtColor(frame.colour, distorted, cv::COLOR_BGR2GRAY);
+  cv::remap(distorted, view.grey, map_x, map_y, cv::INTER_LINEAR);
+  cv::remap(frame.depth, depth, map_x, map_y, cv::INTER_NEAREST);  // between two depths there may be nothing
+  depth.convertTo(view.depth, CV_32F, 1e-3);
+  return view;
+}
+
+FeatureStudyResult study_features(RgbdSource& source, FeatureMethods& methods,
+                                  const FeatureStudySettings& settings) {
+  return FeatureStudy(source, methods, settings).run();
+}
+
+}  // namespace lcmslam
