@@ -19,6 +19,12 @@ struct NodeReport {
   std::vector<std::pair<std::string, double>> values;
 };
 
+/// Key `frame_queue`: how many frames may wait before the oldest is skipped. Few keep a live robot's answers
+/// fresh; in a replay more of them let a slow moment pass without a gap.
+inline std::size_t frame_queue(const ConfigNode& config, int live) {
+  return static_cast<std::size_t>(config.get("frame_queue", live, Range{1, 10000}));
+}
+
 class Node {
  public:
   using Duration = std::chrono::steady_clock::duration;

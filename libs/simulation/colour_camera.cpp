@@ -51,11 +51,7 @@ void ColourCamera::trace_row(int row, const Eigen::Isometry3f& T_world_camera, f
   const float pixel_angle = static_cast<float>(1 / camera_.fx);
   RayPacket rays;
   for (int left = 0; left < camera_.width; left += RayPacket::size) {
-    for (int i = 0; i < RayPacket::size; ++i) {
-      const cv::Vec2f& xy = ray[std::min(left + i, camera_.width - 1)];
-      const Vector3f direction = R * Vector3f(xy[0], xy[1], 1);
-      rays.x[i] = direction.x(), rays.y[i] = direction.y(), rays.z[i] = direction.z();
-    }
+    rays.aim(ray, left, camera_.width, R);
     caster_.cast(origin, rays);
     for (int i = 0; i < RayPacket::size && left + i < camera_.width; ++i) {
       const int column = left + i;

@@ -65,6 +65,14 @@ struct RayCaster::Handles {
   }
 };
 
+void RayPacket::aim(const cv::Vec2f* row, int first, int width, const Eigen::Matrix3f& R_world_camera) {
+  for (int i = 0; i < size; ++i) {
+    const cv::Vec2f& ideal = row[std::min(first + i, width - 1)];
+    const Eigen::Vector3f direction = R_world_camera * Eigen::Vector3f(ideal[0], ideal[1], 1);
+    x[i] = direction.x(), y[i] = direction.y(), z[i] = direction.z();
+  }
+}
+
 RayCaster::RayCaster(const Scene& scene) : handles_(std::make_unique<Handles>()) {
   handles_->triangles = scene.triangles;
   const std::size_t count = scene.triangles.size();

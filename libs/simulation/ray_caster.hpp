@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "simulation/scene.hpp"
@@ -17,6 +18,10 @@ struct RayPacket {
   alignas(32) float range[size];
   alignas(32) float u[size], v[size];   ///< barycentric weights of corners 1 and 2
   alignas(32) unsigned triangle[size];  ///< index into Scene::triangles, or none
+
+  /// Directions of the pixels of an image row from column `first` on, the last one again beyond its end.
+  /// `row` holds x/z and y/z of each pixel's ray in the camera frame.
+  void aim(const cv::Vec2f* row, int first, int width, const Eigen::Matrix3f& R_world_camera);
 };
 
 class RayCaster {

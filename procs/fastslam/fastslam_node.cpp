@@ -49,12 +49,13 @@ FastSlamNode::FastSlamNode(const ConfigNode& config, Publisher& publisher)
     : publisher_(publisher),
       settings_(read_fastslam_settings(config)),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), 6,
+      frame_queue_(frame_queue(config, 3)),
+      join_(config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
             [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
 
 void FastSlamNode::connect(Inputs& inputs) {
   inputs
-      .subscribe<features_t>("FEATURES", 3,
+      .subscribe<features_t>("FEATURES", frame_queue_,
                              [this](const features_t& m) {
                                FeatureFrame frame = from_message(m);
                                const Utime needed = frame.utime;

@@ -28,7 +28,8 @@ class FastSlamNode : public Node {
 
   Publisher& publisher_;
   FastSlamSettings settings_;
-  std::string pose_;  // "auto": planar when the camera is mounted on a robot
+  std::string pose_;         // "auto": planar when the camera is mounted on a robot
+  std::size_t frame_queue_;  // frames that may wait
   MotionJoin<FeatureFrame> join_;
   std::optional<FastSlam> slam_;
   Utime last_utime_ = 0;

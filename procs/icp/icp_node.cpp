@@ -76,11 +76,14 @@ IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
       settings_(read_icp_settings(config)),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
       cloud_points_(config.get("cloud_points", 20000.0, Range{100, 1e7})),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), 6, [this](RgbdFrame& frame) { on_frame(frame); }) {}
+      frame_queue_(frame_queue(config, 2)),
+      join_(config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
+            [this](RgbdFrame& frame) { on_frame(frame); }) {}
 
 void IcpNode::connect(Inputs& inputs) {
-  inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) { on_camera(m); }).primary = true;
-  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 1,
+  inputs.subscribe<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); }).primary =
+      true;
+  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10,
                                          [this](const camera_calibration_t& m) { on_calibration(m); });
   inputs.subscribe<odometry_t>("ODOMETRY", 500,
                                [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });

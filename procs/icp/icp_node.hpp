@@ -46,6 +46,7 @@ class IcpNode : public Node {
   IcpMapperSettings settings_;
   std::string pose_;  // "auto": on the floor when the camera is mounted on a robot
   double cloud_points_;
+  std::size_t frame_queue_;  // frames that may wait
   MotionJoin<RgbdFrame> join_;
   camera_calibration_t calibration_message_;
   std::optional<RgbdCalibration> calibration_;

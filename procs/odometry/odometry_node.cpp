@@ -69,6 +69,7 @@ OdometryNode::OdometryNode(const ConfigNode& config, Publisher& publisher)
     : publisher_(publisher),
       source_(config.choice("source", "wheels", {"wheels", "visual", "external"})),
       external_channel_(config.get("external_channel", "POSE_BODY")),
+      frame_queue_(frame_queue(config, 4)),
       wheels_(read_wheels(config.section("wheels"))),
       visual_(read_visual(config.section("visual")),
               Random(static_cast<std::uint64_t>(config.get("seed", 1, Range{0, 2147483647})))),
@@ -80,7 +81,9 @@ void OdometryNode::connect(Inputs& inputs) {
         .subscribe<encoders_t>("ENCODERS", 500, [this](const encoders_t& m) { on_encoders(from_message(m)); })
         .primary = true;
   } else if (source_ == "visual") {
-    inputs.subscribe<features_t>("FEATURES", 4, [this](const features_t& m) { on_features(from_message(m)); })
+    inputs
+        .subscribe<features_t>("FEATURES", frame_queue_,
+                               [this](const features_t& m) { on_features(from_message(m)); })
         .primary = true;
   } else {
     inputs

@@ -26,6 +26,7 @@ class OdometryNode : public Node {
   Publisher& publisher_;
   std::string source_;
   std::string external_channel_;
+  std::size_t frame_queue_;  // frames that may wait
   WheelOdometry wheels_;
   VisualOdometry visual_;
   std::optional<MotionNoise> noise_;

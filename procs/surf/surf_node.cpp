@@ -37,11 +37,12 @@ float sharpness(const cv::Mat& grey) {
 }  // namespace
 
 SurfNode::SurfNode(const ConfigNode& config, Publisher& publisher)
-    : publisher_(publisher), surf_(read_settings(config)) {}
+    : publisher_(publisher), surf_(read_settings(config)), frame_queue_(frame_queue(config, 2)) {}
 
 void SurfNode::connect(Inputs& inputs) {
-  inputs.subscribe<images_t>("CAMERA", 2, [this](const images_t& m) { on_camera(m); }).primary = true;
-  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 1,
+  inputs.subscribe<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); }).primary =
+      true;
+  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10,
                                          [this](const camera_calibration_t& m) { on_calibration(m); });
   inputs.subscribe<odometry_t>("ODOMETRY", 200, [this](const odometry_t& m) { on_odometry(m); });
 }

@@ -29,6 +29,7 @@ class SurfNode : public Node {
 
   Publisher& publisher_;
   Surf surf_;
+  std::size_t frame_queue_;  // frames that may wait
   camera_calibration_t calibration_message_;
   std::optional<DepthRegistration> registration_;
   std::optional<images_t> uncalibrated_;  // the newest message that came before the calibration

@@ -76,10 +76,10 @@ Finding check_loop_back(const DoctorOptions& options) {
     while (Clock::now() < end && receiver.take(arrival, std::max(Clock::duration{0}, end - Clock::now())))
       arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
   };
-  const auto period = std::chrono::duration_cast<Clock::duration>(seconds(1 / options.rate));
-  const auto count = static_cast<std::size_t>(std::max(3.0, options.seconds * options.rate));
+  const auto period = std::chrono::duration_cast<Clock::duration>(seconds(1 / options.traffic.rate));
+  const auto count = static_cast<std::size_t>(std::max(3.0, options.seconds * options.traffic.rate));
   status_t message{};
-  message.detail.assign(options.largest, 'x');
+  message.detail.assign(options.traffic.largest, 'x');
   Clock::time_point next = Clock::now();
   for (std::size_t i = 0; i < count; ++i, next += period) {
     message.utime = microseconds_now();
@@ -91,8 +91,8 @@ Finding check_loop_back(const DoctorOptions& options) {
 
   const std::size_t lost = count - std::min(count, latencies.size());
   std::sort(latencies.begin(), latencies.end());
-  finding.text = fmt::format("{} of {} messages of {} kB at {:g} Hz came back", latencies.size(), count,
-                             options.largest / 1000, options.rate);
+  finding.text = fmt::format("{} of {} messages of {} kB at {:.3g} Hz came back", latencies.size(), count,
+                             options.traffic.largest / 1000, options.traffic.rate);
   if (!latencies.empty())
     finding.text += fmt::format(", median {:.1f} ms, largest {:.1f} ms",
                                 1e3 * latencies[latencies.size() / 2], 1e3 * latencies.back());

@@ -118,19 +118,20 @@ Finding check_route(const std::string& lcm_url) {
   return finding;
 }
 
-Finding check_receive_buffer(const std::string& lcm_url, std::size_t largest) {
+Finding check_receive_buffer(const std::string& lcm_url, const GraphTraffic& traffic) {
   Finding finding{Level::good, "receive buffer", "", ""};
   const std::size_t whole = largest_whole_message(lcm_url);
+  const std::size_t largest = traffic.largest;
   if (whole >= largest) {
-    finding.text = fmt::format("holds the largest messages ({} kB) whole", largest / 1000);
+    finding.text =
+        fmt::format("holds the largest messages ({} kB, {}) whole", largest / 1000, traffic.origin);
     return finding;
   }
   finding.level = Level::note;
   finding.text = fmt::format(
-      "messages above {} kB (here up to {} kB) go in pieces; nothing is lost by that, but stock LCM tools "
-      "see "
-      "the pieces",
-      std::max<std::size_t>(whole, 60'000) / 1000, largest / 1000);
+      "messages above {} kB (here up to {} kB, {}) go in pieces; nothing is lost by that, but stock LCM "
+      "tools see the pieces",
+      std::max<std::size_t>(whole, 60'000) / 1000, largest / 1000, traffic.origin);
   finding.cure = fmt::format("sudo sysctl -w net.core.rmem_max={}", enough_buffer);
   if (lcm_url.find("recv_buf_size=") == std::string::npos)
     finding.text += "; the URL asks for no buffer, add recv_buf_size=2097152";
@@ -177,7 +178,7 @@ Finding check_disk(const std::filesystem::path& folder) {
 std::vector<Finding> examine(const DoctorOptions& options) {
   std::vector<Finding> findings{check_route(options.lcm_url)};
   if (findings.back().level != Level::failure) {
-    findings.push_back(check_receive_buffer(options.lcm_url, options.largest));
+    findings.push_back(check_receive_buffer(options.lcm_url, options.traffic));
     findings.push_back(check_loop_back(options));
     findings.push_back(check_senders(options));
   }

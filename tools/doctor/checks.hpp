@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "doctor/graph_traffic.hpp"
+
 namespace lcmslam {
 
 struct Finding {
@@ -17,8 +19,7 @@ struct Finding {
 
 struct DoctorOptions {
   std::string lcm_url;
-  std::size_t largest = 300'000;       ///< bytes of the graph's largest message: VGA colour with depth
-  double rate = 30;                    ///< Hz, of those
+  GraphTraffic traffic;                ///< size and rate of the loop-back test
   double seconds = 1;                  ///< of the loop-back test and of listening
   std::filesystem::path folder = ".";  ///< where maps and logs go
 };
@@ -33,7 +34,7 @@ struct MulticastAddress {
 MulticastAddress multicast_address(const std::string& lcm_url);
 
 Finding check_route(const std::string& lcm_url);
-Finding check_receive_buffer(const std::string& lcm_url, std::size_t largest);
+Finding check_receive_buffer(const std::string& lcm_url, const GraphTraffic& traffic);
 /// Sends to itself at the graph's size and rate. Needs a route.
 Finding check_loop_back(const DoctorOptions& options);
 /// Listens for what others send.

@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "doctor/checks.hpp"
+#include "doctor/graph_traffic.hpp"
 #include "parse_command.hpp"
 #include "runtime/options.hpp"
 #include "runtime/private_bus.hpp"
@@ -35,12 +36,20 @@ bool mend(const std::vector<Finding>& findings) {
 int doctor_command(int argc, char** argv) {
   DoctorOptions options;
   bool fix = false, private_bus = false;
+  std::string config;
+  std::vector<std::string> overrides;
   CLI::App app{"Looks for what makes LCM lose messages on this machine, and says what mends it.",
                "lcmslam doctor"};
   app.add_option("--lcm-url", options.lcm_url, "LCM provider");
-  app.add_option("--largest", options.largest, "bytes of the largest message, default 300000: VGA with depth")
-      ->check(CLI::Range(1000, 100'000'000));
-  app.add_option("--rate", options.rate, "Hz, of those")->check(CLI::Range(0.1, 1000.0));
+  app.add_option("config", config, "configuration whose graph is meant; its images are measured")
+      ->check(CLI::ExistingFile);
+  app.add_option("--set", overrides, "override: section.key=value");
+  const auto* largest =
+      app.add_option("--largest", options.traffic.largest,
+                     "bytes of the largest message, without a configuration 300000: VGA with depth")
+          ->check(CLI::Range(1000, 100'000'000));
+  const auto* rate = app.add_option("--rate", options.traffic.rate, "Hz of those, without a configuration 30")
+                         ->check(CLI::Range(0.1, 1000.0));
   app.add_option("--seconds", options.seconds, "how long the bus is tried")->check(CLI::Range(0.1, 3600.0));
   app.add_flag("--fix", fix, "run the lines that mend what was found, as root or by sudo");
   app.add_flag("--private-bus", private_bus, "look at a private network namespace instead");
@@ -50,6 +59,13 @@ int doctor_command(int argc, char** argv) {
     std::cerr << "lcmslam doctor: this machine permits no private network namespace\n";
     return 1;
   }
+  if (!config.empty()) {
+    const GraphTraffic traffic = graph_traffic(config, overrides);
+    if (largest->count() == 0) options.traffic.largest = traffic.largest;
+    if (rate->count() == 0) options.traffic.rate = traffic.rate;
+    options.traffic.origin = traffic.origin;
+  }
+  if (largest->count() > 0) options.traffic.origin = "given";
   std::cout << options.lcm_url << std::endl;
   auto findings = examine(options);
   std::cout << format_findings(findings, true);

@@ -72,6 +72,7 @@ int launch_command(int argc, char** argv) {
   const auto specs = read_graph(options);
   DoctorOptions doctor;
   doctor.lcm_url = options.lcm_url;
+  doctor.traffic = graph_traffic(options.config, options.overrides);
   doctor.seconds = 0.3;
   doctor.folder = options.folder;
   std::cout << format_findings(examine(doctor), false) << std::flush;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace lcmslam {
 namespace {
 
@@ -19,6 +21,21 @@ std::string rates(const status_t& status) {
   text += "->";
   for (const auto& out : status.outputs)
     if (out.channel != "STATUS" && out.rate > 0) text += fmt::format(" {} {:.0f}", out.channel, out.rate);
+  return text;
+}
+
+// One line for each channel and sender that did not come through clean.
+std::string trouble(const std::string& process, const status_t& status) {
+  std::string text;
+  for (const auto& in : status.inputs) {
+    if (in.lost + in.duplicates + in.reordered + in.decode_errors + in.queue_drops == 0) continue;
+    text += fmt::format(
+        "  {} <- {} of {:08x}: {} received, {} lost, {} twice, {} out of order, {} malformed, {} skipped, "
+        "{:.0f} ms in the queue{}\n",
+        process, in.channel, static_cast<std::uint32_t>(in.sender), in.received, in.lost, in.duplicates,
+        in.reordered, in.decode_errors, in.queue_drops, 1e3 * in.queue_age,
+        in.last_error.empty() ? "" : " (" + in.last_error + ")");
+  }
   return text;
 }
 
@@ -45,9 +62,10 @@ double status_value(const status_t& status, const std::string& name) {
 }
 
 std::string format_status(const StatusBoard& board, const std::vector<Supervisor::State>& processes) {
-  std::string table =
-      fmt::format("{:<11} {:>7} {:<9} {:>5} {:>7} {:>11} {:>5} {:>6} {:>5} {:>4}  {}\n", "process", "pid",
-                  "state", "CPU%", "MB", "p50/p95 ms", "lost", "kernel", "drops", "bad", "channels (Hz)");
+  std::string table = fmt::format("{:<11} {:>7} {:<9} {:>5} {:>7} {:>11} {:>5} {:>6} {:>5} {:>4} {:>6}  {}\n",
+                                  "process", "pid", "state", "CPU%", "MB", "p50/p95 ms", "lost", "kernel",
+                                  "drops", "bad", "age ms", "channels (Hz)");
+  std::string troubles;
   for (const auto& process : processes) {
     const std::string& name = process.spec.name;
     const auto found = board.find(name);
@@ -58,18 +76,21 @@ std::string format_status(const StatusBoard& board, const std::vector<Supervisor
     }
     const status_t& s = found->second;
     ChannelLoss all;
+    double queue_age = 0;
     for (const auto& in : s.inputs) {
+      queue_age = std::max(queue_age, in.queue_age);
       all.lost += in.lost;
       all.queue_drops += in.queue_drops;
       all.decode_errors += in.decode_errors;
     }
-    table +=
-        fmt::format("{:<11} {:>7} {:<9} {:>5.0f} {:>7.0f} {:>5.0f}/{:<5.0f} {:>5} {:>6} {:>5} {:>4}  {}\n",
-                    name, process.pid, state_name(s.state), 100 * s.cpu, static_cast<double>(s.memory) / 1e6,
-                    1e3 * s.latency_p50, 1e3 * s.latency_p95, all.lost, s.kernel_drops, all.queue_drops,
-                    all.decode_errors, rates(s));
+    table += fmt::format(
+        "{:<11} {:>7} {:<9} {:>5.0f} {:>7.0f} {:>5.0f}/{:<5.0f} {:>5} {:>6} {:>5} {:>4} {:>6.0f}  {}\n", name,
+        process.pid, state_name(s.state), 100 * s.cpu, static_cast<double>(s.memory) / 1e6,
+        1e3 * s.latency_p50, 1e3 * s.latency_p95, all.lost, s.kernel_drops, all.queue_drops,
+        all.decode_errors, 1e3 * queue_age, rates(s));
+    troubles += trouble(name, s);
   }
-  return table;
+  return table + troubles;
 }
 
 }  // namespace lcmslam

@@ -12,7 +12,8 @@ namespace lcmslam {
 /// Newest STATUS of each process.
 using StatusBoard = std::map<std::string, status_t>;
 
-/// A table with a line for each process: state, CPU, memory, latency, what goes in and out, losses.
+/// A table with a line for each process: state, CPU, memory, latency, what goes in and out, losses and the
+/// oldest age of a message in a queue; below it a line for each channel and sender with any trouble.
 std::string format_status(const StatusBoard& board, const std::vector<Supervisor::State>& processes);
 
 /// Counters of one channel summed over a process's inputs.

@@ -13,7 +13,8 @@ constexpr int most_missed = 3;           // frames in a row
 
 }  // namespace
 
-Lockstep::Lockstep(const std::set<std::string>& channels, Duration patience) : patience_(patience) {
+Lockstep::Lockstep(const std::set<std::string>& channels, Duration patience, int in_flight)
+    : patience_(patience), in_flight_(in_flight) {
   for (const auto& channel : channels) {
     channels_[channel];
     counts_[channel];
@@ -21,11 +22,15 @@ Lockstep::Lockstep(const std::set<std::string>& channels, Duration patience) : p
 }
 
 void Lockstep::sent(std::vector<Utime> utimes, Time now) {
+  waiting_.push_back({n_frames_, now, now + patience_});
   frames_.push_back({n_frames_++, std::move(utimes)});
   if (frames_.size() > most_frames) frames_.pop_front();
-  settled_ = false;
-  sent_at_ = now;
-  deadline_ = now + patience_;
+}
+
+void Lockstep::shorten(Duration patience) {
+  if (waiting_.empty()) return;
+  Waiting& last = waiting_.back();
+  last.deadline = std::min(last.deadline, last.sent + patience);
 }
 
 std::optional<std::int64_t> Lockstep::explained(Utime utime) const {
@@ -52,20 +57,23 @@ void Lockstep::answered(const std::string& channel, Utime utime) {
   count.silent = false;
 }
 
-bool Lockstep::ready(Time now) {
-  if (settled_) return true;
-  const std::int64_t last = n_frames_ - 1;
+// Whether all frames up to `number` are answered or given up.
+bool Lockstep::settled(std::int64_t number, Time now) {
+  while (!waiting_.empty() && settle(waiting_.front(), now)) waiting_.pop_front();
+  return waiting_.empty() || waiting_.front().number > number;
+}
+
+bool Lockstep::settle(const Waiting& frame, Time now) {
   bool waits = false, all = true;
   for (const auto& [name, channel] : channels_) {
-    if (channel.newest >= last) continue;
+    if (channel.newest >= frame.number) continue;
     all = false;
     waits |= !counts_[name].silent;
   }
-  if (waits && now < deadline()) return false;
-  settled_ = true;
+  if (waits && now < frame.deadline) return false;
   answered_by_all_ += all ? 1 : 0;
   for (const auto& [name, channel] : channels_)
-    if (channel.newest < last) give_up(name);
+    if (channel.newest < frame.number) give_up(name);
   return true;
 }
 

@@ -74,8 +74,10 @@ class Player {
   Player(const PlaySettings& settings, PlayBus& bus)
       : bus_(bus),
         clock_(settings.speed),
-        lockstep_(settings.answer_channels, std::chrono::duration_cast<Lockstep::Duration>(
-                                                std::chrono::duration<double>(settings.patience))) {
+        lockstep_(
+            settings.answer_channels,
+            std::chrono::duration_cast<Lockstep::Duration>(std::chrono::duration<double>(settings.patience)),
+            settings.in_flight) {
     bus_.on_answer = [this](const std::string& channel, Utime utime) { lockstep_.answered(channel, utime); };
   }
   ~Player() { bus_.on_answer = nullptr; }
@@ -84,7 +86,7 @@ class Player {
   void play(const LockstepOrder::Source& next, const std::function<bool()>& covered) {
     clock_.restart();
     while (const auto event = next()) {
-      if (!event->frame.empty()) wait_for_answers(covered());
+      if (!event->frame.empty()) wait_for_answers(covered(), &Lockstep::ready);
       if (event->begins_session) restart();
       wait_until(clock_.due(event->event.timestamp, bus_.now()));
       wait_until(pace_.due(event->event.data.size(), bus_.now()));
@@ -95,7 +97,7 @@ class Player {
       ++counts_.frames;
       lockstep_.sent(event->frame, bus_.now());
     }
-    wait_for_answers(covered());
+    wait_for_answers(covered(), &Lockstep::done);
   }
 
   PlayCounts counts() const {
@@ -114,13 +116,13 @@ class Player {
   void wait_until(PlayBus::Time time) {
     while (bus_.now() < time && !bus_.stopped()) bus_.wait_until(time);
   }
-  void wait_for_answers(bool covered) {
+  void wait_for_answers(bool covered, bool (Lockstep::*enough)(Lockstep::Time)) {
     constexpr auto patience_without_odometry = std::chrono::milliseconds(500);
     if (!covered) {
       ++counts_.uncovered;
       lockstep_.shorten(patience_without_odometry);
     }
-    while (!lockstep_.ready(bus_.now()) && !bus_.stopped()) bus_.wait_until(lockstep_.deadline());
+    while (!(lockstep_.*enough)(bus_.now()) && !bus_.stopped()) bus_.wait_until(lockstep_.deadline());
   }
 
   PlayBus& bus_;
@@ -162,7 +164,11 @@ PlayCounts play_log(const std::string& file, const PlaySettings& settings, PlayB
   if (lockstep && channels.count("CAMERA") == 0)
     throw std::runtime_error(file + ": lockstep waits for answers to CAMERA, which is not played");
 
-  Player player(settings, bus);
+  PlaySettings all = settings;
+  // Without wheels odometry comes from the images themselves: a depth image taken after its colour image is
+  // covered by the next frame only.
+  if (channels.count("ENCODERS") == 0) all.in_flight = 2;
+  Player player(all, bus);
   const auto begin = bus.now();
   do {
     PlaySource source(file, settings.selection, channels, contents.first);

@@ -17,6 +17,7 @@ struct PlaySettings {
   bool all_channels = false;              ///< also what can be computed from the raw channels
   std::set<std::string> answer_channels;  ///< of lockstep; none: no lockstep
   double patience = 5;                    ///< s, for the answers to a frame
+  int in_flight = 1;                      ///< of lockstep: frames that may be unanswered
 };
 
 /// The bus and the time, so that tests need neither.

@@ -79,11 +79,25 @@ TEST(Doctor, FindsAPrivateBusWell) {
 
 TEST(Doctor, SaysWhatASmallBufferMeans) {
   const std::string tiny = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2000";
-  const Finding buffer = check_receive_buffer(tiny, 300'000);
+  const Finding buffer = check_receive_buffer(tiny, {});
   EXPECT_EQ(buffer.level, Level::note);
   EXPECT_THAT(buffer.text, HasSubstr("above 60 kB"));
   EXPECT_THAT(buffer.cure, HasSubstr("rmem_max"));
-  EXPECT_EQ(check_receive_buffer("memq://", 300'000).level, Level::good);
+  EXPECT_EQ(check_receive_buffer("memq://", {}).level, Level::good);
+}
+
+TEST(GraphTraffic, IsMeasuredOnTheImagesThatTheConfigurationWouldSend) {
+  const std::string demo = LCMSLAM_SOURCE_DIR "/config/demo.yaml";
+  const GraphTraffic tof = graph_traffic(demo, {"camera.simulation.frame_rate=10"});
+  EXPECT_NEAR(tof.rate, 10, 1e-3);
+  EXPECT_THAT(tof.origin, HasSubstr("measured"));
+  const GraphTraffic rgbd = graph_traffic(demo, {"camera.simulation.head=rgbd", "camera.speed=2"});
+  EXPECT_GT(rgbd.largest, tof.largest);
+  EXPECT_LT(rgbd.largest, 450'000U);
+  const GraphTraffic elsewhere = graph_traffic(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {});
+  EXPECT_EQ(elsewhere.largest, 300'000U);
+  EXPECT_THAT(elsewhere.origin, HasSubstr("assumed"));
+  EXPECT_THROW(graph_traffic(demo, {"camera.simulation.scene=none.yaml"}), std::exception);
 }
 
 TEST(Doctor, NamesTheGraphThatRunsAlready) {

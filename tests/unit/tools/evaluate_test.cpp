@@ -15,6 +15,7 @@
 #include "messages/motion_messages.hpp"
 #include "unit/evaluation/ate_by_definition.hpp"
 #include "unit/evaluation/path_samples.hpp"
+#include "unit/tools/mounted_camera.hpp"
 #include "unit/tools/scratch.hpp"
 
 namespace lcmslam {
@@ -71,17 +72,6 @@ odometry_t odometry_message(const StampedPose& pose, const std::string& source =
   return m;
 }
 
-RgbdCalibration calibration() {
-  RgbdCalibration c;
-  c.colour.width = c.depth.width = 64;
-  c.colour.height = c.depth.height = 48;
-  c.colour.fx = c.colour.fy = c.depth.fx = c.depth.fy = 60;
-  c.has_mount = true;
-  c.T_robot_camera = planar_pose(0.2, 0.1, 0.3) * optical_axes();
-  c.T_robot_camera.translation().z() = 1.3;
-  return c;
-}
-
 class Evaluate : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (scratch_.path() / name).string(); }
@@ -116,14 +106,14 @@ class Evaluate : public ::testing::Test {
   void write_log(const std::string& name, bool with_calibration = true) {
     MessageLog log(path(name));
     if (with_calibration) {
-      camera_calibration_t c = to_message(calibration());
+      camera_calibration_t c = to_message(testing::mounted_camera());
       c.utime = c.seq = c.sender = 0;
       log.write("CAMERA_CALIBRATION", c);
     }
     Random random(3);
     for (const StampedPose& pose : path_) {
       StampedPose camera = pose;
-      camera.T_world_body = pose.T_world_body * calibration().T_robot_camera;
+      camera.T_world_body = pose.T_world_body * testing::mounted_camera().T_robot_camera;
       log.write("GROUND_TRUTH", truth_message(camera, "camera"));
     }
     const Eigen::Isometry3d T_map_world = testing::random_pose(random);
@@ -175,7 +165,7 @@ TEST_F(Evaluate, CameraTruthWithoutACalibrationIsRefused) {
 
 TEST_F(Evaluate, TextTruthOfTheCameraIsConvertedWhenSaidSo) {
   write_log("run.lcmlog");
-  write_tum(path("truth.txt"), in_other_frame(path_, calibration().T_robot_camera));
+  write_tum(path("truth.txt"), in_other_frame(path_, testing::mounted_camera().T_robot_camera));
   const std::vector<std::string> arguments = {"--truth", path("truth.txt"), path("run.lcmlog:ICP_POSE"),
                                               "--json", path("r.json")};
   ASSERT_EQ(run(arguments), 0);

@@ -108,6 +108,24 @@ TEST(Lockstep, LateAnswersOfAnotherPassDoNotCount) {
   EXPECT_TRUE(lockstep.ready(start));
 }
 
+/// With visual odometry a mapper can answer a frame only when the next one has gone out.
+TEST(Lockstep, SomeFramesMayBeInFlight) {
+  Lockstep lockstep({"A"}, seconds(5), 2);
+  const auto frame = [](int i) { return 1'000'000 + 33'333 * i; };
+  lockstep.sent({frame(0)}, start);
+  for (int i = 1; i < 40; ++i) {
+    EXPECT_TRUE(lockstep.ready(start)) << i;
+    lockstep.sent({frame(i)}, start);
+    EXPECT_FALSE(lockstep.ready(start)) << i;
+    lockstep.answered("A", frame(i - 1));
+  }
+  EXPECT_TRUE(lockstep.ready(start));
+  EXPECT_FALSE(lockstep.done(start));
+  EXPECT_TRUE(lockstep.done(start + seconds(5)));
+  EXPECT_EQ(lockstep.answered_by_all(), 39);
+  EXPECT_EQ(lockstep.counts().at("A").given_up, 1);
+}
+
 PlayEvent event(const std::string& channel, Utime logged, Utime utime, std::vector<Utime> frame = {}) {
   PlayEvent e;
   e.event.channel = channel;

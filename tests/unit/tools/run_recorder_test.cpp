@@ -5,6 +5,7 @@
 #include "messages/camera_messages.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/motion_messages.hpp"
+#include "unit/tools/mounted_camera.hpp"
 
 namespace lcmslam {
 namespace {
@@ -73,13 +74,7 @@ TEST_F(Recorder, EvaluatesEachPathAgainstTheTruth) {
 }
 
 TEST_F(Recorder, TruthOfTheCameraIsToldOfTheRobot) {
-  RgbdCalibration c;
-  c.colour.width = c.depth.width = 64;
-  c.colour.height = c.depth.height = 48;
-  c.colour.fx = c.colour.fy = c.depth.fx = c.depth.fy = 60;
-  c.has_mount = true;
-  c.T_robot_camera = planar_pose(0.2, 0.1, 0.3) * optical_axes();
-  c.T_robot_camera.translation().z() = 1.3;
+  const RgbdCalibration c = testing::mounted_camera();
   for (Utime t = 0; t < 1'000'000; t += 100'000) truth(t, "camera", path(t) * c.T_robot_camera);
   EXPECT_TRUE(recorder_.truth()[3].T_world_body.isApprox(path(300'000) * c.T_robot_camera, 1e-9))
       << "not known yet";

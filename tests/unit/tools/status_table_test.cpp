@@ -62,7 +62,7 @@ std::vector<std::string> lines(const std::string& text) {
 
 TEST(StatusTable, ShowsAProcessWithItsLoadLossesAndRates) {
   const auto table = lines(format_status({{"surf", status()}}, {process("surf", 42)}));
-  ASSERT_EQ(table.size(), 2U);
+  ASSERT_EQ(table.size(), 5U);  // heading, process, its three inputs
   EXPECT_THAT(table[1],
               AllOf(HasSubstr("surf"), HasSubstr("42"), HasSubstr("running"), HasSubstr(" 37 "),
                     HasSubstr(" 81 "), HasSubstr("12/34"), HasSubstr("CAMERA 30"), HasSubstr("ODOMETRY 50"),
@@ -75,10 +75,31 @@ TEST(StatusTable, ShowsAProcessWithItsLoadLossesAndRates) {
   }
 }
 
+TEST(StatusTable, NamesEveryChannelAndSenderWithTrouble) {
+  status_t s = status();
+  input_status_t clean{}, odd{};
+  clean.channel = "ICP_POSE";
+  clean.received = 77;
+  odd.channel = "FASTSLAM_POSE";
+  odd.sender = 0xabcd;
+  odd.received = 9;
+  odd.duplicates = 1;
+  odd.reordered = 2;
+  odd.queue_age = 0.25;
+  odd.last_error = "type not known";
+  s.inputs = {clean, odd};
+  const std::string table = format_status({{"surf", s}}, {process("surf", 42)});
+  EXPECT_EQ(table.find("ICP_POSE of"), std::string::npos);
+  EXPECT_THAT(table,
+              HasSubstr("surf <- FASTSLAM_POSE of 0000abcd: 9 received, 0 lost, 1 twice, 2 out of order, "
+                        "0 malformed, 0 skipped, 250 ms in the queue (type not known)\n"));
+  EXPECT_EQ(lines(table)[1].substr(lines(table)[0].find("age ms") + 3, 3), "250");
+}
+
 TEST(StatusTable, ShowsProcessesThatHaveNotReportedOrHaveEnded) {
   const auto table = lines(
       format_status({{"surf", status()}}, {process("icp", 7), process("surf", 0, "signal 9 (Killed)")}));
-  ASSERT_EQ(table.size(), 3U);
+  ASSERT_EQ(table.size(), 3U);  // nothing of the inputs of a process that has ended
   EXPECT_THAT(table[1], AllOf(HasSubstr("icp"), HasSubstr("starting")));
   EXPECT_THAT(table[2], AllOf(HasSubstr("surf"), HasSubstr("signal 9 (Killed)"), Not(HasSubstr("running"))));
 }

@@ -1,0 +1,57 @@
+#include "doctor/graph_traffic.hpp"
+
+#include <algorithm>
+
+#include "camera/camera_source.hpp"
+#include "camera/publish_event.hpp"
+#include "runtime/options.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t images = 3;
+
+/// Sends nothing; the base class counts the bytes.
+class Scales : public Publisher {
+ public:
+  Scales() : Publisher(0) {}
+
+ private:
+  void send(const std::string&, const std::vector<std::uint8_t>&, Utime) override {}
+};
+
+bool has_camera(const ConfigNode& config) {
+  const auto processes = config.section("launch").get("processes", process_names());
+  return std::find(processes.begin(), processes.end(), "camera") != processes.end();
+}
+
+}  // namespace
+
+GraphTraffic graph_traffic(const std::string& config_file, const std::vector<std::string>& overrides) {
+  auto live = overrides;
+  live.push_back("camera.simulation.render=live");  // a whole drive need not be rendered for three images
+  const ConfigNode config = load_config(config_file, live);
+  GraphTraffic traffic;
+  if (!has_camera(config)) return traffic;
+
+  const auto source = make_camera_source(config.section("camera"));
+  Scales scales;
+  std::vector<Utime> times;
+  while (times.size() < images) {
+    const auto event = source->next();
+    if (!event) break;
+    if (std::holds_alternative<EncodedFrame>(*event)) times.push_back(event_utime(*event));
+    publish_event(scales, *event);
+  }
+  if (times.empty()) return traffic;
+  const auto largest = static_cast<std::size_t>(scales.counts().at("CAMERA").largest);
+  traffic.largest = largest + largest / 2;
+  if (times.back() > times.front())
+    traffic.rate = 1e6 * static_cast<double>(times.size() - 1) /
+                   static_cast<double>(times.back() - times.front()) *
+                   config.section("camera").get("speed", 1.0);
+  traffic.origin = "measured: images of " + std::to_string(largest / 1000) + " kB, and half as much again";
+  return traffic;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,22 @@
+#pragma once
+// What a configured graph puts on the bus.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace lcmslam {
+
+/// A graph's images: far larger than all of its other messages, which stay under 60 kB.
+struct GraphTraffic {
+  std::size_t largest = 300'000;  ///< bytes: VGA colour with depth
+  double rate = 30;               ///< Hz
+  std::string origin = "assumed: VGA with depth";
+};
+
+/// Measured on the first images of the configuration's own source, with half as much again for later
+/// ones; assumed where the images come from elsewhere. Throws ConfigError, and what opening the source
+/// throws.
+GraphTraffic graph_traffic(const std::string& config, const std::vector<std::string>& overrides);
+
+}  // namespace lcmslam
