@@ -70,6 +70,13 @@ Surf::Surf(const SurfSettings& settings) : settings_(settings) {
   check(settings_);
 }
 
+void Surf::set_hessian_threshold(double threshold) {
+  SurfSettings changed = settings_;
+  changed.hessian_threshold = threshold;
+  check(changed);
+  settings_ = changed;
+}
+
 void Surf::detect_blobs(const cv::Mat& mask, std::vector<cv::KeyPoint>& keypoints) {
   pyramid_.compute(integral_, settings_.octaves, settings_.intervals);
   auto blobs = find_blobs(pyramid_, integral_, static_cast<float>(settings_.hessian_threshold));
@@ -77,6 +84,7 @@ void Surf::detect_blobs(const cv::Mat& mask, std::vector<cv::KeyPoint>& keypoint
     blobs.erase(
         std::remove_if(blobs.begin(), blobs.end(), [&](const Blob& b) { return masked_out(b, mask); }),
         blobs.end());
+  blobs_found_ = static_cast<int>(blobs.size());
   blobs = select_blobs(std::move(blobs), settings_.budget, integral_.width(), integral_.height());
   keypoints.clear();
   keypoints.reserve(blobs.size());
@@ -89,6 +97,7 @@ void Surf::detectAndCompute(cv::InputArray image_array, cv::InputArray mask_arra
                             bool use_provided_keypoints) {
   const cv::Mat image = image_array.getMat(), mask = mask_array.getMat();
   const cv::Mat grey = to_grey(image, grey_);
+  blobs_found_ = 0;
   if (grey.empty()) {
     keypoints.clear();
     if (descriptors.needed()) descriptors.release();

@@ -36,6 +36,10 @@ class Surf : public cv::Feature2D {
   static cv::Ptr<Surf> create(const SurfSettings& settings = {}) { return cv::makePtr<Surf>(settings); }
 
   const SurfSettings& settings() const { return settings_; }
+  /// For the images that follow. Throws std::invalid_argument when it is out of its range.
+  void set_hessian_threshold(double threshold);
+  /// Blobs above the threshold in the last image, before the budget chose from them.
+  int blobs_found() const { return blobs_found_; }
 
   /// With use_provided_keypoints nothing is detected; keypoints with a negative angle (unset) get their
   /// orientation, others keep theirs (upright: 0). `descriptors` may be cv::noArray().
@@ -52,6 +56,7 @@ class Surf : public cv::Feature2D {
   void detect_blobs(const cv::Mat& mask, std::vector<cv::KeyPoint>& keypoints);
 
   SurfSettings settings_;
+  int blobs_found_ = 0;
   cv::Mat grey_;
   IntegralImage integral_;
   HessianPyramid pyramid_;

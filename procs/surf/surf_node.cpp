@@ -1,5 +1,8 @@
 #include "surf/surf_node.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -13,7 +16,7 @@ namespace {
 
 SurfSettings read_settings(const ConfigNode& config) {
   SurfSettings s;
-  s.hessian_threshold = config.get("hessian_threshold", s.hessian_threshold, Range{0, 1e6});
+  s.hessian_threshold = config.get("hessian_threshold", s.hessian_threshold, Range{1e-3, 1e6});
   s.octaves = config.get("octaves", s.octaves, Range{1, 6});
   s.intervals = config.get("intervals", s.intervals, Range{3, 8});
   s.upright = config.get("upright", s.upright);
@@ -21,23 +24,29 @@ SurfSettings read_settings(const ConfigNode& config) {
   return s;
 }
 
-/// Mean absolute horizontal gradient: falls with motion blur and low texture.
-float sharpness(const cv::Mat& grey) {
-  const int rows = grey.rows / 4 * 4;
-  double sum = 0;
-  for (int y = 0; y < rows; y += 4) {
-    const auto* row = grey.ptr<std::uint8_t>(y);
-    int line = 0;
-    for (int x = 1; x < grey.cols; ++x) line += std::abs(row[x] - row[x - 1]);
-    sum += line;
-  }
-  return static_cast<float>(sum / std::max(1.0, 0.25 * rows * (grey.cols - 1)));
+AdaptiveThresholdSettings read_threshold(const ConfigNode& config, const SurfSettings& surf) {
+  AdaptiveThresholdSettings s;
+  s.start = surf.hessian_threshold;
+  s.lowest = std::min(s.start, config.get("lowest_threshold", s.lowest, Range{1e-3, 1e6}));
+  s.highest = std::max(s.start, config.get("highest_threshold", s.highest, Range{1e-3, 1e6}));
+  s.wanted = 2 * surf.budget.max_features;  // a choice to spread over the image
+  return s;
+}
+
+/// us; 0: every image.
+double read_period(const ConfigNode& config) {
+  const double rate = config.get("rate", 0.0, Range{0, 1000});
+  return rate > 0 ? 1e6 / rate : 0;
 }
 
 }  // namespace
 
 SurfNode::SurfNode(const ConfigNode& config, Publisher& publisher)
-    : publisher_(publisher), surf_(read_settings(config)), frame_queue_(frame_queue(config, 2)) {}
+    : publisher_(publisher),
+      surf_(read_settings(config)),
+      threshold_(read_threshold(config, surf_.settings())),
+      period_(read_period(config)),
+      frame_queue_(frame_queue(config, 2)) {}
 
 void SurfNode::connect(Inputs& inputs) {
   inputs.subscribe<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); }).primary =
@@ -67,8 +76,20 @@ void SurfNode::on_camera(const images_t& message) {
     uncalibrated_ = message;
     return;
   }
+  if (too_soon(message.utime)) return;
   publisher_.publish("FEATURES", to_message(describe(decode_images(message, registration_->calibration()))));
   ++frames_;
+}
+
+// Images come with some jitter: three quarters of the period are enough.
+bool SurfNode::too_soon(Utime utime) {
+  const auto since = static_cast<double>(utime - last_utime_);
+  if (since >= 0 && since < 0.75 * period_) {
+    ++left_out_;
+    return true;
+  }
+  last_utime_ = utime;
+  return false;
 }
 
 Eigen::Isometry3d SurfNode::motion_between_shots(const RgbdFrame& frame) const {
@@ -86,7 +107,9 @@ FeatureFrame SurfNode::describe(const RgbdFrame& frame) {
   cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
+  surf_.set_hessian_threshold(threshold_.value());
   surf_.detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
+  threshold_.observe(surf_.blobs_found());
 
   std::vector<cv::Point2f> pixels;
   for (const auto& keypoint : keypoints) pixels.push_back(keypoint.pt);
@@ -105,6 +128,9 @@ FeatureFrame SurfNode::describe(const RgbdFrame& frame) {
   result.cy = calibration.colour.cy;
   result.pixel_sigma = calibration.pixel_sigma;
   result.sharpness = sharpness(grey);
+  blurred_ = sharpness_.observe(result.sharpness);
+  blurred_frames_ += blurred_ ? 1 : 0;
+  last_sharpness_ = result.sharpness;
   result.has_mount = calibration.has_mount;
   result.T_robot_camera = calibration.T_robot_camera;
   with_depth_ = 0;
@@ -136,9 +162,20 @@ FeatureFrame SurfNode::describe(const RgbdFrame& frame) {
 
 NodeReport SurfNode::report() const {
   NodeReport report;
-  if (!registration_) report.detail = "waits for CAMERA_CALIBRATION";
-  report.values = {
-      {"frames", static_cast<double>(frames_)}, {"keypoints", keypoints_}, {"with_depth", with_depth_}};
+  if (!registration_)
+    report.detail = "waits for CAMERA_CALIBRATION";
+  else if (blurred_)
+    report.detail =
+        fmt::format("image blurred: sharpness {:.1f}, usually {:.1f}", last_sharpness_, sharpness_.usual());
+  else if (threshold_.at_lowest() && frames_ > 0)
+    report.detail = fmt::format("little texture: {:.0f} keypoints at the lowest threshold", keypoints_);
+  report.values = {{"frames", static_cast<double>(frames_)},
+                   {"left_out", static_cast<double>(left_out_)},
+                   {"keypoints", keypoints_},
+                   {"with_depth", with_depth_},
+                   {"threshold", threshold_.value()},
+                   {"sharpness", last_sharpness_},
+                   {"blurred_frames", static_cast<double>(blurred_frames_)}};
   return report;
 }
 

@@ -8,7 +8,9 @@
 #include "geometry/motion_buffer.hpp"
 #include "imaging/registration.hpp"
 #include "runtime/node.hpp"
+#include "surf/adaptive_threshold.hpp"
 #include "surf/feature.hpp"
+#include "surf/sharpness.hpp"
 #include "surf/surf.hpp"
 
 namespace lcmslam {
@@ -24,18 +26,24 @@ class SurfNode : public Node {
   void on_camera(const images_t& message);
   void on_calibration(const camera_calibration_t& message);
   void on_odometry(const odometry_t& message);
+  bool too_soon(Utime utime);
   FeatureFrame describe(const RgbdFrame& frame);
   Eigen::Isometry3d motion_between_shots(const RgbdFrame& frame) const;
 
   Publisher& publisher_;
   Surf surf_;
+  AdaptiveThreshold threshold_;
+  SharpnessWatch sharpness_;
+  double period_;            // us between two images that are used, at least
   std::size_t frame_queue_;  // frames that may wait
   camera_calibration_t calibration_message_;
   std::optional<DepthRegistration> registration_;
   std::optional<images_t> uncalibrated_;  // the newest message that came before the calibration
   MotionBuffer motion_;                   // wheel odometry, for the time between the two images
-  std::int64_t frames_ = 0;
-  double keypoints_ = 0, with_depth_ = 0;  // of the newest frame
+  Utime last_utime_ = 0;
+  std::int64_t frames_ = 0, left_out_ = 0, blurred_frames_ = 0;
+  double keypoints_ = 0, with_depth_ = 0, last_sharpness_ = 0;  // of the newest frame
+  bool blurred_ = false;
 };
 
 }  // namespace lcmslam

@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <functional>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
 #include "messages/feature_messages.hpp"
 #include "unit/messages/wire_sample.hpp"
 #include "unit/nodes/simulated_kitchen.hpp"
@@ -70,6 +74,69 @@ TEST_F(SurfNodeTest, BadImageBytesAreCountedAndTheNextFrameIsUsed) {
   });
   bus_.deliver("CAMERA", kitchen_.frame(1));
   EXPECT_EQ(bus_.count("FEATURES"), 1U);
+}
+
+/// Kitchen images with their colour changed.
+images_t changed(images_t message, const std::function<void(cv::Mat&)>& change) {
+  cv::Mat image = cv::imdecode(message.images[0].data, cv::IMREAD_COLOR);
+  change(image);
+  cv::imencode(".jpg", image, message.images[0].data);
+  message.images[0].size = static_cast<int32_t>(message.images[0].data.size());
+  return message;
+}
+
+TEST_F(SurfNodeTest, TellsOfBlurAndOfLittleTextureAndGoesOn) {
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  bus_.deliver("CAMERA", kitchen_.frame(0));
+  EXPECT_EQ(node_.report().detail, "");
+  const double sharp = testing::value_of(node_, "sharpness");
+
+  bus_.deliver("CAMERA", changed(kitchen_.frame(1), [](cv::Mat& m) { cv::blur(m, m, {25, 1}); }));
+  EXPECT_THAT(node_.report().detail, HasSubstr("blurred"));
+  EXPECT_LT(testing::value_of(node_, "sharpness"), 0.6 * sharp);
+  EXPECT_EQ(testing::value_of(node_, "blurred_frames"), 1);
+
+  for (int i = 2; i < 10; ++i)  // fades to a plain wall, so that it does not look like blur
+    bus_.deliver("CAMERA", changed(kitchen_.frame(0), [&](cv::Mat& m) {
+                   m.convertTo(m, -1, 0);
+                   cv::circle(m, {100, 100}, 8, cv::Scalar::all(8), -1);
+                 }));
+  EXPECT_EQ(bus_.count("FEATURES"), 10U);
+  EXPECT_LT(testing::value_of(node_, "threshold"), 100);
+  EXPECT_LT(testing::value_of(node_, "keypoints"), 50);
+  bus_.deliver("CAMERA", kitchen_.frame(3));
+  EXPECT_EQ(node_.report().detail, "");
+  EXPECT_GT(testing::value_of(node_, "keypoints"), 100);
+}
+
+TEST(SurfNode, LeavesImagesOutAboveItsRate) {
+  auto& kitchen = SimulatedKitchen::instance();
+  testing::TestBus bus;
+  SurfNode& node = bus.add<SurfNode>(ConfigNode::parse("rate: 10", "test"));
+  bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
+  for (int i = 0; i < 9; ++i) {
+    images_t message = kitchen.frame(0);
+    message.utime += 33'333 * i;
+    bus.deliver("CAMERA", message);
+  }
+  EXPECT_EQ(bus.count("FEATURES"), 3U);
+  EXPECT_EQ(testing::value_of(node, "left_out"), 6);
+}
+
+TEST(SurfNode, KeepsItsBudgetAndSaysWhichFeaturesHaveNoDepth) {
+  auto& kitchen = SimulatedKitchen::instance();
+  testing::TestBus bus;
+  bus.add<SurfNode>(ConfigNode::parse("max_features: 80", "test"));
+  bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
+  bus.deliver("CAMERA", kitchen.frame(0));
+  const FeatureFrame frame = from_message(bus.on<features_t>("FEATURES").at(0));
+  EXPECT_EQ(frame.features.size(), 80U);
+  int bearings = 0;
+  for (const Feature& f : frame.features) {
+    EXPECT_EQ(f.kind == MeasurementKind::bearing, !f.point.allFinite());
+    bearings += f.kind == MeasurementKind::bearing ? 1 : 0;
+  }
+  EXPECT_GT(bearings, 0);  // the colour camera sees more than the ToF camera
 }
 
 TEST_F(SurfNodeTest, MutatedFramesDoNotStopIt) {
