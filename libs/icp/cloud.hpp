@@ -23,6 +23,19 @@ Cloud geometry_of(const ColouredCloud& cloud, const Eigen::Isometry3d& T = Eigen
 
 Cloud transformed(const Cloud& cloud, const Eigen::Isometry3d& T);
 
+/// The points whose index `keep` accepts, in their order.
+template <class Keep>
+Cloud kept_points(const Cloud& cloud, const Keep& keep) {
+  Cloud kept;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!keep(i)) continue;
+    kept.points.push_back(cloud.points[i]);
+    if (cloud.has_normals()) kept.normals.push_back(cloud.normals[i]);
+    if (!cloud.sigmas.empty()) kept.sigmas.push_back(cloud.sigmas[i]);
+  }
+  return kept;
+}
+
 /// One point for each voxel: the mean weighted by 1/sigma^2, the mean normal (NaN when none is
 /// known) and the mean sigma (neighbouring pixels share their errors). Order of first appearance;
 /// points that are not finite are left out. Throws std::invalid_argument unless the size is positive.
