@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "messages/camera_messages.hpp"
 #include "messages/feature_messages.hpp"
 #include "messages/motion_messages.hpp"
+#include "surf/feature_frame.hpp"
 
 namespace lcmslam {
 namespace {
@@ -102,61 +101,17 @@ Eigen::Isometry3d SurfNode::motion_between_shots(const RgbdFrame& frame) const {
 }
 
 FeatureFrame SurfNode::describe(const RgbdFrame& frame) {
-  const RgbdCalibration& calibration = registration_->calibration();
-  cv::Mat grey;
-  cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
   surf_.set_hessian_threshold(threshold_.value());
-  surf_.detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
-  threshold_.observe(surf_.blobs_found());
-
-  std::vector<cv::Point2f> pixels;
-  for (const auto& keypoint : keypoints) pixels.push_back(keypoint.pt);
   const RegisteredDepth depth = (*registration_)(frame, motion_between_shots(frame));
-  const std::vector<DepthAtPixel> points = depth_at_pixels(depth, calibration, pixels);
-
-  FeatureFrame result;
-  result.utime = frame.utime;
-  result.seq = frame.seq;
-  result.sensor = frame.sensor;
-  result.width = frame.colour.cols;
-  result.height = frame.colour.rows;
-  result.fx = calibration.colour.fx;
-  result.fy = calibration.colour.fy;
-  result.cx = calibration.colour.cx;
-  result.cy = calibration.colour.cy;
-  result.pixel_sigma = calibration.pixel_sigma;
-  result.sharpness = sharpness(grey);
+  FeatureFrame result = describe_frame(frame, depth, registration_->calibration(), surf_);
+  threshold_.observe(surf_.blobs_found());
   blurred_ = sharpness_.observe(result.sharpness);
   blurred_frames_ += blurred_ ? 1 : 0;
   last_sharpness_ = result.sharpness;
-  result.has_mount = calibration.has_mount;
-  result.T_robot_camera = calibration.T_robot_camera;
-  with_depth_ = 0;
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const cv::KeyPoint& k = keypoints[i];
-    const Eigen::Vector2d ideal = calibration.colour.undistort({k.pt.x, k.pt.y});
-    Feature f;
-    f.x = static_cast<float>(ideal.x());
-    f.y = static_cast<float>(ideal.y());
-    f.size = k.size;
-    f.angle = k.angle * static_cast<float>(CV_PI / 180);
-    f.response = k.response;
-    f.laplacian = static_cast<std::int8_t>(k.class_id);
-    f.octave = static_cast<std::int8_t>(k.octave);
-    f.point = points[i].point;
-    f.depth_sigma = points[i].sigma;
-    if (f.point.allFinite()) {
-      f.kind = MeasurementKind::point;
-      ++with_depth_;
-    }
-    const auto bgr = frame.colour.at<cv::Vec3b>(cvRound(k.pt.y), cvRound(k.pt.x));
-    f.colour = {bgr[2], bgr[1], bgr[0]};
-    f.descriptor = to_bytes(descriptors.ptr<float>(static_cast<int>(i)));
-    result.features.push_back(f);
-  }
-  keypoints_ = static_cast<double>(keypoints.size());
+  keypoints_ = static_cast<double>(result.features.size());
+  with_depth_ =
+      static_cast<double>(std::count_if(result.features.begin(), result.features.end(),
+                                        [](const Feature& f) { return f.kind == MeasurementKind::point; }));
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "imaging/codec.hpp"
 #include "imaging/registration.hpp"
 #include "simulation/simulation.hpp"
+#include "surf/feature_frame.hpp"
 #include "surf/surf.hpp"
 
 #if __has_include(<dlib/image_keypoint/surf.h>)
@@ -52,34 +53,8 @@ cv::Mat grey(const RgbdFrame& frame) {
 FeatureFrame features(const RgbdFrame& frame, Utime utime) {
   const RgbdCalibration& c = kitchen().calibration();
   Surf surf;
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
-  surf.detectAndCompute(frame.colour, cv::noArray(), keypoints, descriptors);
-  std::vector<cv::Point2f> pixels;
-  for (const auto& k : keypoints) pixels.push_back(k.pt);
-  const auto depth = depth_at_pixels(register_depth(frame, c), c, pixels);
-  FeatureFrame result;
+  FeatureFrame result = describe_frame(frame, register_depth(frame, c), c, surf);
   result.utime = utime;
-  result.width = c.colour.width;
-  result.height = c.colour.height;
-  result.fx = c.colour.fx;
-  result.fy = c.colour.fy;
-  result.cx = c.colour.cx;
-  result.cy = c.colour.cy;
-  result.has_mount = true;
-  result.T_robot_camera = c.T_robot_camera;
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    if (!depth[i].point.allFinite()) continue;
-    Feature f;
-    f.kind = MeasurementKind::point;
-    f.x = keypoints[i].pt.x;
-    f.y = keypoints[i].pt.y;
-    f.laplacian = static_cast<std::int8_t>(keypoints[i].class_id);
-    f.point = depth[i].point;
-    f.depth_sigma = depth[i].sigma;
-    f.descriptor = to_bytes(descriptors.ptr<float>(static_cast<int>(i)));
-    result.features.push_back(f);
-  }
   return result;
 }
 
