@@ -8,12 +8,15 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "camera/camera_log.hpp"
 #include "commands.hpp"
 #include "evaluation/table.hpp"
 #include "launch/graph.hpp"
 #include "parse_command.hpp"
 #include "run_folder.hpp"
 #include "study/feature_study.hpp"
+#include "study/measures.hpp"
+#include "study/pair_study.hpp"
 
 namespace lcmslam {
 namespace {
@@ -37,10 +40,28 @@ double ate(const nlohmann::json& summary, const std::string& path) {
   return summary.at("paths").at(path).at("ate").at("translation_rmse_m").get<double>();
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+/// report.json of a study of its own, and its table on the screen.
+void write_report(const std::filesystem::path& folder, const nlohmann::json& report,
+                  const std::string& table) {
+  std::ofstream file(folder / "report.json");
+  file << report.dump(2) << "\n";
+  if (!file) throw std::runtime_error((folder / "report.json").string() + " cannot be written");
+  std::cout << table << "\n" << (folder / "report.json").string() << "\n";
+}
+
+/// A recording: a data set's folder or a log.
+std::unique_ptr<CameraSource> open_recording(const std::string& path) {
+  if (!std::filesystem::is_directory(path)) return open_log(path);
+  return make_camera_source(ConfigNode::parse("{source: dataset, dataset: {folder: \"" + path + "\"}}"));
+}
+
+int run_pair_study(const std::string& data, const PairStudySettings& settings) {
+  const auto source = open_recording(data);
+  const PairStudyResult result = study_pairs(*source, pair_methods(), settings);
+  nlohmann::json report = pair_json(result, settings);
+  report["data"] = data;
+  write_report(new_run_folder("study-pairs"), report, pair_table(result));
+  return 0;
 }
 
 int run_feature_study(const std::string& data, const FeatureStudySettings& settings) {
@@ -70,15 +91,16 @@ int study_command(int argc, char** argv) {
   CLI::App app{
       "Runs the demo live once for each seed and prints the errors of all runs. "
       "--only features: instead, how well features are found again and matched on a recording, ours beside "
-      "dlib's SURF, SIFT and ORB.",
+      "dlib's SURF, SIFT and ORB. --only pairs: how often two clouds are registered without a start.",
       "lcmslam study"};
   app.add_option("--seeds", seeds, "of sensors and particles")->delimiter(',');
   app.add_option("--config", config, "as for the demo")->check(CLI::ExistingFile);
-  app.add_option("--data", data, "a recording instead of the simulation")->check(CLI::ExistingDirectory);
+  app.add_option("--data", data, "a recording instead of the simulation (pairs: also a log)")
+      ->check(CLI::ExistingPath);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
-  const auto only_option =
-      app.add_option("--only", only, "one study of its own: features")->check(CLI::IsMember({"features"}));
+  const auto only_option = app.add_option("--only", only, "one study of its own: features, pairs")
+                               ->check(CLI::IsMember({"features", "pairs"}));
   app.add_option("--apart", features.apart, "features: frames between the images of a pair, ascending")
       ->delimiter(',')
       ->needs(only_option)
@@ -89,7 +111,24 @@ int study_command(int argc, char** argv) {
   app.add_option("--keypoints", features.keypoints, "features: at most, by response")
       ->needs(only_option)
       ->capture_default_str();
+  PairStudySettings pairs;
+  app.add_option("--max-translation", pairs.max_translation, "pairs: m, of a right result")
+      ->needs(only_option)
+      ->capture_default_str();
+  app.add_option("--max-rotation", pairs.max_rotation, "pairs: degrees, of a right result")
+      ->needs(only_option)
+      ->capture_default_str();
+  app.add_option("--clock-offset", pairs.truth_offset,
+                 "pairs: s, added to images' stamps for the truth's clock")
+      ->needs(only_option)
+      ->capture_default_str();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  if (only == "pairs") {
+    if (data.empty()) throw std::invalid_argument("--only pairs needs --data, a folder or a log");
+    if (app.count("--apart") > 0) pairs.apart = features.apart;
+    if (app.count("--starts") > 0) pairs.starts = features.starts;
+    return run_pair_study(data, pairs);
+  }
   if (only == "features") {
     if (data.empty()) throw std::invalid_argument("--only features needs --data FOLDER, a recording");
     return run_feature_study(data, features);
