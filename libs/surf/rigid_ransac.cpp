@@ -26,9 +26,13 @@ void check(const RigidRansacSettings& s) {
           "max_refinements is " + std::to_string(s.max_refinements) + ", must be 1 or more");
 }
 
+bool is_covariance(const Eigen::Matrix3d& matrix) {
+  return matrix.allFinite() && matrix.llt().info() == Eigen::Success;
+}
+
 bool usable(const PointPair& pair) {
-  return pair.point_a.allFinite() && pair.point_b.allFinite() && pair.covariance_a.allFinite() &&
-         pair.covariance_b.allFinite();
+  return pair.point_a.allFinite() && pair.point_b.allFinite() && is_covariance(pair.covariance_a) &&
+         is_covariance(pair.covariance_b);
 }
 
 // e and the inverse of its covariance at a given motion.
@@ -45,13 +49,17 @@ struct Residual {
   double mahalanobis2() const { return error.dot(information * error); }
 };
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
 struct Consensus {
-  double cost;  // MSAC (Torr & Zisserman 2000): squared distances, cut off at the inlier limit
+  double cost = infinite;  // MSAC (Torr & Zisserman 2000): squared distances, cut off at the limit
   std::vector<int> inliers;
 };
 
+// Stops counting, at infinite cost, once it cannot be below `bound`: most hypotheses are wrong and show
+// it early.
 Consensus consensus(const std::vector<PointPair>& pairs, const std::vector<int>& candidates,
-                    const Eigen::Isometry3d& T_a_b, double limit) {
+                    const Eigen::Isometry3d& T_a_b, double limit, double bound = infinite) {
   Consensus result{0, {}};
   for (int i : candidates) {
     const double distance2 = Residual(pairs[static_cast<std::size_t>(i)], T_a_b).mahalanobis2();
@@ -61,8 +69,58 @@ Consensus consensus(const std::vector<PointPair>& pairs, const std::vector<int>&
     } else {
       result.cost += limit;
     }
+    if (result.cost >= bound) return {};
   }
   return result;
+}
+
+bool gauss_newton(const std::vector<PointPair>& pairs, const std::vector<int>& indices, int max_steps,
+                  Eigen::Isometry3d& T_a_b, Matrix6d& covariance) {
+  for (int step = 0; step < max_steps; ++step) {
+    Matrix6d normal = Matrix6d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    for (int i : indices) {
+      const PointPair& pair = pairs[static_cast<std::size_t>(i)];
+      const Residual residual(pair, T_a_b);
+      // d(T exp(xi) p)/d(xi) = [R, -R hat(p)]
+      Eigen::Matrix<double, 3, 6> jacobian;
+      jacobian << T_a_b.linear(), -T_a_b.linear() * hat(pair.point_b);
+      normal += jacobian.transpose() * residual.information * jacobian;
+      gradient += jacobian.transpose() * (residual.information * residual.error);
+    }
+    // Scaled to unit diagonal, so that metres and radians compare: near singular is not fixed.
+    const Vector6d scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+    if (!scale.allFinite()) return false;
+    const Matrix6d scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
+    if (!(eigen.eigenvalues().minCoeff() > 1e-10)) return false;
+    const Matrix6d inverse = eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() *
+                             eigen.eigenvectors().transpose();
+    covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
+    const Vector6d update = covariance * gradient;
+    T_a_b = T_a_b * se3_exp(update);
+    if (update.dot(gradient) < 1e-12) break;  // a step of a millionth standard deviation
+  }
+  // Products of many rotations drift from orthonormal.
+  T_a_b.linear() = Eigen::Quaterniond(T_a_b.linear()).normalized().toRotationMatrix();
+  return true;
+}
+
+// Local optimisation (Chum, Matas & Kittler 2003): three points fix the motion only roughly, so that many
+// inliers lie beyond the limit. Least squares on whoever is within a wider limit, which narrows; kept
+// when it ends better.
+void optimise(const std::vector<PointPair>& pairs, const std::vector<int>& candidates, double limit,
+              Eigen::Isometry3d& T_a_b, Consensus& best) {
+  Eigen::Isometry3d refined = T_a_b;
+  for (const double width : {4., 2., 1.}) {
+    const Consensus near = consensus(pairs, candidates, refined, width * limit);
+    Matrix6d covariance;
+    if (near.inliers.size() < 3 || !gauss_newton(pairs, near.inliers, 1, refined, covariance)) return;
+    Consensus found = consensus(pairs, candidates, refined, limit, best.cost);
+    if (found.cost >= best.cost) continue;
+    best = std::move(found);
+    T_a_b = refined;
+  }
 }
 
 // A rigid motion keeps distances: most wrong samples show before any alignment. The slack is the
@@ -106,6 +164,24 @@ double needed_iterations(double inlier_fraction, double confidence) {
   return std::log(1 - confidence) / std::log1p(-all_inliers);
 }
 
+// Points on one line leave the turn about it free. Noise spreads them and makes the turn seem known, so
+// the spread along the second of their axes is held against the noise along it: nine times its variance
+// is three standard deviations, and lets the noise pretend a ninth of the information.
+bool fix_rotation(const std::vector<PointPair>& pairs, const std::vector<int>& indices) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero(), noise = Eigen::Matrix3d::Zero();
+  const double weight = 1 / static_cast<double>(indices.size());
+  for (int i : indices) mean += weight * pairs[static_cast<std::size_t>(i)].point_b;
+  for (int i : indices) {
+    const PointPair& pair = pairs[static_cast<std::size_t>(i)];
+    spread += weight * (pair.point_b - mean) * (pair.point_b - mean).transpose();
+    noise += weight * pair.covariance_b;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  const Eigen::Vector3d second = axes.eigenvectors().col(1);
+  return axes.eigenvalues()[1] > 9 * second.dot(noise * second);
+}
+
 RigidRansacResult failure(RigidRansacResult result, const std::string& reason) {
   result.success = false;
   result.reason = reason;
@@ -117,34 +193,7 @@ RigidRansacResult failure(RigidRansacResult result, const std::string& reason) {
 bool refine_rigid(const std::vector<PointPair>& pairs, const std::vector<int>& indices,
                   Eigen::Isometry3d& T_a_b, Matrix6d& covariance) {
   constexpr int max_steps = 10;
-  for (int step = 0; step < max_steps; ++step) {
-    Matrix6d normal = Matrix6d::Zero();
-    Vector6d gradient = Vector6d::Zero();
-    for (int i : indices) {
-      const PointPair& pair = pairs[static_cast<std::size_t>(i)];
-      const Residual residual(pair, T_a_b);
-      // d(T exp(xi) p)/d(xi) = [R, -R hat(p)]
-      Eigen::Matrix<double, 3, 6> jacobian;
-      jacobian << T_a_b.linear(), -T_a_b.linear() * hat(pair.point_b);
-      normal += jacobian.transpose() * residual.information * jacobian;
-      gradient += jacobian.transpose() * (residual.information * residual.error);
-    }
-    // Scaled to unit diagonal, so that metres and radians compare: near singular is not fixed.
-    const Vector6d scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-    if (!scale.allFinite()) return false;
-    const Matrix6d scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
-    if (!(eigen.eigenvalues().minCoeff() > 1e-10)) return false;
-    const Matrix6d inverse = eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() *
-                             eigen.eigenvectors().transpose();
-    covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
-    const Vector6d update = covariance * gradient;
-    T_a_b = T_a_b * se3_exp(update);
-    if (update.dot(gradient) < 1e-12) break;  // a step of a millionth standard deviation
-  }
-  // Products of many rotations drift from orthonormal.
-  T_a_b.linear() = Eigen::Quaterniond(T_a_b.linear()).normalized().toRotationMatrix();
-  return true;
+  return gauss_newton(pairs, indices, max_steps, T_a_b, covariance);
 }
 
 RigidRansacResult align_ransac(const std::vector<PointPair>& pairs, const RigidRansacSettings& settings,
@@ -160,24 +209,24 @@ RigidRansacResult align_ransac(const std::vector<PointPair>& pairs, const RigidR
   const auto enough = static_cast<std::size_t>(settings.min_inliers);
   if (candidates.size() < enough) return failure(result, too_few(candidates.size(), "matches with depth"));
 
-  // Draw, count, keep the best.
-  Consensus best{std::numeric_limits<double>::infinity(), {}};
+  // Draw, count, keep the best and better it.
+  Consensus best;
   double needed = settings.max_iterations;
   while (result.iterations < std::min<double>(needed, settings.max_iterations)) {
     ++result.iterations;
     const auto T_a_b = hypothesis(pairs, candidates, settings.chi_square, random);
     if (!T_a_b) continue;
-    Consensus found = consensus(pairs, candidates, *T_a_b, settings.chi_square);
+    Consensus found = consensus(pairs, candidates, *T_a_b, settings.chi_square, best.cost);
     if (found.cost >= best.cost) continue;
     best = std::move(found);
     result.T_a_b = *T_a_b;
+    optimise(pairs, candidates, settings.chi_square, result.T_a_b, best);
     const double fraction = static_cast<double>(best.inliers.size()) / static_cast<double>(candidates.size());
     needed = needed_iterations(fraction, settings.confidence);
   }
   result.inliers = best.inliers;
 
-  // Least squares on the inliers, then whoever agrees with it, until the set stays the same. Three
-  // points fix the motion only roughly, so even a poor consensus may grow.
+  // Least squares on the inliers, then whoever agrees with it, until the set stays the same.
   for (int round = 0; round < settings.max_refinements; ++round) {
     if (result.inliers.size() < 3) break;
     if (!refine_rigid(pairs, result.inliers, result.T_a_b, result.covariance))
@@ -188,6 +237,8 @@ RigidRansacResult align_ransac(const std::vector<PointPair>& pairs, const RigidR
     if (same) break;
   }
   if (result.inliers.size() < enough) return failure(result, too_few(result.inliers.size(), "inliers"));
+  if (!fix_rotation(pairs, result.inliers))
+    return failure(result, "the inliers do not fix the motion (on one line or in one place)");
   result.success = true;
   return result;
 }
@@ -200,9 +251,17 @@ RigidRansacResult align_ransac(const FeatureFrame& a, const FeatureFrame& b,
   const auto has_point = [](const Feature& f) {
     return f.kind == MeasurementKind::point && f.point.allFinite() && f.point.z() > 0 && f.depth_sigma > 0;
   };
+  const auto feature_of = [&](const FeatureFrame& frame, const char* name, int index,
+                              std::size_t m) -> auto& {
+    if (index < 0 || static_cast<std::size_t>(index) >= frame.features.size())
+      throw std::invalid_argument("rigid RANSAC: match " + std::to_string(m) + " names feature " +
+                                  std::to_string(index) + " of frame " + name + ", which has " +
+                                  std::to_string(frame.features.size()));
+    return frame.features[static_cast<std::size_t>(index)];
+  };
   for (std::size_t m = 0; m < matches.size(); ++m) {
-    const Feature& feature_a = a.features.at(static_cast<std::size_t>(matches[m].a));
-    const Feature& feature_b = b.features.at(static_cast<std::size_t>(matches[m].b));
+    const Feature& feature_a = feature_of(a, "a", matches[m].a, m);
+    const Feature& feature_b = feature_of(b, "b", matches[m].b, m);
     if (!has_point(feature_a) || !has_point(feature_b)) continue;
     pairs.push_back({feature_a.point.cast<double>(), feature_b.point.cast<double>(),
                      point_covariance(feature_a, a), point_covariance(feature_b, b)});

@@ -1,6 +1,7 @@
 #pragma once
 // Rigid motion between two sets of matched 3-D points, of which some matches are wrong: RANSAC
-// (Fischler & Bolles 1981) with the sensor's noise deciding who is an inlier, then least squares.
+// (Fischler & Bolles 1981) with the sensor's noise deciding who is an inlier, local optimisation of each
+// best hypothesis (LO-RANSAC: Chum, Matas & Kittler 2003), then least squares.
 
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ namespace lcmslam {
 
 struct RigidRansacSettings {
   int min_inliers = 12;        ///< fewer is a failure; at least 3
-  int max_iterations = 500;    ///< upper limit of hypotheses; fewer when many matches agree
+  int max_iterations = 2000;   ///< upper limit of hypotheses; fewer when many matches agree
   double confidence = 0.999;   ///< of having drawn one sample without outliers
   double chi_square = 11.345;  ///< inlier: squared Mahalanobis distance below this (3 DoF, 99 %)
   int max_refinements = 10;    ///< rounds of least squares and new inliers

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "geometry/random.hpp"
+#include "unit/surf/heap_allocations.hpp"
 #include "surf/matching.hpp"
 
 namespace lcmslam {
@@ -92,6 +93,48 @@ TEST(Matching, EqualsBruteForce) {
       }
   }
   EXPECT_GT(total, 500u);
+}
+
+TEST(Matching, EveryInstructionSetGivesTheSameMatches) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<Feature> a, b;
+    make_sets(seed, 3 + 13 * seed, 300 - 13 * seed, a, b);
+    const auto expected = Matcher(InstructionSet::portable).match(a, b);
+    for (const InstructionSet set : {InstructionSet::sse2, InstructionSet::avx2}) {
+      if (!has(set)) continue;
+      Matcher matcher(set);
+      const auto& found = matcher.match(a, b);
+      ASSERT_EQ(found.size(), expected.size()) << "seed " << seed << ", set " << int(set);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].a, expected[i].a);
+        EXPECT_EQ(found[i].b, expected[i].b);
+        EXPECT_EQ(found[i].distance2, expected[i].distance2);
+      }
+    }
+  }
+}
+
+TEST(Matching, AMatcherForgetsThePairBefore) {
+  Matcher matcher;
+  std::vector<Feature> a, b, c, d;
+  make_sets(1, 200, 300, a, b);
+  make_sets(2, 50, 40, c, d);
+  const auto fresh = match(c, d);
+  matcher.match(a, b);
+  const auto& again = matcher.match(c, d);
+  ASSERT_EQ(again.size(), fresh.size());
+  for (std::size_t i = 0; i < fresh.size(); ++i) EXPECT_EQ(again[i].b, fresh[i].b);
+}
+
+TEST(Matching, AMatcherAllocatesNothingOnceWarm) {
+  Matcher matcher;
+  std::vector<Feature> a, b;
+  make_sets(3, 400, 500, a, b);
+  matcher.match(a, b);
+  const long before = heap_allocations();
+  const std::size_t found = matcher.match(a, b).size();
+  EXPECT_EQ(heap_allocations(), before);
+  EXPECT_GT(found, 0u);
 }
 
 TEST(Matching, ExtremeBytesDoNotOverflow) {

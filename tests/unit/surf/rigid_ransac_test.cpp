@@ -238,6 +238,92 @@ TEST(RigidRansac, FailuresSayWhy) {
   EXPECT_FALSE(refine_rigid(pairs, all, T_a_b, covariance));
 }
 
+TEST(RigidRansac, FindsTheMotionFromTwentyToEightyPercentOutliers) {
+  for (const double outliers : {0.2, 0.4, 0.6, 0.8}) {
+    int found = 0;
+    constexpr int runs = 60;
+    for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+      const Views views = make_views(100 + seed, 150, int(150 * outliers));
+      Random random(seed);
+      const auto result = align_ransac(views.a, views.b, views.matches, {}, random);
+      const Vector6d error = error_of(result, views);
+      found += result.success && error.dot(result.covariance.ldlt().solve(error)) < 35;  // of 6 DoF
+    }
+    EXPECT_GE(found, runs - 1) << outliers << " outliers";
+  }
+}
+
+// Local optimisation makes up for the noise of three points: about as few samples as theory asks for.
+TEST(RigidRansac, NeedsNoMoreSamplesThanWithoutNoise) {
+  double tried = 0;
+  constexpr int runs = 40;
+  for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+    const Views views = make_views(200 + seed, 200, 100);
+    Random random(seed);
+    tried += align_ransac(views.a, views.b, views.matches, {}, random).iterations / double(runs);
+  }
+  const double in_theory = std::log(0.001) / std::log1p(-0.125);  // 52
+  EXPECT_LT(tried, 1.15 * in_theory);
+}
+
+// Noise spreads points of a line or a heap, as if they fixed the motion: refused, never wrong and sure.
+TEST(RigidRansac, NoisyLinesAndHeapsAreRefusedPlanesAndSpotsAreNot) {
+  enum Shape { line, heap, plane, spot };
+  for (const Shape shape : {line, heap, plane, spot})
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      Random random(seed, 6);
+      Views views = make_views(seed, 0, 0);
+      for (int i = 0; i < 60; ++i) {
+        const double s = random.uniform(-0.6, 0.6), t = random.uniform(-0.6, 0.6), u = random.normal();
+        Eigen::Vector3d in_b(0.1, 0.2, 2.5);
+        if (shape == line) in_b += s * Eigen::Vector3d(0.8, 0.3, 0.5);
+        if (shape == plane) in_b += Eigen::Vector3d(s, t, 0.2 * s);
+        if (shape == spot) in_b += 0.15 * Eigen::Vector3d(s, t, u);
+        views.b.features.push_back(measured(in_b, views.b, 1, random));
+        views.a.features.push_back(measured(views.T_a_b * in_b, views.a, 1, random));
+        views.matches.push_back({i, i < 15 ? (i + 1) % 15 : i, 0});
+      }
+      const auto result = align_ransac(views.a, views.b, views.matches, {}, random);
+      EXPECT_EQ(result.success, shape == plane || shape == spot)
+          << "shape " << shape << ", seed " << seed << ": " << result.reason;
+      if (!result.success) continue;
+      const Vector6d error = error_of(result, views);
+      EXPECT_LT(error.dot(result.covariance.ldlt().solve(error)), 35)
+          << "shape " << shape << ", seed " << seed;
+    }
+}
+
+TEST(RigidRansac, PairsThatAreNoMeasurementsAreNeverInliers) {
+  const Views views = make_views(3, 60, 0);
+  auto pairs = pairs_of(views);
+  pairs[0].point_a.x() = NAN;
+  pairs[1].covariance_b(0, 0) = INFINITY;
+  pairs[2].covariance_a = -pairs[2].covariance_a;
+  pairs[3].covariance_a.setZero();
+  Random random(1);
+  const auto result = align_ransac(pairs, {}, random);
+  ASSERT_TRUE(result.success) << result.reason;
+  EXPECT_GT(result.inliers.front(), 3);
+  EXPECT_GT(result.inliers.size(), 50u);
+}
+
+TEST(RigidRansac, AMatchOfAFeatureThatDoesNotExistIsNamed) {
+  Views views = make_views(3, 20, 0);
+  Random random(1);
+  const auto message = [&](Match match) -> std::string {
+    auto matches = views.matches;
+    matches[7] = match;
+    try {
+      align_ransac(views.a, views.b, matches, {}, random);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "nothing thrown";
+  };
+  EXPECT_THAT(message({20, 0, 0}), HasSubstr("match 7 names feature 20 of frame a, which has 20"));
+  EXPECT_THAT(message({0, -1, 0}), HasSubstr("match 7 names feature -1 of frame b, which has 20"));
+}
+
 TEST(RigidRansac, RefusesWrongSettings) {
   Random random(1);
   const auto message = [&](auto change) -> std::string {
