@@ -63,25 +63,33 @@ std::string to_string(MappingStatus status) {
 }
 
 IcpMapper::IcpMapper(const IcpMapperSettings& settings)
-    : settings_(settings), map_(settings.map), view_(map_, settings.correspondence, settings.view_radius) {}
+    : settings_(settings),
+      map_(settings.map),
+      view_(map_, settings.correspondence, settings.view_radius),
+      anchor_(settings.features) {}
 
 IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
                                 const Eigen::Isometry3d& T_robot_camera, const std::optional<Motion>& motion,
-                                const std::optional<Eigen::Isometry3d>& feature_motion) {
+                                const FeatureFrame* features) {
   // Prepare: trustworthy points, in the robot's frame.
   const ColouredCloud usable = usable_points(cloud, settings_.filter);
   const Cloud reduced = voxel_filtered(geometry_of(usable, T_robot_camera), settings_.voxel_size);
 
   Step step;
   if (!started_) {
-    start_map(utime, usable, reduced, T_robot_camera, step);
+    start_map(utime, usable, reduced, T_robot_camera, features, step);
     return step;
   }
 
   // Predict and register.
-  const Prior prior = predict(T_world_last_, motion, free_motion(utime), settings_.prior);
+  Prior prior = predict(T_world_last_, motion, free_motion(utime), settings_.prior);
+  std::optional<Prior> anchor;
+  if (features != nullptr && settings_.features.enabled)
+    anchor = anchor_.locate(*features, prior.T_target_source * T_robot_camera, T_robot_camera);
+  step.anchored = anchor.has_value();
+  if (anchor) prior = fused(prior, *anchor);
   const Attempt best =
-      try_starts(reduced, starts(prior, motion, feature_motion, T_robot_camera), prior, T_robot_camera);
+      try_starts(reduced, starts(prior, motion, anchor, T_robot_camera), prior, T_robot_camera);
   step.registration = best.registration;
   step.status = best.status;
   step.quality = best.quality;
@@ -98,7 +106,8 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
     step.status = MappingStatus::degraded;
     bad_steps_ = 0;
   }
-  if (best.status == MappingStatus::tracking || reseed) grow(utime, usable, reduced, T_robot_camera, step);
+  if (best.status == MappingStatus::tracking || reseed)
+    grow(utime, usable, reduced, T_robot_camera, features, step);
 
   const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
   const bool moving = best.status == MappingStatus::tracking && seconds > 0;
@@ -110,15 +119,14 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
 }
 
 void IcpMapper::start_map(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
-                          const Eigen::Isometry3d& T_robot_camera, Step& step) {
+                          const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step) {
   last_utime_ = utime;
   if (static_cast<int>(cloud.size()) < settings_.min_points) return;
   started_ = true;
   map_.insert(cloud, Eigen::Vector3d::Zero());
   step.quality = 1;
-  step.keyframe = true;
   step.status = MappingStatus::tracking;
-  keyframes_.push_back({0, utime, T_robot_camera, voxel_filtered(usable, settings_.keyframe_voxel)});
+  add_keyframe(utime, usable, T_robot_camera, features, step);
 }
 
 // The last step again, for as long as this one lasts (a second at most).
@@ -128,11 +136,10 @@ Eigen::Isometry3d IcpMapper::free_motion(Utime utime) const {
 }
 
 std::vector<Eigen::Isometry3d> IcpMapper::starts(const Prior& prior, const std::optional<Motion>& motion,
-                                                 const std::optional<Eigen::Isometry3d>& feature_motion,
+                                                 const std::optional<Prior>& anchor,
                                                  const Eigen::Isometry3d& T_robot_camera) {
   std::vector<Eigen::Isometry3d> starts = {prior.T_target_source};
-  if (feature_motion && feature_motion->matrix().allFinite())
-    starts.push_back(T_world_last_ * *feature_motion);
+  if (anchor) starts.push_back(anchor->T_target_source);
   if (bad_steps_ == 0) return starts;
 
   starts.push_back(T_world_last_);
@@ -216,7 +223,7 @@ MappingStatus IcpMapper::judge(const RegistrationResult& result, const Prior& pr
 }
 
 void IcpMapper::grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
-                     const Eigen::Isometry3d& T_robot_camera, Step& step) {
+                     const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step) {
   const Eigen::Isometry3d& T = step.T_world_robot;
   if (distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
       angle_between(T, T_world_inserted_) >= settings_.insert_angle) {
@@ -224,9 +231,16 @@ void IcpMapper::grow(Utime utime, const ColouredCloud& usable, const Cloud& clou
     T_world_inserted_ = T;
   }
   const Eigen::Isometry3d T_world_camera = T * T_robot_camera;
-  if (!keyframe_due(T_world_camera, step.registration.overlap)) return;
+  if (keyframe_due(T_world_camera, step.registration.overlap))
+    add_keyframe(utime, usable, T_world_camera, features, step);
+}
+
+void IcpMapper::add_keyframe(Utime utime, const ColouredCloud& usable,
+                             const Eigen::Isometry3d& T_world_camera, const FeatureFrame* features,
+                             Step& step) {
   keyframes_.push_back({static_cast<int>(keyframes_.size()), utime, T_world_camera,
                         voxel_filtered(usable, settings_.keyframe_voxel)});
+  if (features != nullptr) anchor_.add(T_world_camera, *features);
   step.keyframe = true;
 }
 

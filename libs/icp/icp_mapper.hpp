@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "icp/cloud_filter.hpp"
+#include "icp/feature_anchor.hpp"
 #include "icp/map_view.hpp"
 #include "icp/motion_prior.hpp"
 #include "icp/registration.hpp"
@@ -20,6 +21,7 @@ struct IcpMapperSettings {
   CloudFilterSettings filter;
   VoxelMapSettings map;
   MotionPriorSettings prior;
+  FeatureAnchorSettings features;
 
   // registration: a coarse pass over few points from far, then a fine one
   double voxel_size = 0.04;  ///< m, of the cloud that is registered and inserted
@@ -64,6 +66,7 @@ class IcpMapper {
     Matrix6d covariance = Matrix6d::Zero();  ///< against the map; right perturbation, robot frame
     RegistrationResult registration;         ///< of the cloud in the robot frame to the world
     MappingStatus status = MappingStatus::initialising;
+    bool anchored = false;  ///< features of a keyframe were found again
     double quality = 0;     ///< 0..1: overlap times share of inliers
     bool keyframe = false;  ///< keyframes().back() is new
   };
@@ -76,11 +79,10 @@ class IcpMapper {
   };
 
   /// `cloud` stands in the camera frame at `utime` and needs normals. `motion` is the robot's motion
-  /// since the previous step where odometry knows it; `feature_motion` is another guess of it (robot
-  /// frame, previous to this step), tried as a start. Steps come in order of time.
+  /// since the previous step where odometry knows it; `features` are of the same moment, null where they are
+  /// not there. Steps come in order of time.
   Step step(Utime utime, const ColouredCloud& cloud, const Eigen::Isometry3d& T_robot_camera,
-            const std::optional<Motion>& motion = std::nullopt,
-            const std::optional<Eigen::Isometry3d>& feature_motion = std::nullopt);
+            const std::optional<Motion>& motion = std::nullopt, const FeatureFrame* features = nullptr);
 
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const VoxelMap& map() const { return map_; }
@@ -93,10 +95,10 @@ class IcpMapper {
   };
 
   void start_map(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
-                 const Eigen::Isometry3d& T_robot_camera, Step& step);
+                 const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step);
   Eigen::Isometry3d free_motion(Utime utime) const;
   std::vector<Eigen::Isometry3d> starts(const Prior& prior, const std::optional<Motion>& motion,
-                                        const std::optional<Eigen::Isometry3d>& feature_motion,
+                                        const std::optional<Prior>& anchor,
                                         const Eigen::Isometry3d& T_robot_camera);
   double score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const;
   Attempt try_starts(const Cloud& cloud, std::vector<Eigen::Isometry3d> starts, const Prior& prior,
@@ -105,12 +107,15 @@ class IcpMapper {
                   const Prior& prior) const;
   MappingStatus judge(const RegistrationResult& result, const Prior& prior) const;
   void grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
-            const Eigen::Isometry3d& T_robot_camera, Step& step);
+            const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step);
+  void add_keyframe(Utime utime, const ColouredCloud& usable, const Eigen::Isometry3d& T_world_camera,
+                    const FeatureFrame* features, Step& step);
   bool keyframe_due(const Eigen::Isometry3d& T_world_camera, double overlap) const;
 
   IcpMapperSettings settings_;
   VoxelMap map_;
   MapView view_;
+  FeatureAnchor anchor_;
   std::vector<Keyframe> keyframes_;
   bool started_ = false;
   int bad_steps_ = 0;              // in a row

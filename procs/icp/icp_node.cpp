@@ -10,6 +10,7 @@
 
 #include "icp/read_settings.hpp"
 #include "messages/camera_messages.hpp"
+#include "messages/feature_messages.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/map_messages.hpp"
 #include "messages/motion_messages.hpp"
@@ -18,6 +19,8 @@ namespace lcmslam {
 namespace {
 
 constexpr Utime longest_gap = 5'000'000;  // us
+constexpr Utime same_moment = 1000;       // us
+constexpr std::size_t features_kept = 8;  // frames; odometry may lag behind features
 
 std::int8_t wire_status(MappingStatus status) {
   switch (status) {
@@ -85,6 +88,10 @@ void IcpNode::connect(Inputs& inputs) {
       true;
   inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10,
                                          [this](const camera_calibration_t& m) { on_calibration(m); });
+  inputs.subscribe<features_t>("FEATURES", frame_queue_, [this](const features_t& m) {
+    features_.push_back(from_message(m));
+    while (features_.size() > features_kept) features_.pop_front();
+  });
   inputs.subscribe<odometry_t>("ODOMETRY", 500,
                                [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
 }
@@ -120,7 +127,7 @@ IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   Shot shot;
   shot.depth_utime = calibration_->depth_time(frame.depth_utime);
   // Images of one moment need no motion, and registering them without it is much cheaper.
-  const bool together = std::abs(frame.utime - shot.depth_utime) < 1000;
+  const bool together = std::abs(frame.utime - shot.depth_utime) < same_moment;
   const auto motion = together ? std::nullopt : join_.motion().between(frame.utime, shot.depth_utime);
   shot.utime = motion ? frame.utime : shot.depth_utime;
   if (motion) shot.T_points_depth = motion->T_from_to;
@@ -132,6 +139,15 @@ IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   remove_jump_edges(depth.points, depth.sigma, {}, step);
   shot.cloud = make_cloud(frame, depth, step);
   return shot;
+}
+
+// Only what is there already: waiting for features would add their latency to the pose's.
+const FeatureFrame* IcpNode::features_at(Utime utime, const Shot& shot) const {
+  if (std::abs(shot.utime - utime) > same_moment)
+    return nullptr;  // the cloud stands at another moment than the colour image
+  for (const FeatureFrame& frame : features_)
+    if (frame.utime == utime) return &frame;
+  return nullptr;
 }
 
 void IcpNode::on_frame(const RgbdFrame& frame) {
@@ -146,8 +162,11 @@ void IcpNode::on_frame(const RgbdFrame& frame) {
   }
   const auto motion = join_.motion().between(last_utime_, shot.utime);
   T_world_previous_ = last_.T_world_robot;
-  last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion);
+  const FeatureFrame* features = features_at(frame.utime, shot);
+  with_features_ += features != nullptr ? 1 : 0;
+  last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion, features);
   last_utime_ = shot.utime;
+  anchored_ += last_.anchored ? 1 : 0;
   ++steps_;
   lost_ += last_.status == MappingStatus::lost ? 1 : 0;
   publish(frame.utime, shot, motion, publisher_.cpu_time() - begin);
@@ -257,6 +276,8 @@ NodeReport IcpNode::report() const {
   if (!calibration_) report.detail = "waits for CAMERA_CALIBRATION";
   report.values = {{"steps", static_cast<double>(steps_)},
                    {"without_odometry", static_cast<double>(join_.without_odometry())},
+                   {"with_features", static_cast<double>(with_features_)},
+                   {"anchored", static_cast<double>(anchored_)},
                    {"skipped", static_cast<double>(join_.dropped())},
                    {"lost", static_cast<double>(lost_)},
                    {"restarts", static_cast<double>(restarts_)},

@@ -35,6 +35,7 @@ class IcpNode : public Node {
   void on_camera(const images_t& message);
   void on_calibration(const camera_calibration_t& message);
   void on_frame(const RgbdFrame& frame);
+  const FeatureFrame* features_at(Utime utime, const Shot& shot) const;
   Shot make_shot(const RgbdFrame& frame) const;
   void restart();
   void publish(Utime frame_utime, const Shot& shot, const std::optional<Motion>& motion, double cpu_time);
@@ -46,7 +47,8 @@ class IcpNode : public Node {
   IcpMapperSettings settings_;
   std::string pose_;  // "auto": on the floor when the camera is mounted on a robot
   double cloud_points_;
-  std::size_t frame_queue_;  // frames that may wait
+  std::deque<FeatureFrame> features_;  // the newest few
+  std::size_t frame_queue_;            // frames that may wait
   MotionJoin<RgbdFrame> join_;
   camera_calibration_t calibration_message_;
   std::optional<RgbdCalibration> calibration_;
@@ -56,7 +58,7 @@ class IcpNode : public Node {
   Utime last_utime_ = 0;
   std::deque<keyframe_t> tiles_;  // wait for their turn: bursts overrun receive buffers
   std::chrono::steady_clock::time_point next_tile_{};
-  std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0;
+  std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0, with_features_ = 0, anchored_ = 0;
   IcpMapper::Step last_;
   Eigen::Isometry3d T_world_previous_ = Eigen::Isometry3d::Identity();  // of the step before last_
 };

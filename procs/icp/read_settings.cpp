@@ -65,6 +65,15 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   s.map.voxel_size = map.get("voxel_size", s.map.voxel_size, Range{0.001, 10});
   s.map.max_blocks = map.get("max_blocks", s.map.max_blocks, Range{100, 1e8});
 
+  const ConfigNode features = c.section("features");
+  s.features.enabled = features.get("enabled", s.features.enabled);
+  s.features.keyframes = features.get("keyframes", s.features.keyframes, Range{1, 20});
+  s.features.max_distance = features.get("max_distance", s.features.max_distance, metres);
+  s.features.max_angle = features.get("max_angle", s.features.max_angle, radians);
+  s.features.min_inliers = features.get("min_inliers", s.features.min_inliers, Range{3, 1000});
+  s.features.floor_translation = features.get("floor_translation", s.features.floor_translation, metres);
+  s.features.floor_rotation = features.get("floor_rotation", s.features.floor_rotation, radians);
+
   const ConfigNode prior = c.section("prior");
   s.prior.floor_translation = prior.get("floor_translation", s.prior.floor_translation, metres);
   s.prior.floor_rotation = prior.get("floor_rotation", s.prior.floor_rotation, radians);

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "geometry/random.hpp"
+#include "surf/descriptor_search.hpp"
 #include "unit/surf/heap_allocations.hpp"
 #include "unit/surf/recorded_features.hpp"
-#include "surf/descriptor_search.hpp"
 
 namespace lcmslam {
 namespace {

@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "geometry/random.hpp"
-#include "unit/surf/heap_allocations.hpp"
 #include "surf/matching.hpp"
+#include "unit/surf/heap_allocations.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,0 +1,69 @@
+#include "icp/feature_anchor.hpp"
+
+#include <algorithm>
+
+namespace lcmslam {
+
+FeatureAnchor::FeatureAnchor(const FeatureAnchorSettings& settings) : settings_(settings) {}
+
+void FeatureAnchor::add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features) {
+  keyframes_.push_back({T_world_camera, features});
+}
+
+std::vector<const FeatureAnchor::Keyframe*> FeatureAnchor::around(
+    const Eigen::Isometry3d& T_world_camera) const {
+  std::vector<std::pair<double, const Keyframe*>> near;
+  for (const Keyframe& keyframe : keyframes_) {
+    const Eigen::Isometry3d step = keyframe.T_world_camera.inverse() * T_world_camera;
+    const double distance = step.translation().norm() / settings_.max_distance;
+    const double angle = rotation_angle(step) / settings_.max_angle;
+    if (distance < 1 && angle < 1) near.emplace_back(distance + angle, &keyframe);
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<const Keyframe*> nearest;
+  for (const auto& [distance, keyframe] : near)
+    if (nearest.size() < static_cast<std::size_t>(settings_.keyframes)) nearest.push_back(keyframe);
+  return nearest;
+}
+
+// All keyframes' matches at once, in the world: where one keyframe gives way to the next, nothing jumps.
+std::optional<Prior> FeatureAnchor::locate(const FeatureFrame& features,
+                                           const Eigen::Isometry3d& T_world_camera,
+                                           const Eigen::Isometry3d& T_robot_camera) {
+  std::vector<PointPair> pairs;
+  for (const Keyframe* keyframe : around(T_world_camera)) {
+    const Eigen::Matrix3d R = keyframe->T_world_camera.linear();
+    for (const Match& m : matcher_.match(keyframe->features.features, features.features)) {
+      const Feature& known = keyframe->features.features[static_cast<std::size_t>(m.a)];
+      const Feature& seen = features.features[static_cast<std::size_t>(m.b)];
+      if (known.kind != MeasurementKind::point || seen.kind != MeasurementKind::point) continue;
+      pairs.push_back({keyframe->T_world_camera * known.point.cast<double>(), seen.point.cast<double>(),
+                       R * point_covariance(known, keyframe->features) * R.transpose(),
+                       point_covariance(seen, features)});
+    }
+  }
+  RigidRansacSettings ransac;
+  ransac.min_inliers = settings_.min_inliers;
+  Random random(1);
+  const RigidRansacResult aligned = align_ransac(pairs, ransac, random);
+  if (!aligned.success) return std::nullopt;
+  Matrix6d covariance = aligned.covariance;
+  covariance.diagonal().head<3>().array() += settings_.floor_translation * settings_.floor_translation;
+  covariance.diagonal().tail<3>().array() += settings_.floor_rotation * settings_.floor_rotation;
+  const Matrix6d A = adjoint(T_robot_camera);  // from the camera's body frame to the robot's
+  Prior anchor;
+  anchor.T_target_source = aligned.T_a_b * T_robot_camera.inverse();
+  anchor.information = (A * covariance * A.transpose()).inverse();
+  return anchor;
+}
+
+Prior fused(const Prior& a, const Prior& b) {
+  // First order about a: b lies at xi from there, in a's body frame.
+  const Vector6d xi = se3_log(a.T_target_source.inverse() * b.T_target_source);
+  Prior result;
+  result.information = a.information + b.information;
+  result.T_target_source = a.T_target_source * se3_exp(result.information.ldlt().solve(b.information * xi));
+  return result;
+}
+
+}  // namespace lcmslam

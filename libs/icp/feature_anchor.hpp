@@ -1,0 +1,55 @@
+#pragma once
+// Where the SURF features of a frame place the robot, against those of the keyframes around: knowledge for
+// directions in which geometry alone slides (a wall, a floor), and without the drift of frame-to-frame
+// odometry.
+
+#include <optional>
+#include <vector>
+
+#include "icp/solver.hpp"
+#include "surf/feature.hpp"
+#include "surf/matching.hpp"
+#include "surf/rigid_ransac.hpp"
+
+namespace lcmslam {
+
+struct FeatureAnchorSettings {
+  bool enabled = true;
+  int keyframes = 2;          ///< nearest ones that are asked
+  double max_distance = 1.0;  ///< m between a keyframe's camera and this one's, and
+  double max_angle = 0.7;     ///< rad: beyond, SURF does not find things again
+  int min_inliers = 20;
+  // Added (squared) to the alignment's covariance: errors that all of a frame's features share.
+  double floor_translation = 0.015;  ///< m
+  double floor_rotation = 0.010;     ///< rad
+};
+
+class FeatureAnchor {
+ public:
+  explicit FeatureAnchor(const FeatureAnchorSettings& settings);
+
+  /// A keyframe's features and where its camera stood.
+  void add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features);
+  void clear() { keyframes_.clear(); }
+
+  /// T_world_robot with its information, by the keyframe with most matches that agree; nothing when too few
+  /// agree. `T_world_camera` is where the camera should be.
+  std::optional<Prior> locate(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera,
+                              const Eigen::Isometry3d& T_robot_camera);
+
+ private:
+  struct Keyframe {
+    Eigen::Isometry3d T_world_camera;
+    FeatureFrame features;
+  };
+  std::vector<const Keyframe*> around(const Eigen::Isometry3d& T_world_camera) const;
+
+  FeatureAnchorSettings settings_;
+  std::vector<Keyframe> keyframes_;
+  Matcher matcher_;
+};
+
+/// Both pieces of knowledge together: the minimum of the sum of both squared Mahalanobis distances.
+Prior fused(const Prior& a, const Prior& b);
+
+}  // namespace lcmslam
