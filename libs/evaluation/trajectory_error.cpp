@@ -61,6 +61,16 @@ double tracked_fraction(const Trajectory& truth, const std::vector<MatchedPose>&
   return whole > 0 ? std::min(1.0, covered(matches) / whole) : 1;
 }
 
+/// Fewer poses than the alignment has to fit agree with any truth.
+void check_enough(std::size_t matched, Alignment alignment) {
+  const std::size_t fewest = alignment == Alignment::none ? 1 : alignment == Alignment::first_pose ? 2 : 3;
+  if (matched < fewest)
+    throw std::invalid_argument(
+        "only " + std::to_string(matched) +
+        " poses belong to one of the truth; with this alignment errors mean something from " +
+        std::to_string(fewest) + " on");
+}
+
 }  // namespace
 
 ErrorStatistics statistics(std::vector<double> errors) {
@@ -112,6 +122,7 @@ TrajectoryReport evaluate(const Trajectory& truth, const Trajectory& estimate,
                           const EvaluationSettings& settings) {
   TrajectoryReport report;
   report.matches = associate(truth, estimate, settings);
+  check_enough(report.matches.size(), settings.alignment);
   report.truth_poses = truth.size();
   report.estimate_poses = estimate.size();
   report.matched_poses = report.matches.size();

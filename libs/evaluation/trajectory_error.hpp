@@ -94,6 +94,7 @@ PoseErrors relative_errors(const std::vector<MatchedPose>& matches, double step,
 
 ErrorStatistics statistics(std::vector<double> errors);
 
+/// Throws std::invalid_argument when nothing matches, or too little for the alignment.
 TrajectoryReport evaluate(const Trajectory& truth, const Trajectory& estimate,
                           const EvaluationSettings& settings = {});
 

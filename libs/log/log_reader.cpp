@@ -19,7 +19,7 @@ using log_format::Header;
 class LogReader::Mapping {
  public:
   explicit Mapping(const std::string& file) {
-    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe shall not hang us
     if (descriptor < 0) throw std::runtime_error(file + ": cannot be opened: " + std::strerror(errno));
     struct stat status {};
     const bool known = fstat(descriptor, &status) == 0;

@@ -6,22 +6,37 @@
 
 namespace lcmslam {
 
-void InputCount::follow(std::int64_t seq, std::int64_t known_missing) {
-  if (seq < 0) return;  // a foreign sender that does not number
-  if (last_seq < 0 || seq > last_seq) {
-    if (last_seq >= 0) lost += std::max<std::int64_t>(0, seq - last_seq - 1 - known_missing);
+void InputCount::follow(std::int64_t seq, std::int64_t known_missing, Utime utime) {
+  constexpr std::int64_t largest_seq = std::int64_t{1} << 50;  // more are garbage
+  constexpr std::int64_t most_missing = 1000;
+  constexpr Utime replay_step = 1'000'000;   // us; a log that starts again goes back by more
+  if (seq < 0 || seq > largest_seq) return;  // a foreign sender that does not number
+  const bool went_back = numbered_utime_ > replay_step && utime < numbered_utime_ - replay_step;
+  const bool replayed = seq <= last_seq && missing_.count(seq) == 0 && went_back;
+  if (replayed) {
+    last_seq = -1;
+    missing_.clear();
+  }
+  numbered_utime_ = utime;
+  if (last_seq < 0) {
     last_seq = seq;
-  } else if (seq == last_seq) {
-    ++duplicates;
-  } else {
+  } else if (seq > last_seq) {
+    lost += std::max<std::int64_t>(0, seq - last_seq - 1 - known_missing);
+    for (std::int64_t gap = std::max(last_seq + 1, seq - most_missing); gap < seq; ++gap)
+      missing_.insert(gap);
+    while (missing_.size() > most_missing) missing_.erase(missing_.begin());
+    last_seq = seq;
+  } else if (missing_.erase(seq) > 0) {
     ++reordered;  // was counted as lost when its successor came
     if (lost > 0) --lost;
+  } else {
+    ++duplicates;
   }
 }
 
 void Input::deliver(const std::uint8_t* data, std::size_t size, std::int64_t dropped) {
   known_missing_ += dropped;
-  counted_ = false;
+  counted_in_ = nullptr;
   try {
     decode_and_handle(data, size);
   } catch (const std::exception& error) {  // nothing that comes from the bus may end the process
@@ -30,7 +45,10 @@ void Input::deliver(const std::uint8_t* data, std::size_t size, std::int64_t dro
     // The 1st, 2nd, 4th, 8th ...: a flood of garbage must not flood the log.
     if ((decode_errors & (decode_errors - 1)) == 0)
       spdlog::warn("{}: {} ({} so far)", channel_, error.what(), decode_errors);
-    if (!counted_) ++known_missing_;
+    if (counted_in_ == nullptr)
+      ++known_missing_;
+    else
+      --counted_in_->received;  // nothing is counted twice
   }
 }
 
@@ -39,16 +57,25 @@ void Input::seen(const Origin& origin, Utime utime, std::size_t size) {
       100'000'000'000'000'000;  // us, 3000 years: differences of sound times never overflow
   if (utime < -far_away || utime > far_away)
     throw DecodeError("utime " + std::to_string(utime) + " is no time");
-  constexpr std::size_t most_senders = 64;  // garbage must not grow the table for ever
-  const bool known = senders.count(origin.sender) > 0;
-  InputCount& count = senders[known || senders.size() < most_senders ? origin.sender : 0];
+  InputCount& count = count_of(origin.sender);
   ++count.received;
   count.bytes += static_cast<std::int64_t>(size);
   count.last_utime = utime;
-  count.follow(origin.seq, known_missing_);
+  count.follow(origin.seq, known_missing_, utime);
   known_missing_ = 0;
-  counted_ = true;
+  counted_in_ = &count;
   if (on_seen) on_seen(utime);
+}
+
+void Input::skip(const MessageIdentity& message) {
+  count_of(message.origin.sender).follow(message.origin.seq, known_missing_, message.utime);
+  known_missing_ = 0;
+}
+
+InputCount& Input::count_of(std::int64_t sender) {
+  constexpr std::size_t most_senders = 64;  // garbage must not grow the table for ever
+  const bool known = senders.count(sender) > 0;
+  return senders[known || senders.size() < most_senders ? sender : 0];
 }
 
 bool Inputs::deliver(const std::string& channel, const std::uint8_t* data, std::size_t size) {

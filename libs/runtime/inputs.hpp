@@ -6,6 +6,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,13 +23,24 @@ struct InputCount {
   std::int64_t bytes = 0;
   std::int64_t lost = 0;  ///< gaps in seq
   std::int64_t duplicates = 0;
-  std::int64_t reordered = 0;
+  std::int64_t reordered = 0;  ///< came after a later one: taken for lost until then
   std::int64_t last_seq = -1;
   Utime last_utime = 0;
 
-  /// Follows the sender's numbering. `known_missing` messages before this one arrived but were thrown
-  /// away here (queue drops, decode errors): they are not lost.
-  void follow(std::int64_t seq, std::int64_t known_missing = 0);
+  /// Follows the sender's numbering. `known_missing` messages before this one arrived but their numbers could
+  /// not be read (decode errors): they are not lost. A `utime` far before the last one's together with a
+  /// number that does not rise is a log that is played again: the numbering begins anew.
+  void follow(std::int64_t seq, std::int64_t known_missing = 0, Utime utime = 0);
+
+ private:
+  std::set<std::int64_t> missing_;  // numbers taken for lost, the newest of them
+  Utime numbered_utime_ = 0;        // of the last message that was followed
+};
+
+/// What remains of a message that was thrown away unhandled.
+struct MessageIdentity {
+  Origin origin;
+  Utime utime = 0;
 };
 
 class Input {
@@ -40,8 +53,12 @@ class Input {
   std::size_t capacity() const { return capacity_; }
 
   /// Checks, counts and handles one message. Never throws for a bad message: it is counted.
-  /// `dropped` messages of this channel were thrown away since the last call.
+  /// `dropped` messages of this channel were thrown away since the last call and nobody knows their numbers.
   void deliver(const std::uint8_t* data, std::size_t size, std::int64_t dropped = 0);
+  /// Follows the number of a message that was thrown away: it is not lost.
+  void skip(const MessageIdentity& message);
+  /// Nothing when the bytes are no message of this input's type. May be called by any thread.
+  virtual std::optional<MessageIdentity> identify(const std::uint8_t* data, std::size_t size) const = 0;
 
   /// Latency is measured from the arrival of these messages.
   bool primary = false;
@@ -58,10 +75,11 @@ class Input {
   void seen(const Origin& origin, Utime utime, std::size_t size);
 
  private:
+  InputCount& count_of(std::int64_t sender);
   std::string channel_;
   std::size_t capacity_;
-  std::int64_t known_missing_ = 0;  // since the last good message
-  bool counted_ = false;            // the message under way was followed by its number
+  std::int64_t known_missing_ = 0;    // since the last good message
+  InputCount* counted_in_ = nullptr;  // the message under way was followed by its number
 };
 
 class Inputs {
@@ -84,6 +102,15 @@ class Inputs {
    public:
     TypedInput(const std::string& channel, std::size_t capacity, std::function<void(const M&)> handler)
         : Input(channel, capacity), handler_(std::move(handler)) {}
+
+    std::optional<MessageIdentity> identify(const std::uint8_t* data, std::size_t size) const override {
+      try {
+        const M message = decode_message<M>(data, size);
+        return MessageIdentity{origin(message), message.utime};
+      } catch (const DecodeError&) {
+        return std::nullopt;
+      }
+    }
 
    private:
     void decode_and_handle(const std::uint8_t* data, std::size_t size) override {

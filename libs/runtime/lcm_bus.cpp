@@ -34,6 +34,10 @@ void LcmPublisher::send(const std::string& channel, const std::vector<std::uint8
   sender_.send(channel, bytes, utime);
 }
 
+bool is_usable(lcm::LCM& lcm) {
+  return lcm.good() && lcm.getFileno() >= 0;
+}
+
 std::size_t largest_whole_message(const std::string& lcm_url) {
   if (lcm_url.rfind("udpm", 0) != 0) return std::numeric_limits<std::size_t>::max();
   const std::string key = "recv_buf_size=";
@@ -61,6 +65,11 @@ void BusSender::send(const std::string& channel, const std::vector<std::uint8_t>
 void BusSender::publish(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
   if (lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
     spdlog::error("{}: LCM could not send {} bytes", channel, bytes.size());
+}
+
+void Arrival::deliver() const {
+  for (const MessageIdentity& message : skipped) input->skip(message);
+  input->deliver(bytes.data(), bytes.size(), unreadable);
 }
 
 Receiver::Receiver(lcm::LCM& lcm, const Inputs& inputs) : lcm_(lcm) {
@@ -112,17 +121,24 @@ void Receiver::Queue::receive_part(const lcm::ReceiveBuffer* buffer, const std::
 }
 
 void Receiver::Queue::push(std::vector<std::uint8_t> bytes) {
-  Arrival arrival{input, std::move(bytes), std::chrono::steady_clock::now(), 0};
+  Arrival arrival{input, std::move(bytes), std::chrono::steady_clock::now()};
   {
     const std::lock_guard<std::mutex> lock(receiver->mutex_);
     waiting.push_back(std::move(arrival));
-    if (waiting.size() > input->capacity()) {
-      waiting.pop_front();
-      ++count.drops;
-      ++dropped;
-    }
+    if (waiting.size() > input->capacity()) drop_oldest();
   }
   receiver->arrived_.notify_one();
+}
+
+/// Its number is kept: with several senders on a channel nobody could tell later whose gap it explains.
+void Receiver::Queue::drop_oldest() {
+  const std::vector<std::uint8_t>& oldest = waiting.front().bytes;
+  if (const auto identity = input->identify(oldest.data(), oldest.size()))
+    skipped.push_back(*identity);
+  else
+    ++unreadable;
+  waiting.pop_front();
+  ++count.drops;
 }
 
 bool Receiver::take(Arrival& arrival, std::chrono::steady_clock::duration wait) {
@@ -139,7 +155,8 @@ bool Receiver::take(Arrival& arrival, std::chrono::steady_clock::duration wait) 
   if (!arrived_.wait_for(lock, wait, find_first)) return false;
   arrival = std::move(first->waiting.front());
   first->waiting.pop_front();
-  arrival.dropped = std::exchange(first->dropped, 0);
+  arrival.skipped = std::exchange(first->skipped, {});
+  arrival.unreadable = std::exchange(first->unreadable, 0);
   const std::chrono::duration<double> age = std::chrono::steady_clock::now() - arrival.time;
   first->count.oldest = std::max(first->count.oldest, age.count());
   return true;

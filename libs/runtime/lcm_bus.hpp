@@ -16,6 +16,10 @@ namespace lcmslam {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
+/// Whether messages can be received. A tcpq bus without its server is "good" but has no descriptor, and LCM
+/// ends the process when it is asked to wait for it.
+bool is_usable(lcm::LCM& lcm);
+
 /// Bytes of the largest message that a receiver on this machine, asking for the buffer that the URL names,
 /// can be trusted to take whole: a quarter of what the kernel grants, because several senders share it and
 /// the kernel counts more than the payload. Without UDP there is no limit.
@@ -64,7 +68,11 @@ struct Arrival {
   Input* input = nullptr;
   std::vector<std::uint8_t> bytes;
   SteadyTime time;
-  std::int64_t dropped = 0;  ///< messages of its queue that were thrown away just before it
+  std::vector<MessageIdentity> skipped{};  ///< messages of its queue that were thrown away just before it
+  std::int64_t unreadable = 0;             ///< those of them that do not decode
+
+  /// To its input, with the account of what was thrown away.
+  void deliver() const;
 };
 
 /// Drains the bus without ever waiting for the node: when a queue is full, its oldest message goes.
@@ -94,10 +102,12 @@ class Receiver {
     PartAssembler assembler;
     std::deque<Arrival> waiting;
     QueueCount count;
-    std::int64_t dropped = 0;  // since the last one was taken
+    std::vector<MessageIdentity> skipped;  // since the last one was taken
+    std::int64_t unreadable = 0;           // the same
     void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel);
     void receive_part(const lcm::ReceiveBuffer* buffer, const std::string& channel);
     void push(std::vector<std::uint8_t> bytes);
+    void drop_oldest();
   };
   void drain();
 

@@ -83,7 +83,7 @@ class Process {
     // Registered when the message has been decoded, before its handler runs: the answer may come from there.
     if (arrival.input->primary)
       arrival.input->on_seen = [&](Utime utime) { reporter_.arrived(utime, arrival.time); };
-    arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+    arrival.deliver();
   }
 
   void on_command(const command_t& command) {
@@ -120,7 +120,7 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
   try {
     const ProcessConfig config = process_config(options, name);
     lcm::LCM lcm(options.lcm_url);
-    if (!lcm.good()) {
+    if (!is_usable(lcm)) {
       spdlog::error("LCM cannot use {}: no multicast route? Try: ip route add 224.0.0.0/4 dev lo",
                     options.lcm_url);
       return 1;

@@ -71,6 +71,15 @@ TEST(OptionsOfLcmslam, AnUnknownCommandIsRefused) {
   EXPECT_THAT(result.output, HasSubstr("dance"));
 }
 
+TEST(OptionsOfLcmslam, OutputThatCannotBeWrittenIsAnError) {
+  const std::string lcmslam = find_program("lcmslam");
+  const Result full = run({"/bin/sh", "-c", lcmslam + " log --help > /dev/full"}, patience);
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_THAT(full.output, HasSubstr("standard output"));
+  const Result fine = run({"/bin/sh", "-c", lcmslam + " log --help > /dev/null"}, patience);
+  EXPECT_EQ(fine.exit_code, 0);
+}
+
 TEST(OptionsOfProcesses, AFileThatIsMissingIsNamed) {
   for (const std::string option : {"--config", "--log-level"}) {
     const Result result = run({"lcmslam-surf", option, "/nowhere/at-all"}, patience);

@@ -159,6 +159,25 @@ TEST_F(Replay, BigImagesPassTheStockReceiveBuffer) {
   stop_and_check_maps();
 }
 
+TEST_F(Replay, CtrlCEndsAPlayerWithItsAccount) {
+  Program player({"lcmslam", "log", "play", source_folder() / "logs/kitchen.lcmlog", "--loop"});
+  ASSERT_TRUE(wait_until([&] { return player.wrote("plays CAMERA"); }, 30));
+  player.send(SIGINT);
+  EXPECT_EQ(player.wait(30).exit_code, 0) << player.output();
+  EXPECT_TRUE(player.wrote("times real time")) << player.output();
+}
+
+TEST_F(Replay, CtrlCEndsBatchAndLeavesNoHalfLog) {
+  const TemporaryFolder folder;
+  Program batch({"lcmslam", "batch", source_folder() / "config/replay.yaml",
+                 source_folder() / "logs/kitchen.lcmlog", "--out", folder.path()});
+  ASSERT_TRUE(wait_until([&] { return !std::filesystem::is_empty(folder.path()); }, 30));
+  batch.send(SIGINT);
+  EXPECT_EQ(batch.wait(30).exit_code, 1) << batch.output();
+  EXPECT_TRUE(batch.wrote("stopped by a signal")) << batch.output();
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST_F(Replay, WhatTheLoggerRecordsOfALiveRunGivesMaps) {
   const std::string log = folder_ / "live.lcmlog";
   Program logger({"lcm-logger", "--lcm-url=" + url(), "-c", raw_channels, log});

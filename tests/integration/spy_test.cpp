@@ -102,6 +102,11 @@ TEST_F(Spying, MessagesInPiecesAreShownWhole) {
   EXPECT_EQ(channels["ICP_POSE"]["lost_pieces"], 0);
 }
 
+TEST_F(Spying, EndsWhenTheReaderOfItsPipeGoesAway) {
+  const Result result = run({"/bin/sh", "-c", find_program("lcmslam") + " spy --json | head -n 1"}, 30);
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+}
+
 TEST_F(Spying, SilenceIsNamed) {
   const Result result = run({"lcmslam", "spy", "--once", "--seconds", "0.2"}, 30);
   EXPECT_EQ(result.exit_code, 0);

@@ -12,6 +12,7 @@
 #include "run_folder.hpp"
 #include "runtime/machine.hpp"
 #include "runtime/options.hpp"
+#include "runtime/stop_signal.hpp"
 
 namespace lcmslam {
 namespace {
@@ -81,7 +82,9 @@ int batch_command(int argc, char** argv) {
   const Clock::time_point begin = Clock::now();
   const bool terminal = isatty(STDOUT_FILENO) != 0;
   double shown = 0;
+  install_stop_signals(0);
   options.progress = [&](double seconds) {
+    if (stop_requested()) throw std::runtime_error("stopped by a signal: nothing is written");
     const double elapsed = seconds_since(begin);
     if (!terminal || elapsed - shown < 1) return;
     shown = elapsed;
@@ -90,7 +93,10 @@ int batch_command(int argc, char** argv) {
   const BatchResult result = run_batch(options);
   if (terminal) std::cout << "\r";
   print(result, seconds_since(begin));
-  return result.frames > 0 ? 0 : 1;
+  if (result.frames > 0) return 0;
+  std::cerr << "lcmslam batch: " << log
+            << ": has no CAMERA message within the times asked for (lcmslam log info)\n";
+  return 1;
 }
 
 }  // namespace lcmslam

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
+#include "log/log_session.hpp"
 #include "log/log_writer.hpp"
 #include "log/message_reader.hpp"
 #include "runtime/options.hpp"
@@ -37,12 +38,15 @@ BatchResult run_batch(const BatchOptions& options) {
                    [&](const BatchMessage& message) { output.write(now, message.channel, message.bytes); });
   config.finish();
 
+  SessionTracker sessions;
+  bool begins = false;  // no event of this session was delivered yet
   std::optional<Utime> start;
   std::optional<BatchMessage> calibration;  // the last one before `from`
   while (const auto event = log.next()) {
     if (!start) start = event->timestamp;
-    const double seconds = 1e-6 * static_cast<double>(event->timestamp - *start);
-    if (options.to > 0 && seconds > options.to) break;
+    begins |= sessions.begins(*event);
+    const double seconds = 1e-6 * static_cast<double>(time_between(*start, event->timestamp));
+    if (options.to > 0 && seconds > options.to) continue;  // logs are in disorder, or hold several sessions
     BatchMessage message{std::string(event->channel), {}, event->timestamp};
     if (!graph.is_input(message.channel)) continue;
     message.bytes.assign(event->data, event->data + event->size);
@@ -50,7 +54,8 @@ BatchResult run_batch(const BatchOptions& options) {
       if (message.channel == "CAMERA_CALIBRATION") calibration = std::move(message);
       continue;
     }
-    now = std::max(now, event->timestamp);
+    now = begins ? event->timestamp : std::max(now, event->timestamp);
+    begins = false;
     if (calibration) graph.deliver(*std::exchange(calibration, std::nullopt));
     ++result.delivered;
     result.frames += message.channel == "CAMERA" ? 1 : 0;

@@ -28,8 +28,8 @@ struct BatchResult {
   std::vector<BatchGraph::Summary> processes;
 };
 
-/// Events are logged with the time of the log's event that they follow from. Throws ConfigError and
-/// std::runtime_error.
+/// Events are logged with the time of the log's event that they follow from (the latest so far of its
+/// session). Throws ConfigError and std::runtime_error.
 BatchResult run_batch(const BatchOptions& options);
 
 }  // namespace lcmslam

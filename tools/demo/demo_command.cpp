@@ -121,8 +121,7 @@ class Demo {
  private:
   void listen(Clock::duration wait) {
     Arrival arrival;
-    if (receiver_.take(arrival, wait))
-      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+    if (receiver_.take(arrival, wait)) arrival.deliver();
     for (const auto& event : supervisor_.poll()) {
       facts_.events.push_back(event);
       say("lcmslam demo: " + event);

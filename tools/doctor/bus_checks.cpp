@@ -61,7 +61,7 @@ std::string joined(const Texts& texts, std::size_t most) {
 Finding check_loop_back(const DoctorOptions& options) {
   Finding finding{Level::good, "loop-back test", "", ""};
   lcm::LCM sending(options.lcm_url), receiving(options.lcm_url);
-  if (!sending.good() || !receiving.good()) return no_lcm(finding.subject, options.lcm_url);
+  if (!is_usable(sending) || !is_usable(receiving)) return no_lcm(finding.subject, options.lcm_url);
   Inputs inputs;
   std::vector<double> latencies;  // s
   const std::string channel = fmt::format("LCMSLAM_DOCTOR_{}", getpid());
@@ -74,7 +74,7 @@ Finding check_loop_back(const DoctorOptions& options) {
   const auto take_until = [&](Clock::time_point end) {
     Arrival arrival;
     while (Clock::now() < end && receiver.take(arrival, std::max(Clock::duration{0}, end - Clock::now())))
-      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+      arrival.deliver();
   };
   const auto period = std::chrono::duration_cast<Clock::duration>(seconds(1 / options.traffic.rate));
   const auto count = static_cast<std::size_t>(std::max(3.0, options.seconds * options.traffic.rate));
@@ -97,19 +97,25 @@ Finding check_loop_back(const DoctorOptions& options) {
     finding.text += fmt::format(", median {:.1f} ms, largest {:.1f} ms",
                                 1e3 * latencies[latencies.size() / 2], 1e3 * latencies.back());
   if (publisher.split() > 0) finding.text += ", in pieces";
-  if (lost == 0) return finding;
-  finding.level = lost == count ? Level::failure : Level::warning;
+  const bool slow = !latencies.empty() && latencies[latencies.size() / 2] > 2 / options.traffic.rate;
+  if (slow) {
+    finding.level = Level::warning;
+    finding.text += ": they pile up; send smaller or fewer ones";
+  }
+  if (lost == 0 && !slow) return finding;
+  if (lost > 0) finding.level = lost == count ? Level::failure : Level::warning;
   const auto sender_count = input.senders.find(sender);
   if (sender_count != input.senders.end())
     finding.text += fmt::format(" ({} counted as lost)", sender_count->second.lost);
-  finding.cure = "sudo sysctl -w net.core.rmem_max=4194304";
+  const bool multicast = !multicast_address(options.lcm_url).group.empty();
+  if (multicast) finding.cure = "sudo sysctl -w net.core.rmem_max=4194304";
   return finding;
 }
 
 Finding check_senders(const DoctorOptions& options) {
   Finding finding{Level::good, "other senders", "nobody else is heard on this bus", ""};
   lcm::LCM lcm(options.lcm_url);
-  if (!lcm.good()) return no_lcm(finding.subject, options.lcm_url);
+  if (!is_usable(lcm)) return no_lcm(finding.subject, options.lcm_url);
   Listener listener;
   lcm.subscribe(".*", &Listener::hear, &listener);
   const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds(

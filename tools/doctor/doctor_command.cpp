@@ -41,9 +41,10 @@ int doctor_command(int argc, char** argv) {
   CLI::App app{"Looks for what makes LCM lose messages on this machine, and says what mends it.",
                "lcmslam doctor"};
   app.add_option("--lcm-url", options.lcm_url, "LCM provider");
-  app.add_option("config", config, "configuration whose graph is meant; its images are measured")
-      ->check(CLI::ExistingFile);
-  app.add_option("--set", overrides, "override: section.key=value");
+  auto* graph =
+      app.add_option("config", config, "configuration whose graph is meant; its images are measured")
+          ->check(CLI::ExistingFile);
+  app.add_option("--set", overrides, "override: section.key=value")->needs(graph);
   const auto* largest =
       app.add_option("--largest", options.traffic.largest,
                      "bytes of the largest message, without a configuration 300000: VGA with depth")

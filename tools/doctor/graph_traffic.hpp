@@ -7,7 +7,7 @@
 
 namespace lcmslam {
 
-/// A graph's images: far larger than all of its other messages, which stay under 60 kB.
+/// A graph's images: far larger than all of its other messages, which stay under 100 kB.
 struct GraphTraffic {
   std::size_t largest = 300'000;  ///< bytes: VGA colour with depth
   double rate = 30;               ///< Hz

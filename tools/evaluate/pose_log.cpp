@@ -46,8 +46,7 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
   try {
     if (name == "ground_truth_t") {
       const auto m = decode_message<ground_truth_t>(data, size);
-      const StampedPose pose{checked(m.utime), from_message(m.T_frame_child, "T_frame_child")};
-      channels_[channel].trajectory.push_back(pose);
+      add_pose(channel, {checked(m.utime), from_message(m.T_frame_child, "T_frame_child")}, 0, 0, 0);
       channels_[channel].body = m.child_frame;
     } else if (name == "odometry_t") {
       const auto m = decode_message<odometry_t>(data, size);

@@ -64,7 +64,7 @@ int launch_command(int argc, char** argv) {
                            "map-server.folder=" + std::filesystem::absolute(options.folder).string());
   install_stop_signals(0);
   lcm::LCM lcm(options.lcm_url);
-  if (!lcm.good()) {
+  if (!is_usable(lcm)) {
     std::cerr << "lcmslam launch: LCM cannot use " << options.lcm_url << "\n"
               << format_findings({check_route(options.lcm_url)}, true);
     return 1;
@@ -83,13 +83,13 @@ int launch_command(int argc, char** argv) {
 
   StatusBoard board;
   Inputs inputs;
-  inputs.subscribe<status_t>("STATUS", 1000, [&](const status_t& s) { board[s.process] = s; });
+  inputs.subscribe<status_t>("STATUS", 1000,
+                             [&](const status_t& s) { take_status(board, s, supervisor.processes()); });
   Receiver receiver(lcm, inputs);
   Screen screen;
   while (!stop_requested() && !supervisor.refused()) {
     Arrival arrival;
-    if (receiver.take(arrival, std::chrono::milliseconds(100)))
-      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+    if (receiver.take(arrival, std::chrono::milliseconds(100))) arrival.deliver();
     for (const auto& event : supervisor.poll()) std::cout << "lcmslam launch: " << event << std::endl;
     screen.show(format_status(board, supervisor.processes()));
   }

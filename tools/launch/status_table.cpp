@@ -41,6 +41,12 @@ std::string trouble(const std::string& process, const status_t& status) {
 
 }  // namespace
 
+void take_status(StatusBoard& board, const status_t& status,
+                 const std::vector<Supervisor::State>& processes) {
+  for (const auto& process : processes)
+    if (process.spec.name == status.process && process.pid == status.pid) board[status.process] = status;
+}
+
 ChannelLoss channel_loss(const status_t& status, const std::string& channel) {
   ChannelLoss sum;
   for (const auto& in : status.inputs) {

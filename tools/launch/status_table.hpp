@@ -12,6 +12,9 @@ namespace lcmslam {
 /// Newest STATUS of each process.
 using StatusBoard = std::map<std::string, status_t>;
 
+/// Takes a STATUS if it comes from one of these processes: another graph's may be on the same bus.
+void take_status(StatusBoard& board, const status_t& status, const std::vector<Supervisor::State>& processes);
+
 /// A table with a line for each process: state, CPU, memory, latency, what goes in and out, losses and the
 /// oldest age of a message in a queue; below it a line for each channel and sender with any trouble.
 std::string format_status(const StatusBoard& board, const std::vector<Supervisor::State>& processes);

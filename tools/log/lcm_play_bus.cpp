@@ -1,6 +1,7 @@
 #include "log/lcm_play_bus.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <lcmslam/status_t.hpp>
 #include <stdexcept>
 
@@ -12,7 +13,8 @@ namespace lcmslam {
 
 LcmPlayBus::LcmPlayBus(const std::string& lcm_url, const std::set<std::string>& answer_channels)
     : lcm_(lcm_url), sender_(lcm_, draw_sender(), largest_whole_message(lcm_url)) {
-  if (!lcm_.good()) throw std::runtime_error("LCM cannot use " + lcm_url + "; `lcmslam doctor` tells why");
+  if (!is_usable(lcm_))
+    throw std::runtime_error("LCM cannot use " + lcm_url + "; `lcmslam doctor` tells why");
   lcm_.subscribe("STATUS", &LcmPlayBus::receive_status, this)->setQueueCapacity(1000);
   for (const auto& channel : answer_channels)
     lcm_.subscribe(channel, &LcmPlayBus::receive_answer, this)->setQueueCapacity(1000);
@@ -26,7 +28,7 @@ void LcmPlayBus::wait_until(Time time) {
   using std::chrono::milliseconds;
   const auto left = std::chrono::ceil<milliseconds>(time - now());
   const auto wait = std::clamp(left, milliseconds(0), milliseconds(100));  // stop requests are seen in time
-  if (lcm_.handleTimeout(static_cast<int>(wait.count())) < 0)
+  if (lcm_.handleTimeout(static_cast<int>(wait.count())) < 0 && errno != EINTR && !stopped())
     throw std::runtime_error("LCM stopped receiving");
 }
 

@@ -9,6 +9,7 @@
 #include "log/log_session.hpp"
 #include "log/message_facts.hpp"
 #include "log/part_joiner.hpp"
+#include "messages/print_message.hpp"
 
 namespace lcmslam {
 namespace {
@@ -128,7 +129,7 @@ LogCheck check_log(const std::string& file) {
 std::string format_finding(const LogFinding& finding) {
   std::string text = fmt::format("byte {}", finding.offset);
   if (finding.number >= 0) text += fmt::format(", event {}", finding.number);
-  if (!finding.channel.empty()) text += ", " + finding.channel;
+  if (!finding.channel.empty()) text += ", " + printable(finding.channel);
   return text + ": " + finding.text;
 }
 

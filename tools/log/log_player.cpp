@@ -3,6 +3,7 @@
 #include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/images_t.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "log/log_session.hpp"
 #include "log/message_facts.hpp"
@@ -87,7 +88,7 @@ class Player {
     clock_.restart();
     while (const auto event = next()) {
       if (!event->frame.empty()) wait_for_answers(covered(), &Lockstep::ready);
-      if (event->begins_session) restart();
+      if (event->begins_session || leaps(event->event.timestamp)) restart();
       wait_until(clock_.due(event->event.timestamp, bus_.now()));
       wait_until(pace_.due(event->event.data.size(), bus_.now()));
       if (bus_.stopped()) return;
@@ -109,6 +110,12 @@ class Player {
   }
 
  private:
+  /// A time so much later than the one before is damaged: it is not waited for.
+  bool leaps(Utime timestamp) {
+    constexpr Utime longest_pause = 86'400'000'000;  // us
+    const Utime before = std::exchange(last_, timestamp);
+    return time_between(before, timestamp) > longest_pause;
+  }
   void restart() {
     clock_.restart();
     lockstep_.restart();
@@ -130,6 +137,7 @@ class Player {
   SocketPace pace_;
   Lockstep lockstep_;
   PlayCounts counts_;
+  Utime last_ = 0;  // log time
 };
 
 }  // namespace

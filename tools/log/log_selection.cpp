@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "messages/print_message.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -39,10 +41,11 @@ void LogSelection::check() const {
 }
 
 void LogSelection::check_channels(const std::set<std::string>& in_log, const std::string& log) const {
-  for (const auto& channel : channels)
-    if (in_log.count(channel) == 0)
-      throw std::runtime_error(
-          fmt::format("{}: has no channel '{}'; it has {}", log, channel, fmt::join(in_log, ", ")));
+  for (const auto* asked : {&channels, &without_channels})
+    for (const auto& channel : *asked)
+      if (in_log.count(channel) == 0)
+        throw std::runtime_error(fmt::format("{}: has no channel '{}'; it has {}", log, channel,
+                                             printable(fmt::format("{}", fmt::join(in_log, ", ")))));
 }
 
 }  // namespace lcmslam

@@ -23,7 +23,8 @@ struct LogSelection {
   /// Throws std::invalid_argument, naming the values, when nothing can be selected.
   void check() const;
 
-  /// Throws std::runtime_error when a channel that is asked for is none of those that the log has.
+  /// Throws std::runtime_error when a channel that is asked for or left out is none of those that the log
+  /// has.
   void check_channels(const std::set<std::string>& in_log, const std::string& log) const;
 
   bool has_channel(const std::string& channel) const {

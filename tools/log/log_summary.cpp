@@ -92,7 +92,7 @@ class Summariser {
     if (channel.senders.count(origin.sender) == 0 && channel.senders.size() == most_senders) return;
     InputCount& sender = channel.senders[origin.sender];
     ++sender.received;
-    sender.follow(origin.seq);
+    sender.follow(origin.seq, 0, message_utime(event.data, event.size).value_or(0));
   }
 
   LogSummary& summary_;

@@ -7,6 +7,7 @@
 #include "log/log_commands.hpp"
 #include "log/message_reader.hpp"
 #include "log/selection_options.hpp"
+#include "messages/print_message.hpp"
 #include "runtime/options.hpp"
 #include "runtime/stop_signal.hpp"
 
@@ -69,14 +70,18 @@ std::set<std::string> find_answers(LcmPlayBus& bus, const PlayOptions& options) 
   return found;
 }
 
+std::string names(const std::set<std::string>& channels) {
+  return printable(fmt::format("{}", fmt::join(channels, ", ")));
+}
+
 void print_start(const PlayOptions& options, const PlaySettings& settings) {
   const auto contents = scan_log(options.file);
   const auto played = channels_to_play(contents.channels, settings);
   std::set<std::string> others;
   for (const auto& channel : contents.channels)
     if (played.count(channel) == 0) others.insert(channel);
-  std::cout << fmt::format("{}: plays {}", options.file, fmt::join(played, ", "));
-  if (!others.empty()) std::cout << fmt::format("; not {} (--all or --channels)", fmt::join(others, ", "));
+  std::cout << fmt::format("{}: plays {}", options.file, names(played));
+  if (!others.empty()) std::cout << fmt::format("; not {} (--all or --channels)", names(others));
   if (!settings.answer_channels.empty())
     std::cout << fmt::format("; in step with {}", fmt::join(settings.answer_channels, ", "));
   std::cout << std::endl;
@@ -116,7 +121,8 @@ int log_play_command(int argc, char** argv) {
   app.add_option("--lcm-url", options.lcm_url, "LCM provider");
   app.add_option("--wait-for", options.processes, "first wait until these processes run: A,B,...")
       ->delimiter(',');
-  app.add_option("--wait", options.wait, "s, at most, for --wait-for (default 60)");
+  app.add_option("--wait", options.wait, "s, at most, for --wait-for (default 60)")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--lockstep", options.lockstep,
                "a frame goes out when the mappers have answered the one before: nothing is dropped");
   app.add_option("--answer", options.answers,
@@ -137,9 +143,12 @@ int log_play_command(int argc, char** argv) {
   settings.answer_channels = find_answers(bus, options);
   if (bus.stopped()) return 0;
   print_start(options, settings);
-  print_end(play_log(options.file, settings, bus), options.lockstep);
+  const PlayCounts counts = play_log(options.file, settings, bus);
+  print_end(counts, options.lockstep);
   if (bus.split() > 0) std::cout << bus.split() << " messages went out in pieces\n";
-  return 0;
+  const bool unheard = options.lockstep && counts.frames > 0 && counts.answered == 0 && !bus.stopped();
+  if (unheard) std::cerr << "lcmslam log: no frame was answered by all: does the graph run as it should?\n";
+  return unheard ? 1 : 0;
 }
 
 }  // namespace lcmslam

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "log/log_summary.hpp"
+#include "messages/print_message.hpp"
 #include "messages/schema.hpp"
 
 namespace lcmslam {
@@ -68,16 +69,16 @@ std::string format_summary(const LogSummary& summary) {
     text += fmt::format("  {} events have an earlier time than the one before (at most {:.6f} s)\n",
                         summary.jumps_back, seconds(summary.largest_jump_back));
   std::size_t width = 7;
-  for (const auto& [name, channel] : summary.channels) width = std::max(width, name.size());
+  for (const auto& [name, channel] : summary.channels) width = std::max(width, printable(name).size());
   text += fmt::format("  {:<{}} {:>8} {:>8} {:>10} {:>10} {:>9} {:>5} {:>6}  {}\n", "channel", width,
                       "messages", "Hz", "mean B", "largest B", "gap s", "back", "lost", "type");
   for (const auto& [name, c] : summary.channels)
-    text += fmt::format("  {:<{}} {:>8} {:>8.2f} {:>10} {:>10} {:>9.3f} {:>5} {:>6}  {}\n", name, width,
-                        c.count, c.rate, c.bytes / c.count, c.largest, seconds(c.largest_gap), c.jumps_back,
-                        lost_text(c), types_text(c));
+    text += fmt::format("  {:<{}} {:>8} {:>8.2f} {:>10} {:>10} {:>9.3f} {:>5} {:>6}  {}\n", printable(name),
+                        width, c.count, c.rate, c.bytes / c.count, c.largest, seconds(c.largest_gap),
+                        c.jumps_back, lost_text(c), types_text(c));
   for (const auto& [name, c] : summary.in_pieces)
-    text += fmt::format("  {}: {} whole messages in {} pieces, {} incomplete\n", name, c.whole, c.pieces,
-                        c.incomplete);
+    text += fmt::format("  {}: {} whole messages in {} pieces, {} incomplete\n", printable(name), c.whole,
+                        c.pieces, c.incomplete);
   if (!summary.damages.empty())
     text += fmt::format("  damaged at {} places; `lcmslam log check` lists them\n", summary.damages.size());
   return text;

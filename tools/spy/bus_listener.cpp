@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "runtime/lcm_bus.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -14,9 +16,7 @@ constexpr int queue_capacity = 20'000;  // messages
 
 BusListener::BusListener(const std::string& lcm_url, const std::string& pattern, Handler handler)
     : lcm_(lcm_url), handler_(std::move(handler)) {
-  // A tcpq bus without its server has no descriptor; LCM would end the process when asked to wait for it.
-  if (!lcm_.good() || lcm_.getFileno() < 0)
-    throw std::runtime_error(lcm_url + " cannot be used; ./lcmslam doctor says why");
+  if (!is_usable(lcm_)) throw std::runtime_error(lcm_url + " cannot be used; ./lcmslam doctor says why");
   // Through C: the C++ wrapper does not say when the pattern is none.
   const auto receive = [](const lcm_recv_buf_t* buffer, const char* channel, void* self) {
     static_cast<BusListener*>(self)->handler_(channel, static_cast<const std::uint8_t*>(buffer->data),

@@ -14,9 +14,6 @@ namespace {
 constexpr std::size_t most_channels = 1000;
 constexpr std::size_t most_senders = 64;
 constexpr std::size_t most_types = 64;
-constexpr std::int64_t largest_seq = std::int64_t{1} << 50;
-
-constexpr Utime replay_step = 1'000'000;  // us; a log that starts again goes back by more
 
 /// Enough to read the numbering of every type.
 MessageLimits header_limits() {
@@ -48,24 +45,18 @@ std::uint64_t message_fingerprint(const std::uint8_t* data, std::size_t size) {
 }
 
 void BusStatistics::Sequences::follow(const Origin& origin, Utime utime, std::int64_t known_missing) {
-  if (origin.seq < 0 || origin.seq > largest_seq) return;
+  if (origin.seq < 0) return;
   const bool known = senders_.count(origin.sender) > 0;
-  Sequence& sequence = senders_[known || senders_.size() < most_senders ? origin.sender : 0];
-  InputCount& count = sequence.count;
-  // The same log once more: neither loss nor disorder.
-  const bool replayed = origin.seq <= count.last_seq && sequence.last_utime > replay_step &&
-                        utime < sequence.last_utime - replay_step;
-  if (replayed) count.last_seq = -1;
-  count.follow(origin.seq, known_missing);
-  sequence.last_utime = utime;
+  senders_[known || senders_.size() < most_senders ? origin.sender : 0].follow(origin.seq, known_missing,
+                                                                               utime);
 }
 
 InputCount BusStatistics::Sequences::sum() const {
   InputCount sum;
-  for (const auto& [sender, sequence] : senders_) {
-    sum.lost += sequence.count.lost;
-    sum.duplicates += sequence.count.duplicates;
-    sum.reordered += sequence.count.reordered;
+  for (const auto& [sender, count] : senders_) {
+    sum.lost += count.lost;
+    sum.duplicates += count.duplicates;
+    sum.reordered += count.reordered;
   }
   return sum;
 }

@@ -42,10 +42,6 @@ class BusStatistics {
   std::int64_t left_out() const { return left_out_; }
 
  private:
-  struct Sequence {
-    InputCount count;
-    Utime last_utime = 0;
-  };
   /// Numbers of the senders on one LCM channel.
   class Sequences {
    public:
@@ -55,7 +51,7 @@ class BusStatistics {
     std::size_t size() const { return senders_.size(); }
 
    private:
-    std::map<std::int64_t, Sequence> senders_;
+    std::map<std::int64_t, InputCount> senders_;
   };
   struct Channel {
     explicit Channel(double window) : rate(window) {}

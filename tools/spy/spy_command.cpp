@@ -95,6 +95,7 @@ void show_live(Spy& spy, bool json) {
       draw(report);
     else
       std::cout << (json ? spy_json(report) : spy_text(report) + "\n") << std::flush;
+    if (!std::cout) return;  // the reader of a pipe went away
   }
 }
 

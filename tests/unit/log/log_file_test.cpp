@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -173,6 +174,9 @@ TEST(LogFile, WhatIsNoLogIsNamedSo) {
               AllOf(HasSubstr(file.path()), HasSubstr("No such file")));
   EXPECT_THAT(error_of([&] { LogReader reader(file.folder()); }), HasSubstr("is a folder"));
   EXPECT_THAT(error_of([&] { LogReader reader("/dev/null"); }), HasSubstr("not a regular file"));
+  const std::string pipe = file.path() + ".pipe";  // nobody writes to it: it must not be waited for
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(error_of([&] { LogReader reader(pipe); }), HasSubstr("not a regular file"));
   file.write({});
   EXPECT_THAT(error_of([&] { LogReader reader(file.path()); }),
               AllOf(HasSubstr(file.path()), HasSubstr("is empty")));

@@ -36,6 +36,27 @@ TEST(InputCount, CountsAGapOnceAndTakesItBackWhenTheMessageComesLate) {
   EXPECT_EQ(count.lost, 1);
 }
 
+TEST(InputCount, AMessageThatComesTwiceIsNoDisorderHoweverLateItComes) {
+  InputCount count;
+  for (const int seq : {1, 2, 3, 2}) count.follow(seq);
+  EXPECT_EQ(count.duplicates, 1);
+  EXPECT_EQ(count.reordered, 0);
+  for (const int seq : {6, 2, 4, 4}) count.follow(seq);
+  EXPECT_EQ(count.lost, 1);  // 5
+  EXPECT_EQ(count.duplicates, 3);
+  EXPECT_EQ(count.reordered, 1);
+}
+
+TEST(InputCount, ALogThatIsPlayedAgainIsNoDisorderAndItsLossesCount) {
+  InputCount count;
+  for (int round = 0; round < 3; ++round)
+    for (int seq = 0; seq < 40; ++seq)
+      if (round == 0 || seq != 20) count.follow(seq, 0, 100'000'000 + seq * 100'000);
+  EXPECT_EQ(count.lost, 2);
+  EXPECT_EQ(count.duplicates, 0);
+  EXPECT_EQ(count.reordered, 0);
+}
+
 TEST(InputCount, SenderThatDoesNotNumberLosesNothing) {
   InputCount count;
   for (int i = 0; i < 3; ++i) count.follow(-1);
@@ -165,6 +186,7 @@ TEST(Inputs, BadMessagesAreCountedAndTheNextOneIsHandled) {
   EXPECT_TRUE(inputs.deliver("ENCODERS", last.data(), last.size()));
   EXPECT_EQ(handled, 2);
   EXPECT_EQ(input.decode_errors, 3);
+  EXPECT_EQ(input.senders.at(7).received, 2);  // five came: none is counted twice
   EXPECT_EQ(input.senders.at(7).lost, 0);
 }
 

@@ -37,7 +37,7 @@ class ReceiverTest : public ::testing::Test {
     const auto deadline = std::chrono::steady_clock::now() + seconds(20);
     Arrival arrival;
     while (std::chrono::steady_clock::now() < deadline && receiver.take(arrival, seconds(5))) {
-      arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+      arrival.deliver();
       if (arrival.input->channel() == "LAST") return;
     }
     FAIL() << "the last message did not arrive";
@@ -89,6 +89,43 @@ TEST_F(ReceiverTest, OldestAreDroppedAndCountedSoThatNothingIsTakenForLost) {
   EXPECT_EQ(images.senders.at(5).lost, 0);
   EXPECT_EQ(odometry.senders.at(5).received, 5);
   EXPECT_EQ(odometry.senders.at(5).lost, 0);
+}
+
+// A drop of one sender's message explains no gap of another's.
+TEST_F(ReceiverTest, DropsOfTwoSendersAreKeptApart) {
+  lcm::LCM lcm("memq://");
+  subscribe("IMAGES", 1);
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  LcmPublisher publisher(lcm, 5, 1'000'000);
+  Receiver receiver(lcm, inputs_);
+  const auto send = [&](std::int64_t sender, std::int64_t seq) {
+    encoders_t m = encoders(seq);
+    m.sender = sender;
+    m.seq = seq;
+    const auto bytes = encode_message(m);
+    lcm.publish("IMAGES", bytes.data(), static_cast<unsigned>(bytes.size()));
+  };
+  for (const std::int64_t sender : {1, 2}) {
+    send(sender, 0);
+    drain(receiver, publisher);
+  }
+  send(1, 1);
+  send(2, 2);  // its 1 is lost, the other one's 1 is dropped
+  wait_for_drops(receiver, 1);
+  drain(receiver, publisher);
+  send(1, 2);
+  drain(receiver, publisher);
+  const Input& images = *inputs_.all()[0];
+  EXPECT_EQ(images.senders.at(1).lost, 0);
+  EXPECT_EQ(images.senders.at(1).received, 2);
+  EXPECT_EQ(images.senders.at(2).lost, 1);
+  EXPECT_EQ(images.senders.at(2).received, 2);
+}
+
+TEST_F(ReceiverTest, ABusWithoutItsServerIsNotUsable) {
+  lcm::LCM memory("memq://"), nobody("tcpq://127.0.0.1:1");
+  EXPECT_TRUE(is_usable(memory));
+  EXPECT_FALSE(is_usable(nobody));
 }
 
 TEST_F(ReceiverTest, NothingToTakeIsSaid) {
@@ -172,8 +209,7 @@ TEST_F(ReceiverTest, EveryLostMessageIsCounted) {
     Arrival arrival;
     for (int tries = 0; tries < 1000; ++tries) {
       publisher.publish("BIG", encoders(utime));
-      while (receiver.take(arrival, std::chrono::milliseconds(20)))
-        arrival.input->deliver(arrival.bytes.data(), arrival.bytes.size(), arrival.dropped);
+      while (receiver.take(arrival, std::chrono::milliseconds(20))) arrival.deliver();
       if (!handled_.empty() && handled_.back() == utime) return true;
     }
     return false;

@@ -145,6 +145,23 @@ TEST_F(Batch, BeginsInTheMiddleWithTheCalibrationFromBefore) {
   EXPECT_EQ(features, 5);
 }
 
+TEST_F(Batch, TakesTheSpanFromEverySessionOfALog) {
+  std::ofstream twice(folder("twice.lcmlog"), std::ios::binary);
+  for (int i = 0; i < 2; ++i) twice << std::ifstream(kitchen, std::ios::binary).rdbuf();
+  twice.close();
+  BatchOptions o = options(folder("twice.lcmlog"), folder("sessions"));
+  o.from = 0.5;
+  o.to = 0.95;
+  const BatchResult result = run_batch(o);
+  EXPECT_EQ(result.frames, 10);
+  LogReader log(result.output.string());
+  std::vector<Utime> times;
+  while (const auto event = log.next())
+    if (event->channel == "FEATURES") times.push_back(event->timestamp);
+  ASSERT_EQ(times.size(), 10U);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(times[i], times[i + 5]);
+}
+
 TEST(BatchErrors, NameWhatIsWrong) {
   ScratchFolder scratch;
   BatchOptions o = options(kitchen, scratch.path() / "out");

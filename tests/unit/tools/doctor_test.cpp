@@ -77,6 +77,24 @@ TEST(Doctor, FindsAPrivateBusWell) {
   EXPECT_EQ(check_senders(quick(url)).level, Level::good);
 }
 
+TEST(Doctor, NoticesABusThatDoesNotKeepUp) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  DoctorOptions options = quick(url);
+  options.traffic.largest = 1'000'000;  // 17 pieces, paced
+  options.traffic.rate = 100;
+  const Finding test = check_loop_back(options);
+  EXPECT_GE(test.level, Level::warning) << test.text;
+  EXPECT_THAT(test.text, HasSubstr("pile up"));
+}
+
+TEST(Doctor, NamesNoCureOfMulticastForOtherBuses) {
+  const Finding memory = check_loop_back(quick("memq://"));  // each end has one of its own
+  EXPECT_EQ(memory.level, Level::failure);
+  EXPECT_EQ(memory.cure, "");
+  EXPECT_EQ(check_loop_back(quick("tcpq://127.0.0.1:1")).level, Level::failure);  // nobody serves it
+  EXPECT_EQ(check_senders(quick("tcpq://127.0.0.1:1")).level, Level::failure);
+}
+
 TEST(Doctor, SaysWhatASmallBufferMeans) {
   const std::string tiny = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2000";
   const Finding buffer = check_receive_buffer(tiny, {});

@@ -250,6 +250,30 @@ TEST_F(Evaluate, OnlyTheNewestMapOfARestartedMapperCounts) {
   EXPECT_THAT(inputs.notes[0], HasSubstr("began again 1 time: only the newest map counts, 80 earlier poses"));
 }
 
+TEST_F(Evaluate, OfSeveralRunsInALogOnlyTheNewestTruthCounts) {
+  {
+    MessageLog log(path("runs.lcmlog"));
+    for (const int run : {0, 1})
+      for (StampedPose pose : path_) {
+        pose.utime += run * 7'000;  // stamps of the two runs lie between each other
+        if (run == 0) pose.T_world_body = planar_pose(5, 1, 2) * pose.T_world_body;
+        log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+        log.write("ICP_POSE", estimate_message(pose));
+      }
+  }
+  ASSERT_EQ(run({path("runs.lcmlog"), "--json", path("runs.json")}), 0) << output_;
+  EXPECT_LT(ate(json("runs.json").at("estimates").at(0)), 1e-6);
+  EXPECT_THAT(output_, HasSubstr("GROUND_TRUTH began again 1 time"));
+}
+
+TEST_F(Evaluate, TooFewPosesForTheAlignmentProveNothing) {
+  write_tum(path("truth.txt"), path_);
+  write_tum(path("two.txt"), testing::moved({path_[0], path_[1]}, planar_pose(1, 2, 3)));
+  EXPECT_EQ(run({"--truth", path("truth.txt"), path("two.txt")}), 1);
+  EXPECT_THAT(output_, HasSubstr("only 2 poses"));
+  EXPECT_EQ(run({"--truth", path("truth.txt"), path("two.txt"), "--alignment", "none"}), 0) << output_;
+}
+
 TEST_F(Evaluate, DamagedMessagesAreCountedForeignOnesNamed) {
   {
     MessageLog log(path("run.lcmlog"));

@@ -144,6 +144,12 @@ TEST_F(LogEditTest, CutOfNothingNamesWhatIsWrong) {
   EXPECT_THAT(error_of([&] { cut_log(file, output, selection); }),
               AllOf(HasSubstr("'CAMRA'"), HasSubstr("CAMERA, CAMERA_CALIBRATION, ENCODERS")));
   EXPECT_FALSE(std::filesystem::exists(path("b")));
+  LogSelection without;
+  without.without_channels = {"CAMARA"};
+  EXPECT_THAT(error_of([&] {
+                cut_log(file, {path("b.lcmlog"), false}, without);
+              }),
+              HasSubstr("no channel 'CAMARA'"));
 }
 
 TEST_F(LogEditTest, MessagesInPiecesBecomeWhole) {

@@ -97,6 +97,17 @@ TEST_F(LogPlayer, KeepsTheRecordedIntervals) {
   }
 }
 
+TEST_F(LogPlayer, ADamagedTimeIsNotWaitedFor) {
+  const std::string file = (folder_.path() / "leap.lcmlog").string();
+  LogWriter log(file);
+  for (int i = 0; i < 50; ++i)
+    log.write(sample_start + i * 20'000 + (i == 20 ? Utime{1} << 45 : 0), "X", Bytes(9));
+  log.close();
+  const PlayCounts counts = play_log(file, settings_, bus_);
+  EXPECT_EQ(counts.messages, 50);
+  EXPECT_NEAR(counts.seconds, 0.94, 0.05);
+}
+
 TEST_F(LogPlayer, PlaysRawChannelsOfALogThatHasThemElseAll) {
   const std::set<std::string> ours{"CAMERA", "ENCODERS", "ICP_POSE", "STATUS"}, foreign{"POSE", "SCAN"};
   EXPECT_THAT(channels_to_play(ours, settings_), ElementsAre("CAMERA", "ENCODERS"));

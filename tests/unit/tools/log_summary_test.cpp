@@ -52,6 +52,30 @@ TEST(LogSummary, CountsWhatSendersNumberedAndTheLogLacks) {
   EXPECT_THAT(format_summary(s), HasSubstr("no type"));
 }
 
+TEST(LogSummary, ChannelNamesDoNothingToATerminal) {
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "odd.lcmlog").string();
+  LogWriter log(file);
+  log.write(sample_start, "\x1b[31mRED", Bytes(9));
+  log.write(sample_start, "\xff", Bytes(9));
+  log.close();
+  EXPECT_THAT(format_summary(summarise_log(file)),
+              AllOf(HasSubstr("\\x1b[31mRED"), HasSubstr("\\xff"), Not(HasSubstr("\x1b"))));
+}
+
+TEST(LogSummary, ALogRecordedOfAReplayedLogHasNoDisorder) {
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "replays.lcmlog").string();
+  LogWriter log(file);
+  for (int i = 0; i < 60; ++i) {
+    const Utime utime = sample_start + (i % 20) * 100'000;
+    log.write(sample_start + i * 100'000, "ENCODERS", encoders_message(utime, i % 20));
+  }
+  log.close();
+  const InputCount count = summarise_log(file).channels.at("ENCODERS").senders.at(77);
+  EXPECT_EQ(count.lost + count.reordered + count.duplicates, 0);
+}
+
 TEST(LogSummary, SeveralSessionsAreToldApart) {
   const ScratchFolder folder;
   const std::string a = sample_log(folder, 2, "a"), b = sample_log(folder, 3, "b");

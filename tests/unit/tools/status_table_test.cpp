@@ -60,6 +60,16 @@ std::vector<std::string> lines(const std::string& text) {
   return result;
 }
 
+TEST(StatusTable, AnotherGraphsStatusIsLeftOut) {
+  StatusBoard board;
+  status_t other = status();
+  other.pid = 43;
+  take_status(board, status(), {process("surf", 42)});
+  take_status(board, other, {process("surf", 42)});
+  ASSERT_EQ(board.size(), 1U);
+  EXPECT_EQ(board.at("surf").pid, 42);
+}
+
 TEST(StatusTable, ShowsAProcessWithItsLoadLossesAndRates) {
   const auto table = lines(format_status({{"surf", status()}}, {process("surf", 42)}));
   ASSERT_EQ(table.size(), 5U);  // heading, process, its three inputs
