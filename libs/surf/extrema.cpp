@@ -1,11 +1,30 @@
 #include "surf/extrema.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <optional>
+
+#include "surf/kernel_set.hpp"
 
 namespace lcmslam {
 namespace {
+
+// marks[c] = 1 where a sample is above the threshold and its eight neighbours: earlier ones are less,
+// later ones at most equal.
+LCMSLAM_KERNEL(mark_peaks,
+               (const float* upper, const float* row, const float* lower, int n, float threshold,
+                std::uint8_t* __restrict marks),
+               (upper, row, lower, n, threshold, marks)) {
+  for (int c = 0; c < n; ++c) {
+    const float value = row[c];
+    marks[c] =
+        static_cast<std::uint8_t>((value > threshold) & (value > upper[c - 1]) & (value > upper[c]) &
+                                  (value > upper[c + 1]) & (value > row[c - 1]) & (value >= row[c + 1]) &
+                                  (value >= lower[c - 1]) & (value >= lower[c]) & (value >= lower[c + 1]));
+  }
+}
 
 // The sample's neighbourhood: at(s, y, x) with offsets -1..1.
 struct Neighbourhood {
@@ -14,14 +33,12 @@ struct Neighbourhood {
 
   float at(int s, int y, int x) const { return layers[s + 1]->row(row + y)[column + x]; }
 
-  bool is_maximum() const {
+  // Among the layers below and above; mark_peaks has looked at its own.
+  bool is_maximum_over_scale() const {
     const float value = at(0, 0, 0);
-    for (int s = -1; s <= 1; ++s)
-      for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) {
-          const int order = 9 * s + 3 * y + x;
-          if (order < 0 ? at(s, y, x) >= value : at(s, y, x) > value) return false;
-        }
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        if (at(-1, y, x) >= value || at(1, y, x) > value) return false;
     return true;
   }
 };
@@ -60,24 +77,43 @@ std::optional<QuadricPeak> quadric_peak(const Neighbourhood& n) {
   return QuadricPeak{offset, centre + 0.5f * gradient.dot(offset)};
 }
 
-void find_in_layer(const HessianLayer& below, const HessianLayer& layer, const HessianLayer& above,
-                   const IntegralImage& integral, float threshold, int octave, std::vector<Blob>& blobs) {
+// tr^2 / det of the Hessian grows with the ratio r of its eigenvalues: (r + 1)^2 / r.
+bool on_edge(const BoxHessian& sums, int lobe, float edge_ratio) {
+  const auto xx = static_cast<float>(sums.xx), yy = static_cast<float>(sums.yy);
+  const auto xy = static_cast<float>(sums.xy);
+  const float trace = xx + yy, determinant = xx * yy - determinant_weight2(lobe) * xy * xy;
+  return trace * trace * edge_ratio > (edge_ratio + 1) * (edge_ratio + 1) * determinant;
+}
+
+void find_in_rows(const HessianLayer& below, const HessianLayer& layer, const HessianLayer& above,
+                  const IntegralImage& integral, int first_row, int end_row, float threshold,
+                  float edge_ratio, int octave, std::vector<Blob>& blobs) {
+  thread_local std::vector<std::uint8_t> marks;
   // The largest filter has the smallest valid region.
-  for (int r = above.first_row + 1; r < above.last_row; ++r) {
-    const float* values = layer.row(r);
-    for (int c = above.first_column + 1; c < above.last_column; ++c) {
-      if (values[c] <= threshold) continue;
+  const int first = above.first_column + 1, n = above.last_column - first;
+  if (n <= 0) return;
+  if (marks.size() < static_cast<std::size_t>(n)) marks.resize(static_cast<std::size_t>(n));
+  const auto step = static_cast<float>(layer.step);
+  for (int r = first_row; r < end_row; ++r) {
+    mark_peaks(layer.row(r - 1) + first, layer.row(r) + first, layer.row(r + 1) + first, n, threshold,
+               marks.data());
+    const std::uint8_t* const begin = marks.data();
+    for (int i = 0; i < n; ++i) {
+      const void* mark = std::memchr(begin + i, 1, static_cast<std::size_t>(n - i));
+      if (!mark) break;
+      i = static_cast<int>(static_cast<const std::uint8_t*>(mark) - begin);
+      const int c = first + i;
       const Neighbourhood neighbourhood{{&below, &layer, &above}, c, r};
-      if (!neighbourhood.is_maximum()) continue;
+      if (!neighbourhood.is_maximum_over_scale()) continue;
+      const BoxHessian sums = box_hessian(integral, layer.lobe, c * layer.step, r * layer.step);
+      if (on_edge(sums, layer.lobe, edge_ratio)) continue;
       const auto peak = quadric_peak(neighbourhood);
       if (!peak) continue;
       Blob blob;
-      const auto step = static_cast<float>(layer.step);
       blob.x = (static_cast<float>(c) + peak->offset.x()) * step;
       blob.y = (static_cast<float>(r) + peak->offset.y()) * step;
       blob.size = static_cast<float>(3 * layer.lobe) * std::exp(peak->offset.z());
       blob.response = peak->value;
-      const BoxHessian sums = box_hessian(integral, layer.lobe, c * layer.step, r * layer.step);
       blob.laplacian = sums.xx + sums.yy < 0 ? -1 : 1;
       blob.octave = octave;
       blobs.push_back(blob);
@@ -87,14 +123,36 @@ void find_in_layer(const HessianLayer& below, const HessianLayer& layer, const H
 
 }  // namespace
 
-std::vector<Blob> find_blobs(const HessianPyramid& pyramid, const IntegralImage& integral, float threshold) {
-  std::vector<Blob> blobs;
+void BlobFinder::find(const HessianPyramid& pyramid, const IntegralImage& integral, float threshold,
+                      float edge_ratio, std::vector<Blob>& blobs) {
+  constexpr int band_rows = 16;
+  std::size_t count = 0;
   for (int o = 0; o < pyramid.octaves(); ++o) {
     const auto& layers = pyramid.octave(o);
-    for (std::size_t i = 1; i + 1 < layers.size(); ++i)
-      find_in_layer(layers[i - 1], layers[i], layers[i + 1], integral, threshold, o, blobs);
+    for (int i = 1; i + 1 < static_cast<int>(layers.size()); ++i) {
+      const HessianLayer& above = layers[static_cast<std::size_t>(i + 1)];
+      for (int r = above.first_row + 1; r < above.last_row; r += band_rows, ++count) {
+        if (bands_.size() <= count) bands_.emplace_back();
+        Band& band = bands_[count];
+        band.octave = o;
+        band.layer = i;
+        band.first_row = r;
+        band.end_row = std::min(r + band_rows, above.last_row);
+      }
+    }
   }
-  return blobs;
+  parallel_rows(0, static_cast<int>(count), [&](int begin, int end) {
+    for (int b = begin; b < end; ++b) {
+      Band& band = bands_[static_cast<std::size_t>(b)];
+      const HessianLayer* layer = pyramid.octave(band.octave).data() + band.layer;
+      band.blobs.clear();
+      find_in_rows(layer[-1], layer[0], layer[1], integral, band.first_row, band.end_row, threshold,
+                   edge_ratio, band.octave, band.blobs);
+    }
+  });
+  blobs.clear();
+  for (std::size_t b = 0; b < count; ++b)
+    blobs.insert(blobs.end(), bands_[b].blobs.begin(), bands_[b].blobs.end());
 }
 
 }  // namespace lcmslam

@@ -16,8 +16,25 @@ struct Blob {
 };
 
 /// Samples above `threshold` that no neighbour of their 3x3x3 surrounding exceeds (of equal neighbours
-/// the first counts), moved to the maximum of the quadric through it (Brown & Lowe 2002). Maxima whose
-/// quadric peaks more than one sample away are dropped. Ordered by octave, scale, row, column.
-std::vector<Blob> find_blobs(const HessianPyramid& pyramid, const IntegralImage& integral, float threshold);
+/// the first counts), moved to the maximum of the quadric through it (Brown & Lowe 2002). Dropped are
+/// maxima whose quadric peaks more than one sample away, and those on edges, which slide along them: where
+/// the second derivative across is more than `edge_ratio` (1 or more) times that along (Lowe 2004,
+/// section 4.1). Ordered by octave, scale, row, column, whatever the number of threads.
+class BlobFinder {
+ public:
+  /// Replaces `blobs`. Reuses its memory from call to call.
+  void find(const HessianPyramid& pyramid, const IntegralImage& integral, float threshold, float edge_ratio,
+            std::vector<Blob>& blobs);
+
+ private:
+  /// Some rows of one layer, and what is found there.
+  struct Band {
+    int octave = 0, layer = 0;
+    int first_row = 0, end_row = 0;
+    std::vector<Blob> blobs;
+  };
+
+  std::vector<Band> bands_;
+};
 
 }  // namespace lcmslam

@@ -8,7 +8,8 @@ namespace lcmslam {
 namespace {
 
 bool stronger(const Blob& a, const Blob& b) {
-  return std::make_tuple(-a.response, a.y, a.x, a.size) < std::make_tuple(-b.response, b.y, b.x, b.size);
+  if (a.response != b.response) return a.response > b.response;
+  return std::tie(a.y, a.x, a.size) < std::tie(b.y, b.x, b.size);
 }
 
 std::size_t cell_of(const Blob& blob, const FeatureBudget& budget, int width, int height) {
@@ -20,31 +21,32 @@ std::size_t cell_of(const Blob& blob, const FeatureBudget& budget, int width, in
 
 }  // namespace
 
-std::vector<Blob> select_blobs(std::vector<Blob> blobs, const FeatureBudget& budget, int width, int height) {
+void BlobSelection::select(std::vector<Blob>& blobs, const FeatureBudget& budget, int width, int height) {
   std::sort(blobs.begin(), blobs.end(), stronger);
   const auto limit = static_cast<std::size_t>(budget.max_features);
-  if (limit == 0 || blobs.size() <= limit) return blobs;
+  if (limit == 0 || blobs.size() <= limit) return;
 
   const auto cells = static_cast<std::size_t>(budget.columns * budget.rows);
   const double quota = std::ceil(budget.cell_share * static_cast<double>(limit) / static_cast<double>(cells));
-  std::vector<int> taken(cells, 0);
-  std::vector<Blob> kept, left_over;
-  kept.reserve(limit);
-  for (const Blob& blob : blobs) {
-    int& count = taken[cell_of(blob, budget, width, height)];
-    if (kept.size() < limit && count < quota) {
-      kept.push_back(blob);
-      ++count;
-    } else {
-      left_over.push_back(blob);
-    }
+  taken_.assign(cells, 0);
+  kept_.assign(blobs.size(), 0);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < blobs.size() && count < limit; ++i) {
+    int& taken = taken_[cell_of(blobs[i], budget, width, height)];
+    if (taken >= quota) continue;
+    ++taken;
+    kept_[i] = 1;
+    ++count;
   }
-  for (const Blob& blob : left_over) {
-    if (kept.size() == limit) break;
-    kept.push_back(blob);
+  for (std::size_t i = 0; i < blobs.size() && count < limit; ++i) {  // the strongest left over
+    if (kept_[i]) continue;
+    kept_[i] = 1;
+    ++count;
   }
-  std::sort(kept.begin(), kept.end(), stronger);
-  return kept;
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < blobs.size(); ++i)
+    if (kept_[i]) blobs[end++] = blobs[i];
+  blobs.resize(end);
 }
 
 }  // namespace lcmslam

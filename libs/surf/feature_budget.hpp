@@ -15,7 +15,15 @@ struct FeatureBudget {
   double cell_share = 1.5;
 };
 
-/// At most max_features blobs, strongest first; ties by position, so that the order is defined.
-std::vector<Blob> select_blobs(std::vector<Blob> blobs, const FeatureBudget& budget, int width, int height);
+/// Keeps at most max_features blobs, strongest first; ties by position, so that the order is defined.
+class BlobSelection {
+ public:
+  /// Reuses its memory from call to call.
+  void select(std::vector<Blob>& blobs, const FeatureBudget& budget, int width, int height);
+
+ private:
+  std::vector<int> taken_;  ///< by cell
+  std::vector<char> kept_;  ///< by blob
+};
 
 }  // namespace lcmslam

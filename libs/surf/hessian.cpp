@@ -1,7 +1,6 @@
 #include "surf/hessian.hpp"
 
-#include <algorithm>
-#include <opencv2/core/utility.hpp>
+#include "surf/kernel_set.hpp"
 
 namespace lcmslam {
 namespace {
@@ -9,46 +8,46 @@ namespace {
 // Vertical parts of the three filters, one number a column: the horizontal parts are differences in it.
 struct ColumnSums {
   std::vector<std::uint32_t> xx, yy, xy;
-
-  explicit ColumnSums(int width) {
-    for (auto* sums : {&xx, &yy, &xy}) sums->resize(static_cast<std::size_t>(width) + 1);
-  }
-
-  void compute(const IntegralImage& integral, int lobe, int y) {
-    const int half = (3 * lobe - 1) / 2, middle = (lobe - 1) / 2, width = integral.width();
-    const std::uint32_t* xx_top = integral.row(y - lobe + 1);
-    const std::uint32_t* xx_bottom = integral.row(y + lobe);
-    const std::uint32_t* yy_top = integral.row(y - half);
-    const std::uint32_t* yy_bottom = integral.row(y + half + 1);
-    const std::uint32_t* middle_top = integral.row(y - middle);
-    const std::uint32_t* middle_bottom = integral.row(y + middle + 1);
-    const std::uint32_t* upper_top = integral.row(y - lobe);
-    const std::uint32_t* upper_bottom = integral.row(y);
-    const std::uint32_t* lower_top = integral.row(y + 1);
-    const std::uint32_t* lower_bottom = integral.row(y + lobe + 1);
-    std::uint32_t* out_xx = xx.data();
-    std::uint32_t* out_yy = yy.data();
-    std::uint32_t* out_xy = xy.data();
-    for (int x = 0; x <= width; ++x) out_xx[x] = xx_bottom[x] - xx_top[x];
-    for (int x = 0; x <= width; ++x)
-      out_yy[x] = (yy_bottom[x] - yy_top[x]) - 3u * (middle_bottom[x] - middle_top[x]);
-    for (int x = 0; x <= width; ++x)
-      out_xy[x] = (upper_bottom[x] - upper_top[x]) - (lower_bottom[x] - lower_top[x]);
-  }
 };
 
-// Step is a template argument so that the dense first octave gets contiguous, vectorised loads.
+struct IntegralRows {
+  const std::uint32_t *xx_top, *xx_bottom, *yy_top, *yy_bottom, *middle_top, *middle_bottom;
+  const std::uint32_t *upper_top, *upper_bottom, *lower_top, *lower_bottom;
+
+  IntegralRows(const IntegralImage& integral, int lobe, int y)
+      : xx_top(integral.row(y - lobe + 1)),
+        xx_bottom(integral.row(y + lobe)),
+        yy_top(integral.row(y - (3 * lobe - 1) / 2)),
+        yy_bottom(integral.row(y + (3 * lobe + 1) / 2)),
+        middle_top(integral.row(y - (lobe - 1) / 2)),
+        middle_bottom(integral.row(y + (lobe + 1) / 2)),
+        upper_top(integral.row(y - lobe)),
+        upper_bottom(integral.row(y)),
+        lower_top(integral.row(y + 1)),
+        lower_bottom(integral.row(y + lobe + 1)) {}
+};
+
+LCMSLAM_KERNEL(sum_columns,
+               (const IntegralRows& in, int n, std::uint32_t* __restrict xx, std::uint32_t* __restrict yy,
+                std::uint32_t* __restrict xy),
+               (in, n, xx, yy, xy)) {
+  const IntegralRows rows = in;  // local: nothing that is written can change it
+  for (int x = 0; x < n; ++x) {
+    xx[x] = rows.xx_bottom[x] - rows.xx_top[x];
+    yy[x] = (rows.yy_bottom[x] - rows.yy_top[x]) - 3u * (rows.middle_bottom[x] - rows.middle_top[x]);
+    xy[x] = (rows.upper_bottom[x] - rows.upper_top[x]) - (rows.lower_bottom[x] - rows.lower_top[x]);
+  }
+}
+
+// Step is a template argument so that the steps of the first octaves get vectorised loads.
 template <int Step>
-void determinant_row(const ColumnSums& sums, const HessianLayer& layer, int step, float* out) {
+__attribute__((always_inline)) inline void determinant_loop(const std::uint32_t* xx, const std::uint32_t* yy,
+                                                            const std::uint32_t* xy, int lobe, int step,
+                                                            int n, float* __restrict out) {
   const int stride = Step > 0 ? Step : step;
-  const int lobe = layer.lobe, half = (3 * lobe - 1) / 2, middle = (lobe - 1) / 2;
+  const int half = (3 * lobe - 1) / 2, middle = (lobe - 1) / 2;
   const float inverse_area = 1.f / static_cast<float>(lobe * (2 * lobe - 1));
-  const float weight2 = static_cast<float>(2 * lobe - 1) / static_cast<float>(2 * lobe);
-  const std::uint32_t* xx = sums.xx.data() + layer.first_column * stride;
-  const std::uint32_t* yy = sums.yy.data() + layer.first_column * stride;
-  const std::uint32_t* xy = sums.xy.data() + layer.first_column * stride;
-  const int n = layer.last_column - layer.first_column + 1;
-  out += layer.first_column;
+  const float weight2 = determinant_weight2(lobe);
   for (int i = 0; i < n; ++i) {
     const int x = i * stride;
     const auto sum_xx = static_cast<std::int32_t>((xx[x + half + 1] - xx[x - half]) -
@@ -60,6 +59,34 @@ void determinant_row(const ColumnSums& sums, const HessianLayer& layer, int step
     const float d_xy = static_cast<float>(sum_xy) * inverse_area;
     out[i] = d_xx * d_yy - weight2 * (d_xy * d_xy);
   }
+}
+
+LCMSLAM_KERNEL(determinant_row,
+               (const std::uint32_t* xx, const std::uint32_t* yy, const std::uint32_t* xy, int lobe, int step,
+                int n, float* out),
+               (xx, yy, xy, lobe, step, n, out)) {
+  switch (step) {
+    case 1:
+      return determinant_loop<1>(xx, yy, xy, lobe, step, n, out);
+    case 2:
+      return determinant_loop<2>(xx, yy, xy, lobe, step, n, out);
+    case 4:
+      return determinant_loop<4>(xx, yy, xy, lobe, step, n, out);
+    default:
+      return determinant_loop<0>(xx, yy, xy, lobe, step, n, out);
+  }
+}
+
+void fill_row(HessianLayer& layer, const IntegralImage& integral, int r) {
+  thread_local ColumnSums sums;
+  const auto width = static_cast<std::size_t>(integral.width()) + 1;
+  for (auto* values : {&sums.xx, &sums.yy, &sums.xy})
+    if (values->size() < width) values->resize(width);
+  const IntegralRows rows(integral, layer.lobe, r * layer.step);
+  sum_columns(rows, integral.width() + 1, sums.xx.data(), sums.yy.data(), sums.xy.data());
+  const int x = layer.first_column * layer.step;
+  determinant_row(sums.xx.data() + x, sums.yy.data() + x, sums.xy.data() + x, layer.lobe, layer.step,
+                  layer.last_column - layer.first_column + 1, layer.row(r) + layer.first_column);
 }
 
 void set_geometry(HessianLayer& layer, const IntegralImage& integral, int lobe, int step) {
@@ -74,27 +101,11 @@ void set_geometry(HessianLayer& layer, const IntegralImage& integral, int lobe, 
   layer.determinants.resize(static_cast<std::size_t>(layer.columns) * static_cast<std::size_t>(layer.rows));
 }
 
-void fill_from_filters(HessianLayer& layer, const IntegralImage& integral) {
-  if (layer.last_column < layer.first_column || layer.last_row < layer.first_row) return;
-  cv::parallel_for_(cv::Range(layer.first_row, layer.last_row + 1), [&](const cv::Range& rows) {
-    ColumnSums sums(integral.width());
-    for (int r = rows.start; r < rows.end; ++r) {
-      sums.compute(integral, layer.lobe, r * layer.step);
-      if (layer.step == 1)
-        determinant_row<1>(sums, layer, 1, layer.row(r));
-      else
-        determinant_row<0>(sums, layer, layer.step, layer.row(r));
-    }
-  });
-}
-
 // A filter that the octave below also has: every second sample of every second row.
-void fill_from_finer(HessianLayer& layer, const HessianLayer& finer) {
-  for (int r = layer.first_row; r <= layer.last_row; ++r) {
-    const float* source = finer.row(2 * r);
-    float* out = layer.row(r);
-    for (int c = layer.first_column; c <= layer.last_column; ++c) out[c] = source[2 * c];
-  }
+void copy_row(HessianLayer& layer, const HessianLayer& finer, int r) {
+  const float* source = finer.row(2 * r);
+  float* out = layer.row(r);
+  for (int c = layer.first_column; c <= layer.last_column; ++c) out[c] = source[2 * c];
 }
 
 }  // namespace
@@ -116,18 +127,25 @@ void HessianPyramid::compute(const IntegralImage& integral, int octaves, int int
   for (int o = 0; o < octaves; ++o) {
     auto& layers = layers_[static_cast<std::size_t>(o)];
     layers.resize(static_cast<std::size_t>(intervals));
-    for (int i = 0; i < intervals; ++i) {
-      HessianLayer& layer = layers[static_cast<std::size_t>(i)];
-      set_geometry(layer, integral, (2 << o) * (i + 1) + 1, 1 << o);
-      const HessianLayer* finer = nullptr;
+    for (int i = 0; i < intervals; ++i)
+      set_geometry(layers[static_cast<std::size_t>(i)], integral, (2 << o) * (i + 1) + 1, 1 << o);
+    const auto finer_with = [&](int lobe) -> const HessianLayer* {
       if (o > 0)
-        for (const HessianLayer& below : layers_[static_cast<std::size_t>(o - 1)])
-          if (below.lobe == layer.lobe) finer = &below;
-      if (finer)
-        fill_from_finer(layer, *finer);
-      else
-        fill_from_filters(layer, integral);
-    }
+        for (const HessianLayer& finer : octave(o - 1))
+          if (finer.lobe == lobe) return &finer;
+      return nullptr;
+    };
+    // All layers of some rows together: they read the same rows of the integral image.
+    parallel_rows(0, layers.front().rows, [&](int begin, int end) {
+      for (int r = begin; r < end; ++r)
+        for (HessianLayer& layer : layers) {
+          if (r < layer.first_row || r > layer.last_row || layer.last_column < layer.first_column) continue;
+          if (const HessianLayer* finer = finer_with(layer.lobe))
+            copy_row(layer, *finer, r);
+          else
+            fill_row(layer, integral, r);
+        }
+    });
   }
 }
 

@@ -8,12 +8,16 @@
 
 namespace lcmslam {
 
-/// at(y, x) is the sum of all pixels above row y and left of column x, modulo 2^32: differences are
+/// row(y)[x] is the sum of all pixels above row y and left of column x, modulo 2^32: differences are
 /// right for every box whose own sum is below 2^31, whatever the size of the image.
 class IntegralImage {
  public:
   /// From an 8-bit, one-channel image. Reuses its memory from call to call.
   void compute(const cv::Mat& grey);
+
+  /// Of the image of half the size whose pixels are the sums of 2 x 2 of the finer one's. An odd last
+  /// row or column is left out.
+  void halve(const IntegralImage& finer);
 
   int width() const { return width_; }    ///< of the image; a row here has one more
   int height() const { return height_; }  ///< of the image; there is one row more here
@@ -29,6 +33,8 @@ class IntegralImage {
   }
 
  private:
+  void resize(int width, int height);
+
   int width_ = 0, height_ = 0;
   std::vector<std::uint32_t> sums_;
 };

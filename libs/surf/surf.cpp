@@ -7,15 +7,19 @@
 #include <string>
 
 #include "surf/descriptor.hpp"
-#include "surf/extrema.hpp"
+#include "surf/kernel_set.hpp"
 
 namespace lcmslam {
 namespace {
 
 constexpr float degrees = 57.2957795f;
 
+[[noreturn]] void refuse(const std::string& what) {
+  throw std::invalid_argument("SURF: " + what);
+}
+
 void require(bool condition, const std::string& what) {
-  if (!condition) throw std::invalid_argument("SURF: " + what);
+  if (!condition) refuse(what);
 }
 
 void check(const SurfSettings& s) {
@@ -24,6 +28,8 @@ void check(const SurfSettings& s) {
   require(s.octaves >= 1 && s.octaves <= 6, "octaves is " + std::to_string(s.octaves) + ", must be 1 to 6");
   require(s.intervals >= 3 && s.intervals <= 8,
           "intervals is " + std::to_string(s.intervals) + ", must be 3 to 8");
+  require(std::isfinite(s.edge_ratio) && s.edge_ratio >= 1,
+          "edge_ratio is " + std::to_string(s.edge_ratio) + ", must be 1 or more");
   const FeatureBudget& budget = s.budget;
   require(budget.max_features >= 0,
           "max_features is " + std::to_string(budget.max_features) + ", must be 0 (no limit) or more");
@@ -37,25 +43,26 @@ void check(const SurfSettings& s) {
 // The image itself where it is grey already, else its conversion into `buffer`.
 cv::Mat to_grey(const cv::Mat& image, cv::Mat& buffer) {
   if (image.empty() || image.type() == CV_8UC1) return image;
-  require(image.type() == CV_8UC3 || image.type() == CV_8UC4,
-          "the image is " + cv::typeToString(image.type()) + ", must be 8-bit with 1, 3 (BGR) or 4 channels");
+  if (image.type() != CV_8UC3 && image.type() != CV_8UC4)
+    refuse("the image is " + cv::typeToString(image.type()) +
+           ", must be 8-bit with 1, 3 (BGR) or 4 channels");
   cv::cvtColor(image, buffer, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
   return buffer;
 }
 
 void check_mask(const cv::Mat& mask, const cv::Mat& image) {
   if (mask.empty()) return;
-  require(mask.type() == CV_8UC1, "the mask is " + cv::typeToString(mask.type()) + ", must be CV_8UC1");
-  require(mask.size() == image.size(), "the mask is " + std::to_string(mask.cols) + "x" +
-                                           std::to_string(mask.rows) + ", the image " +
-                                           std::to_string(image.cols) + "x" + std::to_string(image.rows));
+  if (mask.type() != CV_8UC1) refuse("the mask is " + cv::typeToString(mask.type()) + ", must be CV_8UC1");
+  if (mask.size() != image.size())
+    refuse("the mask is " + std::to_string(mask.cols) + "x" + std::to_string(mask.rows) + ", the image " +
+           std::to_string(image.cols) + "x" + std::to_string(image.rows));
 }
 
 void check_provided(const std::vector<cv::KeyPoint>& keypoints) {
-  for (const cv::KeyPoint& keypoint : keypoints)
-    require(std::isfinite(keypoint.pt.x) && std::isfinite(keypoint.pt.y) && std::isfinite(keypoint.angle) &&
-                std::isfinite(keypoint.size) && keypoint.size > 0,
-            "a keypoint has no finite position and angle, or no positive size");
+  for (const cv::KeyPoint& k : keypoints)
+    if (!std::isfinite(k.pt.x) || !std::isfinite(k.pt.y) || !std::isfinite(k.angle) ||
+        !std::isfinite(k.size) || !(k.size > 0))
+      refuse("a keypoint has no finite position and angle, or no positive size");
 }
 
 bool masked_out(const Blob& blob, const cv::Mat& mask) {
@@ -79,16 +86,17 @@ void Surf::set_hessian_threshold(double threshold) {
 
 void Surf::detect_blobs(const cv::Mat& mask, std::vector<cv::KeyPoint>& keypoints) {
   pyramid_.compute(integral_, settings_.octaves, settings_.intervals);
-  auto blobs = find_blobs(pyramid_, integral_, static_cast<float>(settings_.hessian_threshold));
+  finder_.find(pyramid_, integral_, static_cast<float>(settings_.hessian_threshold),
+               static_cast<float>(settings_.edge_ratio), blobs_);
   if (!mask.empty())
-    blobs.erase(
-        std::remove_if(blobs.begin(), blobs.end(), [&](const Blob& b) { return masked_out(b, mask); }),
-        blobs.end());
-  blobs_found_ = static_cast<int>(blobs.size());
-  blobs = select_blobs(std::move(blobs), settings_.budget, integral_.width(), integral_.height());
+    blobs_.erase(
+        std::remove_if(blobs_.begin(), blobs_.end(), [&](const Blob& b) { return masked_out(b, mask); }),
+        blobs_.end());
+  blobs_found_ = static_cast<int>(blobs_.size());
+  selection_.select(blobs_, settings_.budget, integral_.width(), integral_.height());
   keypoints.clear();
-  keypoints.reserve(blobs.size());
-  for (const Blob& b : blobs)
+  keypoints.reserve(blobs_.size());
+  for (const Blob& b : blobs_)
     keypoints.emplace_back(b.x, b.y, b.size, -1.f, b.response, b.octave, b.laplacian);
 }
 
@@ -112,25 +120,31 @@ void Surf::detectAndCompute(cv::InputArray image_array, cv::InputArray mask_arra
     detect_blobs(mask, keypoints);
 
   const int count = static_cast<int>(keypoints.size());
-  std::vector<float> scales(keypoints.size());
-  for (std::size_t k = 0; k < keypoints.size(); ++k) scales[k] = scale_of_filter(keypoints[k].size);
-  sampler_.prepare(integral_, scales);
+  scales_.clear();
+  pitches_.clear();
+  for (const cv::KeyPoint& keypoint : keypoints) {
+    scales_.push_back(scale_of_filter(keypoint.size));
+    pitches_.push_back(patch_pitch * scales_.back());
+  }
+  sampler_.prepare(integral_, pitches_);
 
   cv::Mat rows;
   if (descriptors.needed()) {
-    descriptors.create(count, 64, CV_32F);
+    descriptors.create(count, descriptorSize(), CV_32F);
     rows = descriptors.getMat();
   }
-  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
-    for (int k = range.start; k < range.end; ++k) {
+  parallel_rows(0, count, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
       cv::KeyPoint& keypoint = keypoints[static_cast<std::size_t>(k)];
-      const float scale = scales[static_cast<std::size_t>(k)];
+      const float scale = scales_[static_cast<std::size_t>(k)];
       if (settings_.upright)
         keypoint.angle = 0;
       else if (keypoint.angle < 0)
         keypoint.angle = degrees * dominant_orientation(sampler_, keypoint.pt.x, keypoint.pt.y, scale);
-      if (!rows.empty())
-        describe(sampler_, keypoint.pt.x, keypoint.pt.y, scale, keypoint.angle / degrees, rows.ptr<float>(k));
+      if (rows.empty()) continue;
+      const auto describe_one = settings_.extended ? describe_extended : describe;
+      describe_one(sampler_, keypoint.pt.x, keypoint.pt.y, scale, keypoint.angle / degrees,
+                   rows.ptr<float>(k));
     }
   });
 }

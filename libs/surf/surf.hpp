@@ -4,6 +4,7 @@
 #include <opencv2/features2d.hpp>
 #include <vector>
 
+#include "surf/extrema.hpp"
 #include "surf/feature_budget.hpp"
 #include "surf/hessian.hpp"
 #include "surf/patch.hpp"
@@ -13,22 +14,26 @@ namespace lcmslam {
 struct SurfSettings {
   /// Least determinant of the Hessian, in squared grey values (0..255) of box means.
   double hessian_threshold = 100;
-  int octaves = 4;       ///< 1..6; filter sides 9..27, 15..51, 27..99, 51..195
-  int intervals = 4;     ///< filters an octave, 3..8; blobs are found at all but the first and last
-  bool upright = false;  ///< no orientation (angle 0): faster, more distinctive while the camera is level
-  FeatureBudget budget;  ///< how many, and how evenly spread
+  int octaves = 4;    ///< 1..6; filter sides 9..27, 15..51, 27..99, 51..195
+  int intervals = 4;  ///< filters an octave, 3..8; blobs are found at all but the first and last
+  /// Greatest ratio of the second derivatives across and along; beyond it a blob is an edge. 1 or more.
+  double edge_ratio = 8;
+  bool extended = false;  ///< 128-D descriptors, the sums split by the other derivative's sign
+  bool upright = false;   ///< no orientation (angle 0): faster, more distinctive while the camera is level
+  FeatureBudget budget;   ///< how many, and how evenly spread
 };
 
 /// Detector and descriptor. Keypoints: pt in pixels, size = the blob's diameter (side of the matching
 /// filter; sigma = 1.2 size / 9), angle in degrees clockwise (0..360), response = determinant, octave
 /// 0.., class_id = sign of the Laplacian (-1 bright blob, 1 dark blob), strongest first. Descriptors:
-/// CV_32F, one row of 64 a keypoint, unit norm.
+/// CV_32F, one row of 64 (extended: 128) a keypoint, unit norm.
 ///
 /// Images are 8-bit with 1, 3 (BGR) or 4 (BGRA) channels; masks CV_8UC1 of the same size, 0 where no
 /// keypoint may be. Anything else throws std::invalid_argument. Empty or tiny images have no keypoints.
 ///
 /// Bit-identical whatever cv::setNumThreads says. Keeps its buffers between calls: use one instance a
-/// thread.
+/// thread. Once the buffers have grown to a kind of image, a call takes no memory from the heap but for
+/// the caller's keypoints and descriptors.
 class Surf : public cv::Feature2D {
  public:
   /// Throws std::invalid_argument when a setting is out of its range.
@@ -46,7 +51,7 @@ class Surf : public cv::Feature2D {
   void detectAndCompute(cv::InputArray image, cv::InputArray mask, std::vector<cv::KeyPoint>& keypoints,
                         cv::OutputArray descriptors, bool use_provided_keypoints = false) override;
 
-  int descriptorSize() const override { return 64; }
+  int descriptorSize() const override { return settings_.extended ? 128 : 64; }
   int descriptorType() const override { return CV_32F; }
   int defaultNorm() const override { return cv::NORM_L2; }
   bool empty() const override { return false; }
@@ -60,6 +65,10 @@ class Surf : public cv::Feature2D {
   cv::Mat grey_;
   IntegralImage integral_;
   HessianPyramid pyramid_;
+  BlobFinder finder_;
+  BlobSelection selection_;
+  std::vector<Blob> blobs_;
+  std::vector<float> scales_, pitches_;  ///< of the keypoints, pixels
   PatchSampler sampler_;
 };
 

@@ -147,6 +147,15 @@ void make_logs(SeedFolder folder) {
   folder.add(log);
 }
 
+void make_surf_inputs(SeedFolder folder) {
+  Random random(5);
+  for (int i = 0; i < 12; ++i) {
+    Bytes input;
+    for (int k = 0; k < 200; ++k) input.push_back(static_cast<std::uint8_t>(random.below(256)));
+    folder.add(input);
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam
 
@@ -162,5 +171,6 @@ int main(int argc, char** argv) {
   make_configurations(SeedFolder(folder / "configuration"));
   make_trajectories(SeedFolder(folder / "trajectory"));
   make_logs(SeedFolder(folder / "log_reader"));
+  make_surf_inputs(SeedFolder(folder / "surf"));
   return 0;
 }

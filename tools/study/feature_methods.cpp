@@ -60,12 +60,15 @@ ImageFeatures strongest_first(const ImageFeatures& features) {
   return sorted;
 }
 
-std::unique_ptr<FeatureMethod> lcmslam_surf_method(int count) {
+std::unique_ptr<FeatureMethod> lcmslam_surf_method(int count, bool extended) {
   SurfSettings settings;
   settings.hessian_threshold = 5;  // the number of keypoints decides, as for the others
   settings.budget.max_features = count;
   settings.budget.cell_share = 1e6;  // no spreading, as the others
-  return opencv_method("lcmslam SURF", count, Surf::create(settings));
+  settings.extended = extended;
+  const std::string family = "lcmslam SURF";
+  return std::make_unique<OpenCvMethod>(family + (extended ? " 128-D " : " ") + std::to_string(count), family,
+                                        Surf::create(settings));
 }
 
 std::unique_ptr<FeatureMethod> sift_method(int count) {
@@ -80,6 +83,7 @@ FeatureMethods all_feature_methods(int count) {
   FeatureMethods methods;
   methods.push_back(lcmslam_surf_method(count));
   methods.push_back(lcmslam_surf_method(count / 2));
+  methods.push_back(lcmslam_surf_method(count, true));
   if (auto method = dlib_surf_method(count)) methods.push_back(std::move(method));
   methods.push_back(sift_method(count));
   methods.push_back(orb_method(count));

@@ -36,7 +36,7 @@ class FeatureMethod {
 using FeatureMethods = std::vector<std::unique_ptr<FeatureMethod>>;
 
 /// Each is asked for at most `count` keypoints, the strongest wherever they lie.
-std::unique_ptr<FeatureMethod> lcmslam_surf_method(int count);
+std::unique_ptr<FeatureMethod> lcmslam_surf_method(int count, bool extended = false);
 std::unique_ptr<FeatureMethod> sift_method(int count);
 std::unique_ptr<FeatureMethod> orb_method(int count);
 /// Gives fewer than asked: dlib drops keypoints near the border after it has counted them. Nothing when

@@ -18,6 +18,28 @@ std::string by_distance(const MethodResult& method, double DistanceScore::*value
   return text;
 }
 
+/// "+0.062 (+0.051, +0.073)".
+std::string with_interval(const Interval& i, bool difference) {
+  return difference ? fmt::format("{:+.3f} ({:+.3f}, {:+.3f})", i.value, i.low, i.high)
+                    : fmt::format("x {:.2f} ({:.2f}, {:.2f})", i.value, i.low, i.high);
+}
+
+std::string comparison_table(const FeatureStudyResult& result) {
+  Table table({"against dlib SURF, 95 %", "frames apart", "repeatability", "precision", "correct matches"});
+  bool any = false;
+  for (const MethodResult& method : result.methods)
+    for (std::size_t d = 0; d < method.against_dlib.size(); ++d, any = true) {
+      const ScoreComparison& c = method.against_dlib[d];
+      table.add({method.row.name, std::to_string(result.apart[d]), with_interval(c.repeatability, true),
+                 with_interval(c.precision, true), with_interval(c.correct, false)});
+    }
+  return any ? "\n" + table.text() : "";
+}
+
+nlohmann::json to_json(const Interval& i) {
+  return {{"value", i.value}, {"low", i.low}, {"high", i.high}};
+}
+
 }  // namespace
 
 std::string feature_table(const FeatureStudyResult& result) {
@@ -34,17 +56,28 @@ std::string feature_table(const FeatureStudyResult& result) {
                     result.methods.empty() ? 0 : result.methods.front().scores[d].pairs, result.left_out[d]);
   if (result.unreadable > 0)
     text += fmt::format("{} pairs with an image missing or without a measured pose\n", result.unreadable);
-  return text;
+  return text + comparison_table(result);
 }
 
 std::string feature_csv(const FeatureStudyResult& result) {
-  std::string text = "method,apart,pairs,left_out,keypoints,repeatability,precision,correct,milliseconds\n";
+  std::string text = "method,apart,pairs,left_out,keypoints,repeatability,precision,correct,milliseconds";
+  for (const char* name : {"repeatability_difference", "precision_difference", "correct_ratio"})
+    text += fmt::format(",{0},{0}_low,{0}_high", name);
+  text += "\n";
   for (const MethodResult& method : result.methods)
     for (std::size_t d = 0; d < result.apart.size(); ++d) {
       const DistanceScore& s = method.scores[d];
-      text += fmt::format("\"{}\",{},{},{},{:.1f},{:.4f},{:.4f},{:.2f},{:.3f}\n", method.row.name,
+      text += fmt::format("\"{}\",{},{},{},{:.1f},{:.4f},{:.4f},{:.2f},{:.3f}", method.row.name,
                           result.apart[d], s.pairs, result.left_out[d], s.keypoints, s.repeatability,
                           s.precision, s.correct, method.milliseconds);
+      if (method.against_dlib.empty()) {
+        text += ",,,,,,,,,\n";
+        continue;
+      }
+      const ScoreComparison& c = method.against_dlib[d];
+      for (const Interval& i : {c.repeatability, c.precision, c.correct})
+        text += fmt::format(",{:.4f},{:.4f},{:.4f}", i.value, i.low, i.high);
+      text += "\n";
     }
   return text;
 }
@@ -62,6 +95,11 @@ nlohmann::json feature_json(const FeatureStudyResult& result, const FeatureStudy
                        {"repeatability", s.repeatability},
                        {"precision", s.precision},
                        {"correct_matches", s.correct}});
+      if (method.against_dlib.empty()) continue;
+      const ScoreComparison& c = method.against_dlib[d];
+      curve.back()["against_dlib"] = {{"repeatability_difference", to_json(c.repeatability)},
+                                      {"precision_difference", to_json(c.precision)},
+                                      {"correct_ratio", to_json(c.correct)}};
     }
     methods.push_back({{"name", method.row.name}, {"milliseconds", method.milliseconds}, {"curve", curve}});
   }

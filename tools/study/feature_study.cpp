@@ -57,19 +57,25 @@ class FeatureStudy {
     result_.apart = settings.apart;
     result_.left_out.resize(settings.apart.size());
     for (const StudyRow& row : study_rows(methods))
-      result_.methods.push_back({row, std::vector<DistanceScore>(settings.apart.size()), 0});
+      result_.methods.push_back({row, std::vector<DistanceScore>(settings.apart.size()), {}, 0});
+    scores_.resize(result_.methods.size());
+    for (auto& row : scores_) row.resize(settings.apart.size());
   }
 
   FeatureStudyResult run() {
     const OneThread one_thread;
-    for (const std::size_t start : spread_starts(source_.size(), settings_.apart.back(), settings_.starts)) {
+    const auto starts = spread_starts(source_.size(), settings_.apart.back(), settings_.starts);
+    for (auto& row : scores_)
+      for (auto& by_start : row) by_start.resize(starts.size());
+    for (std::size_t s = 0; s < starts.size(); ++s) {
+      const std::size_t start = starts[s];
       const auto a = image(start);
       for (std::size_t d = 0; d < settings_.apart.size(); ++d) {
         const auto b = a ? image(start + static_cast<std::size_t>(settings_.apart[d])) : std::nullopt;
         if (!b)
           ++result_.unreadable;
         else
-          judge(*a, *b, d);
+          judge(*a, *b, s, d);
       }
     }
     finish();
@@ -103,7 +109,7 @@ class FeatureStudy {
 
   const FeatureMethod& method_of(std::size_t row) const { return *methods_[result_.methods[row].row.method]; }
 
-  void judge(const StudiedImage& a, const StudiedImage& b, std::size_t distance) {
+  void judge(const StudiedImage& a, const StudiedImage& b, std::size_t start, std::size_t distance) {
     const std::size_t rows = result_.methods.size();
     std::vector<std::vector<cv::Vec2i>> matches(rows);
     for (std::size_t r = 0; r < rows; ++r)
@@ -121,9 +127,8 @@ class FeatureStudy {
       poses.push_back(*T_b_a);
     }
     for (std::size_t r = 0; r < rows; ++r)
-      add(result_.methods[r].scores[distance],
-          score_features(a.view, b.view, poses[r], a.features[r], b.features[r], matches[r],
-                         settings_.tolerances));
+      scores_[r][distance][start] = score_features(a.view, b.view, poses[r], a.features[r], b.features[r],
+                                                   matches[r], settings_.tolerances);
   }
 
   /// Matches of the other families, each family with its first row.
@@ -140,28 +145,51 @@ class FeatureStudy {
     return pool;
   }
 
-  static void add(DistanceScore& sum, const FeatureScore& score) {
-    ++sum.pairs;
-    sum.keypoints += score.keypoints;
-    sum.repeatability += score.repeatability();
-    sum.precision += score.precision();
-    sum.correct += score.correct;
+  static DistanceScore mean(const std::vector<std::optional<FeatureScore>>& scores) {
+    DistanceScore sum;
+    for (const auto& score : scores) {
+      if (!score) continue;
+      ++sum.pairs;
+      sum.keypoints += score->keypoints;
+      sum.repeatability += score->repeatability();
+      sum.precision += score->precision();
+      sum.correct += score->correct;
+    }
+    for (double* value : {&sum.keypoints, &sum.repeatability, &sum.precision, &sum.correct})
+      *value /= sum.pairs;  // NaN without a pair
+    return sum;
+  }
+
+  /// Starts that one pair reaches over: these share images.
+  int block(int apart, std::size_t starts) const {
+    const std::size_t range = source_.size() - static_cast<std::size_t>(settings_.apart.back());
+    return 1 + static_cast<int>(static_cast<std::size_t>(apart) * starts / std::max<std::size_t>(1, range));
   }
 
   void finish() {
-    for (MethodResult& method : result_.methods) {
+    std::optional<std::size_t> dlib;
+    for (std::size_t r = 0; r < scores_.size(); ++r)
+      if (method_of(r).family() == "dlib SURF") dlib = r;
+    for (std::size_t r = 0; r < scores_.size(); ++r) {
+      MethodResult& method = result_.methods[r];
       method.milliseconds = method.row.as_many_as ? std::numeric_limits<double>::quiet_NaN()
                                                   : 1e3 * median(seconds_[method.row.method]);
-      for (DistanceScore& score : method.scores)
-        for (double* value : {&score.keypoints, &score.repeatability, &score.precision, &score.correct})
-          *value /= score.pairs;  // NaN without a pair
+      for (std::size_t d = 0; d < settings_.apart.size(); ++d) {
+        const auto& scores = scores_[r][d];
+        method.scores[d] = mean(scores);
+        if (!dlib || r == *dlib) continue;
+        BootstrapSettings bootstrap;
+        bootstrap.block = block(settings_.apart[d], scores.size());
+        method.against_dlib.push_back(compare_scores(scores, scores_[*dlib][d], bootstrap));
+      }
     }
   }
 
   RgbdSource& source_;
   FeatureMethods& methods_;
   const FeatureStudySettings& settings_;
-  std::vector<std::vector<double>> seconds_;  // by method
+  std::vector<std::vector<double>> seconds_;                                   // by method
+  std::vector<std::vector<std::vector<std::optional<FeatureScore>>>> scores_;  // by row, distance, start
   FeatureStudyResult result_;
 };
 

@@ -15,12 +15,13 @@
 #include "datasets/dataset.hpp"
 #include "study/feature_evaluation.hpp"
 #include "study/feature_methods.hpp"
+#include "study/score_comparison.hpp"
 
 namespace lcmslam {
 
 struct FeatureStudySettings {
   std::vector<int> apart = {5, 15, 30};  ///< frames between the two images of a pair, ascending
-  int starts = 15;                       ///< first images, spread evenly over the recording
+  int starts = 60;                       ///< first images, spread evenly over the recording
   int keypoints = 1000;                  ///< at most, by response
   double ratio = 0.8;                    ///< of matching
   EvaluationTolerances tolerances;
@@ -45,6 +46,8 @@ struct DistanceScore {
 struct MethodResult {
   StudyRow row;
   std::vector<DistanceScore> scores;  ///< by distance
+  /// By distance, with dlib's SURF as the peer; empty for itself and where dlib is not there.
+  std::vector<ScoreComparison> against_dlib;
   double milliseconds = 0;  ///< median of detect and describe, processor time of one thread; NaN where a row
                             ///< has no run of its own
 };
@@ -72,8 +75,10 @@ StudyView study_view(const RgbdFrame& frame, const RgbdCalibration& calibration)
 FeatureStudyResult study_features(RgbdSource& source, FeatureMethods& methods,
                                   const FeatureStudySettings& settings);
 
+/// The methods, and below how ours and the others differ from dlib's SURF, with 95 % intervals.
 std::string feature_table(const FeatureStudyResult& result);
-/// method,apart,pairs,left_out,keypoints,repeatability,precision,correct,milliseconds
+/// method,apart,pairs,left_out,keypoints,repeatability,precision,correct,milliseconds, then what
+/// differs from dlib's SURF with the ends of the interval.
 std::string feature_csv(const FeatureStudyResult& result);
 nlohmann::json feature_json(const FeatureStudyResult& result, const FeatureStudySettings& settings);
 

@@ -73,6 +73,18 @@ TEST(IntegralImage, BoxesStayRightWhenTheWholeSumOverflows) {
   EXPECT_EQ(integral.box(0, 4199, 4200, 4200), 4200 * 255);
 }
 
+TEST(IntegralImage, HalvedIsOfSumsOfFourPixels) {
+  const cv::Mat image = noise_image(41, 31, 6);
+  IntegralImage fine, halved;
+  fine.compute(image);
+  halved.halve(fine);
+  ASSERT_EQ(halved.width(), 20);
+  ASSERT_EQ(halved.height(), 15);
+  for (int y = 0; y < 15; ++y)
+    for (int x = 0; x < 20; ++x)
+      ASSERT_EQ(halved.box(x, y, x + 1, y + 1), cv::sum(image(cv::Rect(2 * x, 2 * y, 2, 2)))[0]);
+}
+
 TEST(IntegralImage, ReadsViewsWithGapsBetweenRows) {
   const cv::Mat image = noise_image(40, 30, 3);
   const cv::Mat view = image(cv::Rect(5, 4, 20, 10));

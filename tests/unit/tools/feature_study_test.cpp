@@ -185,6 +185,67 @@ TEST(FeatureMethods, KeypointsWithoutDepthAreDroppedWithTheirDescriptors) {
   EXPECT_EQ(cv::countNonZero(kept.descriptors != (cv::Mat_<float>(2, 1) << 1, 3)), 0);
 }
 
+std::optional<FeatureScore> scored(int visible, int repeated, int matches, int correct) {
+  FeatureScore score;
+  score.visible = visible;
+  score.repeated = repeated;
+  score.matches = matches;
+  score.correct = correct;
+  return score;
+}
+
+TEST(ScoreComparison, OfEqualDifferencesIsCertain) {
+  std::vector<std::optional<FeatureScore>> a, b;
+  for (int i = 0; i < 9; ++i) {
+    a.push_back(i == 4 ? std::nullopt : scored(100, 30 + i, 50, 40));
+    b.push_back(i == 4 ? std::nullopt : scored(100, 20 + i, 50, 20));
+  }
+  const ScoreComparison c = compare_scores(a, b, {});
+  for (double value : {c.repeatability.value, c.repeatability.low, c.repeatability.high})
+    EXPECT_NEAR(value, 0.1, 1e-12);
+  for (double value : {c.correct.value, c.correct.low, c.correct.high}) EXPECT_NEAR(value, 2, 1e-12);
+  EXPECT_NEAR(c.precision.value, 0.4, 1e-12);
+}
+
+// The standard error of a mean is known: sigma / sqrt(n), 1.96 of them to each side. Blocks of starts
+// that score alike count as one.
+TEST(ScoreComparison, IntervalsAreAsWideAsTheMeansScatter) {
+  for (const int block : {1, 4}) {
+    Random random(3);
+    std::vector<std::optional<FeatureScore>> a, b;
+    double sum = 0, sum2 = 0;
+    constexpr int blocks = 100;
+    for (int i = 0; i < blocks; ++i) {
+      const int repeated = 500 + int(random.below(200));
+      for (int k = 0; k < block; ++k) {
+        a.push_back(scored(1000, repeated, 10, 5));
+        b.push_back(scored(1000, 500, 10, 5));
+      }
+      const double d = (repeated - 500) / 1000.;
+      sum += d;
+      sum2 += d * d;
+    }
+    const double mean = sum / blocks, sigma = std::sqrt(sum2 / blocks - mean * mean);
+    BootstrapSettings settings;
+    settings.block = block;
+    const Interval i = compare_scores(a, b, settings).repeatability;
+    EXPECT_NEAR(i.value, mean, 1e-12);
+    const double half_width = 1.96 * sigma / std::sqrt(blocks);
+    // Blocks are drawn at any start: their means scatter a little less than those of the true blocks.
+    EXPECT_NEAR((i.high - i.low) / (2 * half_width), block == 1 ? 1 : 0.83, 0.12) << "blocks of " << block;
+    const Interval again = compare_scores(a, b, settings).repeatability;
+    EXPECT_EQ(again.low, i.low);
+    EXPECT_EQ(again.high, i.high);
+  }
+}
+
+TEST(ScoreComparison, WithoutPairsIsNotANumberAndOfOtherPairsRefused) {
+  EXPECT_TRUE(std::isnan(compare_scores({std::nullopt}, {std::nullopt}, {}).correct.low));
+  EXPECT_THROW(compare_scores({std::nullopt}, {scored(1, 1, 1, 1)}, {}), std::invalid_argument);
+  EXPECT_THROW(compare_scores({}, {std::nullopt}, {}), std::invalid_argument);
+  EXPECT_THROW(compare_scores({}, {}, {2000, 0}), std::invalid_argument);
+}
+
 TEST(FeatureStudy, StartsAreSpreadAndLeaveRoom) {
   EXPECT_THAT(spread_starts(130, 30, 5), ElementsAre(9, 29, 49, 69, 89));
   EXPECT_THROW(spread_starts(30, 30, 5), std::invalid_argument);
@@ -228,6 +289,13 @@ TEST(FeatureStudy, TwoPairsOfARecording) {
   EXPECT_EQ(json.at("methods").size(), result.methods.size());
   EXPECT_NEAR(json.at("methods").at(0).at("curve").at(0).at("precision").get<double>(),
               result.methods[0].scores[0].precision, 1e-12);
+  // Ours, as many as dlib: the pairs' interval is around what the table shows.
+  for (const MethodResult& method : result.methods) {
+    if (method.against_dlib.empty()) continue;
+    const Interval& i = method.against_dlib.front().repeatability;
+    EXPECT_LE(i.low, i.value);
+    EXPECT_GE(i.high, i.value);
+  }
   const std::string csv = feature_csv(result), table = feature_table(result);
   EXPECT_EQ(std::size_t(std::count(csv.begin(), csv.end(), '\n')), 1 + result.methods.size());
   EXPECT_THAT(table, testing::HasSubstr("5 frames apart: 2 pairs, 0 left out"));

@@ -1,0 +1,77 @@
+// What a robot's camera does to images: blur, darkness, edges without blobs.
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "blob_scene.hpp"
+#include "surf/surf.hpp"
+
+namespace lcmslam {
+namespace {
+
+struct Features {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+
+  explicit Features(const cv::Mat& image, SurfSettings settings = {}) {
+    settings.budget.max_features = 0;
+    Surf(settings).detectAndCompute(image, cv::noArray(), keypoints, descriptors);
+    EXPECT_TRUE(cv::checkRange(descriptors));
+    for (const cv::KeyPoint& k : keypoints) {
+      EXPECT_TRUE(std::isfinite(k.pt.x) && std::isfinite(k.pt.y) && k.size > 0 && k.response > 0);
+      EXPECT_TRUE(k.angle >= 0 && k.angle <= 360);
+    }
+  }
+};
+
+TEST(SurfDegradation, MotionBlurLeavesFewerFeatures) {
+  const cv::Mat sharp = test::random_scene(41, 200, 900).draw(400, 300, {0.6, 0, 200, 150});
+  std::size_t before = Features(sharp).keypoints.size();
+  EXPECT_GT(before, 100u);
+  for (const int length : {9, 21, 45, 91}) {
+    cv::Mat blurred;
+    cv::blur(sharp, blurred, {length, 1});
+    const std::size_t left = Features(blurred).keypoints.size();
+    EXPECT_LT(left, before) << length << " pixels";
+    before = left;
+  }
+}
+
+TEST(SurfDegradation, LowContrastLeavesFewerFeatures) {
+  const test::BlobScene scene = test::random_scene(42, 200, 600);
+  std::size_t before = 1e6;
+  for (const double contrast : {1., 0.7, 0.5, 0.35, 0.25}) {
+    const std::size_t left = Features(scene.draw(400, 300, {1, 0, 200, 150}, contrast, 60)).keypoints.size();
+    EXPECT_LT(left, before) << contrast;
+    before = left;
+  }
+  EXPECT_EQ(Features(scene.draw(400, 300, {1, 0, 200, 150}, 0.01, 60)).keypoints.size(), 0u);
+}
+
+// The same profile across, but one is round and the other six times as long: at the size of its width it
+// has no place along itself.
+TEST(SurfDegradation, EdgesAreNoBlobs) {
+  SurfSettings every;
+  every.hessian_threshold = 20;
+  every.edge_ratio = 1e6;
+  SurfSettings usual = every;
+  usual.edge_ratio = SurfSettings{}.edge_ratio;
+  const auto near_centre = [](const Features& features) {
+    return std::count_if(features.keypoints.begin(), features.keypoints.end(), [](const auto& k) {
+      return cv::norm(k.pt - cv::Point2f(150, 150)) < 8 && k.size < 30;
+    });
+  };
+  long on_lines = 0;
+  for (int degrees = 0; degrees < 180; degrees += 10) {
+    const double angle = degrees * M_PI / 180;
+    const cv::Mat round = test::BlobScene{{{150, 150, 4, 4, angle, 90}}}.draw(301, 301);
+    const cv::Mat line = test::BlobScene{{{150, 150, 24, 4, angle, 90}}}.draw(301, 301);
+    EXPECT_GE(near_centre(Features(round, usual)), 1) << degrees;
+    on_lines += near_centre(Features(line, every));
+    EXPECT_EQ(near_centre(Features(line, usual)), 0) << degrees;
+  }
+  EXPECT_GT(on_lines, 5);  // that is what the ratio rejects
+}
+
+}  // namespace
+}  // namespace lcmslam
