@@ -113,7 +113,12 @@ void Receiver::Queue::receive_part(const lcm::ReceiveBuffer* buffer, const std::
     const auto part =
         decode_message<part_t>(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
     if (part.channel != input->channel()) throw DecodeError("part_t of another channel");
-    if (auto whole = assembler.add(part)) push(std::move(whole->bytes));
+    auto whole = assembler.add(part);
+    {
+      const std::lock_guard<std::mutex> lock(receiver->mutex_);
+      count.incomplete = assembler.incomplete();
+    }
+    if (whole) push(std::move(whole->bytes));
   } catch (const DecodeError&) {
     const std::lock_guard<std::mutex> lock(receiver->mutex_);
     ++count.bad_parts;

@@ -89,8 +89,9 @@ class Receiver {
 
   struct QueueCount {
     std::int64_t drops = 0;
-    std::int64_t bad_parts = 0;  ///< pieces that do not decode or contradict each other
-    double oldest = 0;           ///< s, largest wait since the last call of counts()
+    std::int64_t bad_parts = 0;   ///< pieces that do not decode or contradict each other
+    std::int64_t incomplete = 0;  ///< messages given up because pieces were missing
+    double oldest = 0;            ///< s, largest wait since the last call of counts()
   };
   std::map<const Input*, QueueCount> counts();
 

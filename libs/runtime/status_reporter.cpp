@@ -1,5 +1,6 @@
 #include "runtime/status_reporter.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -26,6 +27,13 @@ double quantile(std::vector<double> values, double q) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
   std::nth_element(values.begin(), at, values.end());
   return *at;
+}
+
+/// In words. Of numbered messages a missing one shows as a gap too; of others only here.
+std::string trouble_of(const Input& input, const Receiver::QueueCount& queue) {
+  if (queue.incomplete == 0) return input.last_error;
+  return fmt::format("{}{} messages lacked pieces", input.last_error.empty() ? "" : input.last_error + "; ",
+                     queue.incomplete);
 }
 
 }  // namespace
@@ -99,7 +107,7 @@ status_t StatusReporter::gather(const NodeReport& node, const Inputs& inputs, Re
       in.rate = rate(key + "#", count.received, seconds);
       in.bytes_per_second = rate(key + "b", count.bytes, seconds);
       in.queue_age = first ? queues.at(input.get()).oldest : 0;
-      in.last_error = first ? input->last_error : "";
+      in.last_error = first ? trouble_of(*input, queues.at(input.get())) : "";
       s.inputs.push_back(in);
       first = false;
     }

@@ -38,7 +38,9 @@ struct Request {
 std::optional<int> parse(Request& r, int argc, char** argv) {
   CLI::App app{
       "Compares estimated trajectories with the truth: absolute (ATE) and relative (RPE) errors as the TUM "
-      "RGB-D benchmark defines them. FILE is a TUM text file (t x y z qx qy qz qw) or an .lcmlog, also "
+      "RGB-D benchmark's paper defines them (its script differs a little: E of an RPE is turned around, the "
+      "distance "
+      "of a metre is the estimate's). FILE is a TUM text file (t x y z qx qy qz qw) or an .lcmlog, also "
       "LOG:CHANNEL; a log alone stands for its FASTSLAM_POSE, ICP_POSE and ODOMETRY, and brings its "
       "GROUND_TRUTH.",
       "lcmslam evaluate"};

@@ -54,6 +54,7 @@ int launch_command(int argc, char** argv) {
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
   options.folder = folder.empty() ? new_run_folder("launch") : std::filesystem::path(folder);
+  const bool as_root = geteuid() == 0;  // asked before: in a user namespace everybody is root
   if (private_bus && !enter_private_bus()) {
     std::cerr << "lcmslam launch: this machine permits no private network namespace\n";
     return 1;
@@ -80,6 +81,10 @@ int launch_command(int argc, char** argv) {
   for (const auto& spec : specs) supervisor.start(spec);
   std::cout << "lcmslam launch: " << specs.size() << " processes; maps and logs go to "
             << options.folder.string() << std::endl;
+  if (private_bus)
+    std::cout << "lcmslam launch: its bus is private; another terminal joins it by  nsenter --target "
+              << getpid() << (as_root ? "" : " --user --preserve-credentials") << " --net ./lcmslam spy"
+              << std::endl;
 
   StatusBoard board;
   Inputs inputs;

@@ -28,7 +28,9 @@ std::string rates(const status_t& status) {
 std::string trouble(const std::string& process, const status_t& status) {
   std::string text;
   for (const auto& in : status.inputs) {
-    if (in.lost + in.duplicates + in.reordered + in.decode_errors + in.queue_drops == 0) continue;
+    if (in.lost + in.duplicates + in.reordered + in.decode_errors + in.queue_drops == 0 &&
+        in.last_error.empty())
+      continue;
     text += fmt::format(
         "  {} <- {} of {:08x}: {} received, {} lost, {} twice, {} out of order, {} malformed, {} skipped, "
         "{:.0f} ms in the queue{}\n",
