@@ -32,6 +32,10 @@ void read_tum(const ConfigNode& config, Description& description) {
     description.calibration_by_name.emplace_back(name, by_name.folder() / by_name.text(name));
 }
 
+bool without_images(const Description& description) {
+  return description.format == "mrclam" || description.format == "victoria_park";
+}
+
 std::vector<fs::path> shipped_descriptions(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -49,7 +53,9 @@ Description read_description(const fs::path& file) {
   description.file = file;
   if (!config.has("format"))
     config.fail("format", "the key format is missing: tum, seven_scenes or numbered");
-  description.format = config.choice("format", "tum", {"tum", "seven_scenes", "numbered"});
+  description.format =
+      config.choice("format", "tum", {"tum", "seven_scenes", "numbered", "mrclam", "victoria_park"});
+  if (without_images(description)) return description;  // landmark_recording.hpp reads the rest
   description.depth_scale = config.get("depth_scale", description.depth_scale, Range{1, 1e6});
   description.frame_rate = config.get("frame_rate", description.frame_rate, Range{1e-3, 1e4});
   description.truth_of = config.choice("truth_of", description.truth_of, {"colour", "depth", "robot"});
@@ -61,6 +67,7 @@ Description read_description(const fs::path& file) {
 }
 
 bool matches(const Description& description, const fs::path& folder) {
+  if (without_images(description)) return false;
   if (description.format == "tum") return is_tum(folder);
   if (description.format == "seven_scenes") return is_seven_scenes(folder);
   return !NumberedFiles(folder, description.colour).numbers().empty() &&

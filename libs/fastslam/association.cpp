@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include "fastslam/image_grid.hpp"
@@ -61,32 +62,64 @@ std::vector<LandmarkMatch> one_to_one(std::vector<LandmarkMatch> matches) {
   return matches;
 }
 
+// A 3-D point of the camera, told in the robot frame.
+std::optional<FeaturePoint> camera_point(const Feature& feature, const FeatureFrame& frame,
+                                         const FastSlamSettings& s) {
+  if (!(feature.point.z() > 0)) return std::nullopt;
+  const Eigen::Vector3d point = feature.point.cast<double>();
+  FeaturePoint result;
+  result.range = point.norm();
+  if (result.range < s.minimum_range || result.range > s.maximum_range) return std::nullopt;
+  const Eigen::Matrix3d C = point_covariance(feature, frame);
+  if (!C.allFinite() || C.diagonal().minCoeff() <= 0) return std::nullopt;
+  const Eigen::Matrix3d R = frame.T_robot_camera.linear();
+  const Eigen::Matrix3d covariance = s.measurement_inflation * (R * C * R.transpose());
+  result.measurement = {frame.T_robot_camera * point, 0.5 * (covariance + covariance.transpose())};
+  return result;
+}
+
+// A measurement in the robot's plane (see feature.hpp for its noise). It has no descriptor: without an
+// identity nothing tells which landmark it shows.
+std::optional<FeaturePoint> planar_measurement(const Feature& feature, const FeatureFrame& frame,
+                                               const FastSlamSettings& s) {
+  if (feature.kind == MeasurementKind::bearing || feature.landmark_id < 0) return std::nullopt;
+  FeaturePoint result;
+  Measurement& m = result.measurement;
+  m.kind = feature.kind;
+  m.value << feature.point.cast<double>().head<2>(), 0;
+  const double along = feature.depth_sigma;
+  const bool polar = feature.kind == MeasurementKind::range_bearing;
+  const double across = polar ? frame.pixel_sigma / frame.fx : along;
+  result.range = polar ? m.value.x() : m.value.norm();
+  if (!(result.range > 0)) return std::nullopt;
+  m.covariance.diagonal() << s.measurement_inflation * along * along,
+      s.measurement_inflation * across * across, 1;
+  return result;
+}
+
 }  // namespace
 
 std::vector<FeaturePoint> usable_features(const FeatureFrame& frame, const FastSlamSettings& s) {
   std::vector<FeaturePoint> points;
   if (!(frame.fx > 0 && frame.fy > 0 && frame.pixel_sigma > 0) || !frame.T_robot_camera.matrix().allFinite())
     return points;  // without a calibration nothing is usable
-  const Eigen::Matrix3d R = frame.T_robot_camera.linear();
   for (std::size_t i = 0; i < frame.features.size(); ++i) {
     const Feature& feature = frame.features[i];
-    if (feature.kind != MeasurementKind::point || !feature.point.allFinite()) continue;
-    if (!std::isfinite(feature.x) || !std::isfinite(feature.y) || !std::isfinite(feature.response)) continue;
-    if (!(feature.point.z() > 0 && feature.depth_sigma > 0)) continue;
-    const Eigen::Vector3d point = feature.point.cast<double>();
-    const double range = point.norm();
-    if (range < s.minimum_range || range > s.maximum_range) continue;
-    const Eigen::Matrix3d C = point_covariance(feature, frame);
-    if (!C.allFinite() || C.diagonal().minCoeff() <= 0) continue;
-    const Eigen::Matrix3d covariance = s.measurement_inflation * (R * C * R.transpose());
-    points.push_back({static_cast<int>(i),
-                      range,
-                      {frame.T_robot_camera * point, 0.5 * (covariance + covariance.transpose())}});
+    if (!feature.point.allFinite() || !std::isfinite(feature.x) || !std::isfinite(feature.y) ||
+        !std::isfinite(feature.response) || !(feature.depth_sigma > 0))
+      continue;
+    auto usable = feature.kind == MeasurementKind::point ? camera_point(feature, frame, s)
+                                                         : planar_measurement(feature, frame, s);
+    if (!usable) continue;
+    usable->feature = static_cast<int>(i);
+    usable->landmark_id = feature.landmark_id;
+    points.push_back(*usable);
   }
   std::sort(points.begin(), points.end(), [&](const FeaturePoint& a, const FeaturePoint& b) {
     const Feature& p = frame.features[static_cast<std::size_t>(a.feature)];
     const Feature& q = frame.features[static_cast<std::size_t>(b.feature)];
-    return std::tie(q.response, p.y, p.x, a.feature) < std::tie(p.response, q.y, q.x, b.feature);
+    return std::tie(q.response, p.y, p.x, p.landmark_id, p.point.x(), p.point.y(), a.feature) <
+           std::tie(p.response, q.y, q.x, q.landmark_id, q.point.x(), q.point.y(), b.feature);
   });
   return points;
 }
@@ -99,7 +132,7 @@ std::vector<VisibleLandmark> visible_landmarks(const ParticleMap& map, const Lan
   const double margin = s.visibility_margin * frame.width;
   map.for_each([&](std::size_t i, const LandmarkGaussian& landmark) {
     const int slot = static_cast<int>(i);
-    if (slot >= index.slots() || !index.alive(slot)) return;
+    if (slot >= index.slots() || !index.alive(slot) || index.record(slot).known_id >= 0) return;
     const Eigen::Vector3d p = T_camera_world * landmark.mean;
     if (p.z() < 0.5 * s.minimum_range || p.squaredNorm() > 1.21 * s.maximum_range * s.maximum_range) return;
     const double x = frame.fx * p.x() / p.z() + frame.cx;
@@ -117,6 +150,7 @@ std::vector<LandmarkMatch> match_visible(const FeatureFrame& frame, const std::v
   const ImageGrid grid(frame);
   std::array<std::vector<int>, ImageGrid::kCells> cells;
   for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].landmark_id >= 0) continue;
     const Feature& f = frame.features[static_cast<std::size_t>(points[i].feature)];
     cells[grid.cell(f.x, f.y)].push_back(static_cast<int>(i));
   }
@@ -153,11 +187,32 @@ std::vector<LandmarkMatch> match_visible(const FeatureFrame& frame, const std::v
   return one_to_one(std::move(matches));
 }
 
+std::vector<LandmarkMatch> match_known(const std::vector<FeaturePoint>& points, const ParticleMap& map,
+                                       const LandmarkIndex& index, const Eigen::Isometry3d& T_world_robot) {
+  std::vector<std::pair<double, LandmarkMatch>> candidates;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const int slot = index.find(points[p].landmark_id);
+    if (slot < 0) continue;
+    const LandmarkGaussian& landmark = *map.find(static_cast<std::size_t>(slot));
+    candidates.push_back(
+        {innovate(landmark, points[p].measurement, T_world_robot).distance2, {static_cast<int>(p), slot, 0}});
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.second.slot, a.first, a.second.point) <
+           std::tie(b.second.slot, b.first, b.second.point);
+  });
+  std::vector<LandmarkMatch> matches;
+  for (const auto& [distance2, match] : candidates)
+    if (matches.empty() || matches.back().slot != match.slot) matches.push_back(match);
+  return matches;
+}
+
 std::vector<LandmarkMatch> match_all(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
                                      const ParticleMap& map, const LandmarkIndex& index,
                                      const FastSlamSettings& s, Random& random) {
-  std::vector<int> chosen(points.size());
-  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = static_cast<int>(i);
+  std::vector<int> chosen;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i].landmark_id < 0) chosen.push_back(static_cast<int>(i));
   const auto affordable = static_cast<std::size_t>(std::max(10, kSearchBudget / std::max(1, index.slots())));
   for (std::size_t i = 0; i + 1 < chosen.size() && i < affordable; ++i)
     std::swap(chosen[i], chosen[i + random.below(chosen.size() - i)]);
@@ -169,7 +224,7 @@ std::vector<LandmarkMatch> match_all(const FeatureFrame& frame, const std::vecto
     const Feature& f = frame.features[static_cast<std::size_t>(points[static_cast<std::size_t>(p)].feature)];
     Nearest nearest;
     for (int slot = 0; slot < index.slots(); ++slot)
-      if (index.record(slot).laplacian == f.laplacian && index.alive(slot))
+      if (index.record(slot).laplacian == f.laplacian && index.alive(slot) && index.record(slot).known_id < 0)
         nearest.offer(slot, squared_distance(f.descriptor, index.descriptor(slot)));
     if (distinct(nearest, s, position)) matches.push_back({p, nearest.landmark[0], nearest.distance2[0]});
   }

@@ -13,18 +13,19 @@
 
 namespace lcmslam {
 
-/// A feature that the filter can use, in the robot frame, its covariance inflated.
+/// A feature that the filter can use, as a measurement in the robot frame, its covariance inflated.
 struct FeaturePoint {
-  int feature = 0;   ///< index in FeatureFrame::features
-  double range = 0;  ///< m from the camera
-  PointMeasurement measurement;
+  int feature = 0;                ///< index in FeatureFrame::features
+  double range = 0;               ///< m from the sensor
+  std::int32_t landmark_id = -1;  ///< known identity; -1: the descriptor tells
+  Measurement measurement;
 };
 
-/// The usable features of a frame (finite 3-D points in range), strongest response first. The order
-/// does not depend on the frame's.
+/// The usable features of a frame, strongest response first: finite 3-D points in range, and planar or
+/// range-bearing measurements of known identity. The order does not depend on the frame's.
 std::vector<FeaturePoint> usable_features(const FeatureFrame& frame, const FastSlamSettings& settings);
 
-/// A landmark expected in the image.
+/// A landmark expected in the image: one that is known by its descriptor.
 struct VisibleLandmark {
   int slot = 0;
   double x = 0, y = 0;                             ///< predicted pixel
@@ -48,6 +49,12 @@ std::vector<LandmarkMatch> match_visible(const FeatureFrame& frame, const std::v
                                          const std::vector<VisibleLandmark>& visible,
                                          const LandmarkIndex& index, double radius,
                                          const FastSlamSettings& settings);
+
+/// Features of known identity whose landmark is in the map, ordered by slot; of several that claim one
+/// landmark the likeliest from `T_world_robot`. Whether an identity can be believed, each particle
+/// decides by its gate.
+std::vector<LandmarkMatch> match_known(const std::vector<FeaturePoint>& points, const ParticleMap& map,
+                                       const LandmarkIndex& index, const Eigen::Isometry3d& T_world_robot);
 
 /// Some features (drawn at random so that their number times the map's size stays bounded) against
 /// the whole map: for finding back. Ordered by slot.

@@ -23,7 +23,7 @@ int mark_inliers(const std::vector<ObservedLandmark>& pairs, const Eigen::Isomet
   int count = 0;
   inlier.assign(pairs.size(), 0);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const double error2 = (T * pairs[i].measurement.point - pairs[i].landmark.mean).squaredNorm();
+    const double error2 = (T * pairs[i].measurement.value - pairs[i].landmark.mean).squaredNorm();
     if (error2 > kTraceGate * trace(pairs[i])) continue;
     inlier[i] = 1;
     ++count;
@@ -63,7 +63,7 @@ std::optional<Eigen::Isometry3d> align(const std::vector<ObservedLandmark>& pair
   std::vector<Eigen::Vector3d> source, target;
   std::vector<double> weights;
   for (const std::size_t i : chosen) {
-    source.push_back(pairs[i].measurement.point);
+    source.push_back(pairs[i].measurement.value);
     target.push_back(pairs[i].landmark.mean);
     weights.push_back(1 / trace(pairs[i]));
   }
@@ -78,7 +78,7 @@ Matrix6d covariance_of(const std::vector<ObservedLandmark>& pairs, const std::ve
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!inlier[i]) continue;
     const Innovation innovation = innovate(pairs[i].landmark, pairs[i].measurement, T);
-    const auto J = Space::residual_jacobian(pairs[i].measurement.point - innovation.residual);
+    const auto J = Space::residual_jacobian(pairs[i].measurement.value - innovation.residual);
     information += J.transpose() * innovation.inverse * J;
   }
   const typename Space::Matrix covariance = information.llt().solve(Space::Matrix::Identity());

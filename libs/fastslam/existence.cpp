@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "fastslam/image_grid.hpp"
 
@@ -20,8 +21,8 @@ const Feature& feature_of(const FeatureFrame& frame, const FeaturePoint& point) 
 
 int update_existence(LandmarkIndex& index, const ParticleMap& map, const FeatureFrame& frame,
                      const std::vector<FeaturePoint>& points, const std::vector<VisibleLandmark>& visible,
-                     const std::vector<LandmarkMatch>& matches, const Eigen::Isometry3d& T_world_robot,
-                     const FastSlamSettings& settings) {
+                     const std::vector<LandmarkMatch>& matches, const std::vector<int>& contradicted,
+                     const Eigen::Isometry3d& T_world_robot, const FastSlamSettings& settings) {
   const Eigen::Vector3d camera = T_world_robot * frame.T_robot_camera.translation();
   std::vector<char> seen(static_cast<std::size_t>(index.slots()), 0);
   for (const LandmarkMatch& match : matches) {
@@ -33,6 +34,8 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
     index.record(match.slot).seen_at = ray.norm();
   }
   if (!settings.remove_landmarks) return 0;
+  int died = 0;
+  for (const int slot : contradicted) died += index.miss(slot, settings);
 
   const ImageGrid grid(frame);
   std::array<double, ImageGrid::kCells> farthest{};  // measured in each cell
@@ -41,7 +44,7 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
     double& cell = farthest[grid.cell(f.x, f.y)];
     cell = std::max(cell, point.range);
   }
-  int died = index.age(settings);
+  died += index.age(settings);
   for (const VisibleLandmark& landmark : visible) {
     if (seen[static_cast<std::size_t>(landmark.slot)] || !index.alive(landmark.slot)) continue;
     if (landmark.x < 0 || landmark.x >= frame.width || landmark.y < 0 || landmark.y >= frame.height) continue;
@@ -59,7 +62,7 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
 }
 
 std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
-                                      const std::vector<LandmarkMatch>& matches,
+                                      const std::vector<LandmarkMatch>& matches, const LandmarkIndex& index,
                                       const FastSlamSettings& settings) {
   const ImageGrid grid(frame);
   std::array<int, ImageGrid::kCells> occupied{};
@@ -71,7 +74,12 @@ std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vect
     ++occupied[grid.cell(f.x, f.y)];
   }
   std::vector<int> chosen;
+  std::set<std::int32_t> identities;  // one may be told twice in a frame
   for (std::size_t p = 0; p < points.size(); ++p) {
+    if (const std::int32_t id = points[p].landmark_id; id >= 0) {
+      if (index.find(id) < 0 && identities.insert(id).second) chosen.push_back(static_cast<int>(p));
+      continue;
+    }
     if (taken[p] || static_cast<int>(chosen.size()) >= settings.maximum_new_landmarks) continue;
     const Feature& f = feature_of(frame, points[p]);
     int& here = occupied[grid.cell(f.x, f.y)];

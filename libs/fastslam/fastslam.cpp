@@ -14,6 +14,7 @@ namespace lcmslam {
 namespace {
 
 constexpr std::uint64_t kResamplingStream = 0x726573616d706c65;
+constexpr std::uint64_t kSmoothingStream = 0x736d6f6f7468;
 
 FastSlamSettings checked(const FastSlamSettings& settings) {
   check(settings);
@@ -26,6 +27,16 @@ Eigen::Isometry3d renormalised(Eigen::Isometry3d T, bool planar) {
   return restrict_pose(T, planar);
 }
 
+void sort_by_slot(std::vector<LandmarkMatch>& matches) {
+  std::sort(matches.begin(), matches.end(),
+            [](const LandmarkMatch& a, const LandmarkMatch& b) { return a.slot < b.slot; });
+}
+
+void widen(double factor, Measurement& measurement) {
+  const int n = measurement.kind == MeasurementKind::point ? 3 : 2;
+  measurement.covariance.topLeftCorner(n, n) *= factor;
+}
+
 }  // namespace
 
 FastSlam::FastSlam(const FastSlamSettings& settings)
@@ -34,32 +45,49 @@ FastSlam::FastSlam(const FastSlamSettings& settings)
       particles_(static_cast<std::size_t>(settings.particles)),
       resampling_stream_(settings.seed, kResamplingStream),
       associator_(settings),
+      calibration_(settings),
+      smoothing_stream_(settings.seed, kSmoothingStream),
       publication_(settings.minimum_observations) {
   for (std::size_t i = 0; i < particles_.size(); ++i) streams_.emplace_back(settings.seed, i);
+  if (settings.rejuvenate && settings.planar) smoother_ = std::make_unique<PathSmoother>(settings);
 }
 
 StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   StepResult result;
-  const std::vector<FeaturePoint> points = usable_features(frame, settings_);
+  std::vector<FeaturePoint> points = usable_features(frame, settings_);
   result.offered = static_cast<int>(points.size());
 
   // Old landmarks first: associate, then move, weigh and update every particle.
   std::vector<LandmarkMatch> seen;
   std::vector<VisibleLandmark> expected;
   bool may_create = true;
-  if (started_) seen = filter(motion, frame, points, expected, may_create, result);
+  std::vector<int> contradicted;
+  if (started_) seen = filter(motion, frame, points, expected, contradicted, may_create, result);
   started_ = true;
-
   // The particle of highest weight is the map; the pose is estimated before resampling adds noise.
-  const std::vector<double> weights = this->weights();
-  best_ = static_cast<int>(std::max_element(weights.begin(), weights.end()) - weights.begin());
+  std::vector<double> weights = choose_best();
   estimate(weights, result);
+  if (smoother_) {
+    const bool reunion =
+        !contradicted.empty() || std::any_of(seen.begin(), seen.end(), [&](const auto& match) {
+          return index_.record(match.slot).unseen_steps > settings_.reunion_steps;
+        });
+    remember(frame.utime, motion, points, result);
+    const bool due = smoother_ && smoother_->size() >= smooth_at_;
+    result.rejuvenated = reunion && due && rejuvenate();
+    if (result.rejuvenated) {
+      weights = choose_best();
+      estimate(weights, result);
+    }
+  }
 
   // Landmarks die and are born alike in all particles; new ones last, so that 2.0 is possible.
   result.removed = update_existence(index_, particles_[best()].map, frame, points, expected, seen,
-                                    particles_[best()].T_world_robot, settings_);
+                                    contradicted, particles_[best()].T_world_robot, settings_);
+  for (const int slot : contradicted)
+    if (smoother_ && !index_.alive(slot)) smoother_->forget(index_.record(slot).known_id);
   std::vector<int> chosen;
-  if (may_create) chosen = choose_new_landmarks(frame, points, seen, settings_);
+  if (may_create) chosen = choose_new_landmarks(frame, points, seen, index_, settings_);
   create_landmarks(frame, points, chosen);
   result.created = static_cast<int>(chosen.size());
 
@@ -72,25 +100,41 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
 }
 
 std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureFrame& frame,
-                                            const std::vector<FeaturePoint>& points,
-                                            std::vector<VisibleLandmark>& expected, bool& may_create,
+                                            std::vector<FeaturePoint>& points,
+                                            std::vector<VisibleLandmark>& expected,
+                                            std::vector<int>& contradicted, bool& may_create,
                                             StepResult& result) {
   const bool empty = index_.size() == 0;
   result.motion_usable = usable(motion);
-  FrameAssociation association =
-      associator_.associate(frame, points, particles_[best()].T_world_robot, motion_prior(motion, settings_),
-                            particles_[best()].map, index_);
-  const std::vector<LandmarkMatch> observed =
+  Motion prior = motion_prior(motion, settings_);
+  calibration_.begin(prior);
+  calibration_.prepare_gain(prior.covariance);
+  prior.T_from_to = calibration_.apply(particles_[best()].calibration);
+  prior.covariance += calibration_.added_covariance();
+  FrameAssociation association = associator_.associate(frame, points, particles_[best()].T_world_robot, prior,
+                                                       particles_[best()].map, index_);
+  std::vector<LandmarkMatch> observed =
       select_informative(association.matches, frame, points, particles_[best()].map, settings_);
+  std::vector<LandmarkMatch> seen = association.matches;
+  for (auto* list : {&observed, &seen}) {
+    list->insert(list->end(), association.known.begin(), association.known.end());
+    sort_by_slot(*list);
+  }
+  widen_for_correlation(observed, frame.utime, points);
 
   const auto proposal = make_proposal(settings_, association.prior.covariance);
   std::vector<Verdict> verdicts(particles_.size());
   for (std::size_t k = 0; k < particles_.size(); ++k) {
-    const Eigen::Isometry3d T_prior = association.T_world_found
-                                          ? *association.T_world_found
-                                          : particles_[k].T_world_robot * association.prior.T_from_to;
-    verdicts[k] = move(particles_[k], T_prior, *proposal, observed, points, streams_[k]);
+    Particle& particle = particles_[k];
+    const Eigen::Isometry3d T_prior = association.T_world_found ? *association.T_world_found
+                                      : association.corrected
+                                          ? particle.T_world_robot * association.prior.T_from_to
+                                          : particle.T_world_robot * calibration_.apply(particle.calibration);
+    verdicts[k] = move(particle, T_prior, *proposal, observed, points, streams_[k]);
+    if (!association.corrected)
+      calibration_.learn(se3_log(T_prior.inverse() * particle.T_world_robot), particle.calibration);
   }
+  if (!association.corrected) calibration_.end();
   double highest = particles_[0].log_weight;
   for (const Particle& particle : particles_) highest = std::max(highest, particle.log_weight);
   for (Particle& particle : particles_) particle.log_weight -= highest;
@@ -99,13 +143,16 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
 
   // What the best particle rejects was not seen: it may become a new landmark (thesis 2.3.2).
   const Verdict& verdict = verdicts[winner];
-  std::vector<LandmarkMatch> seen = association.matches;
+  bool located = false;  // by a landmark of known identity
   for (std::size_t i = 0; i < observed.size(); ++i) {
     const LandmarkMatch& match = observed[i];
     const bool accepted = verdict.accepted[i];
     result.observations.push_back(
         {points[static_cast<std::size_t>(match.point)].feature, index_.record(match.slot).id, accepted});
+    const bool known = index_.record(match.slot).known_id >= 0;
+    located = located || (known && accepted);
     if (accepted) continue;
+    if (known) contradicted.push_back(match.slot);
     ++result.rejected;
     seen.erase(
         std::find_if(seen.begin(), seen.end(), [&](const LandmarkMatch& m) { return m.slot == match.slot; }));
@@ -116,7 +163,8 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
   result.mean_distance2 = verdict.count > 0 ? verdict.distance2 / verdict.count : 0;
   result.slipped = association.slipped;
   const bool agreed =
-      settings_.verify_by_consensus ? association.agreed : verdict.count >= settings_.minimum_consensus;
+      located ||
+      (settings_.verify_by_consensus ? association.agreed : verdict.count >= settings_.minimum_consensus);
   result.status = association.T_world_found ? TrackStatus::relocalised
                   : agreed                  ? TrackStatus::tracking
                   : empty                   ? TrackStatus::initialising
@@ -130,6 +178,69 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
   expected = std::move(association.visible);
   if (!agreed) expected.clear();  // nobody is declared missing by a robot that may be elsewhere
   return seen;
+}
+
+// Errors with the correlation exp(-|dt| / tau) in time: n of them, dt apart, say as much as
+// n (1 - rho) / (1 + rho) independent ones. So the covariance is widened by (1 + rho) / (1 - rho) =
+// coth(dt / (2 tau)), dt since the landmark's last measurement; after a long time by nothing.
+void FastSlam::widen_for_correlation(const std::vector<LandmarkMatch>& observed, Utime utime,
+                                     std::vector<FeaturePoint>& points) {
+  if (settings_.correlation_time <= 0) return;
+  for (const LandmarkMatch& match : observed) {
+    LandmarkRecord& record = index_.record(match.slot);
+    const double elapsed = std::max(1e-3, 1e-6 * static_cast<double>(utime - record.measured));
+    FeaturePoint& point = points[static_cast<std::size_t>(match.point)];
+    widen(1 / std::tanh(0.5 * elapsed / settings_.correlation_time), point.measurement);
+    record.measured = utime;
+  }
+}
+
+// The step for the smoother: all sights of known identity, believed by the filter or not.
+void FastSlam::remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& points,
+                        const StepResult& result) {
+  std::vector<IdentifiedMeasurement> sights;
+  for (const FeaturePoint& point : points) {
+    if (point.landmark_id < 0 || point.measurement.kind == MeasurementKind::point) {
+      smoother_.reset();
+      return;
+    }
+    sights.push_back({point.landmark_id, point.measurement});
+  }
+  smoother_->add(utime, motion_prior(motion, settings_), calibration_.jacobian(), sights,
+                 result.T_world_robot, result.covariance);
+}
+
+std::vector<SmoothedPose> FastSlam::smooth() {
+  if (!smoother_ || !rejuvenate()) return {};
+  best_ = 0;  // the posterior's mode
+  return smoother_->path();
+}
+
+// Draws all particles anew from the posterior of the whole path.
+bool FastSlam::rejuvenate() {
+  smoother_->solve();
+  Eigen::Matrix3d calibration_covariance;
+  const auto samples = smoother_->sample(particles_.size(), smoothing_stream_, calibration_covariance);
+  const double grown = (1 + settings_.rejuvenation_growth) * static_cast<double>(smoother_->size());
+  smooth_at_ = std::max(smoother_->size() + 10, static_cast<std::size_t>(grown));
+  if (samples.empty()) return false;
+  calibration_.set_covariance(calibration_covariance);
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    Particle& particle = particles_[k];
+    particle.T_world_robot = samples[k].T_world_robot;
+    particle.calibration = samples[k].calibration;
+    particle.log_weight = 0;
+    for (const auto& [id, landmark] : samples[k].landmarks)
+      if (const int slot = index_.find(id); slot >= 0)
+        particle.map.edit(static_cast<std::size_t>(slot)) = landmark;
+  }
+  return true;
+}
+
+std::vector<double> FastSlam::choose_best() {
+  std::vector<double> weights = this->weights();
+  best_ = static_cast<int>(std::max_element(weights.begin(), weights.end()) - weights.begin());
+  return weights;
 }
 
 FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_world_prior,
@@ -182,6 +293,7 @@ void FastSlam::create_landmarks(const FeatureFrame& frame, const std::vector<Fea
   for (const std::size_t slot : slots) {
     const Eigen::Vector3d ray = camera - particles_[best()].map.find(slot)->mean;
     LandmarkRecord& record = index_.record(static_cast<int>(slot));
+    record.measured = frame.utime;
     record.seen_from = ray.normalized();
     record.seen_at = ray.norm();
   }
@@ -190,6 +302,7 @@ void FastSlam::create_landmarks(const FeatureFrame& frame, const std::vector<Fea
 void FastSlam::estimate(const std::vector<double>& weights, StepResult& result) const {
   const Eigen::Isometry3d T_best = particles_[best()].T_world_robot;
   std::vector<Vector6d> offsets(particles_.size());
+  result.covariance.setZero();
   Vector6d mean = Vector6d::Zero();
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     offsets[k] = se3_log(T_best.inverse() * particles_[k].T_world_robot);

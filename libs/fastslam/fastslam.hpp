@@ -12,9 +12,12 @@
 // with correspondences known the result is the same.
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "fastslam/frame_association.hpp"
+#include "fastslam/odometry_calibration.hpp"
+#include "fastslam/path_smoother.hpp"
 #include "fastslam/proposal.hpp"
 #include "fastslam/publication.hpp"
 #include "fastslam/settings.hpp"
@@ -49,6 +52,7 @@ struct StepResult {
   int created = 0, removed = 0;  ///< landmarks
   bool slipped = false;          ///< observations contradicted the odometry, and won
   bool resampled = false;
+  bool rejuvenated = false;
   bool motion_usable = true;  ///< false: odometry was not finite; the step went on without
   double mean_distance2 = 0;  ///< of accepted observations at the best particle; about 3 when consistent
   std::vector<ObservationReport> observations;
@@ -56,7 +60,8 @@ struct StepResult {
 
 struct Particle {
   Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
-  double log_weight = 0;  ///< not normalised
+  double log_weight = 0;                                  ///< not normalised
+  CalibrationMean calibration = CalibrationMean::Zero();  ///< of the odometry
   ParticleMap map;
 };
 
@@ -75,6 +80,9 @@ class FastSlam {
   const LandmarkIndex& index() const { return index_; }
   /// All landmarks of the best particle that were seen often enough, ordered by slot.
   std::vector<Landmark> landmarks() const;
+  /// Smooths the whole path and draws the particles anew from it; landmarks() is the smoothed map then.
+  /// Returns the path; empty when not all landmarks so far are planar and of known identity.
+  std::vector<SmoothedPose> smooth();
   /// What changed in landmarks() since the last call.
   MapChanges take_changes() { return publication_.take(particles_[best()].map, index_); }
 
@@ -88,12 +96,17 @@ class FastSlam {
 
   std::size_t best() const { return static_cast<std::size_t>(best_); }
   std::vector<LandmarkMatch> filter(const Motion& motion, const FeatureFrame& frame,
-                                    const std::vector<FeaturePoint>& points,
-                                    std::vector<VisibleLandmark>& expected, bool& may_create,
-                                    StepResult& result);
+                                    std::vector<FeaturePoint>& points, std::vector<VisibleLandmark>& expected,
+                                    std::vector<int>& contradicted, bool& may_create, StepResult& result);
   Verdict move(Particle& particle, const Eigen::Isometry3d& T_world_prior, const Proposal& proposal,
                const std::vector<LandmarkMatch>& observed, const std::vector<FeaturePoint>& points,
                Random& random);
+  void widen_for_correlation(const std::vector<LandmarkMatch>& observed, Utime utime,
+                             std::vector<FeaturePoint>& points);
+  void remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& points,
+                const StepResult& result);
+  bool rejuvenate();
+  std::vector<double> choose_best();
   void create_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
                         const std::vector<int>& chosen);
   void estimate(const std::vector<double>& weights, StepResult& result) const;
@@ -105,6 +118,10 @@ class FastSlam {
   std::vector<Random> streams_;  // one a particle slot: results do not depend on who computes when
   Random resampling_stream_;
   FrameAssociator associator_;
+  OdometryCalibration calibration_;
+  std::unique_ptr<PathSmoother> smoother_;  // while all landmarks are of known identity and planar
+  Random smoothing_stream_;
+  std::size_t smooth_at_ = 0;  // size of the path
   LandmarkIndex index_;
   LandmarkPublication publication_;
   int best_ = 0;

@@ -44,7 +44,7 @@ std::vector<char> explained_by_prior(const std::vector<ObservedLandmark>& pairs,
   std::vector<char> explained(pairs.size(), 0);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Innovation innovation = innovate(pairs[i].landmark, pairs[i].measurement, T);
-    const auto J = PoseSpace<D>::residual_jacobian(pairs[i].measurement.point - innovation.residual);
+    const auto J = residual_jacobian<D>(pairs[i].measurement.kind, innovation.predicted);
     const Eigen::Matrix3d S =
         innovation.landmark + pairs[i].measurement.covariance + J * PoseSpace<D>::reduce(Q) * J.transpose();
     explained[i] = innovation.residual.dot(S.inverse() * innovation.residual) <= gate2;
@@ -78,7 +78,11 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   const Eigen::Isometry3d T_predicted = T_world_robot * prior.T_from_to;
   result.visible = visible_landmarks(map, index, T_predicted, frame, s);
   result.matches = match_visible(frame, points, result.visible, index, s.search_radius * frame.width, s);
-  if (!s.verify_by_consensus) return result;
+  result.known = match_known(points, map, index, T_predicted);
+  const auto by_descriptor = std::count_if(points.begin(), points.end(),
+                                           [](const FeaturePoint& point) { return point.landmark_id < 0; });
+  if (!result.known.empty()) steps_without_agreement_ = 0;
+  if (!s.verify_by_consensus || (by_descriptor == 0 && !points.empty())) return result;
 
   auto pairs = pair_up(result.matches, points, map);
   auto consensus = find_consensus(pairs, T_predicted, s.planar, s.minimum_consensus, random_);
@@ -100,7 +104,8 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
     // A large correction, even an expected one, is also where the proposal should be linearised.
     const bool large =
         correction.head<3>().norm() > kLargeTranslation || correction.tail<3>().norm() > kLargeRotation;
-    if (result.slipped || large) correct_motion(correction, consensus->covariance, result.prior);
+    result.corrected = result.slipped || large;
+    if (result.corrected) correct_motion(correction, consensus->covariance, result.prior);
     return result;
   }
 
@@ -108,12 +113,12 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   keep_inliers(s.planar ? explained_by_prior<3>(pairs, T_predicted, prior.covariance, gate2)
                         : explained_by_prior<6>(pairs, T_predicted, prior.covariance, gate2),
                result);
-  if (static_cast<int>(points.size()) >= s.minimum_consensus) ++steps_without_agreement_;
+  const bool enough = by_descriptor >= s.minimum_consensus;
+  if (enough && result.known.empty()) ++steps_without_agreement_;
   const auto established = std::count_if(result.visible.begin(), result.visible.end(), [&](const auto& v) {
     return index.record(v.slot).observations >= s.minimum_observations;
   });
-  result.contradicted =
-      static_cast<int>(points.size()) >= s.minimum_consensus && established >= 2 * s.minimum_consensus;
+  result.contradicted = enough && result.known.empty() && established >= 2 * s.minimum_consensus;
   if (steps_without_agreement_ > s.relocalise_after) find_back(frame, points, map, index, result);
   return result;
 }
@@ -129,6 +134,7 @@ void FrameAssociator::find_back(const FeatureFrame& frame, const std::vector<Fea
   result.matches = std::move(matches);
   result.rejected.clear();
   keep_inliers(consensus->inlier, result);
+  result.corrected = true;
   result.T_world_found = consensus->T_world_robot;
   result.prior.covariance = 4 * consensus->covariance;
   result.prior.covariance.diagonal().head<3>().array() += 0.05 * 0.05;

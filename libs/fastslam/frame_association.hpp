@@ -13,8 +13,10 @@ namespace lcmslam {
 struct FrameAssociation {
   std::vector<VisibleLandmark> visible;            ///< predicted in view of the best particle
   std::vector<LandmarkMatch> matches;              ///< believed, ordered by slot
+  std::vector<LandmarkMatch> known;                ///< by identity, ordered by slot; not verified
   std::vector<LandmarkMatch> rejected;             ///< looked alike, but no common pose explains them
   Motion prior;                                    ///< the motion, corrected and widened after a slip
+  bool corrected = false;                          ///< the prior is no longer the odometry's
   std::optional<Eigen::Isometry3d> T_world_found;  ///< pose of the robot found again in the whole map
   bool agreed = false;  ///< at least settings.minimum_consensus matches agree on one pose
   bool slipped = false;

@@ -16,7 +16,9 @@ int LandmarkIndex::add(const Feature& feature, const FastSlamSettings& settings)
   }
   LandmarkRecord& r = record(slot);
   r = LandmarkRecord();
-  r.id = next_id_++;
+  r.known_id = feature.landmark_id;
+  r.id = r.known_id >= 0 ? r.known_id : next_id_++;
+  if (r.known_id >= 0) known_slots_[r.known_id] = slot;
   r.colour = feature.colour;
   r.laplacian = feature.laplacian;
   r.observations = 1;
@@ -45,11 +47,17 @@ bool LandmarkIndex::miss(int slot, const FastSlamSettings& settings) {
   return true;
 }
 
+int LandmarkIndex::find(std::int32_t known_id) const {
+  if (known_id < 0) return -1;
+  const auto found = known_slots_.find(known_id);
+  return found == known_slots_.end() ? -1 : found->second;
+}
+
 int LandmarkIndex::age(const FastSlamSettings& settings) {
   int forgotten = 0;
   for (int slot = 0; slot < slots(); ++slot) {
     LandmarkRecord& r = record(slot);
-    if (r.id < 0 || ++r.unseen_steps <= settings.tentative_steps) continue;
+    if (r.id < 0 || ++r.unseen_steps <= settings.tentative_steps || r.known_id >= 0) continue;
     if (!settings.remove_landmarks || r.observations >= settings.minimum_observations) continue;
     release(slot);
     ++forgotten;
@@ -58,6 +66,7 @@ int LandmarkIndex::age(const FastSlamSettings& settings) {
 }
 
 void LandmarkIndex::release(int slot) {
+  known_slots_.erase(record(slot).known_id);
   record(slot).id = -1;
   free_.push_back(slot);
 }

@@ -62,11 +62,9 @@ class MeasurementProposal final : public Proposal {
                       const std::vector<ObservedLandmark>& observations) const {
     // S_i is formed once, at the prior's orientation.
     weights_.resize(observations.size());
-    const Eigen::Matrix3d R = T_prior.linear();
     for (std::size_t i = 0; i < observations.size(); ++i)
       weights_[i] =
-          (R.transpose() * observations[i].landmark.covariance * R + observations[i].measurement.covariance)
-              .inverse();
+          innovation_covariance(observations[i].landmark, observations[i].measurement, T_prior).inverse();
 
     Posterior result{Vector::Zero(), prior_information_};
     for (int iteration = 0; iteration < iterations_; ++iteration) {
@@ -94,12 +92,14 @@ class MeasurementProposal final : public Proposal {
  private:
   void add(const ObservedLandmark& observed, const Eigen::Matrix3d& S_inverse, const Eigen::Isometry3d& T,
            Matrix& information, Vector& gradient) const {
-    const Eigen::Vector3d h = predict_measurement(observed.landmark.mean, T);
-    const Eigen::Vector3d residual = observed.measurement.point - h;
+    const Measurement& z = observed.measurement;
+    const Eigen::Vector3d p = predict_measurement(observed.landmark.mean, T);
+    const Eigen::Vector3d residual = with_model(
+        z.kind, [&](auto model) -> Eigen::Vector3d { return model.difference(z.value, model.predict(p)); });
     const Eigen::Vector3d weighted = S_inverse * residual;
     const double distance2 = residual.dot(weighted);
     const double robust = distance2 > huber_ * huber_ ? huber_ / std::sqrt(distance2) : 1;
-    const typename Space::Jacobian J = Space::residual_jacobian(h);
+    const typename Space::Jacobian J = residual_jacobian<D>(z.kind, p);
     const typename Space::Jacobian AJ = robust * S_inverse * J;
     information.noalias() += J.transpose() * AJ;
     gradient.noalias() += robust * (J.transpose() * weighted);

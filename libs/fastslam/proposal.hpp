@@ -15,7 +15,7 @@ namespace lcmslam {
 
 /// A measurement with the landmark that it is taken for, in one particle's map.
 struct ObservedLandmark {
-  PointMeasurement measurement;
+  Measurement measurement;
   LandmarkGaussian landmark;
 };
 

@@ -28,6 +28,8 @@ FastSlamSettings thesis_preset() {
   s.translation_noise = 0.05;  // sigma_r of figure 2.1; its heading's noise is not given
   s.rotation_noise = 0.01;
   s.translation_noise_per_m = s.rotation_noise_per_rad = s.rotation_noise_per_m = 0;
+  s.way_scale_sigma = s.heading_scale_sigma = s.heading_per_m_sigma = 0;
+  s.rejuvenate = false;
   s.detect_slips = false;
   s.measurement_inflation = 1;
   s.minimum_landmark_sigma = 0;
@@ -54,10 +56,15 @@ void check(const FastSlamSettings& s) {
   require("rotation_noise_per_rad", s.rotation_noise_per_rad, 0, 10);
   require("rotation_noise_per_m", s.rotation_noise_per_m, 0, 10);
   require("visual_factor", s.visual_factor, 1, 1e3);
+  require("way_scale_sigma", s.way_scale_sigma, 0, 1);
+  require("heading_scale_sigma", s.heading_scale_sigma, 0, 1);
+  require("heading_per_m_sigma", s.heading_per_m_sigma, 0, 1);
+  require("calibration_walk", s.calibration_walk, 0, 10);
   require("slip_gate", s.slip_gate, 0.1, 1e6);
   require("minimum_range", s.minimum_range, 0, 1e6);
   require("maximum_range", s.maximum_range, s.minimum_range, 1e6);
   require("measurement_inflation", s.measurement_inflation, 0.01, 1e4);
+  require("correlation_time", s.correlation_time, 0, 1e4);
   require("minimum_landmark_sigma", s.minimum_landmark_sigma, 0, 10);
   require("maximum_observations", s.maximum_observations, 1, 1e6);
   require("gate", s.gate, 1e-12, 1);
@@ -70,6 +77,8 @@ void check(const FastSlamSettings& s) {
   require("descriptor_blend", s.descriptor_blend, 0, 1);
   require("minimum_consensus", s.minimum_consensus, 3, 1e6);
   require("relocalise_after", s.relocalise_after, 1, 1e9);
+  require("rejuvenation_growth", s.rejuvenation_growth, 0, 100);
+  require("reunion_steps", s.reunion_steps, 0, 1e9);
   require("maximum_new_landmarks", s.maximum_new_landmarks, 0, std::numeric_limits<int>::max());
   require("cell_capacity", s.cell_capacity, 1, std::numeric_limits<int>::max());
   require("odds_hit", s.odds_hit, 0, 100);

@@ -43,20 +43,30 @@ struct FastSlamSettings {
   bool use_motion_covariance = true;      ///< false: the noise is only what stands below
   double translation_noise = 0.003;       ///< m
   double rotation_noise = 0.002;          ///< rad
-  double translation_noise_per_m = 0.03;  ///< m per metre driven
-  double rotation_noise_per_rad = 0.03;   ///< rad per radian turned
-  double rotation_noise_per_m = 0.01;     ///< rad per metre driven
+  double translation_noise_per_m = 0.01;  ///< m per metre driven; what is systematic is learned, below
+  double rotation_noise_per_rad = 0.01;   ///< rad per radian turned
+  double rotation_noise_per_m = 0.003;    ///< rad per metre driven
   double visual_factor = 3;  ///< sigma of visual odometry times this: it was made from the same features
+
+  // Systematic errors of odometry that is not visual, learned while driving (odometry_calibration.hpp):
+  // what they may be at first. All 0: not learned.
+  double way_scale_sigma = 0.03;       ///< ratio
+  double heading_scale_sigma = 0.02;   ///< ratio
+  double heading_per_m_sigma = 0.002;  ///< rad per metre driven
+  double calibration_walk = 0.05;      ///< of these sigmas per root metre: how fast they may change
 
   // Slips: many observations agree on a motion that the odometry excludes.
   bool detect_slips = true;
   double slip_gate = 20;  ///< squared Mahalanobis distance of that motion from the odometry's
 
   // Measurements.
-  double minimum_range = 0.2, maximum_range = 8;  ///< m, of features used
+  double minimum_range = 0.2, maximum_range = 8;  ///< m, of 3-D points used
   /// Factor on each measurement covariance. Errors of one feature are correlated in time (range
   /// wiggle, calibration), so a hundred sights say less than a hundred independent ones.
   double measurement_inflation = 2;
+  /// s over which a sensor's errors on one landmark stay alike (their autocorrelation falls to 1/e);
+  /// 0: independent from frame to frame. Belongs to the sensor, hence to the data set's configuration.
+  double correlation_time = 0;
   double minimum_landmark_sigma = 0.001;  ///< m, added in variance after an update: never certain
   int maximum_observations = 100;         ///< used per step, spread over the image, best known first
 
@@ -73,6 +83,12 @@ struct FastSlamSettings {
   bool verify_by_consensus = true;   ///< drop matches that no common pose explains
   int minimum_consensus = 8;         ///< matches that must agree for a pose to be believed
   int relocalise_after = 5;          ///< steps without consensus before the whole map is searched
+
+  // Landmarks of known identity in the plane: the path so far is smoothed when a landmark comes into sight
+  // again after long, and the particles are drawn anew from its posterior (path_smoother.hpp).
+  bool rejuvenate = true;
+  double rejuvenation_growth = 0.01;  ///< and when the path has grown by this ratio: bounds the mean cost
+  int reunion_steps = 20;             ///< unseen for so many steps is long
 
   // New landmarks and their existence (log-odds).
   int maximum_new_landmarks = 60;  ///< a step

@@ -39,6 +39,28 @@ Encoders from_message(const encoders_t& m) {
   return encoders;
 }
 
+twist_t to_message(const Twist& twist) {
+  twist_t m;
+  m.utime = twist.utime;
+  for (int i = 0; i < 3; ++i) {
+    m.linear[i] = twist.linear(i);
+    m.angular[i] = twist.angular(i);
+  }
+  return m;
+}
+
+Twist from_message(const twist_t& m) {
+  Twist twist;
+  twist.utime = m.utime;
+  for (int i = 0; i < 3; ++i) {
+    check_range(m.linear[i], -1e3, 1e3, "linear");
+    check_range(m.angular[i], -1e3, 1e3, "angular");
+    twist.linear(i) = m.linear[i];
+    twist.angular(i) = m.angular[i];
+  }
+  return twist;
+}
+
 odometry_t to_message(const MotionSample& sample, const std::string& source) {
   odometry_t m;
   m.utime = sample.utime;

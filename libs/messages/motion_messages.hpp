@@ -3,15 +3,20 @@
 #include <lcmslam/ground_truth_t.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
+#include <lcmslam/twist_t.hpp>
 
 #include "geometry/motion_buffer.hpp"
 #include "messages/schema.hpp"
 #include "odometry/encoders.hpp"
+#include "odometry/twist_odometry.hpp"
 
 namespace lcmslam {
 
 encoders_t to_message(const Encoders& encoders);
 Encoders from_message(const encoders_t& message);
+
+twist_t to_message(const Twist& twist);
+Twist from_message(const twist_t& message);
 
 /// Velocities are NaN (unknown) unless the caller fills them in.
 odometry_t to_message(const MotionSample& sample, const std::string& source);

@@ -19,8 +19,10 @@ using Descriptor = std::array<std::uint8_t, 64>;
 enum class MeasurementKind : std::uint8_t {
   point = 0,         ///< 3-D point in the colour camera frame
   bearing = 1,       ///< no depth: only the pixel is known, point is NaN
-  planar = 2,        ///< (x, y, 0) in the robot frame: a laser or fiducial seen in the plane
-  range_bearing = 3  ///< (range m, bearing rad, 0) in the robot frame
+  planar = 2,        ///< (x, y, 0) in the robot frame: a laser or fiducial seen in the plane; noise
+                     ///< depth_sigma (m) on each axis
+  range_bearing = 3  ///< (range m, bearing rad, 0) in the robot frame; noise depth_sigma (m) of the range,
+                     ///< the frame's pixel_sigma / fx (rad) of the bearing
 };
 
 /// Bytes of a 64-D float descriptor: rounded, clamped to 0..255 (NaN becomes 0).

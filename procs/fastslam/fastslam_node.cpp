@@ -13,7 +13,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr Utime longest_gap = 5'000'000;  // us; beyond it the motion is anybody's guess
+constexpr Utime longest_prediction = 1'000'000;  // us that the last velocity goes on without odometry
+constexpr Utime longest_gap = 5'000'000;         // us; beyond it the motion is anybody's guess
 
 std::int8_t wire_status(TrackStatus status) {
   switch (status) {
@@ -69,6 +70,23 @@ void FastSlamNode::connect(Inputs& inputs) {
 void FastSlamNode::command(const command_t& command) {
   if (command.name == "resend") publish_whole_map();
   if (command.name == "reset") slam_.reset();
+  if (command.name == "smooth") smooth();
+}
+
+void FastSlamNode::finish() {
+  join_.flush();
+  smooth();
+}
+
+void FastSlamNode::smooth() {
+  if (!slam_) return;
+  for (const SmoothedPose& smoothed : slam_->smooth()) {
+    pose_estimate_t pose =
+        make_pose_estimate(smoothed.utime, smoothed.T_world_robot, Matrix6d::Identity() * std::nan(""));
+    pose.map_revision = revision_;
+    publisher_.publish("FASTSLAM_SMOOTHED", pose);
+  }
+  publish_changes(last_utime_);
 }
 
 void FastSlamNode::start(const FeatureFrame& frame) {
@@ -79,7 +97,7 @@ void FastSlamNode::start(const FeatureFrame& frame) {
 }
 
 Motion FastSlamNode::motion_to(Utime utime) const {
-  if (const auto motion = join_.motion().between(last_utime_, utime)) return *motion;
+  if (const auto motion = join_.motion().between(last_utime_, utime, longest_prediction)) return *motion;
   // No odometry: the robot may have gone anywhere that its speed allows.
   const double seconds = 1e-6 * static_cast<double>(utime - last_utime_);
   Motion motion;
@@ -93,7 +111,9 @@ void FastSlamNode::on_features(FeatureFrame frame) {
   const bool jumped = frame.utime <= last_utime_ || frame.utime - last_utime_ > longest_gap;
   if (slam_ && frame.utime <= last_utime_ && last_utime_ - frame.utime < 1'000'000) return;  // came too late
   if (slam_ && jumped) ++restarts_;
-  if (!slam_ || jumped) {
+  // Nothing mapped, and no word on the motion since: the world may as well begin here.
+  const bool blank = slam_ && slam_->index().size() == 0 && !join_.motion().covers(last_utime_);
+  if (!slam_ || jumped || blank) {
     start(frame);
     last_utime_ = frame.utime;
   }

@@ -1,5 +1,6 @@
 #pragma once
-// FEATURES + ODOMETRY -> FASTSLAM_POSE, FASTSLAM_PARTICLES, FASTSLAM_LANDMARKS.
+// FEATURES + ODOMETRY -> FASTSLAM_POSE, FASTSLAM_PARTICLES, FASTSLAM_LANDMARKS; at the end, and on the
+// command "smooth", FASTSLAM_SMOOTHED: the path again as all measurements together show it.
 
 #include "fastslam/fastslam.hpp"
 #include "runtime/motion_join.hpp"
@@ -14,7 +15,7 @@ class FastSlamNode : public Node {
 
   void connect(Inputs& inputs) override;
   void command(const command_t& command) override;
-  void finish() override { join_.flush(); }
+  void finish() override;
   NodeReport report() const override;
 
  private:
@@ -25,6 +26,7 @@ class FastSlamNode : public Node {
   void publish_particles(Utime utime, const StepResult& result);
   void publish_changes(Utime utime);
   void publish_whole_map();
+  void smooth();
 
   Publisher& publisher_;
   FastSlamSettings settings_;

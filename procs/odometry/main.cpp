@@ -3,7 +3,8 @@
 
 int main(int argc, char** argv) {
   using namespace lcmslam;
-  return run_process(argc, argv, "odometry", "ENCODERS, FEATURES or another driver's pose -> ODOMETRY.",
+  return run_process(argc, argv, "odometry",
+                     "ENCODERS, TWIST, FEATURES or another driver's pose -> ODOMETRY.",
                      [](const ConfigNode& config, Publisher& publisher) {
                        return std::make_unique<OdometryNode>(config, publisher);
                      });

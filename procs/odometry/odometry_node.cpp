@@ -10,9 +10,8 @@
 namespace lcmslam {
 namespace {
 
-WheelOdometrySettings read_wheels(const ConfigNode& c) {
-  WheelOdometrySettings s;
-  WheelNoise& n = s.noise;
+WheelNoise read_wheel_noise(const ConfigNode& c) {
+  WheelNoise n;
   const Range ratio{0, 1};
   n.longitudinal_scale = c.get("longitudinal_scale", n.longitudinal_scale, ratio);
   n.lateral_scale = c.get("lateral_scale", n.lateral_scale, ratio);
@@ -22,6 +21,22 @@ WheelOdometrySettings read_wheels(const ConfigNode& c) {
   n.slip_distance = c.get("slip_distance", n.slip_distance, Range{1e-3, 1e9});
   n.slip_translation = c.get("slip_translation", n.slip_translation, ratio);
   n.slip_rotation = c.get("slip_rotation", n.slip_rotation, ratio);
+  return n;
+}
+
+WheelOdometrySettings read_wheels(const ConfigNode& c) {
+  WheelOdometrySettings s;
+  s.noise = read_wheel_noise(c);
+  return s;
+}
+
+TwistOdometrySettings read_twist(const ConfigNode& c) {
+  TwistOdometrySettings s;
+  s.noise = read_wheel_noise(c);
+  s.curve_noise = c.get("curve_noise", s.curve_noise, Range{0, 1});
+  s.delay = c.get("delay", s.delay, Range{-10, 10});
+  s.timeout = c.get("timeout", s.timeout, Range{0, 3600});
+  s.max_speed = c.get("max_speed", s.max_speed, Range{0, 100});
   return s;
 }
 
@@ -67,10 +82,11 @@ MotionSample external_sample(const pose_t& m, const MotionSample& last) {
 
 OdometryNode::OdometryNode(const ConfigNode& config, Publisher& publisher)
     : publisher_(publisher),
-      source_(config.choice("source", "wheels", {"wheels", "visual", "external"})),
+      source_(config.choice("source", "wheels", {"wheels", "twist", "visual", "external"})),
       external_channel_(config.get("external_channel", "POSE_BODY")),
       frame_queue_(frame_queue(config, 4)),
       wheels_(read_wheels(config.section("wheels"))),
+      twist_(read_twist(config.section("twist"))),
       visual_(read_visual(config.section("visual")),
               Random(static_cast<std::uint64_t>(config.get("seed", 1, Range{0, 2147483647})))),
       noise_(read_noise(config.section("noise"))) {}
@@ -80,6 +96,9 @@ void OdometryNode::connect(Inputs& inputs) {
     inputs
         .subscribe<encoders_t>("ENCODERS", 500, [this](const encoders_t& m) { on_encoders(from_message(m)); })
         .primary = true;
+  } else if (source_ == "twist") {
+    inputs.subscribe<twist_t>("TWIST", 500, [this](const twist_t& m) { on_twist(from_message(m)); }).primary =
+        true;
   } else if (source_ == "visual") {
     inputs
         .subscribe<features_t>("FEATURES", frame_queue_,
@@ -96,10 +115,27 @@ void OdometryNode::connect(Inputs& inputs) {
   }
 }
 
-void OdometryNode::on_encoders(const Encoders& encoders) {
+bool OdometryNode::is_late(Utime utime) {
   constexpr Utime little = 1'000'000;
-  if (encoders.utime < last_utime_ && last_utime_ - encoders.utime < little) return;  // came too late
-  last_utime_ = encoders.utime;
+  if (utime < last_utime_ && last_utime_ - utime < little) return true;
+  last_utime_ = utime;
+  return false;
+}
+
+void OdometryNode::on_twist(const Twist& twist) {
+  if (is_late(twist.utime)) return;
+  const auto sample = twist_.update(twist);
+  if (!sample) return;
+  odometry_t message = to_message(*sample, source_);
+  for (int i = 0; i < 3; ++i) {
+    message.linear_velocity[i] = twist.linear(i);
+    message.angular_velocity[i] = twist.angular(i);
+  }
+  publish(*sample, message);
+}
+
+void OdometryNode::on_encoders(const Encoders& encoders) {
+  if (is_late(encoders.utime)) return;
   std::optional<MotionSample> sample;
   try {
     sample = wheels_.update(encoders);

@@ -1,10 +1,12 @@
 #pragma once
-// ENCODERS, FEATURES or another driver's pose_t -> ODOMETRY.
+// ENCODERS, TWIST, FEATURES or another driver's pose_t -> ODOMETRY.
 
 #include <lcmslam/encoders_t.hpp>
 #include <lcmslam/odometry_t.hpp>
+#include <lcmslam/twist_t.hpp>
 
 #include "odometry/motion_noise.hpp"
+#include "odometry/twist_odometry.hpp"
 #include "odometry/visual_odometry.hpp"
 #include "odometry/wheel_odometry.hpp"
 #include "runtime/node.hpp"
@@ -20,7 +22,9 @@ class OdometryNode : public Node {
 
  private:
   void on_encoders(const Encoders& encoders);
+  void on_twist(const Twist& twist);
   void on_features(const FeatureFrame& frame);
+  bool is_late(Utime utime);
   void publish(const MotionSample& sample, odometry_t message);
 
   Publisher& publisher_;
@@ -28,10 +32,11 @@ class OdometryNode : public Node {
   std::string external_channel_;
   std::size_t frame_queue_;  // frames that may wait
   WheelOdometry wheels_;
+  TwistOdometry twist_;
   VisualOdometry visual_;
   std::optional<MotionNoise> noise_;
   MotionSample external_;
-  Utime last_utime_ = 0;  // of the encoders
+  Utime last_utime_ = 0;  // of encoders and twists
   std::int64_t updates_ = 0;
   std::int64_t degraded_ = 0;  // visual updates that went on by prediction
 };

@@ -16,8 +16,9 @@ std::vector<std::string> processes(const ConfigNode& config) {
   const ConfigNode launch = config.section("launch");
   auto names = launch.get("processes", process_names());
   launch.get("restart", true);
-  config.ignore("camera");
   names.erase(std::remove(names.begin(), names.end(), "camera"), names.end());
+  for (const std::string& name : process_names())  // settings of a preset for processes that do not run
+    if (std::find(names.begin(), names.end(), name) == names.end()) config.ignore(name);
   return names;
 }
 
@@ -58,7 +59,7 @@ BatchResult run_batch(const BatchOptions& options) {
     begins = false;
     if (calibration) graph.deliver(*std::exchange(calibration, std::nullopt));
     ++result.delivered;
-    result.frames += message.channel == "CAMERA" ? 1 : 0;
+    result.frames += message.channel == "CAMERA" || message.channel == "FEATURES" ? 1 : 0;
     result.log_seconds = seconds - options.from;
     graph.deliver(std::move(message));
     if (options.progress) options.progress(result.log_seconds);

@@ -130,10 +130,10 @@ TEST(Consensus, FindsThePoseAmongWrongMatches) {
       std::vector<ObservedLandmark> pairs;
       for (int i = 0; i < 60; ++i) {
         ObservedLandmark pair;
-        pair.measurement.point << random.uniform(1, 5), random.uniform(-2, 2), random.uniform(0, 2);
+        pair.measurement.value << random.uniform(1, 5), random.uniform(-2, 2), random.uniform(0, 2);
         pair.measurement.covariance = pair.landmark.covariance = 1e-4 * Eigen::Matrix3d::Identity();
         const double sigma = 0.014;
-        pair.landmark.mean = T * (pair.measurement.point +
+        pair.landmark.mean = T * (pair.measurement.value +
                                   sigma * Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
         if (i % 5 < 2)
           pair.landmark.mean += Eigen::Vector3d(random.normal(), random.normal(), random.normal());
@@ -152,7 +152,7 @@ TEST(Consensus, NothingWhereNothingAgrees) {
   Random random(1);
   std::vector<ObservedLandmark> pairs(30);
   for (auto& pair : pairs) {
-    pair.measurement.point << random.uniform(1, 5), random.uniform(-2, 2), random.uniform(0, 2);
+    pair.measurement.value << random.uniform(1, 5), random.uniform(-2, 2), random.uniform(0, 2);
     pair.landmark.mean << random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5);
     pair.measurement.covariance = pair.landmark.covariance = 1e-4 * Eigen::Matrix3d::Identity();
   }

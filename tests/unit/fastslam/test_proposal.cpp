@@ -15,12 +15,12 @@ std::vector<ObservedLandmark> random_observations(Random& random, const Eigen::I
   std::vector<ObservedLandmark> observations;
   for (int i = 0; i < count; ++i) {
     ObservedLandmark o;
-    o.measurement.point << random.uniform(0.5, 5), random.uniform(-2, 2), random.uniform(0, 2);
+    o.measurement.value << random.uniform(0.5, 5), random.uniform(-2, 2), random.uniform(0, 2);
     o.measurement.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
-    o.landmark.mean = T_true * o.measurement.point;
+    o.landmark.mean = T_true * o.measurement.value;
     o.landmark.covariance = 0.5 * o.measurement.covariance;
     const double total = sigma * std::sqrt(1.5);
-    o.measurement.point += total * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    o.measurement.value += total * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
     observations.push_back(o);
   }
   return observations;
@@ -127,7 +127,7 @@ TEST(Proposal, PosteriorEqualsLinearGaussianFormula) {
       J << Eigen::Matrix3d::Identity(), -hat(o.landmark.mean);
       const Eigen::Matrix3d W = (o.landmark.covariance + o.measurement.covariance).inverse();
       information += J.transpose() * W * J;
-      vector -= J.transpose() * W * (o.measurement.point - o.landmark.mean);
+      vector -= J.transpose() * W * (o.measurement.value - o.landmark.mean);
     }
     const Vector6d expected = information.inverse() * vector;
     const PoseGaussian posterior =

@@ -32,6 +32,7 @@
 #include <lcmslam/pose_t.hpp>
 #include <lcmslam/rigid_transform_t.hpp>
 #include <lcmslam/status_t.hpp>
+#include <lcmslam/twist_t.hpp>
 #include <lcmslam/value_t.hpp>
 #include <lcmslam/wheel_t.hpp>
 
@@ -45,6 +46,6 @@ using AllTypes =
                      image_t, images_t, input_status_t, keyframe_t, landmark_t, landmarks_t, map_reply_t,
                      map_request_t, odometry_t, output_status_t, part_t, particle_t, particles_t,
                      pointcloud2_t, pointfield_t, pose_estimate_t, pose_t, rigid_transform_t, status_t,
-                     value_t, wheel_t>;
+                     twist_t, value_t, wheel_t>;
 
 }  // namespace lcmslam::testing

@@ -45,6 +45,7 @@ const std::map<std::string, std::uint64_t>& frozen() {
       {"pose_t", 0x2e16efb052b0105e},
       {"rigid_transform_t", 0xecc586678117a361},
       {"status_t", 0x1e92269aeb92c5b9},
+      {"twist_t", 0x82238d31b173d905},
       {"value_t", 0xea7bbdc5e39b2f1e},
       {"wheel_t", 0x7c8c135845c05559},
   };

@@ -5,6 +5,7 @@
 #include "camera/camera_log.hpp"
 #include "camera/repeated_source.hpp"
 #include "commands.hpp"
+#include "import/landmark_log.hpp"
 #include "parse_command.hpp"
 
 namespace lcmslam {
@@ -21,22 +22,38 @@ int write(CameraSource& source, const std::string& log) {
   return counts.frames > 0 ? 0 : 1;
 }
 
+int write(const LandmarkRecording& recording, const std::string& log) {
+  for (const auto& note : recording.notes) std::cout << "  " << note << "\n";
+  for (const auto& problem : recording.problems) std::cout << "  " << problem << "\n";
+  const LandmarkLogCounts counts = write_landmark_log(recording, log);
+  std::cout << fmt::format("  {}: {} frames with {} landmark sights, {} motions, {} true poses, {:.1f} MB\n",
+                           log, counts.frames, counts.features, counts.motions, counts.truths,
+                           static_cast<double>(counts.bytes) / 1e6);
+  return counts.frames > 0 ? 0 : 1;
+}
+
 }  // namespace
 
 int import_command(int argc, char** argv) {
   std::string folder, log, calibration, description;
+  int robot = 0;
   CLI::App app{"Turns a data set folder into an .lcmlog that lcm-logplayer replays.", "lcmslam import"};
-  app.add_option("folder", folder, "TUM RGB-D, 7-Scenes or numbered images")
+  app.add_option("folder", folder,
+                 "TUM RGB-D, 7-Scenes, numbered images or UTIAS MRCLAM; or the file victoria_park.txt")
       ->required()
-      ->check(CLI::ExistingDirectory);
+      ->check(CLI::ExistingPath);
   app.add_option("log", log, "file to write")->required();
   app.add_option("--calibration", calibration, "camera calibration (YAML)")->check(CLI::ExistingFile);
   app.add_option("--description", description, "layout of the folder (YAML, see config/datasets)")
       ->check(CLI::ExistingFile);
+  app.add_option("--robot", robot, "of an MRCLAM folder")->check(CLI::Range(1, 5));
   int passes = 1;
   app.add_option("--repeat", passes, "the recording so many times, times shifted on: for endurance tests")
       ->check(CLI::Range(1, 1000));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  DatasetOptions options;
+  options.description = description;
+  if (const auto recording = open_landmark_dataset(folder, robot, options)) return write(*recording, log);
   ConfigNode config;
   config.set("folder", folder);
   if (!calibration.empty()) config.set("calibration", calibration);

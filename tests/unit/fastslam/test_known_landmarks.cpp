@@ -1,0 +1,194 @@
+// Landmarks of known identity in the plane: accuracy, wrong identities, systematic odometry, consistency.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "fastslam/fastslam.hpp"
+#include "geometry/rigid_alignment.hpp"
+#include "unit/fastslam/planar_world.hpp"
+
+namespace lcmslam {
+namespace {
+
+using synthetic::make_planar_drive;
+using synthetic::PlanarDrive;
+using synthetic::PlanarWorldSettings;
+
+struct Outcome {
+  double rmse = 0, worst = 0;  // m, of the pose
+  double nees = 0;             // of (x, y, heading), mean over the run: 3 when consistent
+  double landmarks = 0;        // m, RMSE
+  int removed = 0;
+  CalibrationMean calibration = CalibrationMean::Zero();
+};
+
+FastSlamSettings settings_for(std::uint64_t seed) {
+  FastSlamSettings s;
+  s.seed = seed;
+  s.measurement_inflation = 1;
+  s.shared_translation_sigma = 1e-3;
+  s.shared_rotation_sigma = 1e-3;
+  s.translation_noise = s.rotation_noise = 1e-4;  // the odometry states its own
+  s.translation_noise_per_m = s.rotation_noise_per_m = s.rotation_noise_per_rad = 0;
+  return s;
+}
+
+// Errors after the best planar fit of the paths, as maps are compared: where the world lies is free.
+Outcome run(const PlanarDrive& drive, const FastSlamSettings& settings) {
+  Outcome outcome;
+  FastSlam slam(settings);
+  std::vector<StepResult> results;
+  std::vector<Eigen::Vector3d> estimated, truth;
+  for (const auto& step : drive.steps) {
+    results.push_back(slam.step(step.motion, step.frame));
+    estimated.push_back(results.back().T_world_robot.translation());
+    truth.push_back(step.T_start_robot.translation());
+    outcome.removed += results.back().removed;
+  }
+  const Eigen::Isometry3d T_truth_world = align_svd(estimated, truth).value();
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const Eigen::Isometry3d T = T_truth_world * results[i].T_world_robot;
+    const Eigen::Vector3d e = PoseSpace<3>::reduce(se3_log(T.inverse() * drive.steps[i].T_start_robot));
+    outcome.nees += e.dot(PoseSpace<3>::reduce(results[i].covariance).inverse() * e);
+    outcome.rmse += e.head<2>().squaredNorm();
+    outcome.worst = std::max(outcome.worst, e.head<2>().norm());
+  }
+  const auto n = static_cast<double>(drive.steps.size());
+  outcome.rmse = std::sqrt(outcome.rmse / n);
+  outcome.nees /= n;
+  int count = 0;
+  for (const Landmark& landmark : slam.landmarks()) {
+    const Eigen::Vector2d beacon = drive.beacons[static_cast<std::size_t>(landmark.id)];
+    outcome.landmarks += ((T_truth_world * landmark.mean).head<2>() - beacon).squaredNorm();
+    ++count;
+  }
+  outcome.landmarks = std::sqrt(outcome.landmarks / std::max(1, count));
+  for (const Particle& particle : slam.particles())
+    outcome.calibration += particle.calibration / static_cast<double>(slam.particles().size());
+  return outcome;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+class PlanarModels : public ::testing::TestWithParam<bool> {};
+
+TEST_P(PlanarModels, AreMappedByBothPlanarModels) {
+  PlanarWorldSettings world;
+  world.offsets = GetParam();
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const PlanarDrive drive = make_planar_drive(world, seed);
+    const Outcome outcome = run(drive, settings_for(seed));
+    EXPECT_LT(outcome.rmse, 0.12) << "seed " << seed;
+    EXPECT_LT(outcome.landmarks, 0.1) << "seed " << seed;
+    EXPECT_EQ(outcome.removed, 0) << "seed " << seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, PlanarModels, ::testing::Bool(),
+                         [](const auto& model) { return model.param ? "offsets" : "range_bearing"; });
+
+TEST(KnownLandmarks, KeepTheirIdentityAsId) {
+  const PlanarDrive drive = make_planar_drive({}, 1);
+  FastSlam slam(settings_for(1));
+  for (const auto& step : drive.steps) slam.step(step.motion, step.frame);
+  EXPECT_GE(slam.landmarks().size(), 10U);
+  for (const Landmark& landmark : slam.landmarks()) {
+    EXPECT_GE(landmark.id, 0);
+    EXPECT_LT(landmark.id, 12);
+    EXPECT_EQ(slam.index().record(slam.index().find(static_cast<std::int32_t>(landmark.id))).id, landmark.id);
+  }
+}
+
+TEST(KnownLandmarks, WrongIdentitiesDoNotKillTheMap) {
+  PlanarWorldSettings world;
+  world.wrong_identity = 0.05;
+  for (const bool rejuvenate : {false, true})
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      FastSlamSettings settings = settings_for(seed);
+      settings.rejuvenate = rejuvenate;
+      const Outcome outcome = run(make_planar_drive(world, seed), settings);
+      EXPECT_LT(outcome.rmse, 0.15) << "seed " << seed << " rejuvenate " << rejuvenate;
+    }
+}
+
+TEST(KnownLandmarks, OrderInAFrameDoesNotMatter) {
+  PlanarWorldSettings world;
+  world.frames = 250;
+  world.wrong_identity = 0.05;  // twice the same identity in a frame, too
+  const PlanarDrive drive = make_planar_drive(world, 3);
+  PlanarDrive turned = drive;
+  for (auto& step : turned.steps) std::reverse(step.frame.features.begin(), step.frame.features.end());
+  FastSlam a(settings_for(3)), b(settings_for(3));
+  for (std::size_t i = 0; i < drive.steps.size(); ++i) {
+    const StepResult first = a.step(drive.steps[i].motion, drive.steps[i].frame);
+    const StepResult second = b.step(turned.steps[i].motion, turned.steps[i].frame);
+    ASSERT_EQ(first.T_world_robot.matrix(), second.T_world_robot.matrix()) << "frame " << i;
+  }
+}
+
+TEST(KnownLandmarks, SystematicOdometryIsLearned) {
+  PlanarWorldSettings world;
+  world.heading_per_m = 0.02;  // half a turn over the run
+  std::vector<double> with, without, learned;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const PlanarDrive drive = make_planar_drive(world, seed);
+    FastSlamSettings settings = settings_for(seed);
+    settings.rejuvenate = false;
+    settings.heading_per_m_sigma = 0.02;
+    const Outcome learning = run(drive, settings);
+    with.push_back(learning.nees);
+    learned.push_back(learning.calibration(2));
+    settings.way_scale_sigma = settings.heading_scale_sigma = settings.heading_per_m_sigma = 0;
+    without.push_back(run(drive, settings).nees);
+  }
+  EXPECT_LT(median(with), 0.7 * median(without));
+  EXPECT_NEAR(median(learned), -world.heading_per_m, 0.01);  // two sigma of one run
+}
+
+TEST(KnownLandmarks, CorrelatedErrorsDoNotMakeItOverconfident) {
+  PlanarWorldSettings world;
+  world.correlation = 0.9;  // frames 0.2 s apart: 1/e after 1.9 s
+  world.range_sigma = 0.15;
+  std::vector<double> with, without;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const PlanarDrive drive = make_planar_drive(world, seed);
+    FastSlamSettings settings = settings_for(seed);
+    settings.rejuvenate = false;
+    without.push_back(run(drive, settings).nees);
+    settings.correlation_time = 1.9;
+    with.push_back(run(drive, settings).nees);
+  }
+  RecordProperty("nees_without", std::to_string(median(without)));
+  RecordProperty("nees_with", std::to_string(median(with)));
+  EXPECT_LT(median(with), 0.6 * median(without));
+}
+
+// The particles drawn from the smoothed path keep the covariance honest where resampling alone loses it.
+TEST(KnownLandmarks, RejuvenationKeepsTheFilterConsistent) {
+  std::vector<double> with, without, error_with, error_without;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const PlanarDrive drive = make_planar_drive({}, seed);
+    FastSlamSettings settings = settings_for(seed);
+    const Outcome a = run(drive, settings);
+    settings.rejuvenate = false;
+    const Outcome b = run(drive, settings);
+    with.push_back(a.nees);
+    without.push_back(b.nees);
+    error_with.push_back(a.rmse);
+    error_without.push_back(b.rmse);
+  }
+  RecordProperty("nees_without", std::to_string(median(without)));
+  RecordProperty("nees_with", std::to_string(median(with)));
+  EXPECT_LT(median(with), median(without));
+  EXPECT_LT(median(error_with), 1.1 * median(error_without));
+  EXPECT_LT(median(with), 12);
+}
+
+}  // namespace
+}  // namespace lcmslam

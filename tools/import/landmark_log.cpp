@@ -1,0 +1,69 @@
+#include "import/landmark_log.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "log/log_writer.hpp"
+#include "messages/feature_messages.hpp"
+#include "messages/geometry_messages.hpp"
+#include "messages/motion_messages.hpp"
+#include "runtime/publisher.hpp"
+
+namespace lcmslam {
+namespace {
+
+class LogPublisher : public Publisher {
+ public:
+  explicit LogPublisher(const std::string& file) : Publisher(1), log_(file) {}
+  void close() { log_.close(); }
+
+ private:
+  void send(const std::string& channel, const std::vector<std::uint8_t>& data, Utime utime) override {
+    log_.write(utime, channel, data);
+  }
+  LogWriter log_;
+};
+
+ground_truth_t truth_message(const StampedPose& pose) {
+  ground_truth_t m;
+  m.utime = pose.utime;
+  m.frame = "world";
+  m.child_frame = "robot";
+  m.T_frame_child = to_message(pose.T_world_body);
+  return m;
+}
+
+struct Event {
+  Utime utime;
+  std::function<void()> publish;
+};
+
+}  // namespace
+
+LandmarkLogCounts write_landmark_log(const LandmarkRecording& recording, const std::string& file) {
+  LogPublisher log(file);
+  std::vector<Event> events;  // of one time: truth, motion, features
+  for (const StampedPose& pose : recording.truth)
+    events.push_back({pose.utime, [&] { log.publish("GROUND_TRUTH", truth_message(pose)); }});
+  for (const Twist& twist : recording.twists)
+    events.push_back({twist.utime, [&] { log.publish("TWIST", to_message(twist)); }});
+  for (const MotionSample& sample : recording.odometry)
+    events.push_back({sample.utime, [&] { log.publish("ODOMETRY", to_message(sample, "external")); }});
+  LandmarkLogCounts counts;
+  for (const FeatureFrame& frame : recording.frames) {
+    events.push_back({frame.utime, [&] { log.publish("FEATURES", to_message(frame)); }});
+    counts.features += static_cast<std::int64_t>(frame.features.size());
+  }
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return a.utime < b.utime; });
+  for (const Event& event : events) event.publish();
+  log.close();
+  counts.frames = static_cast<std::int64_t>(recording.frames.size());
+  counts.motions = static_cast<std::int64_t>(recording.twists.size() + recording.odometry.size());
+  counts.truths = static_cast<std::int64_t>(recording.truth.size());
+  for (const auto& [channel, count] : log.counts()) counts.bytes += count.bytes;
+  return counts;
+}
+
+}  // namespace lcmslam
