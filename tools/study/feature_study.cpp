@@ -1,7 +1,6 @@
 #include "study/feature_study.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,34 +10,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "imaging/codec.hpp"
+#include "study/measures.hpp"
 
 namespace lcmslam {
 namespace {
-
-/// Processor time of this thread, s: what others do on the machine does not count.
-double thread_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-class OneThread {
- public:
-  OneThread() : before_(cv::getNumThreads()) { cv::setNumThreads(1); }
-  ~OneThread() { cv::setNumThreads(before_); }
-  OneThread(const OneThread&) = delete;
-  OneThread& operator=(const OneThread&) = delete;
-
- private:
-  int before_;
-};
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// An image, what each row sees in it, and its measured pose.
 struct StudiedImage {
