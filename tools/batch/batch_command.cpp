@@ -60,7 +60,9 @@ int batch_command(int argc, char** argv) {
   app.add_option("config", config, "configuration (YAML), e.g. config/replay.yaml")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("log", log, ".lcmlog with CAMERA, CAMERA_CALIBRATION and, if there are wheels, ENCODERS; or with FEATURES")
+  app.add_option(
+         "log", log,
+         ".lcmlog with CAMERA, CAMERA_CALIBRATION and, if there are wheels, ENCODERS; or with FEATURES")
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("--out", out, "folder for batch.lcmlog and the maps, default out/batch-TIME");

@@ -61,7 +61,7 @@ TEST(LandmarkFilter, DensityIsTheGaussianOf25Corrected) {
   const Eigen::Isometry3d T = random_pose(random);
   const LandmarkGaussian m{random_vector(random, 2), random_covariance(random, 0.1)};
   const Measurement z{predict_measurement(m.mean, T) + random_vector(random, 0.1),
-                           random_covariance(random, 0.05)};
+                      random_covariance(random, 0.05)};
   const Innovation innovation = innovate(m, z, T);
   const Eigen::Matrix3d G = T.linear().transpose();
   const Eigen::Matrix3d S = G * m.covariance * G.transpose() + z.covariance;
@@ -80,8 +80,7 @@ TEST(LandmarkFilter, SequenceEqualsClosedForm) {
     const Eigen::Vector3d truth = random_vector(random, 2);
     for (int i = 0; i < 30; ++i) {
       const Eigen::Isometry3d T = random_pose(random);
-      const Measurement z{T.inverse() * truth + random_vector(random, 0.03),
-                               random_covariance(random, 0.03)};
+      const Measurement z{T.inverse() * truth + random_vector(random, 0.03), random_covariance(random, 0.03)};
       landmark = i == 0 ? make_landmark(z, T) : update_landmark(landmark, innovate(landmark, z, T), z, T, 0);
       const Eigen::Matrix3d W = (T.linear() * z.covariance * T.linear().transpose()).inverse();
       information += W;
