@@ -12,16 +12,7 @@
 #include "simulation/simulation.hpp"
 #include "surf/feature_frame.hpp"
 #include "surf/surf.hpp"
-
-#if __has_include(<dlib/image_keypoint/surf.h>)
-#define LCMSLAM_HAS_DLIB 1
-#include <dlib/test_for_odr_violations.h>
-// Debian's configuration asks for BLAS and LAPACK, which SURF never calls: headers suffice without.
-#undef DLIB_USE_BLAS
-#undef DLIB_USE_LAPACK
-#include <dlib/image_keypoint/surf.h>
-#include <dlib/opencv/cv_image.h>
-#endif
+#include "unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
 namespace {

@@ -7,16 +7,7 @@
 #include "surf/kernel_set.hpp"
 #include "surf/surf.hpp"
 #include "unit/surf/blob_scene.hpp"
-
-#if __has_include(<dlib/image_keypoint/surf.h>)
-#define LCMSLAM_HAS_DLIB 1
-#include <dlib/test_for_odr_violations.h>
-// Debian's configuration asks for BLAS and LAPACK, which SURF never calls: headers suffice without.
-#undef DLIB_USE_BLAS
-#undef DLIB_USE_LAPACK
-#include <dlib/image_keypoint/surf.h>
-#include <dlib/opencv/cv_image.h>
-#endif
+#include "unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
 namespace {

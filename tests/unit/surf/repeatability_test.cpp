@@ -1,17 +1,6 @@
 // Ours beside dlib's SURF on recorded images: how many keypoints of one image are found again where the
 // depth image and the camera's motion say they must be, and how many of these the descriptor
 // matches. The same number of keypoints for both.
-#if __has_include(<dlib/image_keypoint/surf.h>)
-#define LCMSLAM_HAS_DLIB
-#include <dlib/test_for_odr_violations.h>
-// Debian's configuration asks for BLAS and LAPACK, which SURF never calls: without them nothing of dlib
-// has to be linked.
-#undef DLIB_USE_BLAS
-#undef DLIB_USE_LAPACK
-#include <dlib/image_keypoint/surf.h>
-#include <dlib/opencv/cv_image.h>
-#endif
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,6 +18,7 @@
 #include "surf/matching.hpp"
 #include "surf/rigid_ransac.hpp"
 #include "surf/surf.hpp"
+#include "unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
 namespace {
