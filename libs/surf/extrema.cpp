@@ -128,9 +128,8 @@ void BlobFinder::find(const HessianPyramid& pyramid, const IntegralImage& integr
   constexpr int band_rows = 16;
   std::size_t count = 0;
   for (int o = 0; o < pyramid.octaves(); ++o) {
-    const auto& layers = pyramid.octave(o);
-    for (int i = 1; i + 1 < static_cast<int>(layers.size()); ++i) {
-      const HessianLayer& above = layers[static_cast<std::size_t>(i + 1)];
+    for (int i = 1; i + 1 < pyramid.intervals(); ++i) {
+      const HessianLayer& above = pyramid.layer(o, i + 1);
       for (int r = above.first_row + 1; r < above.last_row; r += band_rows, ++count) {
         if (bands_.size() <= count) bands_.emplace_back();
         Band& band = bands_[count];
@@ -144,10 +143,10 @@ void BlobFinder::find(const HessianPyramid& pyramid, const IntegralImage& integr
   parallel_rows(0, static_cast<int>(count), [&](int begin, int end) {
     for (int b = begin; b < end; ++b) {
       Band& band = bands_[static_cast<std::size_t>(b)];
-      const HessianLayer* layer = pyramid.octave(band.octave).data() + band.layer;
       band.blobs.clear();
-      find_in_rows(layer[-1], layer[0], layer[1], integral, band.first_row, band.end_row, threshold,
-                   edge_ratio, band.octave, band.blobs);
+      find_in_rows(pyramid.layer(band.octave, band.layer - 1), pyramid.layer(band.octave, band.layer),
+                   pyramid.layer(band.octave, band.layer + 1), integral, band.first_row, band.end_row,
+                   threshold, edge_ratio, band.octave, band.blobs);
     }
   });
   blobs.clear();

@@ -1,5 +1,7 @@
 #include "surf/hessian.hpp"
 
+#include <algorithm>
+
 #include "surf/kernel_set.hpp"
 
 namespace lcmslam {
@@ -101,6 +103,10 @@ void set_geometry(HessianLayer& layer, const IntegralImage& integral, int lobe, 
   layer.determinants.resize(static_cast<std::size_t>(layer.columns) * static_cast<std::size_t>(layer.rows));
 }
 
+int step_of(int octave) {
+  return octave == 0 ? 1 : 1 << (octave - 1);
+}
+
 // A filter that the octave below also has: every second sample of every second row.
 void copy_row(HessianLayer& layer, const HessianLayer& finer, int r) {
   const float* source = finer.row(2 * r);
@@ -123,22 +129,33 @@ BoxHessian box_hessian(const IntegralImage& integral, int lobe, int x, int y) {
 }
 
 void HessianPyramid::compute(const IntegralImage& integral, int octaves, int intervals) {
-  layers_.resize(static_cast<std::size_t>(octaves));
+  octaves_ = octaves;
+  intervals_ = intervals;
+  slots_.clear();
+  std::size_t used = 0;  // of layers_, which keep their memory
   for (int o = 0; o < octaves; ++o) {
-    auto& layers = layers_[static_cast<std::size_t>(o)];
-    layers.resize(static_cast<std::size_t>(intervals));
-    for (int i = 0; i < intervals; ++i)
-      set_geometry(layers[static_cast<std::size_t>(i)], integral, (2 << o) * (i + 1) + 1, 1 << o);
+    const int step = step_of(o);
+    const std::size_t first_new = used;
+    for (int i = 0; i < intervals; ++i) {
+      const int lobe = (2 << o) * (i + 1) + 1;
+      const auto shared =
+          std::find_if(layers_.begin(), layers_.begin() + static_cast<std::ptrdiff_t>(used),
+                       [&](const HessianLayer& l) { return l.lobe == lobe && l.step == step; });
+      slots_.push_back(static_cast<std::size_t>(shared - layers_.begin()));
+      if (slots_.back() < used) continue;
+      if (layers_.size() == used) layers_.emplace_back();
+      set_geometry(layers_[used++], integral, lobe, step);
+    }
     const auto finer_with = [&](int lobe) -> const HessianLayer* {
-      if (o > 0)
-        for (const HessianLayer& finer : octave(o - 1))
-          if (finer.lobe == lobe) return &finer;
+      for (std::size_t l = 0; l < first_new; ++l)
+        if (layers_[l].lobe == lobe && 2 * layers_[l].step == step) return &layers_[l];
       return nullptr;
     };
     // All layers of some rows together: they read the same rows of the integral image.
-    parallel_rows(0, layers.front().rows, [&](int begin, int end) {
+    parallel_rows(0, (integral.height() - 1) / step + 1, [&](int begin, int end) {
       for (int r = begin; r < end; ++r)
-        for (HessianLayer& layer : layers) {
+        for (std::size_t l = first_new; l < used; ++l) {
+          HessianLayer& layer = layers_[l];
           if (r < layer.first_row || r > layer.last_row || layer.last_column < layer.first_column) continue;
           if (const HessianLayer* finer = finer_with(layer.lobe))
             copy_row(layer, *finer, r);

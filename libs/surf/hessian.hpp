@@ -46,7 +46,8 @@ struct HessianLayer {
 };
 
 /// Octave o (0, 1, ...) holds `intervals` filters of lobes 2^(o+1) i + 1, i = 1..intervals (sides 9,
-/// 15, 21, 27; 15, 27, 39, 51; ...), sampled every 2^o pixels.
+/// 15, 21, 27; 15, 27, 39, 51; ...). They are sampled every 2^(o-1) pixels, octave 0 at each: twice as
+/// densely as in the paper, which finds blobs again more often (README, feature study).
 ///
 /// The determinant is (Dxx Dyy - w^2 Dxy^2) / (lobe (2 lobe - 1))^2: each second derivative is a
 /// difference of mean grey values (0..255), so that thresholds mean the same at all scales. w makes up
@@ -56,11 +57,18 @@ class HessianPyramid {
   /// Reuses its memory from call to call. Rows run in parallel (cv::parallel_for_), each writes its own.
   void compute(const IntegralImage& integral, int octaves, int intervals);
 
-  int octaves() const { return static_cast<int>(layers_.size()); }
-  const std::vector<HessianLayer>& octave(int o) const { return layers_[static_cast<std::size_t>(o)]; }
+  int octaves() const { return octaves_; }
+  int intervals() const { return intervals_; }
+  const HessianLayer& layer(int octave, int interval) const { return layers_[slot(octave, interval)]; }
 
  private:
-  std::vector<std::vector<HessianLayer>> layers_;
+  std::size_t slot(int octave, int interval) const {
+    return slots_[static_cast<std::size_t>(octave * intervals_ + interval)];
+  }
+
+  int octaves_ = 0, intervals_ = 0;
+  std::vector<HessianLayer> layers_;
+  std::vector<std::size_t> slots_;  ///< of the octaves' filters; octaves 0 and 1 share some
 };
 
 }  // namespace lcmslam

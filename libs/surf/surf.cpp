@@ -97,7 +97,8 @@ void Surf::detect_blobs(const cv::Mat& mask, std::vector<cv::KeyPoint>& keypoint
   keypoints.clear();
   keypoints.reserve(blobs_.size());
   for (const Blob& b : blobs_)
-    keypoints.emplace_back(b.x, b.y, b.size, -1.f, b.response, b.octave, b.laplacian);
+    keypoints.emplace_back(b.x, b.y, settings_.smooth ? unsmoothed_size(b.size) : b.size, -1.f, b.response,
+                           b.octave, b.laplacian);
 }
 
 void Surf::detectAndCompute(cv::InputArray image_array, cv::InputArray mask_array,
@@ -113,7 +114,7 @@ void Surf::detectAndCompute(cv::InputArray image_array, cv::InputArray mask_arra
   }
   check_mask(mask, image);
 
-  integral_.compute(grey);
+  integral_.compute(settings_.smooth ? smoother_.smooth(grey) : grey);
   if (use_provided_keypoints)
     check_provided(keypoints);
   else
@@ -123,7 +124,7 @@ void Surf::detectAndCompute(cv::InputArray image_array, cv::InputArray mask_arra
   scales_.clear();
   pitches_.clear();
   for (const cv::KeyPoint& keypoint : keypoints) {
-    scales_.push_back(scale_of_filter(keypoint.size));
+    scales_.push_back(scale_of_filter(settings_.smooth ? smoothed_size(keypoint.size) : keypoint.size));
     pitches_.push_back(patch_pitch * scales_.back());
   }
   sampler_.prepare(integral_, pitches_);

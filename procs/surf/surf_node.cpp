@@ -18,6 +18,7 @@ SurfSettings read_settings(const ConfigNode& config) {
   s.hessian_threshold = config.get("hessian_threshold", s.hessian_threshold, Range{1e-3, 1e6});
   s.octaves = config.get("octaves", s.octaves, Range{1, 6});
   s.intervals = config.get("intervals", s.intervals, Range{3, 8});
+  s.smooth = config.get("smooth", s.smooth);
   s.upright = config.get("upright", s.upright);
   s.budget.max_features = config.get("max_features", s.budget.max_features, Range{1, 5000});
   return s;

@@ -121,11 +121,11 @@ TEST(HessianPyramid, EveryLayerEqualsDirectSummation) {
     pyramid.compute(integral, 3, 4);
     ASSERT_EQ(pyramid.octaves(), 3);
     for (int o = 0; o < 3; ++o)
-      for (std::size_t i = 0; i < 4; ++i) {
-        const HessianLayer& layer = pyramid.octave(o)[i];
+      for (int i = 0; i < 4; ++i) {
+        const HessianLayer& layer = pyramid.layer(o, i);
         const int half = (3 * layer.lobe - 1) / 2;
-        ASSERT_EQ(layer.lobe, (2 << o) * (int(i) + 1) + 1);
-        ASSERT_EQ(layer.step, 1 << o);
+        ASSERT_EQ(layer.lobe, (2 << o) * (i + 1) + 1);
+        ASSERT_EQ(layer.step, o == 0 ? 1 : 1 << (o - 1));
         // The stated samples are exactly those whose filter lies in the image.
         for (int r = 0; r < layer.rows; ++r)
           for (int c = 0; c < layer.columns; ++c) {
