@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::uint64_t kResamplingStream = 0x726573616d706c65;
 constexpr std::uint64_t kSmoothingStream = 0x736d6f6f7468;
+constexpr Utime kSmoothingTime = 2'000'000;  // us that the map smoother has beside the filter
 
 FastSlamSettings checked(const FastSlamSettings& settings) {
   check(settings);
@@ -48,14 +49,25 @@ FastSlam::FastSlam(const FastSlamSettings& settings)
       calibration_(settings),
       smoothing_stream_(settings.seed, kSmoothingStream),
       publication_(settings.minimum_observations) {
-  for (std::size_t i = 0; i < particles_.size(); ++i) streams_.emplace_back(settings.seed, i);
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    streams_.emplace_back(settings.seed, i);
+    particles_[i].lineage = static_cast<int>(i);
+  }
   if (settings.rejuvenate && settings.planar) smoother_ = std::make_unique<PathSmoother>(settings);
+  if (settings.smooth_map) map_smoother_ = std::make_unique<MapSmoother>(settings);
 }
 
 StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   StepResult result;
+  if (running_ && frame.utime >= running_->due) {
+    taken_over_ = take_over(running_->result.get());
+    running_.reset();
+  }
+  last_utime_ = frame.utime;
   std::vector<FeaturePoint> points = usable_features(frame, settings_);
   result.offered = static_cast<int>(points.size());
+  const std::vector<FeaturePoint> measured = smoother_ ? points : std::vector<FeaturePoint>();
+  for (FeaturePoint& point : points) point.measurement = sensor_.corrected(point.measurement);
 
   // Old landmarks first: associate, then move, weigh and update every particle.
   std::vector<LandmarkMatch> seen;
@@ -72,9 +84,9 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
         !contradicted.empty() || std::any_of(seen.begin(), seen.end(), [&](const auto& match) {
           return index_.record(match.slot).unseen_steps > settings_.reunion_steps;
         });
-    remember(frame.utime, motion, points, result);
+    remember(frame.utime, motion, measured, points, result);
     const bool due = smoother_ && smoother_->size() >= smooth_at_;
-    result.rejuvenated = reunion && due && rejuvenate();
+    result.rejuvenated = due && (reunion || coalesced()) && rejuvenate();
     if (result.rejuvenated) {
       weights = choose_best();
       estimate(weights, result);
@@ -88,7 +100,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     if (smoother_ && !index_.alive(slot)) smoother_->forget(index_.record(slot).known_id);
   std::vector<int> chosen;
   if (may_create) chosen = choose_new_landmarks(frame, points, seen, index_, settings_);
-  create_landmarks(frame, points, chosen);
+  const std::vector<LandmarkMatch> created = create_landmarks(frame, points, chosen);
+  if (map_smoother_) remember_keyframe(motion, frame, points, created, result);
   result.created = static_cast<int>(chosen.size());
 
   result.effective_sample_size = effective_sample_size(weights);
@@ -196,21 +209,80 @@ void FastSlam::widen_for_correlation(const std::vector<LandmarkMatch>& observed,
 }
 
 // The step for the smoother: all sights of known identity, believed by the filter or not.
-void FastSlam::remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& points,
-                        const StepResult& result) {
+// The values are as measured, the covariances those that the filter used.
+void FastSlam::remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& measured,
+                        const std::vector<FeaturePoint>& points, const StepResult& result) {
   std::vector<IdentifiedMeasurement> sights;
-  for (const FeaturePoint& point : points) {
-    if (point.landmark_id < 0 || point.measurement.kind == MeasurementKind::point) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Measurement measurement = points[i].measurement;
+    if (points[i].landmark_id < 0 || measurement.kind == MeasurementKind::point) {
       smoother_.reset();
       return;
     }
-    sights.push_back({point.landmark_id, point.measurement});
+    measurement.value = measured[i].measurement.value;
+    sights.push_back({points[i].landmark_id, measurement});
   }
   smoother_->add(utime, motion_prior(motion, settings_), calibration_.jacobian(), sights,
                  result.T_world_robot, result.covariance);
 }
 
+// What the best particle accepted, and what it saw for the first time.
+void FastSlam::remember_keyframe(const Motion& motion, const FeatureFrame& frame,
+                                 const std::vector<FeaturePoint>& points,
+                                 const std::vector<LandmarkMatch>& created, const StepResult& result) {
+  std::vector<std::int64_t> landmark_of(frame.features.size(), -1);
+  for (const ObservationReport& seen : result.observations)
+    if (seen.accepted) landmark_of[static_cast<std::size_t>(seen.feature)] = seen.landmark;
+  for (const LandmarkMatch& match : created)
+    landmark_of[static_cast<std::size_t>(points[static_cast<std::size_t>(match.point)].feature)] =
+        index_.record(match.slot).id;
+  std::vector<PointSight> sights;
+  for (const FeaturePoint& point : points) {
+    if (point.measurement.kind != MeasurementKind::point) {
+      map_smoother_.reset();
+      return;
+    }
+    const std::int64_t landmark = landmark_of[static_cast<std::size_t>(point.feature)];
+    if (landmark >= 0) sights.push_back({landmark, point.measurement});
+  }
+  std::optional<Motion> believed;
+  if (result.status != TrackStatus::relocalised && !result.slipped)
+    believed = motion_prior(motion, settings_);
+  map_smoother_->add(frame.utime, particles_[best()].T_world_robot, believed, sights);
+}
+
+// Landmarks that the smoother does not know, but that were seen of late, move as the robot does.
+std::vector<SmoothedPose> FastSlam::take_over(const std::optional<MapSmoothing>& smoothing) {
+  if (!smoothing) return {};
+  for (int slot = 0; slot < index_.slots(); ++slot) {
+    if (!index_.alive(slot)) continue;
+    const auto found = smoothing->landmarks.find(index_.record(slot).id);
+    const bool known = found != smoothing->landmarks.end();
+    if (!known && index_.record(slot).unseen_steps > settings_.tentative_steps) continue;
+    for (Particle& particle : particles_) {
+      LandmarkGaussian& landmark = particle.map.edit(static_cast<std::size_t>(slot));
+      landmark.mean = known ? found->second : smoothing->T_world_correction * landmark.mean;
+    }
+  }
+  for (Particle& particle : particles_)
+    particle.T_world_robot =
+        renormalised(smoothing->T_world_correction * particle.T_world_robot, settings_.planar);
+  return smoothing->path;
+}
+
+bool FastSlam::begin_smoothing() {
+  if (!map_smoother_ || running_ || map_smoother_->keyframes() < 2) return false;
+  running_ =
+      RunningSmoothing{std::async(std::launch::async, [copy = *map_smoother_] { return copy.solve(); }),
+                       last_utime_ + kSmoothingTime};
+  return true;
+}
+
 std::vector<SmoothedPose> FastSlam::smooth() {
+  if (map_smoother_) {
+    running_.reset();  // what it would tell is told now
+    return take_over(map_smoother_->solve());
+  }
   if (!smoother_ || !rejuvenate()) return {};
   best_ = 0;  // the posterior's mode
   return smoother_->path();
@@ -218,23 +290,34 @@ std::vector<SmoothedPose> FastSlam::smooth() {
 
 // Draws all particles anew from the posterior of the whole path.
 bool FastSlam::rejuvenate() {
-  smoother_->solve();
+  smoothing_cost_ = smoother_->solve();
   Eigen::Matrix3d calibration_covariance;
   const auto samples = smoother_->sample(particles_.size(), smoothing_stream_, calibration_covariance);
   const double grown = (1 + settings_.rejuvenation_growth) * static_cast<double>(smoother_->size());
   smooth_at_ = std::max(smoother_->size() + 10, static_cast<std::size_t>(grown));
   if (samples.empty()) return false;
   calibration_.set_covariance(calibration_covariance);
+  sensor_ = smoother_->sensor();
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     Particle& particle = particles_[k];
     particle.T_world_robot = samples[k].T_world_robot;
     particle.calibration = samples[k].calibration;
     particle.log_weight = 0;
+    particle.lineage = static_cast<int>(k);
     for (const auto& [id, landmark] : samples[k].landmarks)
       if (const int slot = index_.find(id); slot >= 0)
         particle.map.edit(static_cast<std::size_t>(slot)) = landmark;
   }
   return true;
+}
+
+// Resampling has made few ancestors' paths the past of all particles: their spread no longer tells what is
+// not known of it, and their mean wanders off (genetic drift).
+bool FastSlam::coalesced() const {
+  std::vector<char> lives(particles_.size(), 0);
+  for (const Particle& particle : particles_) lives[static_cast<std::size_t>(particle.lineage)] = 1;
+  const auto lineages = static_cast<double>(std::count(lives.begin(), lives.end(), 1));
+  return lineages < settings_.rejuvenation_lineages * settings_.particles;
 }
 
 std::vector<double> FastSlam::choose_best() {
@@ -277,13 +360,16 @@ FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_
   return verdict;
 }
 
-void FastSlam::create_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
-                                const std::vector<int>& chosen) {
+std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
+                                                      const std::vector<FeaturePoint>& points,
+                                                      const std::vector<int>& chosen) {
   std::vector<std::size_t> slots;
+  std::vector<LandmarkMatch> created;
   for (const int p : chosen) {
     const int feature = points[static_cast<std::size_t>(p)].feature;
-    slots.push_back(
-        static_cast<std::size_t>(index_.add(frame.features[static_cast<std::size_t>(feature)], settings_)));
+    const int slot = index_.add(frame.features[static_cast<std::size_t>(feature)], settings_);
+    slots.push_back(static_cast<std::size_t>(slot));
+    created.push_back({p, slot, 0});
   }
   for (Particle& particle : particles_)
     for (std::size_t i = 0; i < slots.size(); ++i)
@@ -297,6 +383,7 @@ void FastSlam::create_landmarks(const FeatureFrame& frame, const std::vector<Fea
     record.seen_from = ray.normalized();
     record.seen_at = ray.norm();
   }
+  return created;
 }
 
 void FastSlam::estimate(const std::vector<double>& weights, StepResult& result) const {

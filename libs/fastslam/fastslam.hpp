@@ -12,10 +12,14 @@
 // with correspondences known the result is the same.
 
 #include <cstdint>
+#include <future>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "fastslam/frame_association.hpp"
+#include "fastslam/map_smoother.hpp"
 #include "fastslam/odometry_calibration.hpp"
 #include "fastslam/path_smoother.hpp"
 #include "fastslam/proposal.hpp"
@@ -62,6 +66,7 @@ struct Particle {
   Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
   double log_weight = 0;                                  ///< not normalised
   CalibrationMean calibration = CalibrationMean::Zero();  ///< of the odometry
+  int lineage = 0;  ///< its ancestor when all particles were last drawn anew
   ParticleMap map;
 };
 
@@ -78,11 +83,24 @@ class FastSlam {
   /// Normalised.
   std::vector<double> weights() const;
   const LandmarkIndex& index() const { return index_; }
+  /// Of a range-bearing sensor, as learned so far.
+  const SensorCalibration& sensor_calibration() const { return sensor_; }
+  /// Of a sight in the newest smoothed path, robust; below 1 where the noise is as stated. 0: none yet.
+  double smoothing_cost() const { return smoothing_cost_; }
   /// All landmarks of the best particle that were seen often enough, ordered by slot.
   std::vector<Landmark> landmarks() const;
-  /// Smooths the whole path and draws the particles anew from it; landmarks() is the smoothed map then.
-  /// Returns the path; empty when not all landmarks so far are planar and of known identity.
+  /// Smooths the whole path; landmarks() is the smoothed map then. Planar landmarks of known identity: the
+  /// particles are drawn anew from the path's posterior. 3-D landmarks: all particles take the smoothed
+  /// landmarks, and move as their newest keyframe does. Returns the path; empty when there is none yet, when
+  /// both kinds were seen or the settings forbid it.
   std::vector<SmoothedPose> smooth();
+  /// The same without a stall where landmarks are 3-D points: the solver runs beside the following steps,
+  /// and the first step 2 s of message time later takes its result over (and waits for it if it must), so
+  /// that a replay gives the same bytes. False when there is nothing to smooth or it runs already.
+  bool begin_smoothing();
+  bool smoothing() const { return running_.has_value(); }
+  /// The path that the last step took over; empty when it took none.
+  std::vector<SmoothedPose> take_smoothed() { return std::exchange(taken_over_, {}); }
   /// What changed in landmarks() since the last call.
   MapChanges take_changes() { return publication_.take(particles_[best()].map, index_); }
 
@@ -103,12 +121,18 @@ class FastSlam {
                Random& random);
   void widen_for_correlation(const std::vector<LandmarkMatch>& observed, Utime utime,
                              std::vector<FeaturePoint>& points);
-  void remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& points,
-                const StepResult& result);
+  void remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& measured,
+                const std::vector<FeaturePoint>& points, const StepResult& result);
+  void remember_keyframe(const Motion& motion, const FeatureFrame& frame,
+                         const std::vector<FeaturePoint>& points, const std::vector<LandmarkMatch>& created,
+                         const StepResult& result);
+  std::vector<SmoothedPose> take_over(const std::optional<MapSmoothing>& smoothing);
   bool rejuvenate();
+  bool coalesced() const;
   std::vector<double> choose_best();
-  void create_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
-                        const std::vector<int>& chosen);
+  std::vector<LandmarkMatch> create_landmarks(const FeatureFrame& frame,
+                                              const std::vector<FeaturePoint>& points,
+                                              const std::vector<int>& chosen);
   void estimate(const std::vector<double>& weights, StepResult& result) const;
   void resample_particles(const std::vector<double>& weights);
 
@@ -120,6 +144,16 @@ class FastSlam {
   FrameAssociator associator_;
   OdometryCalibration calibration_;
   std::unique_ptr<PathSmoother> smoother_;  // while all landmarks are of known identity and planar
+  struct RunningSmoothing {
+    std::future<std::optional<MapSmoothing>> result;
+    Utime due = 0;  // message time
+  };
+  std::optional<RunningSmoothing> running_;
+  std::vector<SmoothedPose> taken_over_;
+  Utime last_utime_ = 0;
+  std::unique_ptr<MapSmoother> map_smoother_;  // while all landmarks are 3-D points
+  SensorCalibration sensor_;                   // as the smoothed path has it
+  double smoothing_cost_ = 0;
   Random smoothing_stream_;
   std::size_t smooth_at_ = 0;  // size of the path
   LandmarkIndex index_;

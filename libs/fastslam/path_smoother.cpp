@@ -45,19 +45,20 @@ struct OdometryError {
   }
 };
 
+// `sensor`: offset and scale of the range, offset of the bearing.
 struct LandmarkError {
   Measurement z;
   Eigen::Matrix2d root_information;
 
   template <class T>
-  bool operator()(const T* pose, const T* landmark, T* residual) const {
+  bool operator()(const T* pose, const T* landmark, const T* sensor, T* residual) const {
     const T c = cos(pose[2]), s = sin(pose[2]);
     const T dx = landmark[0] - pose[0], dy = landmark[1] - pose[1];
     const T x = c * dx + s * dy, y = -s * dx + c * dy;
     T e[2] = {z.value.x() - x, z.value.y() - y};
     if (z.kind == MeasurementKind::range_bearing) {
-      e[0] = z.value.x() - sqrt(x * x + y * y + 1e-12);
-      e[1] = wrapped(T(z.value.y() - atan2(y, x)));
+      e[0] = z.value.x() - sensor[0] - (1.0 + sensor[1]) * sqrt(x * x + y * y + 1e-12);
+      e[1] = wrapped(T(z.value.y() - sensor[2] - atan2(y, x)));
     }
     residual[0] = root_information(0, 0) * e[0];
     residual[1] = root_information(1, 0) * e[0] + root_information(1, 1) * e[1];
@@ -86,12 +87,17 @@ struct PathSmoother::Graph {
   explicit Graph(const FastSlamSettings& s)
       : robust(new ceres::CauchyLoss(s.huber_width)),
         sigma(std::max(1e-9, s.way_scale_sigma), std::max(1e-9, s.heading_scale_sigma),
-              std::max(1e-9, s.heading_per_m_sigma)) {
+              std::max(1e-9, s.heading_per_m_sigma)),
+        sensor_sigma(std::max(1e-9, s.range_offset_sigma), std::max(1e-9, s.range_scale_sigma),
+                     std::max(1e-9, s.bearing_offset_sigma)) {
     ceres::Problem::Options options;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     problem = std::make_unique<ceres::Problem>(options);
     auto* prior = new ceres::AutoDiffCostFunction<CalibrationPrior, 3, 3>(new CalibrationPrior{sigma});
     problem->AddResidualBlock(prior, nullptr, calibration.data());
+    auto* of_sensor =
+        new ceres::AutoDiffCostFunction<CalibrationPrior, 3, 3>(new CalibrationPrior{sensor_sigma});
+    problem->AddResidualBlock(of_sensor, nullptr, sensor.data());
   }
 
   void add_pose(Utime utime, const Eigen::Isometry3d& T, const Matrix6d& T_covariance) {
@@ -143,7 +149,7 @@ struct PathSmoother::Graph {
     }
   }
 
-  // Normal equations at the solution; columns: poses but the first, landmarks, calibration.
+  // Normal equations at the solution; columns: poses but the first, landmarks, odometry's calibration.
   SparseMatrix information() {
     std::vector<double*> blocks;
     for (std::size_t i = 1; i < poses.size(); ++i) blocks.push_back(poses[i].data());
@@ -162,7 +168,7 @@ struct PathSmoother::Graph {
 
   std::unique_ptr<ceres::LossFunction> robust;
   std::unique_ptr<ceres::Problem> problem;
-  Eigen::Vector3d sigma;
+  Eigen::Vector3d sigma, sensor_sigma;
   std::deque<std::array<double, 3>> poses;  // x, y, heading; a deque: addresses stay
   std::vector<Utime> utimes;
   struct Said {
@@ -173,6 +179,7 @@ struct PathSmoother::Graph {
   std::map<std::int32_t, std::array<double, 2>> landmarks;
   std::map<std::int32_t, std::vector<ceres::ResidualBlockId>> sights;
   CalibrationMean calibration = CalibrationMean::Zero();
+  Eigen::Vector3d sensor = Eigen::Vector3d::Zero();
   // Since the newest pose: steps without a sight make one motion.
   Eigen::Isometry3d T_pose_now = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();
@@ -212,14 +219,14 @@ void PathSmoother::add(Utime utime, const Motion& motion, const Jacobian63& cali
   for (const IdentifiedMeasurement& m : seen) {
     auto [landmark, added] = g.landmarks.try_emplace(m.landmark_id);
     if (added) {
-      const Eigen::Vector3d mean = make_landmark(m.measurement, T_world_robot).mean;
+      const Eigen::Vector3d mean = make_landmark(sensor().corrected(m.measurement), T_world_robot).mean;
       landmark->second = {mean.x(), mean.y()};
     }
     auto* error = new LandmarkError{
         m.measurement, root_information<Eigen::Matrix2d>(m.measurement.covariance.topLeftCorner<2, 2>())};
-    g.sights[m.landmark_id].push_back(
-        g.problem->AddResidualBlock(new ceres::AutoDiffCostFunction<LandmarkError, 2, 3, 2>(error),
-                                    g.robust.get(), g.poses.back().data(), landmark->second.data()));
+    g.sights[m.landmark_id].push_back(g.problem->AddResidualBlock(
+        new ceres::AutoDiffCostFunction<LandmarkError, 2, 3, 2, 3>(error), g.robust.get(),
+        g.poses.back().data(), landmark->second.data(), g.sensor.data()));
     ++g.residuals;
   }
 }
@@ -262,6 +269,10 @@ std::vector<SmoothedPose> PathSmoother::path() const {
 
 const CalibrationMean& PathSmoother::calibration() const {
   return graph_->calibration;
+}
+
+SensorCalibration PathSmoother::sensor() const {
+  return {graph_->sensor.x(), graph_->sensor.y(), graph_->sensor.z()};
 }
 
 std::map<std::int32_t, LandmarkGaussian> PathSmoother::landmarks() const {

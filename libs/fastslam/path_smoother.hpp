@@ -1,12 +1,12 @@
 #pragma once
 // The whole path and map at once, from the odometry and all sights of landmarks of known identity:
 //
-//   sum |e_odometry|^2_Q + sum rho(|z - h(pose, landmark)|^2_R) + |c|^2_prior,   c: odometry's calibration
+//   sum |e_odometry|^2_Q + sum rho(|z - h(pose, landmark, s)|^2_R) + |c|^2_prior + |s|^2_prior
 //
-// solved by Ceres with Cauchy's rho, so that a wrong identity does not bend the map. Its Gaussian posterior
-// gives back to the filter what resampling takes away: paths that differ from each other all the way (a
-// move step of resample-move filters, Gilks and Berzuini 2001). It is the smoothed map on request, too.
-// Planar poses (x, y, heading) and planar landmarks.
+// (c: the odometry's calibration, s: the sensor's) solved by Ceres with Cauchy's rho, so that a wrong
+// identity does not bend the map. Its Gaussian posterior gives back to the filter what resampling takes away:
+// paths that differ from each other all the way (a move step of resample-move filters, Gilks and Berzuini
+// 2001). It is the smoothed map on request, too. Planar poses (x, y, heading) and planar landmarks.
 //
 // Sights and odometry leave the world's place free. It is chosen so that the path fits best to what the
 // filter said at each time, by its covariance then: what was said stays as right as it can, and the world
@@ -19,13 +19,14 @@
 
 #include "fastslam/landmark_filter.hpp"
 #include "fastslam/odometry_calibration.hpp"
+#include "fastslam/sensor_calibration.hpp"
 #include "geometry/random.hpp"
 
 namespace lcmslam {
 
 struct IdentifiedMeasurement {
   std::int32_t landmark_id = -1;
-  Measurement measurement;  ///< planar or range_bearing
+  Measurement measurement;  ///< planar or range_bearing, as the sensor gave it
 };
 
 struct SmoothedPose {
@@ -65,9 +66,11 @@ class PathSmoother {
   std::vector<SmoothedPose> path() const;
   std::map<std::int32_t, LandmarkGaussian> landmarks() const;  ///< with marginal covariances
   const CalibrationMean& calibration() const;
+  SensorCalibration sensor() const;
 
   /// After solve(): draws from the Gaussian posterior, the first its mode, moved on to the newest step by its
   /// motion. Empty when the posterior is singular. `calibration_covariance`: given the path, for all samples.
+  /// All are of one sensor() calibration: its own uncertainty is not in their spread.
   std::vector<PathSample> sample(std::size_t count, Random& random, Eigen::Matrix3d& calibration_covariance);
 
  private:

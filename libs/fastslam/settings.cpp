@@ -30,6 +30,7 @@ FastSlamSettings thesis_preset() {
   s.translation_noise_per_m = s.rotation_noise_per_rad = s.rotation_noise_per_m = 0;
   s.way_scale_sigma = s.heading_scale_sigma = s.heading_per_m_sigma = 0;
   s.rejuvenate = false;
+  s.smooth_map = false;
   s.detect_slips = false;
   s.measurement_inflation = 1;
   s.minimum_landmark_sigma = 0;
@@ -60,6 +61,9 @@ void check(const FastSlamSettings& s) {
   require("heading_scale_sigma", s.heading_scale_sigma, 0, 1);
   require("heading_per_m_sigma", s.heading_per_m_sigma, 0, 1);
   require("calibration_walk", s.calibration_walk, 0, 10);
+  require("range_offset_sigma", s.range_offset_sigma, 0, 10);
+  require("range_scale_sigma", s.range_scale_sigma, 0, 1);
+  require("bearing_offset_sigma", s.bearing_offset_sigma, 0, 1);
   require("slip_gate", s.slip_gate, 0.1, 1e6);
   require("minimum_range", s.minimum_range, 0, 1e6);
   require("maximum_range", s.maximum_range, s.minimum_range, 1e6);
@@ -78,6 +82,7 @@ void check(const FastSlamSettings& s) {
   require("minimum_consensus", s.minimum_consensus, 3, 1e6);
   require("relocalise_after", s.relocalise_after, 1, 1e9);
   require("rejuvenation_growth", s.rejuvenation_growth, 0, 100);
+  require("rejuvenation_lineages", s.rejuvenation_lineages, 0, 1);
   require("reunion_steps", s.reunion_steps, 0, 1e9);
   require("maximum_new_landmarks", s.maximum_new_landmarks, 0, std::numeric_limits<int>::max());
   require("cell_capacity", s.cell_capacity, 1, std::numeric_limits<int>::max());

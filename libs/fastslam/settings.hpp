@@ -55,6 +55,12 @@ struct FastSlamSettings {
   double heading_per_m_sigma = 0.002;  ///< rad per metre driven
   double calibration_walk = 0.05;      ///< of these sigmas per root metre: how fast they may change
 
+  // Systematic errors of a range-bearing sensor, estimated with the smoothed path (sensor_calibration.hpp):
+  // what they may be. They belong to the sensor, hence to the data set's configuration. 0: none.
+  double range_offset_sigma = 0;    ///< m
+  double range_scale_sigma = 0;     ///< ratio
+  double bearing_offset_sigma = 0;  ///< rad
+
   // Slips: many observations agree on a motion that the odometry excludes.
   bool detect_slips = true;
   double slip_gate = 20;  ///< squared Mahalanobis distance of that motion from the odometry's
@@ -85,10 +91,15 @@ struct FastSlamSettings {
   int relocalise_after = 5;          ///< steps without consensus before the whole map is searched
 
   // Landmarks of known identity in the plane: the path so far is smoothed when a landmark comes into sight
-  // again after long, and the particles are drawn anew from its posterior (path_smoother.hpp).
+  // again after long or few lineages are left, and the particles are drawn anew from its posterior
+  // (path_smoother.hpp).
   bool rejuvenate = true;
-  double rejuvenation_growth = 0.01;  ///< and when the path has grown by this ratio: bounds the mean cost
-  int reunion_steps = 20;             ///< unseen for so many steps is long
+  double rejuvenation_growth = 0.01;    ///< and when the path has grown by this ratio: bounds the mean cost
+  double rejuvenation_lineages = 0.25;  ///< of the particles: distinct ancestors since they were drawn anew
+  int reunion_steps = 20;               ///< unseen for so many steps is long
+
+  /// Keep keyframes of 3-D landmarks, so that path and map can be smoothed on request (map_smoother.hpp).
+  bool smooth_map = true;
 
   // New landmarks and their existence (log-odds).
   int maximum_new_landmarks = 60;  ///< a step

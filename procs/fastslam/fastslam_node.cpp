@@ -70,17 +70,17 @@ void FastSlamNode::connect(Inputs& inputs) {
 void FastSlamNode::command(const command_t& command) {
   if (command.name == "resend") publish_whole_map();
   if (command.name == "reset") slam_.reset();
-  if (command.name == "smooth") smooth();
+  if (command.name == "smooth" && slam_ && !slam_->smoothing() && !slam_->begin_smoothing())
+    publish_smoothed(slam_->smooth());
 }
 
 void FastSlamNode::finish() {
   join_.flush();
-  smooth();
+  if (slam_) publish_smoothed(slam_->smooth());
 }
 
-void FastSlamNode::smooth() {
-  if (!slam_) return;
-  for (const SmoothedPose& smoothed : slam_->smooth()) {
+void FastSlamNode::publish_smoothed(const std::vector<SmoothedPose>& path) {
+  for (const SmoothedPose& smoothed : path) {
     pose_estimate_t pose =
         make_pose_estimate(smoothed.utime, smoothed.T_world_robot, Matrix6d::Identity() * std::nan(""));
     pose.map_revision = revision_;
@@ -118,6 +118,7 @@ void FastSlamNode::on_features(FeatureFrame frame) {
     last_utime_ = frame.utime;
   }
   last_ = slam_->step(motion_to(frame.utime), frame);
+  if (const auto smoothed = slam_->take_smoothed(); !smoothed.empty()) publish_smoothed(smoothed);
   last_utime_ = frame.utime;
   ++steps_;
   lost_ += last_.status == TrackStatus::lost ? 1 : 0;
@@ -193,6 +194,13 @@ NodeReport FastSlamNode::report() const {
                    {"landmarks", slam_ ? static_cast<double>(slam_->index().size()) : 0},
                    {"effective_sample_size", last_.effective_sample_size},
                    {"matched", static_cast<double>(last_.matched)}};
+  if (slam_ && slam_->smoothing_cost() > 0)
+    report.values.emplace_back("smoothing_cost", slam_->smoothing_cost());
+  if (slam_ && settings_.range_offset_sigma + settings_.range_scale_sigma > 0) {
+    report.values.emplace_back("range_offset", slam_->sensor_calibration().range_offset);
+    report.values.emplace_back("range_scale", slam_->sensor_calibration().range_scale);
+    report.values.emplace_back("bearing_offset", slam_->sensor_calibration().bearing_offset);
+  }
   return report;
 }
 

@@ -26,7 +26,7 @@ class FastSlamNode : public Node {
   void publish_particles(Utime utime, const StepResult& result);
   void publish_changes(Utime utime);
   void publish_whole_map();
-  void smooth();
+  void publish_smoothed(const std::vector<SmoothedPose>& path);
 
   Publisher& publisher_;
   FastSlamSettings settings_;

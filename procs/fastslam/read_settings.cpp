@@ -33,8 +33,13 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.heading_scale_sigma = c.get("heading_scale_sigma", s.heading_scale_sigma, Range{0, 1});
   s.heading_per_m_sigma = c.get("heading_per_m_sigma", s.heading_per_m_sigma, Range{0, 1});
   s.calibration_walk = c.get("calibration_walk", s.calibration_walk, Range{0, 10});
+  s.range_offset_sigma = c.get("range_offset_sigma", s.range_offset_sigma, Range{0, 10});
+  s.range_scale_sigma = c.get("range_scale_sigma", s.range_scale_sigma, Range{0, 1});
+  s.bearing_offset_sigma = c.get("bearing_offset_sigma", s.bearing_offset_sigma, Range{0, 1});
   s.rejuvenate = c.get("rejuvenate", s.rejuvenate);
+  s.smooth_map = c.get("smooth_map", s.smooth_map);
   s.rejuvenation_growth = c.get("rejuvenation_growth", s.rejuvenation_growth, Range{0, 100});
+  s.rejuvenation_lineages = c.get("rejuvenation_lineages", s.rejuvenation_lineages, Range{0, 1});
   s.reunion_steps = c.get("reunion_steps", s.reunion_steps, Range{0, 1000000000});
   s.detect_slips = c.get("detect_slips", s.detect_slips);
   s.slip_gate = c.get("slip_gate", s.slip_gate, Range{0, 1e9});

@@ -8,7 +8,6 @@
 #include "messages/feature_messages.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/motion_messages.hpp"
-#include "runtime/publisher.hpp"
 
 namespace lcmslam {
 namespace {
@@ -41,24 +40,28 @@ struct Event {
 
 }  // namespace
 
-LandmarkLogCounts write_landmark_log(const LandmarkRecording& recording, const std::string& file) {
-  LogPublisher log(file);
+void publish_landmarks(const LandmarkRecording& recording, Publisher& publisher) {
   std::vector<Event> events;  // of one time: truth, motion, features
   for (const StampedPose& pose : recording.truth)
-    events.push_back({pose.utime, [&] { log.publish("GROUND_TRUTH", truth_message(pose)); }});
+    events.push_back({pose.utime, [&] { publisher.publish("GROUND_TRUTH", truth_message(pose)); }});
   for (const Twist& twist : recording.twists)
-    events.push_back({twist.utime, [&] { log.publish("TWIST", to_message(twist)); }});
+    events.push_back({twist.utime, [&] { publisher.publish("TWIST", to_message(twist)); }});
   for (const MotionSample& sample : recording.odometry)
-    events.push_back({sample.utime, [&] { log.publish("ODOMETRY", to_message(sample, "external")); }});
-  LandmarkLogCounts counts;
-  for (const FeatureFrame& frame : recording.frames) {
-    events.push_back({frame.utime, [&] { log.publish("FEATURES", to_message(frame)); }});
-    counts.features += static_cast<std::int64_t>(frame.features.size());
-  }
+    events.push_back({sample.utime, [&] { publisher.publish("ODOMETRY", to_message(sample, "external")); }});
+  for (const FeatureFrame& frame : recording.frames)
+    events.push_back({frame.utime, [&] { publisher.publish("FEATURES", to_message(frame)); }});
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& a, const Event& b) { return a.utime < b.utime; });
   for (const Event& event : events) event.publish();
+}
+
+LandmarkLogCounts write_landmark_log(const LandmarkRecording& recording, const std::string& file) {
+  LogPublisher log(file);
+  publish_landmarks(recording, log);
   log.close();
+  LandmarkLogCounts counts;
+  for (const FeatureFrame& frame : recording.frames)
+    counts.features += static_cast<std::int64_t>(frame.features.size());
   counts.frames = static_cast<std::int64_t>(recording.frames.size());
   counts.motions = static_cast<std::int64_t>(recording.twists.size() + recording.odometry.size());
   counts.truths = static_cast<std::int64_t>(recording.truth.size());

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "datasets/landmark_recording.hpp"
+#include "runtime/publisher.hpp"
 
 namespace lcmslam {
 
@@ -15,5 +16,8 @@ struct LandmarkLogCounts {
 /// FEATURES, TWIST or ODOMETRY, and GROUND_TRUTH (for evaluation only), in order of message time. Throws
 /// std::runtime_error naming the file.
 LandmarkLogCounts write_landmark_log(const LandmarkRecording& recording, const std::string& file);
+
+/// The same messages in the same order to a publisher.
+void publish_landmarks(const LandmarkRecording& recording, Publisher& publisher);
 
 }  // namespace lcmslam

@@ -14,7 +14,11 @@
 #include "launch/graph.hpp"
 #include "parse_command.hpp"
 #include "run_folder.hpp"
+#include "runtime/options.hpp"
+#include "simulation/simulation.hpp"
 #include "study/feature_study.hpp"
+#include "study/filter_study.hpp"
+#include "study/landmark_study.hpp"
 #include "study/measures.hpp"
 #include "study/pair_study.hpp"
 
@@ -64,6 +68,42 @@ int run_pair_study(const std::string& data, const PairStudySettings& settings) {
   return 0;
 }
 
+/// The configuration that belongs to a recording of landmarks, unless another is named.
+int run_landmark_study(const std::string& data, int robot, std::string config, const std::string& description,
+                       const std::vector<std::string>& overrides, const std::vector<int>& seeds) {
+  DatasetOptions options;
+  options.description = description;
+  const auto recording = open_landmark_dataset(data, robot, options);
+  if (!recording) throw std::invalid_argument(data + " is neither an MRCLAM folder nor Victoria Park");
+  if (config.empty())
+    config = std::string(LCMSLAM_SOURCE_DIR) +
+             (recording->twists.empty() ? "/config/victoria_park.yaml" : "/config/mrclam.yaml");
+  const LandmarkStudyResult result = study_landmarks(*recording, load_config(config, overrides), seeds);
+  nlohmann::json report = landmark_json(result);
+  report["data"] = data;
+  report["robot"] = robot;
+  write_report(new_run_folder("study-landmarks"), report, landmark_table(result));
+  return 0;
+}
+
+int run_filter_study(const std::vector<std::string>& logs, const std::string& scene, std::string config,
+                     const std::vector<std::string>& overrides, const std::vector<int>& seeds) {
+  std::unique_ptr<Simulation> simulation;
+  SurfaceDistance surface;
+  if (!scene.empty()) {
+    SimulationSettings settings;
+    settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/" + scene + ".yaml";
+    simulation = std::make_unique<Simulation>(settings);
+    surface = [&](const Eigen::Vector3d& point) { return simulation->distance_to_surface(point); };
+  }
+  if (config.empty()) config = std::string(LCMSLAM_SOURCE_DIR) + "/config/replay.yaml";
+  const auto scores = study_filter(logs, load_config(config, overrides), seeds, surface);
+  nlohmann::json report = filter_json(scores);
+  report["set"] = overrides;
+  write_report(new_run_folder("study-filter"), report, filter_table(scores));
+  return 0;
+}
+
 int run_feature_study(const std::string& data, const FeatureStudySettings& settings) {
   settings.check();
   const auto source = open_dataset(data);
@@ -84,14 +124,18 @@ int run_feature_study(const std::string& data, const FeatureStudySettings& setti
 
 int study_command(int argc, char** argv) {
   std::vector<int> seeds = {1, 2, 3, 4, 5};
-  std::string config, data, only;
+  std::string config, data, only, description, scene;
   double seconds = 0;
+  int robot = 0;
   std::vector<std::string> overrides;
   FeatureStudySettings features;
   CLI::App app{
       "Runs the demo live once for each seed and prints the errors of all runs. "
       "--only features: instead, how well features are found again and matched on a recording, ours beside "
-      "dlib's SURF, SIFT and ORB. --only pairs: how often two clouds are registered without a start.",
+      "dlib's SURF, SIFT and ORB. --only pairs: how often two clouds are registered without a start. "
+      "--only landmarks: MRCLAM or Victoria Park in batch, once for each seed. --only filter: logs with "
+      "images "
+      "and truth through odometry and fastslam in batch, each with each seed.",
       "lcmslam study"};
   app.add_option("--seeds", seeds, "of sensors and particles")->delimiter(',');
   app.add_option("--config", config, "as for the demo")->check(CLI::ExistingFile);
@@ -99,8 +143,18 @@ int study_command(int argc, char** argv) {
       ->check(CLI::ExistingPath);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
-  const auto only_option = app.add_option("--only", only, "one study of its own: features, pairs")
-                               ->check(CLI::IsMember({"features", "pairs"}));
+  const auto only_option =
+      app.add_option("--only", only, "one study of its own: features, pairs, landmarks, filter")
+          ->check(CLI::IsMember({"features", "pairs", "landmarks", "filter"}));
+  std::vector<std::string> logs;
+  app.add_option("logs", logs, "filter: .lcmlog files")->check(CLI::ExistingFile)->needs(only_option);
+  app.add_option("--scene", scene,
+                 "filter: kitchen, table or office, which the logs show; for its true surfaces")
+      ->needs(only_option);
+  app.add_option("--robot", robot, "landmarks: which one of an MRCLAM folder")->needs(only_option);
+  app.add_option("--description", description, "landmarks: of the data set, as for import")
+      ->check(CLI::ExistingFile)
+      ->needs(only_option);
   app.add_option("--apart", features.apart, "features: frames between the images of a pair, ascending")
       ->delimiter(',')
       ->needs(only_option)
@@ -132,6 +186,15 @@ int study_command(int argc, char** argv) {
   if (only == "features") {
     if (data.empty()) throw std::invalid_argument("--only features needs --data FOLDER, a recording");
     return run_feature_study(data, features);
+  }
+
+  if (only == "filter") {
+    if (logs.empty()) throw std::invalid_argument("--only filter needs logs");
+    return run_filter_study(logs, scene, config, overrides, seeds);
+  }
+  if (only == "landmarks") {
+    if (data.empty()) throw std::invalid_argument("--only landmarks needs --data FOLDER");
+    return run_landmark_study(data, robot, config, description, overrides, seeds);
   }
 
   const std::filesystem::path folder = new_run_folder("study");

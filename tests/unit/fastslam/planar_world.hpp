@@ -15,6 +15,7 @@ struct PlanarWorldSettings {
   int beacons = 12;
   int frames = 600;
   double range_sigma = 0.05, bearing_sigma = 0.02;
+  double range_offset = 0, range_scale = 0, bearing_offset = 0;  // of the sensor (sensor_calibration.hpp)
   double correlation = 0;  // of the range's error of one beacon from frame to frame
   double translation_sigma = 0.004, rotation_sigma = 0.004;  // of a step, as odometry states them
   double heading_per_m = 0;                                  // rad; systematic, and not stated
@@ -85,8 +86,9 @@ inline PlanarDrive make_planar_drive(const PlanarWorldSettings& s, std::uint64_t
         f.point = Eigen::Vector3d(p.x() + error, p.y() + s.range_sigma * random.normal(), 0).cast<float>();
       } else {
         f.kind = MeasurementKind::range_bearing;
-        f.point =
-            Eigen::Vector3d(range + error, bearing + s.bearing_sigma * random.normal(), 0).cast<float>();
+        f.point = Eigen::Vector3d(s.range_offset + (1 + s.range_scale) * range + error,
+                                  s.bearing_offset + bearing + s.bearing_sigma * random.normal(), 0)
+                      .cast<float>();
       }
       step.frame.features.push_back(f);
     }

@@ -23,6 +23,7 @@ struct Outcome {
   double landmarks = 0;        // m, RMSE
   int removed = 0;
   CalibrationMean calibration = CalibrationMean::Zero();
+  SensorCalibration sensor;
 };
 
 FastSlamSettings settings_for(std::uint64_t seed) {
@@ -66,6 +67,7 @@ Outcome run(const PlanarDrive& drive, const FastSlamSettings& settings) {
     ++count;
   }
   outcome.landmarks = std::sqrt(outcome.landmarks / std::max(1, count));
+  outcome.sensor = slam.sensor_calibration();
   for (const Particle& particle : slam.particles())
     outcome.calibration += particle.calibration / static_cast<double>(slam.particles().size());
   return outcome;
@@ -167,6 +169,79 @@ TEST(KnownLandmarks, CorrelatedErrorsDoNotMakeItOverconfident) {
   RecordProperty("nees_without", std::to_string(median(without)));
   RecordProperty("nees_with", std::to_string(median(with)));
   EXPECT_LT(median(with), 0.6 * median(without));
+}
+
+TEST(SensorCalibration, CorrectsWhatItSays) {
+  const SensorCalibration sensor{0.1, 0.02, -0.03};
+  Measurement m;
+  m.kind = MeasurementKind::range_bearing;
+  m.value << 0.1 + 1.02 * 3, -0.03 + 0.4, 0;
+  EXPECT_NEAR(sensor.corrected(m).value.x(), 3, 1e-12);
+  EXPECT_NEAR(sensor.corrected(m).value.y(), 0.4, 1e-12);
+  m.kind = MeasurementKind::planar;
+  EXPECT_EQ(sensor.corrected(m).value, m.value);
+}
+
+// A range that reads too long and a camera that looks aside show in the robot's own data.
+TEST(SensorCalibration, IsLearnedWithTheSmoothedPath) {
+  PlanarWorldSettings world;
+  world.range_offset = 0.15;
+  world.bearing_offset = 0.05;
+  std::vector<double> with, without, map_with, map_without;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const PlanarDrive drive = make_planar_drive(world, seed);
+    FastSlamSettings settings = settings_for(seed);
+    const Outcome uncalibrated = run(drive, settings);
+    settings.range_offset_sigma = 0.2;
+    settings.bearing_offset_sigma = 0.1;
+    const Outcome calibrated = run(drive, settings);
+    EXPECT_NEAR(calibrated.sensor.range_offset, world.range_offset, 0.05) << "seed " << seed;
+    EXPECT_NEAR(calibrated.sensor.bearing_offset, world.bearing_offset, 0.02) << "seed " << seed;
+    EXPECT_NEAR(uncalibrated.sensor.range_offset, 0, 1e-9);
+    with.push_back(calibrated.rmse);
+    without.push_back(uncalibrated.rmse);
+    map_with.push_back(calibrated.landmarks);
+    map_without.push_back(uncalibrated.landmarks);
+  }
+  EXPECT_LT(median(with), 0.9 * median(without));
+  EXPECT_LT(median(map_with), 0.7 * median(map_without));
+}
+
+// Where no landmark comes back, resampling alone leaves one ancestor's path, and the estimate wanders with
+// the seed. Particles drawn anew when few lineages are left hold it where all measurements put it.
+TEST(KnownLandmarks, FewLineagesAreReasonEnoughToDrawAnew) {
+  PlanarWorldSettings world;
+  world.frames = 400;
+  const PlanarDrive drive = make_planar_drive(world, 5);
+  std::vector<double> spread;
+  std::vector<int> drawn_anew;  // also where a sight contradicts its landmark
+  for (const double lineages : {0.0, 0.25}) {
+    std::vector<Eigen::Vector2d> ends;
+    int drawn = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      FastSlamSettings settings = settings_for(seed);
+      settings.reunion_steps = 1000000;
+      settings.rejuvenation_lineages = lineages;
+      FastSlam slam(settings);
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      for (const auto& step : drive.steps) {
+        const StepResult r = slam.step(step.motion, step.frame);
+        drawn += r.rejuvenated;
+        T = r.T_world_robot;
+      }
+      ends.push_back(T.translation().head<2>());
+    }
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (const auto& end : ends) mean += end / static_cast<double>(ends.size());
+    double squares = 0;
+    for (const auto& end : ends) squares += (end - mean).squaredNorm();
+    spread.push_back(std::sqrt(squares / static_cast<double>(ends.size())));
+    drawn_anew.push_back(drawn);
+  }
+  EXPECT_GT(drawn_anew[1], drawn_anew[0] + 8);
+  RecordProperty("spread_without", std::to_string(spread[0]));
+  RecordProperty("spread_with", std::to_string(spread[1]));
+  EXPECT_LT(spread[1], 0.6 * spread[0]);
 }
 
 // The particles drawn from the smoothed path keep the covariance honest where resampling alone loses it.

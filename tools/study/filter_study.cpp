@@ -1,0 +1,254 @@
+#include "study/filter_study.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <lcmslam/landmarks_t.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "evaluate/pose_log.hpp"
+#include "evaluation/table.hpp"
+#include "log/message_reader.hpp"
+#include "messages/decode.hpp"
+#include "messages/feature_messages.hpp"
+#include "study/measures.hpp"
+#include "surf/matching.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double kNearView = 0.6, kNearTurn = 0.5;  // m, rad: views that may show the same features
+constexpr double kSameThing = 0.05;                 // m, by the true poses
+const double nothing = std::nan("");
+
+double ate(const Trajectory& truth, const Trajectory& path, TrajectoryReport* report = nullptr) {
+  EvaluationSettings settings;
+  settings.association = Association::interpolate_truth;
+  const TrajectoryReport found = evaluate(truth, path, settings);
+  if (report != nullptr) *report = found;
+  return found.absolute.translation.rmse;
+}
+
+double quantile(std::vector<double> values, double part) {
+  if (values.empty()) return nothing;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
+}
+
+Eigen::Vector3d place(const Eigen::Isometry3d& T_world_robot, const FeatureFrame& frame, int feature) {
+  return T_world_robot * frame.T_robot_camera *
+         frame.features[static_cast<std::size_t>(feature)].point.cast<double>();
+}
+
+// The frame of the first third whose view is most like that of `late`; nothing when none is near.
+const FeatureFrame* earlier_view(const std::vector<FeatureFrame>& frames, const FeatureFrame& late,
+                                 const Trajectory& truth) {
+  const auto T_late = pose_at(truth, late.utime);
+  const FeatureFrame* best = nullptr;
+  double least = 1;
+  for (std::size_t i = 0; T_late && i < frames.size() / 3; ++i) {
+    const auto T_early = pose_at(truth, frames[i].utime);
+    if (!T_early) continue;
+    const Eigen::Isometry3d between =
+        (*T_early * frames[i].T_robot_camera).inverse() * (*T_late * late.T_robot_camera);
+    const double unlike =
+        std::max(between.translation().norm() / kNearView, rotation_angle(between) / kNearTurn);
+    if (unlike >= least) continue;
+    least = unlike;
+    best = &frames[i];
+  }
+  return best;
+}
+
+std::string cell(double value, int decimals) {
+  return fixed_number(value, decimals);
+}
+
+struct ColumnOf {
+  const char* name;
+  double (*value)(const FilterScore&);
+};
+const ColumnOf columns[] = {
+    {"odometry ATE m", [](const FilterScore& s) { return s.odometry; }},
+    {"fastslam ATE m", [](const FilterScore& s) { return s.fastslam; }},
+    {"smoothed", [](const FilterScore& s) { return s.smoothed; }},
+    {"ratio", [](const FilterScore& s) { return s.fastslam / s.odometry; }},
+    {"noise taken away", [](const FilterScore& s) { return s.corrected; }},
+    {"landmarks off surface m", [](const FilterScore& s) { return s.landmarks; }},
+    {"p90", [](const FilterScore& s) { return s.landmarks_p90; }},
+    {"first to last m", [](const FilterScore& s) { return s.reunion; }},
+    {"by odometry", [](const FilterScore& s) { return s.odometry_reunion; }},
+};
+
+}  // namespace
+
+PreparedLog prepare_log(const std::string& log, const ConfigNode& config, int threads) {
+  PreparedLog result;
+  BatchGraph graph(config, {"surf"}, threads, [&](const BatchMessage& m) {
+    if (m.channel != "FEATURES") return;
+    result.messages.push_back(m);
+    result.frames.push_back(from_message(decode_message<features_t>(m.bytes.data(), m.bytes.size())));
+  });
+  PoseLog poses;
+  MessageReader reader(log);
+  while (const auto event = reader.next()) {
+    BatchMessage message{std::string(event->channel), {}, event->timestamp};
+    message.bytes.assign(event->data, event->data + event->size);
+    if (message.channel == "GROUND_TRUTH")
+      poses.add(message.channel, message.bytes.data(), message.bytes.size());
+    else if (message.channel == "CAMERA" || message.channel == "CAMERA_CALIBRATION")
+      graph.deliver(std::move(message));
+    else if (message.channel == "ENCODERS" || message.channel == "TWIST")
+      result.messages.push_back(std::move(message));
+  }
+  graph.finish();
+  poses.finish();
+  if (result.frames.empty()) throw std::runtime_error(log + ": has no images (lcmslam log info)");
+  const PoseChannel& truth = poses.channel("GROUND_TRUTH", log);
+  result.truth = truth.trajectory;
+  if (truth.body == "camera")
+    result.truth = in_other_frame(truth.trajectory, result.frames.front().T_robot_camera.inverse());
+  return result;
+}
+
+FilterRun run_filter(const PreparedLog& log, const ConfigNode& file, int seed) {
+  ConfigNode config = file;
+  config.set("fastslam.seed", std::to_string(seed));
+  config.set("odometry.seed", std::to_string(seed));
+  config.set("odometry.noise.seed", std::to_string(seed));
+  PoseLog poses;
+  std::map<std::int64_t, Eigen::Vector3d> landmarks;
+  BatchGraph graph(config, {"odometry", "fastslam"}, 1, [&](const BatchMessage& m) {
+    poses.add(m.channel, m.bytes.data(), m.bytes.size());
+    if (m.channel != "FASTSLAM_LANDMARKS") return;
+    const auto tile = decode_message<landmarks_t>(m.bytes.data(), m.bytes.size());
+    for (const std::int64_t id : tile.removed) landmarks.erase(id);
+    for (const landmark_t& l : tile.landmarks) landmarks[l.id] = {l.mean[0], l.mean[1], l.mean[2]};
+  });
+  for (const BatchMessage& message : log.messages) graph.deliver(message);
+  graph.finish();
+  poses.finish();
+  FilterRun run;
+  const auto path = [&](const std::string& name) {
+    const auto found = poses.channels().find(name);
+    return found == poses.channels().end() ? Trajectory() : found->second.trajectory;
+  };
+  run.odometry = path("ODOMETRY");
+  run.fastslam = path("FASTSLAM_POSE");
+  run.smoothed = path("FASTSLAM_SMOOTHED");
+  if (!run.fastslam.empty()) run.lost = poses.channels().at("FASTSLAM_POSE").lost;
+  for (const auto& [id, mean] : landmarks) run.landmarks.push_back(mean);
+  return run;
+}
+
+std::vector<double> reunion_distances(const std::vector<FeatureFrame>& frames, const Trajectory& truth,
+                                      const Trajectory& path) {
+  std::vector<double> distances;
+  Matcher matcher;
+  for (std::size_t i = frames.size() * 9 / 10; i < frames.size(); ++i) {
+    const FeatureFrame& late = frames[i];
+    const FeatureFrame* early = earlier_view(frames, late, truth);
+    if (early == nullptr) continue;
+    const auto T_early = pose_at(path, early->utime), T_late = pose_at(path, late.utime);
+    if (!T_early || !T_late) continue;
+    const Eigen::Isometry3d true_early = *pose_at(truth, early->utime),
+                            true_late = *pose_at(truth, late.utime);
+    for (const Match& m : matcher.match(early->features, late.features)) {
+      const double apart = (place(true_early, *early, m.a) - place(true_late, late, m.b)).norm();
+      if (!(apart < kSameThing)) continue;  // a wrong match, or no depth
+      distances.push_back((place(*T_early, *early, m.a) - place(*T_late, late, m.b)).norm());
+    }
+  }
+  return distances;
+}
+
+FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double clean,
+                         const SurfaceDistance& surface) {
+  FilterScore score;
+  TrajectoryReport report;
+  score.fastslam = ate(log.truth, run.fastslam, &report);
+  score.odometry = ate(log.truth, run.odometry);
+  score.smoothed = run.smoothed.size() > 2 ? ate(log.truth, run.smoothed) : nothing;
+  score.clean = clean;
+  score.corrected = (score.odometry - score.fastslam) / (score.odometry - clean);
+  std::vector<double> off;
+  for (const Eigen::Vector3d& landmark : run.landmarks)
+    if (surface) off.push_back(surface(report.alignment.T_truth_estimate * landmark));
+  score.landmarks = median(off);
+  score.landmarks_p90 = quantile(off, 0.9);
+  const std::vector<double> reunions = reunion_distances(log.frames, log.truth, run.fastslam);
+  score.reunions = static_cast<int>(reunions.size());
+  score.reunion = median(reunions);
+  score.odometry_reunion = median(reunion_distances(log.frames, log.truth, run.odometry));
+  score.lost = run.lost;
+  return score;
+}
+
+std::vector<FilterScore> study_filter(const std::vector<std::string>& logs, const ConfigNode& config,
+                                      const std::vector<int>& seeds, const SurfaceDistance& surface) {
+  const std::string mode = config.section("odometry").section("noise").get("mode", std::string("none"));
+  const auto with_noise = [&](const std::string& wanted) {
+    ConfigNode changed = config;
+    changed.set("odometry.noise.mode", wanted);  // copies share what is set: set it before each run
+    return changed;
+  };
+  std::vector<FilterScore> scores;
+  for (const std::string& name : logs) {
+    const PreparedLog log = prepare_log(name, config, 2);
+    for (const int seed : seeds) {
+      const double clean =
+          mode == "none" ? nothing : ate(log.truth, run_filter(log, with_noise("none"), seed).odometry);
+      const FilterRun run = run_filter(log, with_noise(mode), seed);
+      scores.push_back(score_filter(log, run, clean, surface));
+      scores.back().log = std::filesystem::path(name).stem();
+      scores.back().seed = seed;
+    }
+  }
+  return scores;
+}
+
+std::string filter_table(const std::vector<FilterScore>& scores) {
+  std::vector<std::string> header = {"log", "seed"};
+  for (const ColumnOf& column : columns) header.emplace_back(column.name);
+  header.insert(header.end(), {"pairs", "lost"});
+  Table table(header);
+  int lost = 0;
+  for (const FilterScore& s : scores) {
+    std::vector<std::string> row = {s.log, std::to_string(s.seed)};
+    for (const ColumnOf& column : columns) row.push_back(cell(column.value(s), 4));
+    row.insert(row.end(), {std::to_string(s.reunions), std::to_string(s.lost)});
+    table.add(row);
+    lost += s.lost;
+  }
+  for (const bool worst : {false, true}) {
+    std::vector<std::string> row = {worst ? "worst" : "median", ""};
+    for (const ColumnOf& column : columns) {
+      std::vector<double> values;
+      for (const FilterScore& s : scores)
+        if (std::isfinite(column.value(s))) values.push_back(column.value(s));
+      const bool more_is_better = column.value == columns[4].value;
+      row.push_back(cell(!worst           ? median(values)
+                         : more_is_better ? quantile(values, 0)
+                                          : quantile(values, 1),
+                         4));
+    }
+    row.insert(row.end(), {"", worst ? std::to_string(lost) : ""});
+    table.add(row);
+  }
+  return table.text();
+}
+
+nlohmann::json filter_json(const std::vector<FilterScore>& scores) {
+  nlohmann::json json = {{"runs", nlohmann::json::array()}};
+  for (const FilterScore& s : scores) {
+    nlohmann::json run = {{"log", s.log}, {"seed", s.seed}, {"reunion_pairs", s.reunions}, {"lost", s.lost}};
+    for (const ColumnOf& column : columns)
+      if (std::isfinite(column.value(s))) run[column.name] = column.value(s);
+    json["runs"].push_back(run);
+  }
+  return json;
+}
+
+}  // namespace lcmslam

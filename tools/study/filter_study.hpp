@@ -1,0 +1,66 @@
+#pragma once
+// The filter alone over logs with images, once a seed: features are found once a log, then odometry and
+// fastslam run as often as asked. Answers: how far is the path from the truth, how far are landmarks from the
+// scene's true surfaces, does a thing seen first and last coincide, and how much of a noise that was added to
+// the odometry (odometry.noise, thesis figure 2.10) does the filter take away.
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "batch/batch_graph.hpp"
+#include "configuration/config.hpp"
+#include "evaluation/trajectory_error.hpp"
+#include "surf/feature.hpp"
+
+namespace lcmslam {
+
+/// A log with features in place of its images.
+struct PreparedLog {
+  std::vector<BatchMessage> messages;  ///< what odometry and fastslam take, in the log's order
+  std::vector<FeatureFrame> frames;
+  Trajectory truth;  ///< of the robot
+};
+/// Throws std::runtime_error for a log without images or truth.
+PreparedLog prepare_log(const std::string& log, const ConfigNode& config, int threads);
+
+struct FilterRun {
+  Trajectory odometry, fastslam, smoothed;
+  std::vector<Eigen::Vector3d> landmarks;  ///< m, fastslam's map
+  int lost = 0;                            ///< poses of that status
+};
+FilterRun run_filter(const PreparedLog& log, const ConfigNode& config, int seed);
+
+/// How far features seen early and seen again late from about the same place lie from each other when each
+/// is placed by the path's pose of its own time, m. Which are the same is told by descriptors and checked by
+/// the true poses. Empty when the path does not come back.
+std::vector<double> reunion_distances(const std::vector<FeatureFrame>& frames, const Trajectory& truth,
+                                      const Trajectory& path);
+
+/// m, from a point of the truth's world to the nearest surface.
+using SurfaceDistance = std::function<double(const Eigen::Vector3d&)>;
+
+struct FilterScore {
+  std::string log;
+  int seed = 0;
+  double odometry = 0, fastslam = 0, smoothed = 0;  ///< ATE RMSE, m
+  double clean = 0, corrected = 0;          ///< odometry's ATE without noise; part of the noise's error taken
+                                            ///< away: (odometry - fastslam) / (odometry - clean)
+  double landmarks = 0, landmarks_p90 = 0;  ///< median and 90 % of their distances from surfaces, m
+  double reunion = 0, odometry_reunion = 0;  ///< medians of reunion_distances, m
+  int reunions = 0, lost = 0;
+};
+
+/// `clean`: ATE of the odometry without added noise, or NaN. NaN in what cannot be told.
+FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double clean,
+                         const SurfaceDistance& surface);
+
+/// Each log with each seed; without seeds once, with the seed of the configuration.
+std::vector<FilterScore> study_filter(const std::vector<std::string>& logs, const ConfigNode& config,
+                                      const std::vector<int>& seeds, const SurfaceDistance& surface);
+
+std::string filter_table(const std::vector<FilterScore>& scores);
+nlohmann::json filter_json(const std::vector<FilterScore>& scores);
+
+}  // namespace lcmslam
