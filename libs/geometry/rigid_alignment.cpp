@@ -99,7 +99,8 @@ Eigen::Matrix3d SvdEstimator::rotation(const PairMoments& moments) const {
 
 Eigen::Matrix3d QuaternionEstimator::rotation(const PairMoments& moments) const {
   const Eigen::Matrix3d& S = moments.cross;
-  const Eigen::Vector3d v(S(1, 2) - S(2, 1), S(2, 0) - S(0, 2), S(0, 1) - S(1, 0));
+  const double sign = form_ == Form::corrected ? -1 : 1;
+  const Eigen::Vector3d v(S(1, 2) + sign * S(2, 1), S(2, 0) + sign * S(0, 2), S(0, 1) + sign * S(1, 0));
   Eigen::Matrix4d N;
   N(0, 0) = S.trace();
   N.block<1, 3>(0, 1) = v.transpose();

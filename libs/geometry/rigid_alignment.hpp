@@ -62,7 +62,17 @@ class SvdEstimator : public RigidEstimator {
 /// Largest eigenvector of Horn's 4x4 matrix is the unit quaternion (w, x, y, z) (eq. 3.14,
 /// corrected; Horn 1987).
 class QuaternionEstimator : public RigidEstimator {
+ public:
+  enum class Form {
+    corrected,
+    as_printed  ///< eq. 3.14 with all signs plus: another rotation unless the moments are diagonal; for
+                ///< studies
+  };
+  explicit QuaternionEstimator(Form form = Form::corrected) : form_(form) {}
+
+ private:
   Eigen::Matrix3d rotation(const PairMoments& moments) const override;
+  Form form_;
 };
 
 /// Solves q' - p' = omega x p' (eq. 3.18-3.26): one linear step whose error falls with the square of

@@ -1,5 +1,6 @@
 #include "icp/alternating.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -17,7 +18,7 @@ class Turn {
  public:
   virtual ~Turn() = default;
   /// The transform after its iterations; nothing when there are too few pairs.
-  virtual std::optional<Eigen::Isometry3d> take(const Eigen::Isometry3d& T) const = 0;
+  virtual std::optional<Eigen::Isometry3d> take(const Eigen::Isometry3d& T) = 0;
   /// RMS distance (m) of the pairs at T; NaN without pairs.
   virtual double rms(const Eigen::Isometry3d& T) const = 0;
 };
@@ -29,9 +30,14 @@ class NearestTurn : public Turn {
     settings_.max_iterations = iterations;
     settings_.epsilon_translation = settings_.epsilon_rotation = settings_.epsilon_rms = 0;
   }
-  std::optional<Eigen::Isometry3d> take(const Eigen::Isometry3d& T) const override {
+  std::optional<Eigen::Isometry3d> take(const Eigen::Isometry3d& T) override {
     const RegistrationResult result = register_cloud(source_, target_, T, settings_);
     if (!result.ok()) return std::nullopt;
+    // The adaptive limit lives on from turn to turn.
+    const double next = settings_.distance_sigmas * result.rms.back();
+    if (settings_.distance_sigmas > 0)
+      settings_.max_distance =
+          std::clamp(next, std::min(settings_.min_distance, settings_.max_distance), settings_.max_distance);
     return result.T_target_source;
   }
   double rms(const Eigen::Isometry3d& T) const override {
@@ -52,7 +58,7 @@ class FixedTurn : public Turn {
  public:
   FixedTurn(const FeaturePairs& features, const RegistrationSettings& settings, int iterations)
       : features_(features), solver_(make_solver(settings, nullptr)), iterations_(iterations) {}
-  std::optional<Eigen::Isometry3d> take(const Eigen::Isometry3d& T) const override {
+  std::optional<Eigen::Isometry3d> take(const Eigen::Isometry3d& T) override {
     std::optional<Eigen::Isometry3d> result = T;
     for (int i = 0; i < iterations_ && result; ++i) result = solver_->solve(pairs(*result), *result);
     return result;
@@ -110,7 +116,7 @@ AlternatingSettings::AlternatingSettings() {
 
 std::optional<Eigen::Isometry3d> align_start(const FeaturePairs& features,
                                              const RegistrationSettings& settings) {
-  const FixedTurn turn(features, settings, 1);
+  FixedTurn turn(features, settings, 1);
   return turn.take(Eigen::Isometry3d::Identity());
 }
 
@@ -120,12 +126,12 @@ AlternatingResult register_alternating(const Cloud& overlap, const Target& targe
   check(features, settings);
   const Cloud source_features{features.source, {}, {}};
   const KdTreeTarget target_features(Cloud{features.target, {}, {}});
-  const NearestTurn cloud_turn(overlap, target, settings.registration, settings.cloud_iterations);
+  NearestTurn cloud_turn(overlap, target, settings.registration, settings.cloud_iterations);
   const RegistrationSettings of_features = feature_settings(settings.registration);
-  const NearestTurn nearest_turn(source_features, target_features, of_features, settings.feature_iterations);
-  const FixedTurn fixed_turn(features, of_features, settings.feature_iterations);
+  NearestTurn nearest_turn(source_features, target_features, of_features, settings.feature_iterations);
+  FixedTurn fixed_turn(features, of_features, settings.feature_iterations);
   const bool fixed = settings.pairing == FeaturePairing::fixed;
-  const Turn& feature_turn = fixed ? static_cast<const Turn&>(fixed_turn) : nearest_turn;
+  Turn& feature_turn = fixed ? static_cast<Turn&>(fixed_turn) : nearest_turn;
 
   AlternatingResult result;
   Eigen::Isometry3d T = T_start;

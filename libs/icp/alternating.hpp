@@ -10,14 +10,10 @@
 
 #include <optional>
 
+#include "icp/feature_pairs.hpp"
 #include "icp/registration.hpp"
 
 namespace lcmslam {
-
-/// Corresponding 3-D points (m), i of one with i of the other: source frame and target frame.
-struct FeaturePairs {
-  std::vector<Eigen::Vector3f> source, target;
-};
 
 enum class FeaturePairing {
   nearest,  ///< each iteration pairs a SURF point with the nearest one, as algorithm 3.2 is printed

@@ -59,24 +59,45 @@ void append_geometry(const VoxelSum& s, const AnyCloud& like, AnyCloud& cloud) {
   if (!like.sigmas.empty()) cloud.sigmas.push_back(s.sigma / s.weight);
 }
 
+void move(Cloud& cloud, const Eigen::Isometry3d& T) {
+  const Eigen::Isometry3f T_float = T.cast<float>();
+  for (auto& p : cloud.points) p = T_float * p;
+  for (auto& n : cloud.normals) n = T_float.linear() * n;
+  for (auto& g : cloud.gradients) g = T_float.linear() * g;
+}
+
 }  // namespace
 
 Cloud geometry_of(const ColouredCloud& cloud, const Eigen::Isometry3d& T) {
-  return transformed(Cloud{cloud.points, cloud.normals, cloud.sigmas}, T);
+  Cloud geometry(cloud.points, cloud.normals, cloud.sigmas);
+  move(geometry, T);
+  return geometry;
+}
+
+std::vector<float> intensities_of(const ColouredCloud& cloud) {
+  std::vector<float> intensities;
+  intensities.reserve(cloud.size());
+  for (const cv::Vec3b& bgr : cloud.colours)
+    intensities.push_back((0.114f * bgr[0] + 0.587f * bgr[1] + 0.299f * bgr[2]) / 255);
+  return intensities;
 }
 
 Cloud transformed(const Cloud& cloud, const Eigen::Isometry3d& T) {
-  const Eigen::Isometry3f T_float = T.cast<float>();
   Cloud result = cloud;
-  for (auto& p : result.points) p = T_float * p;
-  for (auto& n : result.normals) n = T_float.linear() * n;
+  move(result, T);
   return result;
 }
 
 Cloud voxel_filtered(const Cloud& cloud, double voxel_size) {
-  const auto no_colour = [](std::size_t) -> Eigen::Vector3f { return Eigen::Vector3f::Zero(); };
+  const bool grey = !cloud.intensities.empty();
+  const auto intensity_of = [&](std::size_t i) -> Eigen::Vector3f {
+    return Eigen::Vector3f(grey ? cloud.intensities[i] : 0, 0, 0);
+  };
   Cloud result;
-  for (const VoxelSum& s : sum_voxels(cloud, voxel_size, no_colour)) append_geometry(s, cloud, result);
+  for (const VoxelSum& s : sum_voxels(cloud, voxel_size, intensity_of)) {
+    append_geometry(s, cloud, result);
+    if (grey) result.intensities.push_back(s.colour.x() / s.weight);
+  }
   return result;
 }
 

@@ -103,12 +103,16 @@ std::optional<double> ColourOverlap::overlap() const {
   return static_cast<double>(overlapping) / known;
 }
 
-Cloud overlapping_points(const Cloud& cloud, const ColourOverlap& overlap, const CameraModel& camera) {
+bool may_overlap(const Eigen::Vector3d& point, const ColourOverlap& overlap, const CameraModel& camera) {
+  const auto pixel = camera.project(point);
+  const Segment* segment = pixel ? overlap.at(pixel->x() + 0.5, pixel->y() + 0.5) : nullptr;
+  return segment != nullptr && segment->state != SegmentState::outside;
+}
+
+Cloud overlapping_points(const Cloud& cloud, const ColourOverlap& overlap, const CameraModel& camera,
+                         const Eigen::Isometry3d& T_camera_cloud) {
   return kept_points(cloud, [&](std::size_t i) {
-    const Eigen::Vector3f& p = cloud.points[i];
-    const auto pixel = camera.project(p.cast<double>());
-    const Segment* segment = pixel ? overlap.at(pixel->x() + 0.5, pixel->y() + 0.5) : nullptr;
-    return segment != nullptr && segment->state != SegmentState::outside;
+    return may_overlap(T_camera_cloud * cloud.points[i].cast<double>(), overlap, camera);
   });
 }
 

@@ -49,8 +49,12 @@ class ColourOverlap {
   std::vector<Segment> segments_;
 };
 
-/// S_sub: the points that project into an overlapping segment, or an unknown one, which may overlap. Points
-/// in the source's colour camera frame.
-Cloud overlapping_points(const Cloud& cloud, const ColourOverlap& overlap, const CameraModel& camera);
+/// Whether a point of the source's colour camera frame projects into an overlapping segment, or an unknown
+/// one, which may overlap.
+bool may_overlap(const Eigen::Vector3d& point, const ColourOverlap& overlap, const CameraModel& camera);
+
+/// S_sub: the points that may overlap.
+Cloud overlapping_points(const Cloud& cloud, const ColourOverlap& overlap, const CameraModel& camera,
+                         const Eigen::Isometry3d& T_camera_cloud = Eigen::Isometry3d::Identity());
 
 }  // namespace lcmslam

@@ -20,7 +20,7 @@ double inlier_share(const RegistrationResult& r) {
 
 /// Closed-form estimators know no prior: for them odometry is only the start.
 const Prior* prior_for(const RegistrationSettings& settings, const Prior& prior) {
-  return settings.solver == SolverKind::gauss_newton ? &prior : nullptr;
+  return is_iterative(settings.solver) ? &prior : nullptr;
 }
 
 }  // namespace
@@ -66,30 +66,35 @@ IcpMapper::IcpMapper(const IcpMapperSettings& settings)
     : settings_(settings),
       map_(settings.map),
       view_(map_, settings.correspondence, settings.view_radius),
-      anchor_(settings.features) {}
+      anchor_(settings.features) {
+  if (settings.variant != VariantKind::modern) thesis_.emplace(settings.variant, settings.thesis);
+}
 
 IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
                                 const Eigen::Isometry3d& T_robot_camera, const std::optional<Motion>& motion,
-                                const FeatureFrame* features) {
+                                const FeatureFrame* features, const ColourView* colour) {
   // Prepare: trustworthy points, in the robot's frame.
   const ColouredCloud usable = usable_points(cloud, settings_.filter);
   const Cloud reduced = voxel_filtered(geometry_of(usable, T_robot_camera), settings_.voxel_size);
 
+  const ThesisFrame frame{reduced, T_robot_camera, features, colour};
   Step step;
   if (!started_) {
     start_map(utime, usable, reduced, T_robot_camera, features, step);
+    if (started_ && thesis_) thesis_->add(frame, step.T_world_robot);
     return step;
   }
 
   // Predict and register.
   Prior prior = predict(T_world_last_, motion, free_motion(utime), settings_.prior);
   std::optional<Prior> anchor;
-  if (features != nullptr && settings_.features.enabled)
+  if (features != nullptr && settings_.features.enabled && !thesis_)
     anchor = anchor_.locate(*features, prior.T_target_source * T_robot_camera, T_robot_camera);
   step.anchored = anchor.has_value();
   if (anchor) prior = fused(prior, *anchor);
   const Attempt best =
-      try_starts(reduced, starts(prior, motion, anchor, T_robot_camera), prior, T_robot_camera);
+      thesis_ ? thesis_attempt(frame, prior.T_target_source)
+              : try_starts(reduced, starts(prior, motion, anchor, T_robot_camera), prior, T_robot_camera);
   step.registration = best.registration;
   step.status = best.status;
   step.quality = best.quality;
@@ -106,8 +111,10 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
     step.status = MappingStatus::degraded;
     bad_steps_ = 0;
   }
-  if (best.status == MappingStatus::tracking || reseed)
+  if (best.status == MappingStatus::tracking || reseed) {
     grow(utime, usable, reduced, T_robot_camera, features, step);
+    if (thesis_) thesis_->add(frame, step.T_world_robot);
+  }
 
   const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
   const bool moving = best.status == MappingStatus::tracking && seconds > 0;
@@ -209,6 +216,16 @@ IcpMapper::Attempt IcpMapper::attempt(const Cloud& cloud, const Target& target,
   result.quality = result.registration.overlap * inlier_share(result.registration);
   result.status = judge(result.registration, used);
   if (recovery && result.status == MappingStatus::degraded) result.status = MappingStatus::lost;
+  return result;
+}
+
+// The thesis believes what converges.
+IcpMapper::Attempt IcpMapper::thesis_attempt(const ThesisFrame& frame,
+                                             const Eigen::Isometry3d& T_predicted) const {
+  Attempt result;
+  result.registration = thesis_->register_frame(frame, T_predicted);
+  result.quality = result.registration.overlap * inlier_share(result.registration);
+  if (result.registration.ok()) result.status = MappingStatus::tracking;
   return result;
 }
 

@@ -13,6 +13,7 @@
 #include "icp/map_view.hpp"
 #include "icp/motion_prior.hpp"
 #include "icp/registration.hpp"
+#include "icp/thesis_variant.hpp"
 #include "icp/voxel_map.hpp"
 
 namespace lcmslam {
@@ -29,6 +30,9 @@ struct IcpMapperSettings {
   double view_radius = 5;  ///< m, of the map around the camera that k-d trees and projections show
   RegistrationSettings coarse = coarse_defaults();
   RegistrationSettings fine = fine_defaults();
+
+  VariantKind variant = VariantKind::modern;  ///< another one registers instead of both passes
+  ThesisSettings thesis;
 
   // trust
   int min_points = 200;        ///< usable points after the voxel filter; fewer are no basis
@@ -80,9 +84,10 @@ class IcpMapper {
 
   /// `cloud` stands in the camera frame at `utime` and needs normals. `motion` is the robot's motion
   /// since the previous step where odometry knows it; `features` are of the same moment, null where they are
-  /// not there. Steps come in order of time.
+  /// not there; `colour` is what the thesis's variants ask for. Steps come in order of time.
   Step step(Utime utime, const ColouredCloud& cloud, const Eigen::Isometry3d& T_robot_camera,
-            const std::optional<Motion>& motion = std::nullopt, const FeatureFrame* features = nullptr);
+            const std::optional<Motion>& motion = std::nullopt, const FeatureFrame* features = nullptr,
+            const ColourView* colour = nullptr);
 
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const VoxelMap& map() const { return map_; }
@@ -105,6 +110,7 @@ class IcpMapper {
                      const Eigen::Isometry3d& T_robot_camera);
   Attempt attempt(const Cloud& cloud, const Target& target, const Eigen::Isometry3d& T_start,
                   const Prior& prior) const;
+  Attempt thesis_attempt(const ThesisFrame& frame, const Eigen::Isometry3d& T_predicted) const;
   MappingStatus judge(const RegistrationResult& result, const Prior& prior) const;
   void grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
             const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step);
@@ -116,6 +122,7 @@ class IcpMapper {
   VoxelMap map_;
   MapView view_;
   FeatureAnchor anchor_;
+  std::optional<ThesisVariant> thesis_;
   std::vector<Keyframe> keyframes_;
   bool started_ = false;
   int bad_steps_ = 0;              // in a row

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "icp/point_lookup.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -30,27 +32,27 @@ class KdTree::NearestSearch {
 
 class KdTree::ManySearch {
  public:
-  explicit ManySearch(std::size_t count) : count_(count) {}
+  ManySearch(std::size_t count, std::vector<Neighbour>& sorted) : count_(count), sorted_(sorted) {
+    sorted_.clear();
+    sorted_.reserve(count);
+  }
   float bound() const {
-    return heap_.size() < count_ ? std::numeric_limits<float>::infinity() : heap_.front().squared_distance;
+    return sorted_.size() < count_ ? std::numeric_limits<float>::infinity() : sorted_.back().squared_distance;
   }
+  // Few are asked for: moving them up is cheaper than a heap.
   void offer(const Neighbour& n) {
-    if (heap_.size() == count_) {
-      if (!before(n, heap_.front())) return;
-      std::pop_heap(heap_.begin(), heap_.end(), before);
-      heap_.pop_back();
+    if (sorted_.size() == count_) {
+      if (!before(n, sorted_.back())) return;
+      sorted_.pop_back();
     }
-    heap_.push_back(n);
-    std::push_heap(heap_.begin(), heap_.end(), before);
-  }
-  std::vector<Neighbour> sorted() {
-    std::sort_heap(heap_.begin(), heap_.end(), before);
-    return std::move(heap_);
+    sorted_.push_back(n);
+    for (std::size_t i = sorted_.size() - 1; i > 0 && before(n, sorted_[i - 1]); --i)
+      std::swap(sorted_[i], sorted_[i - 1]);
   }
 
  private:
   std::size_t count_;
-  std::vector<Neighbour> heap_;
+  std::vector<Neighbour>& sorted_;
 };
 
 KdTree::KdTree(const std::vector<Eigen::Vector3f>& points) : points_(points) {
@@ -118,20 +120,43 @@ KdTree::Neighbour KdTree::nearest(const Eigen::Vector3f& query, float max_distan
 }
 
 std::vector<KdTree::Neighbour> KdTree::nearest_few(const Eigen::Vector3f& query, std::size_t count) const {
-  if (order_.empty() || !query.allFinite() || count == 0) return {};
-  ManySearch search(count);
+  std::vector<Neighbour> found;
+  nearest_few(query, count, found);
+  return found;
+}
+
+void KdTree::nearest_few(const Eigen::Vector3f& query, std::size_t count,
+                         std::vector<Neighbour>& found) const {
+  found.clear();
+  if (order_.empty() || !query.allFinite() || count == 0) return;
+  ManySearch search(std::min(count, order_.size()), found);
   descend(0, query, Eigen::Vector3f::Zero(), search);
-  return search.sorted();
 }
 
 bool KdTreeTarget::find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const {
   const KdTree::Neighbour n = tree_.nearest(point, max_distance);
   if (n.index < 0) return false;
-  const auto i = static_cast<std::size_t>(n.index);
-  found.point = cloud_.points[i];
-  found.normal = cloud_.has_normals() ? cloud_.normals[i]
-                                      : Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-  found.sigma = cloud_.sigmas.empty() ? 0 : cloud_.sigmas[i];
+  found = target_point(cloud_, static_cast<std::size_t>(n.index));
+  return true;
+}
+
+// Among the nearest points, the one nearest to the normal's line.
+bool NormalShootingTarget::find_along(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+                                      float max_distance, TargetPoint& found) const {
+  if (!normal.allFinite()) return find(point, max_distance, found);
+  constexpr std::size_t candidates = 10;
+  float best = std::numeric_limits<float>::infinity();
+  std::int32_t index = -1;
+  for (const KdTree::Neighbour& n : tree_.nearest_few(point, candidates)) {
+    if (!(n.squared_distance <= max_distance * max_distance)) break;
+    const Eigen::Vector3f to = cloud_.points[static_cast<std::size_t>(n.index)] - point;
+    const float beside = to.squaredNorm() - std::pow(to.dot(normal), 2.0f);
+    if (beside >= best) continue;
+    best = beside;
+    index = n.index;
+  }
+  if (index < 0) return false;
+  found = target_point(cloud_, static_cast<std::size_t>(index));
   return true;
 }
 

@@ -25,6 +25,8 @@ class KdTree {
 
   /// The `count` nearest points, nearest first.
   std::vector<Neighbour> nearest_few(const Eigen::Vector3f& query, std::size_t count) const;
+  /// The same into a vector whose memory is used again.
+  void nearest_few(const Eigen::Vector3f& query, std::size_t count, std::vector<Neighbour>& found) const;
 
   std::size_t size() const { return order_.size(); }
 
@@ -49,13 +51,22 @@ class KdTree {
 /// A cloud as a target.
 class KdTreeTarget : public Target {
  public:
-  explicit KdTreeTarget(const Cloud& cloud) : cloud_(cloud), tree_(cloud.points) {}
+  explicit KdTreeTarget(Cloud cloud) : cloud_(std::move(cloud)), tree_(cloud_.points) {}
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
   std::size_t size() const override { return tree_.size(); }
 
- private:
+ protected:
   Cloud cloud_;
   KdTree tree_;
+};
+
+/// Normal shooting (Chen and Medioni 1991): the partner of a point lies along its normal. Points without a
+/// normal take the nearest.
+class NormalShootingTarget : public KdTreeTarget {
+ public:
+  using KdTreeTarget::KdTreeTarget;
+  bool find_along(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float max_distance,
+                  TargetPoint& found) const override;
 };
 
 }  // namespace lcmslam

@@ -1,7 +1,7 @@
 #pragma once
 // What is minimised over the pairs, linearised about T_target_source with the right perturbation
-// T exp(xi): residual(xi) = residual + jacobian * xi. Rows of a point-to-plane pair: one; of a
-// point-to-point pair: three.
+// T exp(xi): residual(xi) = residual + jacobian * xi. Rows of a point-to-plane pair: one; of the others:
+// three; the colour term adds one.
 
 #include <memory>
 
@@ -41,6 +41,32 @@ class PointToPoint : public Metric {
   void add(const Pair& pair, const Eigen::Matrix3d& R, NormalEquations& equations) const override;
 };
 
-std::unique_ptr<Metric> make_metric(MetricKind kind);
+/// Generalised ICP (Segal, Haehnel and Thrun 2009): squared error r^T M r with M = 2 e (C_q + R C_p R^T)^-1,
+/// where a point's C spreads by 1 in its surface and by e = 1e-3 along its normal. The factor 2 e makes an
+/// error along two equal normals count as it does for point-to-plane. M is held fixed in the linearisation.
+class PlaneToPlane : public Metric {
+ public:
+  double squared_error(const Pair& pair) const override;
+  void add(const Pair& pair, const Eigen::Matrix3d& R, NormalEquations& equations) const override;
+};
+
+/// Another metric, and scale * (I_q + g^T (T p - q) - I_p): the target's intensity, continued linearly in its
+/// tangent plane, against the source's (Park, Zhou and Koltun 2017). Pairs without intensities or gradient
+/// have the other metric's error alone.
+class WithColour : public Metric {
+ public:
+  /// `scale`: m that count as much as a difference from black to white.
+  WithColour(std::unique_ptr<Metric> geometry, double scale)
+      : geometry_(std::move(geometry)), scale_(scale) {}
+  double squared_error(const Pair& pair) const override;
+  void add(const Pair& pair, const Eigen::Matrix3d& R, NormalEquations& equations) const override;
+
+ private:
+  std::unique_ptr<Metric> geometry_;
+  double scale_;
+};
+
+/// That of the settings, with a colour term where they ask for it.
+std::unique_ptr<Metric> make_metric(const RegistrationSettings& settings);
 
 }  // namespace lcmslam

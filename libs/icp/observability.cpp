@@ -46,7 +46,7 @@ Observability observe(const std::vector<Pair>& pairs, const Metric& metric,
   const double unit = equations.squared_error / equations.weight;
   const double variance = settings.weigh_by_noise ? std::max(1.0, unit) : std::max(1e-8, unit);
   const double independent = std::min(1.0, settings.independent_pairs / static_cast<double>(pairs.size()));
-  const double scale = independent / variance;
+  result.scale = independent / variance;
 
   const Vector6d b = result.directions.transpose() * result.basis.transpose() * equations.b;
   for (int i = 0; i < 6; ++i) {
@@ -55,8 +55,8 @@ Observability observe(const std::vector<Pair>& pairs, const Metric& metric,
       continue;
     }
     const Vector6d v = result.directions.col(i);
-    result.information += scale * eigen.eigenvalues()(i) * v * v.transpose();
-    result.gradient += scale * b(i) * v;
+    result.information += result.scale * eigen.eigenvalues()(i) * v * v.transpose();
+    result.gradient += result.scale * b(i) * v;
   }
   return result;
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "icp/point_lookup.hpp"
+
 namespace lcmslam {
 
 ProjectiveTarget::ProjectiveTarget(const Cloud& cloud, const Eigen::Isometry3d& T_target_camera,
@@ -55,11 +57,7 @@ bool ProjectiveTarget::find(const Eigen::Vector3f& point, float max_distance, Ta
       index = i;
     }
   if (index < 0) return false;
-  const auto i = static_cast<std::size_t>(index);
-  found.point = cloud_.points[i];
-  found.normal = cloud_.has_normals() ? cloud_.normals[i]
-                                      : Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-  found.sigma = cloud_.sigmas.empty() ? 0 : cloud_.sigmas[i];
+  found = target_point(cloud_, static_cast<std::size_t>(index));
   return true;
 }
 

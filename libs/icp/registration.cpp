@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "icp/kd_tree.hpp"
+#include "icp/preparation.hpp"
 #include "icp/projective_target.hpp"
-#include "icp/rejection.hpp"
 #include "icp/selection.hpp"
+#include "icp/stop_criterion.hpp"
 #include "icp/voxel_map.hpp"
 #include "icp/weighting.hpp"
 
@@ -18,18 +20,24 @@ std::vector<Pair> find_pairs(const Cloud& source, const std::vector<std::size_t>
                              const Target& target, const Eigen::Isometry3d& T, double max_distance,
                              double noise_floor) {
   const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const auto reach = static_cast<float>(max_distance);
   std::vector<Pair> pairs;
   pairs.reserve(selected.size());
-  TargetPoint found;
   for (const std::size_t i : selected) {
     Pair pair;
+    pair.index = i;
     pair.source = source.points[i].cast<double>();
     pair.moved = T * pair.source;
-    if (!target.find(pair.moved.cast<float>(), static_cast<float>(max_distance), found)) continue;
-    pair.target = found.point.cast<double>();
-    pair.target_normal = found.normal.cast<double>();
     pair.moved_normal =
         source.has_normals() ? Eigen::Vector3d(T.linear() * source.normals[i].cast<double>()) : unknown;
+    TargetPoint found;
+    if (!target.find_along(pair.moved.cast<float>(), pair.moved_normal.cast<float>(), reach, found)) continue;
+    pair.target = found.point.cast<double>();
+    pair.target_normal = found.normal.cast<double>();
+    if (!source.intensities.empty()) pair.source_intensity = static_cast<double>(source.intensities[i]);
+    pair.target_intensity = static_cast<double>(found.intensity);
+    pair.target_gradient = found.gradient.cast<double>();
+    pair.boundary = found.boundary;
     const double sigma = source.sigmas.empty() ? 0 : static_cast<double>(source.sigmas[i]);
     const double target_sigma = static_cast<double>(found.sigma);
     pair.variance = sigma * sigma + target_sigma * target_sigma + noise_floor * noise_floor;
@@ -56,16 +64,17 @@ double next_limit(const std::vector<Pair>& pairs, double limit, const Registrati
   return std::clamp(settings.distance_sigmas * spread, std::min(settings.min_distance, limit), limit);
 }
 
-bool is_small(const Eigen::Isometry3d& before, const Eigen::Isometry3d& after,
-              const RegistrationSettings& settings) {
-  const Eigen::Isometry3d step = before.inverse() * after;
-  return step.translation().norm() < settings.epsilon_translation &&
-         rotation_angle(step) < settings.epsilon_rotation;
-}
-
-bool rms_settled(const std::vector<double>& history, double epsilon) {
-  const std::size_t n = history.size();
-  return n >= 2 && std::abs(history[n - 1] - history[n - 2]) < epsilon;
+// What the last pairs tell about the result.
+void report(const std::vector<Pair>& pairs, std::size_t selected, const Metric& metric,
+            const RegistrationSettings& settings, const Prior* prior, RegistrationResult& result) {
+  result.pairs = static_cast<int>(pairs.size());
+  if (pairs.empty()) return;
+  const Observability seen = observe(pairs, metric, result.T_target_source, settings);
+  result.covariance = seen.covariance(prior);
+  result.observability = seen.shares;
+  result.degenerate = seen.degenerate_twists();
+  result.inliers = count_inliers(pairs, metric);
+  result.overlap = static_cast<double>(pairs.size()) / static_cast<double>(selected);
 }
 
 }  // namespace
@@ -84,12 +93,42 @@ std::string to_string(StopReason reason) {
   return "unknown";
 }
 
+std::string to_string(CorrespondenceKind kind) {
+  static const char* const names[] = {"voxel map", "k-d tree", "projective", "normal shooting"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::string to_string(MetricKind kind) {
+  static const char* const names[] = {"point-to-point", "point-to-plane", "plane-to-plane"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::string to_string(SolverKind kind) {
+  static const char* const names[] = {
+      "SVD",         "SVD uncorrected",        "quaternion",   "quaternion as printed",
+      "small angle", "small angle as printed", "Gauss-Newton", "Levenberg-Marquardt"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::vector<std::string> degenerate_names(const RegistrationResult& result) {
+  static const char* const names[] = {"x", "y", "z", "roll", "pitch", "yaw"};
+  std::vector<std::string> text;
+  for (const Vector6d& direction : result.degenerate) {
+    Eigen::Index largest = 0;
+    direction.cwiseAbs().maxCoeff(&largest);
+    text.emplace_back(names[largest]);
+  }
+  return text;
+}
+
 RegistrationResult register_cloud(const Cloud& source, const Target& target, const Eigen::Isometry3d& T_start,
-                                  const RegistrationSettings& settings, const Prior* prior) {
+                                  const RegistrationSettings& settings, const Prior* prior,
+                                  const SensorViews* views) {
   const auto solver = make_solver(settings, prior);
-  const auto metric = make_metric(settings.metric);
+  const auto metric = make_metric(settings);
   const auto kernel = make_kernel(settings);
-  const auto rejectors = make_rejectors(settings);
+  const auto rejectors = make_rejectors(settings, source, views);
+  const StopCriterion stop(settings);
   const std::vector<std::size_t> selected = select_points(source, settings);
 
   RegistrationResult result;
@@ -101,7 +140,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
   std::vector<Pair> pairs;
   for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
     pairs = find_pairs(source, selected, target, T, limit, settings.noise_floor);
-    for (const auto& rejector : rejectors) rejector->reject(pairs);
+    for (const auto& rejector : rejectors) rejector->reject(pairs, T);
     if (pairs.empty() || static_cast<int>(pairs.size()) < settings.min_pairs) {
       result.stop = StopReason::too_few_pairs;
       break;
@@ -114,7 +153,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
       result.stop = StopReason::degenerate;
       break;
     }
-    const bool arrived = is_small(T, *T_next, settings) || rms_settled(result.rms, settings.epsilon_rms);
+    const bool arrived = stop.arrived(T, *T_next, result.rms);
     const double next = next_limit(pairs, limit, settings);
     T = *T_next;
     if (arrived && next > 0.9 * limit) {
@@ -124,15 +163,63 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
     limit = next;
   }
 
-  result.pairs = static_cast<int>(pairs.size());
-  if (pairs.empty()) return result;
-  const Observability seen = observe(pairs, *metric, T, settings);
-  result.covariance = seen.covariance(prior);
-  result.observability = seen.shares;
-  result.degenerate = seen.degenerate_twists();
-  result.inliers = count_inliers(pairs, *metric);
-  result.overlap = static_cast<double>(pairs.size()) / static_cast<double>(selected.size());
+  report(pairs, selected.size(), *metric, settings, prior, result);
   return result;
+}
+
+RegistrationResult look(const Cloud& source, const Target& target, const Eigen::Isometry3d& T,
+                        const RegistrationSettings& settings) {
+  RegistrationResult result;
+  result.T_target_source = T;
+  const auto metric = make_metric(settings);
+  const std::vector<std::size_t> selected = select_points(source, settings);
+  auto pairs = find_pairs(source, selected, target, T, settings.max_distance, settings.noise_floor);
+  for (const auto& rejector : make_rejectors(settings, source)) rejector->reject(pairs, T);
+  if (static_cast<int>(pairs.size()) < std::max(1, settings.min_pairs)) return result;
+  weigh_pairs(pairs, *metric, *make_kernel(settings), settings.weigh_by_noise);
+  result.rms.push_back(rms(pairs, *metric));
+  result.stop = StopReason::converged;
+  report(pairs, selected.size(), *metric, settings, nullptr, result);
+  return result;
+}
+
+RegistrationResult register_clouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_start,
+                                   const std::vector<RegistrationSettings>& passes) {
+  if (passes.empty()) throw std::invalid_argument("registration: no passes");
+  Cloud moving = source, fixed = target;
+  for (const RegistrationSettings& pass : passes) {
+    moving = prepared_source(std::move(moving), pass, Eigen::Vector3d::Zero());
+    fixed = prepared_target(std::move(fixed), pass, Eigen::Vector3d::Zero());
+  }
+  const KdTreeTarget tree(std::move(fixed));
+  RegistrationResult result;
+  result.T_target_source = T_start;
+  for (const RegistrationSettings& pass : passes)
+    result = register_cloud(moving, tree, result.T_target_source, pass);
+  return result;
+}
+
+std::vector<RegistrationSettings> wide_passes(MetricKind metric) {
+  // From far, planes slide along each other, and a kernel takes the wrong half of the pairs for the right
+  // one.
+  RegistrationSettings coarse;
+  coarse.selection = SelectionKind::uniform;
+  coarse.selected_points = 500;
+  coarse.metric = MetricKind::point_to_point;
+  coarse.kernel = KernelKind::none;
+  coarse.max_distance = 0.5;
+  coarse.min_distance = 0.1;
+  coarse.max_iterations = 40;
+  coarse.epsilon_translation = 4e-3;
+  coarse.epsilon_rotation = 2e-3;
+  RegistrationSettings fine;
+  fine.selection = SelectionKind::uniform;
+  fine.selected_points = 1500;
+  fine.metric = metric;
+  fine.max_distance = 0.1;
+  fine.degenerate_share =
+      1e-3;  // without a prior, a weak direction is better followed than left at the start
+  return {coarse, fine};
 }
 
 std::unique_ptr<Target> make_target(const Cloud& cloud, CorrespondenceKind kind,
@@ -140,6 +227,8 @@ std::unique_ptr<Target> make_target(const Cloud& cloud, CorrespondenceKind kind,
   switch (kind) {
     case CorrespondenceKind::projective:
       return std::make_unique<ProjectiveTarget>(cloud, T_target_camera);
+    case CorrespondenceKind::normal_shooting:
+      return std::make_unique<NormalShootingTarget>(cloud);
     case CorrespondenceKind::voxel_map: {
       auto map = std::make_unique<VoxelMap>();
       map->insert(cloud, T_target_camera.translation());

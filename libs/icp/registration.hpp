@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "icp/cloud.hpp"
+#include "icp/rejection.hpp"
 #include "icp/solver.hpp"
 #include "icp/target.hpp"
 
@@ -34,11 +35,31 @@ struct RegistrationResult {
   bool ok() const { return stop == StopReason::converged || stop == StopReason::max_iterations; }
 };
 
+/// For each degenerate direction the axis of the source frame that has most of it: x, y, z, roll, pitch, yaw.
+std::vector<std::string> degenerate_names(const RegistrationResult& result);
+
 /// T_target_source from a start. Throws std::invalid_argument for combinations of parts that do not
 /// exist (make_solver), never for data: clouds that are empty, not finite or degenerate give a stop
-/// reason and the start (or the last good) transform.
+/// reason and the start (or the last good) transform. `views` is asked for by the frustum and the colour
+/// overlap rejector alone. Sources need what the settings ask for (prepared_source): normals for
+/// plane-to-plane, ...
 RegistrationResult register_cloud(const Cloud& source, const Target& target, const Eigen::Isometry3d& T_start,
-                                  const RegistrationSettings& settings, const Prior* prior = nullptr);
+                                  const RegistrationSettings& settings, const Prior* prior = nullptr,
+                                  const SensorViews* views = nullptr);
+
+/// What register_cloud would report at T, without a step: pairs within max_distance, RMS, covariance,
+/// overlap. Stop is converged, or too_few_pairs.
+RegistrationResult look(const Cloud& source, const Target& target, const Eigen::Isometry3d& T,
+                        const RegistrationSettings& settings);
+
+/// The whole way from two clouds: prepares both for the passes' settings (view points: the origins), builds a
+/// k-d tree of the target and runs the passes, each from the last one's result. Throws like register_cloud,
+/// and for no passes.
+RegistrationResult register_clouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_start,
+                                   const std::vector<RegistrationSettings>& passes);
+
+/// Two passes for clouds that start up to about half a metre apart: few points from far, then many.
+std::vector<RegistrationSettings> wide_passes(MetricKind metric = MetricKind::point_to_plane);
 
 /// The cloud as a target of that kind. `T_target_camera` is where it is looked at from, for the
 /// projective kind.

@@ -46,6 +46,7 @@ struct Observability {
   Matrix6d directions = Matrix6d::Identity();  ///< columns: eigenvectors in y
   Vector6d shares = Vector6d::Zero();          ///< eigenvalue / weight, ascending
   std::vector<int> degenerate;                 ///< columns of `directions`
+  double scale = 0;                            ///< that scaling
   Matrix6d information = Matrix6d::Zero();     ///< in y, scaled to the true noise, degenerate ones out
   Vector6d gradient = Vector6d::Zero();        ///< in y, scaled alike: information * y = gradient
 
@@ -63,11 +64,27 @@ Observability observe(const std::vector<Pair>& pairs, const Metric& metric,
 class GaussNewtonSolver : public Solver {
  public:
   GaussNewtonSolver(const RegistrationSettings& settings, const Prior* prior)
-      : settings_(settings), metric_(make_metric(settings.metric)), prior_(prior) {}
+      : settings_(settings), metric_(make_metric(settings)), prior_(prior) {}
   std::optional<Eigen::Isometry3d> solve(const std::vector<Pair>& pairs,
                                          const Eigen::Isometry3d& T_target_source) const override;
 
  private:
+  RegistrationSettings settings_;
+  std::unique_ptr<Metric> metric_;
+  const Prior* prior_;
+};
+
+/// The same step, shortened until the pairs' cost falls (Levenberg 1944, Marquardt 1963).
+class LevenbergMarquardtSolver : public Solver {
+ public:
+  LevenbergMarquardtSolver(const RegistrationSettings& settings, const Prior* prior)
+      : settings_(settings), metric_(make_metric(settings)), prior_(prior) {}
+  std::optional<Eigen::Isometry3d> solve(const std::vector<Pair>& pairs,
+                                         const Eigen::Isometry3d& T_target_source) const override;
+
+ private:
+  double cost(const std::vector<Pair>& pairs, const Eigen::Isometry3d& T, double scale) const;
+
   RegistrationSettings settings_;
   std::unique_ptr<Metric> metric_;
   const Prior* prior_;

@@ -51,25 +51,18 @@ std::int8_t wire_reason(StopReason reason) {
 }
 
 std::string degenerate_directions(const RegistrationResult& result) {
-  static const char* const names[] = {"x", "y", "z", "roll", "pitch", "yaw"};
   std::string text;
-  for (const Vector6d& direction : result.degenerate) {
-    Eigen::Index largest = 0;
-    direction.cwiseAbs().maxCoeff(&largest);
-    text += (text.empty() ? "degenerate: " : ", ") + std::string(names[largest]);
-  }
+  for (const std::string& name : degenerate_names(result))
+    text += (text.empty() ? "degenerate: " : ", ") + name;
   return text;
 }
 
 std::string describe(const IcpMapperSettings& settings) {
   const RegistrationSettings& s = settings.fine;
-  static const char* const targets[] = {"voxel map", "k-d tree", "projective"};
-  const bool plane = s.metric == MetricKind::point_to_plane;
-  static const char* const solvers[] = {"SVD",         "SVD uncorrected",        "quaternion",
-                                        "small angle", "small angle as printed", "Gauss-Newton"};
-  return std::string(plane ? "point-to-plane" : "point-to-point") + ", " +
-         targets[static_cast<std::size_t>(settings.correspondence)] + ", " +
-         solvers[static_cast<std::size_t>(s.solver)];
+  if (settings.variant != VariantKind::modern)
+    return to_string(settings.variant) + ", growing cloud, " +
+           to_string(settings.thesis.icp.registration.solver);
+  return to_string(s.metric) + ", " + to_string(settings.correspondence) + ", " + to_string(s.solver);
 }
 
 }  // namespace
@@ -164,7 +157,9 @@ void IcpNode::on_frame(const RgbdFrame& frame) {
   T_world_previous_ = last_.T_world_robot;
   const FeatureFrame* features = features_at(frame.utime, shot);
   with_features_ += features != nullptr ? 1 : 0;
-  last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion, features);
+  const ColourView colour{frame.colour, calibration_->colour, calibration_->depth,
+                          calibration_->T_colour_depth};
+  last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion, features, &colour);
   last_utime_ = shot.utime;
   anchored_ += last_.anchored ? 1 : 0;
   ++steps_;

@@ -10,20 +10,26 @@ const Range radians{0, 3.1416};
 const Range share{0, 1};
 
 RegistrationSettings read_registration(const ConfigNode& c, RegistrationSettings s) {
-  s.selection = named_choice<SelectionKind>(
-      c, "selection", s.selection,
-      {{"all", SelectionKind::all}, {"uniform", SelectionKind::uniform}, {"random", SelectionKind::random}});
+  s.selection = named_choice<SelectionKind>(c, "selection", s.selection,
+                                            {{"all", SelectionKind::all},
+                                             {"uniform", SelectionKind::uniform},
+                                             {"random", SelectionKind::random},
+                                             {"normal_space", SelectionKind::normal_space},
+                                             {"stable", SelectionKind::stable}});
   s.selected_points = c.get("selected_points", s.selected_points, Range{10, 1e7});
-  s.metric = named_choice<MetricKind>(
-      c, "metric", s.metric,
-      {{"point_to_point", MetricKind::point_to_point}, {"point_to_plane", MetricKind::point_to_plane}});
+  s.metric = named_choice<MetricKind>(c, "metric", s.metric,
+                                      {{"point_to_point", MetricKind::point_to_point},
+                                       {"point_to_plane", MetricKind::point_to_plane},
+                                       {"plane_to_plane", MetricKind::plane_to_plane}});
   s.solver = named_choice<SolverKind>(c, "solver", s.solver,
                                       {{"svd", SolverKind::svd},
                                        {"svd_uncorrected", SolverKind::svd_uncorrected},
                                        {"quaternion", SolverKind::quaternion},
+                                       {"quaternion_as_printed", SolverKind::quaternion_as_printed},
                                        {"small_angle", SolverKind::small_angle},
                                        {"small_angle_as_printed", SolverKind::small_angle_as_printed},
-                                       {"gauss_newton", SolverKind::gauss_newton}});
+                                       {"gauss_newton", SolverKind::gauss_newton},
+                                       {"levenberg_marquardt", SolverKind::levenberg_marquardt}});
   s.kernel = named_choice<KernelKind>(c, "kernel", s.kernel,
                                       {{"none", KernelKind::none},
                                        {"huber", KernelKind::huber},
@@ -34,6 +40,8 @@ RegistrationSettings read_registration(const ConfigNode& c, RegistrationSettings
   s.distance_sigmas = c.get("distance_sigmas", s.distance_sigmas, Range{0, 1e6});
   s.max_normal_angle = c.get("max_normal_angle", s.max_normal_angle, radians);
   s.trimmed_fraction = c.get("trimmed_fraction", s.trimmed_fraction, share);
+  s.mutual = c.get("mutual", s.mutual);
+  s.boundary = c.get("boundary", s.boundary);
   s.weigh_by_noise = c.get("weigh_by_noise", s.weigh_by_noise);
   s.noise_floor = c.get("noise_floor", s.noise_floor, metres);
   s.max_iterations = c.get("max_iterations", s.max_iterations, Range{1, 10000});
@@ -42,18 +50,56 @@ RegistrationSettings read_registration(const ConfigNode& c, RegistrationSettings
   return s;
 }
 
+AlternatingSettings read_icp(const ConfigNode& c, AlternatingSettings s) {
+  s.registration = read_registration(c.section("registration"), s.registration);
+  s.cloud_iterations = c.get("cloud_iterations", s.cloud_iterations, Range{1, 1000});
+  s.feature_iterations = c.get("feature_iterations", s.feature_iterations, Range{1, 1000});
+  s.pairing = named_choice<FeaturePairing>(
+      c, "pairing", s.pairing, {{"nearest", FeaturePairing::nearest}, {"fixed", FeaturePairing::fixed}});
+  s.max_rounds = c.get("max_rounds", s.max_rounds, Range{1, 10000});
+  s.epsilon_rms = c.get("epsilon_rms", s.epsilon_rms, metres);
+  return s;
+}
+
+ColourOverlapSettings read_overlap(const ConfigNode& c, ColourOverlapSettings s) {
+  s.columns = c.get("columns", s.columns, Range{1, 1000});
+  s.rows = c.get("rows", s.rows, Range{1, 1000});
+  s.scale = c.get("scale", s.scale, Range{0.01, 1});
+  s.threshold = c.get("threshold", s.threshold, Range{-1, 1});
+  s.min_contrast = c.get("min_contrast", s.min_contrast, Range{0, 255});
+  s.search = c.get("search", s.search, Range{0, 10000});
+  return s;
+}
+
+ThesisSettings read_thesis(const ConfigNode& c, ThesisSettings s) {
+  s.icp = read_icp(c, s.icp);
+  s.overlap = read_overlap(c.section("overlap"), s.overlap);
+  s.checked_features = c.get("checked_features", s.checked_features);
+  s.merge_distance = c.get("merge_distance", s.merge_distance, metres);
+  return s;
+}
+
 }  // namespace
 
 IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   IcpMapperSettings s;
   s.voxel_size = c.get("voxel_size", s.voxel_size, Range{0.001, 10});
-  s.correspondence = named_choice<CorrespondenceKind>(c, "correspondence", s.correspondence,
-                                                      {{"voxel_map", CorrespondenceKind::voxel_map},
-                                                       {"kd_tree", CorrespondenceKind::kd_tree},
-                                                       {"projective", CorrespondenceKind::projective}});
+  s.correspondence =
+      named_choice<CorrespondenceKind>(c, "correspondence", s.correspondence,
+                                       {{"voxel_map", CorrespondenceKind::voxel_map},
+                                        {"kd_tree", CorrespondenceKind::kd_tree},
+                                        {"projective", CorrespondenceKind::projective},
+                                        {"normal_shooting", CorrespondenceKind::normal_shooting}});
   s.view_radius = c.get("view_radius", s.view_radius, Range{0.1, 1000});
   s.coarse = read_registration(c.section("coarse"), s.coarse);
   s.fine = read_registration(c.section("fine"), s.fine);
+
+  s.variant = named_choice<VariantKind>(c, "variant", s.variant,
+                                        {{"modern", VariantKind::modern},
+                                         {"plain", VariantKind::plain},
+                                         {"alternating", VariantKind::alternating},
+                                         {"frustum", VariantKind::frustum}});
+  s.thesis = read_thesis(c.section("thesis"), s.thesis);
 
   const ConfigNode filter = c.section("filter");
   s.filter.min_range = filter.get("min_range", s.filter.min_range, metres);

@@ -4,6 +4,7 @@
 #include "icp/colour_overlap.hpp"
 #include "icp/icp_mapper.hpp"
 #include "icp/kd_tree.hpp"
+#include "icp/start_hypotheses.hpp"
 #include "study/pair_study.hpp"
 #include "surf/rigid_ransac.hpp"
 
@@ -37,26 +38,6 @@ Transform surf_alone(const PairView& source, const PairView& target) {
   return result.success ? Transform(result.T_a_b) : std::nullopt;
 }
 
-/// The matches with depth at both ends; only those that RANSAC believes where `checked`.
-FeaturePairs feature_pairs(const PairView& source, const PairView& target, bool checked) {
-  auto matches = match(target.features.features, source.features.features);
-  if (checked) {
-    std::vector<Match> believed;
-    for (const int i : ransac(source, target, matches).inliers)
-      believed.push_back(matches[static_cast<std::size_t>(i)]);
-    matches = believed;
-  }
-  FeaturePairs pairs;
-  for (const Match& m : matches) {
-    const Feature& a = target.features.features[static_cast<std::size_t>(m.a)];
-    const Feature& b = source.features.features[static_cast<std::size_t>(m.b)];
-    if (a.kind != MeasurementKind::point || b.kind != MeasurementKind::point) continue;
-    pairs.target.push_back(a.point);
-    pairs.source.push_back(b.point);
-  }
-  return pairs;
-}
-
 /// Algorithm 3.2 with so many iterations on the clouds in turn with so many on the SURF points.
 PairMethod thesis(int on_cloud, int on_features, FeaturePairing pairing, bool checked) {
   const char* kind = pairing == FeaturePairing::fixed ? "fixed" : "nearest";
@@ -69,7 +50,7 @@ PairMethod thesis(int on_cloud, int on_features, FeaturePairing pairing, bool ch
     settings.pairing = pairing;
     const ColourOverlap overlap(source.colour, target.colour);
     const Cloud sub = overlapping_points(source.cloud, overlap, source.camera);
-    const FeaturePairs features = feature_pairs(source, target, checked);
+    const FeaturePairs features = feature_pairs(source.features, target.features, checked);
     const Eigen::Isometry3d T_start =
         align_start(features, settings.registration).value_or(Eigen::Isometry3d::Identity());
     const auto result = register_alternating(sub, KdTreeTarget(target.cloud), features, T_start, settings);
@@ -78,8 +59,8 @@ PairMethod thesis(int on_cloud, int on_features, FeaturePairing pairing, bool ch
   return method;
 }
 
-/// As the modern mapper would begin: SURF with RANSAC, then point to plane, coarse and fine.
-Transform modern(const PairView& source, const PairView& target) {
+/// SURF with RANSAC, then point to plane, coarse and fine, which is free to leave the start.
+Transform one_start(const PairView& source, const PairView& target) {
   const Transform start = surf_alone(source, target);
   const KdTreeTarget tree(target.cloud);
   const auto coarse = register_cloud(source.cloud, tree, start.value_or(Eigen::Isometry3d::Identity()),
@@ -87,6 +68,14 @@ Transform modern(const PairView& source, const PairView& target) {
   const auto fine =
       register_cloud(source.cloud, tree, coarse.T_target_source, IcpMapperSettings::fine_defaults());
   return fine.ok() ? Transform(fine.T_target_source) : std::nullopt;
+}
+
+/// The modern start: several hypotheses, each with its SURF pairs as knowledge, judged by the clouds.
+Transform modern_start(const PairView& source, const PairView& target) {
+  std::vector<Hypothesis> starts = surf_hypotheses(source.features, target.features);
+  if (starts.empty()) starts.push_back({Prior(), "identity"});
+  const auto best = register_hypotheses(source.cloud, KdTreeTarget(target.cloud), starts);
+  return best.registration.ok() ? Transform(best.registration.T_target_source) : std::nullopt;
 }
 
 }  // namespace
@@ -105,7 +94,8 @@ std::vector<PairMethod> pair_methods() {
     for (const auto& [on_cloud, on_features] : {std::pair(1, 1), std::pair(1, 5), std::pair(5, 1)})
       methods.push_back(thesis(on_cloud, on_features, pairing, true));
   methods.push_back(thesis(1, 1, FeaturePairing::nearest, false));
-  methods.push_back({"modern start", modern});
+  methods.push_back({"one start, then point to plane", one_start});
+  methods.push_back({"modern start", modern_start});
   return methods;
 }
 

@@ -130,11 +130,17 @@ class PairStudy {
       const double before = thread_seconds();
       const auto T = method.solve(source, target);
       tally.milliseconds.push_back(1e3 * (thread_seconds() - before));
-      if (!T) continue;
+      if (!T) {
+        tally.misses.push_back({source.utime, target.utime, NAN, NAN});
+        continue;
+      }
       ++tally.solved;
       const Eigen::Isometry3d error = truth.inverse() * *T;
       const double translation = error.translation().norm(), rotation = degrees * rotation_angle(error);
-      if (!(translation <= settings_.max_translation && rotation <= settings_.max_rotation)) continue;
+      if (!(translation <= settings_.max_translation && rotation <= settings_.max_rotation)) {
+        tally.misses.push_back({source.utime, target.utime, translation, rotation});
+        continue;
+      }
       tally.translations.push_back(translation);
       tally.rotations.push_back(rotation);
     }
@@ -153,6 +159,7 @@ class PairStudy {
         score.median_translation = median(tally.translations);
         score.median_rotation = median(tally.rotations);
         score.milliseconds = median(tally.milliseconds);
+        score.misses = tally.misses;
         result_.scores.push_back(score);
       }
   }
@@ -161,6 +168,7 @@ class PairStudy {
     int solved = 0;
     std::vector<double> translations, rotations;  // of the right ones
     std::vector<double> milliseconds;
+    std::vector<PairMiss> misses;
   };
 
   Recording recording_;
@@ -212,6 +220,12 @@ nlohmann::json pair_json(const PairStudyResult& result, const PairStudySettings&
                            {"unreadable", result.unreadable}};
   for (const PairScore& s : result.scores) {
     const auto number = [](double v) { return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json(); };
+    nlohmann::json misses = nlohmann::json::array();
+    for (const PairMiss& m : s.misses)
+      misses.push_back({{"source_utime", m.source},
+                        {"target_utime", m.target},
+                        {"translation_m", number(m.translation)},
+                        {"rotation_deg", number(m.rotation)}});
     report["scores"].push_back({{"method", s.method},
                                 {"apart", s.apart},
                                 {"pairs", s.pairs},
@@ -219,7 +233,8 @@ nlohmann::json pair_json(const PairStudyResult& result, const PairStudySettings&
                                 {"right", s.right},
                                 {"median_translation_m", number(s.median_translation)},
                                 {"median_rotation_deg", number(s.median_rotation)},
-                                {"milliseconds", number(s.milliseconds)}});
+                                {"milliseconds", number(s.milliseconds)},
+                                {"misses", misses}});
   }
   return report;
 }

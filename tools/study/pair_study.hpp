@@ -43,12 +43,20 @@ struct PairStudySettings {
   void check() const;  ///< throws std::invalid_argument naming the wrong value
 };
 
+/// A pair that came out wrong.
+struct PairMiss {
+  Utime source = 0, target = 0;  ///< us, of the colour images
+  double translation = 0;        ///< m; NaN where the method gave up
+  double rotation = 0;           ///< degrees
+};
+
 struct PairScore {
   std::string method;
   int apart = 0;
   int pairs = 0, solved = 0, right = 0;
   double median_translation = 0, median_rotation = 0;  ///< m and degrees, of the right ones
   double milliseconds = 0;                             ///< median processor time of one thread
+  std::vector<PairMiss> misses;
 };
 
 struct PairStudyResult {

@@ -59,9 +59,13 @@ std::unique_ptr<CameraSource> open_recording(const std::string& path) {
   return make_camera_source(ConfigNode::parse("{source: dataset, dataset: {folder: \"" + path + "\"}}"));
 }
 
-int run_pair_study(const std::string& data, const PairStudySettings& settings) {
+int run_pair_study(const std::string& data, const std::string& wanted, const PairStudySettings& settings) {
   const auto source = open_recording(data);
-  const PairStudyResult result = study_pairs(*source, pair_methods(), settings);
+  std::vector<PairMethod> methods;
+  for (PairMethod& method : pair_methods())
+    if (method.name.find(wanted) != std::string::npos) methods.push_back(std::move(method));
+  if (methods.empty()) throw std::invalid_argument("no method's name has '" + wanted + "' in it");
+  const PairStudyResult result = study_pairs(*source, methods, settings);
   nlohmann::json report = pair_json(result, settings);
   report["data"] = data;
   write_report(new_run_folder("study-pairs"), report, pair_table(result));
@@ -166,6 +170,8 @@ int study_command(int argc, char** argv) {
       ->needs(only_option)
       ->capture_default_str();
   PairStudySettings pairs;
+  std::string method;
+  app.add_option("--method", method, "pairs: only methods with this in their name")->needs(only_option);
   app.add_option("--max-translation", pairs.max_translation, "pairs: m, of a right result")
       ->needs(only_option)
       ->capture_default_str();
@@ -181,7 +187,7 @@ int study_command(int argc, char** argv) {
     if (data.empty()) throw std::invalid_argument("--only pairs needs --data, a folder or a log");
     if (app.count("--apart") > 0) pairs.apart = features.apart;
     if (app.count("--starts") > 0) pairs.starts = features.starts;
-    return run_pair_study(data, pairs);
+    return run_pair_study(data, method, pairs);
   }
   if (only == "features") {
     if (data.empty()) throw std::invalid_argument("--only features needs --data FOLDER, a recording");

@@ -155,6 +155,22 @@ TEST(SvdUncorrected, GivesTheReflectionThatTheCorrectionAvoids) {
   EXPECT_NEAR(determinant(false), -1, 1e-12);
 }
 
+// Even pairs that coincide turn, unless their axes of spread are the coordinates'.
+TEST(QuaternionAsPrinted, IsAnotherRotation) {
+  const QuaternionEstimator printed(QuaternionEstimator::Form::as_printed);
+  const auto angle = [&](const Points& points) {
+    return rotation_angle(printed.estimate(points, points).T_target_source);
+  };
+  const Points along_axes = {{3, 0, 0}, {-3, 0, 0}, {0, 2, 0}, {0, -2, 0}, {0, 0, 1}, {0, 0, -1}};
+  EXPECT_NEAR(angle(along_axes), 0, 1e-12);
+  Random random(12);
+  const Points points = random_points(random, 20, {3, 2, 1});
+  const Eigen::Isometry3d turned = se3_exp((Vector6d() << 0, 0, 0, 0.3, 0.4, 0.5).finished());
+  EXPECT_GT(angle(moved(points, turned)), 0.1);
+  const Eigen::Matrix3d R = printed.estimate(points, moved(points, turned)).T_target_source.linear();
+  EXPECT_NEAR(R.determinant(), 1, 1e-12);  // a rotation all the same
+}
+
 class AnyEstimator : public testing::TestWithParam<std::shared_ptr<RigidEstimator>> {
  protected:
   void expect(const Points& source, const Points& target, AlignmentStatus status,
@@ -164,11 +180,13 @@ class AnyEstimator : public testing::TestWithParam<std::shared_ptr<RigidEstimato
     EXPECT_EQ(error(found, Eigen::Isometry3d::Identity()), 0);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Estimators, AnyEstimator,
-                         testing::Values(std::make_shared<SvdEstimator>(),
-                                         std::make_shared<SvdEstimator>(false),
-                                         std::make_shared<QuaternionEstimator>(),
-                                         std::make_shared<SmallAngleEstimator>()));
+INSTANTIATE_TEST_SUITE_P(
+    Estimators, AnyEstimator,
+    testing::Values(std::make_shared<SvdEstimator>(), std::make_shared<SvdEstimator>(false),
+                    std::make_shared<QuaternionEstimator>(),
+                    std::make_shared<QuaternionEstimator>(QuaternionEstimator::Form::as_printed),
+                    std::make_shared<SmallAngleEstimator>(),
+                    std::make_shared<SmallAngleEstimator>(SmallAngleEstimator::Form::as_printed)));
 
 TEST_P(AnyEstimator, DegenerateSetsHaveAStatus) {
   Random random(10);

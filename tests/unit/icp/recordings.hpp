@@ -56,6 +56,32 @@ inline std::optional<RecordedPair> lidar_pair() {
   return pair;
 }
 
+/// Images 4 and 5 of slambook2's five, the book's poses: 0.4 m apart, approximate (3 cm).
+inline std::optional<RecordedPair> slambook2_pair() {
+  const auto folder = data_folder() / "rgbd_slambook2";
+  if (!std::filesystem::exists(folder / "pose.txt")) return std::nullopt;
+  RgbdCalibration calibration;
+  calibration.depth_registered = true;
+  calibration.colour.width = 640;
+  calibration.colour.height = 480;
+  calibration.colour.fx = 518, calibration.colour.fy = 519;
+  calibration.colour.cx = 325.5, calibration.colour.cy = 253.5;
+  calibration.depth = calibration.colour;
+  std::vector<Eigen::Isometry3d> poses;
+  std::ifstream in(folder / "pose.txt");
+  for (double p[3], q[4]; in >> p[0] >> p[1] >> p[2] >> q[1] >> q[2] >> q[3] >> q[0];)
+    poses.push_back(make_transform(p, q));
+  const auto cloud = [&](int number, double voxel_size) {
+    RgbdFrame frame;
+    const std::string name = std::to_string(number);
+    frame.depth = cv::imread((folder / "depth" / (name + ".pgm")).string(), cv::IMREAD_UNCHANGED);
+    frame.colour = cv::imread((folder / "color" / (name + ".png")).string());
+    const ColouredCloud dense = make_cloud(frame, register_depth(frame, calibration), 3);
+    return voxel_filtered(geometry_of(dense), voxel_size);
+  };
+  return RecordedPair{cloud(5, 0.05), cloud(4, 0.03), poses.at(3).inverse() * poses.at(4)};
+}
+
 /// The hand-held recording tum_fr1_rpy.
 class Fr1Recording {
  public:
@@ -68,13 +94,13 @@ class Fr1Recording {
   std::size_t size() const { return frames_.size(); }
   Utime utime(std::size_t i) const { return static_cast<Utime>(frames_.at(i).seconds * 1e6); }
 
-  /// Every fourth pixel, with normals, camera frame.
-  ColouredCloud cloud(std::size_t i) const {
+  /// Every `step`-th row and column, with normals, camera frame.
+  ColouredCloud cloud(std::size_t i, int step = 4) const {
     RgbdFrame frame;
     const cv::Mat depth = cv::imread((folder_ / frames_.at(i).depth).string(), cv::IMREAD_UNCHANGED);
     depth.convertTo(frame.depth, CV_16U, 0.2);  // factor 5000 -> mm
     frame.colour = cv::imread((folder_ / frames_.at(i).colour).string());
-    return make_cloud(frame, registration_(frame), 4);
+    return make_cloud(frame, registration_(frame), step);
   }
 
   /// Motion capture, interpolated at the depth image's time; its clock is 27 ms ahead of the stamps.

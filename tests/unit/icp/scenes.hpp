@@ -1,8 +1,6 @@
 #pragma once
 // Synthetic clouds with exact normals, and recorded ones.
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

@@ -20,17 +20,31 @@ Pair random_pair(Random& random, const Eigen::Isometry3d& T) {
   p.target_normal = random_vector(random, 1).normalized();
   p.moved_normal = random_vector(random, 1).normalized();
   p.weight = random.uniform(0.5, 2);
+  p.source_intensity = random.uniform();
+  p.target_intensity = random.uniform();
+  p.target_gradient = random_vector(random, 1);
   return p;
 }
 
+// Each metric, without and with the colour term.
+class MetricJacobian : public testing::TestWithParam<std::tuple<MetricKind, double>> {
+ protected:
+  static std::unique_ptr<Metric> metric() {
+    RegistrationSettings settings;
+    std::tie(settings.metric, settings.colour_scale) = GetParam();
+    return make_metric(settings);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Metrics, MetricJacobian,
+                         testing::Combine(testing::Values(MetricKind::point_to_point,
+                                                          MetricKind::point_to_plane,
+                                                          MetricKind::plane_to_plane),
+                                          testing::Values(0.0, 0.3)));
+
 // The gradient of w r^2 / 2 is -b, its second derivative along a direction d is d^T H d (the
 // residuals are linear in the translation and, to first order, in the rotation).
-class MetricJacobian : public testing::TestWithParam<MetricKind> {};
-INSTANTIATE_TEST_SUITE_P(Metrics, MetricJacobian,
-                         testing::Values(MetricKind::point_to_point, MetricKind::point_to_plane));
-
 TEST_P(MetricJacobian, AgreesWithNumericDerivatives) {
-  const auto metric = make_metric(GetParam());
+  const auto metric = MetricJacobian::metric();
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
@@ -55,11 +69,12 @@ TEST_P(MetricJacobian, AgreesWithNumericDerivatives) {
 
 // With the residual zero, H is the exact second derivative in all six directions.
 TEST_P(MetricJacobian, HessianIsExactAtZeroResidual) {
-  const auto metric = make_metric(GetParam());
+  const auto metric = MetricJacobian::metric();
   Random random(99);
   const Eigen::Isometry3d T = random_transform(random);
   Pair pair = random_pair(random, T);
   pair.target = pair.moved;
+  pair.target_intensity = pair.source_intensity;
   NormalEquations equations;
   metric->add(pair, T.linear(), equations);
   constexpr double h = 1e-4;
@@ -124,7 +139,7 @@ TEST(Rejection, NormalAngle) {
     p.target_normal = Eigen::Vector3d::UnitX();
     pairs.push_back(p);
   }
-  NormalAngleRejector(0.5).reject(pairs);
+  NormalAngleRejector(0.5).reject(pairs, Eigen::Isometry3d::Identity());
   ASSERT_EQ(pairs.size(), 3u);
   EXPECT_EQ(pairs[1].moved_normal.x(), std::cos(0.4));
   EXPECT_TRUE(std::isnan(pairs[2].moved_normal.x()));  // unknown normals pass
@@ -138,7 +153,7 @@ TEST(Rejection, TrimmedKeepsTheNearest) {
     p.target.setZero();
     pairs.push_back(p);
   }
-  TrimmedRejector(0.6).reject(pairs);
+  TrimmedRejector(0.6).reject(pairs, Eigen::Isometry3d::Identity());
   ASSERT_EQ(pairs.size(), 3u);
   EXPECT_EQ(pairs[0].moved.x(), 1);
   EXPECT_EQ(pairs[1].moved.x(), 2);
@@ -149,7 +164,7 @@ TEST(Rejection, PlanesNeedNormals) {
   std::vector<Pair> pairs(2);
   pairs[0].target_normal = Eigen::Vector3d::UnitX();
   pairs[1].target_normal.setConstant(std::numeric_limits<double>::quiet_NaN());
-  MissingNormalRejector().reject(pairs);
+  MissingNormalRejector().reject(pairs, Eigen::Isometry3d::Identity());
   EXPECT_EQ(pairs.size(), 1u);
 }
 

@@ -1,0 +1,61 @@
+#include "bench/pcl_peer.hpp"
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/registration/gicp.h>
+#include <pcl/registration/icp.h>
+
+#include <cmath>
+
+namespace lcmslam {
+namespace {
+
+using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
+
+PclCloud::Ptr pcl_cloud(const std::vector<Eigen::Vector3f>& points) {
+  PclCloud::Ptr cloud(new PclCloud);
+  for (const Eigen::Vector3f& p : points) cloud->emplace_back(p.x(), p.y(), p.z());
+  return cloud;
+}
+
+template <class Registration>
+Eigen::Isometry3d align(Registration& registration, const PclCloud::Ptr& source, const PclCloud::Ptr& target,
+                        const PclSettings& settings) {
+  registration.setInputSource(source);
+  registration.setInputTarget(target);
+  registration.setMaxCorrespondenceDistance(settings.max_distance);
+  registration.setMaximumIterations(settings.max_iterations);
+  PclCloud aligned;
+  registration.align(aligned);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.matrix() = registration.getFinalTransformation().template cast<double>();
+  return T;
+}
+
+}  // namespace
+
+struct PclPair::Clouds {
+  PclCloud::Ptr source, target;
+};
+
+PclPair::PclPair(const std::vector<Eigen::Vector3f>& source, const std::vector<Eigen::Vector3f>& target)
+    : clouds_(new Clouds{pcl_cloud(source), pcl_cloud(target)}) {}
+PclPair::~PclPair() = default;
+PclPair::PclPair(PclPair&&) noexcept = default;
+
+// ICP takes a squared length and a cosine as thresholds, GICP lengths and angles.
+Eigen::Isometry3d PclPair::icp(const PclSettings& settings) const {
+  pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> icp;
+  icp.setTransformationEpsilon(settings.epsilon_translation * settings.epsilon_translation);
+  icp.setTransformationRotationEpsilon(std::cos(settings.epsilon_rotation));
+  return align(icp, clouds_->source, clouds_->target, settings);
+}
+
+Eigen::Isometry3d PclPair::gicp(const PclSettings& settings) const {
+  pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
+  gicp.setTransformationEpsilon(settings.epsilon_translation);
+  gicp.setRotationEpsilon(settings.epsilon_rotation);
+  return align(gicp, clouds_->source, clouds_->target, settings);
+}
+
+}  // namespace lcmslam

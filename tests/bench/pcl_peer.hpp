@@ -1,0 +1,34 @@
+#pragma once
+// PCL's registrations behind a header without PCL, whose own take 15 s to compile and clash with OpenCV's.
+
+#include <memory>
+#include <vector>
+
+#include "geometry/transform.hpp"
+
+namespace lcmslam {
+
+struct PclSettings {
+  double max_distance = 0.3;  ///< m
+  int max_iterations = 50;
+  double epsilon_translation = 5e-4;  ///< m
+  double epsilon_rotation = 2e-4;     ///< rad
+};
+
+/// Two clouds in PCL's own form, made before the clock runs.
+class PclPair {
+ public:
+  PclPair(const std::vector<Eigen::Vector3f>& source, const std::vector<Eigen::Vector3f>& target);
+  ~PclPair();
+  PclPair(PclPair&&) noexcept;
+
+  /// T_target_source from the identity; each call builds the trees (and covariances) anew.
+  Eigen::Isometry3d icp(const PclSettings& settings) const;   ///< pcl::IterativeClosestPoint
+  Eigen::Isometry3d gicp(const PclSettings& settings) const;  ///< pcl::GeneralizedIterativeClosestPoint
+
+ private:
+  struct Clouds;
+  std::unique_ptr<Clouds> clouds_;
+};
+
+}  // namespace lcmslam
