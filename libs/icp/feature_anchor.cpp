@@ -6,8 +6,15 @@ namespace lcmslam {
 
 FeatureAnchor::FeatureAnchor(const FeatureAnchorSettings& settings) : settings_(settings) {}
 
-void FeatureAnchor::add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features) {
-  keyframes_.push_back({T_world_camera, features});
+void FeatureAnchor::add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features, int node) {
+  keyframes_.push_back({T_world_camera, features, node});
+}
+
+void FeatureAnchor::bend(const std::vector<Eigen::Isometry3d>& T_new_old) {
+  for (Keyframe& keyframe : keyframes_)
+    keyframe.T_world_camera =
+        T_new_old[std::min(static_cast<std::size_t>(keyframe.node), T_new_old.size() - 1)] *
+        keyframe.T_world_camera;
 }
 
 std::vector<const FeatureAnchor::Keyframe*> FeatureAnchor::around(
@@ -26,12 +33,27 @@ std::vector<const FeatureAnchor::Keyframe*> FeatureAnchor::around(
   return nearest;
 }
 
-// All keyframes' matches at once, in the world: where one keyframe gives way to the next, nothing jumps.
 std::optional<Prior> FeatureAnchor::locate(const FeatureFrame& features,
                                            const Eigen::Isometry3d& T_world_camera,
                                            const Eigen::Isometry3d& T_robot_camera) {
+  return locate_by(around(T_world_camera), features, T_robot_camera);
+}
+
+std::optional<Prior> FeatureAnchor::search(const FeatureFrame& features,
+                                           const Eigen::Isometry3d& T_robot_camera) {
+  for (int i = 0; i < settings_.searched_keyframes && !keyframes_.empty(); ++i) {
+    const Keyframe& keyframe = keyframes_[next_search_++ % keyframes_.size()];
+    if (const auto found = locate_by({&keyframe}, features, T_robot_camera)) return found;
+  }
+  return std::nullopt;
+}
+
+// All keyframes' matches at once, in the world: where one keyframe gives way to the next, nothing jumps.
+std::optional<Prior> FeatureAnchor::locate_by(const std::vector<const Keyframe*>& keyframes,
+                                              const FeatureFrame& features,
+                                              const Eigen::Isometry3d& T_robot_camera) {
   std::vector<PointPair> pairs;
-  for (const Keyframe* keyframe : around(T_world_camera)) {
+  for (const Keyframe* keyframe : keyframes) {
     const Eigen::Matrix3d R = keyframe->T_world_camera.linear();
     for (const Match& m : matcher_.match(keyframe->features.features, features.features)) {
       const Feature& known = keyframe->features.features[static_cast<std::size_t>(m.a)];

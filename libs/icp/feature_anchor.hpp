@@ -19,18 +19,25 @@ struct FeatureAnchorSettings {
   double max_distance = 1.0;  ///< m between a keyframe's camera and this one's, and
   double max_angle = 0.7;     ///< rad: beyond, SURF does not find things again
   int min_inliers = 20;
-  // Added (squared) to the alignment's covariance: errors that all of a frame's features share.
-  double floor_translation = 0.015;  ///< m
-  double floor_rotation = 0.010;     ///< rad
+  int searched_keyframes = 5;  ///< asked in each frame while lost
+  // Added (squared) to the alignment's covariance: errors that all of a frame's features share, as between
+  // two keyframes (LoopFinderSettings).
+  double floor_translation = 0.005;  ///< m
+  double floor_rotation = 0.003;     ///< rad
 };
 
 class FeatureAnchor {
  public:
   explicit FeatureAnchor(const FeatureAnchorSettings& settings);
 
-  /// A keyframe's features and where its camera stood.
-  void add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features);
+  /// A keyframe's features and where its camera stood; `node` of the graph that it moves with.
+  void add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features, int node = 0);
+  /// Keyframes move, each by T_new_old[node], those of later nodes by the last.
+  void bend(const std::vector<Eigen::Isometry3d>& T_new_old);
   void clear() { keyframes_.clear(); }
+
+  /// Where the robot is, wherever that be: each call asks the next few keyframes. For a robot that is lost.
+  std::optional<Prior> search(const FeatureFrame& features, const Eigen::Isometry3d& T_robot_camera);
 
   /// T_world_robot with its information, by the keyframe with most matches that agree; nothing when too few
   /// agree. `T_world_camera` is where the camera should be.
@@ -41,11 +48,15 @@ class FeatureAnchor {
   struct Keyframe {
     Eigen::Isometry3d T_world_camera;
     FeatureFrame features;
+    int node = 0;
   };
+  std::optional<Prior> locate_by(const std::vector<const Keyframe*>& keyframes, const FeatureFrame& features,
+                                 const Eigen::Isometry3d& T_robot_camera);
   std::vector<const Keyframe*> around(const Eigen::Isometry3d& T_world_camera) const;
 
   FeatureAnchorSettings settings_;
   std::vector<Keyframe> keyframes_;
+  std::size_t next_search_ = 0;
   Matcher matcher_;
 };
 

@@ -64,9 +64,10 @@ std::string to_string(MappingStatus status) {
 
 IcpMapper::IcpMapper(const IcpMapperSettings& settings)
     : settings_(settings),
-      map_(settings.map),
-      view_(map_, settings.correspondence, settings.view_radius),
-      anchor_(settings.features) {
+      map_(std::make_unique<VoxelMap>(settings.map)),
+      view_(*map_, settings.correspondence, settings.view_radius),
+      anchor_(settings.features),
+      graph_(settings.graph) {
   if (settings.variant != VariantKind::modern) thesis_.emplace(settings.variant, settings.thesis);
 }
 
@@ -79,6 +80,7 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
 
   const ThesisFrame frame{reduced, T_robot_camera, features, colour};
   Step step;
+  step.bent = work_on_graph(utime);
   if (!started_) {
     start_map(utime, usable, reduced, T_robot_camera, features, step);
     if (started_ && thesis_) thesis_->add(frame, step.T_world_robot);
@@ -91,10 +93,13 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
   if (features != nullptr && settings_.features.enabled && !thesis_)
     anchor = anchor_.locate(*features, prior.T_target_source * T_robot_camera, T_robot_camera);
   step.anchored = anchor.has_value();
-  if (anchor) prior = fused(prior, *anchor);
+  if (anchor) {
+    step.T_world_anchor = anchor->T_target_source;
+    prior = fused(prior, *anchor);
+  }
   const Attempt best =
       thesis_ ? thesis_attempt(frame, prior.T_target_source)
-              : try_starts(reduced, starts(prior, motion, anchor, T_robot_camera), prior, T_robot_camera);
+              : try_starts(reduced, starts(prior, motion, anchor, features, T_robot_camera), prior, T_robot_camera);
   step.registration = best.registration;
   step.status = best.status;
   step.quality = best.quality;
@@ -102,6 +107,10 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
   step.T_world_robot = believed ? best.registration.T_target_source : prior.T_target_source;
   step.covariance =
       believed ? best.registration.covariance : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+
+  step.relocalised = bad_steps_ > 0 && best.status == MappingStatus::tracking &&
+                     (distance_between(step.T_world_robot, prior.T_target_source) > settings_.max_jump ||
+                      angle_between(step.T_world_robot, prior.T_target_source) > settings_.max_turn);
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
   bad_steps_ = best.status == MappingStatus::tracking ? 0 : bad_steps_ + 1;
@@ -130,10 +139,11 @@ void IcpMapper::start_map(Utime utime, const ColouredCloud& usable, const Cloud&
   last_utime_ = utime;
   if (static_cast<int>(cloud.size()) < settings_.min_points) return;
   started_ = true;
-  map_.insert(cloud, Eigen::Vector3d::Zero());
+  if (settings_.prior.planar) graph_.set_floor(T_robot_camera.inverse());
   step.quality = 1;
   step.status = MappingStatus::tracking;
-  add_keyframe(utime, usable, T_robot_camera, features, step);
+  add_node(utime, usable, cloud, T_robot_camera, features, true, step);
+  insert(cloud, Eigen::Vector3d::Zero(), 0);
 }
 
 // The last step again, for as long as this one lasts (a second at most).
@@ -144,6 +154,7 @@ Eigen::Isometry3d IcpMapper::free_motion(Utime utime) const {
 
 std::vector<Eigen::Isometry3d> IcpMapper::starts(const Prior& prior, const std::optional<Motion>& motion,
                                                  const std::optional<Prior>& anchor,
+                                                 const FeatureFrame* features,
                                                  const Eigen::Isometry3d& T_robot_camera) {
   std::vector<Eigen::Isometry3d> starts = {prior.T_target_source};
   if (anchor) starts.push_back(anchor->T_target_source);
@@ -152,6 +163,9 @@ std::vector<Eigen::Isometry3d> IcpMapper::starts(const Prior& prior, const std::
   starts.push_back(T_world_last_);
   // Wheels slip by centimetres, they do not jump to another place that happens to look alike.
   if (motion && !motion->visual) return starts;
+  if (!anchor && features != nullptr && settings_.features.enabled)
+    if (const auto found = anchor_.search(*features, T_robot_camera))
+      starts.push_back(found->T_target_source);
   const Eigen::Isometry3d T_camera_robot = T_robot_camera.inverse();
   for (int i = 0; i < settings_.recovery_keyframes && !keyframes_.empty(); ++i)
     starts.push_back(keyframes_[next_recovery_++ % keyframes_.size()].T_world_camera * T_camera_robot);
@@ -169,7 +183,7 @@ double IcpMapper::score(const Cloud& cloud, const Eigen::Isometry3d& T_world_rob
   TargetPoint found;
   for (std::size_t i = 0; i < cloud.size(); i += stride, ++count) {
     const Eigen::Vector3f p = T * cloud.points[i];
-    if (!map_.find(p, reach, found)) continue;
+    if (!map_->find(p, reach, found)) continue;
     if (cloud.has_normals() && found.normal.dot(T.linear() * cloud.normals[i]) < 0.7f) continue;
     sum += 1.0 - static_cast<double>(std::abs(found.normal.dot(p - found.point)) / reach);
   }
@@ -242,32 +256,134 @@ MappingStatus IcpMapper::judge(const RegistrationResult& result, const Prior& pr
 void IcpMapper::grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
                      const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step) {
   const Eigen::Isometry3d& T = step.T_world_robot;
+  const Eigen::Isometry3d T_world_camera = T * T_robot_camera;
+  const bool keyframe = keyframe_due(T_world_camera, step.registration.overlap);
+  if (keyframe || is_far(T_world_camera, graph_.nodes().back().T_world_camera, 1))
+    add_node(utime, usable, cloud, T_robot_camera, features, keyframe, step);
   if (distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
       angle_between(T, T_world_inserted_) >= settings_.insert_angle) {
-    map_.insert(transformed(cloud, T), T.translation());
+    insert(transformed(cloud, T), T.translation(), static_cast<int>(graph_.nodes().size()) - 1);
     T_world_inserted_ = T;
   }
-  const Eigen::Isometry3d T_world_camera = T * T_robot_camera;
-  if (keyframe_due(T_world_camera, step.registration.overlap))
-    add_keyframe(utime, usable, T_world_camera, features, step);
 }
 
-void IcpMapper::add_keyframe(Utime utime, const ColouredCloud& usable,
-                             const Eigen::Isometry3d& T_world_camera, const FeatureFrame* features,
-                             Step& step) {
-  keyframes_.push_back({static_cast<int>(keyframes_.size()), utime, T_world_camera,
-                        voxel_filtered(usable, settings_.keyframe_voxel)});
-  if (features != nullptr) anchor_.add(T_world_camera, *features);
-  step.keyframe = true;
+// Where the camera comes by again, a node keeps the path's place in the graph, without another cloud.
+void IcpMapper::add_node(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+                         const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, bool keyframe,
+                         Step& step) {
+  const Eigen::Isometry3d T_world_camera = step.T_world_robot * T_robot_camera;
+  const Matrix6d A = adjoint(T_robot_camera.inverse());  // from the robot's body frame to the camera's
+  KeyframeView view;
+  view.cloud = transformed(cloud, T_robot_camera.inverse());
+  if (features != nullptr) view.features = *features;
+  restore(T_world_camera);
+  const int node =
+      graph_.add(utime, T_world_camera, A * step.covariance * A.transpose(), std::move(view), keyframe);
+  step.node = true;
+  step.keyframe = keyframe;
+  if (!keyframe) return;
+  keyframes_.push_back({node, utime, T_world_camera, voxel_filtered(usable, settings_.keyframe_voxel)});
+  if (features != nullptr) anchor_.add(T_world_camera, *features, node);
+}
+
+void IcpMapper::add_features(const FeatureFrame& features, Utime utime) {
+  if (graph_.nodes().empty() || graph_.nodes().back().utime != utime) return;
+  const auto node = static_cast<int>(graph_.nodes().size()) - 1;
+  if (!graph_.add_features(node, features)) return;
+  if (keyframes_.back().id == node) anchor_.add(keyframes_.back().T_world_camera, features, node);
 }
 
 // Far from every keyframe, or (with half the way gone) where little is known.
 bool IcpMapper::keyframe_due(const Eigen::Isometry3d& T_world_camera, double overlap) const {
   const double share = overlap < settings_.keyframe_overlap ? 0.5 : 1.0;
-  for (const Keyframe& k : keyframes_)
-    if (distance_between(k.T_world_camera, T_world_camera) < share * settings_.keyframe_distance &&
-        angle_between(k.T_world_camera, T_world_camera) < share * settings_.keyframe_angle)
-      return false;
+  return std::all_of(keyframes_.begin(), keyframes_.end(),
+                     [&](const Keyframe& k) { return is_far(T_world_camera, k.T_world_camera, share); });
+}
+
+bool IcpMapper::is_far(const Eigen::Isometry3d& T_world_camera, const Eigen::Isometry3d& T_world_other,
+                       double share) const {
+  return distance_between(T_world_other, T_world_camera) >= share * settings_.keyframe_distance ||
+         angle_between(T_world_other, T_world_camera) >= share * settings_.keyframe_angle;
+}
+
+void IcpMapper::insert(Cloud cloud_in_world, const Eigen::Vector3d& view_point, int node) {
+  if (bending_.valid())
+    insertions_.push_back({std::move(cloud_in_world), view_point, node});
+  else
+    map_->insert(cloud_in_world, view_point, node);
+}
+
+// The map is bounded and forgets what is far; on the way back the keyframes there give it back.
+void IcpMapper::restore(const Eigen::Isometry3d& T_world_camera) {
+  constexpr double reach = 3;          // m
+  constexpr std::size_t samples = 50;  // of a keyframe's points
+  if (!map_->has_forgotten()) return;
+  for (const Keyframe& keyframe : keyframes_) {
+    if (distance_between(keyframe.T_world_camera, T_world_camera) > reach || keyframe.cloud.size() == 0)
+      continue;
+    std::size_t known = 0, asked = 0;
+    TargetPoint found;
+    const Eigen::Isometry3f T = keyframe.T_world_camera.cast<float>();
+    for (std::size_t i = 0; i < keyframe.cloud.size(); i += 1 + keyframe.cloud.size() / samples, ++asked)
+      known += map_->find(T * keyframe.cloud.points[i], 0.1f, found) ? 1 : 0;
+    if (2 * known < asked)
+      insert(voxel_filtered(geometry_of(keyframe.cloud, keyframe.T_world_camera), settings_.voxel_size),
+             T_world_camera.translation(), keyframe.id);
+  }
+}
+
+// The graph's correction, the map bent by it, then all that stands in the map: one after the other, each at
+// its message time.
+bool IcpMapper::work_on_graph(Utime utime) {
+  if (bending_.valid()) {
+    if (utime < bent_at_) return false;
+    bend(correction_);
+    return true;
+  }
+  auto correction = graph_.work(utime);
+  if (!correction) return false;
+  correction_ = std::move(*correction);
+  const double seconds =
+      settings_.bend_time + settings_.bend_time_per_surfel * static_cast<double>(map_->size());
+  bent_at_ = utime + static_cast<Utime>(1e6 * seconds);
+  bending_ = std::async(std::launch::async, [map = map_.get(), &correction = correction_] {
+    return std::make_unique<VoxelMap>(map->bent(correction));
+  });
+  return false;
+}
+
+void IcpMapper::bend(const KeyframeGraph::Correction& correction) {
+  map_ = bending_.get();
+  view_.show(*map_);
+  const auto move_of = [&](int node) -> const Eigen::Isometry3d& {
+    return correction[std::min(static_cast<std::size_t>(node), correction.size() - 1)];
+  };
+  for (Insertion& insertion : insertions_) {
+    const Eigen::Isometry3d& T = move_of(insertion.node);
+    map_->insert(transformed(insertion.cloud, T), T * insertion.view_point, insertion.node);
+  }
+  insertions_.clear();
+  for (Keyframe& keyframe : keyframes_)
+    keyframe.T_world_camera = move_of(keyframe.id) * keyframe.T_world_camera;
+  anchor_.bend(correction);
+  graph_.apply(correction);
+  const Eigen::Isometry3d& T_newest = correction.back();
+  T_world_last_ = T_newest * T_world_last_;
+  T_world_inserted_ = T_newest * T_world_inserted_;
+}
+
+bool IcpMapper::finish() {
+  bool moved = false;
+  if (bending_.valid()) {
+    bend(correction_);
+    moved = true;
+  }
+  auto correction = graph_.finish();
+  if (!correction) return moved;
+  correction_ = std::move(*correction);
+  bending_ =
+      std::async(std::launch::deferred, [&] { return std::make_unique<VoxelMap>(map_->bent(correction_)); });
+  bend(correction_);
   return true;
 }
 

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "icp/cloud_filter.hpp"
+#include "icp/depth_clock.hpp"
 #include "icp/feature_anchor.hpp"
+#include "icp/keyframe_graph.hpp"
 #include "icp/map_view.hpp"
 #include "icp/motion_prior.hpp"
 #include "icp/registration.hpp"
@@ -23,6 +25,8 @@ struct IcpMapperSettings {
   VoxelMapSettings map;
   MotionPriorSettings prior;
   FeatureAnchorSettings features;
+  DepthClockSettings depth_clock;
+  KeyframeGraphSettings graph;
 
   // registration: a coarse pass over few points from far, then a fine one
   double voxel_size = 0.04;  ///< m, of the cloud that is registered and inserted
@@ -52,6 +56,10 @@ struct IcpMapperSettings {
   double keyframe_overlap = 0.5;   ///< a keyframe is also due when less is known than this
   double keyframe_voxel = 0.02;    ///< m, of the keyframe's cloud
 
+  // bending the map takes as long, s of message time
+  double bend_time = 0.05;
+  double bend_time_per_surfel = 5e-7;
+
   static RegistrationSettings coarse_defaults();
   static RegistrationSettings fine_defaults();
 };
@@ -70,9 +78,13 @@ class IcpMapper {
     Matrix6d covariance = Matrix6d::Zero();  ///< against the map; right perturbation, robot frame
     RegistrationResult registration;         ///< of the cloud in the robot frame to the world
     MappingStatus status = MappingStatus::initialising;
-    bool anchored = false;  ///< features of a keyframe were found again
-    double quality = 0;     ///< 0..1: overlap times share of inliers
-    bool keyframe = false;  ///< keyframes().back() is new
+    bool anchored = false;  ///< features of a keyframe were found again, and place the robot at
+    Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
+    double quality = 0;        ///< 0..1: overlap times share of inliers
+    bool keyframe = false;     ///< keyframes().back() is new
+    bool node = false;         ///< graph().nodes().back() is new
+    bool relocalised = false;  ///< lost before, and found far from the prediction
+    bool bent = false;         ///< the graph moved its nodes before this step: older poses are of the old map
   };
 
   struct Keyframe {
@@ -89,8 +101,16 @@ class IcpMapper {
             const std::optional<Motion>& motion = std::nullopt, const FeatureFrame* features = nullptr,
             const ColourView* colour = nullptr);
 
+  /// Features that came after the step of their moment: for keyframes.
+  void add_features(const FeatureFrame& features, Utime utime);
+
+  /// All work on the graph that is left; whether nodes moved.
+  bool finish();
+
+  /// Ids are the graph's nodes.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-  const VoxelMap& map() const { return map_; }
+  const KeyframeGraph& graph() const { return graph_; }
+  const VoxelMap& map() const { return *map_; }
 
  private:
   struct Attempt {
@@ -103,7 +123,7 @@ class IcpMapper {
                  const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step);
   Eigen::Isometry3d free_motion(Utime utime) const;
   std::vector<Eigen::Isometry3d> starts(const Prior& prior, const std::optional<Motion>& motion,
-                                        const std::optional<Prior>& anchor,
+                                        const std::optional<Prior>& anchor, const FeatureFrame* features,
                                         const Eigen::Isometry3d& T_robot_camera);
   double score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const;
   Attempt try_starts(const Cloud& cloud, std::vector<Eigen::Isometry3d> starts, const Prior& prior,
@@ -114,12 +134,19 @@ class IcpMapper {
   MappingStatus judge(const RegistrationResult& result, const Prior& prior) const;
   void grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
             const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step);
-  void add_keyframe(Utime utime, const ColouredCloud& usable, const Eigen::Isometry3d& T_world_camera,
-                    const FeatureFrame* features, Step& step);
+  void add_node(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+                const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, bool keyframe,
+                Step& step);
   bool keyframe_due(const Eigen::Isometry3d& T_world_camera, double overlap) const;
+  bool is_far(const Eigen::Isometry3d& T_world_camera, const Eigen::Isometry3d& T_world_other,
+              double share) const;
+  bool work_on_graph(Utime utime);
+  void insert(Cloud cloud_in_world, const Eigen::Vector3d& view_point, int node);
+  void restore(const Eigen::Isometry3d& T_world_camera);
+  void bend(const KeyframeGraph::Correction& correction);
 
   IcpMapperSettings settings_;
-  VoxelMap map_;
+  std::unique_ptr<VoxelMap> map_;
   MapView view_;
   FeatureAnchor anchor_;
   std::optional<ThesisVariant> thesis_;
@@ -131,6 +158,18 @@ class IcpMapper {
   Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();
   Vector6d velocity_ = Vector6d::Zero();  // per second, robot frame
+
+  KeyframeGraph graph_;
+  // While the map is bent (in a thread of its own, see KeyframeGraph), it does not grow.
+  struct Insertion {
+    Cloud cloud;
+    Eigen::Vector3d view_point;
+    int node = 0;
+  };
+  std::vector<Insertion> insertions_;
+  KeyframeGraph::Correction correction_;
+  Utime bent_at_ = 0;
+  std::future<std::unique_ptr<VoxelMap>> bending_;
 };
 
 }  // namespace lcmslam

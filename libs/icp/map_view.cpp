@@ -3,14 +3,14 @@
 namespace lcmslam {
 
 MapView::MapView(const VoxelMap& map, CorrespondenceKind kind, double radius)
-    : map_(map), kind_(kind), radius_(radius) {}
+    : map_(&map), kind_(kind), radius_(radius) {}
 
 const Target& MapView::from(const Eigen::Isometry3d& T_world_camera) {
-  if (kind_ == CorrespondenceKind::voxel_map) return map_;
+  if (kind_ == CorrespondenceKind::voxel_map) return *map_;
   if (!still_good(T_world_camera)) {
-    const Cloud nearby = map_.cloud_around(T_world_camera.translation(), radius_);
+    const Cloud nearby = map_->cloud_around(T_world_camera.translation(), radius_);
     target_ = make_target(nearby, kind_, T_world_camera);
-    revision_ = map_.revision();
+    revision_ = map_->revision();
     T_world_camera_ = T_world_camera;
   }
   return *target_;
@@ -19,7 +19,7 @@ const Target& MapView::from(const Eigen::Isometry3d& T_world_camera) {
 // A ball looks the same from everywhere inside it; a projection does not: rays to points a metre away
 // may turn by about a cell of the grid before partners are sought in the wrong place.
 bool MapView::still_good(const Eigen::Isometry3d& T_world_camera) const {
-  if (!target_ || revision_ != map_.revision()) return false;
+  if (!target_ || revision_ != map_->revision()) return false;
   const Eigen::Isometry3d moved = T_world_camera_.inverse() * T_world_camera;
   if (kind_ == CorrespondenceKind::projective)
     return moved.translation().norm() < 0.05 && rotation_angle(moved) < 0.1;

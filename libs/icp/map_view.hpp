@@ -11,8 +11,12 @@ namespace lcmslam {
 
 class MapView {
  public:
-  /// `map` must outlive the view. `radius` (m): the part around the camera that is looked at.
+  /// `map` must outlive the view or the next one that is shown. `radius` (m): the part around the camera that
+  /// is looked at.
   MapView(const VoxelMap& map, CorrespondenceKind kind, double radius);
+
+  /// Another map, with another revision.
+  void show(const VoxelMap& map) { map_ = &map; }
 
   /// As seen from about T_world_camera. Valid until the next call and the map's next insertion.
   const Target& from(const Eigen::Isometry3d& T_world_camera);
@@ -20,7 +24,7 @@ class MapView {
  private:
   bool still_good(const Eigen::Isometry3d& T_world_camera) const;
 
-  const VoxelMap& map_;
+  const VoxelMap* map_;
   CorrespondenceKind kind_;
   double radius_;
   std::unique_ptr<Target> target_;

@@ -50,6 +50,8 @@ class VoxelIndex {
     }
   }
 
+  std::size_t memory_bytes() const { return slots_.capacity() * sizeof(Slot); }
+
   /// The value stored for the key, which becomes `value` when there was none.
   std::int32_t insert(std::uint64_t key, std::int32_t value) {
     if (2 * (used_ + 1) > slots_.size()) grow();

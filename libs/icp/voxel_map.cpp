@@ -37,37 +37,62 @@ VoxelMap::Block& VoxelMap::block_at(const Eigen::Vector3i& position) {
   return blocks_[static_cast<std::size_t>(slot)];
 }
 
-void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point) {
+void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor) {
   ++frame_;
   if (!cloud.has_normals()) return;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!voxel_exists(cloud.points[i], inverse_size_) || !cloud.normals[i].allFinite()) continue;
-    const float sigma = cloud.sigmas.empty() ? 0.01f : cloud.sigmas[i];
-    if (std::isfinite(sigma)) merge(cloud.points[i], cloud.normals[i], std::max(sigma, smallest_sigma));
+    float sigma = cloud.sigmas.empty() ? 0.01f : cloud.sigmas[i];
+    if (!std::isfinite(sigma)) continue;
+    sigma = std::max(sigma, smallest_sigma);
+    merge({cloud.points[i], cloud.normals[i], 1.0f / (sigma * sigma), sigma, 1, 0, frame_, anchor});
   }
   if (blocks_.size() > static_cast<std::size_t>(settings_.max_blocks)) forget(view_point);
 }
 
-void VoxelMap::merge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float sigma) {
-  const Eigen::Vector3i voxel = voxel_of(point, inverse_size_);
+// Into the surfel of its voxel that faces the same way, or beside it.
+void VoxelMap::merge(const Surfel& seen) {
+  const Eigen::Vector3i voxel = voxel_of(seen.point, inverse_size_);
   const std::int16_t cell = cell_of(voxel);
-  const float weight = 1.0f / (sigma * sigma);
   Block& block = block_at(block_of(voxel));
   const auto agreement = static_cast<float>(settings_.normal_agreement);
   for (Surfel& s : block.surfels) {
-    if (s.cell != cell || s.normal.dot(normal) < agreement) continue;
-    const float share = weight / (s.weight + weight);
-    s.point += share * (point - s.point);
-    const Eigen::Vector3f blended = s.normal + share * (normal - s.normal);
+    if (s.cell != cell || s.normal.dot(seen.normal) < agreement) continue;
+    const float one = 1.0f / (seen.sigma * seen.sigma);  // weight of one observation
+    const float share = seen.weight / (s.weight + seen.weight);
+    s.point += share * (seen.point - s.point);
+    const Eigen::Vector3f blended = s.normal + share * (seen.normal - s.normal);
     if (const float length = blended.norm(); length > 0.1f) s.normal = blended / length;
-    s.sigma += share * (sigma - s.sigma);
-    s.weight = std::min(s.weight + weight, static_cast<float>(settings_.max_weight) * weight);
-    if (s.frame != frame_ && s.observations < std::numeric_limits<std::int16_t>::max()) ++s.observations;
-    s.frame = frame_;
+    s.sigma += share * (seen.sigma - s.sigma);
+    s.weight = std::min(s.weight + seen.weight, static_cast<float>(settings_.max_weight) * one);
+    if (s.frame != seen.frame)
+      s.observations = static_cast<std::int16_t>(std::min<int>(s.observations + seen.observations, 32767));
+    s.frame = std::max(s.frame, seen.frame);
     return;
   }
-  block.surfels.push_back({point, normal, weight, sigma, 1, cell, frame_});
+  block.surfels.push_back(seen);
+  block.surfels.back().cell = cell;
   ++surfels_;
+}
+
+VoxelMap VoxelMap::bent(const std::vector<Eigen::Isometry3d>& T_new_old) const {
+  VoxelMap map(settings_);
+  map.frame_ = frame_ + 1;
+  map.forgotten_ = forgotten_;
+  map.index_.clear(blocks_.size());
+  map.blocks_.reserve(blocks_.size());
+  std::vector<Eigen::Isometry3f> moves;
+  for (const Eigen::Isometry3d& T : T_new_old) moves.push_back(T.cast<float>());
+  for (const Block& block : blocks_)
+    for (Surfel s : block.surfels) {
+      if (!moves.empty()) {
+        const Eigen::Isometry3f& T = moves[std::min(static_cast<std::size_t>(s.anchor), moves.size() - 1)];
+        s.point = T * s.point;
+        s.normal = T.linear() * s.normal;
+      }
+      if (voxel_exists(s.point, inverse_size_)) map.merge(s);
+    }
+  return map;
 }
 
 bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const {
@@ -108,8 +133,15 @@ bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoin
   return true;
 }
 
+std::size_t VoxelMap::memory_bytes() const {
+  std::size_t bytes = blocks_.capacity() * sizeof(Block) + index_.memory_bytes();
+  for (const Block& block : blocks_) bytes += block.surfels.capacity() * sizeof(Surfel);
+  return bytes;
+}
+
 // Drops a tenth, so that this happens rarely.
 void VoxelMap::forget(const Eigen::Vector3d& view_point) {
+  forgotten_ = true;
   const double block_size = settings_.voxel_size * block_side;
   std::vector<double> distance(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i)

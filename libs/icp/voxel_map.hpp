@@ -20,7 +20,7 @@ struct VoxelMapSettings {
   double normal_agreement = 0.5;  ///< cosine; points with another normal make a second surfel
   double max_weight = 60;         ///< observations that a surfel remembers (then a running mean)
   int min_observations = 1;       ///< surfels seen less often are not found (one frame counts once)
-  int max_blocks = 60000;         ///< about 1.5 kB each
+  int max_blocks = 160000;        ///< about 1.2 kB each where surfaces fill them: 200 MB, 2.5 million voxels
 };
 
 class VoxelMap : public Target {
@@ -29,11 +29,19 @@ class VoxelMap : public Target {
 
   /// Merges a cloud in map coordinates; points without a normal are left out. `view_point` is where
   /// it was seen from (m): what is farthest from there is forgotten first.
-  void insert(const Cloud& cloud, const Eigen::Vector3d& view_point);
+  /// New surfels belong to keyframe `anchor`.
+  void insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor = 0);
+
+  /// The map after its keyframes have moved: each surfel goes with the one it belongs to, by
+  /// T_new_old[anchor], those of later ones with the last. Surfels that meet in a voxel become one.
+  VoxelMap bent(const std::vector<Eigen::Isometry3d>& T_new_old) const;
 
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
   std::size_t size() const override { return surfels_; }
   std::size_t blocks() const { return blocks_.size(); }
+  std::size_t memory_bytes() const;
+  /// Whether something was forgotten since the map began.
+  bool has_forgotten() const { return forgotten_; }
 
   /// Counts insertions: the same number, the same map.
   std::int32_t revision() const { return frame_; }
@@ -50,8 +58,9 @@ class VoxelMap : public Target {
     float weight;  // sum of 1 / sigma^2
     float sigma;   // of one observation, m
     std::int16_t observations;
-    std::int16_t cell;   // voxel in the block, 0..63
-    std::int32_t frame;  // last insertion that touched it
+    std::int16_t cell;    // voxel in the block, 0..63
+    std::int32_t frame;   // last insertion that touched it
+    std::int32_t anchor;  // keyframe that it moves with
   };
   struct Block {
     Eigen::Vector3i position;
@@ -59,7 +68,7 @@ class VoxelMap : public Target {
   };
 
   Block& block_at(const Eigen::Vector3i& position);
-  void merge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float sigma);
+  void merge(const Surfel& seen);
   void forget(const Eigen::Vector3d& view_point);
 
   VoxelMapSettings settings_;
@@ -67,6 +76,7 @@ class VoxelMap : public Target {
   VoxelIndex index_;
   std::vector<Block> blocks_;
   std::size_t surfels_ = 0;
+  bool forgotten_ = false;
   std::int32_t frame_ = 0;
 };
 

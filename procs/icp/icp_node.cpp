@@ -1,5 +1,6 @@
 #include "icp/icp_node.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/icp_report_t.hpp>
@@ -8,7 +9,9 @@
 #include <thread>
 #include <utility>
 
+#include "icp/feature_depth.hpp"
 #include "icp/read_settings.hpp"
+#include "icp/rolling_shutter.hpp"
 #include "messages/camera_messages.hpp"
 #include "messages/feature_messages.hpp"
 #include "messages/geometry_messages.hpp"
@@ -74,17 +77,20 @@ IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
       cloud_points_(config.get("cloud_points", 20000.0, Range{100, 1e7})),
       frame_queue_(frame_queue(config, 2)),
       join_(config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
-            [this](RgbdFrame& frame) { on_frame(frame); }) {}
+            [this](RgbdFrame& frame) { on_frame(frame); }),
+      // Kinects of the first kind read their rows during nearly the whole 33 ms of a frame.
+      readout_(config.get("rolling_shutter", 0.03, Range{0, 0.1})),
+      rolling_sensors_(config.get(
+          "rolling_sensors",
+          std::vector<std::string>{"tum_default", "tum_fr1", "tum_fr2", "tum_fr3", "seven_scenes"})),
+      depth_clock_(settings_.depth_clock) {}
 
 void IcpNode::connect(Inputs& inputs) {
   inputs.subscribe<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); }).primary =
       true;
   inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10,
                                          [this](const camera_calibration_t& m) { on_calibration(m); });
-  inputs.subscribe<features_t>("FEATURES", frame_queue_, [this](const features_t& m) {
-    features_.push_back(from_message(m));
-    while (features_.size() > features_kept) features_.pop_front();
-  });
+  inputs.subscribe<features_t>("FEATURES", frame_queue_, [this](const features_t& m) { on_features(m); });
   inputs.subscribe<odometry_t>("ODOMETRY", 500,
                                [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
 }
@@ -95,7 +101,8 @@ void IcpNode::on_camera(const images_t& message) {
     return;
   }
   RgbdFrame frame = decode_images(message, *calibration_);
-  const Utime needed = std::max(frame.utime, calibration_->depth_time(frame.depth_utime));
+  const Utime depth_utime = calibration_->depth_time(frame.depth_utime);
+  const Utime needed = std::max({frame.utime, depth_utime, depth_utime + clock_correction()});
   join_.add(needed, std::move(frame));
 }
 
@@ -106,8 +113,28 @@ void IcpNode::on_calibration(const camera_calibration_t& message) {
   calibration_message_ = message;
   calibration_ = calibration;
   registration_.emplace(calibration);
+  const bool rolling = std::count(rolling_sensors_.begin(), rolling_sensors_.end(), calibration.sensor) > 0;
+  rolling_shutter_ = rolling ? readout_ : 0;
   settings_.prior.planar = pose_ == "planar" || (pose_ == "auto" && calibration.has_mount);
   if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
+}
+
+// Those of a keyframe are welcome after its step, too.
+void IcpNode::on_features(const features_t& message) {
+  features_.push_back(from_message(message));
+  while (features_.size() > features_kept) features_.pop_front();
+  if (mapper_) mapper_->add_features(features_.back(), features_.back().utime);
+}
+
+Utime IcpNode::clock_correction() const {
+  return static_cast<Utime>(std::lround(1e6 * depth_clock_.offset()));
+}
+
+void IcpNode::observe_clock(const Shot& shot, const std::optional<Motion>& motion) {
+  const double seconds = 1e-6 * static_cast<double>(shot.utime - last_utime_);
+  if (!last_.anchored || last_.status != MappingStatus::tracking || !motion || !(seconds > 0)) return;
+  const Eigen::Vector3d omega = so3_log(motion->T_from_to.linear()) / seconds;
+  depth_clock_.add(last_.T_world_anchor, last_.T_world_robot, omega);
 }
 
 void IcpNode::restart() {
@@ -119,28 +146,45 @@ void IcpNode::restart() {
 IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   Shot shot;
   shot.depth_utime = calibration_->depth_time(frame.depth_utime);
+  const Utime seen_utime = shot.depth_utime + clock_correction();
   // Images of one moment need no motion, and registering them without it is much cheaper.
-  const bool together = std::abs(frame.utime - shot.depth_utime) < same_moment;
-  const auto motion = together ? std::nullopt : join_.motion().between(frame.utime, shot.depth_utime);
-  shot.utime = motion ? frame.utime : shot.depth_utime;
-  if (motion) shot.T_points_depth = motion->T_from_to;
+  const bool together = std::abs(frame.utime - seen_utime) < same_moment;
+  const auto motion = together ? std::nullopt : join_.motion().between(frame.utime, seen_utime);
+  const auto told = join_.motion().between(frame.utime, shot.depth_utime);
+  shot.utime = together || (motion && told) ? frame.utime : shot.depth_utime;
+  if (shot.utime == frame.utime && told) shot.T_points_depth = told->T_from_to;
+  const Eigen::Isometry3d T_points_seen = motion ? motion->T_from_to : Eigen::Isometry3d::Identity();
   const Eigen::Isometry3d& T_robot_camera = calibration_->T_robot_camera;
   const double pixels = static_cast<double>(frame.depth.total());
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
-  RegisteredDepth depth =
-      (*registration_)(frame, T_robot_camera.inverse() * shot.T_points_depth * T_robot_camera, step);
-  remove_jump_edges(depth.points, depth.sigma, {}, step);
-  shot.cloud = make_cloud(frame, depth, step);
+  const Eigen::Isometry3d T_colour_depth_time = T_robot_camera.inverse() * T_points_seen * T_robot_camera;
+  shot.depth = (*registration_)(frame, T_colour_depth_time, step);
+  const auto turn = rolling_shutter_ > 0 ? join_.motion().between(last_utime_, frame.utime) : std::nullopt;
+  if (turn && frame.utime > last_utime_) {
+    const double seconds = 1e-6 * static_cast<double>(frame.utime - last_utime_);
+    shot.camera_twist = se3_log(T_robot_camera.inverse() * turn->T_from_to * T_robot_camera) / seconds;
+    straighten_rows(shot.depth.points, rolling_shutter_ * shot.camera_twist);
+  }
+  remove_jump_edges(shot.depth.points, shot.depth.sigma, {}, step);
+  shot.cloud = make_cloud(frame, shot.depth, step);
+  if (motion && told)
+    shot.T_depth_colour = (T_colour_depth_time * registration_->calibration().T_colour_depth).inverse();
   return shot;
 }
 
 // Only what is there already: waiting for features would add their latency to the pose's.
-const FeatureFrame* IcpNode::features_at(Utime utime, const Shot& shot) const {
+std::optional<FeatureFrame> IcpNode::features_at(Utime utime, const Shot& shot) const {
   if (std::abs(shot.utime - utime) > same_moment)
-    return nullptr;  // the cloud stands at another moment than the colour image
+    return std::nullopt;  // the cloud stands at another moment than the colour image
   for (const FeatureFrame& frame : features_)
-    if (frame.utime == utime) return &frame;
-  return nullptr;
+    if (frame.utime == utime) {
+      FeatureFrame placed = frame;
+      if (shot.T_depth_colour)
+        placed = placed_by(shot.depth, registration_->calibration().depth, *shot.T_depth_colour, frame);
+      straighten_rows(placed, rolling_shutter_ * shot.camera_twist);
+      return placed;
+    }
+  return std::nullopt;
 }
 
 void IcpNode::on_frame(const RgbdFrame& frame) {
@@ -155,11 +199,13 @@ void IcpNode::on_frame(const RgbdFrame& frame) {
   }
   const auto motion = join_.motion().between(last_utime_, shot.utime);
   T_world_previous_ = last_.T_world_robot;
-  const FeatureFrame* features = features_at(frame.utime, shot);
-  with_features_ += features != nullptr ? 1 : 0;
+  const auto features = features_at(frame.utime, shot);
+  with_features_ += features ? 1 : 0;
   const ColourView colour{frame.colour, calibration_->colour, calibration_->depth,
                           calibration_->T_colour_depth};
-  last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion, features, &colour);
+  last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion,
+                        features ? &*features : nullptr, &colour);
+  observe_clock(shot, motion);
   last_utime_ = shot.utime;
   anchored_ += last_.anchored ? 1 : 0;
   ++steps_;
@@ -170,9 +216,12 @@ void IcpNode::on_frame(const RgbdFrame& frame) {
 void IcpNode::publish(Utime frame_utime, const Shot& shot, const std::optional<Motion>& motion,
                       double cpu_time) {
   const IcpMapper::Step& step = last_;
+  // First the graph: the pose stands in the map that it makes.
+  if (step.node || step.bent) publish_graph();
   pose_estimate_t pose =
       make_pose_estimate(shot.depth_utime, step.T_world_robot * shot.T_points_depth, step.covariance);
-  pose.status = wire_status(step.status);
+  pose.status =
+      step.relocalised ? static_cast<std::int8_t>(pose_estimate_t::RELOCALISED) : wire_status(step.status);
   pose.quality = static_cast<float>(step.quality);
   pose.inliers = step.registration.inliers;
   pose.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
@@ -192,7 +241,7 @@ void IcpNode::publish(Utime frame_utime, const Shot& shot, const std::optional<M
   report.stop_reason = wire_reason(step.registration.stop);
   report.stop_text = to_string(step.registration.stop);
   report.correction_trans = report.correction_rot = std::numeric_limits<float>::quiet_NaN();
-  if (motion) {
+  if (motion && !step.bent) {
     const Eigen::Isometry3d correction =
         (T_world_previous_ * motion->T_from_to).inverse() * step.T_world_robot;
     report.correction_trans = static_cast<float>(correction.translation().norm());
@@ -203,10 +252,7 @@ void IcpNode::publish(Utime frame_utime, const Shot& shot, const std::optional<M
   report.processing_time = cpu_time;
   publisher_.publish("ICP_REPORT", report);
 
-  if (step.keyframe) {
-    queue_keyframe(mapper_->keyframes().back());
-    publish_graph(shot.depth_utime);
-  }
+  if (step.keyframe) queue_keyframe(mapper_->keyframes().back());
 }
 
 void IcpNode::queue_keyframe(const IcpMapper::Keyframe& keyframe) {
@@ -216,20 +262,34 @@ void IcpNode::queue_keyframe(const IcpMapper::Keyframe& keyframe) {
     tiles_.push_back(std::move(tile));
 }
 
-void IcpNode::publish_graph(Utime utime) {
+void IcpNode::publish_graph() {
   graph_t graph;
-  graph.utime = utime;
+  graph.utime = last_utime_;
   graph.frame = "map";
   graph.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
-  for (const auto& keyframe : mapper_->keyframes()) {
+  const auto& nodes = mapper_->graph().nodes();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
     graph_node_t node;
-    node.keyframe = keyframe.id;
-    node.keyframe_utime = keyframe.utime;
-    node.T_map_camera = to_message(keyframe.T_world_camera);
+    node.keyframe = static_cast<int32_t>(i);
+    node.keyframe_utime = nodes[i].utime;
+    node.T_map_camera = to_message(nodes[i].T_world_camera);
     graph.nodes.push_back(node);
   }
   graph.n_nodes = static_cast<int32_t>(graph.nodes.size());
-  graph.n_edges = 0;
+  for (const GraphEdge& e : mapper_->graph().edges()) {
+    graph_edge_t edge;
+    edge.from = e.from;
+    edge.to = e.to;
+    edge.kind = static_cast<std::int8_t>(e.kind);
+    edge.T_from_to = to_message(e.T_from_to.T);
+    edge.sigma_trans =
+        static_cast<float>(std::sqrt(e.T_from_to.covariance.topLeftCorner<3, 3>().trace() / 3));
+    edge.sigma_rot =
+        static_cast<float>(std::sqrt(e.T_from_to.covariance.bottomRightCorner<3, 3>().trace() / 3));
+    edge.error = static_cast<float>(e.error);
+    graph.edges.push_back(edge);
+  }
+  graph.n_edges = static_cast<int32_t>(graph.edges.size());
   publisher_.publish("ICP_GRAPH", graph);
 }
 
@@ -253,13 +313,14 @@ std::optional<Node::Duration> IcpNode::work() {
 void IcpNode::command(const command_t& command) {
   if (command.name == "resend" && mapper_ && tiles_.empty()) {  // else what waits is under way already
     for (const auto& keyframe : mapper_->keyframes()) queue_keyframe(keyframe);
-    publish_graph(last_utime_);
+    publish_graph();
   }
   if (command.name == "reset") mapper_.reset();
 }
 
 void IcpNode::finish() {
   join_.flush();
+  if (mapper_ && mapper_->finish()) publish_graph();
   while (!tiles_.empty()) {
     send_waiting_tile();
     std::this_thread::sleep_for(publisher_.pace());
@@ -278,7 +339,11 @@ NodeReport IcpNode::report() const {
                    {"restarts", static_cast<double>(restarts_)},
                    {"keyframes", mapper_ ? static_cast<double>(mapper_->keyframes().size()) : 0},
                    {"map_points", mapper_ ? static_cast<double>(mapper_->map().size()) : 0},
-                   {"overlap", last_.registration.overlap}};
+                   {"overlap", last_.registration.overlap},
+                   {"graph_nodes", mapper_ ? static_cast<double>(mapper_->graph().nodes().size()) : 0},
+                   {"graph_edges", mapper_ ? static_cast<double>(mapper_->graph().edges().size()) : 0},
+                   {"depth_clock_offset", depth_clock_.offset()},
+                   {"depth_clock_sigma", depth_clock_.sigma()}};
   return report;
 }
 

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/features_t.hpp>
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
 
@@ -26,21 +27,29 @@ class IcpNode : public Node {
  private:
   /// A cloud and the time of the pose from which it is seen.
   struct Shot {
-    Utime utime = 0;        // of the points: the colour image's, or depth's while motion is not known
-    Utime depth_utime = 0;  // on colour's clock
+    Utime utime = 0;  // of the points: the colour image's, or depth's while motion is not known
+    Utime depth_utime =
+        0;  // of the depth image, on colour's clock by the calibration; the pose is told for it
     Eigen::Isometry3d T_points_depth = Eigen::Isometry3d::Identity();  // robot at utime <- at depth_utime
     ColouredCloud cloud;
+    // Where images of different moments are joined: the depth, moved in time, and how.
+    RegisteredDepth depth;
+    std::optional<Eigen::Isometry3d> T_depth_colour;
+    Vector6d camera_twist = Vector6d::Zero();  // per second; zero while it is not known or does not matter
   };
 
   void on_camera(const images_t& message);
   void on_calibration(const camera_calibration_t& message);
   void on_frame(const RgbdFrame& frame);
-  const FeatureFrame* features_at(Utime utime, const Shot& shot) const;
+  void on_features(const features_t& message);
+  std::optional<FeatureFrame> features_at(Utime utime, const Shot& shot) const;
   Shot make_shot(const RgbdFrame& frame) const;
+  Utime clock_correction() const;
+  void observe_clock(const Shot& shot, const std::optional<Motion>& motion);
   void restart();
   void publish(Utime frame_utime, const Shot& shot, const std::optional<Motion>& motion, double cpu_time);
   void queue_keyframe(const IcpMapper::Keyframe& keyframe);
-  void publish_graph(Utime utime);
+  void publish_graph();
   void send_waiting_tile();
 
   Publisher& publisher_;
@@ -53,7 +62,11 @@ class IcpNode : public Node {
   camera_calibration_t calibration_message_;
   std::optional<RgbdCalibration> calibration_;
   std::optional<DepthRegistration> registration_;
-  std::optional<images_t> uncalibrated_;  // the newest message that came before the calibration
+  std::optional<images_t> uncalibrated_;      // the newest message that came before the calibration
+  double readout_;                            // s from an image's first row to its last, of
+  std::vector<std::string> rolling_sensors_;  // these; their names are the calibrations'
+  double rolling_shutter_ = 0;                // s, of the sensor at work
+  DepthClock depth_clock_;                    // what the calibration leaves
   std::optional<IcpMapper> mapper_;
   Utime last_utime_ = 0;
   std::deque<keyframe_t> tiles_;  // wait for their turn: bursts overrun receive buffers

@@ -117,8 +117,47 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   s.features.max_distance = features.get("max_distance", s.features.max_distance, metres);
   s.features.max_angle = features.get("max_angle", s.features.max_angle, radians);
   s.features.min_inliers = features.get("min_inliers", s.features.min_inliers, Range{3, 1000});
+  s.features.searched_keyframes =
+      features.get("searched_keyframes", s.features.searched_keyframes, Range{0, 1000});
   s.features.floor_translation = features.get("floor_translation", s.features.floor_translation, metres);
   s.features.floor_rotation = features.get("floor_rotation", s.features.floor_rotation, radians);
+
+  const ConfigNode clock = c.section("depth_clock");
+  s.depth_clock.enabled = clock.get("enabled", s.depth_clock.enabled);
+  s.depth_clock.prior = clock.get("prior", s.depth_clock.prior, Range{1e-4, 1});
+  s.depth_clock.noise = clock.get("noise", s.depth_clock.noise, Range{1e-4, 1});
+  s.depth_clock.outlier = clock.get("outlier", s.depth_clock.outlier, radians);
+
+  const ConfigNode graph = c.section("graph");
+  s.graph.enabled = graph.get("enabled", s.graph.enabled);
+  s.graph.neighbours = graph.get("neighbours", s.graph.neighbours, Range{0, 100});
+  s.graph.max_distance = graph.get("max_distance", s.graph.max_distance, metres);
+  s.graph.max_angle = graph.get("max_angle", s.graph.max_angle, radians);
+  s.graph.floor_translation = graph.get("floor_translation", s.graph.floor_translation, metres);
+  s.graph.floor_rotation = graph.get("floor_rotation", s.graph.floor_rotation, radians);
+  s.graph.min_translation = graph.get("min_translation", s.graph.min_translation, metres);
+  s.graph.min_rotation = graph.get("min_rotation", s.graph.min_rotation, radians);
+  s.graph.wait = graph.get("wait", s.graph.wait, Range{0, 10});
+  s.graph.time = graph.get("time", s.graph.time, Range{0, 100});
+  s.graph.time_per_node = graph.get("time_per_node", s.graph.time_per_node, Range{0, 1});
+  const ConfigNode optimiser = graph.section("optimiser");
+  s.graph.optimiser.kernel_width =
+      optimiser.get("kernel_width", s.graph.optimiser.kernel_width, Range{0.1, 1e6});
+  s.graph.optimiser.max_error = optimiser.get("max_error", s.graph.optimiser.max_error, Range{0.1, 1e6});
+  s.graph.optimiser.path_gate = optimiser.get("path_gate", s.graph.optimiser.path_gate, Range{0, 1e6});
+  s.graph.optimiser.loop_support =
+      optimiser.get("loop_support", s.graph.optimiser.loop_support, Range{1, 100});
+  const ConfigNode loops = graph.section("loops");
+  s.graph.loops.indexed_features =
+      loops.get("indexed_features", s.graph.loops.indexed_features, Range{10, 10000});
+  s.graph.loops.min_votes = loops.get("min_votes", s.graph.loops.min_votes, Range{1, 10000});
+  s.graph.loops.candidates = loops.get("candidates", s.graph.loops.candidates, Range{0, 100});
+  s.graph.loops.min_inliers = loops.get("min_inliers", s.graph.loops.min_inliers, Range{3, 1000});
+  s.graph.loops.min_overlap = loops.get("min_overlap", s.graph.loops.min_overlap, share);
+  s.graph.loops.min_inlier_share = loops.get("min_inlier_share", s.graph.loops.min_inlier_share, share);
+  s.graph.loops.floor_translation = loops.get("floor_translation", s.graph.loops.floor_translation, metres);
+  s.graph.loops.floor_rotation = loops.get("floor_rotation", s.graph.loops.floor_rotation, radians);
+  s.graph.loops.registration = read_registration(loops.section("registration"), s.graph.loops.registration);
 
   const ConfigNode prior = c.section("prior");
   s.prior.floor_translation = prior.get("floor_translation", s.prior.floor_translation, metres);
@@ -128,6 +167,8 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
 
   s.lost_overlap = c.get("lost_overlap", s.lost_overlap, share);
   s.good_overlap = c.get("good_overlap", s.good_overlap, share);
+  s.insert_distance = c.get("insert_distance", s.insert_distance, metres);
+  s.insert_angle = c.get("insert_angle", s.insert_angle, radians);
   s.keyframe_distance = c.get("keyframe_distance", s.keyframe_distance, metres);
   s.keyframe_angle = c.get("keyframe_angle", s.keyframe_angle, radians);
   s.keyframe_overlap = c.get("keyframe_overlap", s.keyframe_overlap, share);

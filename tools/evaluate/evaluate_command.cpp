@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -6,7 +8,10 @@
 #include "commands.hpp"
 #include "evaluate/evaluation_report.hpp"
 #include "evaluate/pose_log.hpp"
+#include "evaluation/surface_error.hpp"
+#include "mapping/map_export.hpp"
 #include "parse_command.hpp"
+#include "simulation/scene.hpp"
 
 namespace lcmslam {
 namespace {
@@ -30,6 +35,7 @@ struct Request {
   InputRequest inputs;
   std::string alignment = "se3", association, json;
   std::vector<std::string> plots;
+  std::string map, scene;
   EvaluationSettings settings;
   bool find_clock_offset = false;
   ClockOffsetSearch search;
@@ -41,7 +47,9 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
       "RGB-D benchmark's paper defines them (its script differs a little: E of an RPE is turned around, the "
       "distance "
       "of a metre is the estimate's). FILE is a TUM text file (t x y z qx qy qz qw) or an .lcmlog, also "
-      "LOG:CHANNEL; a log alone stands for its FASTSLAM_POSE, ICP_POSE and ODOMETRY, and brings its "
+      "LOG:CHANNEL; a log alone stands for its FASTSLAM_POSE, ICP_POSE, ICP_FINAL (its path as its last "
+      "graph "
+      "has it) and ODOMETRY, and brings its "
       "GROUND_TRUTH.",
       "lcmslam evaluate"};
   app.add_option("--truth", r.inputs.truth, "FILE or LOG[:CHANNEL]");
@@ -76,8 +84,30 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
             return end == ".png" || end == ".svg" ? "" : name + " must end in .png or .svg";
           },
           "FILE.png|FILE.svg"));
+  auto* map = app.add_option("--map", r.map,
+                             "FILE.ply: how far its points are from the surfaces of --scene; brought to the "
+                             "truth's world by the alignment of the last estimate");
+  auto* scene = app.add_option("--scene", r.scene, "FILE.yaml of the simulation")->needs(map);
+  map->needs(scene);
   app.add_option("--json", r.json, "file for all figures");
   return parse_command(app, argc, argv);
+}
+
+std::string format_map_error(const Request& r, const Evaluation& evaluation) {
+  const EvaluatedEstimate* placed = nullptr;
+  for (const EvaluatedEstimate& e : evaluation.estimates)
+    if (e.report && e.path.channel != "ODOMETRY") placed = &e;
+  if (placed == nullptr) throw std::runtime_error("--map: no estimate tells where the map lies");
+  std::vector<Triangle> triangles;
+  for (const SceneTriangle& t : load_scene(r.scene).triangles)
+    triangles.push_back({t.corner[0], t.corner[1], t.corner[2]});
+  const SurfaceError e = surface_error(load_ply(r.map).points, placed->report->alignment.T_truth_estimate,
+                                       TriangleSurface(std::move(triangles)));
+  return fmt::format(
+      "\n{}: {} points, placed by {}; distance to the surfaces of {}: median {:.4f} m, 95 % within {:.4f} m, "
+      "mean "
+      "{:.4f} m, {:.2f} % beyond 0.3 m\n",
+      r.map, e.points, placed->path.name, r.scene, e.median, e.p95, e.mean, 100 * e.beyond);
 }
 
 }  // namespace
@@ -92,6 +122,7 @@ int evaluate_command(int argc, char** argv) {
                                                           : Association::interpolate_truth;
   const Evaluation evaluation = evaluate_all(std::move(inputs), r.settings, r.find_clock_offset, r.search);
   std::cout << format_evaluation(evaluation);
+  if (!r.map.empty()) std::cout << format_map_error(r, evaluation);
   for (const std::string& file : r.plots) write_plot(file, evaluation_plot(evaluation));
   if (!r.json.empty()) {
     std::ofstream text(r.json);

@@ -28,6 +28,8 @@ std::vector<std::string> row(const std::string& name, const EvaluatedEstimate& e
           angle(r.absolute.rotation),
           metres(r.per_frame.translation),
           angle(r.per_frame.rotation),
+          fixed_number(r.per_frame.translation.maximum, 4),
+          fixed_number(degrees(r.per_frame.rotation.maximum), 2),
           metres(r.per_second.translation),
           angle(r.per_second.rotation),
           metres(r.per_metre.translation),
@@ -38,12 +40,12 @@ std::vector<std::string> row(const std::string& name, const EvaluatedEstimate& e
 
 Table error_table(const Evaluation& evaluation) {
   Table table({"estimate", "poses", "matched", "tracked %", "ATE rmse m", "median", "max", "deg",
-               "RPE frame m", "deg", "second m", "deg", "metre m", "deg", "scale", "lost"});
+               "RPE frame m", "deg", "max", "deg", "second m", "deg", "metre m", "deg", "scale", "lost"});
   for (const EvaluatedEstimate& e : evaluation.estimates) {
     if (e.report) {
       table.add(row(e.path.name, e, *e.report));
     } else {
-      std::vector<std::string> empty(16, "-");
+      std::vector<std::string> empty(18, "-");
       empty[0] = e.path.name;
       empty[1] = std::to_string(e.path.trajectory.size());
       table.add(empty);

@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <lcmslam/graph_t.hpp>
 #include <lcmslam/pose_t.hpp>
 
 #include "log/log_reader.hpp"
@@ -58,6 +59,13 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
       add_pose(channel, {checked(m.utime), from_message(m.T_map_robot, "T_map_robot")}, m.sender, m.status,
                m.map_revision);
       channels_[channel].body = m.child_frame;
+      add_sight(channel, channels_[channel].trajectory.back(), m.sender);
+    } else if (name == "graph_t") {
+      const auto m = decode_message<graph_t>(data, size);
+      Nodes nodes;
+      for (const graph_node_t& node : m.nodes)
+        nodes[node.keyframe] = from_message(node.T_map_camera, "T_map_camera");
+      graphs_[m.sender] = std::move(nodes);
     } else if (name == "pose_t") {
       const auto m = decode_message<pose_t>(data, size);
       add_pose(channel, {checked(m.utime), from_message(transform_of(m), "pose_t")}, 0, 0, 0);
@@ -84,6 +92,7 @@ void PoseLog::add_pose(const std::string& channel, const StampedPose& pose, std:
   if (restarted || rewound) {  // another map, another frame: earlier poses do not compare
     path.left_out += static_cast<std::int64_t>(path.trajectory.size());
     path.trajectory.clear();
+    path.sights.clear();
     ++path.restarts;
   }
   mapper = {sender, map_revision};
@@ -92,8 +101,33 @@ void PoseLog::add_pose(const std::string& channel, const StampedPose& pose, std:
   path.degraded += status == pose_estimate_t::DEGRADED ? 1 : 0;
 }
 
+void PoseLog::add_sight(const std::string& channel, const StampedPose& pose, std::int64_t sender) {
+  const auto graph = graphs_.find(sender);
+  if (graph == graphs_.end() || graph->second.empty()) return;
+  const auto& [node, T_map_camera] = *graph->second.rbegin();
+  channels_[channel].sights.push_back({pose.utime, node, T_map_camera.inverse() * pose.T_world_body});
+}
+
+void PoseLog::add_final_paths() {
+  std::map<std::string, PoseChannel> finals;
+  for (const auto& [name, channel] : channels_) {
+    const auto graph = graphs_.find(mappers_[name].sender);
+    if (channel.sights.empty() || graph == graphs_.end()) continue;
+    PoseChannel path;
+    path.type = channel.type;
+    path.body = channel.body;
+    path.lost = channel.lost;
+    for (const PoseChannel::Sight& sight : channel.sights)
+      if (const auto node = graph->second.find(sight.node); node != graph->second.end())
+        path.trajectory.push_back({sight.utime, node->second * sight.T_node_robot});
+    finals[name.substr(0, name.rfind("_POSE")) + "_FINAL"] = std::move(path);
+  }
+  channels_.merge(finals);
+}
+
 void PoseLog::finish(std::size_t damages) {
   damages_ = damages;
+  add_final_paths();
   for (auto& [name, channel] : channels_) sort_trajectory(channel.trajectory);
 }
 

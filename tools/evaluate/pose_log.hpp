@@ -20,6 +20,13 @@ struct PoseChannel {
   int restarts = 0;              ///< new maps (restart, reset, time jump)
   std::int64_t left_out = 0;     ///< poses of earlier maps
   std::int64_t undecodable = 0;  ///< messages that were no poses
+  /// Newest graph node before each pose, and the pose as seen from it (utime stands in the trajectory).
+  struct Sight {
+    Utime utime = 0;
+    std::int32_t node = 0;
+    Eigen::Isometry3d T_node_robot = Eigen::Isometry3d::Identity();
+  };
+  std::vector<Sight> sights;
   bool is_ground_truth() const { return type == "ground_truth_t"; }
 };
 
@@ -31,7 +38,8 @@ class PoseLog {
   /// Sorts the trajectories; after the last message. `damages`: places where the log could not be read.
   void finish(std::size_t damages = 0);
 
-  /// Channels with poses, by name.
+  /// Channels with poses, by name. A mapper that sends its graph has one more, X_FINAL beside X_POSE: its
+  /// path as the last graph has it, each pose moved with the keyframe before it.
   const std::map<std::string, PoseChannel>& channels() const { return channels_; }
   /// Throws std::runtime_error naming `log`, what the channel carries instead, and the channels that would
   /// do.
@@ -44,12 +52,16 @@ class PoseLog {
   struct Mapper {
     std::int64_t sender = 0, map_revision = 0;
   };
+  void add_sight(const std::string& channel, const StampedPose& pose, std::int64_t sender);
+  void add_final_paths();
   void add_pose(const std::string& channel, const StampedPose& pose, std::int64_t sender, int status,
                 std::int64_t map_revision);
 
   std::map<std::string, PoseChannel> channels_;
   std::map<std::string, Mapper> mappers_;
-  std::map<std::string, std::string> others_;  // what the other channels carry
+  using Nodes = std::map<std::int32_t, Eigen::Isometry3d>;  // T_map_camera
+  std::map<std::int64_t, Nodes> graphs_;                    // the newest of each sender
+  std::map<std::string, std::string> others_;               // what the other channels carry
   std::optional<RgbdCalibration> calibration_;
   std::size_t damages_ = 0;
 };

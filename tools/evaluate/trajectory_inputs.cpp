@@ -12,7 +12,7 @@ namespace lcmslam {
 namespace {
 
 const char* const truth_channel = "GROUND_TRUTH";
-const char* const estimate_channels[] = {"FASTSLAM_POSE", "ICP_POSE", "ODOMETRY"};
+const char* const estimate_channels[] = {"FASTSLAM_POSE", "ICP_POSE", "ICP_FINAL", "ODOMETRY"};
 
 /// The line of a text file's comments that speaks of ground truth; 0 when there is none.
 int ground_truth_comment(const std::string& file) {

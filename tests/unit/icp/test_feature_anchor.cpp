@@ -86,6 +86,27 @@ TEST_F(AnchorTest, AsksOnlyKeyframesThatLookTheSameWay) {
   EXPECT_FALSE(anchor.locate(seen, Eigen::Isometry3d::Identity(), T_robot_camera_));
 }
 
+TEST_F(AnchorTest, SearchAsksAllKeyframesInTurn) {
+  FeatureAnchorSettings settings;
+  settings.searched_keyframes = 2;
+  FeatureAnchor anchor(settings);
+  const FeatureFrame nothing = frame(Eigen::Isometry3d::Identity(), 200);
+  EXPECT_FALSE(anchor.search(nothing, T_robot_camera_));
+  const Eigen::Isometry3d T_known = se3_exp(twist(3, 1, 0, 0, 2, 0));  // far from anywhere expected
+  for (int i = 0; i < 4; ++i) anchor.add(Eigen::Isometry3d::Identity(), nothing);
+  FeatureFrame known = frame(Eigen::Isometry3d::Identity());
+  anchor.add(T_known, known);
+  const Eigen::Isometry3d T_step = se3_exp(twist(0.1, 0, 0.05, 0, 0.1, 0));
+  const FeatureFrame seen = frame(T_step);
+  EXPECT_FALSE(anchor.search(seen, T_robot_camera_));
+  EXPECT_FALSE(anchor.search(seen, T_robot_camera_));
+  const auto found = anchor.search(seen, T_robot_camera_);
+  ASSERT_TRUE(found);
+  const Eigen::Isometry3d error =
+      (T_known * T_step * T_robot_camera_.inverse()).inverse() * found->T_target_source;
+  EXPECT_LT(error.translation().norm(), 0.02);
+}
+
 TEST(Fused, LiesBetweenByInformation) {
   Prior a, b;
   a.information = Matrix6d::Identity() * 3;

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <lcmslam/graph_t.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +11,7 @@
 #include "evaluate/evaluation_report.hpp"
 #include "evaluate/pose_log.hpp"
 #include "log/log_writer.hpp"
+#include "mapping/map_export.hpp"
 #include "messages/camera_messages.hpp"
 #include "messages/decode.hpp"
 #include "messages/geometry_messages.hpp"
@@ -231,6 +234,73 @@ TEST_F(Evaluate, OdometryThatNamesTheTruthAsItsSourceIsSaidFirst) {
       run({path("fed.lcmlog"), "--estimate", path("fed.lcmlog:GROUND_TRUTH"), "--truth", path("fed.lcmlog")}),
       0);
   EXPECT_THAT(output_, HasSubstr("GROUND_TRUTH (it is a channel of ground truth)"));
+}
+
+// A mapper that walks off by 1 cm a pose, a keyframe every ten poses; its last graph has them right.
+TEST_F(Evaluate, FinalPathFollowsTheLastGraph) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    graph_t graph;
+    graph.utime = graph.seq = 0;
+    graph.sender = 5;
+    graph.frame = "map";
+    graph.map_revision = 0;
+    graph.n_edges = 0;
+    const auto slid = [&](std::size_t i) {
+      StampedPose pose = path_[i];
+      pose.T_world_body = Eigen::Translation3d(0, 0, 0.01 * static_cast<double>(i)) * pose.T_world_body;
+      return pose;
+    };
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      if (i % 10 == 0) {
+        graph_node_t node;
+        node.keyframe = static_cast<std::int32_t>(i / 10);
+        graph.utime = node.keyframe_utime = path_[i].utime;
+        node.T_map_camera = to_message(slid(i).T_world_body);
+        graph.nodes.push_back(node);
+        graph.n_nodes = static_cast<std::int32_t>(graph.nodes.size());
+        log.write("ICP_GRAPH", graph);
+      }
+      log.write("ICP_POSE", estimate_message(slid(i)));
+    }
+    for (std::size_t k = 0; k < graph.nodes.size(); ++k)
+      graph.nodes[k].T_map_camera = to_message(path_[10 * k].T_world_body);
+    log.write("ICP_GRAPH", graph);
+  }
+  EXPECT_EQ(run({path("run.lcmlog"), "--json", path("out.json")}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("ICP_FINAL"));
+  const auto results = json("out.json").at("estimates");
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_EQ(results[1].at("name"), "ICP_FINAL");
+  EXPECT_EQ(results[1].at("poses"), path_.size());
+  EXPECT_LT(ate(results[1]), 0.05);  // what is left: up to 9 cm within ten poses
+  EXPECT_GT(ate(results[0]), 3 * ate(results[1]));
+}
+
+TEST_F(Evaluate, MapIsComparedWithTheScene) {
+  std::ofstream(path("map.ply")) << "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
+  write_log("run.lcmlog");
+  EXPECT_NE(run({path("run.lcmlog"), "--map", path("map.ply")}), 0);  // without --scene
+  EXPECT_NE(run({path("run.lcmlog"), "--scene", path("none.yaml"), "--map", path("map.ply")}), 0);
+  ColouredCloud cloud;  // the kitchen's floor, 2 cm too high; the log's map lies elsewhere
+  for (int i = 0; i < 400; ++i) {
+    cloud.points.emplace_back(0.5f + 0.01f * static_cast<float>(i % 20),
+                              0.5f + 0.01f * static_cast<float>(i / 20), 0.02f);
+    cloud.colours.emplace_back(1, 2, 3);
+  }
+  save_ply(path("map.ply"), cloud);
+  Trajectory same = path_;
+  write_tum(path("truth.txt"), same);
+  for (StampedPose& pose : same) pose.T_world_body.translation().x() += 1e-7;
+  write_tum(path("estimate.txt"), same);
+  const std::string scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
+  EXPECT_EQ(
+      run({"--truth", path("truth.txt"), path("estimate.txt"), "--map", path("map.ply"), "--scene", scene}),
+      0)
+      << output_;
+  EXPECT_THAT(output_, HasSubstr("400 points"));
+  EXPECT_THAT(output_, HasSubstr("median 0.0200 m"));
 }
 
 TEST_F(Evaluate, OnlyTheNewestMapOfARestartedMapperCounts) {

@@ -1,0 +1,45 @@
+#pragma once
+// How far a map's points are from true surfaces, which are triangles.
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace lcmslam {
+
+using Triangle = std::array<Eigen::Vector3f, 3>;  ///< corners, m
+
+/// Distance of a point from a triangle, m (its face, edges and corners).
+float distance(const Eigen::Vector3f& point, const Triangle& triangle);
+
+/// Triangles by the cells that their bounding boxes touch.
+class TriangleSurface {
+ public:
+  /// Throws std::invalid_argument unless the reach is positive.
+  explicit TriangleSurface(std::vector<Triangle> triangles, float reach = 0.3f);
+
+  /// m; the reach where nothing is nearer.
+  float distance(const Eigen::Vector3f& point) const;
+
+ private:
+  static std::int64_t key(const Eigen::Vector3i& cell);
+
+  std::vector<Triangle> triangles_;
+  float reach_;
+  std::unordered_map<std::int64_t, std::vector<std::int32_t>> cells_;  // looked up, never iterated
+};
+
+struct SurfaceError {
+  std::size_t points = 0;
+  double median = 0, p95 = 0, mean = 0;  ///< m
+  double beyond = 0;  ///< share of the points that are farther than the reach, counted as it
+};
+
+/// Of points brought to the surface's frame; points that are not finite are left out.
+SurfaceError surface_error(const std::vector<Eigen::Vector3f>& points,
+                           const Eigen::Isometry3d& T_surface_points, const TriangleSurface& surface,
+                           float reach = 0.3f);
+
+}  // namespace lcmslam

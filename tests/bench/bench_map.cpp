@@ -1,0 +1,53 @@
+// Does the price of a registration depend on the map's size? The same view against the map of a room and
+// against one of two million voxels around it.
+//
+//   build/release/bin/bench_map --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
+
+#include <benchmark/benchmark.h>
+
+#include <map>
+
+#include "icp/icp_mapper.hpp"
+#include "icp/registration.hpp"
+#include "icp/voxel_map.hpp"
+#include "unit/icp/scenes.hpp"
+
+namespace lcmslam {
+namespace {
+
+/// The room, and beside it floors of `hall` x `hall` m, 4 m apart, on `floors` levels.
+const VoxelMap& map_of(int floors, double hall) {
+  static std::map<int, VoxelMap> maps;
+  const auto [found, fresh] = maps.try_emplace(floors, VoxelMapSettings{});
+  if (!fresh) return found->second;
+  for (int level = 0; level < floors; ++level) {
+    Cloud cloud;
+    add_rectangle(cloud, {-hall / 2, -hall / 2, -6.02 - 4 * level}, {hall, 0, 0}, {0, hall, 0}, 0.03);
+    found->second.insert(cloud, Eigen::Vector3d::Zero());
+  }
+  Cloud seen = room(0.03);
+  found->second.insert(seen, Eigen::Vector3d::Zero());
+  return found->second;
+}
+
+void registers(benchmark::State& state) {
+  const VoxelMap& map = map_of(static_cast<int>(state.range(0)), 40);
+  const Cloud source = transformed(room(0.04), se3_exp(twist(0.03, -0.02, 0.02, 0.01, 0, 0.02)).inverse());
+  const RegistrationSettings settings = IcpMapperSettings::fine_defaults();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(register_cloud(source, map, Eigen::Isometry3d::Identity(), settings));
+  state.counters["voxels"] = static_cast<double>(map.size());
+  state.counters["MB"] = static_cast<double>(map.memory_bytes()) * 1e-6;
+}
+BENCHMARK(registers)->Arg(0)->Arg(1)->Arg(2)->Arg(3)->Unit(benchmark::kMillisecond);
+
+void bends(benchmark::State& state) {
+  const VoxelMap& map = map_of(static_cast<int>(state.range(0)), 40);
+  const std::vector<Eigen::Isometry3d> moves = {se3_exp(twist(0.01, 0, 0, 0, 0, 0.001))};
+  for (auto _ : state) benchmark::DoNotOptimize(map.bent(moves).size());
+  state.counters["voxels"] = static_cast<double>(map.size());
+}
+BENCHMARK(bends)->Arg(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace lcmslam
