@@ -55,8 +55,9 @@ class TofSource : public DepthSource {
 
 class StructuredLightSource : public DepthSource {
  public:
-  StructuredLightSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera)
-      : camera_(scene, caster, camera) {}
+  StructuredLightSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
+                        const StructuredLightSensor& sensor)
+      : camera_(scene, caster, camera, sensor) {}
   void render(const Eigen::Isometry3d& T, const PixelNoise& noise, int threads,
               RgbdFrame& frame) const override {
     frame.depth = camera_.render(T, noise, threads);
@@ -66,10 +67,11 @@ class StructuredLightSource : public DepthSource {
   DepthCamera camera_;
 };
 
-SensorHead tof_head(const Scene& scene, const RayCaster& caster) {
+SensorHead tof_head(const Scene& scene, const RayCaster& caster, cv::Size size) {
   SensorHead head;
   RgbdCalibration& calibration = head.calibration;
-  calibration.depth = pinhole(176, 144, 47.5 * degree, 39.6 * degree);
+  if (size.empty()) size = {176, 144};
+  calibration.depth = pinhole(size.width, size.height, 47.5 * degree, 39.6 * degree);
   calibration.T_colour_depth.translation() << 0.08, 0, 0;
   calibration.T_colour_depth.rotate(Eigen::AngleAxisd(-2 * degree, Eigen::Vector3d::UnitY()));  // inwards
   const TofSensor sensor;
@@ -79,29 +81,35 @@ SensorHead tof_head(const Scene& scene, const RayCaster& caster) {
   calibration.depth_max = sensor.unambiguous_range;
   head.frame_rate = 10;
   head.depth = std::make_unique<TofSource>(scene, caster, calibration.depth);
+  head.tolerance = noise_tolerance(sensor);
   return head;
 }
 
-SensorHead rgbd_head(const Scene& scene, const RayCaster& caster) {
+SensorHead rgbd_head(const Scene& scene, const RayCaster& caster, cv::Size size) {
   SensorHead head;
   RgbdCalibration& calibration = head.calibration;
-  calibration.depth = pinhole(640, 480, 57 * degree, 44.3 * degree);
+  if (size.empty()) size = {640, 480};
+  calibration.depth = pinhole(size.width, size.height, 57 * degree, 44.3 * degree);
   calibration.T_colour_depth.translation() << -0.025, 0, 0;
-  const StructuredLightSensor sensor;
+  StructuredLightSensor sensor;
+  sensor.disparity_step *= size.width / 640.0;  // the same step in metres
   calibration.depth_noise = {sensor.constant, sensor.quadratic, sensor.offset, 0};
   calibration.depth_min = sensor.minimum;
   calibration.depth_max = sensor.maximum;
   head.frame_rate = 30;
-  head.depth = std::make_unique<StructuredLightSource>(scene, caster, calibration.depth);
+  head.depth = std::make_unique<StructuredLightSource>(scene, caster, calibration.depth, sensor);
+  head.tolerance = noise_tolerance(sensor, calibration.depth.fx);
   return head;
 }
 
 }  // namespace
 
-SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster) {
+SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster,
+                     cv::Size depth_size) {
   if (name != "tof" && name != "rgbd")
     throw std::invalid_argument("head '" + name + "' is not known: use tof or rgbd");
-  SensorHead head = name == "tof" ? tof_head(scene, caster) : rgbd_head(scene, caster);
+  SensorHead head =
+      name == "tof" ? tof_head(scene, caster, depth_size) : rgbd_head(scene, caster, depth_size);
   head.calibration.sensor = name;
   head.calibration.colour = colour_camera();
   head.calibration.has_mount = true;

@@ -6,6 +6,7 @@
 
 #include "imaging/calibration.hpp"
 #include "imaging/rgbd_frame.hpp"
+#include "simulation/depth_truth.hpp"
 #include "simulation/pixel_noise.hpp"
 #include "simulation/ray_caster.hpp"
 
@@ -23,9 +24,13 @@ struct SensorHead {
   RgbdCalibration calibration;
   double frame_rate = 10;  ///< Hz
   std::unique_ptr<DepthSource> depth;
+  DepthTolerance tolerance;  ///< of the depth camera's noise
 };
 
 /// "tof" or "rgbd"; throws std::invalid_argument for another name. Scene and caster must outlive it.
-SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster);
+/// `depth_size`: other pixels of the depth camera behind the same lens, with the same noise of a pixel in
+/// metres; empty: the pinned size, which alone Simulation uses.
+SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster,
+                     cv::Size depth_size = {});
 
 }  // namespace lcmslam

@@ -73,6 +73,7 @@ std::string describe(const IcpMapperSettings& settings) {
 IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
     : publisher_(publisher),
       settings_(read_icp_settings(config)),
+      filter_settings_(read_depth_filter_settings(config.section("depth_filter"))),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
       cloud_points_(config.get("cloud_points", 20000.0, Range{100, 1e7})),
       frame_queue_(frame_queue(config, 2)),
@@ -115,6 +116,7 @@ void IcpNode::on_calibration(const camera_calibration_t& message) {
   registration_.emplace(calibration);
   const bool rolling = std::count(rolling_sensors_.begin(), rolling_sensors_.end(), calibration.sensor) > 0;
   rolling_shutter_ = rolling ? readout_ : 0;
+  filter_.emplace(calibration, filter_settings_);
   settings_.prior.planar = pose_ == "planar" || (pose_ == "auto" && calibration.has_mount);
   if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
 }
@@ -143,7 +145,7 @@ void IcpNode::restart() {
   last_ = {};
 }
 
-IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
+IcpNode::Shot IcpNode::make_shot(RgbdFrame& frame) const {
   Shot shot;
   shot.depth_utime = calibration_->depth_time(frame.depth_utime);
   const Utime seen_utime = shot.depth_utime + clock_correction();
@@ -157,6 +159,7 @@ IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
   const Eigen::Isometry3d& T_robot_camera = calibration_->T_robot_camera;
   const double pixels = static_cast<double>(frame.depth.total());
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
+  if (!frame.depth.empty()) (*filter_)(frame.depth, frame.amplitude);
   const Eigen::Isometry3d T_colour_depth_time = T_robot_camera.inverse() * T_points_seen * T_robot_camera;
   shot.depth = (*registration_)(frame, T_colour_depth_time, step);
   const auto turn = rolling_shutter_ > 0 ? join_.motion().between(last_utime_, frame.utime) : std::nullopt;
@@ -165,7 +168,6 @@ IcpNode::Shot IcpNode::make_shot(const RgbdFrame& frame) const {
     shot.camera_twist = se3_log(T_robot_camera.inverse() * turn->T_from_to * T_robot_camera) / seconds;
     straighten_rows(shot.depth.points, rolling_shutter_ * shot.camera_twist);
   }
-  remove_jump_edges(shot.depth.points, shot.depth.sigma, {}, step);
   shot.cloud = make_cloud(frame, shot.depth, step);
   if (motion && told)
     shot.T_depth_colour = (T_colour_depth_time * registration_->calibration().T_colour_depth).inverse();
@@ -187,7 +189,7 @@ std::optional<FeatureFrame> IcpNode::features_at(Utime utime, const Shot& shot) 
   return std::nullopt;
 }
 
-void IcpNode::on_frame(const RgbdFrame& frame) {
+void IcpNode::on_frame(RgbdFrame& frame) {
   const double begin = publisher_.cpu_time();
   const Shot shot = make_shot(frame);
   if (mapper_ && shot.utime <= last_utime_ && last_utime_ - shot.utime < 1'000'000) return;  // came too late

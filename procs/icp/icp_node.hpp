@@ -8,6 +8,7 @@
 #include <lcmslam/keyframe_t.hpp>
 
 #include "icp/icp_mapper.hpp"
+#include "imaging/depth_filter.hpp"
 #include "imaging/registration.hpp"
 #include "runtime/motion_join.hpp"
 #include "runtime/node.hpp"
@@ -40,10 +41,10 @@ class IcpNode : public Node {
 
   void on_camera(const images_t& message);
   void on_calibration(const camera_calibration_t& message);
-  void on_frame(const RgbdFrame& frame);
+  void on_frame(RgbdFrame& frame);
   void on_features(const features_t& message);
   std::optional<FeatureFrame> features_at(Utime utime, const Shot& shot) const;
-  Shot make_shot(const RgbdFrame& frame) const;
+  Shot make_shot(RgbdFrame& frame) const;
   Utime clock_correction() const;
   void observe_clock(const Shot& shot, const std::optional<Motion>& motion);
   void restart();
@@ -54,6 +55,7 @@ class IcpNode : public Node {
 
   Publisher& publisher_;
   IcpMapperSettings settings_;
+  DepthFilterSettings filter_settings_;
   std::string pose_;  // "auto": on the floor when the camera is mounted on a robot
   double cloud_points_;
   std::deque<FeatureFrame> features_;  // the newest few
@@ -62,6 +64,7 @@ class IcpNode : public Node {
   camera_calibration_t calibration_message_;
   std::optional<RgbdCalibration> calibration_;
   std::optional<DepthRegistration> registration_;
+  mutable std::optional<DepthFilter> filter_;  // its buffers
   std::optional<images_t> uncalibrated_;      // the newest message that came before the calibration
   double readout_;                            // s from an image's first row to its last, of
   std::vector<std::string> rolling_sensors_;  // these; their names are the calibrations'

@@ -1,5 +1,7 @@
 #include "icp/read_settings.hpp"
 
+#include <algorithm>
+
 #include "configuration/named_choice.hpp"
 
 namespace lcmslam {
@@ -173,6 +175,27 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   s.keyframe_angle = c.get("keyframe_angle", s.keyframe_angle, radians);
   s.keyframe_overlap = c.get("keyframe_overlap", s.keyframe_overlap, share);
   s.keyframe_voxel = c.get("keyframe_voxel", s.keyframe_voxel, Range{0.001, 10});
+  return s;
+}
+
+DepthFilterSettings read_depth_filter_settings(const ConfigNode& c) {
+  DepthFilterSettings s;
+  s.parts = c.get("parts", s.parts);
+  const auto& known = depth_filter_parts();
+  for (const std::string& part : s.parts)
+    if (std::find(known.begin(), known.end(), part) == known.end())
+      c.fail("parts", "'" + part + "' is none of amplitude, jump_edges, speckle, bilateral");
+
+  const ConfigNode amplitude = c.section("amplitude");
+  s.amplitude.min_amplitude = amplitude.get("min_amplitude", s.amplitude.min_amplitude, share);
+  const ConfigNode jump_edges = c.section("jump_edges");
+  s.jump_edges.noise_sigmas = jump_edges.get("noise_sigmas", s.jump_edges.noise_sigmas, Range{0, 1000});
+  s.jump_edges.free_incidence = jump_edges.get("free_incidence", s.jump_edges.free_incidence, Range{0, 1.57});
+  s.jump_edges.max_incidence = jump_edges.get("max_incidence", s.jump_edges.max_incidence, Range{0, 1.57});
+  const ConfigNode speckle = c.section("speckle");
+  s.speckle.min_solid_angle = speckle.get("min_solid_angle", s.speckle.min_solid_angle, Range{0, 1});
+  const ConfigNode bilateral = c.section("bilateral");
+  s.bilateral.range_sigmas = bilateral.get("range_sigmas", s.bilateral.range_sigmas, Range{0.1, 1000});
   return s;
 }
 

@@ -16,6 +16,7 @@
 #include "run_folder.hpp"
 #include "runtime/options.hpp"
 #include "simulation/simulation.hpp"
+#include "study/depth_filter_study.hpp"
 #include "study/feature_study.hpp"
 #include "study/filter_study.hpp"
 #include "study/landmark_study.hpp"
@@ -108,6 +109,17 @@ int run_filter_study(const std::vector<std::string>& logs, const std::string& sc
   return 0;
 }
 
+int run_depth_filter_study(const std::vector<int>& seeds) {
+  DepthFilterStudySettings settings;
+  settings.seed = static_cast<std::uint64_t>(seeds.front());
+  for (const char* scene : {"kitchen", "table", "office"})
+    settings.scenes.push_back((source_folder() / "config/scenes" / scene).string() + ".yaml");
+  const DepthFilterStudyResult result = study_depth_filter(depth_filter_methods(), settings);
+  write_report(new_run_folder("study-depth-filter"), depth_filter_json(result, settings),
+               depth_filter_table(result));
+  return 0;
+}
+
 int run_feature_study(const std::string& data, const FeatureStudySettings& settings) {
   settings.check();
   const auto source = open_dataset(data);
@@ -138,8 +150,8 @@ int study_command(int argc, char** argv) {
       "--only features: instead, how well features are found again and matched on a recording, ours beside "
       "dlib's SURF, SIFT and ORB. --only pairs: how often two clouds are registered without a start. "
       "--only landmarks: MRCLAM or Victoria Park in batch, once for each seed. --only filter: logs with "
-      "images "
-      "and truth through odometry and fastslam in batch, each with each seed.",
+      "images and truth through odometry and fastslam in batch, each with each seed. "
+      "--only depth-filter: mixed pixels removed and good points lost in simulated depth images.",
       "lcmslam study"};
   app.add_option("--seeds", seeds, "of sensors and particles")->delimiter(',');
   app.add_option("--config", config, "as for the demo")->check(CLI::ExistingFile);
@@ -148,8 +160,8 @@ int study_command(int argc, char** argv) {
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
   const auto only_option =
-      app.add_option("--only", only, "one study of its own: features, pairs, landmarks, filter")
-          ->check(CLI::IsMember({"features", "pairs", "landmarks", "filter"}));
+      app.add_option("--only", only, "one study of its own: features, pairs, landmarks, filter, depth-filter")
+          ->check(CLI::IsMember({"features", "pairs", "landmarks", "filter", "depth-filter"}));
   std::vector<std::string> logs;
   app.add_option("logs", logs, "filter: .lcmlog files")->check(CLI::ExistingFile)->needs(only_option);
   app.add_option("--scene", scene,
@@ -189,6 +201,7 @@ int study_command(int argc, char** argv) {
     if (app.count("--starts") > 0) pairs.starts = features.starts;
     return run_pair_study(data, method, pairs);
   }
+  if (only == "depth-filter") return run_depth_filter_study(seeds);
   if (only == "features") {
     if (data.empty()) throw std::invalid_argument("--only features needs --data FOLDER, a recording");
     return run_feature_study(data, features);

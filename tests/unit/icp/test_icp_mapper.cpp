@@ -280,56 +280,5 @@ TEST(VoxelFilter, AveragesAndRefusesBadSizes) {
   EXPECT_THROW(voxel_filtered(cloud, 0), std::invalid_argument);
 }
 
-// A corridor with pillars, longer than the map may remember, and back again.
-TEST(IcpMapper, ComesHomeThoughTheMapHasForgotten) {
-  Cloud scene;
-  for (double x = 0; x < 22; x += 1) {
-    add_rectangle(scene, {x, 1.2, -1}, {1, 0, 0}, {0, 0, 2});
-    add_rectangle(scene, {x, -1.2, -1}, {0, 0, 2}, {1, 0, 0});
-    add_rectangle(scene, {x, -1.2, -1}, {1, 0, 0}, {0, 2.4, 0});
-    const double side = std::fmod(7 * x, 3) < 1 ? 0.7 : -1;
-    add_rectangle(scene, {x + 0.5, side, -1}, {0, 0, 2}, {0, 0.3, 0});
-  }
-  IcpMapperSettings settings;
-  settings.map.max_blocks = 1300;
-  settings.prior.planar = true;
-  IcpMapper mapper(settings);
-  Eigen::Isometry3d looks_ahead = Eigen::Isometry3d::Identity();
-  looks_ahead.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  bool forgot_home = false;
-  TargetPoint found;
-  const auto home_known = [&] { return mapper.map().find({1.5f, 1.2f, 0}, 0.1f, found); };
-  for (int i = 0; i <= 120; ++i) {
-    SCOPED_TRACE(i);
-    std::optional<Motion> motion;
-    if (i > 0) {
-      motion.emplace();
-      motion->T_from_to = planar_pose(i <= 60 ? 0.25 : -0.25, 0, 0);
-      motion->covariance = 1e-6 * Matrix6d::Identity();
-      T = T * motion->T_from_to;
-    }
-    ColouredCloud seen = in_view(seen_from(scene, T * looks_ahead, static_cast<std::uint64_t>(i)));
-    ColouredCloud near;
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-      if (seen.points[k].z() > 4) continue;
-      near.points.push_back(seen.points[k]);
-      near.normals.push_back(seen.normals[k]);
-      near.sigmas.push_back(seen.sigmas[k]);
-      near.colours.push_back(seen.colours[k]);
-    }
-    const auto step = mapper.step(i * frame_time, near, looks_ahead, motion);
-    EXPECT_NE(to_string(step.status), "lost");
-    EXPECT_LE(mapper.map().blocks(), 1300U);
-    if (i == 60) forgot_home = mapper.map().has_forgotten() && !home_known();
-    if (i == 120) {
-      EXPECT_EQ(to_string(step.status), "tracking");
-      expect_pose(step.T_world_robot, T, 0.05, 0.02);
-    }
-  }
-  EXPECT_TRUE(forgot_home);
-  EXPECT_TRUE(home_known());
-}
-
 }  // namespace
 }  // namespace lcmslam

@@ -1,0 +1,100 @@
+#pragma once
+// Takes out of a depth image what no surface gave: mixed (flying) pixels at depth edges, pixels too dark to
+// be believed, specks. Works on the image as it came, before anything is registered or thinned.
+//
+// A filter is a row of parts, applied in order; each takes pixels out (sets them to 0) or smooths them.
+//   DepthFilter filter(calibration);
+//   filter(frame.depth, frame.amplitude);
+// `lcmslam study --only depth-filter` measures it against the simulation's truth.
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "imaging/calibration.hpp"
+
+namespace lcmslam {
+
+/// A depth image on its way through the parts. `inverse` has a border of invalid pixels, so that look at
+/// neighbours without asking where the image ends; they follow `depth`.
+struct DepthImage {
+  static constexpr int border = 4;  ///< pixels on each side
+
+  cv::Mat depth;             ///< CV_16UC1 mm along the optical axis, 0 = invalid
+  cv::Mat amplitude;         ///< CV_8UC1 or empty
+  cv::Mat_<float> inverse;   ///< 1/m, 0 where invalid. A plane's inverse depth is linear over the image.
+  cv::Mat_<float> sigma;     ///< 1/m, standard deviation of `inverse` by the calibration's noise
+  bool independent = false;  ///< pixels' errors do not depend on their neighbours'
+  float pitch_x = 0, pitch_y = 0;  ///< rad between neighbouring columns and rows
+
+  const float* inverse_row(int v) const { return inverse.ptr<float>(v + border) + border; }
+  float* inverse_row(int v) { return inverse.ptr<float>(v + border) + border; }
+  const float* sigma_row(int v) const { return sigma.ptr<float>(v); }
+};
+
+class DepthFilterPart {
+ public:
+  virtual ~DepthFilterPart() = default;
+  /// May keep buffers: one object serves one thread. Leaves `inverse` 0 where depth is 0.
+  virtual void apply(DepthImage& image) = 0;
+};
+
+struct AmplitudeFilterSettings {
+  double min_amplitude = 0.02;  ///< of 1; darker pixels go. No effect without an amplitude image.
+};
+
+/// A surface goes on from a pixel to its neighbour when their inverse depths differ by no more than the noise
+/// and the slope explain. The slope is that of the neighbour's own side (over `reach` pixels), freed of what
+/// noise alone would give it, and no steeper than max_incidence; slopes up to free_incidence are granted
+/// without being seen. Slopes are tangents times the pixel pitch, so one set holds for every resolution.
+/// A pixel stays when its surface goes on to the left or right and also up or down: a mixed pixel may find
+/// others like itself along the edge, but not across it.
+struct JumpEdgeFilterSettings {
+  double noise_sigmas = 1.35;    ///< of a difference
+  double free_incidence = 0.46;  ///< rad between the viewing ray and the normal
+  double max_incidence = 1.4;    ///< rad
+};
+
+struct SpeckleFilterSettings {
+  double min_solid_angle = 1e-4;  ///< sr; connected valid pixels that cover less go (at 2 m: 4 cm^2)
+};
+
+/// Weighted mean over 5 x 5 pixels (rows, then columns), weights falling with the difference over the noise.
+/// Whatever a sensor invents at edges must be gone before. Only for ToF cameras, which measure each pixel by
+/// itself (depth_noise.amplitude > 0): structured light matches windows of pixels, so neighbours share their
+/// errors, a mean takes nothing away, and small shapes suffer.
+struct BilateralFilterSettings {
+  double range_sigmas = 3;  ///< of a difference; farther ones have no weight
+};
+
+/// "amplitude", "jump_edges", "speckle", "bilateral".
+const std::vector<std::string>& depth_filter_parts();
+
+struct DepthFilterSettings {
+  /// Any of depth_filter_parts(), in order; empty: no filter.
+  std::vector<std::string> parts = {"amplitude", "jump_edges", "speckle", "bilateral"};
+  AmplitudeFilterSettings amplitude;
+  JumpEdgeFilterSettings jump_edges;
+  SpeckleFilterSettings speckle;
+  BilateralFilterSettings bilateral;
+};
+
+class DepthFilter {
+ public:
+  /// Throws std::invalid_argument for a part that is not known.
+  explicit DepthFilter(const RgbdCalibration& calibration, const DepthFilterSettings& settings = {});
+
+  /// Filters in place. `depth` CV_16UC1 mm of any size, `amplitude` CV_8UC1 of the same size or empty; throws
+  /// std::invalid_argument for others. Takes no memory after the first image of a size.
+  void operator()(cv::Mat& depth, const cv::Mat& amplitude);
+
+ private:
+  void prepare();
+
+  DepthNoise noise_;
+  std::vector<std::unique_ptr<DepthFilterPart>> parts_;
+  DepthImage image_;
+};
+
+}  // namespace lcmslam
