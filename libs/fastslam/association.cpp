@@ -13,37 +13,13 @@
 namespace lcmslam {
 namespace {
 
-constexpr int kFar = std::numeric_limits<int>::max();
-constexpr int kSearchBudget = 600'000;  // descriptor pairs of a whole-map search: some milliseconds
+constexpr double kBearingVariance =
+    4e-4;  // m^2, rank of a bearing among points in the choice of observations
 
-// The three nearest landmarks of one feature.
-struct Nearest {
-  std::array<int, 3> distance2{kFar, kFar, kFar};
-  std::array<int, 3> landmark{-1, -1, -1};
-
-  void offer(int candidate, int d2) {
-    if (d2 >= distance2[2]) return;
-    std::size_t i = 2;
-    for (; i > 0 && d2 < distance2[i - 1]; --i) {
-      distance2[i] = distance2[i - 1];
-      landmark[i] = landmark[i - 1];
-    }
-    distance2[i] = d2;
-    landmark[i] = candidate;
-  }
-};
-
-// Lowe's ratio test; a rival at the winner's own place is the same thing seen twice, no rival.
-template <class Position>
-bool distinct(const Nearest& nearest, const FastSlamSettings& s, Position position) {
-  const double largest = 127 * s.descriptor_distance;
-  if (nearest.landmark[0] < 0 || nearest.distance2[0] > largest * largest) return false;
-  for (std::size_t rival = 1; rival < 3; ++rival) {
-    if (nearest.landmark[rival] < 0) break;
-    if ((position(nearest.landmark[rival]) - position(nearest.landmark[0])).norm() < s.same_place) continue;
-    return nearest.distance2[0] < s.descriptor_ratio * s.descriptor_ratio * nearest.distance2[rival];
-  }
-  return true;
+// The robot's covariance as the camera's: xi_camera = Ad(T_camera_robot) xi_robot.
+Matrix6d in_camera(const Matrix6d& covariance, const Eigen::Isometry3d& T_robot_camera) {
+  const Matrix6d A = adjoint(T_robot_camera.inverse());
+  return A * covariance * A.transpose();
 }
 
 void sort_by_slot(std::vector<LandmarkMatch>& matches) {
@@ -65,7 +41,8 @@ std::vector<LandmarkMatch> one_to_one(std::vector<LandmarkMatch> matches) {
 // A 3-D point of the camera, told in the robot frame.
 std::optional<FeaturePoint> camera_point(const Feature& feature, const FeatureFrame& frame,
                                          const FastSlamSettings& s) {
-  if (!(feature.point.z() > 0)) return std::nullopt;
+  if (!feature.point.allFinite() || !(feature.point.z() > 0) || !(feature.depth_sigma > 0))
+    return std::nullopt;
   const Eigen::Vector3d point = feature.point.cast<double>();
   FeaturePoint result;
   result.range = point.norm();
@@ -78,11 +55,26 @@ std::optional<FeaturePoint> camera_point(const Feature& feature, const FeatureFr
   return result;
 }
 
+// A pixel without depth. An identity would need a landmark of the plane.
+std::optional<FeaturePoint> camera_bearing(const Feature& feature, const FeatureFrame& frame,
+                                           const FastSlamSettings& s) {
+  if (!s.use_bearings || feature.landmark_id >= 0) return std::nullopt;
+  FeaturePoint result;
+  Measurement& m = result.measurement;
+  m.kind = MeasurementKind::bearing;
+  m.value << (feature.x - frame.cx) / frame.fx, (feature.y - frame.cy) / frame.fy, 0;
+  const double u = frame.pixel_sigma / frame.fx, v = frame.pixel_sigma / frame.fy;
+  m.covariance.diagonal() << s.measurement_inflation * u * u, s.measurement_inflation * v * v, 1;
+  m.T_robot_camera = &frame.T_robot_camera;
+  return result;
+}
+
 // A measurement in the robot's plane (see feature.hpp for its noise). It has no descriptor: without an
 // identity nothing tells which landmark it shows.
 std::optional<FeaturePoint> planar_measurement(const Feature& feature, const FeatureFrame& frame,
                                                const FastSlamSettings& s) {
-  if (feature.kind == MeasurementKind::bearing || feature.landmark_id < 0) return std::nullopt;
+  if (feature.landmark_id < 0 || !feature.point.allFinite() || !(feature.depth_sigma > 0))
+    return std::nullopt;
   FeaturePoint result;
   Measurement& m = result.measurement;
   m.kind = feature.kind;
@@ -105,11 +97,10 @@ std::vector<FeaturePoint> usable_features(const FeatureFrame& frame, const FastS
     return points;  // without a calibration nothing is usable
   for (std::size_t i = 0; i < frame.features.size(); ++i) {
     const Feature& feature = frame.features[i];
-    if (!feature.point.allFinite() || !std::isfinite(feature.x) || !std::isfinite(feature.y) ||
-        !std::isfinite(feature.response) || !(feature.depth_sigma > 0))
-      continue;
-    auto usable = feature.kind == MeasurementKind::point ? camera_point(feature, frame, s)
-                                                         : planar_measurement(feature, frame, s);
+    if (!std::isfinite(feature.x) || !std::isfinite(feature.y) || !std::isfinite(feature.response)) continue;
+    auto usable = feature.kind == MeasurementKind::point     ? camera_point(feature, frame, s)
+                  : feature.kind == MeasurementKind::bearing ? camera_bearing(feature, frame, s)
+                                                             : planar_measurement(feature, frame, s);
     if (!usable) continue;
     usable->feature = static_cast<int>(i);
     usable->landmark_id = feature.landmark_id;
@@ -118,71 +109,120 @@ std::vector<FeaturePoint> usable_features(const FeatureFrame& frame, const FastS
   std::sort(points.begin(), points.end(), [&](const FeaturePoint& a, const FeaturePoint& b) {
     const Feature& p = frame.features[static_cast<std::size_t>(a.feature)];
     const Feature& q = frame.features[static_cast<std::size_t>(b.feature)];
-    return std::tie(q.response, p.y, p.x, p.landmark_id, p.point.x(), p.point.y(), a.feature) <
-           std::tie(p.response, q.y, q.x, q.landmark_id, q.point.x(), q.point.y(), b.feature);
+    const Eigen::Vector3d &u = a.measurement.value, &v = b.measurement.value;
+    return std::tie(q.response, p.y, p.x, p.landmark_id, u.x(), u.y(), a.feature) <
+           std::tie(p.response, q.y, q.x, q.landmark_id, v.x(), v.y(), b.feature);
   });
   return points;
+}
+
+std::vector<VisibleLandmark> visible_landmarks(const LandmarkGrid& grid, const LandmarkIndex& index,
+                                               const Eigen::Isometry3d& T_world_robot,
+                                               const FeatureFrame& frame, const FastSlamSettings& s) {
+  std::vector<VisibleLandmark> visible;
+  const Eigen::Isometry3d T_world_camera = T_world_robot * frame.T_robot_camera;
+  const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
+  const double margin = s.visibility_margin * frame.width, farthest = 1.1 * s.maximum_range;
+  grid.for_each_near(T_world_camera.translation(), farthest, [&](const LandmarkGrid::Entry& entry) {
+    const Eigen::Vector3d p = T_camera_world * entry.mean;
+    if (p.z() < 0.5 * s.minimum_range || p.squaredNorm() > farthest * farthest) return;
+    const double x = frame.fx * p.x() / p.z() + frame.cx;
+    const double y = frame.fy * p.y() / p.z() + frame.cy;
+    if (x < -margin || x > frame.width + margin || y < -margin || y > frame.height + margin) return;
+    if (index.alive(entry.slot)) visible.push_back({entry.slot, x, y, p.norm(), entry.mean});
+  });
+  return visible;
 }
 
 std::vector<VisibleLandmark> visible_landmarks(const ParticleMap& map, const LandmarkIndex& index,
                                                const Eigen::Isometry3d& T_world_robot,
                                                const FeatureFrame& frame, const FastSlamSettings& s) {
-  std::vector<VisibleLandmark> visible;
-  const Eigen::Isometry3d T_camera_world = (T_world_robot * frame.T_robot_camera).inverse();
-  const double margin = s.visibility_margin * frame.width;
-  map.for_each([&](std::size_t i, const LandmarkGaussian& landmark) {
-    const int slot = static_cast<int>(i);
-    if (slot >= index.slots() || !index.alive(slot) || index.record(slot).known_id >= 0) return;
-    const Eigen::Vector3d p = T_camera_world * landmark.mean;
-    if (p.z() < 0.5 * s.minimum_range || p.squaredNorm() > 1.21 * s.maximum_range * s.maximum_range) return;
-    const double x = frame.fx * p.x() / p.z() + frame.cx;
-    const double y = frame.fy * p.y() / p.z() + frame.cy;
-    if (x < -margin || x > frame.width + margin || y < -margin || y > frame.height + margin) return;
-    visible.push_back({slot, x, y, p.norm(), landmark.mean});
-  });
-  return visible;
+  LandmarkGrid grid;
+  grid.follow(map, index);
+  return visible_landmarks(grid, index, T_world_robot, frame, s);
 }
 
-std::vector<LandmarkMatch> match_visible(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
-                                         const std::vector<VisibleLandmark>& visible,
-                                         const LandmarkIndex& index, double radius,
-                                         const FastSlamSettings& s) {
-  const ImageGrid grid(frame);
-  std::array<std::vector<int>, ImageGrid::kCells> cells;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].landmark_id >= 0) continue;
-    const Feature& f = frame.features[static_cast<std::size_t>(points[i].feature)];
-    cells[grid.cell(f.x, f.y)].push_back(static_cast<int>(i));
-  }
-
-  std::vector<Nearest> of_point(points.size());
-  std::vector<int> of_landmark(visible.size(), kFar);  // nearest feature's distance
-  for (std::size_t v = 0; v < visible.size(); ++v) {
-    const VisibleLandmark& landmark = visible[v];
-    const Descriptor& descriptor = index.descriptor(landmark.slot);
-    const std::int8_t laplacian = index.record(landmark.slot).laplacian;
-    for (int row = grid.row(landmark.y - radius); row <= grid.row(landmark.y + radius); ++row)
-      for (int column = grid.column(landmark.x - radius); column <= grid.column(landmark.x + radius);
-           ++column)
-        for (const int p : cells[static_cast<std::size_t>(row * ImageGrid::kColumns + column)]) {
-          const auto at = static_cast<std::size_t>(p);
-          const Feature& f = frame.features[static_cast<std::size_t>(points[at].feature)];
-          if (f.laplacian != laplacian || std::abs(f.x - landmark.x) > radius ||
-              std::abs(f.y - landmark.y) > radius)
-            continue;
-          const int d2 = squared_distance(f.descriptor, descriptor);
-          of_point[at].offer(static_cast<int>(v), d2);
-          of_landmark[v] = std::min(of_landmark[v], d2);
-        }
-  }
-
-  std::vector<LandmarkMatch> matches;
-  const auto position = [&](int v) { return visible[static_cast<std::size_t>(v)].mean; };
+void LandmarkMatcher::begin(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
+                            const std::vector<LandmarkMatch>& matched) {
+  std::vector<char> skip(points.size(), 0);
+  for (const LandmarkMatch& m : matched) skip[static_cast<std::size_t>(m.point)] = 1;
+  std::vector<Feature> features = std::move(sought_.features);
+  features.clear();
+  point_of_.clear();
   for (std::size_t p = 0; p < points.size(); ++p) {
-    if (!distinct(of_point[p], s, position)) continue;
-    const auto v = static_cast<std::size_t>(of_point[p].landmark[0]);
-    if (of_point[p].distance2[0] > of_landmark[v]) continue;  // not mutual
-    matches.push_back({static_cast<int>(p), visible[v].slot, of_point[p].distance2[0]});
+    if (points[p].landmark_id >= 0 || skip[p]) continue;
+    features.push_back(frame.features[static_cast<std::size_t>(points[p].feature)]);
+    point_of_.push_back(static_cast<int>(p));
+  }
+  sought_.utime = frame.utime;
+  sought_.width = frame.width;
+  sought_.height = frame.height;
+  sought_.fx = frame.fx;
+  sought_.fy = frame.fy;
+  sought_.cx = frame.cx;
+  sought_.cy = frame.cy;
+  sought_.pixel_sigma = frame.pixel_sigma;
+  sought_.T_robot_camera = frame.T_robot_camera;
+  sought_.features = std::move(features);
+}
+
+std::vector<LandmarkMatch> LandmarkMatcher::guided(const std::vector<VisibleLandmark>& visible,
+                                                   const ParticleMap& map, const LandmarkIndex& index,
+                                                   const Eigen::Isometry3d& T_world_robot,
+                                                   const Matrix6d& covariance, const FastSlamSettings& s) {
+  supported_ = false;
+  if (sought_.features.empty() || sought_.width <= 0 || sought_.height <= 0) return {};
+  points_.clear();
+  for (const VisibleLandmark& v : visible)
+    points_.push_back({v.slot, v.mean, map.find(static_cast<std::size_t>(v.slot))->covariance});
+  PredictedPose pose;
+  pose.T_world_camera = T_world_robot * sought_.T_robot_camera;
+  pose.covariance = in_camera(covariance, sought_.T_robot_camera);
+  GuidedSettings settings;
+  settings.max_gate = std::max(settings.max_gate, 3 * s.search_radius * sought_.width);
+  settings.ratio = s.descriptor_ratio;
+  settings.max_distance = s.descriptor_distance;
+  settings.same_place = s.same_place;
+  settings.margin = s.visibility_margin * sought_.width;
+  const GuidedResult& found = guided_.match(sought_, pose, points_, index.search(), settings);
+  supported_ = found.supported();
+  std::vector<LandmarkMatch> matches;
+  for (const Match& m : found.matches)
+    matches.push_back({point_of_[static_cast<std::size_t>(m.a)], m.b, m.distance2});
+  sort_by_slot(matches);
+  return matches;
+}
+
+std::vector<LandmarkMatch> LandmarkMatcher::among(const std::vector<VisibleLandmark>& visible,
+                                                  const ParticleMap& map, const LandmarkIndex& index,
+                                                  const FastSlamSettings& s) {
+  slots_.clear();
+  for (const VisibleLandmark& v : visible) slots_.push_back(v.slot);
+  return distinct(search_.nearest(sought_.features, index.search(), slots_), map, s);
+}
+
+std::vector<LandmarkMatch> LandmarkMatcher::everywhere(const ParticleMap& map, const LandmarkIndex& index,
+                                                       const FastSlamSettings& s) {
+  return distinct(search_.nearest(sought_.features, index.search()), map, s);
+}
+
+// Lowe's ratio test; a rival at the winner's own place is the same thing seen twice, no rival.
+std::vector<LandmarkMatch> LandmarkMatcher::distinct(const std::vector<Neighbours>& nearest,
+                                                     const ParticleMap& map,
+                                                     const FastSlamSettings& s) const {
+  const double largest = 127 * s.descriptor_distance;
+  const auto mean = [&](const Neighbour& n) { return map.find(static_cast<std::size_t>(n.id))->mean; };
+  std::vector<LandmarkMatch> matches;
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const Neighbour& first = nearest[i][0];
+    if (first.id < 0 || first.distance2 > largest * largest) continue;
+    bool clear = true;
+    for (std::size_t rival = 1; rival < 3 && nearest[i][rival].id >= 0; ++rival) {
+      if ((mean(nearest[i][rival]) - mean(first)).norm() < s.same_place) continue;
+      clear = passes_ratio(first.distance2, nearest[i][rival].distance2, s.descriptor_ratio);
+      break;
+    }
+    if (clear) matches.push_back({point_of_[i], first.id, first.distance2});
   }
   return one_to_one(std::move(matches));
 }
@@ -207,30 +247,6 @@ std::vector<LandmarkMatch> match_known(const std::vector<FeaturePoint>& points, 
   return matches;
 }
 
-std::vector<LandmarkMatch> match_all(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
-                                     const ParticleMap& map, const LandmarkIndex& index,
-                                     const FastSlamSettings& s, Random& random) {
-  std::vector<int> chosen;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (points[i].landmark_id < 0) chosen.push_back(static_cast<int>(i));
-  const auto affordable = static_cast<std::size_t>(std::max(10, kSearchBudget / std::max(1, index.slots())));
-  for (std::size_t i = 0; i + 1 < chosen.size() && i < affordable; ++i)
-    std::swap(chosen[i], chosen[i + random.below(chosen.size() - i)]);
-  chosen.resize(std::min(chosen.size(), affordable));
-
-  std::vector<LandmarkMatch> matches;
-  const auto position = [&](int slot) { return map.find(static_cast<std::size_t>(slot))->mean; };
-  for (const int p : chosen) {
-    const Feature& f = frame.features[static_cast<std::size_t>(points[static_cast<std::size_t>(p)].feature)];
-    Nearest nearest;
-    for (int slot = 0; slot < index.slots(); ++slot)
-      if (index.record(slot).laplacian == f.laplacian && index.alive(slot) && index.record(slot).known_id < 0)
-        nearest.offer(slot, squared_distance(f.descriptor, index.descriptor(slot)));
-    if (distinct(nearest, s, position)) matches.push_back({p, nearest.landmark[0], nearest.distance2[0]});
-  }
-  return one_to_one(std::move(matches));
-}
-
 std::vector<LandmarkMatch> select_informative(const std::vector<LandmarkMatch>& matches,
                                               const FeatureFrame& frame,
                                               const std::vector<FeaturePoint>& points, const ParticleMap& map,
@@ -246,8 +262,9 @@ std::vector<LandmarkMatch> select_informative(const std::vector<LandmarkMatch>& 
   for (const LandmarkMatch& match : matches) {
     const FeaturePoint& point = points[static_cast<std::size_t>(match.point)];
     const Feature& f = frame.features[static_cast<std::size_t>(point.feature)];
+    // A bearing measures nothing along the ray: it comes after points that are as good across it.
     const double variance = map.find(static_cast<std::size_t>(match.slot))->covariance.trace() +
-                            point.measurement.covariance.trace();
+                            (point.is_bearing() ? kBearingVariance : point.measurement.covariance.trace());
     cells[grid.cell(f.x, f.y)].push_back({variance, match});
   }
   for (auto& cell : cells)

@@ -80,7 +80,9 @@ std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vect
       if (index.find(id) < 0 && identities.insert(id).second) chosen.push_back(static_cast<int>(p));
       continue;
     }
-    if (taken[p] || static_cast<int>(chosen.size()) >= settings.maximum_new_landmarks) continue;
+    if (points[p].is_bearing() || taken[p] ||
+        static_cast<int>(chosen.size()) >= settings.maximum_new_landmarks)
+      continue;
     const Feature& f = feature_of(frame, points[p]);
     int& here = occupied[grid.cell(f.x, f.y)];
     if (here >= settings.cell_capacity) continue;

@@ -9,6 +9,7 @@
 #include "fastslam/pose_space.hpp"
 #include "fastslam/proposal.hpp"
 #include "fastslam/resampling.hpp"
+#include "surf/kernel_set.hpp"
 
 namespace lcmslam {
 namespace {
@@ -31,6 +32,15 @@ Eigen::Isometry3d renormalised(Eigen::Isometry3d T, bool planar) {
 void sort_by_slot(std::vector<LandmarkMatch>& matches) {
   std::sort(matches.begin(), matches.end(),
             [](const LandmarkMatch& a, const LandmarkMatch& b) { return a.slot < b.slot; });
+}
+
+void prefetch(const LandmarkGaussian* landmark) {
+#ifdef __GNUC__
+  for (std::size_t byte = 0; byte < sizeof *landmark; byte += 64)
+    __builtin_prefetch(reinterpret_cast<const char*>(landmark) + byte);
+#else
+  static_cast<void>(landmark);
+#endif
 }
 
 void widen(double factor, Measurement& measurement) {
@@ -65,7 +75,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   }
   last_utime_ = frame.utime;
   std::vector<FeaturePoint> points = usable_features(frame, settings_);
-  result.offered = static_cast<int>(points.size());
+  result.offered = static_cast<int>(
+      std::count_if(points.begin(), points.end(), [](const FeaturePoint& p) { return !p.is_bearing(); }));
   const std::vector<FeaturePoint> measured = smoother_ ? points : std::vector<FeaturePoint>();
   for (FeaturePoint& point : points) point.measurement = sensor_.corrected(point.measurement);
 
@@ -82,7 +93,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   if (smoother_) {
     const bool reunion =
         !contradicted.empty() || std::any_of(seen.begin(), seen.end(), [&](const auto& match) {
-          return index_.record(match.slot).unseen_steps > settings_.reunion_steps;
+          return index_.unseen_steps(match.slot) > settings_.reunion_steps;
         });
     remember(frame.utime, motion, measured, points, result);
     const bool due = smoother_ && smoother_->size() >= smooth_at_;
@@ -135,18 +146,21 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
   }
   widen_for_correlation(observed, frame.utime, points);
 
-  const auto proposal = make_proposal(settings_, association.prior.covariance);
   std::vector<Verdict> verdicts(particles_.size());
-  for (std::size_t k = 0; k < particles_.size(); ++k) {
-    Particle& particle = particles_[k];
-    const Eigen::Isometry3d T_prior = association.T_world_found ? *association.T_world_found
-                                      : association.corrected
-                                          ? particle.T_world_robot * association.prior.T_from_to
-                                          : particle.T_world_robot * calibration_.apply(particle.calibration);
-    verdicts[k] = move(particle, T_prior, *proposal, observed, points, streams_[k]);
-    if (!association.corrected)
-      calibration_.learn(se3_log(T_prior.inverse() * particle.T_world_robot), particle.calibration);
-  }
+  for_particles(observed.size(), [&](std::size_t begin, std::size_t end) {
+    const auto proposal = make_proposal(settings_, association.prior.covariance);
+    std::vector<ObservedLandmark> scratch;
+    for (std::size_t k = begin; k < end; ++k) {
+      Particle& particle = particles_[k];
+      const Eigen::Isometry3d T_prior =
+          association.T_world_found ? *association.T_world_found
+          : association.corrected   ? particle.T_world_robot * association.prior.T_from_to
+                                    : particle.T_world_robot * calibration_.apply(particle.calibration);
+      verdicts[k] = move(particle, T_prior, *proposal, observed, points, streams_[k], scratch);
+      if (!association.corrected)
+        calibration_.learn(se3_log(T_prior.inverse() * particle.T_world_robot), particle.calibration);
+    }
+  });
   if (!association.corrected) calibration_.end();
   double highest = particles_[0].log_weight;
   for (const Particle& particle : particles_) highest = std::max(highest, particle.log_weight);
@@ -186,8 +200,9 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
                       : TrackStatus::predicting;
   // Where known landmarks should be and none is, the robot is elsewhere: do not map that. After a long
   // time without finding back, the world has changed: go on.
-  may_create =
-      !association.contradicted || associator_.steps_without_agreement() > 10 * settings_.relocalise_after;
+  may_create = !association.doubtful;
+  if (association.contradicted)
+    may_create = associator_.steps_without_agreement() > 10 * settings_.relocalise_after;
   expected = std::move(association.visible);
   if (!agreed) expected.clear();  // nobody is declared missing by a robot that may be elsewhere
   return seen;
@@ -238,6 +253,7 @@ void FastSlam::remember_keyframe(const Motion& motion, const FeatureFrame& frame
         index_.record(match.slot).id;
   std::vector<PointSight> sights;
   for (const FeaturePoint& point : points) {
+    if (point.is_bearing()) continue;
     if (point.measurement.kind != MeasurementKind::point) {
       map_smoother_.reset();
       return;
@@ -258,7 +274,7 @@ std::vector<SmoothedPose> FastSlam::take_over(const std::optional<MapSmoothing>&
     if (!index_.alive(slot)) continue;
     const auto found = smoothing->landmarks.find(index_.record(slot).id);
     const bool known = found != smoothing->landmarks.end();
-    if (!known && index_.record(slot).unseen_steps > settings_.tentative_steps) continue;
+    if (!known && index_.unseen_steps(slot) > settings_.tentative_steps) continue;
     for (Particle& particle : particles_) {
       LandmarkGaussian& landmark = particle.map.edit(static_cast<std::size_t>(slot));
       landmark.mean = known ? found->second : smoothing->T_world_correction * landmark.mean;
@@ -326,14 +342,30 @@ std::vector<double> FastSlam::choose_best() {
   return weights;
 }
 
+// Calls work(begin, end) for parts of the particles, in parallel where `each` (landmarks a particle) makes it
+// worth waking threads up. A particle's result depends on itself and its own random stream alone.
+template <class Work>
+void FastSlam::for_particles(std::size_t each, const Work& work) {
+  const std::size_t count = particles_.size();
+  if (count * each < 1000) return work(0, count);
+  constexpr int part = 16;  // particles: the work is shared out as threads get free
+  parallel_rows(0, static_cast<int>((count + part - 1) / part), [&](int first, int last) {
+    work(static_cast<std::size_t>(first * part), std::min(count, static_cast<std::size_t>(last * part)));
+  });
+}
+
 FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_world_prior,
                                  const Proposal& proposal, const std::vector<LandmarkMatch>& observed,
-                                 const std::vector<FeaturePoint>& points, Random& random) {
-  scratch_.clear();
+                                 const std::vector<FeaturePoint>& points, Random& random,
+                                 std::vector<ObservedLandmark>& scratch) const {
+  // Each particle's landmarks lie somewhere else in memory: all are on their way before the first is used.
   for (const LandmarkMatch& match : observed)
-    scratch_.push_back({points[static_cast<std::size_t>(match.point)].measurement,
-                        *particle.map.find(static_cast<std::size_t>(match.slot))});
-  const ProposedPose proposed = proposal.propose(T_world_prior, scratch_, random);
+    prefetch(particle.map.find(static_cast<std::size_t>(match.slot)));
+  scratch.clear();
+  for (const LandmarkMatch& match : observed)
+    scratch.push_back({points[static_cast<std::size_t>(match.point)].measurement,
+                       *particle.map.find(static_cast<std::size_t>(match.slot))});
+  const ProposedPose proposed = proposal.propose(T_world_prior, scratch, random);
   particle.T_world_robot = renormalised(proposed.T_world_robot, settings_.planar);
   particle.log_weight += proposed.log_weight;
 
@@ -341,7 +373,7 @@ FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_
   Verdict verdict;
   verdict.accepted.resize(observed.size());
   for (std::size_t i = 0; i < observed.size(); ++i) {
-    const auto& [measurement, landmark] = scratch_[i];
+    const auto& [measurement, landmark] = scratch[i];
     const Innovation innovation = innovate(landmark, measurement, particle.T_world_robot);
     const bool accepted = innovation.distance2 <= gate2_;  // exp(-d^2/2) >= gate
     verdict.accepted[i] = accepted;
@@ -371,10 +403,12 @@ std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
     slots.push_back(static_cast<std::size_t>(slot));
     created.push_back({p, slot, 0});
   }
-  for (Particle& particle : particles_)
-    for (std::size_t i = 0; i < slots.size(); ++i)
-      particle.map.edit(slots[i]) =
-          make_landmark(points[static_cast<std::size_t>(chosen[i])].measurement, particle.T_world_robot);
+  for_particles(slots.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      for (std::size_t i = 0; i < slots.size(); ++i)
+        particles_[k].map.edit(slots[i]) = make_landmark(
+            points[static_cast<std::size_t>(chosen[i])].measurement, particles_[k].T_world_robot);
+  });
   const Eigen::Vector3d camera = particles_[best()].T_world_robot * frame.T_robot_camera.translation();
   for (const std::size_t slot : slots) {
     const Eigen::Vector3d ray = camera - particles_[best()].map.find(slot)->mean;

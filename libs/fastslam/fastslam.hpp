@@ -7,7 +7,8 @@
 //   r.T_world_robot; slam.landmarks(); slam.take_changes();
 //
 // The world is the robot's frame at the first step. Same inputs, settings and seed give the same
-// result to the last bit; the order of a frame's features does not matter.
+// result to the last bit, however many threads cv::setNumThreads allows; the order of a frame's features does
+// not matter.
 // One deviation from the thesis: a landmark is found by its id and not in a kd-tree of each particle;
 // with correspondences known the result is the same.
 
@@ -116,9 +117,11 @@ class FastSlam {
   std::vector<LandmarkMatch> filter(const Motion& motion, const FeatureFrame& frame,
                                     std::vector<FeaturePoint>& points, std::vector<VisibleLandmark>& expected,
                                     std::vector<int>& contradicted, bool& may_create, StepResult& result);
+  template <class Work>
+  void for_particles(std::size_t each, const Work& work);
   Verdict move(Particle& particle, const Eigen::Isometry3d& T_world_prior, const Proposal& proposal,
                const std::vector<LandmarkMatch>& observed, const std::vector<FeaturePoint>& points,
-               Random& random);
+               Random& random, std::vector<ObservedLandmark>& scratch) const;
   void widen_for_correlation(const std::vector<LandmarkMatch>& observed, Utime utime,
                              std::vector<FeaturePoint>& points);
   void remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& measured,
@@ -160,7 +163,6 @@ class FastSlam {
   LandmarkPublication publication_;
   int best_ = 0;
   bool started_ = false;
-  std::vector<ObservedLandmark> scratch_;
 };
 
 }  // namespace lcmslam

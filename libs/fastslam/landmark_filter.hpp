@@ -39,8 +39,8 @@ Eigen::Matrix3d innovation_covariance(const LandmarkGaussian& landmark, const Me
 Innovation innovate(const LandmarkGaussian& landmark, const Measurement& measurement,
                     const Eigen::Isometry3d& T_world_robot);
 
-/// A landmark from its first measurement. For points: mean by 2.1-2.3, covariance by 2.4 corrected,
-/// (H^T R_z^-1 H)^-1 = R R_z R^T.
+/// A landmark from its first measurement. For points: mean by 2.1-2.3, covariance by 2.4 corrected, (H^T
+/// R_z^-1 H)^-1 = R R_z R^T. Throws std::invalid_argument for a bearing.
 LandmarkGaussian make_landmark(const Measurement& measurement, const Eigen::Isometry3d& T_world_robot);
 
 /// Kalman update with an innovation of the same landmark, measurement and pose. `added_variance` (m^2)

@@ -4,10 +4,13 @@
 // Gaussians, found by slot. A slot whose landmark died is used again under a new id.
 
 #include <cstdint>
+#include <set>
+#include <tuple>
 #include <unordered_map>
 #include <vector>
 
 #include "fastslam/settings.hpp"
+#include "surf/descriptor_index.hpp"
 #include "surf/feature.hpp"
 
 namespace lcmslam {
@@ -19,7 +22,7 @@ struct LandmarkRecord {
   std::array<std::uint8_t, 3> colour{};
   std::int8_t laplacian = 0;
   int observations = 0;
-  int unseen_steps = 0;                                 ///< since the last sight
+  int seen_step = 0;                                    ///< of the last sight, see unseen_steps()
   Utime measured = 0;                                   ///< time of the last measurement used
   double log_odds = 0;                                  ///< of existing
   Eigen::Vector3d seen_from = Eigen::Vector3d::Zero();  ///< unit, world, landmark to camera, last sight
@@ -41,8 +44,13 @@ class LandmarkIndex {
   int find(std::int32_t known_id) const;
 
   /// Ages all landmarks by a step; returns how many were forgotten: never well established, long unseen,
-  /// and of no known identity.
+  /// and of no known identity. Cost: those that are due, not the map.
   int age(const FastSlamSettings& settings);
+  /// Steps since the last sight.
+  int unseen_steps(int slot) const { return step_ - record(slot).seen_step; }
+
+  /// Slots that were added, seen or set free since the last call, ascending.
+  std::vector<int> take_touched();
 
   /// Slots ever used; some may be free.
   int slots() const { return static_cast<int>(records_.size()); }
@@ -51,16 +59,31 @@ class LandmarkIndex {
   bool alive(int slot) const { return record(slot).id >= 0; }
   const LandmarkRecord& record(int slot) const { return records_[static_cast<std::size_t>(slot)]; }
   LandmarkRecord& record(int slot) { return records_[static_cast<std::size_t>(slot)]; }
-  const Descriptor& descriptor(int slot) const { return descriptors_[static_cast<std::size_t>(slot)]; }
+  const Descriptor& descriptor(int slot) const {
+    return record(slot).known_id >= 0 ? known_descriptors_.at(slot) : search_.descriptor(slot);
+  }
+  /// The descriptors of all living landmarks without a known identity, by slot.
+  const DescriptorIndex& search() const { return search_; }
 
  private:
   void release(int slot);
+  void touch(int slot);
 
   std::vector<LandmarkRecord> records_;
-  std::vector<Descriptor> descriptors_;  // apart: searches stream through them
+  DescriptorIndex search_;
+  std::unordered_map<int, Descriptor> known_descriptors_;  // by slot; never sought
   std::vector<int> free_;
   std::unordered_map<std::int32_t, int> known_slots_;
   std::int64_t next_id_ = kFirstOwnId;
+  int step_ = 0;
+  struct Due {
+    int step, slot;
+    std::int64_t id;
+    bool operator<(const Due& o) const { return std::tie(step, slot, id) < std::tie(o.step, o.slot, o.id); }
+  };
+  std::set<Due> tentative_;  // when who is forgotten unless seen
+  std::vector<int> touched_;
+  std::vector<char> is_touched_;  // by slot
 };
 
 }  // namespace lcmslam

@@ -28,6 +28,8 @@ struct Measurement {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();           ///< m, rad: what `kind` says
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of value; 1 where nothing is measured
   MeasurementKind kind = MeasurementKind::point;
+  /// Of a bearing: where the camera sits. Borrowed from the FeatureFrame, which must live as long.
+  const Eigen::Isometry3d* T_robot_camera = nullptr;
 };
 
 /// A position with its covariance, in the robot frame.
@@ -88,12 +90,46 @@ struct RangeBearingModel {
   }
 };
 
-/// Calls function(model) with the model of `kind`: a switch outside, straight code inside.
+/// (x / z, y / z) in the camera frame: where a pixel looks, without depth. Measures landmarks that are known
+/// from elsewhere; makes none.
+struct BearingModel {
+  static constexpr int dimension = 2;
+  const Eigen::Isometry3d* T_robot_camera;
+
+  Eigen::Vector3d in_camera(const Eigen::Vector3d& p) const {
+    return T_robot_camera->linear().transpose() * (p - T_robot_camera->translation());
+  }
+  /// What lies behind the camera is predicted far outside every image, and nothing is learned from it.
+  static bool behind(const Eigen::Vector3d& q) { return q.z() < 0.01; }
+  Eigen::Vector3d predict(const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d q = in_camera(p);
+    if (behind(q)) return {1e6, 1e6, 0};
+    return {q.x() / q.z(), q.y() / q.z(), 0};
+  }
+  Eigen::Matrix3d jacobian(const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d q = in_camera(p);
+    if (behind(q)) return Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d by_q;
+    by_q << 1, 0, -q.x() / q.z(), 0, 1, -q.y() / q.z(), 0, 0, 0;
+    return by_q / q.z() * T_robot_camera->linear().transpose();
+  }
+  static Eigen::Vector3d difference(const Eigen::Vector3d& z, const Eigen::Vector3d& h) { return z - h; }
+};
+
+/// Calls function(model) with the model of `kind` (not of bearings, which need more than their kind): a
+/// switch outside, straight code inside.
 template <class Function>
 auto with_model(MeasurementKind kind, Function&& function) {
   if (kind == MeasurementKind::planar) return function(PlanarModel());
   if (kind == MeasurementKind::range_bearing) return function(RangeBearingModel());
   return function(PointModel());
+}
+
+/// The same with the model of a measurement.
+template <class Function>
+auto with_model(const Measurement& measurement, Function&& function) {
+  if (measurement.kind == MeasurementKind::bearing) return function(BearingModel{measurement.T_robot_camera});
+  return with_model(measurement.kind, function);
 }
 
 /// h(m): the landmark's position in the robot frame.
@@ -116,6 +152,15 @@ typename PoseSpace<D>::Jacobian residual_jacobian(MeasurementKind kind, const Ei
   if (kind == MeasurementKind::point) return J;
   const Eigen::Matrix3d G =
       with_model(kind, [&](auto model) -> Eigen::Matrix3d { return model.jacobian(p); });
+  return G * J;
+}
+
+template <int D>
+typename PoseSpace<D>::Jacobian residual_jacobian(const Measurement& measurement, const Eigen::Vector3d& p) {
+  const typename PoseSpace<D>::Jacobian J = PoseSpace<D>::residual_jacobian(p);
+  if (measurement.kind == MeasurementKind::point) return J;
+  const Eigen::Matrix3d G =
+      with_model(measurement, [&](auto model) -> Eigen::Matrix3d { return model.jacobian(p); });
   return G * J;
 }
 

@@ -5,11 +5,16 @@
 //
 // A radix tree: leaves of 8 values (landmarks made together are seen together, so they share a leaf),
 // inner nodes of 16 children. A node may be changed in place if and only if one array owns it.
-// Not promised: two threads may not change arrays that share nodes at the same time.
+//
+// Threads may change different arrays at the same time, also arrays that share nodes: a shared node is
+// copied, never changed, and who finds himself the only owner sees all that former owners did (the counts
+// acquire and release). Which of two arrays copies a node depends on the clock, the values do not.
 
 #include <array>
+#include <atomic>
 #include <cstddef>
-#include <memory>
+#include <cstdint>
+#include <utility>
 
 namespace lcmslam {
 
@@ -19,7 +24,7 @@ class PersistentArray {
   /// Null when nothing near the index was ever set; default values beside those that were.
   const Value* find(std::size_t index) const {
     if (index >= capacity(depth_)) return nullptr;
-    const void* node = root_.get();
+    const Node* node = root_.get();
     for (int level = depth_; node && level > 0; --level)
       node = static_cast<const Inner*>(node)->children[digit(index, level)].get();
     return node ? &static_cast<const Leaf*>(node)->values[index % kLeaf] : nullptr;
@@ -29,8 +34,8 @@ class PersistentArray {
   Value& edit(std::size_t index) {
     while (index >= capacity(depth_)) grow();
     Pointer* node = &root_;
-    for (int level = depth_; level > 0; --level) node = &own<Inner>(*node).children[digit(index, level)];
-    return own<Leaf>(*node).values[index % kLeaf];
+    for (int level = depth_; level > 0; --level) node = &own<Inner>(*node)->children[digit(index, level)];
+    return own<Leaf>(*node)->values[index % kLeaf];
   }
 
   /// Calls visit(index, before or null, after) for each element in a leaf of `after` that `before` does
@@ -47,50 +52,94 @@ class PersistentArray {
                         [&](std::size_t i, const Value*, const Value& value) { visit(i, value); });
   }
 
+  /// Calls visit(node's address, its bytes) for every node: what several arrays share has one address.
+  template <class Visit>
+  void for_each_node(Visit visit) const {
+    visit_nodes(root_.get(), depth_, visit);
+  }
+
  private:
   static constexpr std::size_t kLeaf = 8, kInner = 16;
-  using Pointer = std::shared_ptr<void>;
-  struct Leaf {
+
+  struct Node {
+    explicit Node(bool leaf) : is_leaf(leaf) {}
+    std::atomic<std::uint32_t> owners{1};
+    const bool is_leaf;
+  };
+
+  /// Shares a node.
+  class Pointer {
+   public:
+    Pointer() = default;
+    explicit Pointer(Node* node) : node_(node) {}
+    Pointer(const Pointer& other) : node_(other.node_) {
+      if (node_) node_->owners.fetch_add(1, std::memory_order_relaxed);
+    }
+    Pointer(Pointer&& other) noexcept : node_(std::exchange(other.node_, nullptr)) {}
+    Pointer& operator=(Pointer other) noexcept {
+      std::swap(node_, other.node_);
+      return *this;
+    }
+    ~Pointer() {
+      if (!node_ || node_->owners.fetch_sub(1, std::memory_order_acq_rel) > 1) return;
+      if (node_->is_leaf)
+        delete static_cast<Leaf*>(node_);
+      else
+        delete static_cast<Inner*>(node_);
+    }
+    explicit operator bool() const { return node_ != nullptr; }
+    Node* get() const { return node_; }
+    bool alone() const { return node_->owners.load(std::memory_order_acquire) == 1; }
+
+   private:
+    Node* node_ = nullptr;
+  };
+
+  struct Leaf : Node {
+    Leaf() : Node(true) {}
+    Leaf(const Leaf& other) : Node(true), values(other.values) {}
     std::array<Value, kLeaf> values{};
   };
-  struct Inner {
+  struct Inner : Node {
+    Inner() : Node(false) {}
+    Inner(const Inner& other) : Node(false), children(other.children) {}
     std::array<Pointer, kInner> children;
   };
 
-  static std::size_t capacity(int depth) { return kLeaf << (4 * depth); }
+  static constexpr std::size_t capacity(int depth) { return kLeaf << (4 * depth); }
   static std::size_t digit(std::size_t index, int level) {
     return (index / (kLeaf << (4 * (level - 1)))) % kInner;
   }
 
   void grow() {
     if (root_) {
-      auto top = std::make_shared<Inner>();
+      auto* top = new Inner;
       top->children[0] = std::move(root_);
-      root_ = std::move(top);
+      root_ = Pointer(top);
     }
     ++depth_;
   }
 
-  template <class Node>
-  static Node& own(Pointer& pointer) {
+  template <class Kind>
+  static Kind* own(Pointer& pointer) {
     if (!pointer)
-      pointer = std::make_shared<Node>();
-    else if (pointer.use_count() > 1)
-      pointer = std::make_shared<Node>(*static_cast<const Node*>(pointer.get()));
-    return *static_cast<Node*>(pointer.get());
+      pointer = Pointer(new Kind);
+    else if (!pointer.alone())
+      pointer = Pointer(new Kind(*static_cast<const Kind*>(pointer.get())));
+    return static_cast<Kind*>(pointer.get());
   }
 
   template <class Visit>
-  static void difference(const void* before, int depth_before, const void* after, int depth_after,
+  static void difference(const Node* before, int depth_before, const Node* after, int depth_after,
                          std::size_t first, Visit& visit) {
     if (!after || before == after) return;
     if (depth_before > depth_after) {  // the older array was larger: compare with its first part
-      const void* part = before ? static_cast<const Inner*>(before)->children[0].get() : nullptr;
+      const Node* part = before ? static_cast<const Inner*>(before)->children[0].get() : nullptr;
       difference(part, depth_before - 1, after, depth_after, first, visit);
     } else if (depth_after > 0) {
       const bool same_depth = depth_before == depth_after;
       for (std::size_t c = 0; c < kInner; ++c) {
-        const void* part = nullptr;
+        const Node* part = nullptr;
         if (before && same_depth) part = static_cast<const Inner*>(before)->children[c].get();
         if (before && !same_depth && c == 0) part = before;
         difference(part, same_depth || c > 0 ? depth_after - 1 : depth_before,
@@ -103,6 +152,15 @@ class PersistentArray {
         visit(first + i, old_leaf ? &old_leaf->values[i] : nullptr,
               static_cast<const Leaf*>(after)->values[i]);
     }
+  }
+
+  template <class Visit>
+  static void visit_nodes(const Node* node, int depth, Visit& visit) {
+    if (!node) return;
+    visit(static_cast<const void*>(node), depth > 0 ? sizeof(Inner) : sizeof(Leaf));
+    if (depth == 0) return;
+    for (const Pointer& child : static_cast<const Inner*>(node)->children)
+      visit_nodes(child.get(), depth - 1, visit);
   }
 
   Pointer root_;

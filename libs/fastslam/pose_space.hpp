@@ -51,6 +51,34 @@ struct PoseSpace {
     }
     return J;
   }
+
+  /// J^T W J with J = residual_jacobian(h), for symmetric W (3x3): its blocks written out,
+  ///   [W, -W hat(h); hat(h) W, -hat(h) W hat(h)].
+  static Matrix normal_matrix(const Eigen::Matrix3d& W, const Eigen::Vector3d& h) {
+    Matrix N;
+    if constexpr (D == 6) {
+      Eigen::Matrix3d B;  // hat(h) W: its columns are h x (column of W)
+      for (int i = 0; i < 3; ++i) B.col(i) = h.cross(W.col(i));
+      N.template topLeftCorner<3, 3>() = W;
+      N.template bottomLeftCorner<3, 3>() = B;
+      N.template topRightCorner<3, 3>() = B.transpose();
+      for (int i = 0; i < 3; ++i)  // hat(h) (hat(h) W)^T
+        N.template bottomRightCorner<3, 3>().col(i) = h.cross(B.row(i).transpose());
+    } else {
+      const double x = W(0, 1) * h.x() - W(0, 0) * h.y(), y = W(1, 1) * h.x() - W(1, 0) * h.y();
+      N << W(0, 0), W(0, 1), x, W(1, 0), W(1, 1), y, x, y, h.x() * y - h.y() * x;
+    }
+    return N;
+  }
+  /// J^T g: the force g at h and its torque h x g.
+  static Vector wrench(const Eigen::Vector3d& g, const Eigen::Vector3d& h) {
+    Vector w;
+    if constexpr (D == 6)
+      w << g, h.cross(g);
+    else
+      w << g.x(), g.y(), h.x() * g.y() - h.y() * g.x();
+    return w;
+  }
 };
 
 /// The nearest pose of the space: in the plane (x, y, heading), otherwise the pose itself.

@@ -2,8 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <type_traits>
 
 #include "fastslam/pose_space.hpp"
+#include "fastslam/symmetric.hpp"
 
 namespace lcmslam {
 namespace {
@@ -63,8 +65,9 @@ class MeasurementProposal final : public Proposal {
     // S_i is formed once, at the prior's orientation.
     weights_.resize(observations.size());
     for (std::size_t i = 0; i < observations.size(); ++i)
-      weights_[i] =
-          innovation_covariance(observations[i].landmark, observations[i].measurement, T_prior).inverse();
+      weights_[i] = invert_symmetric(
+                        innovation_covariance(observations[i].landmark, observations[i].measurement, T_prior))
+                        .inverse;
 
     Posterior result{Vector::Zero(), prior_information_};
     for (int iteration = 0; iteration < iterations_; ++iteration) {
@@ -94,15 +97,20 @@ class MeasurementProposal final : public Proposal {
            Matrix& information, Vector& gradient) const {
     const Measurement& z = observed.measurement;
     const Eigen::Vector3d p = predict_measurement(observed.landmark.mean, T);
-    const Eigen::Vector3d residual = with_model(
-        z.kind, [&](auto model) -> Eigen::Vector3d { return model.difference(z.value, model.predict(p)); });
-    const Eigen::Vector3d weighted = S_inverse * residual;
-    const double distance2 = residual.dot(weighted);
-    const double robust = distance2 > huber_ * huber_ ? huber_ / std::sqrt(distance2) : 1;
-    const typename Space::Jacobian J = residual_jacobian<D>(z.kind, p);
-    const typename Space::Jacobian AJ = robust * S_inverse * J;
-    information.noalias() += J.transpose() * AJ;
-    gradient.noalias() += robust * (J.transpose() * weighted);
+    with_model(z, [&](auto model) {
+      const Eigen::Vector3d residual = model.difference(z.value, model.predict(p));
+      const Eigen::Vector3d weighted = S_inverse * residual;
+      const double distance2 = residual.dot(weighted);
+      const double robust = distance2 > huber_ * huber_ ? huber_ / std::sqrt(distance2) : 1;
+      if constexpr (std::is_same_v<decltype(model), PointModel>) {
+        information += robust * Space::normal_matrix(S_inverse, p);
+        gradient += robust * Space::wrench(weighted, p);
+      } else {
+        const Eigen::Matrix3d G = model.jacobian(p);
+        information += robust * Space::normal_matrix(sandwiched(G.transpose(), S_inverse), p);
+        gradient += robust * Space::wrench(G.transpose() * weighted, p);
+      }
+    });
   }
 
   static double half_log_determinant(const Matrix& symmetric) {

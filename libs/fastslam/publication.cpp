@@ -1,6 +1,8 @@
 #include "fastslam/publication.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace lcmslam {
 
@@ -17,27 +19,29 @@ bool LandmarkPublication::differs(const Sent& sent, const LandmarkGaussian& now)
          std::abs(now.covariance.trace() - before) > 0.5 * before;
 }
 
-MapChanges LandmarkPublication::take(const ParticleMap& map, const LandmarkIndex& index) {
+MapChanges LandmarkPublication::take(const ParticleMap& map, LandmarkIndex& index) {
   MapChanges changes;
   sent_.resize(static_cast<std::size_t>(index.slots()));
-  std::vector<char> moved(sent_.size(), 0);
+  std::vector<int> moved;
   ParticleMap::for_each_difference(
       compared_, map, [&](std::size_t slot, const LandmarkGaussian*, const LandmarkGaussian& now) {
-        if (slot < sent_.size()) moved[slot] = differs(sent_[slot], now);
+        if (slot < sent_.size() && differs(sent_[slot], now)) moved.push_back(static_cast<int>(slot));
       });
   compared_ = map;
-  for (std::size_t i = 0; i < sent_.size(); ++i) {
-    const int slot = static_cast<int>(i);
+  const std::vector<int> touched = index.take_touched();
+  std::vector<int> candidates;
+  std::set_union(moved.begin(), moved.end(), touched.begin(), touched.end(), std::back_inserter(candidates));
+  for (const int slot : candidates) {
     const LandmarkRecord& record = index.record(slot);
-    Sent& sent = sent_[i];
+    Sent& sent = sent_[static_cast<std::size_t>(slot)];
     if (sent.id >= 0 && sent.id != record.id) {
       changes.removed.push_back(sent.id);
       sent.id = -1;
     }
     if (!index.alive(slot) || record.observations < minimum_observations_) continue;
-    if (sent.id == record.id && !moved[i]) continue;
+    if (sent.id == record.id && !std::binary_search(moved.begin(), moved.end(), slot)) continue;
     changes.changed.push_back(make_public(slot, map, index));
-    sent = {record.id, *map.find(i)};
+    sent = {record.id, *map.find(static_cast<std::size_t>(slot))};
   }
   if (!changes.changed.empty() || !changes.removed.empty()) ++revision_;
   changes.revision = revision_;

@@ -36,7 +36,8 @@ class LandmarkPublication {
   explicit LandmarkPublication(int minimum_observations, double tolerance = 0.005)
       : minimum_observations_(minimum_observations), tolerance_(tolerance) {}
 
-  MapChanges take(const ParticleMap& map, const LandmarkIndex& index);
+  /// Cost: what changed since the last call, not the map.
+  MapChanges take(const ParticleMap& map, LandmarkIndex& index);
 
  private:
   struct Sent {

@@ -36,7 +36,9 @@ FastSlamSettings thesis_preset() {
   s.minimum_landmark_sigma = 0;
   s.rejection = RejectionWeight::constant;
   s.descriptor_blend = 0;
+  s.use_bearings = false;
   s.verify_by_consensus = false;
+  s.close_loops = false;
   s.maximum_new_landmarks = std::numeric_limits<int>::max();
   s.cell_capacity = std::numeric_limits<int>::max();
   s.remove_landmarks = false;
@@ -80,6 +82,7 @@ void check(const FastSlamSettings& s) {
   require("visibility_margin", s.visibility_margin, 0, 1);
   require("descriptor_blend", s.descriptor_blend, 0, 1);
   require("minimum_consensus", s.minimum_consensus, 3, 1e6);
+  require("loop_steps", s.loop_steps, 1, 1e6);
   require("relocalise_after", s.relocalise_after, 1, 1e9);
   require("rejuvenation_growth", s.rejuvenation_growth, 0, 100);
   require("rejuvenation_lineages", s.rejuvenation_lineages, 0, 1);

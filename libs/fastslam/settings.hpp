@@ -83,12 +83,15 @@ struct FastSlamSettings {
   double descriptor_ratio = 0.8;     ///< best distance / second best distance
   double descriptor_distance = 0.5;  ///< largest distance of unit descriptors
   double same_place = 0.1;           ///< m, nearer landmarks are no rivals in the ratio test
-  double search_radius = 0.15;       ///< of the image width, around the predicted pixel
+  double search_radius = 0.15;       ///< of the image width, around the predicted pixel after a slip
+  bool use_bearings = true;          ///< features without depth measure known landmarks
   double visibility_margin = 0.08;   ///< of the image width, beyond the border
   double descriptor_blend = 0.25;    ///< of the newest descriptor in the landmark's; 0: the first stays
   bool verify_by_consensus = true;   ///< drop matches that no common pose explains
   int minimum_consensus = 8;         ///< matches that must agree for a pose to be believed
-  int relocalise_after = 5;          ///< steps without consensus before the whole map is searched
+  bool close_loops = true;           ///< by place recognition in the whole map
+  int loop_steps = 3;        ///< steps in a row that must recognise a place before the pose jumps there
+  int relocalise_after = 5;  ///< steps without consensus before the whole map is searched
 
   // Landmarks of known identity in the plane: the path so far is smoothed when a landmark comes into sight
   // again after long or few lineages are left, and the particles are drawn anew from its posterior

@@ -38,9 +38,10 @@ void check(const FeatureFrame& frame, const PredictedPose& pose, const GuidedSet
   require(pose.covariance.diagonal().minCoeff() >= 0, "the pose's covariance has a negative variance");
 }
 
-// Whether the places differ by less than their covariances explain (chi-square with 3 DoF, 99 %).
-bool same_place(const MapPoint& a, const MapPoint& b) {
+// Whether the places differ by less than `near` (m) or their covariances explain (chi-square, 3 DoF, 99 %).
+bool same_place(const MapPoint& a, const MapPoint& b, double near) {
   const Eigen::Vector3d difference = a.position - b.position;
+  if (difference.squaredNorm() < near * near) return true;
   const Eigen::Matrix3d sum = a.covariance + b.covariance;
   return difference.dot(sum.inverse() * difference) < 11.345;
 }
@@ -76,11 +77,11 @@ const GuidedResult& GuidedMatcher::match(const FeatureFrame& frame, const Predic
   fill_grid(frame);
 
   compare(frame, gates_.size() / 2, settings.chi_square);
-  find_nearest(frame.features.size());
+  find_nearest(frame.features.size(), settings.same_place);
   for (std::size_t f = 0; f < frame.features.size(); ++f) result_.by_chance += is_match(f, settings);
 
   compare(frame, 0, settings.chi_square);
-  find_nearest(frame.features.size());
+  find_nearest(frame.features.size(), settings.same_place);
   result_.candidates = static_cast<int>(pairs_.size());
   for (std::size_t f = 0; f < frame.features.size(); ++f) {
     if (!is_match(f, settings)) continue;
@@ -102,7 +103,9 @@ void GuidedMatcher::open_gates(const FeatureFrame& frame, const PredictedPose& p
     const auto projection = project(landmark, pose.T_world_camera, frame);
     if (!projection) continue;
     const Eigen::Vector2d& pixel = projection->pixel;
-    if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() > frame.width - 1 || pixel.y() > frame.height - 1)
+    const double margin = settings.margin;
+    if (pixel.x() < -margin || pixel.y() < -margin || pixel.x() > frame.width - 1 + margin ||
+        pixel.y() > frame.height - 1 + margin)
       continue;
     const Eigen::Matrix2d S = innovation_covariance(*projection, landmark, pose, frame);
     const double half_width = std::sqrt(settings.chi_square * S(0, 0));
@@ -161,9 +164,9 @@ void GuidedMatcher::compare(const FeatureFrame& frame, std::size_t shift, double
   }
 }
 
-// Of landmarks the nearest first, then the second among those that are not the nearest one's twin. Of
-// equally near ones the first counts.
-void GuidedMatcher::find_nearest(std::size_t features) {
+// Of landmarks the nearest first, then the second among those that are not the nearest one's twin. Of equally
+// near ones the first counts.
+void GuidedMatcher::find_nearest(std::size_t features, double near) {
   of_feature_.assign(features, {none, none, -1});
   of_gate_.assign(gates_.size(), {none, none, -1});
   for (const Pair& pair : pairs_) {
@@ -179,7 +182,7 @@ void GuidedMatcher::find_nearest(std::size_t features) {
     Nearest& landmark = of_feature_[static_cast<std::size_t>(pair.feature)];
     if (pair.gate == landmark.partner || pair.distance2 >= landmark.second2) continue;
     if (same_place(*gates_[static_cast<std::size_t>(pair.gate)].landmark,
-                   *gates_[static_cast<std::size_t>(landmark.partner)].landmark))
+                   *gates_[static_cast<std::size_t>(landmark.partner)].landmark, near))
       continue;
     landmark.second2 = pair.distance2;
   }

@@ -31,6 +31,11 @@ struct GuidedSettings {
   double ratio = 0.8;
   /// Between descriptors of unit norm. A lone candidate passes any ratio: this must refuse it.
   double max_distance = 0.45;
+  /// m: nearer landmarks are the same thing, too, however sure both places are (a blob measured from two
+  /// sides, a landmark of which an earlier one was lost for a while).
+  double same_place = 0;
+  /// Pixels: landmarks predicted up to so far outside the image may still show in it.
+  double margin = 0;
 };
 
 struct GuidedResult {
@@ -86,7 +91,7 @@ class GuidedMatcher {
                   const GuidedSettings& settings);
   void fill_grid(const FeatureFrame& frame);
   void compare(const FeatureFrame& frame, std::size_t shift, double limit);
-  void find_nearest(std::size_t features);
+  void find_nearest(std::size_t features, double same_place);
   bool is_match(std::size_t feature, const GuidedSettings& settings) const;
   int column(double x) const;
   int row(double y) const;

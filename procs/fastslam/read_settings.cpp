@@ -56,8 +56,11 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.descriptor_ratio = c.get("descriptor_ratio", s.descriptor_ratio, Range{0, 1});
   s.descriptor_distance = c.get("descriptor_distance", s.descriptor_distance, Range{0, 2});
   s.search_radius = c.get("search_radius", s.search_radius, Range{0, 2});
+  s.use_bearings = c.get("use_bearings", s.use_bearings);
   s.verify_by_consensus = c.get("verify_by_consensus", s.verify_by_consensus);
   s.minimum_consensus = c.get("minimum_consensus", s.minimum_consensus, Range{3, 100000});
+  s.close_loops = c.get("close_loops", s.close_loops);
+  s.loop_steps = c.get("loop_steps", s.loop_steps, Range{1, 1000000});
   s.relocalise_after = c.get("relocalise_after", s.relocalise_after, Range{1, 1000000});
   s.maximum_new_landmarks = c.get("maximum_new_landmarks", s.maximum_new_landmarks, Range{1, 100000});
   s.remove_landmarks = c.get("remove_landmarks", s.remove_landmarks);

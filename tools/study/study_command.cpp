@@ -22,6 +22,7 @@
 #include "study/landmark_study.hpp"
 #include "study/measures.hpp"
 #include "study/pair_study.hpp"
+#include "study/resampling_study.hpp"
 
 namespace lcmslam {
 namespace {
@@ -136,6 +137,15 @@ int run_feature_study(const std::string& data, const FeatureStudySettings& setti
   return 0;
 }
 
+int run_resampling_study(const ResamplingStudySettings& settings) {
+  const std::filesystem::path folder = new_run_folder("study-resampling");
+  const std::vector<ResamplingScore> scores = study_resampling(settings, folder);
+  nlohmann::json report = resampling_json(scores);
+  report["data"] = settings.log.string();
+  write_report(folder, report, resampling_table(scores));
+  return 0;
+}
+
 }  // namespace
 
 int study_command(int argc, char** argv) {
@@ -151,7 +161,8 @@ int study_command(int argc, char** argv) {
       "dlib's SURF, SIFT and ORB. --only pairs: how often two clouds are registered without a start. "
       "--only landmarks: MRCLAM or Victoria Park in batch, once for each seed. --only filter: logs with "
       "images and truth through odometry and fastslam in batch, each with each seed. "
-      "--only depth-filter: mixed pixels removed and good points lost in simulated depth images.",
+      "--only depth-filter: mixed pixels removed and good points lost in simulated depth images. "
+      "--only resampling: FastSLAM's four schemes on a log.",
       "lcmslam study"};
   app.add_option("--seeds", seeds, "of sensors and particles")->delimiter(',');
   app.add_option("--config", config, "as for the demo")->check(CLI::ExistingFile);
@@ -159,9 +170,11 @@ int study_command(int argc, char** argv) {
       ->check(CLI::ExistingPath);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
+  const std::vector<std::string> studies = {"features", "pairs",        "landmarks",
+                                            "filter",   "depth-filter", "resampling"};
   const auto only_option =
-      app.add_option("--only", only, "one study of its own: features, pairs, landmarks, filter, depth-filter")
-          ->check(CLI::IsMember({"features", "pairs", "landmarks", "filter", "depth-filter"}));
+      app.add_option("--only", only, "one study of its own: " + CLI::detail::join(studies, ", "))
+          ->check(CLI::IsMember(studies));
   std::vector<std::string> logs;
   app.add_option("logs", logs, "filter: .lcmlog files")->check(CLI::ExistingFile)->needs(only_option);
   app.add_option("--scene", scene,
@@ -202,6 +215,11 @@ int study_command(int argc, char** argv) {
     return run_pair_study(data, method, pairs);
   }
   if (only == "depth-filter") return run_depth_filter_study(seeds);
+  if (only == "resampling") {
+    if (data.empty()) throw std::invalid_argument("--only resampling needs --data LOG with GROUND_TRUTH");
+    if (config.empty()) config = LCMSLAM_SOURCE_DIR "/config/replay.yaml";
+    return run_resampling_study({data, config, overrides, seeds});
+  }
   if (only == "features") {
     if (data.empty()) throw std::invalid_argument("--only features needs --data FOLDER, a recording");
     return run_feature_study(data, features);

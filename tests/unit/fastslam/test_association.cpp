@@ -35,6 +35,16 @@ struct Scene {
     frame = synthetic::see(world, points, T_world_robot, random, truth);
   }
 
+  // Sought within three sigma of 96 pixels.
+  std::vector<LandmarkMatch> match(const std::vector<FeaturePoint>& usable) const {
+    Matrix6d Q = Matrix6d::Zero();
+    Q.diagonal().tail<3>().setConstant(std::pow(96 / (3 * frame.fx), 2));
+    LandmarkMatcher matcher;
+    matcher.begin(frame, usable);
+    return matcher.guided(visible_landmarks(map, index, T_world_robot, frame, settings), map, index,
+                          T_world_robot, Q, settings);
+  }
+
   int right(const std::vector<FeaturePoint>& usable, const std::vector<LandmarkMatch>& matches) const {
     return static_cast<int>(std::count_if(matches.begin(), matches.end(), [&](const LandmarkMatch& m) {
       const int feature = usable[static_cast<std::size_t>(m.point)].feature;
@@ -48,9 +58,7 @@ TEST(Association, MatchesVisibleLandmarksRightly) {
     SCOPED_TRACE(seed);
     Scene scene(seed);
     const auto usable = usable_features(scene.frame, scene.settings);
-    const auto visible =
-        visible_landmarks(scene.map, scene.index, scene.T_world_robot, scene.frame, scene.settings);
-    const auto matches = match_visible(scene.frame, usable, visible, scene.index, 96, scene.settings);
+    const auto matches = scene.match(usable);
     const auto known = std::count_if(scene.truth.begin(), scene.truth.end(), [](int t) { return t >= 0; });
     EXPECT_GE(scene.right(usable, matches), 0.9 * static_cast<double>(known));
     EXPECT_LE(static_cast<int>(matches.size()) - scene.right(usable, matches), 2);
@@ -62,11 +70,7 @@ TEST(Association, MatchesVisibleLandmarksRightly) {
 TEST(Association, RivalAtTheSamePlaceIsNoRival) {
   Scene scene(3);
   const auto usable = usable_features(scene.frame, scene.settings);
-  const auto count = [&] {
-    const auto visible =
-        visible_landmarks(scene.map, scene.index, scene.T_world_robot, scene.frame, scene.settings);
-    return match_visible(scene.frame, usable, visible, scene.index, 96, scene.settings).size();
-  };
+  const auto count = [&] { return scene.match(usable).size(); };
   const std::size_t before = count();
   const auto duplicate_all = [&](double offset) {
     Random random(1);
@@ -87,6 +91,7 @@ TEST(Association, RivalAtTheSamePlaceIsNoRival) {
 
 TEST(Association, UnusableFeaturesAreLeftOut) {
   Scene scene(1);
+  scene.settings.use_bearings = false;
   const std::size_t before = usable_features(scene.frame, scene.settings).size();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   scene.frame.features[0].point.x() = nan;
@@ -103,12 +108,83 @@ TEST(Association, UnusableFeaturesAreLeftOut) {
   EXPECT_TRUE(usable_features(scene.frame, scene.settings).empty());
 }
 
-TEST(Association, SelectionIsSpreadAndKeepsTheBestKnown) {
-  Scene scene(2);
+TEST(Association, FeaturesWithoutDepthAreBearings) {
+  Scene scene(1);
+  const auto points = usable_features(scene.frame, scene.settings);
+  for (std::size_t i = 0; i < scene.frame.features.size(); i += 2) {
+    scene.frame.features[i].kind = MeasurementKind::bearing;
+    scene.frame.features[i].point.setConstant(std::numeric_limits<float>::quiet_NaN());
+    scene.frame.features[i].depth_sigma = std::numeric_limits<float>::quiet_NaN();
+  }
+  const auto usable = usable_features(scene.frame, scene.settings);
+  EXPECT_EQ(usable.size(), points.size()) << "in range, all of them";
+  int bearings = 0, right = 0;
+  for (const FeaturePoint& p : usable) {
+    const Feature& f = scene.frame.features[static_cast<std::size_t>(p.feature)];
+    EXPECT_EQ(p.is_bearing(), f.kind == MeasurementKind::bearing);
+    bearings += p.is_bearing();
+    const int slot = scene.truth[static_cast<std::size_t>(p.feature)];
+    if (!p.is_bearing() || slot < 0) continue;
+    const LandmarkGaussian& landmark = *scene.map.find(static_cast<std::size_t>(slot));
+    right += innovate(landmark, p.measurement, scene.T_world_robot).distance2 < 13.8;  // chi-square, 99.9 %
+  }
+  EXPECT_NEAR(bearings, static_cast<double>(usable.size()) / 2, 1);
+  EXPECT_GT(right, 0.75 * bearings) << "the others show other landmarks, or none";
+  const auto matches = scene.match(usable);
+  const auto of_bearings = std::count_if(matches.begin(), matches.end(), [&](const LandmarkMatch& m) {
+    return usable[static_cast<std::size_t>(m.point)].is_bearing();
+  });
+  EXPECT_GT(of_bearings, 0.6 * bearings);
+  EXPECT_LE(static_cast<int>(matches.size()) - scene.right(usable, matches), 2);
+}
+
+// The larger the map, the more strangers look alike; places keep them apart.
+TEST(Association, GatesKeepTheRatioTestMeaningful) {
+  WorldSettings world;
+  world.landmarks = 12'000;
+  Scene scene(5, world);
+  Random random(5);
+  std::vector<std::array<double, 64>> kinds,
+      own;  // of things; a landmark differs little from others of its kind
+  for (int i = 0; i < 600; ++i) kinds.push_back(synthetic::random_descriptor(random));
+  scene.index = LandmarkIndex();
+  for (std::size_t i = 0; i < scene.points.size(); ++i) {
+    own.push_back(synthetic::random_descriptor(random));
+    for (std::size_t k = 0; k < 64; ++k) own[i][k] = 0.998 * kinds[i % kinds.size()][k] + 0.06 * own[i][k];
+    Feature f;
+    f.descriptor = synthetic::noisy_bytes(own[i], 0, random);
+    f.laplacian = scene.points[i].laplacian;
+    scene.index.add(f, scene.settings);
+  }
+  for (std::size_t i = 0; i < scene.truth.size(); ++i)
+    if (scene.truth[i] >= 0)
+      scene.frame.features[i].descriptor =
+          synthetic::noisy_bytes(own[static_cast<std::size_t>(scene.truth[i])], 0.15, random);
   const auto usable = usable_features(scene.frame, scene.settings);
   const auto visible =
       visible_landmarks(scene.map, scene.index, scene.T_world_robot, scene.frame, scene.settings);
-  const auto matches = match_visible(scene.frame, usable, visible, scene.index, 96, scene.settings);
+  LandmarkMatcher matcher;
+  matcher.begin(scene.frame, usable);
+  const auto everywhere = matcher.everywhere(scene.map, scene.index, scene.settings);
+  const auto among = matcher.among(visible, scene.map, scene.index, scene.settings);
+  Matrix6d Q = Matrix6d::Zero();
+  Q.diagonal().head<3>().setConstant(1e-5);
+  Q.diagonal().tail<3>().setConstant(1e-5);
+  const auto guided = matcher.guided(visible, scene.map, scene.index, scene.T_world_robot, Q, scene.settings);
+  EXPECT_TRUE(matcher.supported());
+  RecordProperty("right_everywhere", scene.right(usable, everywhere));
+  RecordProperty("right_among", scene.right(usable, among));
+  RecordProperty("right_guided", scene.right(usable, guided));
+  EXPECT_GT(scene.right(usable, among), scene.right(usable, everywhere));
+  EXPECT_GT(scene.right(usable, guided), 1.5 * scene.right(usable, among));
+  EXPECT_LT(static_cast<int>(guided.size()) - scene.right(usable, guided),
+            0.02 * static_cast<double>(guided.size()) + 2);
+}
+
+TEST(Association, SelectionIsSpreadAndKeepsTheBestKnown) {
+  Scene scene(2);
+  const auto usable = usable_features(scene.frame, scene.settings);
+  const auto matches = scene.match(usable);
   ASSERT_GT(matches.size(), 30u);
   scene.settings.maximum_observations = 20;
   const auto selected = select_informative(matches, scene.frame, usable, scene.map, scene.settings);

@@ -7,6 +7,8 @@
 #include <iostream>
 #include <limits>
 #include <map>
+#include <memory>
+#include <opencv2/core/utility.hpp>
 #include <set>
 #include <string>
 
@@ -146,6 +148,30 @@ TEST(FastSlam, SameSeedSameBytesOtherSeedOtherBytes) {
   EXPECT_FALSE(same_bytes(a, c));
 }
 
+// Every observation counts, and there are enough particles, so that threads share the work.
+TEST(FastSlam, ThreadsDoNotMatter) {
+  const Drive drive = make_drive(short_world(60), 5);
+  const int before = cv::getNumThreads();
+  FastSlamSettings settings;
+  settings.particles = 150;
+  std::vector<std::unique_ptr<FastSlam>> slams;
+  for (const int threads : {1, 2, 4}) {
+    cv::setNumThreads(threads);
+    FastSlam& slam = *slams.emplace_back(std::make_unique<FastSlam>(settings));
+    Drive shuffled = drive;
+    Random random(static_cast<std::uint64_t>(threads));
+    for (auto& step : shuffled.steps) {
+      auto& features = step.frame.features;
+      for (std::size_t i = features.size(); i > 1; --i) std::swap(features[i - 1], features[random.below(i)]);
+      slam.step(step.motion, step.frame);
+    }
+  }
+  cv::setNumThreads(before);
+  ASSERT_GT(slams[0]->landmarks().size(), 100u);
+  EXPECT_TRUE(same_bytes(*slams[0], *slams[1]));
+  EXPECT_TRUE(same_bytes(*slams[0], *slams[2]));
+}
+
 TEST(FastSlam, OrderOfFeaturesDoesNotMatter) {
   for (const bool thesis : {false, true}) {
     const FastSlamSettings settings = thesis ? thesis_preset() : FastSlamSettings();
@@ -266,6 +292,100 @@ TEST(FastSlam, LostRobotIsFoundBack) {
   EXPECT_LT(error, 0.06);
 }
 
+// The depth camera goes blind; pixels of mapped landmarks keep the pose.
+TEST(FastSlam, BearingsCarryThroughBlindDepth) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    WorldSettings world = short_world(330);  // a lap and a half
+    world.slips = false;
+    Drive drive = make_drive(world, seed);
+    double error[2] = {0, 0};
+    for (const bool bearings : {false, true}) {
+      FastSlamSettings settings;
+      settings.use_bearings = bearings;
+      FastSlam slam(settings);
+      const std::size_t blind = 260;
+      int created = 0;
+      for (std::size_t i = 0; i < drive.steps.size(); ++i) {
+        FeatureFrame frame = drive.steps[i].frame;
+        if (i >= blind)
+          for (Feature& f : frame.features) {
+            f.kind = MeasurementKind::bearing;
+            f.point.setConstant(std::numeric_limits<float>::quiet_NaN());
+            f.depth_sigma = std::numeric_limits<float>::quiet_NaN();
+          }
+        Motion motion = drive.steps[i].motion;
+        if (i >= blind) {  // wheels that drift, and say so
+          motion.T_from_to = motion.T_from_to * planar_pose(0.002, 0.001, 0.003);
+          motion.covariance = 1e-5 * Matrix6d::Identity();
+        }
+        const StepResult r = slam.step(motion, frame);
+        if (i < blind) continue;
+        created += r.created;
+        EXPECT_EQ(r.offered, 0);
+        if (bearings) {
+          EXPECT_GT(r.used, 5) << i;
+        }
+        error[bearings] =
+            std::max(error[bearings],
+                     (r.T_world_robot.translation() - drive.steps[i].T_start_robot.translation()).norm());
+      }
+      EXPECT_EQ(created, 0);
+    }
+    EXPECT_LT(error[1], 0.5 * error[0]);
+    EXPECT_LT(error[1], 0.06);
+  }
+}
+
+// One side of the room, then, after a blind turn that the odometry tells wrongly by half a metre and 17
+// degrees, the other side, which is mapped at a wrong place; then back over what lies between.
+TEST(FastSlam, PlaceRecognitionClosesALoop) {
+  WorldSettings world;
+  world.landmarks = 2500;
+  int closed = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed)
+    for (const bool close_loops : {true, false}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + (close_loops ? "" : " without"));
+      Random random(seed);
+      const auto points = synthetic::make_points(world, random);
+      FastSlamSettings settings;
+      settings.close_loops = close_loops;
+      FastSlam slam(settings);
+      std::vector<int> truth;
+      Eigen::Isometry3d T_before = planar_pose(0, 0, 0);
+      const Eigen::Isometry3d T_start = T_before;
+      StepResult r;
+      int jumps = 0;
+      const auto go = [&](double heading, const Eigen::Isometry3d& error, bool blind) {
+        const Eigen::Isometry3d T = planar_pose(0, 0, heading);
+        Motion motion;
+        motion.T_from_to = T_before.inverse() * T * error;
+        motion.covariance = 1e-6 * Matrix6d::Identity();
+        FeatureFrame frame = synthetic::see(world, points, T, random, truth);
+        if (blind) frame.features.clear();
+        r = slam.step(motion, frame);
+        jumps += r.status == TrackStatus::relocalised;
+        T_before = T;
+        return ((T_start.inverse() * T).inverse() * r.T_world_robot).translation().norm();
+      };
+      const Eigen::Isometry3d honest = Eigen::Isometry3d::Identity();
+      double heading = 0;
+      for (; heading < 0.5; heading += 0.03) EXPECT_LT(go(heading, honest, false), 0.05);
+      for (heading = 3; heading < 3.3; heading += 0.03)
+        go(heading, heading == 3 ? planar_pose(0.4, 0.3, 0.3) : honest, heading == 3);
+      double error = 0;
+      for (; heading < 2 * M_PI + 0.4; heading += 0.03) error = go(heading, honest, false);
+      if (close_loops) {
+        EXPECT_LT(error, 0.05);
+        EXPECT_GE(jumps, 1);
+        closed += jumps;
+      } else {
+        EXPECT_GT(error, 0.2) << "nothing to close";
+      }
+    }
+  EXPECT_LE(closed, 6) << "a loop is closed once";
+}
+
 TEST(FastSlam, LandmarksOfARemovedObjectDie) {
   Drive drive = make_drive(short_world(1), 9);
   WorldSettings world;
@@ -375,6 +495,33 @@ TEST(FastSlam, LandmarksByIdAreThoseOfAKdTreeInEachParticle) {
       }
   }
   EXPECT_GT(compared, 2000);
+}
+
+// Particles share what they inherited: landmarks that were not seen for a while are the same memory in most.
+TEST(FastSlam, ParticlesShareTheirMaps) {
+  FastSlamSettings settings;
+  settings.resample_fraction = 1;
+  FastSlam slam(settings);
+  for (const auto& step : make_drive(short_world(200), 12).steps) slam.step(step.motion, step.frame);
+  std::set<const void*> nodes;
+  std::size_t shared = 0, one = 0;
+  for (const Particle& particle : slam.particles())
+    particle.map.for_each_node([&](const void* node, std::size_t bytes) {
+      if (nodes.insert(node).second) shared += bytes;
+    });
+  slam.particles()[0].map.for_each_node([&](const void*, std::size_t bytes) { one += bytes; });
+  EXPECT_LT(shared, 60 * one) << "of 100 maps of " << one << " bytes";
+  int old = 0, copies = 0;
+  for (int slot = 0; slot < slam.index().slots(); ++slot) {
+    if (!slam.index().alive(slot) || slam.index().unseen_steps(slot) < 100) continue;
+    std::set<const void*> places;
+    for (const Particle& particle : slam.particles())
+      places.insert(particle.map.find(static_cast<std::size_t>(slot)));
+    copies += static_cast<int>(places.size());
+    ++old;
+  }
+  ASSERT_GT(old, 50);
+  EXPECT_LT(copies, 40 * old) << "of 100";
 }
 
 TEST(Publication, ChangesAddUpToTheMap) {

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
+#include <stdexcept>
 
 #include "fastslam/landmark_filter.hpp"
 #include "fastslam/proposal.hpp"
@@ -131,6 +132,91 @@ TEST(MeasurementModel, DensityIsThatOfTheMeasuredComponents) {
   const Innovation innovation = innovate(landmark, z, T);
   EXPECT_NEAR(innovation.distance2, v.dot(S.inverse() * v), 1e-9);
   EXPECT_NEAR(std::exp(innovation.log_peak), 1 / (2 * M_PI * std::sqrt(S.determinant())), 1e-6);
+}
+
+Measurement bearing_of(const Eigen::Vector3d& p, const Eigen::Isometry3d& T_robot_camera, double sigma) {
+  Measurement z;
+  z.kind = MeasurementKind::bearing;
+  z.T_robot_camera = &T_robot_camera;
+  z.value = BearingModel{&T_robot_camera}.predict(p);
+  z.covariance.diagonal() << sigma * sigma, sigma * sigma, 1;
+  return z;
+}
+
+TEST(BearingModel, JacobianIsNumeric) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    const Eigen::Isometry3d T_robot_camera = random_pose(random) * optical_axes();
+    const BearingModel model{&T_robot_camera};
+    const Eigen::Vector3d q(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.5, 4));
+    const Eigen::Vector3d p = T_robot_camera * q;
+    EXPECT_TRUE(model.predict(p).isApprox(Eigen::Vector3d(q.x() / q.z(), q.y() / q.z(), 0), 1e-9));
+    Eigen::Matrix3d G;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d step = 1e-6 * Eigen::Vector3d::Unit(i);
+      G.col(i) = (model.predict(p + step) - model.predict(p - step)) / 2e-6;
+    }
+    EXPECT_LT((model.jacobian(p) - G).norm(), 1e-6 * (1 + G.norm())) << "seed " << seed;
+  }
+}
+
+// A landmark that two bearings see from the sides becomes sharp in all directions; along one ray nothing is
+// learned.
+TEST(BearingModel, SharpensAcrossTheRayAlone) {
+  const Eigen::Isometry3d T_robot_camera = optical_axes();
+  const Eigen::Vector3d truth(3, 0.2, 0.1);
+  LandmarkGaussian landmark{truth + Eigen::Vector3d(0.05, -0.04, 0.03), 0.01 * Eigen::Matrix3d::Identity()};
+  const Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  Measurement z = bearing_of(T.inverse() * truth, T_robot_camera, 1e-3);
+  landmark = update_landmark(landmark, innovate(landmark, z, T), z, T, 0);
+  const Eigen::Vector3d ray = truth.normalized();
+  EXPECT_NEAR(ray.dot(landmark.covariance * ray), 0.01, 2e-4);
+  EXPECT_LT(landmark.covariance.trace(), 0.0101);
+  EXPECT_LT((landmark.mean - truth - ray * ray.dot(landmark.mean - truth)).norm(), 2e-3);
+
+  const Eigen::Isometry3d T_side = planar_pose(3, -3, M_PI / 2);
+  z = bearing_of(T_side.inverse() * truth, T_robot_camera, 1e-3);
+  landmark = update_landmark(landmark, innovate(landmark, z, T_side), z, T_side, 0);
+  EXPECT_LT((landmark.mean - truth).norm(), 0.01);
+  EXPECT_LT(landmark.covariance.trace(), 5e-5);
+  EXPECT_EQ(landmark.covariance, landmark.covariance.transpose().eval());
+}
+
+TEST(BearingModel, BehindTheCameraNothingFits) {
+  const Eigen::Isometry3d T_robot_camera = optical_axes(), T = Eigen::Isometry3d::Identity();
+  const Measurement z = bearing_of({3, 0.1, 0}, T_robot_camera, 1e-3);
+  const LandmarkGaussian behind{{-3, -0.1, 0}, 1e-4 * Eigen::Matrix3d::Identity()};
+  EXPECT_GT(innovate(behind, z, T).distance2, 11);
+  EXPECT_TRUE(std::isfinite(innovate(behind, z, T).distance2));
+  EXPECT_THROW(make_landmark(z, T), std::invalid_argument);
+}
+
+// The 2.0 proposal from bearings alone: pose and covariance of the linearised problem.
+TEST(BearingModel, ProposalUsesIt) {
+  FastSlamSettings settings;
+  settings.planar = false;
+  settings.proposal_iterations = 5;
+  settings.huber_width = 1e6;
+  const Eigen::Isometry3d T_robot_camera = Eigen::Translation3d(0.1, 0, 1) * optical_axes();
+  Random random(3);
+  const Eigen::Isometry3d T = random_pose(random);
+  std::vector<ObservedLandmark> seen;
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector3d q(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 4));
+    const Eigen::Vector3d p = T_robot_camera * q;
+    seen.push_back({bearing_of(p, T_robot_camera, 1e-3), {T * p, 1e-10 * Eigen::Matrix3d::Identity()}});
+  }
+  Vector6d off;
+  off << 0.02, -0.01, 0.03, 0.01, -0.02, 0.01;
+  const Matrix6d Q = 0.01 * Matrix6d::Identity();
+  const PoseGaussian posterior = measurement_posterior(settings, Q, T * se3_exp(off), seen);
+  EXPECT_LT(se3_log(T.inverse() * posterior.T_world_robot).norm(), 1e-3);
+  Matrix6d information = Q.inverse();
+  for (const auto& o : seen) {
+    const auto J = residual_jacobian<6>(o.measurement, predict_measurement(o.landmark.mean, T));
+    information += J.transpose() * o.measurement.covariance.inverse() * J;
+  }
+  EXPECT_TRUE(posterior.covariance.isApprox(information.inverse(), 0.02));
 }
 
 // Any number of planar offsets from any poses: the information form in one go gives the same.

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <thread>
 #include <vector>
 
 #include "fastslam/persistent_array.hpp"
@@ -87,6 +88,51 @@ TEST(PersistentArray, CopiesShareWhatIsEqual) {
   EXPECT_EQ(*a.find(500), 2);
   EXPECT_EQ(*b.find(500), 3);
   EXPECT_EQ(a.find(900), b.find(900)) << "the rest stays shared";
+}
+
+// Arrays that share their nodes, each changed by one thread: run under TSan or ASan this also finds races.
+TEST(PersistentArray, ThreadsMayChangeCopies) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Array original;
+    for (std::size_t i = 0; i < 2000; ++i) original.edit(i) = static_cast<int>(i);
+    std::vector<Array> copies(8, original);
+    original = Array();  // so that the last of two owners may keep a node
+    std::vector<std::thread> threads;
+    for (std::size_t t = 0; t < copies.size(); ++t)
+      threads.emplace_back([&, t] {
+        Random random(seed, t);
+        for (int n = 0; n < 3000; ++n) {
+          const auto i = static_cast<std::size_t>(random.below(2000));
+          copies[t].edit(i) = static_cast<int>(i + 10'000 * (t + 1));
+        }
+      });
+    for (std::thread& thread : threads) thread.join();
+    for (std::size_t t = 0; t < copies.size(); ++t) {
+      Random random(seed, t);
+      std::set<std::size_t> written;
+      for (int n = 0; n < 3000; ++n) written.insert(static_cast<std::size_t>(random.below(2000)));
+      for (std::size_t i = 0; i < 2000; ++i)
+        ASSERT_EQ(*copies[t].find(i), static_cast<int>(i + (written.count(i) ? 10'000 * (t + 1) : 0)))
+            << "seed " << seed << " copy " << t;
+    }
+  }
+}
+
+TEST(PersistentArray, NodesTellWhatIsShared) {
+  Array a;
+  for (std::size_t i = 0; i < 1000; ++i) a.edit(i) = 1;
+  Array b = a;
+  b.edit(500) = 2;
+  std::set<const void*> nodes;
+  std::size_t count = 0;
+  for (const Array* array : {&a, &b})
+    array->for_each_node([&](const void* node, std::size_t bytes) {
+      EXPECT_GT(bytes, 8 * sizeof(int));
+      nodes.insert(node);
+      ++count;
+    });
+  EXPECT_EQ(count, 2 * (125u + 8u + 1u)) << "leaves, their parents, the root";
+  EXPECT_EQ(nodes.size(), count / 2 + 3) << "one path of its own";
 }
 
 TEST(PersistentArray, EmptyHasNothing) {

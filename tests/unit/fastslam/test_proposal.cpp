@@ -6,6 +6,7 @@
 #include "fastslam/motion_model.hpp"
 #include "fastslam/pose_space.hpp"
 #include "fastslam/proposal.hpp"
+#include "fastslam/symmetric.hpp"
 
 namespace lcmslam {
 namespace {
@@ -51,6 +52,31 @@ void check_jacobian() {
       EXPECT_LT(((plus - minus) / 2e-6 - J.col(i)).norm(), 1e-8) << "seed " << seed << " column " << i;
     }
   }
+}
+
+template <int D>
+void check_normal_matrix() {
+  using Space = PoseSpace<D>;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    Eigen::Matrix3d A;
+    for (int i = 0; i < 9; ++i) A(i) = random.normal();
+    const Eigen::Matrix3d W = A * A.transpose();
+    const Eigen::Vector3d h(random.normal(), random.normal(), random.normal()), g = A.col(1);
+    const auto J = Space::residual_jacobian(h);
+    EXPECT_TRUE(Space::normal_matrix(W, h).isApprox(J.transpose() * W * J, 1e-12)) << "seed " << seed;
+    EXPECT_TRUE(Space::wrench(g, h).isApprox(J.transpose() * g, 1e-12)) << "seed " << seed;
+    EXPECT_TRUE(sandwiched(A, W).isApprox(A * W * A.transpose(), 1e-12)) << "seed " << seed;
+    const SymmetricInverse inverse = invert_symmetric(W);
+    EXPECT_TRUE(inverse.inverse.isApprox(W.inverse(), 1e-6)) << "seed " << seed;
+    EXPECT_NEAR(inverse.determinant, W.determinant(), 1e-9 * W.norm() * W.norm() * W.norm());
+    EXPECT_EQ(inverse.inverse, inverse.inverse.transpose().eval());
+  }
+}
+
+TEST(Proposal, NormalMatrixIsWrittenOutRightly) {
+  check_normal_matrix<3>();
+  check_normal_matrix<6>();
 }
 
 TEST(Proposal, ResidualJacobiansAreNumericDerivatives) {

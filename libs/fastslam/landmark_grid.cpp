@@ -1,0 +1,50 @@
+#include "fastslam/landmark_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lcmslam {
+
+void LandmarkGrid::follow(const ParticleMap& map, const LandmarkIndex& index) {
+  places_.resize(std::max(places_.size(), static_cast<std::size_t>(index.slots())));
+  ParticleMap::for_each_difference(
+      followed_, map, [&](std::size_t slot, const LandmarkGaussian*, const LandmarkGaussian& now) {
+        if (slot >= places_.size()) return;
+        const int number = static_cast<int>(slot);
+        if (number < index.slots() && index.alive(number) && index.record(number).known_id < 0)
+          put(slot, now.mean);
+        else
+          remove(slot);
+      });
+  followed_ = map;
+}
+
+LandmarkGrid::Key LandmarkGrid::key_of(const Eigen::Vector3d& mean) {
+  const auto digit = [](double x) { return static_cast<int>(std::floor(std::clamp(x / kCell, -1e6, 1e6))); };
+  return {digit(mean.x()), digit(mean.y()), digit(mean.z())};
+}
+
+void LandmarkGrid::remove(std::size_t slot) {
+  Place& place = places_[slot];
+  if (!place.cell) return;
+  Entry& gap = (*place.cell)[place.position];
+  gap = place.cell->back();
+  places_[static_cast<std::size_t>(gap.slot)].position = place.position;
+  place.cell->pop_back();
+  place = {};
+}
+
+void LandmarkGrid::put(std::size_t slot, const Eigen::Vector3d& mean) {
+  const Place& place = places_[slot];
+  if (place.cell && (*place.cell)[place.position].mean == mean) return;
+  std::vector<Entry>& cell = cells_[key_of(mean)];
+  if (places_[slot].cell == &cell) {
+    cell[places_[slot].position].mean = mean;
+    return;
+  }
+  remove(slot);
+  places_[slot] = {&cell, cell.size()};
+  cell.push_back({static_cast<int>(slot), mean});
+}
+
+}  // namespace lcmslam

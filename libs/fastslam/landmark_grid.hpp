@@ -1,0 +1,54 @@
+#pragma once
+// Where the landmarks of one map stand, by cells of 2 m: what is near the camera is found without looking at
+// the rest, so that a step's cost does not grow with the building. It follows the best particle's map from
+// step to step at the cost of what changed.
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "fastslam/landmark_filter.hpp"
+#include "fastslam/landmark_index.hpp"
+
+namespace lcmslam {
+
+class LandmarkGrid {
+ public:
+  struct Entry {
+    int slot;
+    Eigen::Vector3d mean;  ///< m, world
+  };
+
+  /// Takes over what differs from the map of the last call. Landmarks of known identity are left out.
+  void follow(const ParticleMap& map, const LandmarkIndex& index);
+
+  /// Calls visit(entry) for all in cells that touch the sphere, cell by cell: always in the same order after
+  /// the same calls of follow(). Some may have died since, or lie outside.
+  template <class Visit>
+  void for_each_near(const Eigen::Vector3d& centre, double radius, Visit visit) const {
+    const double reach = radius + 0.5 * std::sqrt(3.) * kCell;
+    for (const auto& [key, entries] : cells_) {
+      const Eigen::Vector3d middle = kCell * Eigen::Vector3d(key[0] + 0.5, key[1] + 0.5, key[2] + 0.5);
+      if ((middle - centre).squaredNorm() > reach * reach) continue;
+      for (const Entry& entry : entries) visit(entry);
+    }
+  }
+
+ private:
+  static constexpr double kCell = 2;  // m
+  using Key = std::array<int, 3>;
+  struct Place {
+    std::vector<Entry>* cell = nullptr;  // null: nowhere
+    std::size_t position = 0;
+  };
+
+  static Key key_of(const Eigen::Vector3d& mean);
+  void remove(std::size_t slot);
+  void put(std::size_t slot, const Eigen::Vector3d& mean);
+
+  std::map<Key, std::vector<Entry>> cells_;  // ordered: the same results on every machine
+  std::vector<Place> places_;                // by slot
+  ParticleMap followed_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,123 @@
+#include "study/resampling_study.hpp"
+
+#include <algorithm>
+#include <array>
+#include <lcmslam/particles_t.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "batch/batch_run.hpp"
+#include "evaluate/pose_log.hpp"
+#include "evaluation/table.hpp"
+#include "evaluation/trajectory_error.hpp"
+#include "log/log_reader.hpp"
+#include "messages/decode.hpp"
+#include "runtime/options.hpp"
+#include "study/measures.hpp"
+
+namespace lcmslam {
+namespace {
+
+std::filesystem::path run(const ResamplingStudySettings& settings, const std::filesystem::path& log,
+                          const std::filesystem::path& folder, const std::vector<std::string>& more) {
+  std::vector<std::string> overrides = settings.overrides;
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  BatchOptions options;
+  options.config = load_config(settings.config, overrides);
+  options.log = log;
+  options.folder = folder;
+  return run_batch(options).output;
+}
+
+bool has_features(const std::filesystem::path& log) {
+  LogReader reader(log.string());
+  while (const auto event = reader.next_view())
+    if (event->channel == "FEATURES") return true;
+  return false;
+}
+
+void count_particles(const std::filesystem::path& log, ResamplingScore& score) {
+  LogReader reader(log.string());
+  int messages = 0;
+  while (const auto event = reader.next_view()) {
+    if (event->channel != "FASTSLAM_PARTICLES") continue;
+    const auto m = decode_message<particles_t>(event->data, event->size);
+    std::set<std::array<float, 7>> distinct;
+    for (const particle_t& p : m.particles)
+      distinct.insert({p.trans[0], p.trans[1], p.trans[2], p.quat[0], p.quat[1], p.quat[2], p.quat[3]});
+    score.distinct += static_cast<double>(distinct.size());
+    score.effective_sample_size += static_cast<double>(m.effective_sample_size);
+    ++messages;
+  }
+  score.distinct /= std::max(1, messages);
+  score.effective_sample_size /= std::max(1, messages);
+}
+
+}  // namespace
+
+std::vector<ResamplingScore> study_resampling(const ResamplingStudySettings& settings,
+                                              const std::filesystem::path& folder) {
+  const Trajectory truth =
+      read_pose_log(settings.log.string()).channel("GROUND_TRUTH", settings.log.string()).trajectory;
+  const std::filesystem::path features =
+      has_features(settings.log)
+          ? settings.log
+          : run(settings, settings.log, folder / "features", {"launch.processes=[surf, odometry]"});
+  EvaluationSettings evaluation;
+  evaluation.association = Association::interpolate_truth;
+  std::vector<ResamplingScore> scores;
+  for (const char* preset : {"thesis", "modern"})
+    for (const char* scheme : {"multinomial", "systematic", "stratified", "residual"})
+      for (const int seed : settings.seeds) {
+        ResamplingScore score;
+        score.preset = preset;
+        score.scheme = scheme;
+        score.seed = seed;
+        const auto result =
+            run(settings, features, folder / "run",
+                {"launch.processes=[fastslam]", std::string("fastslam.preset=") + preset,
+                 std::string("fastslam.resampling=") + scheme, "fastslam.seed=" + std::to_string(seed)});
+        const PoseLog poses = read_pose_log(result.string());
+        score.ate = evaluate(truth, poses.channel("FASTSLAM_POSE", result.string()).trajectory, evaluation)
+                        .absolute.translation.rmse;
+        count_particles(result, score);
+        scores.push_back(score);
+      }
+  return scores;
+}
+
+std::string resampling_table(const std::vector<ResamplingScore>& scores) {
+  Table table({"preset", "scheme", "seeds", "ATE median m", "worst m", "distinct particles", "ESS"});
+  for (std::size_t begin = 0; begin < scores.size();) {
+    std::size_t end = begin;
+    std::vector<double> ate;
+    double distinct = 0, sample_size = 0;
+    for (; end < scores.size() && scores[end].preset == scores[begin].preset &&
+           scores[end].scheme == scores[begin].scheme;
+         ++end) {
+      ate.push_back(scores[end].ate);
+      distinct += scores[end].distinct;
+      sample_size += scores[end].effective_sample_size;
+    }
+    const auto n = static_cast<double>(end - begin);
+    table.add({scores[begin].preset, scores[begin].scheme, std::to_string(end - begin),
+               fixed_number(median(ate), 4), fixed_number(*std::max_element(ate.begin(), ate.end()), 4),
+               fixed_number(distinct / n, 1), fixed_number(sample_size / n, 1)});
+    begin = end;
+  }
+  return table.text();
+}
+
+nlohmann::json resampling_json(const std::vector<ResamplingScore>& scores) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const ResamplingScore& s : scores)
+    rows.push_back({{"preset", s.preset},
+                    {"scheme", s.scheme},
+                    {"seed", s.seed},
+                    {"ate_m", s.ate},
+                    {"distinct_particles", s.distinct},
+                    {"effective_sample_size", s.effective_sample_size}});
+  return {{"runs", rows}};
+}
+
+}  // namespace lcmslam
