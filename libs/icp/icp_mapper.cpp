@@ -97,9 +97,9 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
     step.T_world_anchor = anchor->T_target_source;
     prior = fused(prior, *anchor);
   }
-  const Attempt best =
-      thesis_ ? thesis_attempt(frame, prior.T_target_source)
-              : try_starts(reduced, starts(prior, motion, anchor, features, T_robot_camera), prior, T_robot_camera);
+  const Attempt best = thesis_ ? thesis_attempt(frame, prior.T_target_source)
+                               : try_starts(reduced, starts(prior, motion, anchor, features, T_robot_camera),
+                                            prior, T_robot_camera);
   step.registration = best.registration;
   step.status = best.status;
   step.quality = best.quality;

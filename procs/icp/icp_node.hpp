@@ -65,11 +65,11 @@ class IcpNode : public Node {
   std::optional<RgbdCalibration> calibration_;
   std::optional<DepthRegistration> registration_;
   mutable std::optional<DepthFilter> filter_;  // its buffers
-  std::optional<images_t> uncalibrated_;      // the newest message that came before the calibration
-  double readout_;                            // s from an image's first row to its last, of
-  std::vector<std::string> rolling_sensors_;  // these; their names are the calibrations'
-  double rolling_shutter_ = 0;                // s, of the sensor at work
-  DepthClock depth_clock_;                    // what the calibration leaves
+  std::optional<images_t> uncalibrated_;       // the newest message that came before the calibration
+  double readout_;                             // s from an image's first row to its last, of
+  std::vector<std::string> rolling_sensors_;   // these; their names are the calibrations'
+  double rolling_shutter_ = 0;                 // s, of the sensor at work
+  DepthClock depth_clock_;                     // what the calibration leaves
   std::optional<IcpMapper> mapper_;
   Utime last_utime_ = 0;
   std::deque<keyframe_t> tiles_;  // wait for their turn: bursts overrun receive buffers
