@@ -14,6 +14,10 @@ namespace lcmslam {
 
 class LandmarkGrid {
  public:
+  LandmarkGrid() = default;
+  LandmarkGrid(const LandmarkGrid&) = delete;  // places point into cells
+  LandmarkGrid& operator=(const LandmarkGrid&) = delete;
+
   struct Entry {
     int slot;
     Eigen::Vector3d mean;  ///< m, world

@@ -86,4 +86,10 @@ inline Eigen::Isometry3d restrict_pose(const Eigen::Isometry3d& T, bool planar) 
   return planar ? planar_pose(T.translation().x(), T.translation().y(), yaw(T)) : T;
 }
 
+/// The same pose with an exact rotation: products of many drift off the group.
+inline Eigen::Isometry3d renormalised(Eigen::Isometry3d T, bool planar) {
+  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  return restrict_pose(T, planar);
+}
+
 }  // namespace lcmslam

@@ -77,6 +77,14 @@ double rotation_angle(const Eigen::Isometry3d& transform) {
   return so3_log(transform.linear()).norm();
 }
 
+double distance_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return rotation_angle(a.inverse() * b);
+}
+
 double yaw(const Eigen::Isometry3d& T_world_robot) {
   return std::atan2(T_world_robot(1, 0), T_world_robot(0, 0));
 }

@@ -36,6 +36,10 @@ Eigen::Isometry3d interpolate(const Eigen::Isometry3d& a, const Eigen::Isometry3
 /// Angle of the rotation in radians, 0..pi.
 double rotation_angle(const Eigen::Isometry3d& transform);
 
+/// Between two poses in one frame: m, and rad of the rotation from one to the other.
+double distance_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
+
 /// Heading (rotation about world z) in radians.
 double yaw(const Eigen::Isometry3d& T_world_robot);
 
