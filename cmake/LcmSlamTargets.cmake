@@ -16,6 +16,18 @@ if(LCMSLAM_FUZZ)
   target_compile_options(lcmslam_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+# lcmslam_precompile(TARGET HEADER...): other people's headers, read once for all files of the target. Files
+# still include what they use; the debug preset builds without.
+function(lcmslam_precompile target)
+  if(LCMSLAM_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+      # For ccache; and memory is there to do without the compiler's garbage collection, 7 % of its time.
+      target_compile_options(${target} PRIVATE -fpch-preprocess --param=ggc-min-heapsize=1000000)
+    endif()
+  endif()
+endfunction()
+
 # lcmslam_library(surf DEPENDS lcmslam_geometry opencv_core ... PRIVATE pcl_io ...)
 # makes lcmslam_surf from every .cpp of the current folder. PRIVATE: libraries that only its .cpp files
 # see (PCL's compile flags and headers are heavy).
@@ -44,8 +56,10 @@ function(lcmslam_test name)
     return()
   endif()
   add_executable(test_${name} ${sources})
-  target_link_libraries(test_${name} PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
+  target_link_libraries(test_${name} PRIVATE ${ARG_DEPENDS} Eigen3::Eigen GTest::gmock GTest::gtest_main)
   target_compile_definitions(test_${name} PRIVATE LCMSLAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # they are built more often than run
+  lcmslam_precompile(test_${name} <gmock/gmock.h> <Eigen/Dense>)
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
                        PROPERTIES TIMEOUT 300)
