@@ -173,8 +173,10 @@ std::vector<LandmarkMatch> LandmarkMatcher::guided(const std::vector<VisibleLand
   supported_ = false;
   if (sought_.features.empty() || sought_.width <= 0 || sought_.height <= 0) return {};
   points_.clear();
-  for (const VisibleLandmark& v : visible)
-    points_.push_back({v.slot, v.mean, map.find(static_cast<std::size_t>(v.slot))->covariance});
+  stored_.clear();
+  for (const VisibleLandmark& v : visible) stored_.push_back(map.prefetch(static_cast<std::size_t>(v.slot)));
+  for (std::size_t i = 0; i < visible.size(); ++i)
+    points_.push_back({visible[i].slot, visible[i].mean, stored_[i]->covariance()});
   PredictedPose pose;
   pose.T_world_camera = T_world_robot * sought_.T_robot_camera;
   pose.covariance = in_camera(covariance, sought_.T_robot_camera);
@@ -233,7 +235,7 @@ std::vector<LandmarkMatch> match_known(const std::vector<FeaturePoint>& points, 
   for (std::size_t p = 0; p < points.size(); ++p) {
     const int slot = index.find(points[p].landmark_id);
     if (slot < 0) continue;
-    const LandmarkGaussian& landmark = *map.find(static_cast<std::size_t>(slot));
+    const LandmarkGaussian landmark = *map.find(static_cast<std::size_t>(slot));
     candidates.push_back(
         {innovate(landmark, points[p].measurement, T_world_robot).distance2, {static_cast<int>(p), slot, 0}});
   }
@@ -263,7 +265,7 @@ std::vector<LandmarkMatch> select_informative(const std::vector<LandmarkMatch>& 
     const FeaturePoint& point = points[static_cast<std::size_t>(match.point)];
     const Feature& f = frame.features[static_cast<std::size_t>(point.feature)];
     // A bearing measures nothing along the ray: it comes after points that are as good across it.
-    const double variance = map.find(static_cast<std::size_t>(match.slot))->covariance.trace() +
+    const double variance = map.find(static_cast<std::size_t>(match.slot))->variance() +
                             (point.is_bearing() ? kBearingVariance : point.measurement.covariance.trace());
     cells[grid.cell(f.x, f.y)].push_back({variance, match});
   }

@@ -5,7 +5,6 @@
 
 #include <vector>
 
-#include "fastslam/landmark_filter.hpp"
 #include "fastslam/landmark_grid.hpp"
 #include "fastslam/landmark_index.hpp"
 #include "fastslam/settings.hpp"
@@ -57,6 +56,9 @@ struct LandmarkMatch {
 /// Matches features without a known identity, ordered by slot. Keeps its buffers; one a thread.
 class LandmarkMatcher {
  public:
+  /// `settings`: of everywhere().
+  explicit LandmarkMatcher(const SearchSettings& settings = {}) : search_(settings) {}
+
   /// Takes the features of a frame, but for those that are `matched` already.
   void begin(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
              const std::vector<LandmarkMatch>& matched = {});
@@ -83,6 +85,7 @@ class LandmarkMatcher {
   FeatureFrame sought_;        // the features at work
   std::vector<int> point_of_;  // their index in the usable features
   std::vector<MapPoint> points_;
+  std::vector<const CompactLandmark*> stored_;
   std::vector<int> slots_;
   GuidedMatcher guided_;
   DescriptorSearch search_;

@@ -27,15 +27,6 @@ void sort_by_slot(std::vector<LandmarkMatch>& matches) {
             [](const LandmarkMatch& a, const LandmarkMatch& b) { return a.slot < b.slot; });
 }
 
-void prefetch(const LandmarkGaussian* landmark) {
-#ifdef __GNUC__
-  for (std::size_t byte = 0; byte < sizeof *landmark; byte += 64)
-    __builtin_prefetch(reinterpret_cast<const char*>(landmark) + byte);
-#else
-  static_cast<void>(landmark);
-#endif
-}
-
 void widen(double factor, Measurement& measurement) {
   const int n = measurement.kind == MeasurementKind::point ? 3 : 2;
   measurement.covariance.topLeftCorner(n, n) *= factor;
@@ -142,14 +133,17 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
   std::vector<Verdict> verdicts(particles_.size());
   for_particles(observed.size(), [&](std::size_t begin, std::size_t end) {
     const auto proposal = make_proposal(settings_, association.prior.covariance);
-    std::vector<ObservedLandmark> scratch;
+    std::vector<ObservedLandmark> sights;  // the measurements are the same for all, the landmarks are not
+    for (const LandmarkMatch& match : observed)
+      sights.push_back({points[static_cast<std::size_t>(match.point)].measurement, {}});
+    std::vector<const CompactLandmark*> stored;
     for (std::size_t k = begin; k < end; ++k) {
       Particle& particle = particles_[k];
       const Eigen::Isometry3d T_prior =
           association.T_world_found ? *association.T_world_found
           : association.corrected   ? particle.T_world_robot * association.prior.T_from_to
                                     : particle.T_world_robot * calibration_.apply(particle.calibration);
-      verdicts[k] = move(particle, T_prior, *proposal, observed, points, streams_[k], scratch);
+      verdicts[k] = move(particle, T_prior, *proposal, observed, streams_[k], sights, stored);
       if (!association.corrected)
         calibration_.learn(se3_log(T_prior.inverse() * particle.T_world_robot), particle.calibration);
     }
@@ -236,16 +230,14 @@ void FastSlam::for_particles(std::size_t each, const Work& work) {
 
 FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_world_prior,
                                  const Proposal& proposal, const std::vector<LandmarkMatch>& observed,
-                                 const std::vector<FeaturePoint>& points, Random& random,
-                                 std::vector<ObservedLandmark>& scratch) const {
+                                 Random& random, std::vector<ObservedLandmark>& sights,
+                                 std::vector<const CompactLandmark*>& stored) const {
   // Each particle's landmarks lie somewhere else in memory: all are on their way before the first is used.
+  stored.clear();
   for (const LandmarkMatch& match : observed)
-    prefetch(particle.map.find(static_cast<std::size_t>(match.slot)));
-  scratch.clear();
-  for (const LandmarkMatch& match : observed)
-    scratch.push_back({points[static_cast<std::size_t>(match.point)].measurement,
-                       *particle.map.find(static_cast<std::size_t>(match.slot))});
-  const ProposedPose proposed = proposal.propose(T_world_prior, scratch, random);
+    stored.push_back(particle.map.prefetch(static_cast<std::size_t>(match.slot)));
+  for (std::size_t i = 0; i < observed.size(); ++i) sights[i].landmark = *stored[i];
+  const ProposedPose proposed = proposal.propose(T_world_prior, sights, random);
   particle.T_world_robot = renormalised(proposed.T_world_robot, settings_.planar);
   particle.log_weight += proposed.log_weight;
 
@@ -253,7 +245,7 @@ FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_
   Verdict verdict;
   verdict.accepted.resize(observed.size());
   for (std::size_t i = 0; i < observed.size(); ++i) {
-    const auto& [measurement, landmark] = scratch[i];
+    const auto& [measurement, landmark] = sights[i];
     const Innovation innovation = innovate(landmark, measurement, particle.T_world_robot);
     const bool accepted = innovation.distance2 <= gate2_;  // exp(-d^2/2) >= gate
     verdict.accepted[i] = accepted;
@@ -302,11 +294,12 @@ std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
 
 void FastSlam::estimate(const std::vector<double>& weights, StepResult& result) const {
   const Eigen::Isometry3d T_best = particles_[best()].T_world_robot;
+  const Eigen::Isometry3d T_best_world = T_best.inverse();
   std::vector<Vector6d> offsets(particles_.size());
   result.covariance.setZero();
   Vector6d mean = Vector6d::Zero();
   for (std::size_t k = 0; k < particles_.size(); ++k) {
-    offsets[k] = se3_log(T_best.inverse() * particles_[k].T_world_robot);
+    offsets[k] = se3_log(T_best_world * particles_[k].T_world_robot);
     mean += weights[k] * offsets[k];
   }
   if (settings_.estimate == PoseEstimate::best) mean.setZero();

@@ -120,8 +120,8 @@ class FastSlam {
   template <class Work>
   void for_particles(std::size_t each, const Work& work);
   Verdict move(Particle& particle, const Eigen::Isometry3d& T_world_prior, const Proposal& proposal,
-               const std::vector<LandmarkMatch>& observed, const std::vector<FeaturePoint>& points,
-               Random& random, std::vector<ObservedLandmark>& scratch) const;
+               const std::vector<LandmarkMatch>& observed, Random& random,
+               std::vector<ObservedLandmark>& sights, std::vector<const CompactLandmark*>& stored) const;
   void widen_for_correlation(const std::vector<LandmarkMatch>& observed, Utime utime,
                              std::vector<FeaturePoint>& points);
   void remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& measured,

@@ -66,7 +66,7 @@ std::vector<SmoothedPose> FastSlam::take_over(const std::optional<MapSmoothing>&
     const bool known = found != smoothing->landmarks.end();
     if (!known && index_.unseen_steps(slot) > settings_.tentative_steps) continue;
     for (Particle& particle : particles_) {
-      LandmarkGaussian& landmark = particle.map.edit(static_cast<std::size_t>(slot));
+      CompactLandmark& landmark = particle.map.edit(static_cast<std::size_t>(slot));
       landmark.mean = known ? found->second : smoothing->T_world_correction * landmark.mean;
     }
   }

@@ -10,6 +10,8 @@
 namespace lcmslam {
 namespace {
 
+// Of a place dozens of features must agree, so that a few lost neighbours do not matter.
+constexpr SearchSettings kPlaceSearch{0.03, 500};
 constexpr double kLargeTranslation = 0.1, kLargeRotation = 0.05;  // m, rad
 constexpr std::uint64_t kStream = 0x6173736f63;  // random stream of association, apart from particles'
 
@@ -104,7 +106,7 @@ void correct_motion(const Vector6d& correction, const Matrix6d& covariance, Moti
 }  // namespace
 
 FrameAssociator::FrameAssociator(const FastSlamSettings& settings)
-    : settings_(settings), random_(settings.seed, kStream) {}
+    : settings_(settings), random_(settings.seed, kStream), matcher_(kPlaceSearch) {}
 
 FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
                                             const std::vector<FeaturePoint>& points,

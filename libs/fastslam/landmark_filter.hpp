@@ -10,7 +10,6 @@
 #include <Eigen/Geometry>
 
 #include "fastslam/measurement_model.hpp"
-#include "fastslam/persistent_array.hpp"
 
 namespace lcmslam {
 
@@ -18,9 +17,6 @@ struct LandmarkGaussian {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();            ///< m, world
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2, world
 };
-
-/// A particle's landmarks by slot (see LandmarkIndex).
-using ParticleMap = PersistentArray<LandmarkGaussian>;
 
 /// What one measurement says about one landmark, seen from one pose.
 struct Innovation {

@@ -8,7 +8,7 @@ namespace lcmslam {
 void LandmarkGrid::follow(const ParticleMap& map, const LandmarkIndex& index) {
   places_.resize(std::max(places_.size(), static_cast<std::size_t>(index.slots())));
   ParticleMap::for_each_difference(
-      followed_, map, [&](std::size_t slot, const LandmarkGaussian*, const LandmarkGaussian& now) {
+      followed_, map, [&](std::size_t slot, const CompactLandmark*, const CompactLandmark& now) {
         if (slot >= places_.size()) return;
         const int number = static_cast<int>(slot);
         if (number < index.slots() && index.alive(number) && index.record(number).known_id < 0)
@@ -36,14 +36,14 @@ void LandmarkGrid::remove(std::size_t slot) {
 
 void LandmarkGrid::put(std::size_t slot, const Eigen::Vector3d& mean) {
   const Place& place = places_[slot];
-  if (place.cell && (*place.cell)[place.position].mean == mean) return;
-  std::vector<Entry>& cell = cells_[key_of(mean)];
-  if (places_[slot].cell == &cell) {
-    cell[places_[slot].position].mean = mean;
+  const Key key = key_of(mean);
+  if (place.cell && place.key == key) {  // as nearly always
+    (*place.cell)[place.position].mean = mean;
     return;
   }
   remove(slot);
-  places_[slot] = {&cell, cell.size()};
+  std::vector<Entry>& cell = cells_[key];
+  places_[slot] = {&cell, cell.size(), key};
   cell.push_back({static_cast<int>(slot), mean});
 }
 

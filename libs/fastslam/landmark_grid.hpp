@@ -7,8 +7,8 @@
 #include <map>
 #include <vector>
 
-#include "fastslam/landmark_filter.hpp"
 #include "fastslam/landmark_index.hpp"
+#include "fastslam/particle_map.hpp"
 
 namespace lcmslam {
 
@@ -17,6 +17,8 @@ class LandmarkGrid {
   LandmarkGrid() = default;
   LandmarkGrid(const LandmarkGrid&) = delete;  // places point into cells
   LandmarkGrid& operator=(const LandmarkGrid&) = delete;
+  LandmarkGrid(LandmarkGrid&&) = default;  // a map's elements stay where they are
+  LandmarkGrid& operator=(LandmarkGrid&&) = default;
 
   struct Entry {
     int slot;
@@ -44,6 +46,7 @@ class LandmarkGrid {
   struct Place {
     std::vector<Entry>* cell = nullptr;  // null: nowhere
     std::size_t position = 0;
+    Key key{};
   };
 
   static Key key_of(const Eigen::Vector3d& mean);

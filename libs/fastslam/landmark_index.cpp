@@ -44,8 +44,9 @@ void LandmarkIndex::observe(int slot, const Feature& feature, const FastSlamSett
   const double blend = settings.descriptor_blend;
   if (blend <= 0 || r.known_id >= 0 || feature.landmark_id >= 0) return;
   Descriptor d = search_.descriptor(slot);
+  const auto newest = static_cast<unsigned>(std::lround(256 * blend)), former = 256 - newest;
   for (std::size_t i = 0; i < d.size(); ++i)
-    d[i] = static_cast<std::uint8_t>(std::lround((1 - blend) * d[i] + blend * feature.descriptor[i]));
+    d[i] = static_cast<std::uint8_t>((former * d[i] + newest * feature.descriptor[i] + 128) / 256);
   search_.update(slot, d);
 }
 

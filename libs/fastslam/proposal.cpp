@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "fastslam/pose_space.hpp"
+#include "fastslam/small_cholesky.hpp"
 #include "fastslam/symmetric.hpp"
 
 namespace lcmslam {
@@ -50,15 +51,15 @@ class MeasurementProposal final : public Proposal {
   using Matrix = typename Space::Matrix;
 
   struct Posterior {
-    Vector mean;  // xi
-    Matrix information;
+    Vector mean;            // xi
+    SmallCholesky<D> root;  // of the information
   };
 
   MeasurementProposal(const FastSlamSettings& settings, const Matrix6d& Q)
       : iterations_(settings.proposal_iterations),
         huber_(settings.huber_width),
         prior_information_(Space::reduce(Q).llt().solve(Matrix::Identity())),
-        prior_log_root_(half_log_determinant(prior_information_)) {}
+        prior_log_root_(SmallCholesky<D>(prior_information_).half_log_determinant()) {}
 
   Posterior posterior(const Eigen::Isometry3d& T_prior,
                       const std::vector<ObservedLandmark>& observations) const {
@@ -69,14 +70,15 @@ class MeasurementProposal final : public Proposal {
                         innovation_covariance(observations[i].landmark, observations[i].measurement, T_prior))
                         .inverse;
 
-    Posterior result{Vector::Zero(), prior_information_};
+    Posterior result{Vector::Zero(), SmallCholesky<D>(prior_information_)};
     for (int iteration = 0; iteration < iterations_; ++iteration) {
-      const Eigen::Isometry3d T = T_prior * se3_exp(Space::expand(result.mean));
-      result.information = prior_information_;
+      const Eigen::Isometry3d T = iteration == 0 ? T_prior : T_prior * se3_exp(Space::expand(result.mean));
+      Matrix information = prior_information_;
       Vector gradient = prior_information_ * result.mean;
       for (std::size_t i = 0; i < observations.size(); ++i)
-        add(observations[i], weights_[i], T, result.information, gradient);
-      result.mean -= result.information.llt().solve(gradient);
+        add(observations[i], weights_[i], T, information, gradient);
+      result.root = SmallCholesky<D>(information);
+      result.mean -= result.root.solve(gradient);
     }
     return result;
   }
@@ -84,11 +86,10 @@ class MeasurementProposal final : public Proposal {
   ProposedPose propose(const Eigen::Isometry3d& T_prior, const std::vector<ObservedLandmark>& observations,
                        Random& random) const override {
     const Posterior q = posterior(T_prior, observations);
-    const Eigen::LLT<Matrix> root(q.information);
     const Vector normal = standard_normal<D>(random);
-    const Vector xi = q.mean + root.matrixU().solve(normal);
+    const Vector xi = q.mean + q.root.solve_upper(normal);
     const double log_prior = prior_log_root_ - 0.5 * xi.dot(prior_information_ * xi);
-    const double log_proposal = half_log_determinant(q.information) - 0.5 * normal.squaredNorm();
+    const double log_proposal = q.root.half_log_determinant() - 0.5 * normal.squaredNorm();
     return {T_prior * se3_exp(Space::expand(xi)), log_prior - log_proposal};
   }
 
@@ -103,18 +104,14 @@ class MeasurementProposal final : public Proposal {
       const double distance2 = residual.dot(weighted);
       const double robust = distance2 > huber_ * huber_ ? huber_ / std::sqrt(distance2) : 1;
       if constexpr (std::is_same_v<decltype(model), PointModel>) {
-        information += robust * Space::normal_matrix(S_inverse, p);
-        gradient += robust * Space::wrench(weighted, p);
+        information += Space::normal_matrix(robust * S_inverse, p);
+        gradient += Space::wrench(robust * weighted, p);
       } else {
         const Eigen::Matrix3d G = model.jacobian(p);
         information += robust * Space::normal_matrix(sandwiched(G.transpose(), S_inverse), p);
         gradient += robust * Space::wrench(G.transpose() * weighted, p);
       }
     });
-  }
-
-  static double half_log_determinant(const Matrix& symmetric) {
-    return lower_root<D>(symmetric).diagonal().array().log().sum();
   }
 
   int iterations_;
@@ -130,7 +127,8 @@ PoseGaussian posterior_of(const FastSlamSettings& settings, const Matrix6d& Q,
                           const std::vector<ObservedLandmark>& observations) {
   const auto q = MeasurementProposal<D>(settings, Q).posterior(T_prior, observations);
   using Matrix = typename PoseSpace<D>::Matrix;
-  const Matrix covariance = q.information.llt().solve(Matrix::Identity());
+  Matrix covariance;
+  for (int i = 0; i < D; ++i) covariance.col(i) = q.root.solve(Matrix::Identity().col(i));
   return {T_prior * se3_exp(PoseSpace<D>::expand(q.mean)), PoseSpace<D>::expand(covariance)};
 }
 

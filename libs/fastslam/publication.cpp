@@ -8,25 +8,26 @@ namespace lcmslam {
 
 Landmark make_public(int slot, const ParticleMap& map, const LandmarkIndex& index) {
   const LandmarkRecord& record = index.record(slot);
-  const LandmarkGaussian& gaussian = *map.find(static_cast<std::size_t>(slot));
+  const LandmarkGaussian gaussian = *map.find(static_cast<std::size_t>(slot));
   return {record.id,       gaussian.mean, gaussian.covariance, record.observations,
           record.log_odds, record.colour, record.laplacian,    index.descriptor(slot)};
 }
 
-bool LandmarkPublication::differs(const Sent& sent, const LandmarkGaussian& now) const {
-  const double before = sent.gaussian.covariance.trace();
-  return (sent.gaussian.mean - now.mean).norm() > tolerance_ ||
-         std::abs(now.covariance.trace() - before) > 0.5 * before;
+bool LandmarkPublication::differs(const Sent& sent, const CompactLandmark& now) const {
+  const double before = sent.landmark.variance();
+  return (sent.landmark.mean - now.mean).norm() > tolerance_ ||
+         std::abs(now.variance() - before) > 0.5 * before;
 }
 
 MapChanges LandmarkPublication::take(const ParticleMap& map, LandmarkIndex& index) {
   MapChanges changes;
   sent_.resize(static_cast<std::size_t>(index.slots()));
   std::vector<int> moved;
-  ParticleMap::for_each_difference(
-      compared_, map, [&](std::size_t slot, const LandmarkGaussian*, const LandmarkGaussian& now) {
-        if (slot < sent_.size() && differs(sent_[slot], now)) moved.push_back(static_cast<int>(slot));
-      });
+  ParticleMap::for_each_difference(compared_, map,
+                                   [&](std::size_t slot, const CompactLandmark*, const CompactLandmark& now) {
+                                     if (slot < sent_.size() && differs(sent_[slot], now))
+                                       moved.push_back(static_cast<int>(slot));
+                                   });
   compared_ = map;
   const std::vector<int> touched = index.take_touched();
   std::vector<int> candidates;

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "fastslam/landmark_filter.hpp"
 #include "fastslam/landmark_index.hpp"
+#include "fastslam/particle_map.hpp"
 
 namespace lcmslam {
 
@@ -42,9 +42,9 @@ class LandmarkPublication {
  private:
   struct Sent {
     std::int64_t id = -1;
-    LandmarkGaussian gaussian;
+    CompactLandmark landmark;
   };
-  bool differs(const Sent& sent, const LandmarkGaussian& now) const;
+  bool differs(const Sent& sent, const CompactLandmark& now) const;
 
   int minimum_observations_;
   double tolerance_;

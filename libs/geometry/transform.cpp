@@ -5,20 +5,33 @@
 namespace lcmslam {
 namespace {
 
-// Left Jacobian of SO(3): translation part of the SE(3) exponential is V * v.
-Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation) {
-  const double angle = rotation.norm();
-  const Eigen::Matrix3d W = hat(rotation);
-  double b = 0.5;
-  double c = 1.0 / 6.0;
-  if (angle > 1e-4) {
-    b = (1.0 - std::cos(angle)) / (angle * angle);
-    c = (angle - std::sin(angle)) / (angle * angle * angle);
-  } else {
-    b -= angle * angle / 24.0;
-    c -= angle * angle / 120.0;
+// V v with the left Jacobian of SO(3), V = I + b W + c W^2, W = hat(rotation): translation part of the SE(3)
+// exponential.
+Eigen::Vector3d left_jacobian_times(const Eigen::Vector3d& rotation, const Eigen::Vector3d& v) {
+  const double angle2 = rotation.squaredNorm();
+  double b = 0.5 - angle2 / 24;
+  double c = 1.0 / 6.0 - angle2 / 120;
+  if (angle2 > 1e-8) {
+    const double angle = std::sqrt(angle2);
+    const double sine = std::sin(0.5 * angle), cosine = std::cos(0.5 * angle);
+    b = 2 * sine * sine / angle2;
+    c = (angle - 2 * sine * cosine) / (angle * angle2);
   }
-  return Eigen::Matrix3d::Identity() + b * W + c * W * W;
+  const Eigen::Vector3d Wv = rotation.cross(v);
+  return v + b * Wv + c * rotation.cross(Wv);
+}
+
+// V^-1 v, V^-1 = I - W / 2 + d W^2, d = (1 - (angle / 2) cot(angle / 2)) / angle^2 (Sola, Deray & Atchuthan
+// 2018, "A micro Lie theory", eq. 146); angle in [0, pi].
+Eigen::Vector3d left_jacobian_inverse_times(const Eigen::Vector3d& rotation, const Eigen::Vector3d& v) {
+  const double angle2 = rotation.squaredNorm();
+  double d = 1.0 / 12.0 + angle2 / 720;
+  if (angle2 > 1e-4) {
+    const double half = 0.5 * std::sqrt(angle2);
+    d = (1 - half * std::cos(half) / std::sin(half)) / angle2;
+  }
+  const Eigen::Vector3d Wv = rotation.cross(v);
+  return v - 0.5 * Wv + d * rotation.cross(Wv);
 }
 
 }  // namespace
@@ -50,14 +63,14 @@ Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
 Eigen::Isometry3d se3_exp(const Vector6d& twist) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = so3_exp(twist.tail<3>());
-  T.translation() = left_jacobian(twist.tail<3>()) * twist.head<3>();
+  T.translation() = left_jacobian_times(twist.tail<3>(), twist.head<3>());
   return T;
 }
 
 Vector6d se3_log(const Eigen::Isometry3d& transform) {
   Vector6d twist;
   twist.tail<3>() = so3_log(transform.linear());
-  twist.head<3>() = left_jacobian(twist.tail<3>()).partialPivLu().solve(transform.translation());
+  twist.head<3>() = left_jacobian_inverse_times(twist.tail<3>(), transform.translation());
   return twist;
 }
 
