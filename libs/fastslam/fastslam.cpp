@@ -27,6 +27,28 @@ void sort_by_slot(std::vector<LandmarkMatch>& matches) {
             [](const LandmarkMatch& a, const LandmarkMatch& b) { return a.slot < b.slot; });
 }
 
+void report(const std::vector<LandmarkMatch>& matches, AssociationOutcome outcome,
+            const std::vector<FeaturePoint>& points, const LandmarkIndex& index, StepResult& result) {
+  for (const LandmarkMatch& match : matches)
+    result.associations.push_back(
+        {points[static_cast<std::size_t>(match.point)].feature, index.record(match.slot).id, outcome});
+}
+
+// `seen` and `observed` are ordered by slot, and `seen` holds all of `observed`.
+void report_observations(const std::vector<LandmarkMatch>& observed, const std::vector<LandmarkMatch>& seen,
+                         const std::vector<LandmarkMatch>& mistaken, const std::vector<char>& accepted,
+                         const std::vector<FeaturePoint>& points, const LandmarkIndex& index,
+                         StepResult& result) {
+  std::size_t next = 0;
+  for (const LandmarkMatch& match : seen) {
+    AssociationOutcome outcome = AssociationOutcome::unused;
+    if (next < observed.size() && observed[next].slot == match.slot)
+      outcome = accepted[next++] ? AssociationOutcome::accepted : AssociationOutcome::rejected;
+    report({match}, outcome, points, index, result);
+  }
+  report(mistaken, AssociationOutcome::rejected, points, index, result);
+}
+
 void widen(double factor, Measurement& measurement) {
   const int n = measurement.kind == MeasurementKind::point ? 3 : 2;
   measurement.covariance.topLeftCorner(n, n) *= factor;
@@ -96,6 +118,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   std::vector<int> chosen;
   if (may_create) chosen = choose_new_landmarks(frame, points, seen, index_, settings_);
   const std::vector<LandmarkMatch> created = create_landmarks(frame, points, chosen);
+  report(created, AssociationOutcome::created, points, index_, result);
   if (map_smoother_) remember_keyframe(motion, frame, points, created, result);
   result.created = static_cast<int>(chosen.size());
 
@@ -157,6 +180,7 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
 
   // What the best particle rejects was not seen: it may become a new landmark (thesis 2.3.2).
   const Verdict& verdict = verdicts[winner];
+  report_observations(observed, seen, association.rejected, verdict.accepted, points, index_, result);
   bool located = false;  // by a landmark of known identity
   for (std::size_t i = 0; i < observed.size(); ++i) {
     const LandmarkMatch& match = observed[i];

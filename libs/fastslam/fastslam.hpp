@@ -9,8 +9,10 @@
 // The world is the robot's frame at the first step. Same inputs, settings and seed give the same
 // result to the last bit, however many threads cv::setNumThreads allows; the order of a frame's features does
 // not matter.
-// One deviation from the thesis: a landmark is found by its id and not in a kd-tree of each particle;
-// with correspondences known the result is the same.
+// One deviation of thesis_preset() from the thesis: descriptors stand in one index that all particles share
+// (LandmarkIndex), and a particle finds a landmark by its slot there, not in a kd-tree of its own. Landmarks
+// are made in all particles alike and keep their descriptors, so every such tree would hold the same ones and
+// answer the same; tests/unit/fastslam/test_thesis.cpp shows it against a filter that has the trees.
 
 #include <cstdint>
 #include <future>
@@ -43,6 +45,20 @@ struct ObservationReport {
   bool accepted = false;  ///< by the best particle
 };
 
+/// What became of a feature that has a landmark.
+enum class AssociationOutcome {
+  accepted,  ///< the landmark was seen again, and the best particle learned from it
+  unused,    ///< seen again, but settings.maximum_observations others tell more
+  rejected,  ///< looks like the landmark, but the agreed pose or the best particle's gate says no
+  created    ///< a new landmark; the feature may have been rejected by another before
+};
+
+struct AssociationReport {
+  int feature = 0;  ///< index in FeatureFrame::features
+  std::int64_t landmark = 0;
+  AssociationOutcome outcome = AssociationOutcome::accepted;
+};
+
 struct StepResult {
   Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();  ///< estimate that the settings name
   Eigen::Isometry3d T_world_best = Eigen::Isometry3d::Identity();  ///< of the best particle: fits landmarks()
@@ -60,7 +76,8 @@ struct StepResult {
   bool rejuvenated = false;
   bool motion_usable = true;  ///< false: odometry was not finite; the step went on without
   double mean_distance2 = 0;  ///< of accepted observations at the best particle; about 3 when consistent
-  std::vector<ObservationReport> observations;
+  std::vector<ObservationReport> observations;  ///< what the particles were weighed by
+  std::vector<AssociationReport> associations;  ///< of all features that have a landmark, for display
 };
 
 struct Particle {

@@ -106,7 +106,9 @@ void correct_motion(const Vector6d& correction, const Matrix6d& covariance, Moti
 }  // namespace
 
 FrameAssociator::FrameAssociator(const FastSlamSettings& settings)
-    : settings_(settings), random_(settings.seed, kStream), matcher_(kPlaceSearch) {}
+    : settings_(settings),
+      random_(settings.seed, kStream),
+      matcher_(settings.guided ? kPlaceSearch : SearchSettings{1, 1}) {}  // 1: every descriptor
 
 FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
                                             const std::vector<FeaturePoint>& points,
@@ -127,7 +129,8 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   const Matrix6d Q = free_part(prior.covariance, s.planar);
   if (!s.verify_by_consensus) {
     result.matches =
-        matcher_.guided(result.visible, map, index, T_predicted, Q + slip_covariance(frame, s), s);
+        s.guided ? matcher_.guided(result.visible, map, index, T_predicted, Q + slip_covariance(frame, s), s)
+                 : matcher_.everywhere(map, index, s);
     return result;
   }
   if (std::all_of(points.begin(), points.end(), [](const auto& p) { return p.landmark_id >= 0; }) &&

@@ -4,7 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <array>
-#include <deque>
+#include <vector>
 
 #include "fastslam/pose_space.hpp"
 
@@ -116,7 +116,12 @@ std::optional<MapSmoothing> MapSmoother::solve() const {
     for (const PointSight& s : k.seen) ++sights[s.landmark];
 
   MapSmoothing result;
-  std::deque<Vector6> xi(keyframes_.size(), Vector6{});
+  // Ceres eliminates parameters in the order of their addresses: only arrays give the same bytes in every
+  // run.
+  std::vector<Vector6> xi(keyframes_.size(), Vector6{});
+  std::vector<Eigen::Vector3d> points;  // by order of first sight; never moves
+  points.reserve(sights.size());
+  std::map<std::int64_t, double*> point_of;
   ceres::CauchyLoss robust(settings_.huber_width);
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -136,14 +141,14 @@ std::optional<MapSmoothing> MapSmoother::solve() const {
     }
     for (const PointSight& s : k.seen) {
       if (sights[s.landmark] < 2) continue;
-      auto [landmark, first] = result.landmarks.try_emplace(s.landmark);
+      auto [landmark, first] = point_of.try_emplace(s.landmark, nullptr);
       if (first) {
-        landmark->second = k.T_world_robot * s.measurement.value;
-        problem.AddParameterBlock(landmark->second.data(), 3);
-        options.linear_solver_ordering->AddElementToGroup(landmark->second.data(), 0);
+        landmark->second = points.emplace_back(k.T_world_robot * s.measurement.value).data();
+        problem.AddParameterBlock(landmark->second, 3);
+        options.linear_solver_ordering->AddElementToGroup(landmark->second, 0);
       }
       problem.AddResidualBlock(new SightError(k.T_world_robot, s.measurement), &robust, xi[i].data(),
-                               landmark->second.data());
+                               landmark->second);
     }
   }
   for (std::size_t i = 1; settings_.planar && i < xi.size(); ++i)
@@ -159,6 +164,7 @@ std::optional<MapSmoothing> MapSmoother::solve() const {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) return std::nullopt;
+  for (const auto& [id, point] : point_of) result.landmarks[id] = Eigen::Map<const Eigen::Vector3d>(point);
   result.cost_before = summary.initial_cost;
   result.cost_after = summary.final_cost;
   result.residuals = static_cast<std::size_t>(problem.NumResiduals());

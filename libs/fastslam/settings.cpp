@@ -35,6 +35,9 @@ FastSlamSettings thesis_preset() {
   s.measurement_inflation = 1;
   s.minimum_landmark_sigma = 0;
   s.rejection = RejectionWeight::constant;
+  s.maximum_observations = std::numeric_limits<int>::max();
+  s.guided = false;
+  s.descriptor_ratio = 1;  // the nearest descriptor within descriptor_distance
   s.descriptor_blend = 0;
   s.use_bearings = false;
   s.verify_by_consensus = false;
@@ -72,7 +75,7 @@ void check(const FastSlamSettings& s) {
   require("measurement_inflation", s.measurement_inflation, 0.01, 1e4);
   require("correlation_time", s.correlation_time, 0, 1e4);
   require("minimum_landmark_sigma", s.minimum_landmark_sigma, 0, 10);
-  require("maximum_observations", s.maximum_observations, 1, 1e6);
+  require("maximum_observations", s.maximum_observations, 1, std::numeric_limits<int>::max());
   require("gate", s.gate, 1e-12, 1);
   require("p0", s.p0, 1e-300, 1e300);
   require("descriptor_ratio", s.descriptor_ratio, 0, 1);
@@ -96,6 +99,8 @@ void check(const FastSlamSettings& s) {
   require("odds_new", s.odds_new, s.odds_remove, s.odds_maximum);
   require("minimum_observations", s.minimum_observations, 1, 1e6);
   require("tentative_steps", s.tentative_steps, 1, 1e9);
+  if (!s.guided && s.verify_by_consensus)
+    throw std::invalid_argument("FastSlamSettings.guided = false: needs verify_by_consensus = false");
 }
 
 }  // namespace lcmslam

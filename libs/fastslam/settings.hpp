@@ -84,6 +84,8 @@ struct FastSlamSettings {
   double descriptor_distance = 0.5;  ///< largest distance of unit descriptors
   double same_place = 0.1;           ///< m, nearer landmarks are no rivals in the ratio test
   double search_radius = 0.15;       ///< of the image width, around the predicted pixel after a slip
+  bool guided = true;                ///< landmarks are sought where they should be seen; false: by descriptor
+                                     ///< alone, in the whole map (thesis 2.3.2)
   bool use_bearings = true;          ///< features without depth measure known landmarks
   double visibility_margin = 0.08;   ///< of the image width, beyond the border
   double descriptor_blend = 0.25;    ///< of the newest descriptor in the landmark's; 0: the first stays
@@ -113,8 +115,8 @@ struct FastSlamSettings {
   int tentative_steps = 50;      ///< a landmark not given out and not seen for so many steps is forgotten
 };
 
-/// The thesis: planar, 1.0, sigma_r = 0.05 m, resampling by independent draws in every step, every
-/// feature that is new or rejected by the best particle becomes a landmark, nothing dies.
+/// The thesis: planar, 1.0, sigma_r = 0.05 m, independent draws in every step, the nearest descriptor of the
+/// whole map tells the landmark, what is new or rejected by the best particle becomes one, nothing dies.
 FastSlamSettings thesis_preset();
 
 /// Throws std::invalid_argument naming the setting, its value and what would be right.

@@ -1,5 +1,6 @@
 #include "fastslam/fastslam_node.hpp"
 
+#include <lcmslam/associations_t.hpp>
 #include <lcmslam/particles_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <thread>
@@ -30,6 +31,20 @@ std::int8_t wire_status(TrackStatus status) {
       return pose_estimate_t::RELOCALISED;
   }
   return pose_estimate_t::LOST;
+}
+
+std::int8_t wire_outcome(AssociationOutcome outcome) {
+  switch (outcome) {
+    case AssociationOutcome::accepted:
+      return association_t::ACCEPTED;
+    case AssociationOutcome::unused:
+      return association_t::UNUSED;
+    case AssociationOutcome::rejected:
+      return association_t::REJECTED;
+    case AssociationOutcome::created:
+      return association_t::CREATED;
+  }
+  return association_t::REJECTED;
 }
 
 landmark_t to_message(const Landmark& landmark) {
@@ -136,6 +151,7 @@ void FastSlamNode::publish(const FeatureFrame& frame, const StepResult& result, 
   pose.detail = result.slipped ? "wheels slipped" : "";
   publisher_.publish("FASTSLAM_POSE", pose);
   publish_particles(frame.utime, result);
+  publish_associations(frame, result);
   publish_changes(frame.utime);
 }
 
@@ -156,6 +172,25 @@ void FastSlamNode::publish_particles(Utime utime, const StepResult& result) {
   }
   m.total = m.n_particles = static_cast<int32_t>(m.particles.size());
   publisher_.publish("FASTSLAM_PARTICLES", m);
+}
+
+void FastSlamNode::publish_associations(const FeatureFrame& frame, const StepResult& result) {
+  associations_t m{};
+  m.utime = frame.utime;
+  m.width = frame.width;
+  m.height = frame.height;
+  for (const AssociationReport& report : result.associations) {
+    const Feature& feature = frame.features[static_cast<std::size_t>(report.feature)];
+    association_t a;
+    a.feature = report.feature;
+    a.x = feature.x;
+    a.y = feature.y;
+    a.landmark = report.landmark;
+    a.outcome = wire_outcome(report.outcome);
+    m.associations.push_back(a);
+  }
+  m.n_associations = static_cast<int32_t>(m.associations.size());
+  publisher_.publish("FASTSLAM_ASSOCIATIONS", m);
 }
 
 void FastSlamNode::publish_changes(Utime utime) {

@@ -1,6 +1,6 @@
 #pragma once
-// FEATURES + ODOMETRY -> FASTSLAM_POSE, FASTSLAM_PARTICLES, FASTSLAM_LANDMARKS; at the end, and on the
-// command "smooth", FASTSLAM_SMOOTHED: the path again as all measurements together show it.
+// FEATURES + ODOMETRY -> FASTSLAM_POSE, FASTSLAM_PARTICLES, FASTSLAM_ASSOCIATIONS, FASTSLAM_LANDMARKS; at the
+// end, and on the command "smooth", FASTSLAM_SMOOTHED: the path again as all measurements together show it.
 
 #include "fastslam/fastslam.hpp"
 #include "runtime/motion_join.hpp"
@@ -24,6 +24,7 @@ class FastSlamNode : public Node {
   Motion motion_to(Utime utime) const;
   void publish(const FeatureFrame& frame, const StepResult& result, double cpu_time);
   void publish_particles(Utime utime, const StepResult& result);
+  void publish_associations(const FeatureFrame& frame, const StepResult& result);
   void publish_changes(Utime utime);
   void publish_whole_map();
   void publish_smoothed(const std::vector<SmoothedPose>& path);

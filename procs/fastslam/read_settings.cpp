@@ -56,6 +56,7 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.descriptor_ratio = c.get("descriptor_ratio", s.descriptor_ratio, Range{0, 1});
   s.descriptor_distance = c.get("descriptor_distance", s.descriptor_distance, Range{0, 2});
   s.search_radius = c.get("search_radius", s.search_radius, Range{0, 2});
+  s.guided = c.get("guided", s.guided);
   s.use_bearings = c.get("use_bearings", s.use_bearings);
   s.verify_by_consensus = c.get("verify_by_consensus", s.verify_by_consensus);
   s.minimum_consensus = c.get("minimum_consensus", s.minimum_consensus, Range{3, 100000});

@@ -11,7 +11,7 @@ import lcmslam.part_t;
 
 /** A double click on a channel of images_t (or of its pieces) shows the images live. */
 public class ImagesPlugin implements SpyPlugin {
-  private static final String PIECES = "_PART";
+  static final String PIECES = "_PART";
 
   @Override
   public boolean canHandle(long fingerprint) {

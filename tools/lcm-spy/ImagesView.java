@@ -106,9 +106,14 @@ class ImagesView extends JPanel implements LCMSubscriber {
     for (DecodedImage image : shown) {
       BufferedImage picture = image.picture;
       int width = Math.max(1, height * picture.getWidth() / picture.getHeight());
-      graphics.drawImage(picture, x, 0, width, height, null);
+      paintImage(graphics, picture, x, width, height);
       graphics.drawString(image.caption, x + 4, height + line - 4);
       x += width;
     }
+  }
+
+  /** At column x and the window's upper edge. */
+  protected void paintImage(Graphics graphics, BufferedImage picture, int x, int width, int height) {
+    graphics.drawImage(picture, x, 0, width, height, null);
   }
 }

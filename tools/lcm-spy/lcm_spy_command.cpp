@@ -26,7 +26,9 @@ int lcm_spy_command(int argc, char** argv) {
   bool print = false;
   CLI::App app{
       "Starts the stock graphical lcm-spy (Java) with our types. A double click on CAMERA shows its images,\n"
-      "one on a channel of poses the paths of both mappers. Further options go to lcm-spy.",
+      "one on a channel of poses the paths of both mappers, one on FASTSLAM_ASSOCIATIONS what became of "
+      "each\n"
+      "feature. Further options go to lcm-spy.",
       "lcmslam lcm-spy"};
   app.add_option("--lcm-url", lcm_url,
                  "LCM provider; default LCM_DEFAULT_URL or " + std::string(default_lcm_url));

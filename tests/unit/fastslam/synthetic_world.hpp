@@ -30,6 +30,12 @@ struct WorldSettings {
   double stated_translation = 0.003, stated_rotation = 0.002;  // sigma of a step that odometry claims
 };
 
+inline WorldSettings short_world(int frames) {
+  WorldSettings world;
+  world.frames = frames;
+  return world;
+}
+
 struct Point {
   Eigen::Vector3d position;
   Eigen::Vector3d normal;

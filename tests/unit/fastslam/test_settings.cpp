@@ -31,6 +31,9 @@ TEST(FastSlamSettings, ErrorsNameSettingAndValue) {
   settings.gate = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(complaint(settings).find("gate"), std::string::npos);
   settings = FastSlamSettings();
+  settings.guided = false;
+  EXPECT_NE(complaint(settings).find("verify_by_consensus"), std::string::npos);
+  settings = FastSlamSettings();
   settings.maximum_range = 0.1;  // below the minimum
   EXPECT_NE(complaint(settings).find("maximum_range = 0.1"), std::string::npos);
   EXPECT_THROW(FastSlam{settings}, std::invalid_argument);

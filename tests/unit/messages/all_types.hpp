@@ -1,6 +1,8 @@
 #pragma once
 // Every type of lcmtypes/, for tests that hold for all of them.
 
+#include <lcmslam/association_t.hpp>
+#include <lcmslam/associations_t.hpp>
 #include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/camera_intrinsics_t.hpp>
 #include <lcmslam/command_t.hpp>
@@ -41,11 +43,11 @@
 namespace lcmslam::testing {
 
 using AllTypes =
-    ::testing::Types<camera_calibration_t, camera_intrinsics_t, command_t, encoders_t, feature_t, features_t,
-                     graph_edge_t, graph_node_t, graph_t, ground_truth_t, icp_report_t, image_metadata_t,
-                     image_t, images_t, input_status_t, keyframe_t, landmark_t, landmarks_t, map_reply_t,
-                     map_request_t, odometry_t, output_status_t, part_t, particle_t, particles_t,
-                     pointcloud2_t, pointfield_t, pose_estimate_t, pose_t, rigid_transform_t, status_t,
-                     twist_t, value_t, wheel_t>;
+    ::testing::Types<association_t, associations_t, camera_calibration_t, camera_intrinsics_t, command_t,
+                     encoders_t, feature_t, features_t, graph_edge_t, graph_node_t, graph_t, ground_truth_t,
+                     icp_report_t, image_metadata_t, image_t, images_t, input_status_t, keyframe_t,
+                     landmark_t, landmarks_t, map_reply_t, map_request_t, odometry_t, output_status_t, part_t,
+                     particle_t, particles_t, pointcloud2_t, pointfield_t, pose_estimate_t, pose_t,
+                     rigid_transform_t, status_t, twist_t, value_t, wheel_t>;
 
 }  // namespace lcmslam::testing

@@ -14,6 +14,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t>& frozen() {
   static const std::map<std::string, std::uint64_t> fingerprints = {
+      {"association_t", 0x013e00a33b86ef5f},
+      {"associations_t", 0x606e2619df5de0e4},
       {"camera_calibration_t", 0xc046c53f42e41f11},
       {"camera_intrinsics_t", 0x7865f30ef88b1456},
       {"command_t", 0x7911011782801bc5},

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <lcmslam/associations_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/particles_t.hpp>
+#include <set>
 
 #include "fastslam/fastslam_node.hpp"
 #include "icp/icp_node.hpp"
@@ -139,6 +141,36 @@ TEST(Mappers, EveryMessageOfTheRunIsNumberedAndSound) {
     EXPECT_EQ(m.base_revision, revision);
     revision = m.map_revision;
   }
+}
+
+TEST(Mappers, AssociationsNameFeaturesAndLandmarksOfTheRun) {
+  const TestBus& bus = whole_run().bus;
+  const auto features = bus.on<features_t>("FEATURES");
+  const auto associations = bus.on<associations_t>("FASTSLAM_ASSOCIATIONS");
+  ASSERT_EQ(associations.size(), features.size());
+  std::set<std::int64_t> made;
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < associations.size(); ++i) {
+    EXPECT_EQ(associations[i].utime, features[i].utime);
+    EXPECT_EQ(associations[i].width, features[i].width);
+    EXPECT_EQ(associations[i].height, features[i].height);
+    for (const association_t& a : associations[i].associations) {
+      ASSERT_LT(a.feature, features[i].n_features);
+      const feature_t& feature = features[i].features[static_cast<std::size_t>(a.feature)];
+      EXPECT_EQ(a.x, feature.x);
+      EXPECT_EQ(a.y, feature.y);
+      if (a.outcome == association_t::CREATED) {
+        EXPECT_TRUE(made.insert(a.landmark).second) << "an id is used once";
+      } else {
+        EXPECT_EQ(made.count(a.landmark), 1U) << "seen before it was made";
+        ++seen;
+      }
+    }
+  }
+  EXPECT_GT(made.size(), 50U);
+  EXPECT_GT(seen, made.size());
+  for (const landmarks_t& m : bus.on<landmarks_t>("FASTSLAM_LANDMARKS"))
+    for (const landmark_t& landmark : m.landmarks) EXPECT_EQ(made.count(landmark.id), 1U);
 }
 
 TEST(Mappers, FramesWithoutOdometryGoOnAndAreCounted) {

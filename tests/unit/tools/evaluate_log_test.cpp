@@ -1,0 +1,164 @@
+// lcmslam evaluate on what logs hold besides poses: graphs, maps, several runs, damage.
+
+#include <fstream>
+#include <lcmslam/graph_t.hpp>
+#include <limits>
+
+#include "evaluate/pose_log.hpp"
+#include "mapping/map_export.hpp"
+#include "unit/tools/evaluate_fixture.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::AllOf;
+using testing::estimate_message;
+using testing::Evaluate;
+using ::testing::HasSubstr;
+using testing::MessageLog;
+using testing::truth_message;
+
+// A mapper that walks off by 1 cm a pose, a keyframe every ten poses; its last graph has them right.
+TEST_F(Evaluate, FinalPathFollowsTheLastGraph) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    graph_t graph;
+    graph.utime = graph.seq = 0;
+    graph.sender = 5;
+    graph.frame = "map";
+    graph.map_revision = 0;
+    graph.n_edges = 0;
+    const auto slid = [&](std::size_t i) {
+      StampedPose pose = path_[i];
+      pose.T_world_body = Eigen::Translation3d(0, 0, 0.01 * static_cast<double>(i)) * pose.T_world_body;
+      return pose;
+    };
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      if (i % 10 == 0) {
+        graph_node_t node;
+        node.keyframe = static_cast<std::int32_t>(i / 10);
+        graph.utime = node.keyframe_utime = path_[i].utime;
+        node.T_map_camera = to_message(slid(i).T_world_body);
+        graph.nodes.push_back(node);
+        graph.n_nodes = static_cast<std::int32_t>(graph.nodes.size());
+        log.write("ICP_GRAPH", graph);
+      }
+      log.write("ICP_POSE", estimate_message(slid(i)));
+    }
+    for (std::size_t k = 0; k < graph.nodes.size(); ++k)
+      graph.nodes[k].T_map_camera = to_message(path_[10 * k].T_world_body);
+    log.write("ICP_GRAPH", graph);
+  }
+  EXPECT_EQ(run({path("run.lcmlog"), "--json", path("out.json")}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("ICP_FINAL"));
+  const auto results = json("out.json").at("estimates");
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_EQ(results[1].at("name"), "ICP_FINAL");
+  EXPECT_EQ(results[1].at("poses"), path_.size());
+  EXPECT_LT(ate(results[1]), 0.05);  // what is left: up to 9 cm within ten poses
+  EXPECT_GT(ate(results[0]), 3 * ate(results[1]));
+}
+
+TEST_F(Evaluate, MapIsComparedWithTheScene) {
+  std::ofstream(path("map.ply")) << "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
+  write_log("run.lcmlog");
+  EXPECT_NE(run({path("run.lcmlog"), "--map", path("map.ply")}), 0);  // without --scene
+  EXPECT_NE(run({path("run.lcmlog"), "--scene", path("none.yaml"), "--map", path("map.ply")}), 0);
+  ColouredCloud cloud;  // the kitchen's floor, 2 cm too high; the log's map lies elsewhere
+  for (int i = 0; i < 400; ++i) {
+    cloud.points.emplace_back(0.5f + 0.01f * static_cast<float>(i % 20),
+                              0.5f + 0.01f * static_cast<float>(i / 20), 0.02f);
+    cloud.colours.emplace_back(1, 2, 3);
+  }
+  save_ply(path("map.ply"), cloud);
+  Trajectory same = path_;
+  write_tum(path("truth.txt"), same);
+  for (StampedPose& pose : same) pose.T_world_body.translation().x() += 1e-7;
+  write_tum(path("estimate.txt"), same);
+  const std::string scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
+  EXPECT_EQ(
+      run({"--truth", path("truth.txt"), path("estimate.txt"), "--map", path("map.ply"), "--scene", scene}),
+      0)
+      << output_;
+  EXPECT_THAT(output_, HasSubstr("400 points"));
+  EXPECT_THAT(output_, HasSubstr("median 0.0200 m"));
+}
+
+TEST_F(Evaluate, OnlyTheNewestMapOfARestartedMapperCounts) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      StampedPose pose = path_[i];
+      if (i < 80) pose.T_world_body = planar_pose(5, 1, 2) * pose.T_world_body;
+      log.write("ICP_POSE", estimate_message(pose, i < 80 ? 5 : 6));
+    }
+  }
+  const EvaluationInputs inputs = read("", {path("run.lcmlog")});
+  ASSERT_EQ(inputs.estimates.size(), 1U);
+  EXPECT_EQ(inputs.estimates[0].trajectory.size(), 120U);
+  ASSERT_EQ(inputs.notes.size(), 1U);
+  EXPECT_THAT(inputs.notes[0], HasSubstr("began again 1 time: only the newest map counts, 80 earlier poses"));
+}
+
+TEST_F(Evaluate, OfSeveralRunsInALogOnlyTheNewestTruthCounts) {
+  {
+    MessageLog log(path("runs.lcmlog"));
+    for (const int run : {0, 1})
+      for (StampedPose pose : path_) {
+        pose.utime += run * 7'000;  // stamps of the two runs lie between each other
+        if (run == 0) pose.T_world_body = planar_pose(5, 1, 2) * pose.T_world_body;
+        log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+        log.write("ICP_POSE", estimate_message(pose));
+      }
+  }
+  ASSERT_EQ(run({path("runs.lcmlog"), "--json", path("runs.json")}), 0) << output_;
+  EXPECT_LT(ate(json("runs.json").at("estimates").at(0)), 1e-6);
+  EXPECT_THAT(output_, HasSubstr("GROUND_TRUTH began again 1 time"));
+}
+
+TEST_F(Evaluate, TooFewPosesForTheAlignmentProveNothing) {
+  write_tum(path("truth.txt"), path_);
+  write_tum(path("two.txt"), testing::moved({path_[0], path_[1]}, planar_pose(1, 2, 3)));
+  EXPECT_EQ(run({"--truth", path("truth.txt"), path("two.txt")}), 1);
+  EXPECT_THAT(output_, HasSubstr("only 2 poses"));
+  EXPECT_EQ(run({"--truth", path("truth.txt"), path("two.txt"), "--alignment", "none"}), 0) << output_;
+}
+
+TEST_F(Evaluate, DamagedMessagesAreCountedForeignOnesNamed) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    log.write_bytes("FOREIGN", 1, {1, 2, 3, 4, 5, 6, 7, 8, 9});
+    for (const StampedPose& pose : path_) {
+      log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+      log.write("ICP_POSE", estimate_message(pose));
+    }
+    auto bytes = encode_message(estimate_message(path_.front()));
+    bytes.pop_back();
+    log.write_bytes("ICP_POSE", 2, bytes);
+    auto far = estimate_message(path_.front());
+    far.utime = std::numeric_limits<Utime>::max();  // would overflow what is computed with it
+    log.write("ICP_POSE", far);
+  }
+  const EvaluationInputs inputs = read("", {path("run.lcmlog")});
+  EXPECT_EQ(inputs.estimates.at(0).trajectory.size(), path_.size());
+  ASSERT_EQ(inputs.notes.size(), 1U);
+  EXPECT_THAT(inputs.notes[0], HasSubstr("2 messages could not be decoded"));
+  EXPECT_EQ(run({path("run.lcmlog:FOREIGN"), "--truth", path("run.lcmlog")}), -1);
+  EXPECT_THAT(output_, AllOf(HasSubstr("carries no poses but fingerprint 0102030405060708"),
+                             HasSubstr("channels with poses: GROUND_TRUTH, ICP_POSE")));
+}
+
+TEST_F(Evaluate, WhatIsWholeOfADamagedLogCounts) {
+  write_log("run.lcmlog");
+  std::string bytes = scratch_.read("run.lcmlog");
+  bytes.erase(bytes.size() / 2, 40);
+  scratch_.write("run.lcmlog", bytes);
+  ASSERT_EQ(run({path("run.lcmlog"), "--json", path("r.json")}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("run.lcmlog is damaged in 1 place"));
+  EXPECT_LT(ate(json("r.json").at("estimates").at(1)), 1e-6);
+}
+
+}  // namespace
+}  // namespace lcmslam
