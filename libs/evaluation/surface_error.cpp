@@ -71,10 +71,17 @@ float TriangleSurface::distance(const Eigen::Vector3f& point) const {
 SurfaceError surface_error(const std::vector<Eigen::Vector3f>& points,
                            const Eigen::Isometry3d& T_surface_points, const TriangleSurface& surface,
                            float reach) {
+  return surface_error(
+      points, T_surface_points, [&](const Eigen::Vector3f& p) { return surface.distance(p); }, reach);
+}
+
+SurfaceError surface_error(const std::vector<Eigen::Vector3f>& points,
+                           const Eigen::Isometry3d& T_surface_points,
+                           const std::function<float(const Eigen::Vector3f&)>& distance, float reach) {
   const Eigen::Isometry3f T = T_surface_points.cast<float>();
   std::vector<float> distances;
   for (const Eigen::Vector3f& p : points)
-    if (p.allFinite()) distances.push_back(surface.distance(T * p));
+    if (p.allFinite()) distances.push_back(distance(T * p));
   SurfaceError error;
   error.points = distances.size();
   if (distances.empty()) return error;

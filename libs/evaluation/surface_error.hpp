@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <unordered_map>
 #include <vector>
 
@@ -37,7 +38,11 @@ struct SurfaceError {
   double beyond = 0;  ///< share of the points that are farther than the reach, counted as it
 };
 
-/// Of points brought to the surface's frame; points that are not finite are left out.
+/// Of points brought to the surface's frame, where `distance` tells how far they are from it (m, at most the
+/// reach); points that are not finite are left out.
+SurfaceError surface_error(const std::vector<Eigen::Vector3f>& points,
+                           const Eigen::Isometry3d& T_surface_points,
+                           const std::function<float(const Eigen::Vector3f&)>& distance, float reach = 0.3f);
 SurfaceError surface_error(const std::vector<Eigen::Vector3f>& points,
                            const Eigen::Isometry3d& T_surface_points, const TriangleSurface& surface,
                            float reach = 0.3f);

@@ -59,14 +59,14 @@ void append_geometry(const VoxelSum& s, const AnyCloud& like, AnyCloud& cloud) {
   if (!like.sigmas.empty()) cloud.sigmas.push_back(s.sigma / s.weight);
 }
 
+}  // namespace
+
 void move(Cloud& cloud, const Eigen::Isometry3d& T) {
   const Eigen::Isometry3f T_float = T.cast<float>();
   for (auto& p : cloud.points) p = T_float * p;
   for (auto& n : cloud.normals) n = T_float.linear() * n;
   for (auto& g : cloud.gradients) g = T_float.linear() * g;
 }
-
-}  // namespace
 
 Cloud geometry_of(const ColouredCloud& cloud, const Eigen::Isometry3d& T) {
   Cloud geometry(cloud.points, cloud.normals, cloud.sigmas);

@@ -35,6 +35,7 @@ Cloud geometry_of(const ColouredCloud& cloud, const Eigen::Isometry3d& T = Eigen
 /// Grey values of a coloured cloud, 0..1 (Rec. 601 luma).
 std::vector<float> intensities_of(const ColouredCloud& cloud);
 
+void move(Cloud& cloud, const Eigen::Isometry3d& T);
 Cloud transformed(const Cloud& cloud, const Eigen::Isometry3d& T);
 
 /// The points whose index `keep` accepts, in their order.

@@ -7,12 +7,31 @@
 namespace lcmslam {
 namespace {
 
-bool usable(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float min_range, float max_range,
-            float min_cosine) {
-  if (!point.allFinite() || !normal.allFinite()) return false;
-  const float range = point.norm();
-  return range >= min_range && range <= max_range && std::abs(normal.dot(point)) >= min_cosine * range;
-}
+// AnyCloud is Cloud or ColouredCloud.
+template <class AnyCloud>
+class Usable {
+ public:
+  Usable(const AnyCloud& cloud, const CloudFilterSettings& settings)
+      : cloud_(cloud),
+        min_range_(static_cast<float>(settings.min_range)),
+        max_range_(static_cast<float>(settings.max_range)),
+        max_sigma_(static_cast<float>(settings.max_sigma)),
+        min_cosine_(static_cast<float>(std::cos(settings.max_incidence))) {}
+
+  bool operator()(std::size_t i) const {
+    const Eigen::Vector3f& point = cloud_.points[i];
+    const Eigen::Vector3f& normal = cloud_.normals[i];
+    if (!point.allFinite() || !normal.allFinite()) return false;
+    const float range = point.norm();
+    if (!(range >= min_range_ && range <= max_range_ && std::abs(normal.dot(point)) >= min_cosine_ * range))
+      return false;
+    return cloud_.sigmas.empty() || (cloud_.sigmas[i] > 0 && cloud_.sigmas[i] <= max_sigma_);
+  }
+
+ private:
+  const AnyCloud& cloud_;
+  float min_range_, max_range_, max_sigma_, min_cosine_;
+};
 
 // -1: nothing measured there; 0: another surface; 1: the same surface.
 int continues(const cv::Vec3f& a, const cv::Vec3f& b, float noise, float tangent) {
@@ -30,19 +49,20 @@ int continues(const cv::Vec3f& a, const cv::Vec3f& b, float noise, float tangent
 ColouredCloud usable_points(const ColouredCloud& cloud, const CloudFilterSettings& settings) {
   ColouredCloud result;
   if (cloud.normals.size() != cloud.size()) return result;
-  const auto min_range = static_cast<float>(settings.min_range);
-  const auto max_range = static_cast<float>(settings.max_range);
-  const auto max_sigma = static_cast<float>(settings.max_sigma);
-  const auto min_cosine = static_cast<float>(std::cos(settings.max_incidence));
+  const Usable<ColouredCloud> usable(cloud, settings);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!usable(cloud.points[i], cloud.normals[i], min_range, max_range, min_cosine)) continue;
-    if (!cloud.sigmas.empty() && !(cloud.sigmas[i] > 0 && cloud.sigmas[i] <= max_sigma)) continue;
+    if (!usable(i)) continue;
     result.points.push_back(cloud.points[i]);
     result.colours.push_back(cloud.colours.empty() ? cv::Vec3b(128, 128, 128) : cloud.colours[i]);
     result.normals.push_back(cloud.normals[i]);
     if (!cloud.sigmas.empty()) result.sigmas.push_back(cloud.sigmas[i]);
   }
   return result;
+}
+
+Cloud usable_points(const Cloud& cloud, const CloudFilterSettings& settings) {
+  if (cloud.normals.size() != cloud.size()) return {};
+  return kept_points(cloud, Usable<Cloud>(cloud, settings));
 }
 
 int remove_jump_edges(cv::Mat& points, const cv::Mat& sigma, const JumpEdgeSettings& settings, int step) {

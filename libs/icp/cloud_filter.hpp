@@ -15,6 +15,7 @@ struct CloudFilterSettings {
 
 /// Points of a cloud in its camera's frame that are finite, have a normal, and keep the limits.
 ColouredCloud usable_points(const ColouredCloud& cloud, const CloudFilterSettings& settings = {});
+Cloud usable_points(const Cloud& cloud, const CloudFilterSettings& settings = {});
 
 struct JumpEdgeSettings {
   double noise_sigmas = 4;     ///< a step within the noise is no edge

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "icp/pose_graph.hpp"
+
 namespace lcmslam {
 
 FeatureAnchor::FeatureAnchor(const FeatureAnchorSettings& settings) : settings_(settings) {}
@@ -77,6 +79,11 @@ std::optional<Prior> FeatureAnchor::locate_by(const std::vector<const Keyframe*>
   anchor.T_target_source = aligned.T_a_b * T_robot_camera.inverse();
   anchor.information = (A * covariance * A.transpose()).inverse();
   return anchor;
+}
+
+double disagreement(const Prior& a, const Prior& b) {
+  return distance_from_identity(
+      {a.T_target_source.inverse() * b.T_target_source, a.information.inverse() + b.information.inverse()});
 }
 
 Prior fused(const Prior& a, const Prior& b) {

@@ -24,7 +24,11 @@ struct FeatureAnchorSettings {
   // two keyframes (LoopFinderSettings).
   double floor_translation = 0.005;  ///< m
   double floor_rotation = 0.003;     ///< rad
+  double max_disagreement = 5;       ///< Mahalanobis distance from odometry; beyond, the map judges
 };
+
+/// Mahalanobis distance between two places.
+double disagreement(const Prior& a, const Prior& b);
 
 class FeatureAnchor {
  public:

@@ -9,8 +9,10 @@ namespace lcmslam {
 
 /// The same features with points and sigmas from `depth`; `point` features without depth there, or at an edge
 /// of it, become `bearing`. `T_depth_colour`: from the colour camera at the colour image's time to the depth
-/// camera at the depth image's time, as `depth` was registered.
+/// camera at the depth image's time. `T_colour_points`: from the frame of `depth.points` to the colour camera
+/// at the colour image's time; identity where they stand there already.
 FeatureFrame placed_by(const RegisteredDepth& depth, const CameraModel& depth_camera,
-                       const Eigen::Isometry3d& T_depth_colour, FeatureFrame features);
+                       const Eigen::Isometry3d& T_depth_colour, FeatureFrame features,
+                       const Eigen::Isometry3d& T_colour_points = Eigen::Isometry3d::Identity());
 
 }  // namespace lcmslam

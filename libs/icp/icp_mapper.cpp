@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "icp/start_hypotheses.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -66,15 +68,23 @@ IcpMapper::IcpMapper(const IcpMapperSettings& settings)
 IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
                                 const Eigen::Isometry3d& T_robot_camera, const std::optional<Motion>& motion,
                                 const FeatureFrame* features, const ColourView* colour) {
+  return step(
+      utime, geometry_of(cloud), [&cloud] { return cloud; }, T_robot_camera, motion, features, colour);
+}
+
+IcpMapper::Step IcpMapper::step(Utime utime, const Cloud& cloud, const Painter& coloured,
+                                const Eigen::Isometry3d& T_robot_camera, const std::optional<Motion>& motion,
+                                const FeatureFrame* features, const ColourView* colour) {
   // Prepare: trustworthy points, in the robot's frame.
-  const ColouredCloud usable = usable_points(cloud, settings_.filter);
-  const Cloud reduced = voxel_filtered(geometry_of(usable, T_robot_camera), settings_.voxel_size);
+  Cloud usable = usable_points(cloud, settings_.filter);
+  move(usable, T_robot_camera);
+  const Cloud reduced = voxel_filtered(usable, settings_.voxel_size);
 
   const ThesisFrame frame{reduced, T_robot_camera, features, colour};
   Step step;
   step.bent = work_on_graph(utime);
   if (!started_) {
-    start_map(utime, usable, reduced, T_robot_camera, features, step);
+    start_map(utime, coloured, reduced, T_robot_camera, features, step);
     if (started_ && thesis_) thesis_->add(frame, step.T_world_robot);
     return step;
   }
@@ -84,10 +94,13 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
   std::optional<Prior> anchor;
   if (features != nullptr && settings_.features.enabled && !thesis_)
     anchor = anchor_.locate(*features, prior.T_target_source * T_robot_camera, T_robot_camera);
-  step.anchored = anchor.has_value();
   if (anchor) {
+    const Prior odometry = prior;
+    const bool apart = disagreement(odometry, *anchor) > settings_.features.max_disagreement;
+    prior = apart ? judged(reduced, odometry, *anchor, T_robot_camera) : fused(odometry, *anchor);
     step.T_world_anchor = anchor->T_target_source;
-    prior = fused(prior, *anchor);
+    step.anchored = !apart || prior.T_target_source.isApprox(anchor->T_target_source, 0);
+    if (!step.anchored) anchor.reset();
   }
   const Attempt best = thesis_ ? thesis_attempt(frame, prior.T_target_source)
                                : try_starts(reduced, starts(prior, motion, anchor, features, T_robot_camera),
@@ -113,12 +126,13 @@ IcpMapper::Step IcpMapper::step(Utime utime, const ColouredCloud& cloud,
     bad_steps_ = 0;
   }
   if (best.status == MappingStatus::tracking || reseed) {
-    grow(utime, usable, reduced, T_robot_camera, features, step);
+    grow(utime, coloured, reduced, T_robot_camera, features, step);
     if (thesis_) thesis_->add(frame, step.T_world_robot);
   }
 
   const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
-  const bool moving = best.status == MappingStatus::tracking && seconds > 0;
+  // A jump to where the robot was found again is no motion that goes on.
+  const bool moving = best.status == MappingStatus::tracking && !step.relocalised && seconds > 0;
   velocity_ = moving ? Vector6d(se3_log(T_world_last_.inverse() * step.T_world_robot) / seconds)
                      : Vector6d(Vector6d::Zero());
   T_world_last_ = step.T_world_robot;
@@ -149,6 +163,7 @@ std::vector<Eigen::Isometry3d> IcpMapper::starts(const Prior& prior, const std::
   const Eigen::Isometry3d T_camera_robot = T_robot_camera.inverse();
   for (int i = 0; i < settings_.recovery_keyframes && !keyframes_.empty(); ++i)
     starts.push_back(keyframes_[next_recovery_++ % keyframes_.size()].T_world_camera * T_camera_robot);
+  for (const Eigen::Isometry3d& T_world_robot : starts) restore(T_world_robot * T_robot_camera);
   return starts;
 }
 
@@ -190,6 +205,18 @@ IcpMapper::Attempt IcpMapper::try_starts(const Cloud& cloud, std::vector<Eigen::
     if (best.status == MappingStatus::tracking) break;
   }
   return best;
+}
+
+// Odometry slips, and features show things that move: where the two tell different places, the map knows.
+Prior IcpMapper::judged(const Cloud& cloud, const Prior& odometry, const Prior& anchor,
+                        const Eigen::Isometry3d& T_robot_camera) {
+  HypothesisSettings hypotheses;
+  hypotheses.coarse = settings_.coarse;
+  hypotheses.fine = settings_.fine;
+  const Target& target = view_.from(odometry.T_target_source * T_robot_camera);
+  const HypothesisResult best =
+      register_hypotheses(cloud, target, {{odometry, "odometry"}, {anchor, "features"}}, hypotheses);
+  return best.origin == "features" ? anchor : odometry;
 }
 
 IcpMapper::Attempt IcpMapper::attempt(const Cloud& cloud, const Target& target,

@@ -4,6 +4,7 @@
 // World is the robot's pose at the first frame (identity). The pose is always finite: while nothing
 // can be registered it follows the prediction and the status says so, and the map is left alone.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +56,9 @@ struct IcpMapperSettings {
   double keyframe_angle = 0.3;     ///< rad
   double keyframe_overlap = 0.5;   ///< a keyframe is also due when less is known than this
   double keyframe_voxel = 0.02;    ///< m, of the keyframe's cloud
+  /// Points that all keyframes keep together (31 bytes each: 190 MB). Beyond, the clouds farthest away are
+  /// thinned, step by step.
+  double keyframe_points = 6e6;
 
   // bending the map takes as long, s of message time
   double bend_time = 0.05;
@@ -78,7 +82,7 @@ class IcpMapper {
     Matrix6d covariance = Matrix6d::Zero();  ///< against the map; right perturbation, robot frame
     RegistrationResult registration;         ///< of the cloud in the robot frame to the world
     MappingStatus status = MappingStatus::initialising;
-    bool anchored = false;  ///< features of a keyframe were found again, and place the robot at
+    bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
     Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
     double quality = 0;        ///< 0..1: overlap times share of inliers
     bool keyframe = false;     ///< keyframes().back() is new
@@ -92,11 +96,19 @@ class IcpMapper {
     Utime utime = 0;
     Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
     ColouredCloud cloud;  ///< camera frame, with normals
+    double voxel = 0;     ///< m, of that cloud
   };
+
+  /// Makes the coloured cloud of a step that becomes a keyframe.
+  using Painter = std::function<ColouredCloud()>;
 
   /// `cloud` stands in the camera frame at `utime` and needs normals. `motion` is the robot's motion
   /// since the previous step where odometry knows it; `features` are of the same moment, null where they are
   /// not there; `colour` is what the thesis's variants ask for. Steps come in order of time.
+  Step step(Utime utime, const Cloud& cloud, const Painter& coloured, const Eigen::Isometry3d& T_robot_camera,
+            const std::optional<Motion>& motion = std::nullopt, const FeatureFrame* features = nullptr,
+            const ColourView* colour = nullptr);
+  /// The same where the colours are there already.
   Step step(Utime utime, const ColouredCloud& cloud, const Eigen::Isometry3d& T_robot_camera,
             const std::optional<Motion>& motion = std::nullopt, const FeatureFrame* features = nullptr,
             const ColourView* colour = nullptr);
@@ -119,7 +131,7 @@ class IcpMapper {
     double quality = 0;
   };
 
-  void start_map(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+  void start_map(Utime utime, const Painter& coloured, const Cloud& cloud,
                  const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step);
   Eigen::Isometry3d free_motion(Utime utime) const;
   std::vector<Eigen::Isometry3d> starts(const Prior& prior, const std::optional<Motion>& motion,
@@ -128,13 +140,15 @@ class IcpMapper {
   double score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const;
   Attempt try_starts(const Cloud& cloud, std::vector<Eigen::Isometry3d> starts, const Prior& prior,
                      const Eigen::Isometry3d& T_robot_camera);
+  Prior judged(const Cloud& cloud, const Prior& odometry, const Prior& anchor,
+               const Eigen::Isometry3d& T_robot_camera);
   Attempt attempt(const Cloud& cloud, const Target& target, const Eigen::Isometry3d& T_start,
                   const Prior& prior) const;
   Attempt thesis_attempt(const ThesisFrame& frame, const Eigen::Isometry3d& T_predicted) const;
   MappingStatus judge(const RegistrationResult& result, const Prior& prior) const;
-  void grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
-            const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step);
-  void add_node(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+  void grow(Utime utime, const Painter& coloured, const Cloud& cloud, const Eigen::Isometry3d& T_robot_camera,
+            const FeatureFrame* features, Step& step);
+  void add_node(Utime utime, const Painter& coloured, const Cloud& cloud,
                 const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, bool keyframe,
                 Step& step);
   bool keyframe_due(const Eigen::Isometry3d& T_world_camera, double overlap) const;
@@ -143,6 +157,7 @@ class IcpMapper {
   bool work_on_graph(Utime utime);
   void insert(Cloud cloud_in_world, const Eigen::Vector3d& view_point, int node);
   void restore(const Eigen::Isometry3d& T_world_camera);
+  void bound_keyframes(const Eigen::Isometry3d& T_world_camera);
   void bend(const KeyframeGraph::Correction& correction);
 
   IcpMapperSettings settings_;

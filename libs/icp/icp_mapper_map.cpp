@@ -6,7 +6,7 @@
 
 namespace lcmslam {
 
-void IcpMapper::start_map(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+void IcpMapper::start_map(Utime utime, const Painter& coloured, const Cloud& cloud,
                           const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step) {
   last_utime_ = utime;
   if (static_cast<int>(cloud.size()) < settings_.min_points) return;
@@ -14,17 +14,17 @@ void IcpMapper::start_map(Utime utime, const ColouredCloud& usable, const Cloud&
   if (settings_.prior.planar) graph_.set_floor(T_robot_camera.inverse());
   step.quality = 1;
   step.status = MappingStatus::tracking;
-  add_node(utime, usable, cloud, T_robot_camera, features, true, step);
+  add_node(utime, coloured, cloud, T_robot_camera, features, true, step);
   insert(cloud, Eigen::Vector3d::Zero(), 0);
 }
 
-void IcpMapper::grow(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+void IcpMapper::grow(Utime utime, const Painter& coloured, const Cloud& cloud,
                      const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, Step& step) {
   const Eigen::Isometry3d& T = step.T_world_robot;
   const Eigen::Isometry3d T_world_camera = T * T_robot_camera;
   const bool keyframe = keyframe_due(T_world_camera, step.registration.overlap);
   if (keyframe || is_far(T_world_camera, graph_.nodes().back().T_world_camera, 1))
-    add_node(utime, usable, cloud, T_robot_camera, features, keyframe, step);
+    add_node(utime, coloured, cloud, T_robot_camera, features, keyframe, step);
   if (distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
       angle_between(T, T_world_inserted_) >= settings_.insert_angle) {
     insert(transformed(cloud, T), T.translation(), static_cast<int>(graph_.nodes().size()) - 1);
@@ -33,7 +33,7 @@ void IcpMapper::grow(Utime utime, const ColouredCloud& usable, const Cloud& clou
 }
 
 // Where the camera comes by again, a node keeps the path's place in the graph, without another cloud.
-void IcpMapper::add_node(Utime utime, const ColouredCloud& usable, const Cloud& cloud,
+void IcpMapper::add_node(Utime utime, const Painter& coloured, const Cloud& cloud,
                          const Eigen::Isometry3d& T_robot_camera, const FeatureFrame* features, bool keyframe,
                          Step& step) {
   const Eigen::Isometry3d T_world_camera = step.T_world_robot * T_robot_camera;
@@ -47,7 +47,10 @@ void IcpMapper::add_node(Utime utime, const ColouredCloud& usable, const Cloud& 
   step.node = true;
   step.keyframe = keyframe;
   if (!keyframe) return;
-  keyframes_.push_back({node, utime, T_world_camera, voxel_filtered(usable, settings_.keyframe_voxel)});
+  const ColouredCloud usable = usable_points(coloured(), settings_.filter);
+  keyframes_.push_back({node, utime, T_world_camera, voxel_filtered(usable, settings_.keyframe_voxel),
+                        settings_.keyframe_voxel});
+  bound_keyframes(T_world_camera);
   if (features != nullptr) anchor_.add(T_world_camera, *features, node);
 }
 
@@ -94,6 +97,32 @@ void IcpMapper::restore(const Eigen::Isometry3d& T_world_camera) {
     if (2 * known < asked)
       insert(voxel_filtered(geometry_of(keyframe.cloud, keyframe.T_world_camera), settings_.voxel_size),
              T_world_camera.translation(), keyframe.id);
+  }
+}
+
+// Twice the voxel, about a quarter of the points: those far away first, until a tenth of the limit is free.
+void IcpMapper::bound_keyframes(const Eigen::Isometry3d& T_world_camera) {
+  constexpr double coarsest = 1;  // m
+  double points = 0;
+  for (const Keyframe& keyframe : keyframes_) points += static_cast<double>(keyframe.cloud.size());
+  if (points <= settings_.keyframe_points) return;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i)
+    order.emplace_back(-distance_between(keyframes_[i].T_world_camera, T_world_camera), i);
+  std::sort(order.begin(), order.end());
+  bool thinned = true;
+  while (thinned) {
+    thinned = false;
+    for (const auto& [nearness, i] : order) {
+      Keyframe& keyframe = keyframes_[i];
+      if (points <= 0.9 * settings_.keyframe_points) return;
+      if (keyframe.voxel > coarsest) continue;
+      points -= static_cast<double>(keyframe.cloud.size());
+      keyframe.voxel *= 2;
+      keyframe.cloud = voxel_filtered(keyframe.cloud, keyframe.voxel);
+      points += static_cast<double>(keyframe.cloud.size());
+      thinned = true;
+    }
   }
 }
 

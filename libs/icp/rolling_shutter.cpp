@@ -1,19 +1,14 @@
 #include "icp/rolling_shutter.hpp"
 
 namespace lcmslam {
-namespace {
-
-// Camera at the middle of the image <- camera at the row.
-Eigen::Isometry3f from_row(double row, int rows, const Vector6d& motion) {
+Eigen::Isometry3f row_transform(double row, int rows, const Vector6d& motion) {
   return se3_exp(((row + 0.5) / rows - 0.5) * motion).cast<float>();
 }
-
-}  // namespace
 
 void straighten_rows(cv::Mat& points, const Vector6d& motion) {
   if (motion.isZero()) return;
   for (int v = 0; v < points.rows; ++v) {
-    const Eigen::Isometry3f T = from_row(v, points.rows, motion);
+    const Eigen::Isometry3f T = row_transform(v, points.rows, motion);
     auto* row = points.ptr<cv::Vec3f>(v);
     for (int u = 0; u < points.cols; ++u) {
       const Eigen::Vector3f p = T * Eigen::Vector3f(row[u][0], row[u][1], row[u][2]);
@@ -26,7 +21,7 @@ void straighten_rows(FeatureFrame& features, const Vector6d& motion) {
   if (motion.isZero() || features.height <= 0) return;
   for (Feature& f : features.features)
     if (f.kind == MeasurementKind::point)
-      f.point = from_row(static_cast<double>(f.y), features.height, motion) * f.point;
+      f.point = row_transform(static_cast<double>(f.y), features.height, motion) * f.point;
 }
 
 }  // namespace lcmslam

@@ -9,8 +9,11 @@
 
 namespace lcmslam {
 
-/// `points`: CV_32FC3, rows as they were read, camera frame; `motion`: the camera's twist (its own frame)
-/// from the first row to the last.
+/// From the camera at a row to the camera at the middle of the image. `motion`: the camera's twist (its own
+/// frame) from the first row to the last.
+Eigen::Isometry3f row_transform(double row, int rows, const Vector6d& motion);
+
+/// `points`: CV_32FC3, rows as they were read, camera frame.
 void straighten_rows(cv::Mat& points, const Vector6d& motion);
 
 /// The same for the points of features, by the rows where they were seen.

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "imaging/occlusion.hpp"
+#include "imaging/row_kernel.hpp"
 
 namespace lcmslam {
 namespace {
@@ -15,35 +16,45 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-// Valid depths become points T * (z * ray), with their standard deviation; the others NaN.
-void unproject(const RgbdFrame& frame, const RgbdCalibration& calibration, const cv::Mat_<cv::Vec2f>& rays,
-               const Eigen::Isometry3d& T, RegisteredDepth& result) {
-  const Eigen::Matrix3f R = T.linear().cast<float>();
-  const Eigen::Vector3f t = T.translation().cast<float>();
-  const bool moved = !T.matrix().isIdentity(0);
-  const int nearest = std::max(1, static_cast<int>(std::ceil(calibration.depth_min * 1000)));
-  const int farthest = std::min(65534, static_cast<int>(std::floor(calibration.depth_max * 1000)));
-  const bool has_amplitude = calibration.depth_noise.amplitude > 0 && !frame.amplitude.empty();
+// What a row kernel needs to know.
+struct RowGeometry {
+  float nearest, farthest;            // mm
+  float constant, quadratic, offset;  // of the depth noise
+  float R[9], t[3];                   // row-major
+};
 
-  for (int v = 0; v < frame.depth.rows; ++v) {
-    const auto* depth = frame.depth.ptr<std::uint16_t>(v);
-    const auto* amplitude = has_amplitude ? frame.amplitude.ptr<std::uint8_t>(v) : nullptr;
-    auto* point = result.points.ptr<cv::Vec3f>(v);
-    auto* sigma = result.sigma.ptr<float>(v);
-    for (int u = 0; u < frame.depth.cols; ++u) {
-      if (depth[u] < nearest || depth[u] > farthest) {
-        point[u] = {nan_value, nan_value, nan_value};
-        sigma[u] = nan_value;
-        continue;
-      }
-      const float z = 0.001f * static_cast<float>(depth[u]);
-      const cv::Vec2f& ray = rays(v, u);
-      Eigen::Vector3f p(z * ray[0], z * ray[1], z);
-      if (moved) p = R * p + t;
-      point[u] = {p.x(), p.y(), p.z()};
-      sigma[u] =
-          static_cast<float>(calibration.depth_noise.sigma(z, has_amplitude ? amplitude[u] / 255.0 : 1.0));
-    }
+RowGeometry row_geometry(const RgbdCalibration& calibration, const Eigen::Isometry3d& T) {
+  const DepthNoise& noise = calibration.depth_noise;
+  RowGeometry g{};
+  g.nearest = static_cast<float>(std::max(1.0, std::ceil(calibration.depth_min * 1000)));
+  g.farthest = static_cast<float>(std::min(65534.0, std::floor(calibration.depth_max * 1000)));
+  g.constant = static_cast<float>(noise.constant);
+  g.quadratic = static_cast<float>(noise.quadratic);
+  g.offset = static_cast<float>(noise.offset);
+  for (int i = 0; i < 9; ++i) g.R[i] = static_cast<float>(T.linear()(i / 3, i % 3));
+  for (int i = 0; i < 3; ++i) g.t[i] = static_cast<float>(T.translation()[i]);
+  return g;
+}
+
+// Valid depths become points z * ray with their standard deviation; the others NaN.
+LCMSLAM_ROW_KERNEL void unproject_row(const std::uint16_t* depth, const float* ray, int columns,
+                                      const RowGeometry& g, float* point, float* sigma) {
+  for (int u = 0; u < columns; ++u) {
+    const auto mm = static_cast<float>(depth[u]);
+    const float z = mm >= g.nearest && mm <= g.farthest ? 0.001f * mm : nan_value;
+    const float spread = z - g.offset;
+    point[3 * u] = z * ray[2 * u];
+    point[3 * u + 1] = z * ray[2 * u + 1];
+    point[3 * u + 2] = z;
+    sigma[u] = g.constant + g.quadratic * spread * spread;
+  }
+}
+
+LCMSLAM_ROW_KERNEL void move_row(int columns, const RowGeometry& g, float* point) {
+  for (int u = 0; u < columns; ++u) {
+    const float x = point[3 * u], y = point[3 * u + 1], z = point[3 * u + 2];
+    for (int k = 0; k < 3; ++k)
+      point[3 * u + k] = g.R[3 * k] * x + g.R[3 * k + 1] * y + g.R[3 * k + 2] * z + g.t[k];
   }
 }
 
@@ -96,30 +107,55 @@ void check_frame(const RgbdFrame& frame, const RgbdCalibration& calibration) {
     throw std::invalid_argument("the amplitude image must have the depth image's size and 8 bits");
 }
 
+RegisteredDepth DepthRegistration::unproject(const RgbdFrame& frame) const {
+  return unproject(frame, calibration_.T_colour_depth);
+}
+
+RegisteredDepth DepthRegistration::unproject(const RgbdFrame& frame, const Eigen::Isometry3d& T) const {
+  const CameraModel& depth = calibration_.depth;
+  RegisteredDepth result;
+  result.points.create(depth.height, depth.width, CV_32FC3);
+  result.sigma.create(depth.height, depth.width, CV_32FC1);
+  result.pitch = static_cast<float>(1 / depth.fx);
+  result.footprint = static_cast<float>(calibration_.colour.fx / depth.fx);
+  if (frame.depth.empty()) {
+    result.points.setTo(cv::Scalar::all(nan_value));
+    result.sigma.setTo(cv::Scalar::all(nan_value));
+    return result;
+  }
+  check_frame(frame, calibration_);
+  const DepthNoise& noise = calibration_.depth_noise;
+  const bool has_amplitude = noise.amplitude > 0 && !frame.amplitude.empty();
+  const bool moved = !T.matrix().isIdentity(0);
+  const RowGeometry geometry = row_geometry(calibration_, T);
+  for (int v = 0; v < depth.height; ++v) {
+    const auto* millimetres = frame.depth.ptr<std::uint16_t>(v);
+    auto* point = result.points.ptr<float>(v);
+    auto* sigma = result.sigma.ptr<float>(v);
+    unproject_row(millimetres, rays_.ptr<float>(v), depth.width, geometry, point, sigma);
+    if (noise.amplitude > 0) {
+      const auto* amplitude = has_amplitude ? frame.amplitude.ptr<std::uint8_t>(v) : nullptr;
+      for (int u = 0; u < depth.width; ++u)  // NaN stays NaN
+        if (!std::isnan(sigma[u]))
+          sigma[u] = static_cast<float>(
+              noise.sigma(0.001 * millimetres[u], has_amplitude ? amplitude[u] / 255.0 : 1.0));
+    }
+    if (moved) move_row(depth.width, geometry, point);
+  }
+  return result;
+}
+
 RegisteredDepth DepthRegistration::operator()(const RgbdFrame& frame,
                                               const Eigen::Isometry3d& T_colour_depth_time,
                                               int pixel_step) const {
   if (pixel_step < 1) throw std::invalid_argument("pixel_step must be at least 1");
   if (!T_colour_depth_time.matrix().allFinite())
     throw std::invalid_argument("T_colour_depth_time must be finite");
-  const CameraModel& depth = calibration_.depth;
   const CameraModel& colour = calibration_.colour;
-  const cv::Size size(depth.width, depth.height);
-  RegisteredDepth result;
-  result.points.create(size, CV_32FC3);
-  result.sigma.create(size, CV_32FC1);
-  result.pixels = cv::Mat(size, CV_32FC2, cv::Scalar::all(nan_value));
-  result.pitch = static_cast<float>(1 / depth.fx);
-  result.footprint = static_cast<float>(colour.fx / depth.fx);
+  RegisteredDepth result = unproject(frame, T_colour_depth_time * calibration_.T_colour_depth);
+  result.pixels = cv::Mat(result.points.size(), CV_32FC2, cv::Scalar::all(nan_value));
   result.aligned = calibration_.depth_registered && T_colour_depth_time.matrix().isIdentity(0);
-  if (frame.depth.empty()) {
-    result.points.setTo(cv::Scalar::all(nan_value));
-    result.sigma.setTo(cv::Scalar::all(nan_value));
-    return result;
-  }
-
-  check_frame(frame, calibration_);
-  unproject(frame, calibration_, rays_, T_colour_depth_time * calibration_.T_colour_depth, result);
+  if (frame.depth.empty()) return result;
   if (result.aligned) {
     copy_own_pixels(pixel_step, result);
   } else {

@@ -49,9 +49,15 @@ class DepthRegistration {
                              const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity(),
                              int pixel_step = 1) const;
 
+  /// The depth image alone, before any motion is known: points in the colour camera's frame as it stood at
+  /// the depth image's time, `pixels` empty. Throws as the other one.
+  RegisteredDepth unproject(const RgbdFrame& frame) const;
+
   const RgbdCalibration& calibration() const { return calibration_; }
 
  private:
+  RegisteredDepth unproject(const RgbdFrame& frame, const Eigen::Isometry3d& T) const;
+
   RgbdCalibration calibration_;
   cv::Mat rays_;  // of the depth camera, CV_32FC2
 };

@@ -156,13 +156,17 @@ EncodedFrame from_message(const images_t& message) {
   return frame;
 }
 
-RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibration) {
+EncodedFrame checked_images(const images_t& message, const RgbdCalibration& calibration) {
+  EncodedFrame encoded = from_message(message);
+  check_declared_size("colour", encoded.colour, calibration.colour);
+  check_declared_size("depth", encoded.depth, calibration.depth);
+  if (encoded.amplitude.coding != ImageCoding::none)
+    check_declared_size("amplitude", encoded.amplitude, calibration.depth);
+  return encoded;
+}
+
+RgbdFrame decode_images(const EncodedFrame& encoded, const RgbdCalibration& calibration) {
   try {
-    const EncodedFrame encoded = from_message(message);
-    check_declared_size("colour", encoded.colour, calibration.colour);
-    check_declared_size("depth", encoded.depth, calibration.depth);
-    if (encoded.amplitude.coding != ImageCoding::none)
-      check_declared_size("amplitude", encoded.amplitude, calibration.depth);
     const RgbdFrame frame = decode(encoded);
     check_frame(frame, calibration);
     return frame;
@@ -171,6 +175,10 @@ RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibrat
   } catch (const std::invalid_argument& error) {
     throw DecodeError(error.what());
   }
+}
+
+RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibration) {
+  return decode_images(checked_images(message, calibration), calibration);
 }
 
 camera_calibration_t to_message(const RgbdCalibration& c) {

@@ -19,6 +19,10 @@ EncodedFrame from_message(const images_t& message);
 /// that are not of the calibration's size.
 RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibration);
 
+/// The two steps of it, for those who leave images undecoded: the first checks declared sizes.
+EncodedFrame checked_images(const images_t& message, const RgbdCalibration& calibration);
+RgbdFrame decode_images(const EncodedFrame& encoded, const RgbdCalibration& calibration);
+
 camera_calibration_t to_message(const RgbdCalibration& calibration);
 RgbdCalibration from_message(const camera_calibration_t& message);
 /// Whether both say the same of the head (stamps, numbers and senders may differ).

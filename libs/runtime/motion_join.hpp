@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "geometry/motion_buffer.hpp"
@@ -18,10 +19,16 @@ class MotionJoin {
   using Handler = std::function<void(Measurement&)>;
 
   /// `max_wait` in s of message time; at most `capacity` measurements wait, then the oldest is dropped.
-  MotionJoin(double max_wait, std::size_t capacity, Handler handler)
-      : max_wait_(static_cast<Utime>(1e6 * max_wait)), capacity_(capacity), handler_(std::move(handler)) {}
+  /// Visual odometry may go on for `extrapolation` s beyond its newest sample: a millisecond more would cost
+  /// the wait for the next image.
+  MotionJoin(double max_wait, std::size_t capacity, Handler handler, double extrapolation = 0)
+      : max_wait_(static_cast<Utime>(1e6 * max_wait)),
+        extrapolation_(static_cast<Utime>(1e6 * extrapolation)),
+        capacity_(capacity),
+        handler_(std::move(handler)) {}
 
   const MotionBuffer& motion() const { return motion_; }
+  std::optional<Motion> between(Utime from, Utime to) const { return motion_.between(from, to, beyond()); }
 
   /// `needed` is the latest time that odometry must cover.
   void add(Utime needed, Measurement measurement) {
@@ -40,6 +47,7 @@ class MotionJoin {
     constexpr Utime little = 1'000'000;
     if (sender != sender_) motion_ = MotionBuffer();
     sender_ = sender;
+    visual_ = sample.visual;
     if (sample.utime <= motion_.newest() && motion_.newest() - sample.utime < little) return;
     if (!motion_.add(sample)) drop_all();
     advance(sample.utime);
@@ -53,6 +61,8 @@ class MotionJoin {
   std::int64_t dropped() const { return dropped_; }
 
  private:
+  Utime beyond() const { return visual_ ? extrapolation_ : 0; }
+
   void advance(Utime utime) {
     // Time that jumps back far is a log that loops: start anew.
     if (utime < now_ - 10 * max_wait_ - 1'000'000) {
@@ -71,7 +81,7 @@ class MotionJoin {
   void release(bool all) {
     while (!waiting_.empty()) {
       const Utime needed = waiting_.front().first;
-      const bool covered = motion_.newest() >= needed;
+      const bool covered = !motion_.empty() && motion_.newest() + beyond() >= needed;
       if (!covered && !all && now_ - needed <= max_wait_) return;
       if (!covered) ++without_odometry_;
       Measurement measurement = std::move(waiting_.front().second);
@@ -81,10 +91,12 @@ class MotionJoin {
   }
 
   Utime max_wait_;
+  Utime extrapolation_;
   std::size_t capacity_;
   Handler handler_;
   MotionBuffer motion_;
   std::int64_t sender_ = 0;  // of odometry
+  bool visual_ = false;
   std::deque<std::pair<Utime, Measurement>> waiting_;
   Utime now_ = 0;
   std::int64_t without_odometry_ = 0;

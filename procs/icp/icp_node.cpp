@@ -12,6 +12,7 @@
 #include "icp/feature_depth.hpp"
 #include "icp/read_settings.hpp"
 #include "icp/rolling_shutter.hpp"
+#include "imaging/codec.hpp"
 #include "messages/camera_messages.hpp"
 #include "messages/feature_messages.hpp"
 #include "messages/geometry_messages.hpp"
@@ -75,10 +76,11 @@ IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
       settings_(read_icp_settings(config)),
       filter_settings_(read_depth_filter_settings(config.section("depth_filter"))),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
-      cloud_points_(config.get("cloud_points", 20000.0, Range{100, 1e7})),
+      cloud_points_(config.get("cloud_points", 12000.0, Range{100, 1e7})),
       frame_queue_(frame_queue(config, 2)),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
-            [this](RgbdFrame& frame) { on_frame(frame); }),
+      join_(
+          config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
+          [this](Prepared& prepared) { on_frame(prepared); }, config.get("extrapolation", 0.01, Range{0, 1})),
       // Kinects of the first kind read their rows during nearly the whole 33 ms of a frame.
       readout_(config.get("rolling_shutter", 0.03, Range{0, 0.1})),
       rolling_sensors_(config.get(
@@ -101,10 +103,19 @@ void IcpNode::on_camera(const images_t& message) {
     uncalibrated_ = message;
     return;
   }
-  RgbdFrame frame = decode_images(message, *calibration_);
+  // Odometry comes later: what needs no motion is done while it is made.
+  EncodedFrame encoded = checked_images(message, *calibration_);
+  Prepared prepared;
+  if (settings_.variant == VariantKind::modern) prepared.colour = std::exchange(encoded.colour, {});
+  prepared.frame = decode_images(encoded, *calibration_);
+  RgbdFrame& frame = prepared.frame;
+  if (!frame.depth.empty()) (*filter_)(frame.depth, frame.amplitude);
+  const double pixels = static_cast<double>(frame.depth.total());
+  const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
+  prepared.view = prepared_view(*registration_, frame, step);
   const Utime depth_utime = calibration_->depth_time(frame.depth_utime);
   const Utime needed = std::max({frame.utime, depth_utime, depth_utime + clock_correction()});
-  join_.add(needed, std::move(frame));
+  join_.add(needed, std::move(prepared));
 }
 
 void IcpNode::on_calibration(const camera_calibration_t& message) {
@@ -145,53 +156,69 @@ void IcpNode::restart() {
   last_ = {};
 }
 
-IcpNode::Shot IcpNode::make_shot(RgbdFrame& frame) const {
+IcpNode::Shot IcpNode::make_shot(const Prepared& prepared) const {
+  const RgbdFrame& frame = prepared.frame;
   Shot shot;
   shot.depth_utime = calibration_->depth_time(frame.depth_utime);
   const Utime seen_utime = shot.depth_utime + clock_correction();
-  // Images of one moment need no motion, and registering them without it is much cheaper.
+  // Images of one moment need no motion.
   const bool together = std::abs(frame.utime - seen_utime) < same_moment;
-  const auto motion = together ? std::nullopt : join_.motion().between(frame.utime, seen_utime);
-  const auto told = join_.motion().between(frame.utime, shot.depth_utime);
+  const auto motion = together ? std::nullopt : join_.between(frame.utime, seen_utime);
+  const auto told = join_.between(frame.utime, shot.depth_utime);
   shot.utime = together || (motion && told) ? frame.utime : shot.depth_utime;
   if (shot.utime == frame.utime && told) shot.T_points_depth = told->T_from_to;
-  const Eigen::Isometry3d T_points_seen = motion ? motion->T_from_to : Eigen::Isometry3d::Identity();
   const Eigen::Isometry3d& T_robot_camera = calibration_->T_robot_camera;
-  const double pixels = static_cast<double>(frame.depth.total());
-  const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / cloud_points_))));
-  if (!frame.depth.empty()) (*filter_)(frame.depth, frame.amplitude);
-  const Eigen::Isometry3d T_colour_depth_time = T_robot_camera.inverse() * T_points_seen * T_robot_camera;
-  shot.depth = (*registration_)(frame, T_colour_depth_time, step);
-  const auto turn = rolling_shutter_ > 0 ? join_.motion().between(last_utime_, frame.utime) : std::nullopt;
+  if (motion) shot.T_colour_depth_time = T_robot_camera.inverse() * motion->T_from_to * T_robot_camera;
+  shot.joined = motion && told;
+  const auto turn = rolling_shutter_ > 0 ? join_.between(last_utime_, frame.utime) : std::nullopt;
   if (turn && frame.utime > last_utime_) {
     const double seconds = 1e-6 * static_cast<double>(frame.utime - last_utime_);
     shot.camera_twist = se3_log(T_robot_camera.inverse() * turn->T_from_to * T_robot_camera) / seconds;
-    straighten_rows(shot.depth.points, rolling_shutter_ * shot.camera_twist);
   }
-  shot.cloud = make_cloud(frame, shot.depth, step);
-  if (motion && told)
-    shot.T_depth_colour = (T_colour_depth_time * registration_->calibration().T_colour_depth).inverse();
+  shot.cloud = cloud_of(prepared.view, shot.T_colour_depth_time, rolling_shutter_ * shot.camera_twist);
   return shot;
 }
 
+// For keyframes: few, so that colour is decoded and looked up here alone.
+ColouredCloud IcpNode::paint(Prepared& prepared, const Shot& shot) {
+  RgbdFrame& frame = prepared.frame;
+  const int step = prepared.view.step;
+  bool damaged = false;
+  try {
+    if (frame.colour.empty()) frame.colour = decode_colour(prepared.colour);
+  } catch (const CodecError&) {
+    damaged = true;
+    ++unpainted_;
+  }
+  RegisteredDepth depth = (*registration_)(frame, shot.T_colour_depth_time, step);
+  straighten_rows(depth.points, rolling_shutter_ * shot.camera_twist);
+  return make_cloud(frame, depth, step, damaged);
+}
+
 // Only what is there already: waiting for features would add their latency to the pose's.
-std::optional<FeatureFrame> IcpNode::features_at(Utime utime, const Shot& shot) const {
+std::optional<FeatureFrame> IcpNode::features_at(const Prepared& prepared, const Shot& shot) const {
+  const Utime utime = prepared.frame.utime;
   if (std::abs(shot.utime - utime) > same_moment)
     return std::nullopt;  // the cloud stands at another moment than the colour image
   for (const FeatureFrame& frame : features_)
     if (frame.utime == utime) {
       FeatureFrame placed = frame;
-      if (shot.T_depth_colour)
-        placed = placed_by(shot.depth, registration_->calibration().depth, *shot.T_depth_colour, frame);
+      if (shot.joined) {
+        const RgbdCalibration& c = registration_->calibration();
+        placed =
+            placed_by(prepared.view.depth, c.depth, (shot.T_colour_depth_time * c.T_colour_depth).inverse(),
+                      frame, shot.T_colour_depth_time);
+      }
       straighten_rows(placed, rolling_shutter_ * shot.camera_twist);
       return placed;
     }
   return std::nullopt;
 }
 
-void IcpNode::on_frame(RgbdFrame& frame) {
+void IcpNode::on_frame(Prepared& prepared) {
+  const RgbdFrame& frame = prepared.frame;
   const double begin = publisher_.cpu_time();
-  const Shot shot = make_shot(frame);
+  const Shot shot = make_shot(prepared);
   if (mapper_ && shot.utime <= last_utime_ && last_utime_ - shot.utime < 1'000'000) return;  // came too late
   const bool jumped = shot.utime <= last_utime_ || shot.utime - last_utime_ > longest_gap;
   if (mapper_ && jumped) ++restarts_;
@@ -199,14 +226,15 @@ void IcpNode::on_frame(RgbdFrame& frame) {
     restart();
     last_utime_ = shot.utime;
   }
-  const auto motion = join_.motion().between(last_utime_, shot.utime);
+  const auto motion = join_.between(last_utime_, shot.utime);
   T_world_previous_ = last_.T_world_robot;
-  const auto features = features_at(frame.utime, shot);
+  const auto features = features_at(prepared, shot);
   with_features_ += features ? 1 : 0;
   const ColourView colour{frame.colour, calibration_->colour, calibration_->depth,
                           calibration_->T_colour_depth};
-  last_ = mapper_->step(shot.utime, shot.cloud, calibration_->T_robot_camera, motion,
-                        features ? &*features : nullptr, &colour);
+  last_ = mapper_->step(
+      shot.utime, shot.cloud, [&] { return paint(prepared, shot); }, calibration_->T_robot_camera, motion,
+      features ? &*features : nullptr, &colour);
   observe_clock(shot, motion);
   last_utime_ = shot.utime;
   anchored_ += last_.anchored ? 1 : 0;
@@ -338,6 +366,7 @@ NodeReport IcpNode::report() const {
                    {"anchored", static_cast<double>(anchored_)},
                    {"skipped", static_cast<double>(join_.dropped())},
                    {"lost", static_cast<double>(lost_)},
+                   {"unpainted", static_cast<double>(unpainted_)},
                    {"restarts", static_cast<double>(restarts_)},
                    {"keyframes", mapper_ ? static_cast<double>(mapper_->keyframes().size()) : 0},
                    {"map_points", mapper_ ? static_cast<double>(mapper_->map().size()) : 0},

@@ -7,9 +7,11 @@
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
 
+#include "icp/depth_view.hpp"
 #include "icp/icp_mapper.hpp"
 #include "imaging/depth_filter.hpp"
 #include "imaging/registration.hpp"
+#include "imaging/rgbd_frame.hpp"
 #include "runtime/motion_join.hpp"
 #include "runtime/node.hpp"
 
@@ -26,25 +28,32 @@ class IcpNode : public Node {
   NodeReport report() const override;
 
  private:
+  /// What can be done with an image before odometry tells of its time.
+  struct Prepared {
+    RgbdFrame frame;
+    EncodedImage colour;  // not decoded yet where only keyframes show it
+    DepthView view;
+  };
+
   /// A cloud and the time of the pose from which it is seen.
   struct Shot {
     Utime utime = 0;  // of the points: the colour image's, or depth's while motion is not known
     Utime depth_utime =
         0;  // of the depth image, on colour's clock by the calibration; the pose is told for it
     Eigen::Isometry3d T_points_depth = Eigen::Isometry3d::Identity();  // robot at utime <- at depth_utime
-    ColouredCloud cloud;
-    // Where images of different moments are joined: the depth, moved in time, and how.
-    RegisteredDepth depth;
-    std::optional<Eigen::Isometry3d> T_depth_colour;
+    Cloud cloud;
+    Eigen::Isometry3d T_colour_depth_time = Eigen::Isometry3d::Identity();  // camera; as DepthRegistration's
+    bool joined = false;                       // images of different moments, motion known
     Vector6d camera_twist = Vector6d::Zero();  // per second; zero while it is not known or does not matter
   };
 
   void on_camera(const images_t& message);
   void on_calibration(const camera_calibration_t& message);
-  void on_frame(RgbdFrame& frame);
+  void on_frame(Prepared& prepared);
   void on_features(const features_t& message);
-  std::optional<FeatureFrame> features_at(Utime utime, const Shot& shot) const;
-  Shot make_shot(RgbdFrame& frame) const;
+  std::optional<FeatureFrame> features_at(const Prepared& prepared, const Shot& shot) const;
+  Shot make_shot(const Prepared& prepared) const;
+  ColouredCloud paint(Prepared& prepared, const Shot& shot);
   Utime clock_correction() const;
   void observe_clock(const Shot& shot, const std::optional<Motion>& motion);
   void restart();
@@ -60,21 +69,21 @@ class IcpNode : public Node {
   double cloud_points_;
   std::deque<FeatureFrame> features_;  // the newest few
   std::size_t frame_queue_;            // frames that may wait
-  MotionJoin<RgbdFrame> join_;
+  MotionJoin<Prepared> join_;
   camera_calibration_t calibration_message_;
   std::optional<RgbdCalibration> calibration_;
   std::optional<DepthRegistration> registration_;
-  mutable std::optional<DepthFilter> filter_;  // its buffers
-  std::optional<images_t> uncalibrated_;       // the newest message that came before the calibration
-  double readout_;                             // s from an image's first row to its last, of
-  std::vector<std::string> rolling_sensors_;   // these; their names are the calibrations'
-  double rolling_shutter_ = 0;                 // s, of the sensor at work
-  DepthClock depth_clock_;                     // what the calibration leaves
+  std::optional<DepthFilter> filter_;
+  std::optional<images_t> uncalibrated_;      // the newest message that came before the calibration
+  double readout_;                            // s from an image's first row to its last, of
+  std::vector<std::string> rolling_sensors_;  // these; their names are the calibrations'
+  double rolling_shutter_ = 0;                // s, of the sensor at work
+  DepthClock depth_clock_;                    // what the calibration leaves
   std::optional<IcpMapper> mapper_;
   Utime last_utime_ = 0;
   std::deque<keyframe_t> tiles_;  // wait for their turn: bursts overrun receive buffers
   std::chrono::steady_clock::time_point next_tile_{};
-  std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0, with_features_ = 0, anchored_ = 0;
+  std::int64_t steps_ = 0, lost_ = 0, unpainted_ = 0, restarts_ = 0, with_features_ = 0, anchored_ = 0;
   IcpMapper::Step last_;
   Eigen::Isometry3d T_world_previous_ = Eigen::Isometry3d::Identity();  // of the step before last_
 };

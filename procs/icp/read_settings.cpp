@@ -123,6 +123,7 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
       features.get("searched_keyframes", s.features.searched_keyframes, Range{0, 1000});
   s.features.floor_translation = features.get("floor_translation", s.features.floor_translation, metres);
   s.features.floor_rotation = features.get("floor_rotation", s.features.floor_rotation, radians);
+  s.features.max_disagreement = features.get("max_disagreement", s.features.max_disagreement, Range{0, 1e6});
 
   const ConfigNode clock = c.section("depth_clock");
   s.depth_clock.enabled = clock.get("enabled", s.depth_clock.enabled);
@@ -175,6 +176,7 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   s.keyframe_angle = c.get("keyframe_angle", s.keyframe_angle, radians);
   s.keyframe_overlap = c.get("keyframe_overlap", s.keyframe_overlap, share);
   s.keyframe_voxel = c.get("keyframe_voxel", s.keyframe_voxel, Range{0.001, 10});
+  s.keyframe_points = c.get("keyframe_points", s.keyframe_points, Range{1000, 1e10});
   return s;
 }
 

@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "evaluate/evaluation_report.hpp"
 #include "evaluate/pose_log.hpp"
+#include "evaluate/reference_surface.hpp"
 #include "evaluation/surface_error.hpp"
 #include "mapping/map_export.hpp"
 #include "parse_command.hpp"
@@ -35,7 +36,7 @@ struct Request {
   InputRequest inputs;
   std::string alignment = "se3", association, json;
   std::vector<std::string> plots;
-  std::string map, scene;
+  std::string map, scene, reference;
   EvaluationSettings settings;
   bool find_clock_offset = false;
   ClockOffsetSearch search;
@@ -85,12 +86,32 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
           },
           "FILE.png|FILE.svg"));
   auto* map = app.add_option("--map", r.map,
-                             "FILE.ply: how far its points are from the surfaces of --scene; brought to the "
-                             "truth's world by the alignment of the last estimate");
+                             "FILE.ply: how far its points are from the surfaces of --scene or --reference; "
+                             "brought to the truth's world by the alignment of the last estimate");
   auto* scene = app.add_option("--scene", r.scene, "FILE.yaml of the simulation")->needs(map);
-  map->needs(scene);
+  app.add_option(
+         "--reference", r.reference,
+         "LOG whose depth images, fused at the true poses, are the surfaces (tangent planes, 1 cm apart)")
+      ->needs(map)
+      ->excludes(scene);
   app.add_option("--json", r.json, "file for all figures");
   return parse_command(app, argc, argv);
+}
+
+SurfaceError scene_error(const Request& r, const Eigen::Isometry3d& T_truth_map) {
+  std::vector<Triangle> triangles;
+  for (const SceneTriangle& t : load_scene(r.scene).triangles)
+    triangles.push_back({t.corner[0], t.corner[1], t.corner[2]});
+  return surface_error(load_ply(r.map).points, T_truth_map, TriangleSurface(std::move(triangles)));
+}
+
+SurfaceError reference_error(const Request& r, const Trajectory& truth,
+                             const Eigen::Isometry3d& T_truth_map) {
+  constexpr float reach = 0.3f;  // m
+  const ReferenceSurface surface(r.reference, truth);
+  return surface_error(
+      load_ply(r.map).points, T_truth_map,
+      [&](const Eigen::Vector3f& p) { return surface.distance(p, reach); }, reach);
 }
 
 std::string format_map_error(const Request& r, const Evaluation& evaluation) {
@@ -98,16 +119,15 @@ std::string format_map_error(const Request& r, const Evaluation& evaluation) {
   for (const EvaluatedEstimate& e : evaluation.estimates)
     if (e.report && e.path.channel != "ODOMETRY") placed = &e;
   if (placed == nullptr) throw std::runtime_error("--map: no estimate tells where the map lies");
-  std::vector<Triangle> triangles;
-  for (const SceneTriangle& t : load_scene(r.scene).triangles)
-    triangles.push_back({t.corner[0], t.corner[1], t.corner[2]});
-  const SurfaceError e = surface_error(load_ply(r.map).points, placed->report->alignment.T_truth_estimate,
-                                       TriangleSurface(std::move(triangles)));
+  const Eigen::Isometry3d& T_truth_map = placed->report->alignment.T_truth_estimate;
+  const SurfaceError e = r.reference.empty() ? scene_error(r, T_truth_map)
+                                             : reference_error(r, evaluation.truth.trajectory, T_truth_map);
   return fmt::format(
       "\n{}: {} points, placed by {}; distance to the surfaces of {}: median {:.4f} m, 95 % within {:.4f} m, "
       "mean "
       "{:.4f} m, {:.2f} % beyond 0.3 m\n",
-      r.map, e.points, placed->path.name, r.scene, e.median, e.p95, e.mean, 100 * e.beyond);
+      r.map, e.points, placed->path.name, r.reference.empty() ? r.scene : r.reference, e.median, e.p95,
+      e.mean, 100 * e.beyond);
 }
 
 }  // namespace
@@ -115,6 +135,8 @@ std::string format_map_error(const Request& r, const Evaluation& evaluation) {
 int evaluate_command(int argc, char** argv) {
   Request r;
   if (const auto exit_code = parse(r, argc, argv)) return *exit_code;
+  if (!r.map.empty() && r.scene.empty() && r.reference.empty())
+    throw std::runtime_error("--map: needs --scene or --reference");
   EvaluationInputs inputs = read_inputs(r.inputs);
   r.settings.alignment = alignments.at(r.alignment);
   r.settings.association = !r.association.empty()         ? associations.at(r.association)

@@ -38,6 +38,32 @@ TEST_F(Join, MeasurementWaitsUntilOdometryCoversIt) {
   EXPECT_THAT(released_, ElementsAre(1, 2));
 }
 
+TEST_F(Join, VisualOdometryGoesOnForAMoment) {
+  std::vector<int> released;
+  MotionJoin<int> join(
+      0.1, 3, [&](int& name) { released.push_back(name); }, 0.01);
+  const auto add = [&](double seconds, double x, bool visual) {
+    MotionSample sample = at(seconds, x);
+    sample.visual = visual;
+    join.add(sample);
+  };
+  add(10.00, 0, true);
+  add(10.03, 0.3, true);
+  join.add(us(10.035), 1);
+  EXPECT_THAT(released, ElementsAre(1));
+  EXPECT_EQ(join.without_odometry(), 0);
+  const auto motion = join.between(us(10.03), us(10.035));
+  ASSERT_TRUE(motion);
+  EXPECT_NEAR(motion->T_from_to.translation().x(), 0.05, 1e-9);
+  join.add(us(10.045), 2);  // too far
+  EXPECT_THAT(released, ElementsAre(1));
+  add(10.06, 0.6, false);  // wheels come often enough
+  EXPECT_THAT(released, ElementsAre(1, 2));
+  join.add(us(10.065), 3);
+  EXPECT_THAT(released, ElementsAre(1, 2));
+  EXPECT_FALSE(join.between(us(10.06), us(10.065)));
+}
+
 TEST_F(Join, MeasurementsGoOnInTheirOrder) {
   for (int i = 0; i < 3; ++i) measure(10 + 0.01 * i, i);
   join_.add(at(10.5));

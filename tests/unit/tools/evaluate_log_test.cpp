@@ -5,8 +5,11 @@
 #include <limits>
 
 #include "evaluate/pose_log.hpp"
+#include "imaging/codec.hpp"
 #include "mapping/map_export.hpp"
+#include "messages/camera_messages.hpp"
 #include "unit/tools/evaluate_fixture.hpp"
+#include "unit/tools/mounted_camera.hpp"
 
 namespace lcmslam {
 namespace {
@@ -83,6 +86,38 @@ TEST_F(Evaluate, MapIsComparedWithTheScene) {
       << output_;
   EXPECT_THAT(output_, HasSubstr("400 points"));
   EXPECT_THAT(output_, HasSubstr("median 0.0200 m"));
+}
+
+TEST_F(Evaluate, MapIsComparedWithAReferenceLogsImages) {
+  const RgbdCalibration calibration = testing::mounted_camera();
+  {
+    MessageLog log(path("run.lcmlog"));
+    camera_calibration_t c = to_message(calibration);
+    c.utime = c.seq = c.sender = 0;
+    log.write("CAMERA_CALIBRATION", c);
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    for (const StampedPose& pose : path_) log.write("ICP_POSE", estimate_message(pose));
+    RgbdFrame frame;  // a wall 2 m ahead of the camera at the path's first pose
+    frame.utime = path_.front().utime;
+    frame.depth_utime = frame.utime - static_cast<Utime>(std::llround(1e6 * calibration.depth_clock_offset));
+    frame.colour = cv::Mat(calibration.colour.height, calibration.colour.width, CV_8UC3, cv::Scalar::all(9));
+    frame.depth = cv::Mat(calibration.depth.height, calibration.depth.width, CV_16UC1, cv::Scalar(2000));
+    log.write("CAMERA", to_message(encode(frame)));
+  }
+  const Eigen::Isometry3d T_world_depth =
+      path_.front().T_world_body * calibration.T_robot_camera * calibration.T_colour_depth;
+  ColouredCloud cloud;
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Vector3d p(0.01 * (i % 20), 0.01 * (i / 20), 1.97);
+    cloud.points.push_back((T_world_depth * p).cast<float>());
+    cloud.colours.emplace_back(1, 2, 3);
+  }
+  save_ply(path("map.ply"), cloud);
+  EXPECT_NE(run({path("run.lcmlog"), "--map", path("map.ply"), "--reference", path("none.lcmlog")}), 0);
+  EXPECT_EQ(run({path("run.lcmlog"), "--map", path("map.ply"), "--reference", path("run.lcmlog")}), 0)
+      << output_;
+  EXPECT_THAT(output_, HasSubstr("400 points"));
+  EXPECT_THAT(output_, HasSubstr("median 0.0300 m, 95 % within 0.0300 m"));
 }
 
 TEST_F(Evaluate, OnlyTheNewestMapOfARestartedMapperCounts) {

@@ -1,0 +1,61 @@
+#include "evaluate/reference_surface.hpp"
+
+#include <cmath>
+#include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/images_t.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "icp/cloud_filter.hpp"
+#include "icp/depth_view.hpp"
+#include "log/log_reader.hpp"
+#include "messages/camera_messages.hpp"
+#include "messages/decode.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double voxel_size = 0.01;  // m
+constexpr int pixel_step = 1;
+
+VoxelMapSettings fine_map() {
+  VoxelMapSettings settings;
+  settings.voxel_size = voxel_size;
+  settings.max_blocks = 4'000'000;
+  return settings;
+}
+
+}  // namespace
+
+ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& robot) : map_(fine_map()) {
+  LogReader reader(log);
+  std::optional<DepthRegistration> registration;
+  while (const auto event = reader.next_view()) {
+    if (event->channel == "CAMERA_CALIBRATION" && !registration)
+      registration.emplace(from_message(decode_message<camera_calibration_t>(event->data, event->size)));
+    if (event->channel != "CAMERA" || !registration) continue;
+    const RgbdCalibration& calibration = registration->calibration();
+    const RgbdFrame frame = decode_images(decode_message<images_t>(event->data, event->size), calibration);
+    const auto T_world_robot = pose_at(robot, calibration.depth_time(frame.depth_utime));
+    if (!T_world_robot) continue;
+    const DepthView view = prepared_view(*registration, frame, pixel_step);
+    Cloud cloud = usable_points(cloud_of(view, Eigen::Isometry3d::Identity(), Vector6d::Zero()));
+    const Eigen::Isometry3d T_world_camera = *T_world_robot * calibration.T_robot_camera;
+    move(cloud, T_world_camera);
+    map_.insert(cloud, T_world_camera.translation());
+    ++frames_;
+  }
+  if (frames_ == 0)
+    throw std::runtime_error(log + ": no CAMERA images with a calibration at times where the truth is known");
+}
+
+float ReferenceSurface::distance(const Eigen::Vector3f& point, float reach) const {
+  TargetPoint found;
+  if (!map_.find(point, reach, found)) return reach;
+  const Eigen::Vector3f offset = point - found.point;
+  const float height = std::abs(found.normal.dot(offset));
+  const float beside = std::sqrt(std::max(0.0f, offset.squaredNorm() - height * height));
+  return beside < 3 * static_cast<float>(voxel_size) ? height : offset.norm();
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,30 @@
+#pragma once
+// The surfaces that a log's depth images show when they are put at known poses: what a map is measured
+// against where there is no scene to compare with.
+
+#include <string>
+
+#include "evaluation/trajectory.hpp"
+#include "icp/voxel_map.hpp"
+
+namespace lcmslam {
+
+class ReferenceSurface {
+ public:
+  /// Fuses the images of `log` that lie on the path (of the robot). Throws std::runtime_error when there are
+  /// none, or no calibration.
+  ReferenceSurface(const std::string& log, const Trajectory& robot);
+
+  /// m from the tangent plane of the nearest fused point, or from that point where it lies farther beside;
+  /// the reach where nothing is nearer.
+  float distance(const Eigen::Vector3f& point, float reach) const;
+
+  int frames() const { return frames_; }
+  std::size_t points() const { return map_.size(); }
+
+ private:
+  VoxelMap map_;
+  int frames_ = 0;
+};
+
+}  // namespace lcmslam
