@@ -76,9 +76,11 @@ FastSlam::FastSlam(const FastSlamSettings& settings)
 StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   StepResult result;
   if (running_ && frame.utime >= running_->due) {
-    taken_over_ = take_over(running_->result.get());
+    auto path = take_over(running_->result.get());
+    if (running_->wanted) taken_over_ = std::move(path);
     running_.reset();
   }
+  if (running_path_ && frame.utime >= running_path_->due) result.rejuvenated = take_over_path();
   last_utime_ = frame.utime;
   std::vector<FeaturePoint> points = usable_features(frame, settings_);
   result.offered = static_cast<int>(
@@ -91,68 +93,55 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   std::vector<VisibleLandmark> expected;
   bool may_create = true;
   std::vector<int> contradicted;
+  observed_.clear();
   if (started_) seen = filter(motion, frame, points, expected, contradicted, may_create, result);
   started_ = true;
   // The particle of highest weight is the map; the pose is estimated before resampling adds noise.
-  std::vector<double> weights = choose_best();
+  const std::vector<double> weights = choose_best();
   estimate(weights, result);
-  if (smoother_) {
-    const bool reunion =
-        !contradicted.empty() || std::any_of(seen.begin(), seen.end(), [&](const auto& match) {
-          return index_.unseen_steps(match.slot) > settings_.reunion_steps;
-        });
-    remember(frame.utime, motion, measured, points, result);
-    const bool due = smoother_ && smoother_->size() >= smooth_at_;
-    result.rejuvenated = due && (reunion || coalesced()) && rejuvenate();
-    if (result.rejuvenated) {
-      weights = choose_best();
-      estimate(weights, result);
-    }
-  }
+  const bool reunion =
+      !contradicted.empty() || std::any_of(seen.begin(), seen.end(), [&](const LandmarkMatch& match) {
+        return index_.unseen_steps(match.slot) > settings_.reunion_steps;
+      });
 
   // Landmarks die and are born alike in all particles; new ones last, so that 2.0 is possible.
   result.removed = update_existence(index_, particles_[best()].map, frame, points, expected, seen,
                                     contradicted, particles_[best()].T_world_robot, settings_);
+  std::vector<std::int32_t> forgotten;
   for (const int slot : contradicted)
-    if (smoother_ && !index_.alive(slot)) smoother_->forget(index_.record(slot).known_id);
+    if (!index_.alive(slot)) forgotten.push_back(index_.record(slot).known_id);
   std::vector<int> chosen;
   if (may_create) chosen = choose_new_landmarks(frame, points, seen, index_, settings_);
   const std::vector<LandmarkMatch> created = create_landmarks(frame, points, chosen);
   report(created, AssociationOutcome::created, points, index_, result);
   if (map_smoother_) remember_keyframe(motion, frame, points, created, result);
+  loop_open_ = map_smoother_ && settings_.bend_closed_loops && (loop_open_ || result.loop_closed);
+  if (loop_open_ && !running_) begin_map_smoothing();
   result.created = static_cast<int>(chosen.size());
+  if (smoother_ && remember({frame.utime, motion, measured, points, observed_, created, forgotten,
+                             result.T_world_robot, result.covariance}))
+    smooth_path_when_due(reunion);
 
   result.effective_sample_size = effective_sample_size(weights);
-  const double limit = settings_.resample_fraction * settings_.particles;
-  result.resampled = settings_.resample_fraction >= 1 || result.effective_sample_size < limit;
-  if (result.resampled) resample_particles(weights);
+  result.resampled = resample_when_due(weights);
   result.best = best_;
   return result;
 }
 
-std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureFrame& frame,
-                                            std::vector<FeaturePoint>& points,
-                                            std::vector<VisibleLandmark>& expected,
-                                            std::vector<int>& contradicted, bool& may_create,
-                                            StepResult& result) {
-  const bool empty = index_.size() == 0;
-  result.motion_usable = usable(motion);
+// The motion that the best particle's calibration makes of the odometry's; calibration_ stands in this step.
+Motion FastSlam::calibrated_prior(const Motion& motion) {
   Motion prior = motion_prior(motion, settings_);
   calibration_.begin(prior);
   calibration_.prepare_gain(prior.covariance);
   prior.T_from_to = calibration_.apply(particles_[best()].calibration);
   prior.covariance += calibration_.added_covariance();
-  FrameAssociation association = associator_.associate(frame, points, particles_[best()].T_world_robot, prior,
-                                                       particles_[best()].map, index_);
-  std::vector<LandmarkMatch> observed =
-      select_informative(association.matches, frame, points, particles_[best()].map, settings_);
-  std::vector<LandmarkMatch> seen = association.matches;
-  for (auto* list : {&observed, &seen}) {
-    list->insert(list->end(), association.known.begin(), association.known.end());
-    sort_by_slot(*list);
-  }
-  widen_for_correlation(observed, frame.utime, points);
+  return prior;
+}
 
+// Every particle draws its new pose, weighs it and updates its landmarks.
+std::vector<FastSlam::Verdict> FastSlam::move_particles(const FrameAssociation& association,
+                                                        const std::vector<LandmarkMatch>& observed,
+                                                        const std::vector<FeaturePoint>& points) {
   std::vector<Verdict> verdicts(particles_.size());
   for_particles(observed.size(), [&](std::size_t begin, std::size_t end) {
     const auto proposal = make_proposal(settings_, association.prior.covariance);
@@ -175,6 +164,30 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
   double highest = particles_[0].log_weight;
   for (const Particle& particle : particles_) highest = std::max(highest, particle.log_weight);
   for (Particle& particle : particles_) particle.log_weight -= highest;
+  return verdicts;
+}
+
+std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureFrame& frame,
+                                            std::vector<FeaturePoint>& points,
+                                            std::vector<VisibleLandmark>& expected,
+                                            std::vector<int>& contradicted, bool& may_create,
+                                            StepResult& result) {
+  const bool empty = index_.size() == 0;
+  result.motion_usable = usable(motion);
+  const Motion prior = calibrated_prior(motion);
+  FrameAssociation association = associator_.associate(frame, points, particles_[best()].T_world_robot, prior,
+                                                       particles_[best()].map, index_);
+  std::vector<LandmarkMatch> observed =
+      select_informative(association.matches, frame, points, particles_[best()].map, settings_);
+  std::vector<LandmarkMatch> seen = association.matches;
+  for (auto* list : {&observed, &seen}) {
+    list->insert(list->end(), association.known.begin(), association.known.end());
+    sort_by_slot(*list);
+  }
+  widen_for_correlation(observed, frame.utime, points);
+
+  observed_ = observed;
+  const std::vector<Verdict> verdicts = move_particles(association, observed, points);
   std::size_t winner = 0;
   while (particles_[winner].log_weight < 0) ++winner;
 
@@ -200,6 +213,7 @@ std::vector<LandmarkMatch> FastSlam::filter(const Motion& motion, const FeatureF
   result.used = verdict.count;
   result.mean_distance2 = verdict.count > 0 ? verdict.distance2 / verdict.count : 0;
   result.slipped = association.slipped;
+  result.loop_closed = association.loop_closed;
   const bool agreed =
       located ||
       (settings_.verify_by_consensus ? association.agreed : verdict.count >= settings_.minimum_consensus);
@@ -299,12 +313,7 @@ std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
     slots.push_back(static_cast<std::size_t>(slot));
     created.push_back({p, slot, 0});
   }
-  for_particles(slots.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      for (std::size_t i = 0; i < slots.size(); ++i)
-        particles_[k].map.edit(slots[i]) = make_landmark(
-            points[static_cast<std::size_t>(chosen[i])].measurement, particles_[k].T_world_robot);
-  });
+  make_landmarks(created, points);
   const Eigen::Vector3d camera = particles_[best()].T_world_robot * frame.T_robot_camera.translation();
   for (const std::size_t slot : slots) {
     const Eigen::Vector3d ray = camera - particles_[best()].map.find(slot)->mean;
@@ -314,6 +323,16 @@ std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
     record.seen_at = ray.norm();
   }
   return created;
+}
+
+void FastSlam::make_landmarks(const std::vector<LandmarkMatch>& created,
+                              const std::vector<FeaturePoint>& points) {
+  for_particles(created.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      for (const LandmarkMatch& match : created)
+        particles_[k].map.edit(static_cast<std::size_t>(match.slot)) = make_landmark(
+            points[static_cast<std::size_t>(match.point)].measurement, particles_[k].T_world_robot);
+  });
 }
 
 void FastSlam::estimate(const std::vector<double>& weights, StepResult& result) const {
@@ -336,6 +355,13 @@ void FastSlam::estimate(const std::vector<double>& weights, StepResult& result) 
       (0.5 * (result.covariance + result.covariance.transpose())).eval();  // exactly symmetric
   result.T_world_best = T_best;
   result.T_world_robot = T_best * se3_exp(mean);
+}
+
+bool FastSlam::resample_when_due(const std::vector<double>& weights) {
+  const double limit = settings_.resample_fraction * settings_.particles;
+  const bool due = settings_.resample_fraction >= 1 || effective_sample_size(weights) < limit;
+  if (due) resample_particles(weights);
+  return due;
 }
 
 void FastSlam::resample_particles(const std::vector<double>& weights) {

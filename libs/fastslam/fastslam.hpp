@@ -18,6 +18,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -71,6 +72,7 @@ struct StepResult {
   int used = 0;                  ///< of these, in the filter
   int rejected = 0;              ///< look-alikes that the pose or the best particle rejected
   int created = 0, removed = 0;  ///< landmarks
+  bool loop_closed = false;      ///< relocalised where only drift had led it astray: the map bends to fit
   bool slipped = false;          ///< observations contradicted the odometry, and won
   bool resampled = false;
   bool rejuvenated = false;
@@ -112,17 +114,38 @@ class FastSlam {
   /// landmarks, and move as their newest keyframe does. Returns the path; empty when there is none yet, when
   /// both kinds were seen or the settings forbid it.
   std::vector<SmoothedPose> smooth();
-  /// The same without a stall where landmarks are 3-D points: the solver runs beside the following steps,
-  /// and the first step 2 s of message time later takes its result over (and waits for it if it must), so
-  /// that a replay gives the same bytes. False when there is nothing to smooth or it runs already.
+  /// The same without a stall: the solver runs beside the following steps, and the first step a while of
+  /// message time later (3-D landmarks 2 s, planar ones 0.1 ms a pose) takes its result over and waits for it
+  /// if it must, so that a replay gives the same bytes. False when there is nothing to smooth or it runs.
   bool begin_smoothing();
-  bool smoothing() const { return running_.has_value(); }
+  /// What was asked for runs. (The filter also smooths of its own accord.)
+  bool smoothing() const {
+    return (running_ && running_->wanted) || (running_path_ && running_path_->wanted);
+  }
   /// The path that the last step took over; empty when it took none.
   std::vector<SmoothedPose> take_smoothed() { return std::exchange(taken_over_, {}); }
   /// What changed in landmarks() since the last call.
   MapChanges take_changes() { return publication_.take(particles_[best()].map, index_); }
 
  private:
+  /// A step as the path smoother needs it, and the particles when they go the same way once more.
+  struct PathStep {
+    Utime utime = 0;
+    Motion motion;
+    std::vector<FeaturePoint> measured, used;  // as the sensor gave them; corrected and widened
+    std::vector<LandmarkMatch> observed, created;
+    std::vector<std::int32_t> forgotten;  // identities
+    Eigen::Isometry3d T_world_robot;      // the estimate, as said then
+    Matrix6d covariance;
+  };
+  /// The smoothed path's posterior, and particles drawn from it.
+  struct PathDraw {
+    double cost = 0;
+    std::vector<PathSample> samples;
+    Eigen::Matrix3d calibration_covariance;
+    Random stream{0};  // as drawing left it
+  };
+
   /// What one particle made of the step's observations.
   struct Verdict {
     std::vector<char> accepted;  // one for each observation
@@ -141,19 +164,30 @@ class FastSlam {
                std::vector<ObservedLandmark>& sights, std::vector<const CompactLandmark*>& stored) const;
   void widen_for_correlation(const std::vector<LandmarkMatch>& observed, Utime utime,
                              std::vector<FeaturePoint>& points);
-  void remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& measured,
-                const std::vector<FeaturePoint>& points, const StepResult& result);
+  std::vector<Verdict> move_particles(const FrameAssociation& association,
+                                      const std::vector<LandmarkMatch>& observed,
+                                      const std::vector<FeaturePoint>& points);
+  Motion calibrated_prior(const Motion& motion);
+  bool remember(PathStep step);
+  void add_to_path(const PathStep& step, const Motion& prior);
   void remember_keyframe(const Motion& motion, const FeatureFrame& frame,
                          const std::vector<FeaturePoint>& points, const std::vector<LandmarkMatch>& created,
                          const StepResult& result);
   std::vector<SmoothedPose> take_over(const std::optional<MapSmoothing>& smoothing);
-  bool rejuvenate();
+  void begin_map_smoothing();
+  void smooth_path_when_due(bool reunion);
+  void begin_path_smoothing();
+  bool take_over_path();
+  void draw_anew(const PathDraw& draw, const std::set<int>& unborn);
+  void repeat(const PathStep& step, std::set<int>& unborn);
   bool coalesced() const;
   std::vector<double> choose_best();
   std::vector<LandmarkMatch> create_landmarks(const FeatureFrame& frame,
                                               const std::vector<FeaturePoint>& points,
                                               const std::vector<int>& chosen);
+  void make_landmarks(const std::vector<LandmarkMatch>& created, const std::vector<FeaturePoint>& points);
   void estimate(const std::vector<double>& weights, StepResult& result) const;
+  bool resample_when_due(const std::vector<double>& weights);
   void resample_particles(const std::vector<double>& weights);
 
   FastSlamSettings settings_;
@@ -166,16 +200,27 @@ class FastSlam {
   std::unique_ptr<PathSmoother> smoother_;  // while all landmarks are of known identity and planar
   struct RunningSmoothing {
     std::future<std::optional<MapSmoothing>> result;
-    Utime due = 0;  // message time
+    Utime due = 0;        // message time
+    bool wanted = false;  // the path was asked for
   };
   std::optional<RunningSmoothing> running_;
+  bool loop_open_ = false;  // a loop was closed, and the map is not bent yet
+  struct RunningPath {
+    std::future<PathDraw> result;
+    Utime due = 0;        // message time
+    bool wanted = false;  // the path was asked for
+  };
+  std::optional<RunningPath> running_path_;  // smoother_ is the solver's until it is taken over
+  std::vector<PathStep> since_;              // steps meanwhile
+  std::vector<LandmarkMatch> observed_;      // in this step
   std::vector<SmoothedPose> taken_over_;
   Utime last_utime_ = 0;
   std::unique_ptr<MapSmoother> map_smoother_;  // while all landmarks are 3-D points
   SensorCalibration sensor_;                   // as the smoothed path has it
   double smoothing_cost_ = 0;
   Random smoothing_stream_;
-  std::size_t smooth_at_ = 0;  // size of the path
+  std::size_t smoothed_ = 0;  // size of the path then
+  double smoothing_gap_ = 2;  // by how much it is to grow before it is smoothed again
   LandmarkIndex index_;
   LandmarkPublication publication_;
   int best_ = 0;

@@ -1,6 +1,7 @@
 // FastSlam: what it remembers for the smoothers, and what it takes over from them.
 
 #include <algorithm>
+#include <set>
 
 #include "fastslam/fastslam.hpp"
 #include "fastslam/motion_model.hpp"
@@ -10,25 +11,38 @@ namespace lcmslam {
 namespace {
 
 constexpr Utime kSmoothingTime = 2'000'000;  // us that the map smoother has beside the filter
+constexpr Utime kTimePerPose = 100;          // us that the path smoother has, for each pose; takes about 70
+constexpr double kSooner = 0.3;              // of the growth that it waits for: where few lineages are left
 
 }  // namespace
 
-// The step for the smoother: all sights of known identity, believed by the filter or not.
-// The values are as measured, the covariances those that the filter used.
-void FastSlam::remember(Utime utime, const Motion& motion, const std::vector<FeaturePoint>& measured,
-                        const std::vector<FeaturePoint>& points, const StepResult& result) {
-  std::vector<IdentifiedMeasurement> sights;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    Measurement measurement = points[i].measurement;
-    if (points[i].landmark_id < 0 || measurement.kind == MeasurementKind::point) {
+// A step for the path smoother; kept for later while the solver runs. False, and no smoother any more, when
+// landmarks are not of known identity and planar.
+bool FastSlam::remember(PathStep step) {
+  for (const FeaturePoint& point : step.used)
+    if (point.landmark_id < 0 || point.measurement.kind == MeasurementKind::point) {
+      running_path_.reset();  // waits
+      since_.clear();
       smoother_.reset();
-      return;
+      return false;
     }
-    measurement.value = measured[i].measurement.value;
-    sights.push_back({points[i].landmark_id, measurement});
+  if (running_path_)
+    since_.push_back(std::move(step));
+  else
+    add_to_path(step, motion_prior(step.motion, settings_));
+  return true;
+}
+
+// All sights of known identity, believed by the filter or not. The values are as measured, the covariances
+// those that the filter used. calibration_ stands in this step.
+void FastSlam::add_to_path(const PathStep& step, const Motion& prior) {
+  std::vector<IdentifiedMeasurement> sights;
+  for (std::size_t i = 0; i < step.used.size(); ++i) {
+    sights.push_back({step.used[i].landmark_id, step.measured[i].measurement});
+    sights.back().measurement.covariance = step.used[i].measurement.covariance;
   }
-  smoother_->add(utime, motion_prior(motion, settings_), calibration_.jacobian(), sights,
-                 result.T_world_robot, result.covariance);
+  smoother_->add(step.utime, prior, calibration_.jacobian(), sights, step.T_world_robot, step.covariance);
+  for (const std::int32_t id : step.forgotten) smoother_->forget(id);
 }
 
 // What the best particle accepted, and what it saw for the first time.
@@ -51,10 +65,11 @@ void FastSlam::remember_keyframe(const Motion& motion, const FeatureFrame& frame
     const std::int64_t landmark = landmark_of[static_cast<std::size_t>(point.feature)];
     if (landmark >= 0) sights.push_back({landmark, point.measurement});
   }
+  // At a closed loop the odometry ties what was mapped astray to what is there: the loop bends it all.
   std::optional<Motion> believed;
-  if (result.status != TrackStatus::relocalised && !result.slipped)
+  if ((result.status != TrackStatus::relocalised || result.loop_closed) && !result.slipped)
     believed = motion_prior(motion, settings_);
-  map_smoother_->add(frame.utime, particles_[best()].T_world_robot, believed, sights);
+  map_smoother_->add(frame.utime, particles_[best()].T_world_robot, believed, sights, result.loop_closed);
 }
 
 // Landmarks that the smoother does not know, but that were seen of late, move as the robot does.
@@ -77,11 +92,23 @@ std::vector<SmoothedPose> FastSlam::take_over(const std::optional<MapSmoothing>&
 }
 
 bool FastSlam::begin_smoothing() {
-  if (!map_smoother_ || running_ || map_smoother_->keyframes() < 2) return false;
+  if (smoothing()) return false;
+  if (smoother_ && smoother_->size() >= 2) {
+    if (!running_path_) begin_path_smoothing();
+    running_path_->wanted = true;
+    return true;
+  }
+  if (!map_smoother_ || map_smoother_->keyframes() < 2) return false;
+  if (!running_) begin_map_smoothing();
+  running_->wanted = true;
+  return true;
+}
+
+void FastSlam::begin_map_smoothing() {
   running_ =
       RunningSmoothing{std::async(std::launch::async, [copy = *map_smoother_] { return copy.solve(); }),
                        last_utime_ + kSmoothingTime};
-  return true;
+  loop_open_ = false;
 }
 
 std::vector<SmoothedPose> FastSlam::smooth() {
@@ -89,32 +116,92 @@ std::vector<SmoothedPose> FastSlam::smooth() {
     running_.reset();  // what it would tell is told now
     return take_over(map_smoother_->solve());
   }
-  if (!smoother_ || !rejuvenate()) return {};
+  if (!smoother_) return {};
+  if (running_path_) take_over_path();
+  begin_path_smoothing();
+  if (!take_over_path()) return {};
   best_ = 0;  // the posterior's mode
   return smoother_->path();
 }
 
-// Draws all particles anew from the posterior of the whole path.
-bool FastSlam::rejuvenate() {
-  smoothing_cost_ = smoother_->solve();
-  Eigen::Matrix3d calibration_covariance;
-  const auto samples = smoother_->sample(particles_.size(), smoothing_stream_, calibration_covariance);
-  const double grown = (1 + settings_.rejuvenation_growth) * static_cast<double>(smoother_->size());
-  smooth_at_ = std::max(smoother_->size() + 10, static_cast<std::size_t>(grown));
-  if (samples.empty()) return false;
-  calibration_.set_covariance(calibration_covariance);
+// The path is smoothed when a landmark comes back after long and the path has grown by some part, which
+// bounds the mean cost, and sooner when few lineages are left: within seconds the last ones may lead far
+// astray (Victoria Park: two lineages, a spread of 0.2 m, an error of 10 m).
+void FastSlam::smooth_path_when_due(bool reunion) {
+  if (running_path_ || (!reunion && !coalesced())) return;
+  const auto waited = static_cast<double>(smoother_->size() - smoothed_);
+  if (waited >= (coalesced() ? kSooner : 1) * smoothing_gap_) begin_path_smoothing();
+}
+
+// The solver's time is bounded by the path's length and not by the clock: a replay is the same.
+void FastSlam::begin_path_smoothing() {
+  const Utime time = kTimePerPose * static_cast<Utime>(smoother_->size());
+  const auto draw = [smoother = smoother_.get(), count = particles_.size(), stream = smoothing_stream_] {
+    PathDraw result;
+    result.cost = smoother->solve();
+    result.stream = stream;
+    result.samples = smoother->sample(count, result.stream, result.calibration_covariance);
+    return result;
+  };
+  running_path_ = RunningPath{std::async(std::launch::async, draw), last_utime_ + time};
+  smoothed_ = smoother_->size();
+  smoothing_gap_ = std::max(10.0, settings_.rejuvenation_growth * static_cast<double>(smoothed_));
+}
+
+// The particles as drawn from the posterior of the path as it was, and then the way that was gone since.
+bool FastSlam::take_over_path() {
+  const PathDraw draw = running_path_->result.get();
+  const bool wanted = running_path_->wanted;
+  running_path_.reset();
+  smoothing_stream_ = draw.stream;
+  smoothing_cost_ = draw.cost;
+  if (wanted) taken_over_ = smoother_->path();
+  const std::vector<PathStep> since = std::exchange(since_, {});
+  std::set<int> unborn;  // slots of landmarks that were not there yet
+  for (const PathStep& step : since)
+    for (const LandmarkMatch& match : step.created) unborn.insert(match.slot);
+  const bool drawn = !draw.samples.empty();
+  if (drawn) draw_anew(draw, unborn);
+  for (const PathStep& step : since) {
+    const Motion prior = motion_prior(step.motion, settings_);
+    calibration_.begin(prior);
+    add_to_path(step, prior);
+    if (drawn) repeat(step, unborn);
+  }
+  choose_best();
+  return drawn;
+}
+
+void FastSlam::draw_anew(const PathDraw& draw, const std::set<int>& unborn) {
+  calibration_.set_covariance(draw.calibration_covariance);
   sensor_ = smoother_->sensor();
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     Particle& particle = particles_[k];
-    particle.T_world_robot = samples[k].T_world_robot;
-    particle.calibration = samples[k].calibration;
+    particle.T_world_robot = draw.samples[k].T_world_robot;
+    particle.calibration = draw.samples[k].calibration;
     particle.log_weight = 0;
     particle.lineage = static_cast<int>(k);
-    for (const auto& [id, landmark] : samples[k].landmarks)
-      if (const int slot = index_.find(id); slot >= 0)
+    for (const auto& [id, landmark] : draw.samples[k].landmarks)
+      if (const int slot = index_.find(id); slot >= 0 && unborn.count(slot) == 0)
         particle.map.edit(static_cast<std::size_t>(slot)) = landmark;
   }
-  return true;
+  best_ = 0;  // the mode
+}
+
+// The particles go through a step once more. Who is who and what exists stays decided.
+void FastSlam::repeat(const PathStep& step, std::set<int>& unborn) {
+  FrameAssociation same;
+  same.prior = calibrated_prior(step.motion);
+  std::vector<FeaturePoint> points = step.used;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i].measurement.value = sensor_.corrected(step.measured[i].measurement).value;
+  std::vector<LandmarkMatch> observed;
+  for (const LandmarkMatch& match : step.observed)
+    if (index_.alive(match.slot) && unborn.count(match.slot) == 0) observed.push_back(match);
+  move_particles(same, observed, points);
+  make_landmarks(step.created, points);
+  for (const LandmarkMatch& match : step.created) unborn.erase(match.slot);
+  resample_when_due(choose_best());
 }
 
 // Resampling has made few ancestors' paths the past of all particles: their spread no longer tells what is

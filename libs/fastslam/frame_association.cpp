@@ -240,6 +240,7 @@ bool FrameAssociator::close_loop(const FeatureFrame& frame, const std::vector<Fe
   recognised_ = 0;
   steps_without_agreement_ = 0;
   result = std::move(recognised);
+  result.loop_closed = true;
   return true;
 }
 

@@ -21,7 +21,8 @@ struct FrameAssociation {
   Motion prior;                                    ///< the motion, corrected and widened after a slip
   bool corrected = false;                          ///< the prior is no longer the odometry's
   std::optional<Eigen::Isometry3d> T_world_found;  ///< pose of the robot found again in the whole map
-  bool agreed = false;  ///< at least settings.minimum_consensus matches agree on one pose
+  bool loop_closed = false;  ///< found again while the odometry was believed: all of it is still true
+  bool agreed = false;       ///< at least settings.minimum_consensus matches agree on one pose
   bool slipped = false;
   bool doubtful = false;      ///< the place looks like one seen long ago: not to be mapped anew yet
   bool contradicted = false;  ///< many well-known landmarks should be seen, and nothing agrees with them

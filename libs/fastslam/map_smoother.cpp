@@ -93,7 +93,9 @@ Motion chained(const Motion& first, const Motion& second) {
 }  // namespace
 
 void MapSmoother::add(Utime utime, const Eigen::Isometry3d& T_world_robot,
-                      const std::optional<Motion>& motion, const std::vector<PointSight>& seen) {
+                      const std::optional<Motion>& motion, const std::vector<PointSight>& seen,
+                      bool loop_closed) {
+  loop_closed_ = loop_closed_ || loop_closed;
   if (keyframes_.empty())
     motion_.reset();
   else if (motion && motion_)
@@ -105,8 +107,36 @@ void MapSmoother::add(Utime utime, const Eigen::Isometry3d& T_world_robot,
     if (way.translation().norm() < kKeyframeWay && rotation_angle(way) < kKeyframeTurn) return;
   }
   if (seen.empty()) return;
-  keyframes_.push_back({utime, T_world_robot, motion_, seen});
+  keyframes_.push_back({utime, T_world_robot, motion_, seen, loop_closed_});
   motion_ = Motion();
+  loop_closed_ = false;
+}
+
+// Where the search starts. A closed loop's error is more than a linearisation bears: it is first shared out
+// over the motions since what is recognised was last seen, to each by its variance, and all between moves by
+// its part of the whole correction (trajectory bending: Dubbelman and Browning 2015).
+std::vector<Eigen::Isometry3d> MapSmoother::bent_path() const {
+  std::vector<Eigen::Isometry3d> path;
+  std::map<std::int64_t, std::size_t> last_seen;  // keyframe
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    const Keyframe& k = keyframes_[i];
+    path.push_back(k.T_world_robot);
+    if (k.loop_closed && k.motion && i > 0) {
+      std::size_t from = 0;
+      for (const PointSight& s : k.seen)
+        if (const auto found = last_seen.find(s.landmark); found != last_seen.end())
+          from = std::max(from, found->second);
+      std::vector<double> share(i + 1, 0);  // summed from there
+      for (std::size_t j = from + 1; j <= i; ++j)
+        share[j] = share[j - 1] + (keyframes_[j].motion ? keyframes_[j].motion->covariance.trace() : 1.0);
+      const Eigen::Isometry3d T_drifted = path[i - 1] * k.motion->T_from_to;
+      const Vector6d correction = se3_log(k.T_world_robot * T_drifted.inverse());
+      for (std::size_t j = from + 1; j < i; ++j)
+        path[j] = se3_exp(Vector6d(share[j] / share[i] * correction)) * path[j];
+    }
+    for (const PointSight& s : k.seen) last_seen[s.landmark] = i;
+  }
+  return path;
 }
 
 std::optional<MapSmoothing> MapSmoother::solve() const {
@@ -116,6 +146,7 @@ std::optional<MapSmoothing> MapSmoother::solve() const {
     for (const PointSight& s : k.seen) ++sights[s.landmark];
 
   MapSmoothing result;
+  const std::vector<Eigen::Isometry3d> start = bent_path();
   // Ceres eliminates parameters in the order of their addresses: only arrays give the same bytes in every
   // run.
   std::vector<Vector6> xi(keyframes_.size(), Vector6{});
@@ -135,19 +166,18 @@ std::optional<MapSmoothing> MapSmoother::solve() const {
     if (i > 0 && k.motion) {
       const Matrix6d root = settings_.planar ? root_information<3>(k.motion->covariance)
                                              : root_information<6>(k.motion->covariance);
-      problem.AddResidualBlock(
-          new MotionError(keyframes_[i - 1].T_world_robot, k.T_world_robot, k.motion->T_from_to, root),
-          nullptr, xi[i - 1].data(), xi[i].data());
+      problem.AddResidualBlock(new MotionError(start[i - 1], start[i], k.motion->T_from_to, root), nullptr,
+                               xi[i - 1].data(), xi[i].data());
     }
     for (const PointSight& s : k.seen) {
       if (sights[s.landmark] < 2) continue;
       auto [landmark, first] = point_of.try_emplace(s.landmark, nullptr);
       if (first) {
-        landmark->second = points.emplace_back(k.T_world_robot * s.measurement.value).data();
+        landmark->second = points.emplace_back(start[i] * s.measurement.value).data();
         problem.AddParameterBlock(landmark->second, 3);
         options.linear_solver_ordering->AddElementToGroup(landmark->second, 0);
       }
-      problem.AddResidualBlock(new SightError(k.T_world_robot, s.measurement), &robust, xi[i].data(),
+      problem.AddResidualBlock(new SightError(start[i], s.measurement), &robust, xi[i].data(),
                                landmark->second);
     }
   }
@@ -170,8 +200,7 @@ std::optional<MapSmoothing> MapSmoother::solve() const {
   result.residuals = static_cast<std::size_t>(problem.NumResiduals());
   for (std::size_t i = 0; i < keyframes_.size(); ++i)
     result.path.push_back(
-        {keyframes_[i].utime,
-         restrict_pose(keyframes_[i].T_world_robot * se3_exp(vector(xi[i].data())), settings_.planar)});
+        {keyframes_[i].utime, restrict_pose(start[i] * se3_exp(vector(xi[i].data())), settings_.planar)});
   result.T_world_correction = result.path.back().T_world_robot * keyframes_.back().T_world_robot.inverse();
   return result;
 }

@@ -39,9 +39,10 @@ class MapSmoother {
   explicit MapSmoother(const FastSlamSettings& settings) : settings_(settings) {}
 
   /// A step of the filter. `T_world_robot`: the best particle's; `motion`: to it from the step before, with
-  /// the noise that the filter gives it; nothing where the robot was put elsewhere.
+  /// the noise that the filter gives it; nothing where the robot was put elsewhere. `loop_closed`: the pose
+  /// is that of a place recognised, and the motion leads from where drift had put the robot.
   void add(Utime utime, const Eigen::Isometry3d& T_world_robot, const std::optional<Motion>& motion,
-           const std::vector<PointSight>& seen);
+           const std::vector<PointSight>& seen, bool loop_closed = false);
 
   /// Minimises over all keyframes. Changes nothing here: a copy may be solved beside the filter. Nothing
   /// with fewer than two keyframes.
@@ -55,11 +56,14 @@ class MapSmoother {
     Eigen::Isometry3d T_world_robot;
     std::optional<Motion> motion;  // from the keyframe before
     std::vector<PointSight> seen;
+    bool loop_closed = false;
   };
+  std::vector<Eigen::Isometry3d> bent_path() const;
 
   FastSlamSettings settings_;
   std::vector<Keyframe> keyframes_;
   std::optional<Motion> motion_;  // since the newest keyframe
+  bool loop_closed_ = false;      // since then
 };
 
 }  // namespace lcmslam

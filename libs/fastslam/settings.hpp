@@ -105,6 +105,8 @@ struct FastSlamSettings {
 
   /// Keep keyframes of 3-D landmarks, so that path and map can be smoothed on request (map_smoother.hpp).
   bool smooth_map = true;
+  /// Smooth them unasked, too, when a loop was closed. Off: fr1_rpy's online error grew by it.
+  bool bend_closed_loops = false;
 
   // New landmarks and their existence (log-odds).
   int maximum_new_landmarks = 60;  ///< a step

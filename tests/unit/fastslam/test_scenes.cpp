@@ -131,6 +131,75 @@ TEST(FastSlam, PlaceRecognitionClosesALoop) {
   EXPECT_LE(closed, 6) << "a loop is closed once";
 }
 
+// The same world: what was mapped astray before the loop closed comes to where it is, without being asked.
+TEST(FastSlam, AClosedLoopBendsTheMap) {
+  WorldSettings world;
+  world.landmarks = 2500;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const auto points = synthetic::make_points(world, random);
+    FastSlamSettings settings;
+    settings.bend_closed_loops = true;
+    settings.remove_landmarks = false;  // astray, they would die in the end
+    FastSlam slam(settings);
+    std::vector<int> truth;
+    const Eigen::Isometry3d T_start = planar_pose(0, 0, 0);
+    Eigen::Isometry3d T_before = T_start;
+    const auto off_surface = [&](const std::set<std::int64_t>& which) {  // m, mean to the nearest true point
+      double sum = 0;
+      int count = 0;
+      for (const Landmark& landmark : slam.landmarks()) {
+        if (which.count(landmark.id) == 0) continue;
+        double nearest = 1;
+        for (const auto& point : points)
+          nearest = std::min(nearest, (T_start.inverse() * point.position - landmark.mean).norm());
+        sum += nearest;
+        ++count;
+      }
+      EXPECT_GT(count, 20);
+      return sum / std::max(1, count);
+    };
+    std::set<std::int64_t> astray;
+    double before = 0, heading = 0;
+    int closed = -1, step = 0;
+    const auto go = [&](const Eigen::Isometry3d& error, bool blind) {
+      const Eigen::Isometry3d T = planar_pose(0, 0, heading);
+      Motion motion;
+      motion.T_from_to = T_before.inverse() * T * error;
+      motion.covariance = (blind ? 0.1 : 1e-4) * Matrix6d::Identity();  // it knows that it does not know
+      FeatureFrame frame = synthetic::see(world, points, T, random, truth);
+      frame.utime = 1'000'000 + 100'000 * ++step;
+      if (blind) frame.features.clear();
+      const StepResult r = slam.step(motion, frame);
+      if (r.loop_closed && closed < 0) {
+        closed = step;
+        before = off_surface(astray);
+      }
+      T_before = T;
+      return ((T_start.inverse() * T).inverse() * r.T_world_robot).translation().norm();
+    };
+    const Eigen::Isometry3d honest = Eigen::Isometry3d::Identity();
+    for (; heading < 0.5; heading += 0.03) go(honest, false);
+    std::set<std::int64_t> first;
+    for (const Landmark& landmark : slam.landmarks()) first.insert(landmark.id);
+    for (heading = 3; heading < 3.3; heading += 0.03)
+      go(heading == 3 ? planar_pose(0.4, 0.3, 0.3) : honest, heading == 3);
+    for (const Landmark& landmark : slam.landmarks())
+      if (first.count(landmark.id) == 0) astray.insert(landmark.id);
+    double error = 1;
+    for (; heading < 2 * M_PI + 0.4; heading += 0.03) error = go(honest, false);
+    for (int i = 0; i < 25; ++i) error = go(honest, false);  // the solver has 2 s
+    ASSERT_GT(closed, 0);
+    const double after = off_surface(astray);
+    std::cout << "seed " << seed << ": landmarks astray " << before << " m, bent " << after << " m, robot "
+              << error << " m\n";
+    EXPECT_GT(before, 0.03);
+    EXPECT_LT(after, 0.5 * before);
+    EXPECT_LT(error, 0.05);
+  }
+}
+
 TEST(FastSlam, LandmarksOfARemovedObjectDie) {
   Drive drive = make_drive(short_world(1), 9);
   WorldSettings world;
