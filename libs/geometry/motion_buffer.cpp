@@ -1,14 +1,26 @@
 #include "geometry/motion_buffer.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace lcmslam {
 namespace {
 
+// What another driver sends may not add up along its path, and rounding makes the difference of equals
+// negative: the nearest positive semidefinite matrix then (Higham 1988), which is the same one otherwise.
+Matrix6d nearest_covariance(const Matrix6d& Q) {
+  const Matrix6d symmetric = 0.5 * (Q + Q.transpose());
+  if (!symmetric.allFinite() || symmetric.isZero(0)) return symmetric;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(symmetric);
+  if (eigen.eigenvalues().minCoeff() >= 0) return symmetric;
+  const Matrix6d V = eigen.eigenvectors();
+  const Matrix6d P = V * eigen.eigenvalues().cwiseMax(0).asDiagonal() * V.transpose();
+  return 0.5 * (P + P.transpose());
+}
+
 Matrix6d increment_covariance(const MotionSample& a, const MotionSample& b) {
   const Matrix6d A = adjoint(b.T_odom_robot.inverse() * a.T_odom_robot);
-  const Matrix6d Q = b.covariance - A * a.covariance * A.transpose();
-  return 0.5 * (Q + Q.transpose());
+  return nearest_covariance(b.covariance - A * a.covariance * A.transpose());
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ void MotionNoise::draw(int count) {
 MotionSample MotionNoise::apply(const MotionSample& sample) {
   if (!start_ || sample.utime < newest_) {
     start_ = sample.utime;
+    before_.reset();
     draws_ = 0;
     offset_.setZero();
     variance_.setZero();
@@ -53,8 +54,17 @@ MotionSample MotionNoise::apply(const MotionSample& sample) {
 
   MotionSample noisy = sample;
   noisy.T_odom_robot.translation() += offset_;
+  if (before_) {
+    const auto moved = [&](const MotionSample& from, const MotionSample& to) {
+      const Matrix6d A = adjoint(to.T_odom_robot.inverse() * from.T_odom_robot);
+      return Matrix6d(A * from.covariance * A.transpose());
+    };
+    noisy.covariance += moved(before_->noisy, noisy) - moved(before_->clean, sample);
+  }
   const Eigen::Matrix3d R = sample.T_odom_robot.linear();
   noisy.covariance.topLeftCorner<3, 3>() += R.transpose() * variance_.asDiagonal() * R;
+  variance_.setZero();
+  before_ = {sample, noisy};
   return noisy;
 }
 

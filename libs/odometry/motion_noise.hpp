@@ -26,7 +26,7 @@ struct MotionNoiseSettings {
 /// between them. The rotation and everything else stay untouched.
 ///
 /// Covariance: the difference of two samples' covariances must be that of the motion between them
-/// (motion_buffer.hpp). A random walk grows by sigma^2 a draw. White noise has 2 sigma^2 between any
+/// (motion_buffer.hpp), along the noisy path. A random walk grows by sigma^2 a draw. White noise has 2 sigma^2 between any
 /// two draws; as accumulated covariances can but add up, it grows by 2 sigma^2 a draw: right from one
 /// draw to the next, too wide over several.
 class MotionNoise {
@@ -45,7 +45,11 @@ class MotionNoise {
   Utime newest_ = 0;
   std::int64_t draws_ = 0;                              // on the grid so far
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();    // m, odometry frame
-  Eigen::Vector3d variance_ = Eigen::Vector3d::Zero();  // m^2
+  Eigen::Vector3d variance_ = Eigen::Vector3d::Zero();  // m^2, since the last sample
+  struct Pair {
+    MotionSample clean, noisy;
+  };
+  std::optional<Pair> before_;  // the last sample
 };
 
 }  // namespace lcmslam

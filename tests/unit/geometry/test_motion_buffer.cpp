@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include "geometry/motion_buffer.hpp"
 #include "unit/geometry/random_poses.hpp"
 
@@ -44,6 +46,21 @@ TEST(MotionBuffer, IncrementBetweenNeighboursIsTheOneThatWasAccumulated) {
     EXPECT_LT((motion->covariance - chain.noise[i]).norm(),
               1e-9 * (1 + chain.samples[i + 1].covariance.norm()));
   }
+}
+
+// A driver that accumulates its covariance along another path than it sends, as after a correction.
+TEST(MotionBuffer, CovarianceIsNeverNegative) {
+  MotionSample a, b;
+  a.utime = 1, b.utime = 2;
+  a.covariance = b.covariance = 0.01 * Matrix6d::Identity();
+  b.T_odom_robot.translation().x() = 0.5;  // its heading's uncertainty should have become one of y
+  MotionBuffer buffer;
+  buffer.add(a);
+  buffer.add(b);
+  const Matrix6d Q = buffer.between(1, 2)->covariance;
+  EXPECT_GE(Q.diagonal().minCoeff(), 0);
+  EXPECT_GE(Eigen::SelfAdjointEigenSolver<Matrix6d>(Q).eigenvalues().minCoeff(), -1e-15);
+  EXPECT_GT(Q.norm(), 0);
 }
 
 TEST(MotionBuffer, MotionsChain) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -89,8 +90,34 @@ TEST(MotionNoise, CovarianceOfIncrementsIsWhatWasAdded) {
   }
 }
 
+// Also where the path's own heading has become uncertain: then a sideways step of the noise makes a lever.
+TEST(MotionNoise, CovarianceOfIncrementsIsPositive) {
+  auto clean = path(300, 20'000);
+  for (std::size_t i = 0; i < clean.size(); ++i) {
+    clean[i].covariance = 1e-12 * Matrix6d::Identity();
+    if (i == 0) continue;
+    const Matrix6d A = adjoint(clean[i].T_odom_robot.inverse() * clean[i - 1].T_odom_robot);
+    clean[i].covariance = A * clean[i - 1].covariance * A.transpose() + 1e-4 * Matrix6d::Identity();
+  }
+  for (const auto mode : {MotionNoiseMode::random_walk, MotionNoiseMode::white}) {
+    MotionNoise noise({mode, Eigen::Vector3d(0.02, 0.02, 0), 10}, Random(3));
+    std::optional<MotionSample> a;
+    for (const MotionSample& sample : clean) {
+      const MotionSample b = noise.apply(sample);
+      if (a) {
+        const Matrix6d A = adjoint(b.T_odom_robot.inverse() * a->T_odom_robot);
+        const Matrix6d Q = b.covariance - A * a->covariance * A.transpose();
+        const double least = Eigen::SelfAdjointEigenSolver<Matrix6d>(Q).eigenvalues().minCoeff();
+        ASSERT_NEAR(least, 1e-4, 1e-6);  // the path's own, as if no noise were there
+      }
+      a = b;
+    }
+  }
+}
+
 TEST(MotionNoise, DoesNotDependOnTheMessagesBetween) {
-  const auto clean = path(201, 10'000);
+  auto clean = path(201, 10'000);
+  for (MotionSample& sample : clean) sample.covariance.setZero();  // the path's own moves with the noise
   MotionNoise all({}, Random(9)), few({}, Random(9));
   for (std::size_t i = 0; i < clean.size(); ++i) {
     const MotionSample a = all.apply(clean[i]);
