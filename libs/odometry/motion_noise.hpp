@@ -26,9 +26,9 @@ struct MotionNoiseSettings {
 /// between them. The rotation and everything else stay untouched.
 ///
 /// Covariance: the difference of two samples' covariances must be that of the motion between them
-/// (motion_buffer.hpp), along the noisy path. A random walk grows by sigma^2 a draw. White noise has 2 sigma^2 between any
-/// two draws; as accumulated covariances can but add up, it grows by 2 sigma^2 a draw: right from one
-/// draw to the next, too wide over several.
+/// (motion_buffer.hpp), along the noisy path. A random walk grows by sigma^2 a draw. White noise has 2
+/// sigma^2 between any two draws; as accumulated covariances can but add up, it grows by 2 sigma^2 a draw:
+/// right from one draw to the next, too wide over several.
 class MotionNoise {
  public:
   MotionNoise(const MotionNoiseSettings& settings, Random random);
