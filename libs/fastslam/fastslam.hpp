@@ -146,6 +146,15 @@ class FastSlam {
     Random stream{0};  // as drawing left it
   };
 
+  /// A step's old landmarks. Matches are ordered by slot.
+  struct Sightings {
+    std::vector<LandmarkMatch> observed;    // the particles were weighed by these
+    std::vector<LandmarkMatch> seen;        // again; not what the best particle rejects
+    std::vector<VisibleLandmark> expected;  // ought to be seen
+    std::vector<int> contradicted;          // slots of known identity that the best particle rejects
+    bool may_create = true;                 // new ones
+  };
+
   /// What one particle made of the step's observations.
   struct Verdict {
     std::vector<char> accepted;  // one for each observation
@@ -154,9 +163,10 @@ class FastSlam {
   };
 
   std::size_t best() const { return static_cast<std::size_t>(best_); }
-  std::vector<LandmarkMatch> filter(const Motion& motion, const FeatureFrame& frame,
-                                    std::vector<FeaturePoint>& points, std::vector<VisibleLandmark>& expected,
-                                    std::vector<int>& contradicted, bool& may_create, StepResult& result);
+  Sightings filter(const Motion& motion, const FeatureFrame& frame, std::vector<FeaturePoint>& points,
+                   StepResult& result);
+  bool judge(const Verdict& verdict, const FrameAssociation& association,
+             const std::vector<FeaturePoint>& points, Sightings& sightings, StepResult& result) const;
   template <class Work>
   void for_particles(std::size_t each, const Work& work);
   Verdict move(Particle& particle, const Eigen::Isometry3d& T_world_prior, const Proposal& proposal,
@@ -212,7 +222,6 @@ class FastSlam {
   };
   std::optional<RunningPath> running_path_;  // smoother_ is the solver's until it is taken over
   std::vector<PathStep> since_;              // steps meanwhile
-  std::vector<LandmarkMatch> observed_;      // in this step
   std::vector<SmoothedPose> taken_over_;
   Utime last_utime_ = 0;
   std::unique_ptr<MapSmoother> map_smoother_;  // while all landmarks are 3-D points

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <lcmslam/graph_t.hpp>
-#include <lcmslam/icp_report_t.hpp>
-#include <lcmslam/pose_estimate_t.hpp>
-#include <limits>
 #include <thread>
 #include <utility>
 
 #include "icp/feature_depth.hpp"
+#include "icp/icp_messages.hpp"
 #include "icp/read_settings.hpp"
 #include "icp/rolling_shutter.hpp"
 #include "imaging/codec.hpp"
@@ -25,49 +22,6 @@ namespace {
 constexpr Utime longest_gap = 5'000'000;  // us
 constexpr Utime same_moment = 1000;       // us
 constexpr std::size_t features_kept = 8;  // frames; odometry may lag behind features
-
-std::int8_t wire_status(MappingStatus status) {
-  switch (status) {
-    case MappingStatus::initialising:
-      return pose_estimate_t::INITIALISING;
-    case MappingStatus::tracking:
-      return pose_estimate_t::TRACKING;
-    case MappingStatus::degraded:
-      return pose_estimate_t::DEGRADED;
-    case MappingStatus::lost:
-      return pose_estimate_t::LOST;
-  }
-  return pose_estimate_t::LOST;
-}
-
-std::int8_t wire_reason(StopReason reason) {
-  switch (reason) {
-    case StopReason::converged:
-      return icp_report_t::CONVERGED;
-    case StopReason::max_iterations:
-      return icp_report_t::MAX_ITERATIONS;
-    case StopReason::too_few_pairs:
-      return icp_report_t::TOO_FEW_POINTS;
-    case StopReason::degenerate:
-      return icp_report_t::DEGENERATE;
-  }
-  return icp_report_t::DIVERGED;
-}
-
-std::string degenerate_directions(const RegistrationResult& result) {
-  std::string text;
-  for (const std::string& name : degenerate_names(result))
-    text += (text.empty() ? "degenerate: " : ", ") + name;
-  return text;
-}
-
-std::string describe(const IcpMapperSettings& settings) {
-  const RegistrationSettings& s = settings.fine;
-  if (settings.variant != VariantKind::modern)
-    return to_string(settings.variant) + ", growing cloud, " +
-           to_string(settings.thesis.icp.registration.solver);
-  return to_string(s.metric) + ", " + to_string(settings.correspondence) + ", " + to_string(s.solver);
-}
 
 }  // namespace
 
@@ -248,37 +202,18 @@ void IcpNode::publish(Utime frame_utime, const Shot& shot, const std::optional<M
   const IcpMapper::Step& step = last_;
   // First the graph: the pose stands in the map that it makes.
   if (step.node || step.bent) publish_graph();
-  pose_estimate_t pose =
-      make_pose_estimate(shot.depth_utime, step.T_world_robot * shot.T_points_depth, step.covariance);
-  pose.status =
-      step.relocalised ? static_cast<std::int8_t>(pose_estimate_t::RELOCALISED) : wire_status(step.status);
-  pose.quality = static_cast<float>(step.quality);
-  pose.inliers = step.registration.inliers;
+  pose_estimate_t pose = icp_pose(step, shot.depth_utime, shot.T_points_depth);
   pose.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
   pose.processing_time = cpu_time;
-  pose.detail = degenerate_directions(step.registration);
   publisher_.publish("ICP_POSE", pose, frame_utime);
 
-  icp_report_t report;
+  std::optional<Eigen::Isometry3d> correction;
+  if (motion && !step.bent)
+    correction = (T_world_previous_ * motion->T_from_to).inverse() * step.T_world_robot;
+  icp_report_t report = icp_report(step, settings_, correction);
   report.utime = shot.depth_utime;
-  report.variant = describe(settings_);
   report.source_points = static_cast<int32_t>(shot.cloud.size());
   report.target_points = static_cast<int32_t>(mapper_->map().size());
-  for (const double rms : step.registration.rms) report.rms.push_back(static_cast<float>(rms));
-  report.n_iterations = static_cast<int32_t>(report.rms.size());
-  report.inliers = step.registration.inliers;
-  report.overlap = static_cast<float>(step.registration.overlap);
-  report.stop_reason = wire_reason(step.registration.stop);
-  report.stop_text = to_string(step.registration.stop);
-  report.correction_trans = report.correction_rot = std::numeric_limits<float>::quiet_NaN();
-  if (motion && !step.bent) {
-    const Eigen::Isometry3d correction =
-        (T_world_previous_ * motion->T_from_to).inverse() * step.T_world_robot;
-    report.correction_trans = static_cast<float>(correction.translation().norm());
-    report.correction_rot = static_cast<float>(rotation_angle(correction));
-  }
-  for (int i = 0; i < 6; ++i)
-    report.observability[i] = static_cast<float>(step.registration.observability(i));
   report.processing_time = cpu_time;
   publisher_.publish("ICP_REPORT", report);
 
@@ -293,33 +228,9 @@ void IcpNode::queue_keyframe(const IcpMapper::Keyframe& keyframe) {
 }
 
 void IcpNode::publish_graph() {
-  graph_t graph;
+  graph_t graph = icp_graph(mapper_->graph());
   graph.utime = last_utime_;
-  graph.frame = "map";
   graph.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
-  const auto& nodes = mapper_->graph().nodes();
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    graph_node_t node;
-    node.keyframe = static_cast<int32_t>(i);
-    node.keyframe_utime = nodes[i].utime;
-    node.T_map_camera = to_message(nodes[i].T_world_camera);
-    graph.nodes.push_back(node);
-  }
-  graph.n_nodes = static_cast<int32_t>(graph.nodes.size());
-  for (const GraphEdge& e : mapper_->graph().edges()) {
-    graph_edge_t edge;
-    edge.from = e.from;
-    edge.to = e.to;
-    edge.kind = static_cast<std::int8_t>(e.kind);
-    edge.T_from_to = to_message(e.T_from_to.T);
-    edge.sigma_trans =
-        static_cast<float>(std::sqrt(e.T_from_to.covariance.topLeftCorner<3, 3>().trace() / 3));
-    edge.sigma_rot =
-        static_cast<float>(std::sqrt(e.T_from_to.covariance.bottomRightCorner<3, 3>().trace() / 3));
-    edge.error = static_cast<float>(e.error);
-    graph.edges.push_back(edge);
-  }
-  graph.n_edges = static_cast<int32_t>(graph.edges.size());
   publisher_.publish("ICP_GRAPH", graph);
 }
 

@@ -1,0 +1,159 @@
+// FastSlam: what the particles do in a step: move, weigh, learn, tell the pose, and are drawn again.
+
+#include <algorithm>
+#include <cmath>
+
+#include "fastslam/fastslam.hpp"
+#include "fastslam/pose_space.hpp"
+#include "fastslam/resampling.hpp"
+#include "surf/kernel_set.hpp"
+
+namespace lcmslam {
+
+// Calls work(begin, end) for parts of the particles, in parallel where `each` (landmarks a particle) makes it
+// worth waking threads up. A particle's result depends on itself and its own random stream alone.
+template <class Work>
+void FastSlam::for_particles(std::size_t each, const Work& work) {
+  const std::size_t count = particles_.size();
+  if (count * each < 1000) return work(0, count);
+  constexpr int part = 16;  // particles: the work is shared out as threads get free
+  parallel_rows(0, static_cast<int>((count + part - 1) / part), [&](int first, int last) {
+    work(static_cast<std::size_t>(first * part), std::min(count, static_cast<std::size_t>(last * part)));
+  });
+}
+
+// Every particle draws its new pose, weighs it and updates its landmarks.
+std::vector<FastSlam::Verdict> FastSlam::move_particles(const FrameAssociation& association,
+                                                        const std::vector<LandmarkMatch>& observed,
+                                                        const std::vector<FeaturePoint>& points) {
+  std::vector<Verdict> verdicts(particles_.size());
+  for_particles(observed.size(), [&](std::size_t begin, std::size_t end) {
+    const auto proposal = make_proposal(settings_, association.prior.covariance);
+    std::vector<ObservedLandmark> sights;  // the measurements are the same for all, the landmarks are not
+    for (const LandmarkMatch& match : observed)
+      sights.push_back({points[static_cast<std::size_t>(match.point)].measurement, {}});
+    std::vector<const CompactLandmark*> stored;
+    for (std::size_t k = begin; k < end; ++k) {
+      Particle& particle = particles_[k];
+      const Eigen::Isometry3d T_prior =
+          association.T_world_found ? *association.T_world_found
+          : association.corrected   ? particle.T_world_robot * association.prior.T_from_to
+                                    : particle.T_world_robot * calibration_.apply(particle.calibration);
+      verdicts[k] = move(particle, T_prior, *proposal, observed, streams_[k], sights, stored);
+      if (!association.corrected)
+        calibration_.learn(se3_log(T_prior.inverse() * particle.T_world_robot), particle.calibration);
+    }
+  });
+  if (!association.corrected) calibration_.end();
+  double highest = particles_[0].log_weight;
+  for (const Particle& particle : particles_) highest = std::max(highest, particle.log_weight);
+  for (Particle& particle : particles_) particle.log_weight -= highest;
+  return verdicts;
+}
+
+FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_world_prior,
+                                 const Proposal& proposal, const std::vector<LandmarkMatch>& observed,
+                                 Random& random, std::vector<ObservedLandmark>& sights,
+                                 std::vector<const CompactLandmark*>& stored) const {
+  // Each particle's landmarks lie somewhere else in memory: all are on their way before the first is used.
+  stored.clear();
+  for (const LandmarkMatch& match : observed)
+    stored.push_back(particle.map.prefetch(static_cast<std::size_t>(match.slot)));
+  for (std::size_t i = 0; i < observed.size(); ++i) sights[i].landmark = *stored[i];
+  const ProposedPose proposed = proposal.propose(T_world_prior, sights, random);
+  particle.T_world_robot = renormalised(proposed.T_world_robot, settings_.planar);
+  particle.log_weight += proposed.log_weight;
+
+  const double added = settings_.minimum_landmark_sigma * settings_.minimum_landmark_sigma;
+  Verdict verdict;
+  verdict.accepted.resize(observed.size());
+  for (std::size_t i = 0; i < observed.size(); ++i) {
+    const auto& [measurement, landmark] = sights[i];
+    const Innovation innovation = innovate(landmark, measurement, particle.T_world_robot);
+    const bool accepted = innovation.distance2 <= gate2_;  // exp(-d^2/2) >= gate
+    verdict.accepted[i] = accepted;
+    if (accepted) {
+      particle.log_weight += innovation.log_peak - 0.5 * innovation.distance2;  // log of 2.5, corrected
+      particle.map.edit(static_cast<std::size_t>(observed[i].slot)) =
+          update_landmark(landmark, innovation, measurement, particle.T_world_robot, added);
+      ++verdict.count;
+      verdict.distance2 += innovation.distance2;
+    } else if (settings_.rejection == RejectionWeight::constant) {
+      particle.log_weight += std::log(settings_.p0);
+    } else {
+      particle.log_weight += innovation.log_peak - 0.5 * gate2_;
+    }
+  }
+  return verdict;
+}
+
+void FastSlam::make_landmarks(const std::vector<LandmarkMatch>& created,
+                              const std::vector<FeaturePoint>& points) {
+  for_particles(created.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      for (const LandmarkMatch& match : created)
+        particles_[k].map.edit(static_cast<std::size_t>(match.slot)) = make_landmark(
+            points[static_cast<std::size_t>(match.point)].measurement, particles_[k].T_world_robot);
+  });
+}
+
+std::vector<double> FastSlam::weights() const {
+  std::vector<double> logs;
+  for (const Particle& particle : particles_) logs.push_back(particle.log_weight);
+  return normalised_weights(logs);
+}
+
+std::vector<double> FastSlam::choose_best() {
+  std::vector<double> weights = this->weights();
+  best_ = static_cast<int>(std::max_element(weights.begin(), weights.end()) - weights.begin());
+  return weights;
+}
+
+void FastSlam::estimate(const std::vector<double>& weights, StepResult& result) const {
+  const Eigen::Isometry3d T_best = particles_[best()].T_world_robot;
+  const Eigen::Isometry3d T_best_world = T_best.inverse();
+  std::vector<Vector6d> offsets(particles_.size());
+  result.covariance.setZero();
+  Vector6d mean = Vector6d::Zero();
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    offsets[k] = se3_log(T_best_world * particles_[k].T_world_robot);
+    mean += weights[k] * offsets[k];
+  }
+  if (settings_.estimate == PoseEstimate::best) mean.setZero();
+  for (std::size_t k = 0; k < particles_.size(); ++k)
+    result.covariance += weights[k] * (offsets[k] - mean) * (offsets[k] - mean).transpose();
+  const double translation = settings_.shared_translation_sigma, rotation = settings_.shared_rotation_sigma;
+  result.covariance.diagonal().head<3>().array() += translation * translation;
+  result.covariance.diagonal().tail<3>().array() += rotation * rotation;
+  result.covariance =
+      (0.5 * (result.covariance + result.covariance.transpose())).eval();  // exactly symmetric
+  result.T_world_best = T_best;
+  result.T_world_robot = T_best * se3_exp(mean);
+}
+
+bool FastSlam::resample_when_due(const std::vector<double>& weights) {
+  const double limit = settings_.resample_fraction * settings_.particles;
+  const bool due = settings_.resample_fraction >= 1 || effective_sample_size(weights) < limit;
+  if (due) resample_particles(weights);
+  return due;
+}
+
+void FastSlam::resample_particles(const std::vector<double>& weights) {
+  const std::vector<int> ancestors = resample(weights, settings_.resampling, resampling_stream_);
+  std::vector<Particle> next(particles_.size());
+  std::size_t heaviest = 0;
+  for (std::size_t k = 0; k < next.size(); ++k) {
+    const auto a = static_cast<std::size_t>(ancestors[k]);
+    const bool last_copy = k + 1 == next.size() || ancestors[k + 1] != ancestors[k];
+    if (last_copy)
+      next[k] = std::move(particles_[a]);  // a map with one owner is changed in place
+    else
+      next[k] = particles_[a];
+    next[k].log_weight = 0;
+    if (weights[a] > weights[static_cast<std::size_t>(ancestors[heaviest])]) heaviest = k;
+  }
+  particles_ = std::move(next);
+  best_ = static_cast<int>(heaviest);
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,119 @@
+#include "icp/icp_messages.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "messages/geometry_messages.hpp"
+#include "messages/motion_messages.hpp"
+
+namespace lcmslam {
+namespace {
+
+std::int8_t wire_status(MappingStatus status) {
+  switch (status) {
+    case MappingStatus::initialising:
+      return pose_estimate_t::INITIALISING;
+    case MappingStatus::tracking:
+      return pose_estimate_t::TRACKING;
+    case MappingStatus::degraded:
+      return pose_estimate_t::DEGRADED;
+    case MappingStatus::lost:
+      return pose_estimate_t::LOST;
+  }
+  return pose_estimate_t::LOST;
+}
+
+std::int8_t wire_reason(StopReason reason) {
+  switch (reason) {
+    case StopReason::converged:
+      return icp_report_t::CONVERGED;
+    case StopReason::max_iterations:
+      return icp_report_t::MAX_ITERATIONS;
+    case StopReason::too_few_pairs:
+      return icp_report_t::TOO_FEW_POINTS;
+    case StopReason::degenerate:
+      return icp_report_t::DEGENERATE;
+  }
+  return icp_report_t::DIVERGED;
+}
+
+std::string degenerate_directions(const RegistrationResult& result) {
+  std::string text;
+  for (const std::string& name : degenerate_names(result))
+    text += (text.empty() ? "degenerate: " : ", ") + name;
+  return text;
+}
+
+std::string describe(const IcpMapperSettings& settings) {
+  const RegistrationSettings& s = settings.fine;
+  if (settings.variant != VariantKind::modern)
+    return to_string(settings.variant) + ", growing cloud, " +
+           to_string(settings.thesis.icp.registration.solver);
+  return to_string(s.metric) + ", " + to_string(settings.correspondence) + ", " + to_string(s.solver);
+}
+
+/// Standard deviation of one axis of a 3 x 3 covariance, on average.
+float sigma(const Eigen::Matrix3d& covariance) {
+  return static_cast<float>(std::sqrt(covariance.trace() / 3));
+}
+
+}  // namespace
+
+pose_estimate_t icp_pose(const IcpMapper::Step& step, Utime depth_utime,
+                         const Eigen::Isometry3d& T_step_depth) {
+  pose_estimate_t pose = make_pose_estimate(depth_utime, step.T_world_robot * T_step_depth, step.covariance);
+  pose.status =
+      step.relocalised ? static_cast<std::int8_t>(pose_estimate_t::RELOCALISED) : wire_status(step.status);
+  pose.quality = static_cast<float>(step.quality);
+  pose.inliers = step.registration.inliers;
+  pose.detail = degenerate_directions(step.registration);
+  return pose;
+}
+
+icp_report_t icp_report(const IcpMapper::Step& step, const IcpMapperSettings& settings,
+                        const std::optional<Eigen::Isometry3d>& correction) {
+  const RegistrationResult& registration = step.registration;
+  icp_report_t report;
+  report.variant = describe(settings);
+  for (const double rms : registration.rms) report.rms.push_back(static_cast<float>(rms));
+  report.n_iterations = static_cast<int32_t>(report.rms.size());
+  report.inliers = registration.inliers;
+  report.overlap = static_cast<float>(registration.overlap);
+  report.stop_reason = wire_reason(registration.stop);
+  report.stop_text = to_string(registration.stop);
+  report.correction_trans = report.correction_rot = std::numeric_limits<float>::quiet_NaN();
+  if (correction) {
+    report.correction_trans = static_cast<float>(correction->translation().norm());
+    report.correction_rot = static_cast<float>(rotation_angle(*correction));
+  }
+  for (int i = 0; i < 6; ++i) report.observability[i] = static_cast<float>(registration.observability(i));
+  return report;
+}
+
+graph_t icp_graph(const KeyframeGraph& graph) {
+  graph_t message;
+  message.frame = "map";
+  for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
+    graph_node_t node;
+    node.keyframe = static_cast<int32_t>(i);
+    node.keyframe_utime = graph.nodes()[i].utime;
+    node.T_map_camera = to_message(graph.nodes()[i].T_world_camera);
+    message.nodes.push_back(node);
+  }
+  message.n_nodes = static_cast<int32_t>(message.nodes.size());
+  for (const GraphEdge& e : graph.edges()) {
+    graph_edge_t edge;
+    edge.from = e.from;
+    edge.to = e.to;
+    edge.kind = static_cast<std::int8_t>(e.kind);
+    edge.T_from_to = to_message(e.T_from_to.T);
+    edge.sigma_trans = sigma(e.T_from_to.covariance.topLeftCorner<3, 3>());
+    edge.sigma_rot = sigma(e.T_from_to.covariance.bottomRightCorner<3, 3>());
+    edge.error = static_cast<float>(e.error);
+    message.edges.push_back(edge);
+  }
+  message.n_edges = static_cast<int32_t>(message.edges.size());
+  return message;
+}
+
+}  // namespace lcmslam

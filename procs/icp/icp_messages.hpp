@@ -1,0 +1,23 @@
+#pragma once
+// What the mapper found, as messages. Whoever publishes them adds times, counts and revision.
+
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/icp_report_t.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include <optional>
+
+#include "icp/icp_mapper.hpp"
+
+namespace lcmslam {
+
+/// `T_step_depth`: the robot's motion from the step's moment to `depth_utime`, of which the pose is told.
+pose_estimate_t icp_pose(const IcpMapper::Step& step, Utime depth_utime,
+                         const Eigen::Isometry3d& T_step_depth);
+
+/// `correction`: from where odometry alone would have led; without it unknown (NaN).
+icp_report_t icp_report(const IcpMapper::Step& step, const IcpMapperSettings& settings,
+                        const std::optional<Eigen::Isometry3d>& correction);
+
+graph_t icp_graph(const KeyframeGraph& graph);
+
+}  // namespace lcmslam
