@@ -178,6 +178,18 @@ TEST_F(Replay, CtrlCEndsBatchAndLeavesNoHalfLog) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+TEST_F(Replay, ASecondGraphDoesNotDisturbTheFirst) {
+  start_graph();
+  const Result launch =
+      run({"lcmslam", "launch", source_folder() / "config/replay.yaml", "--out", folder_ / "second"}, 60);
+  EXPECT_EQ(launch.exit_code, 2) << launch.output;
+  EXPECT_THAT(launch.output, testing::HasSubstr("runs here already"));
+  const Result demo =
+      run({"lcmslam", "demo", "--headless", "--seconds", "1", "--out", folder_ / "demo"}, 200);
+  EXPECT_THAT(demo.output, testing::HasSubstr("runs here already"));
+  EXPECT_FALSE(bus_.newest<pose_estimate_t>("ICP_POSE")) << "the demo's images came to the first graph";
+}
+
 TEST_F(Replay, WhatTheLoggerRecordsOfALiveRunGivesMaps) {
   const std::string log = folder_ / "live.lcmlog";
   Program logger({"lcm-logger", "--lcm-url=" + url(), "-c", raw_channels, log});

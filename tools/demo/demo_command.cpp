@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "demo/run_recorder.hpp"
 #include "demo/run_summary.hpp"
+#include "doctor/checks.hpp"
 #include "launch/graph.hpp"
 #include "parse_command.hpp"
 #include "run_folder.hpp"
@@ -242,6 +243,30 @@ class Demo {
   double mapping_since_ = -1;
 };
 
+/// The user's bus, or a private one where there is none or another graph has it. Nothing where neither can be
+/// had.
+std::unique_ptr<lcm::LCM> open_bus(const DemoOptions& options) {
+  DoctorOptions doctor;
+  doctor.lcm_url = options.lcm_url;
+  doctor.processes = process_names();
+  std::string reason = "no multicast route on this machine";
+  std::string cure = "LCM cannot use " + options.lcm_url + "; try: sudo ip route add 224.0.0.0/4 dev lo";
+  auto lcm = std::make_unique<lcm::LCM>(options.lcm_url);
+  if (lcm->good()) {
+    const Finding senders = check_senders(doctor);
+    if (!is_rival_graph(senders)) return lcm;
+    reason = cure = senders.text;
+  }
+  lcm.reset();
+  if (enter_private_bus()) {
+    std::cout << "lcmslam demo: " << reason << "; runs on a private bus (lcm-spy cannot see it)\n";
+    lcm = std::make_unique<lcm::LCM>(options.lcm_url);
+    if (lcm->good()) return lcm;
+  }
+  std::cerr << "lcmslam demo: " << cure << "\n";
+  return nullptr;
+}
+
 }  // namespace
 
 int demo_command(int argc, char** argv) {
@@ -255,18 +280,8 @@ int demo_command(int argc, char** argv) {
   complete(options);
   install_stop_signals(0);
 
-  auto lcm = std::make_unique<lcm::LCM>(options.lcm_url);
-  if (!lcm->good() && enter_private_bus()) {
-    std::cout << "lcmslam demo: no multicast route on this machine, runs on a private bus (lcm-spy cannot "
-                 "see it)\n";
-    lcm = std::make_unique<lcm::LCM>(options.lcm_url);
-  }
-  if (!lcm->good()) {
-    std::cerr << "lcmslam demo: LCM cannot use " << options.lcm_url
-              << "; try: sudo ip route add 224.0.0.0/4 dev lo\n";
-    return 1;
-  }
-  return Demo(options, *lcm).run();
+  const auto lcm = open_bus(options);
+  return lcm ? Demo(options, *lcm).run() : 1;
 }
 
 }  // namespace lcmslam

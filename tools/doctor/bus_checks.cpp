@@ -38,11 +38,12 @@ class Listener {
     try {
       const auto status =
           decode_message<status_t>(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+      names.insert(status.process);
       processes.insert(fmt::format("{} ({})", status.process, status.pid));
     } catch (const DecodeError&) {
     }
   }
-  std::set<std::string> channels, processes;
+  std::set<std::string> channels, names, processes;
 };
 
 template <class Texts>
@@ -119,16 +120,21 @@ Finding check_senders(const DoctorOptions& options) {
   Listener listener;
   lcm.subscribe(".*", &Listener::hear, &listener);
   const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds(
-                                                   std::max(1.2, options.seconds)));  // STATUS is at 1 Hz
+                                                   std::max(1.5, options.seconds)));  // STATUS is at 1 Hz
   while (Clock::now() < end)
     lcm.handleTimeout(static_cast<int>(std::max<std::int64_t>(
         1, std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count())));
   if (listener.channels.empty()) return finding;
-  finding.level = listener.processes.empty() ? Level::note : Level::warning;
-  finding.text = listener.processes.empty()
-                     ? "others send here: " + joined(listener.channels, 8)
-                     : "a graph of lcmslam runs here already: " + joined(listener.processes, 8) +
-                           "; a second one needs another port (--lcm-url) or --private-bus";
+  finding.level = Level::note;
+  finding.text = "others send here: " + joined(listener.channels, 8);
+  if (listener.processes.empty()) return finding;
+  const bool rival = std::any_of(options.processes.begin(), options.processes.end(),
+                                 [&](const auto& name) { return listener.names.count(name) > 0; });
+  finding.level = rival ? Level::failure : Level::warning;
+  finding.text =
+      "a graph of lcmslam runs here already: " + joined(listener.processes, 8) +
+      "; a second one needs a port of its own (--lcm-url udpm://239.255.76.67:PORT?ttl=0) or, with "
+      "launch, --private-bus";
   return finding;
 }
 

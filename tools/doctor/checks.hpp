@@ -21,6 +21,7 @@ struct DoctorOptions {
   std::string lcm_url;
   GraphTraffic traffic;                ///< size and rate of the loop-back test
   double seconds = 1;                  ///< of the loop-back test and of listening
+  std::vector<std::string> processes;  ///< that are about to start: the same ones heard already are a failure
   std::filesystem::path folder = ".";  ///< where maps and logs go
 };
 
@@ -37,7 +38,7 @@ Finding check_route(const std::string& lcm_url);
 Finding check_receive_buffer(const std::string& lcm_url, const GraphTraffic& traffic);
 /// Sends to itself at the graph's size and rate. Needs a route.
 Finding check_loop_back(const DoctorOptions& options);
-/// Listens for what others send.
+/// Listens for what others send, for 1.5 s at least: STATUS comes at 1 Hz.
 Finding check_senders(const DoctorOptions& options);
 /// `root`: of the file system's tree below which sys/devices/system/cpu is looked for.
 Finding check_governor(const std::filesystem::path& root = "/");
@@ -45,6 +46,11 @@ Finding check_disk(const std::filesystem::path& folder);
 
 /// All of them, in this order; what needs a route only where there is one.
 std::vector<Finding> examine(const DoctorOptions& options);
+
+/// Two graphs on one bus take each other's measurements for their own.
+inline bool is_rival_graph(const Finding& finding) {
+  return finding.subject == "other senders" && finding.level == Finding::Level::failure;
+}
 
 Finding::Level worst(const std::vector<Finding>& findings);
 /// Lines to print; good ones only when `all`.

@@ -1,6 +1,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "commands.hpp"
@@ -76,7 +77,10 @@ int launch_command(int argc, char** argv) {
   doctor.traffic = graph_traffic(options.config, options.overrides);
   doctor.seconds = 0.3;
   doctor.folder = options.folder;
-  std::cout << format_findings(examine(doctor), false) << std::flush;
+  for (const auto& spec : specs) doctor.processes.push_back(spec.name);
+  const auto findings = examine(doctor);
+  std::cout << format_findings(findings, false) << std::flush;
+  if (std::any_of(findings.begin(), findings.end(), is_rival_graph)) return 2;
   Supervisor supervisor;
   for (const auto& spec : specs) supervisor.start(spec);
   std::cout << "lcmslam launch: " << specs.size() << " processes; maps and logs go to "
