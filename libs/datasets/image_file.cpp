@@ -118,8 +118,9 @@ cv::Mat load_depth(const fs::path& file, const CameraModel& camera, double depth
   for (int v = 0; v < depth.rows; ++v) {
     auto* row = depth.ptr<std::uint16_t>(v);
     for (int u = 0; u < depth.cols; ++u) {
-      const double mm = std::floor(row[u] * to_mm + 0.5);
-      row[u] = row[u] == 65535 || mm > 65534 ? std::uint16_t{0} : static_cast<std::uint16_t>(mm);
+      const double mm = std::min(row[u] * to_mm + 0.5, 1e6);
+      row[u] = row[u] == 65535 || mm >= 65535 ? std::uint16_t{0}
+                                              : static_cast<std::uint16_t>(static_cast<int>(mm));
     }
   }
   return depth;

@@ -53,6 +53,7 @@ class KdTreeTarget : public Target {
  public:
   explicit KdTreeTarget(Cloud cloud) : cloud_(std::move(cloud)), tree_(cloud_.points) {}
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
+  bool finds_nearest() const override { return true; }
   std::size_t size() const override { return tree_.size(); }
 
  protected:
@@ -65,6 +66,7 @@ class KdTreeTarget : public Target {
 class NormalShootingTarget : public KdTreeTarget {
  public:
   using KdTreeTarget::KdTreeTarget;
+  bool finds_nearest() const override { return false; }
   bool find_along(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float max_distance,
                   TargetPoint& found) const override;
 };

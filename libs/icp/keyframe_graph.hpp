@@ -31,7 +31,7 @@ struct KeyframeGraphSettings {
   double min_translation = 0.004;  ///< m
   double min_rotation = 0.003;     ///< rad
   double wait = 0.2;               ///< s of message time that the work waits for a keyframe's features
-  double time = 0.15;              ///< s of message time that the work may take, and
+  double time = 0.3;               ///< s of message time that the work may take, and
   double time_per_node = 0.002;    ///< s for each keyframe
 };
 

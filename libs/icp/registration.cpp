@@ -16,35 +16,70 @@
 namespace lcmslam {
 namespace {
 
-std::vector<Pair> find_pairs(const Cloud& source, const std::vector<std::size_t>& selected,
-                             const Target& target, const Eigen::Isometry3d& T, double max_distance,
-                             double noise_floor) {
-  const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  const auto reach = static_cast<float>(max_distance);
-  std::vector<Pair> pairs;
-  pairs.reserve(selected.size());
-  for (const std::size_t i : selected) {
-    Pair pair;
-    pair.index = i;
-    pair.source = source.points[i].cast<double>();
-    pair.moved = T * pair.source;
-    pair.moved_normal =
-        source.has_normals() ? Eigen::Vector3d(T.linear() * source.normals[i].cast<double>()) : unknown;
-    TargetPoint found;
-    if (!target.find_along(pair.moved.cast<float>(), pair.moved_normal.cast<float>(), reach, found)) continue;
+/// Partners of the selected points, iteration by iteration.
+class PairSearch {
+ public:
+  PairSearch(const Cloud& source, const Target& target, const RegistrationSettings& settings)
+      : source_(source),
+        target_(target),
+        selected_(select_points(source, settings)),
+        noise_floor_(settings.noise_floor) {
+    if (target.finds_nearest()) last_.assign(selected_.size(), unknown.cast<float>());
+  }
+
+  std::size_t selected() const { return selected_.size(); }
+
+  void find(const Eigen::Isometry3d& T, double max_distance, std::vector<Pair>& pairs) {
+    const auto reach = static_cast<float>(max_distance);
+    pairs.clear();
+    pairs.reserve(selected_.size());
+    for (std::size_t k = 0; k < selected_.size(); ++k) {
+      const std::size_t i = selected_[k];
+      Pair pair;
+      pair.index = i;
+      pair.source = source_.points[i].cast<double>();
+      pair.moved = T * pair.source;
+      pair.moved_normal =
+          source_.has_normals() ? Eigen::Vector3d(T.linear() * source_.normals[i].cast<double>()) : unknown;
+      const Eigen::Vector3f moved = pair.moved.cast<float>();
+      TargetPoint found;
+      if (!target_.find_along(moved, pair.moved_normal.cast<float>(), within(k, moved, reach), found))
+        continue;
+      if (!last_.empty()) last_[k] = found.point;
+      add(pair, found, pairs);
+    }
+  }
+
+ private:
+  // The nearest point is no farther than that of the last iteration, which lies here (and a little, for
+  // rounding).
+  float within(std::size_t k, const Eigen::Vector3f& moved, float reach) const {
+    if (last_.empty()) return reach;
+    const float distance = 1.0001f * (last_[k] - moved).norm() + 1e-6f;
+    return distance < reach ? distance : reach;  // also where there was none
+  }
+
+  void add(Pair& pair, const TargetPoint& found, std::vector<Pair>& pairs) const {
     pair.target = found.point.cast<double>();
     pair.target_normal = found.normal.cast<double>();
-    if (!source.intensities.empty()) pair.source_intensity = static_cast<double>(source.intensities[i]);
+    if (!source_.intensities.empty())
+      pair.source_intensity = static_cast<double>(source_.intensities[pair.index]);
     pair.target_intensity = static_cast<double>(found.intensity);
     pair.target_gradient = found.gradient.cast<double>();
     pair.boundary = found.boundary;
-    const double sigma = source.sigmas.empty() ? 0 : static_cast<double>(source.sigmas[i]);
+    const double sigma = source_.sigmas.empty() ? 0 : static_cast<double>(source_.sigmas[pair.index]);
     const double target_sigma = static_cast<double>(found.sigma);
-    pair.variance = sigma * sigma + target_sigma * target_sigma + noise_floor * noise_floor;
+    pair.variance = sigma * sigma + target_sigma * target_sigma + noise_floor_ * noise_floor_;
     if (std::isfinite(pair.variance) && pair.variance > 0) pairs.push_back(pair);
   }
-  return pairs;
-}
+
+  const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const Cloud& source_;
+  const Target& target_;
+  std::vector<std::size_t> selected_;
+  double noise_floor_;
+  std::vector<Eigen::Vector3f> last_;  // where partners lay, NaN where there was none
+};
 
 double rms(const std::vector<Pair>& pairs, const Metric& metric) {
   double sum = 0;
@@ -129,7 +164,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
   const auto kernel = make_kernel(settings);
   const auto rejectors = make_rejectors(settings, source, views);
   const StopCriterion stop(settings);
-  const std::vector<std::size_t> selected = select_points(source, settings);
+  PairSearch search(source, target, settings);
 
   RegistrationResult result;
   if (!T_start.matrix().allFinite()) return result;
@@ -139,7 +174,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
   result.stop = StopReason::max_iterations;
   std::vector<Pair> pairs;
   for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
-    pairs = find_pairs(source, selected, target, T, limit, settings.noise_floor);
+    search.find(T, limit, pairs);
     for (const auto& rejector : rejectors) rejector->reject(pairs, T);
     if (pairs.empty() || static_cast<int>(pairs.size()) < settings.min_pairs) {
       result.stop = StopReason::too_few_pairs;
@@ -163,7 +198,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
     limit = next;
   }
 
-  report(pairs, selected.size(), *metric, settings, prior, result);
+  report(pairs, search.selected(), *metric, settings, prior, result);
   return result;
 }
 
@@ -172,14 +207,15 @@ RegistrationResult look(const Cloud& source, const Target& target, const Eigen::
   RegistrationResult result;
   result.T_target_source = T;
   const auto metric = make_metric(settings);
-  const std::vector<std::size_t> selected = select_points(source, settings);
-  auto pairs = find_pairs(source, selected, target, T, settings.max_distance, settings.noise_floor);
+  PairSearch search(source, target, settings);
+  std::vector<Pair> pairs;
+  search.find(T, settings.max_distance, pairs);
   for (const auto& rejector : make_rejectors(settings, source)) rejector->reject(pairs, T);
   if (static_cast<int>(pairs.size()) < std::max(1, settings.min_pairs)) return result;
   weigh_pairs(pairs, *metric, *make_kernel(settings), settings.weigh_by_noise);
   result.rms.push_back(rms(pairs, *metric));
   result.stop = StopReason::converged;
-  report(pairs, selected.size(), *metric, settings, nullptr, result);
+  report(pairs, search.selected(), *metric, settings, nullptr, result);
   return result;
 }
 

@@ -28,6 +28,9 @@ class Target {
                           TargetPoint& found) const {
     return find(point, max_distance, found);
   }
+  /// Partners are the nearest points: looked for within the distance of any point of the target, they are the
+  /// same, and sooner found.
+  virtual bool finds_nearest() const { return false; }
   /// Number of points; a target without any finds nothing.
   virtual std::size_t size() const = 0;
 };

@@ -96,12 +96,8 @@ VoxelMap VoxelMap::bent(const std::vector<Eigen::Isometry3d>& T_new_old) const {
 }
 
 bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const {
-  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(max_distance);
-  if (!(max_distance >= 0) || !voxel_exists(point - reach, inverse_size_) ||
-      !voxel_exists(point + reach, inverse_size_))
+  if (!(max_distance >= 0) || !voxel_exists(point.cwiseAbs().array() + max_distance, inverse_size_))
     return false;
-  const Eigen::Vector3i low = block_of(voxel_of(point - reach, inverse_size_));
-  const Eigen::Vector3i high = block_of(voxel_of(point + reach, inverse_size_));
   float best = max_distance * max_distance;
   const Surfel* nearest = nullptr;
   const auto search = [&](const Eigen::Vector3i& block) {
@@ -117,6 +113,9 @@ bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoin
   // The point's own block first: mostly the others are then too far away to hold anything nearer.
   const Eigen::Vector3i own = block_of(voxel_of(point, inverse_size_));
   search(own);
+  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(1.0001f * std::sqrt(best));  // for rounding
+  const Eigen::Vector3i low = block_of(voxel_of(point - reach, inverse_size_));
+  const Eigen::Vector3i high = block_of(voxel_of(point + reach, inverse_size_));
   const float side = block_side / inverse_size_;
   for (int x = low.x(); x <= high.x(); ++x)
     for (int y = low.y(); y <= high.y(); ++y)

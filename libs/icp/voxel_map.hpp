@@ -37,6 +37,7 @@ class VoxelMap : public Target {
   VoxelMap bent(const std::vector<Eigen::Isometry3d>& T_new_old) const;
 
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
+  bool finds_nearest() const override { return true; }
   std::size_t size() const override { return surfels_; }
   std::size_t blocks() const { return blocks_.size(); }
   std::size_t memory_bytes() const;

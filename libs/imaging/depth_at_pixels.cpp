@@ -49,12 +49,16 @@ class NeighbourSearch {
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y * columns_ + x); }
 
   void add(const cv::Point2f& query, int point, std::vector<Neighbour>& neighbours) const {
-    const auto& pixel = registered_.pixels.ptr<cv::Vec2f>()[point];
+    const float z = registered_.points.ptr<cv::Vec3f>()[point][2];
+    if (std::isnan(z)) return;
+    const cv::Vec2f pixel = registered_.aligned
+                                ? cv::Vec2f(static_cast<float>(point % registered_.points.cols),
+                                            static_cast<float>(point / registered_.points.cols))
+                                : registered_.pixels.ptr<cv::Vec2f>()[point];
     const float du = (pixel[0] - query.x) / registered_.footprint;
     const float dv = (pixel[1] - query.y) / registered_.footprint;
     if (!(du * du + dv * dv <= search_radius * search_radius)) return;
-    neighbours.push_back(
-        {du, dv, 1 / registered_.points.ptr<cv::Vec3f>()[point][2], registered_.sigma.ptr<float>()[point]});
+    neighbours.push_back({du, dv, 1 / z, registered_.sigma.ptr<float>()[point]});
   }
 
   // Counting sort.

@@ -165,6 +165,15 @@ RegisteredDepth DepthRegistration::operator()(const RgbdFrame& frame,
   return result;
 }
 
+RegisteredDepth DepthRegistration::for_depth_at_pixels(const RgbdFrame& frame,
+                                                       const Eigen::Isometry3d& T_colour_depth_time) const {
+  const bool own_pixels = calibration_.depth_registered && T_colour_depth_time.matrix().isIdentity(0);
+  if (!own_pixels) return (*this)(frame, T_colour_depth_time);
+  RegisteredDepth result = unproject(frame);
+  result.aligned = true;
+  return result;
+}
+
 RegisteredDepth register_depth(const RgbdFrame& frame, const RgbdCalibration& calibration,
                                const Eigen::Isometry3d& T_colour_depth_time) {
   return DepthRegistration(calibration)(frame, T_colour_depth_time);

@@ -53,6 +53,11 @@ class DepthRegistration {
   /// the depth image's time, `pixels` empty. Throws as the other one.
   RegisteredDepth unproject(const RgbdFrame& frame) const;
 
+  /// As operator() for those who only ask depth_at_pixels(): where depth pixels are colour's own, `pixels`
+  /// stay empty.
+  RegisteredDepth for_depth_at_pixels(const RgbdFrame& frame,
+                                      const Eigen::Isometry3d& T_colour_depth_time) const;
+
   const RgbdCalibration& calibration() const { return calibration_; }
 
  private:

@@ -122,7 +122,7 @@ std::optional<VisualOdometry::Alignment> VisualOdometry::align(
   for (const Reference* reference : references) {
     newest_begin = pairs.size();
     const Eigen::Matrix3d R = reference->T_odom_camera.linear();
-    for (const Match& m : match(reference->frame.features, frame.features, settings_.matching)) {
+    for (const Match& m : matcher_.match(reference->frame.features, frame.features, settings_.matching)) {
       const Feature& a = reference->frame.features[static_cast<std::size_t>(m.a)];
       const Feature& b = frame.features[static_cast<std::size_t>(m.b)];
       pairs.push_back({reference->T_odom_camera * a.point.cast<double>(), b.point.cast<double>(),

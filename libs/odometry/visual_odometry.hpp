@@ -102,6 +102,7 @@ class VisualOdometry {
 
   VisualOdometrySettings settings_;
   Random random_;
+  Matcher matcher_;  // keeps its memory
   VisualReport report_;
   std::deque<Reference> keyframes_;    // newest last
   std::optional<Reference> previous_;  // the last aligned frame: second try

@@ -6,11 +6,12 @@
 
 #include "camera/publish_event.hpp"
 #include "messages/camera_messages.hpp"
+#include "runtime/machine.hpp"
 
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t frames_ahead = 3;
+constexpr std::size_t frames_ahead = 10;  // a third of a second in which the machine may be busy otherwise
 constexpr std::chrono::milliseconds tolerated_delay{200};
 constexpr std::chrono::seconds calibration_period{1};
 
@@ -44,6 +45,7 @@ void CameraNode::connect(Inputs& inputs) {
 }
 
 void CameraNode::prefetch() {
+  yield_to_receivers();
   try {
     while (auto event = source_->next()) {
       std::unique_lock<std::mutex> lock(mutex_);

@@ -22,6 +22,9 @@ namespace {
 constexpr Utime longest_gap = 5'000'000;  // us
 constexpr Utime same_moment = 1000;       // us
 constexpr std::size_t features_kept = 8;  // frames; odometry may lag behind features
+// A frame takes a third of its period: after a short stall of the machine five are soon worked off, and none
+// is missing. Where every frame takes longer, the pose comes so many frames late.
+constexpr int frames_waiting = 5;
 
 }  // namespace
 
@@ -31,7 +34,7 @@ IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
       filter_settings_(read_depth_filter_settings(config.section("depth_filter"))),
       pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
       cloud_points_(config.get("cloud_points", 12000.0, Range{100, 1e7})),
-      frame_queue_(frame_queue(config, 2)),
+      frame_queue_(frame_queue(config, frames_waiting)),
       join_(
           config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
           [this](Prepared& prepared) { on_frame(prepared); }, config.get("extrapolation", 0.01, Range{0, 1})),

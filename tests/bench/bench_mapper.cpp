@@ -1,0 +1,100 @@
+// What a frame of tum_fr1_rpy (VGA at 30 Hz) costs the process `icp`, from the bytes of CAMERA to ICP_POSE,
+// with features and visual odometry as in the graph. CPU time of all threads, ms a frame: median, 95th and
+// 99th percentile, worst; and the part that the pose waits for after its odometry has come.
+//   build/release/bin/bench_mapper
+
+#include <benchmark/benchmark.h>
+#include <time.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "datasets/dataset.hpp"
+#include "icp/icp_node.hpp"
+#include "messages/camera_messages.hpp"
+#include "odometry/odometry_node.hpp"
+#include "runtime/machine.hpp"
+#include "surf/surf_node.hpp"
+#include "unit/nodes/test_bus.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t frames_used = 300;
+
+double milliseconds(clockid_t clock) {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+struct BenchMessage {
+  std::string channel;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// What `icp` hears for each frame: CAMERA, FEATURES, ODOMETRY. Empty without the recording.
+const std::vector<std::vector<BenchMessage>>& recording() {
+  static const std::vector<std::vector<BenchMessage>> frames = [] {
+    std::vector<std::vector<BenchMessage>> all;
+    const std::string folder = LCMSLAM_SOURCE_DIR "/../shared/data/tum_fr1_rpy";
+    if (!std::filesystem::exists(folder)) return all;
+    const auto source = open_dataset(folder);
+    testing::TestBus front;
+    front.add<SurfNode>();
+    front.add<OdometryNode>(ConfigNode::parse("{source: visual}"));
+    front.deliver("CAMERA_CALIBRATION", to_message(source->calibration()));
+    for (std::size_t i = 0; i < std::min(frames_used, source->size()); ++i) {
+      const auto frame = source->frame(i);
+      if (!frame) continue;
+      all.emplace_back();
+      all.back().push_back({"CAMERA", encode_message(to_message(*frame))});
+      const std::size_t before = front.published().size();
+      front.deliver("CAMERA", all.back().front().bytes);
+      for (std::size_t k = before; k < front.published().size(); ++k)
+        all.back().push_back({front.published()[k].channel, front.published()[k].bytes});
+    }
+    return all;
+  }();
+  return frames;
+}
+
+void icp_frame(benchmark::State& state) {
+  if (recording().empty()) return state.SkipWithError("no ../shared/data/tum_fr1_rpy");
+  const auto source = open_dataset(LCMSLAM_SOURCE_DIR "/../shared/data/tum_fr1_rpy");
+  keep_freed_memory();  // as processes do
+  std::vector<double> whole, after_odometry;
+  for (auto _ : state) {
+    testing::CapturingPublisher publisher(1);
+    IcpNode node(ConfigNode{}, publisher);
+    Inputs inputs;
+    node.connect(inputs);
+    const auto calibration = encode_message(to_message(source->calibration()));
+    inputs.deliver("CAMERA_CALIBRATION", calibration.data(), calibration.size());
+    for (const auto& frame : recording()) {
+      const double process = milliseconds(CLOCK_PROCESS_CPUTIME_ID);
+      double answer = 0;
+      for (const BenchMessage& message : frame) {
+        const double thread = milliseconds(CLOCK_THREAD_CPUTIME_ID);
+        inputs.deliver(message.channel, message.bytes.data(), message.bytes.size());
+        if (message.channel == "ODOMETRY") answer = milliseconds(CLOCK_THREAD_CPUTIME_ID) - thread;
+      }
+      node.work();
+      whole.push_back(milliseconds(CLOCK_PROCESS_CPUTIME_ID) - process);
+      after_odometry.push_back(answer);
+    }
+    node.finish();
+  }
+  for (const auto& [name, times] : {std::pair("frame", &whole), std::pair("after_odometry", &after_odometry)})
+    for (const auto& [percentile, share] : {std::pair("50", 0.5), {"95", 0.95}, {"99", 0.99}, {"max", 1.0}})
+      state.counters[std::string(name) + "_" + percentile] = quantile(*times, share);
+}
+BENCHMARK(icp_frame)->Iterations(3)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace lcmslam
