@@ -59,6 +59,11 @@ void append_geometry(const VoxelSum& s, const AnyCloud& like, AnyCloud& cloud) {
   if (!like.sigmas.empty()) cloud.sigmas.push_back(s.sigma / s.weight);
 }
 
+template <class T>
+std::size_t bytes_of(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
 }  // namespace
 
 void move(Cloud& cloud, const Eigen::Isometry3d& T) {
@@ -66,6 +71,30 @@ void move(Cloud& cloud, const Eigen::Isometry3d& T) {
   for (auto& p : cloud.points) p = T_float * p;
   for (auto& n : cloud.normals) n = T_float.linear() * n;
   for (auto& g : cloud.gradients) g = T_float.linear() * g;
+}
+
+std::size_t memory_bytes(const Cloud& c) {
+  return bytes_of(c.points) + bytes_of(c.normals) + bytes_of(c.sigmas) + bytes_of(c.intensities) +
+         bytes_of(c.gradients) + bytes_of(c.boundary);
+}
+
+std::size_t memory_bytes(const ColouredCloud& c) {
+  return bytes_of(c.points) + bytes_of(c.colours) + bytes_of(c.normals) + bytes_of(c.sigmas);
+}
+
+ColouredCloud transformed(const ColouredCloud& cloud, const Eigen::Isometry3d& T) {
+  const Eigen::Isometry3f move = T.cast<float>();
+  ColouredCloud moved = cloud;
+  for (Eigen::Vector3f& p : moved.points) p = move * p;
+  for (Eigen::Vector3f& n : moved.normals) n = move.linear() * n;
+  return moved;
+}
+
+void append(const ColouredCloud& more, ColouredCloud& cloud) {
+  cloud.points.insert(cloud.points.end(), more.points.begin(), more.points.end());
+  cloud.colours.insert(cloud.colours.end(), more.colours.begin(), more.colours.end());
+  cloud.normals.insert(cloud.normals.end(), more.normals.begin(), more.normals.end());
+  cloud.sigmas.insert(cloud.sigmas.end(), more.sigmas.begin(), more.sigmas.end());
 }
 
 Cloud geometry_of(const ColouredCloud& cloud, const Eigen::Isometry3d& T) {

@@ -29,6 +29,10 @@ struct Cloud {
   bool has_normals() const { return !normals.empty(); }
 };
 
+/// Bytes of a cloud's points and what is known of them.
+std::size_t memory_bytes(const Cloud& cloud);
+std::size_t memory_bytes(const ColouredCloud& cloud);
+
 /// The coloured cloud without its colours, points and normals moved by T.
 Cloud geometry_of(const ColouredCloud& cloud, const Eigen::Isometry3d& T = Eigen::Isometry3d::Identity());
 
@@ -37,6 +41,10 @@ std::vector<float> intensities_of(const ColouredCloud& cloud);
 
 void move(Cloud& cloud, const Eigen::Isometry3d& T);
 Cloud transformed(const Cloud& cloud, const Eigen::Isometry3d& T);
+
+ColouredCloud transformed(const ColouredCloud& cloud, const Eigen::Isometry3d& T);
+/// Adds the points of `more`, which brings what `cloud` has of normals and sigmas.
+void append(const ColouredCloud& more, ColouredCloud& cloud);
 
 /// The points whose index `keep` accepts, in their order.
 template <class Keep>
@@ -50,6 +58,19 @@ Cloud kept_points(const Cloud& cloud, const Keep& keep) {
     if (!cloud.intensities.empty()) kept.intensities.push_back(cloud.intensities[i]);
     if (!cloud.gradients.empty()) kept.gradients.push_back(cloud.gradients[i]);
     if (!cloud.boundary.empty()) kept.boundary.push_back(cloud.boundary[i]);
+  }
+  return kept;
+}
+
+template <class Keep>
+ColouredCloud kept_points(const ColouredCloud& cloud, const Keep& keep) {
+  ColouredCloud kept;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!keep(i)) continue;
+    kept.points.push_back(cloud.points[i]);
+    kept.colours.push_back(cloud.colours[i]);
+    if (!cloud.normals.empty()) kept.normals.push_back(cloud.normals[i]);
+    if (!cloud.sigmas.empty()) kept.sigmas.push_back(cloud.sigmas[i]);
   }
   return kept;
 }

@@ -19,6 +19,20 @@ void FeatureAnchor::bend(const std::vector<Eigen::Isometry3d>& T_new_old) {
         keyframe.T_world_camera;
 }
 
+void FeatureAnchor::renumber(const std::vector<bool>& gone, const std::vector<int>& number) {
+  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(),
+                                  [&](const Keyframe& k) { return gone[static_cast<std::size_t>(k.node)]; }),
+                   keyframes_.end());
+  for (Keyframe& keyframe : keyframes_) keyframe.node = number[static_cast<std::size_t>(keyframe.node)];
+}
+
+std::size_t FeatureAnchor::memory_bytes() const {
+  std::size_t bytes = keyframes_.capacity() * sizeof(Keyframe);
+  for (const Keyframe& keyframe : keyframes_)
+    bytes += keyframe.features.features.capacity() * sizeof(Feature);
+  return bytes;
+}
+
 std::vector<const FeatureAnchor::Keyframe*> FeatureAnchor::around(
     const Eigen::Isometry3d& T_world_camera) const {
   std::vector<std::pair<double, const Keyframe*>> near;

@@ -38,7 +38,10 @@ class FeatureAnchor {
   void add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features, int node = 0);
   /// Keyframes move, each by T_new_old[node], those of later nodes by the last.
   void bend(const std::vector<Eigen::Isometry3d>& T_new_old);
+  /// Keyframes of nodes that go (true), and the new numbers of the others.
+  void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
   void clear() { keyframes_.clear(); }
+  std::size_t memory_bytes() const;
 
   /// Where the robot is, wherever that be: each call asks the next few keyframes. For a robot that is lost.
   std::optional<Prior> search(const FeatureFrame& features, const Eigen::Isometry3d& T_robot_camera);

@@ -17,6 +17,14 @@ const Prior* prior_for(const RegistrationSettings& settings, const Prior& prior)
   return is_iterative(settings.solver) ? &prior : nullptr;
 }
 
+/// What both passes together ask of a target.
+RegistrationSettings asked_of_target(const IcpMapperSettings& settings) {
+  RegistrationSettings s = settings.fine;
+  s.boundary = s.boundary || settings.coarse.boundary;
+  s.colour_scale = std::max(s.colour_scale, settings.coarse.colour_scale);
+  return s;
+}
+
 }  // namespace
 
 RegistrationSettings IcpMapperSettings::coarse_defaults() {
@@ -59,8 +67,10 @@ std::string to_string(MappingStatus status) {
 IcpMapper::IcpMapper(const IcpMapperSettings& settings)
     : settings_(settings),
       map_(std::make_unique<VoxelMap>(settings.map)),
-      view_(*map_, settings.correspondence, settings.view_radius),
+      view_(*map_, settings.correspondence, settings.view_radius, asked_of_target(settings)),
       anchor_(settings.features),
+      last_view_(settings.coarse.frustum || settings.fine.frustum, settings.compares_images(),
+                 settings.overlap),
       graph_(settings.graph) {
   if (settings.variant != VariantKind::modern) thesis_.emplace(settings.variant, settings.thesis);
 }
@@ -83,9 +93,11 @@ IcpMapper::Step IcpMapper::step(Utime utime, const Cloud& cloud, const Painter& 
   const ThesisFrame frame{reduced, T_robot_camera, features, colour};
   Step step;
   step.bent = work_on_graph(utime);
+  step.thinned = thin();
   if (!started_) {
     start_map(utime, coloured, reduced, T_robot_camera, features, step);
     if (started_ && thesis_) thesis_->add(frame, step.T_world_robot);
+    last_view_.keep(colour, T_robot_camera);
     return step;
   }
 
@@ -102,6 +114,7 @@ IcpMapper::Step IcpMapper::step(Utime utime, const Cloud& cloud, const Painter& 
     step.anchored = !apart || prior.T_target_source.isApprox(anchor->T_target_source, 0);
     if (!step.anchored) anchor.reset();
   }
+  last_view_.compare(colour, T_robot_camera);
   const Attempt best = thesis_ ? thesis_attempt(frame, prior.T_target_source)
                                : try_starts(reduced, starts(prior, motion, anchor, features, T_robot_camera),
                                             prior, T_robot_camera);
@@ -128,6 +141,10 @@ IcpMapper::Step IcpMapper::step(Utime utime, const Cloud& cloud, const Painter& 
   if (best.status == MappingStatus::tracking || reseed) {
     grow(utime, coloured, reduced, T_robot_camera, features, step);
     if (thesis_) thesis_->add(frame, step.T_world_robot);
+  }
+  if (best.status == MappingStatus::tracking) {
+    look_through(cloud, step.T_world_robot * T_robot_camera);
+    last_view_.keep(colour, step.T_world_robot * T_robot_camera);
   }
 
   const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
@@ -211,8 +228,8 @@ IcpMapper::Attempt IcpMapper::try_starts(const Cloud& cloud, std::vector<Eigen::
 Prior IcpMapper::judged(const Cloud& cloud, const Prior& odometry, const Prior& anchor,
                         const Eigen::Isometry3d& T_robot_camera) {
   HypothesisSettings hypotheses;
-  hypotheses.coarse = settings_.coarse;
-  hypotheses.fine = settings_.fine;
+  hypotheses.coarse = without_views(settings_.coarse);
+  hypotheses.fine = without_views(settings_.fine);
   const Target& target = view_.from(odometry.T_target_source * T_robot_camera);
   const HypothesisResult best =
       register_hypotheses(cloud, target, {{odometry, "odometry"}, {anchor, "features"}}, hypotheses);
@@ -230,10 +247,12 @@ IcpMapper::Attempt IcpMapper::attempt(const Cloud& cloud, const Target& target,
     used.information *= 0.1;
   }
   Attempt result;
-  const RegistrationResult coarse =
-      register_cloud(cloud, target, T_start, settings_.coarse, prior_for(settings_.coarse, used));
-  result.registration =
-      register_cloud(cloud, target, coarse.T_target_source, settings_.fine, prior_for(settings_.fine, used));
+  Eigen::Isometry3d T = T_start;
+  for (const RegistrationSettings* pass : {&settings_.coarse, &settings_.fine}) {
+    result.registration = register_cloud(cloud, target, T, last_view_.possible(*pass), prior_for(*pass, used),
+                                         last_view_.views());
+    T = result.registration.T_target_source;
+  }
   result.quality = result.registration.overlap * inlier_share(result.registration);
   result.status = judge(result.registration, used);
   if (recovery && result.status == MappingStatus::degraded) result.status = MappingStatus::lost;

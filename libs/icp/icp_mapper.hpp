@@ -4,6 +4,7 @@
 // World is the robot's pose at the first frame (identity). The pose is always finite: while nothing
 // can be registered it follows the prediction and the status says so, and the map is left alone.
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,7 +13,9 @@
 #include "icp/cloud_filter.hpp"
 #include "icp/depth_clock.hpp"
 #include "icp/feature_anchor.hpp"
+#include "icp/free_space.hpp"
 #include "icp/keyframe_graph.hpp"
+#include "icp/last_view.hpp"
 #include "icp/map_view.hpp"
 #include "icp/motion_prior.hpp"
 #include "icp/registration.hpp"
@@ -28,6 +31,7 @@ struct IcpMapperSettings {
   FeatureAnchorSettings features;
   DepthClockSettings depth_clock;
   KeyframeGraphSettings graph;
+  FreeSpaceSettings free_space;
 
   // registration: a coarse pass over few points from far, then a fine one
   double voxel_size = 0.04;  ///< m, of the cloud that is registered and inserted
@@ -35,6 +39,7 @@ struct IcpMapperSettings {
   double view_radius = 5;  ///< m, of the map around the camera that k-d trees and projections show
   RegistrationSettings coarse = coarse_defaults();
   RegistrationSettings fine = fine_defaults();
+  ColourOverlapSettings overlap;  ///< of the passes' colour_overlap
 
   VariantKind variant = VariantKind::modern;  ///< another one registers instead of both passes
   ThesisSettings thesis;
@@ -59,6 +64,7 @@ struct IcpMapperSettings {
   /// Points that all keyframes keep together (31 bytes each: 190 MB). Beyond, the clouds farthest away are
   /// thinned, step by step.
   double keyframe_points = 6e6;
+  int keyframe_features = 600;  ///< strongest of a keyframe that are kept
 
   // bending the map takes as long, s of message time
   double bend_time = 0.05;
@@ -66,6 +72,11 @@ struct IcpMapperSettings {
 
   static RegistrationSettings coarse_defaults();
   static RegistrationSettings fine_defaults();
+
+  /// Whether the passes' metric compares colours: then clouds must bring intensities.
+  bool uses_colour() const { return coarse.colour_scale > 0 || fine.colour_scale > 0; }
+  /// Whether a rejector compares images: then each step needs its own.
+  bool compares_images() const { return coarse.colour_overlap || fine.colour_overlap; }
 };
 
 enum class MappingStatus { initialising, tracking, degraded, lost };
@@ -88,15 +99,17 @@ class IcpMapper {
     bool keyframe = false;     ///< keyframes().back() is new
     bool node = false;         ///< graph().nodes().back() is new
     bool relocalised = false;  ///< lost before, and found far from the prediction
+    bool thinned = false;      ///< redundant nodes have gone from graph() and keyframes()
     bool bent = false;         ///< the graph moved its nodes before this step: older poses are of the old map
   };
 
   struct Keyframe {
-    int id = 0;
+    int id = 0;  ///< index of its node in graph()
     Utime utime = 0;
     Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-    ColouredCloud cloud;  ///< camera frame, with normals
-    double voxel = 0;     ///< m, of that cloud
+    ColouredCloud cloud;      ///< camera frame, with normals
+    double voxel = 0;         ///< m, of that cloud
+    std::size_t changed = 0;  ///< points that went or came since the cloud was told
   };
 
   /// Makes the coloured cloud of a step that becomes a keyframe.
@@ -116,13 +129,20 @@ class IcpMapper {
   /// Features that came after the step of their moment: for keyframes.
   void add_features(const FeatureFrame& features, Utime utime);
 
-  /// All work on the graph that is left; whether nodes moved.
+  /// Keyframes (their indices) whose clouds have changed since they were last told, because what moved away
+  /// went or a keyframe that is no more left its points: those that changed notably, or all.
+  std::vector<std::size_t> take_changed(bool all = false);
+
+  /// All work that is left; whether nodes moved.
   bool finish();
 
-  /// Ids are the graph's nodes.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const KeyframeGraph& graph() const { return graph_; }
   const VoxelMap& map() const { return *map_; }
+  /// How many keyframes there have been.
+  std::int64_t keyframes_made() const { return keyframes_made_; }
+  /// Of all that is kept from frame to frame, but for work on the graph under way.
+  std::size_t memory_bytes() const;
 
  private:
   struct Attempt {
@@ -155,17 +175,28 @@ class IcpMapper {
   bool is_far(const Eigen::Isometry3d& T_world_camera, const Eigen::Isometry3d& T_world_other,
               double share) const;
   bool work_on_graph(Utime utime);
+  bool thin();
+  void merge_next_retired();
+  bool finish_graph();
   void insert(Cloud cloud_in_world, const Eigen::Vector3d& view_point, int node);
   void restore(const Eigen::Isometry3d& T_world_camera);
   void bound_keyframes(const Eigen::Isometry3d& T_world_camera);
   void bend(const KeyframeGraph::Correction& correction);
+  void look_through(const Cloud& cloud, const Eigen::Isometry3d& T_world_camera);
+  void begin_sweep();
+  void index_swept();
+  void clean_next_keyframe();
+  void clean(Keyframe& keyframe);
 
   IcpMapperSettings settings_;
   std::unique_ptr<VoxelMap> map_;
   MapView view_;
   FeatureAnchor anchor_;
+  LastView last_view_;
   std::optional<ThesisVariant> thesis_;
   std::vector<Keyframe> keyframes_;
+  std::int64_t keyframes_made_ = 0;
+  std::deque<Keyframe> retired_;  // thinned out; their clouds join their neighbours', one a frame
   bool started_ = false;
   int bad_steps_ = 0;              // in a row
   std::size_t next_recovery_ = 0;  // keyframe to try next while lost
@@ -182,6 +213,14 @@ class IcpMapper {
     int node = 0;
   };
   std::vector<Insertion> insertions_;
+
+  // Places that were seen through, on their way into the keyframes' clouds: one keyframe a frame.
+  std::int32_t looks_ = 0;
+  std::vector<VoxelMap::Gone> gone_, swept_;  // collected; being swept (empty: no sweep)
+  VoxelIndex swept_voxels_;                   // the map's voxels that swept_ touches
+  Eigen::AlignedBox3f swept_box_;
+  std::size_t next_swept_ = 0;  // keyframe
+
   KeyframeGraph::Correction correction_;
   Utime bent_at_ = 0;
   std::future<std::unique_ptr<VoxelMap>> bending_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "icp/icp_mapper.hpp"
+#include "icp/strongest_features.hpp"
 
 namespace lcmslam {
 
@@ -40,7 +41,7 @@ void IcpMapper::add_node(Utime utime, const Painter& coloured, const Cloud& clou
   const Matrix6d A = adjoint(T_robot_camera.inverse());  // from the robot's body frame to the camera's
   KeyframeView view;
   view.cloud = transformed(cloud, T_robot_camera.inverse());
-  if (features != nullptr) view.features = *features;
+  if (features != nullptr) view.features = strongest(*features, settings_.keyframe_features);
   restore(T_world_camera);
   const int node =
       graph_.add(utime, T_world_camera, A * step.covariance * A.transpose(), std::move(view), keyframe);
@@ -50,15 +51,18 @@ void IcpMapper::add_node(Utime utime, const Painter& coloured, const Cloud& clou
   const ColouredCloud usable = usable_points(coloured(), settings_.filter);
   keyframes_.push_back({node, utime, T_world_camera, voxel_filtered(usable, settings_.keyframe_voxel),
                         settings_.keyframe_voxel});
+  ++keyframes_made_;
   bound_keyframes(T_world_camera);
-  if (features != nullptr) anchor_.add(T_world_camera, *features, node);
+  if (features != nullptr)
+    anchor_.add(T_world_camera, strongest(*features, settings_.keyframe_features), node);
 }
 
 void IcpMapper::add_features(const FeatureFrame& features, Utime utime) {
   if (graph_.nodes().empty() || graph_.nodes().back().utime != utime) return;
   const auto node = static_cast<int>(graph_.nodes().size()) - 1;
-  if (!graph_.add_features(node, features)) return;
-  if (keyframes_.back().id == node) anchor_.add(keyframes_.back().T_world_camera, features, node);
+  const FeatureFrame kept = strongest(features, settings_.keyframe_features);
+  if (!graph_.add_features(node, kept)) return;
+  if (keyframes_.back().id == node) anchor_.add(keyframes_.back().T_world_camera, kept, node);
 }
 
 // Far from every keyframe, or (with half the way gone) where little is known.
@@ -94,9 +98,10 @@ void IcpMapper::restore(const Eigen::Isometry3d& T_world_camera) {
     const Eigen::Isometry3f T = keyframe.T_world_camera.cast<float>();
     for (std::size_t i = 0; i < keyframe.cloud.size(); i += 1 + keyframe.cloud.size() / samples, ++asked)
       known += map_->find(T * keyframe.cloud.points[i], 0.1f, found) ? 1 : 0;
-    if (2 * known < asked)
-      insert(voxel_filtered(geometry_of(keyframe.cloud, keyframe.T_world_camera), settings_.voxel_size),
-             T_world_camera.translation(), keyframe.id);
+    if (2 * known >= asked) continue;
+    Cloud cloud = geometry_of(keyframe.cloud, keyframe.T_world_camera);
+    if (map_->has_intensities()) cloud.intensities = intensities_of(keyframe.cloud);
+    insert(voxel_filtered(cloud, settings_.voxel_size), T_world_camera.translation(), keyframe.id);
   }
 }
 
@@ -159,14 +164,28 @@ void IcpMapper::bend(const KeyframeGraph::Correction& correction) {
   insertions_.clear();
   for (Keyframe& keyframe : keyframes_)
     keyframe.T_world_camera = move_of(keyframe.id) * keyframe.T_world_camera;
+  for (auto* places : {&gone_, &swept_})
+    for (VoxelMap::Gone& place : *places) place.point = move_of(place.anchor).cast<float>() * place.point;
+  if (!swept_.empty()) index_swept();
+  for (Keyframe& keyframe : retired_)
+    keyframe.T_world_camera = move_of(keyframe.id) * keyframe.T_world_camera;
   anchor_.bend(correction);
   graph_.apply(correction);
   const Eigen::Isometry3d& T_newest = correction.back();
   T_world_last_ = T_newest * T_world_last_;
   T_world_inserted_ = T_newest * T_world_inserted_;
+  last_view_.move(T_newest);
 }
 
 bool IcpMapper::finish() {
+  const bool moved = finish_graph();
+  while (!retired_.empty()) merge_next_retired();
+  begin_sweep();
+  while (!swept_.empty()) clean_next_keyframe();
+  return moved;
+}
+
+bool IcpMapper::finish_graph() {
   bool moved = false;
   if (bending_.valid()) {
     bend(correction_);

@@ -61,7 +61,7 @@ int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, con
                       covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
     edges_.push_back(edge);
   }
-  nodes_.push_back({utime, T_world_camera});
+  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe});
   if (settings_.enabled) fresh_.push_back({std::make_shared<KeyframeView>(std::move(view)), keyframe, utime});
   return id;
 }
@@ -129,6 +129,8 @@ void KeyframeGraph::take(Solution solution) {
                               edges_.begin() + static_cast<std::ptrdiff_t>(edges_begun_), edges_.end());
   edges_ = std::move(solution.graph.edges);
   waiting_ = std::move(solution.waiting);
+  const auto most = static_cast<std::size_t>(settings_.max_waiting);
+  if (waiting_.size() > most) waiting_.erase(waiting_.begin(), waiting_.end() - settings_.max_waiting);
   solved_ = std::move(solution.graph.poses);
 }
 
@@ -164,6 +166,51 @@ std::optional<KeyframeGraph::Correction> KeyframeGraph::finish() {
   begin(0);
   take(running_.get());
   return notable_correction(0, 0);
+}
+
+std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& covering) {
+  constexpr std::size_t newest = 10;  // nodes that tracking and the next edges start from
+  const auto most = static_cast<std::size_t>(settings_.max_keyframes);
+  const auto keyframes = static_cast<std::size_t>(
+      std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.keyframe; }));
+  if (running_.valid() || (keyframes <= most && nodes_.size() - keyframes <= most)) return std::nullopt;
+
+  std::vector<ThinningNode> nodes;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    nodes.push_back({nodes_[i].T_world_camera, nodes_[i].keyframe, i == 0 || i + newest >= nodes_.size()});
+  for (const NewNode& added : fresh_) nodes[static_cast<std::size_t>(added.view->node)].fixed = true;
+  const std::size_t left = most - std::max<std::size_t>(1, most / 10);
+  const auto limit = [&](std::size_t count) { return count > most ? left : count; };
+  Thinned thinned;
+  thinned.gone = covered_nodes(nodes, limit(keyframes), limit(nodes_.size() - keyframes), covering);
+
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (thinned.gone[i]) take_out(static_cast<int>(i), edges_, waiting_);
+  std::vector<int> place(nodes_.size(), 0);
+  std::vector<Node> kept;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    place[i] = static_cast<int>(kept.size());
+    if (!thinned.gone[i]) kept.push_back(nodes_[i]);
+  }
+  for (const int heir : heirs(nodes, thinned.gone, covering))
+    thinned.index.push_back(place[static_cast<std::size_t>(heir)]);
+  nodes_ = std::move(kept);
+  for (auto* edges : {&edges_, &waiting_})
+    for (GraphEdge& e : *edges) {
+      e.from = place[static_cast<std::size_t>(e.from)];
+      e.to = place[static_cast<std::size_t>(e.to)];
+    }
+  for (NewNode& added : fresh_) added.view->node = place[static_cast<std::size_t>(added.view->node)];
+  finder_.renumber(thinned.gone, thinned.index);
+  solved_.clear();
+  return thinned;
+}
+
+std::size_t KeyframeGraph::memory_bytes() const {
+  std::size_t bytes = nodes_.capacity() * sizeof(Node) + solved_.capacity() * sizeof(solved_[0]) +
+                      (edges_.capacity() + waiting_.capacity()) * sizeof(GraphEdge);
+  for (const NewNode& added : fresh_) bytes += lcmslam::memory_bytes(*added.view);
+  return running_.valid() ? bytes : bytes + finder_.memory_bytes();
 }
 
 void KeyframeGraph::apply(const Correction& correction) {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "icp/graph_thinning.hpp"
 #include "icp/loop_finder.hpp"
 #include "icp/pose_graph.hpp"
 
@@ -33,6 +34,9 @@ struct KeyframeGraphSettings {
   double wait = 0.2;               ///< s of message time that the work waits for a keyframe's features
   double time = 0.3;               ///< s of message time that the work may take, and
   double time_per_node = 0.002;    ///< s for each keyframe
+  /// Keyframes that are kept, and as many other nodes; a tenth of them goes at a time (about 0.25 MB each).
+  int max_keyframes = 600;
+  int max_waiting = 200;  ///< edges that are not believed yet; the newest ones
 };
 
 class KeyframeGraph {
@@ -42,6 +46,8 @@ class KeyframeGraph {
   struct Node {
     Utime utime = 0;
     Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+    int id = 0;  ///< of all that ever were; nodes are called by their index, which changes when others go
+    bool keyframe = false;
   };
 
   /// Where each node goes: T_world_new = by_node[id] * T_world_old. Things of newer nodes go with the last.
@@ -63,6 +69,18 @@ class KeyframeGraph {
   /// All that is left to do; every correction counts.
   std::optional<Correction> finish();
   void apply(const Correction& correction);
+
+  /// Nodes that went, and the new index of each old one; of those that went, of the one that takes their
+  /// things.
+  struct Thinned {
+    std::vector<bool> gone;
+    std::vector<int> index;
+  };
+  /// Takes redundant nodes out when there are too many and no work is under way (which waits for work()).
+  std::optional<Thinned> thin(const Covering& covering);
+
+  /// Of all that is kept, but for work under way.
+  std::size_t memory_bytes() const;
 
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<GraphEdge>& edges() const { return edges_; }
@@ -87,6 +105,7 @@ class KeyframeGraph {
 
   KeyframeGraphSettings settings_;
   std::vector<Node> nodes_;
+  int next_id_ = 0;
   std::vector<GraphEdge> edges_, waiting_;  // waiting: measured, not believed yet
   std::optional<Eigen::Isometry3d> T_camera_on_floor_;
   std::vector<NewNode> fresh_;

@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
+
+#include "icp/strongest_features.hpp"
 
 namespace lcmslam {
 namespace {
 
 constexpr int node_limit = 1 << 24;  // ids of a DescriptorIndex
-
-std::vector<std::size_t> strongest(const std::vector<Feature>& features, int count) {
-  std::vector<std::size_t> order(features.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return features[a].response > features[b].response; });
-  if (order.size() > static_cast<std::size_t>(count)) order.resize(static_cast<std::size_t>(count));
-  return order;
-}
 
 Matrix6d squares(double translation, double rotation) {
   Matrix6d m = Matrix6d::Zero();
@@ -36,19 +30,56 @@ RegistrationSettings LoopFinderSettings::registration_defaults() {
   return s;
 }
 
+std::size_t memory_bytes(const KeyframeView& view) {
+  return sizeof view + memory_bytes(view.cloud) + view.features.features.capacity() * sizeof(Feature);
+}
+
 LoopFinder::LoopFinder(const LoopFinderSettings& settings) : settings_(settings) {}
 
 void LoopFinder::add(std::shared_ptr<const KeyframeView> view) {
+  refresh_index();
   const auto node = static_cast<std::size_t>(view->node);
   if (views_.size() <= node) views_.resize(node + 1);
-  const std::vector<Feature>& features = view->features.features;
+  enter(view->features, view->node);
+  views_[node] = std::move(view);
+}
+
+void LoopFinder::enter(const FeatureFrame& frame, int node) {
+  const std::vector<Feature>& features = frame.features;
   for (const std::size_t i : strongest(features, settings_.indexed_features)) {
     const auto id = static_cast<int>(node_of_descriptor_.size());
     if (id >= node_limit) break;
     index_.insert(id, features[i].descriptor, features[i].laplacian);
-    node_of_descriptor_.push_back(view->node);
+    node_of_descriptor_.push_back(node);
   }
-  views_[node] = std::move(view);
+}
+
+void LoopFinder::renumber(const std::vector<bool>& gone, const std::vector<int>& number) {
+  std::vector<std::shared_ptr<const KeyframeView>> views;
+  for (std::size_t old = 0; old < views_.size(); ++old) {
+    if (gone[old] || !views_[old]) continue;
+    const auto node = static_cast<std::size_t>(number[old]);
+    if (views.size() <= node) views.resize(node + 1);
+    views[node] = std::move(views_[old]);
+  }
+  views_ = std::move(views);
+  stale_ = true;
+}
+
+void LoopFinder::refresh_index() {
+  if (!std::exchange(stale_, false)) return;
+  index_ = DescriptorIndex();
+  node_of_descriptor_.clear();
+  for (std::size_t node = 0; node < views_.size(); ++node)
+    if (views_[node]) enter(views_[node]->features, static_cast<int>(node));
+}
+
+std::size_t LoopFinder::memory_bytes() const {
+  std::size_t bytes = views_.capacity() * sizeof(views_[0]) + index_.memory_bytes() +
+                      node_of_descriptor_.capacity() * sizeof(int);
+  for (const auto& view : views_)
+    if (view) bytes += lcmslam::memory_bytes(*view);
+  return bytes;
 }
 
 const KeyframeView* LoopFinder::view(int node) const {
@@ -57,6 +88,7 @@ const KeyframeView* LoopFinder::view(int node) const {
 }
 
 std::vector<int> LoopFinder::alike(const FeatureFrame& features, const std::vector<int>& without) {
+  refresh_index();
   if (index_.size() == 0) return {};
   std::vector<Feature> queries;
   for (const std::size_t i : strongest(features.features, settings_.indexed_features))

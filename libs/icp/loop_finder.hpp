@@ -35,10 +35,12 @@ struct LoopFinderSettings {
 
 /// What is seen from a keyframe; camera frame.
 struct KeyframeView {
-  int node = 0;
+  int node = 0;           ///< when it is added
   Cloud cloud;            ///< reduced, with normals and sigmas
   FeatureFrame features;  ///< may be empty
 };
+
+std::size_t memory_bytes(const KeyframeView& view);
 
 class LoopFinder {
  public:
@@ -51,14 +53,22 @@ class LoopFinder {
   /// Nodes that most features vote for, most voted first; `without`: nodes that are known to be near.
   std::vector<int> alike(const FeatureFrame& features, const std::vector<int>& without);
 
+  /// Nodes that go (true), and the new numbers of the others; the index is made anew when it is used next.
+  void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
+  std::size_t memory_bytes() const;
+
   /// T_from_to by geometry; nothing when it does not hold. `guess` is tried when features do not tell.
   std::optional<UncertainTransform> verify(const KeyframeView& from, const KeyframeView& to,
                                            const std::optional<Eigen::Isometry3d>& guess);
 
  private:
+  void enter(const FeatureFrame& features, int node);
+  void refresh_index();
+
   LoopFinderSettings settings_;
   std::vector<std::shared_ptr<const KeyframeView>> views_;  // by node, null where there is none
   DescriptorIndex index_;
+  bool stale_ = false;  // index_ names nodes by old numbers
   std::vector<int> node_of_descriptor_;
   DescriptorSearch search_;
   Matcher matcher_;

@@ -1,14 +1,18 @@
 #include "icp/map_view.hpp"
 
+#include "icp/preparation.hpp"
+
 namespace lcmslam {
 
-MapView::MapView(const VoxelMap& map, CorrespondenceKind kind, double radius)
-    : map_(&map), kind_(kind), radius_(radius) {}
+MapView::MapView(const VoxelMap& map, CorrespondenceKind kind, double radius,
+                 const RegistrationSettings& prepared_for)
+    : map_(&map), kind_(kind), radius_(radius), prepared_for_(prepared_for) {}
 
 const Target& MapView::from(const Eigen::Isometry3d& T_world_camera) {
   if (kind_ == CorrespondenceKind::voxel_map) return *map_;
   if (!still_good(T_world_camera)) {
-    const Cloud nearby = map_->cloud_around(T_world_camera.translation(), radius_);
+    const Cloud nearby = prepared_target(map_->cloud_around(T_world_camera.translation(), radius_),
+                                         prepared_for_, T_world_camera.translation());
     target_ = make_target(nearby, kind_, T_world_camera);
     revision_ = map_->revision();
     T_world_camera_ = T_world_camera;

@@ -13,7 +13,10 @@ class MapView {
  public:
   /// `map` must outlive the view or the next one that is shown. `radius` (m): the part around the camera that
   /// is looked at.
-  MapView(const VoxelMap& map, CorrespondenceKind kind, double radius);
+  /// `prepared_for`: what metric and rejectors ask of that part (icp/preparation.hpp); the map itself knows
+  /// no boundaries.
+  MapView(const VoxelMap& map, CorrespondenceKind kind, double radius,
+          const RegistrationSettings& prepared_for = {});
 
   /// Another map, with another revision.
   void show(const VoxelMap& map) { map_ = &map; }
@@ -27,6 +30,7 @@ class MapView {
   const VoxelMap* map_;
   CorrespondenceKind kind_;
   double radius_;
+  RegistrationSettings prepared_for_;
   std::unique_ptr<Target> target_;
   std::int32_t revision_ = -1;  // of the map that target_ shows
   Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();

@@ -6,6 +6,7 @@
 
 #include "icp/kd_tree.hpp"
 #include "icp/normals.hpp"
+#include "icp/tangent_gradient.hpp"
 
 namespace lcmslam {
 namespace {
@@ -33,17 +34,12 @@ void estimate_gradients(Cloud& cloud, int neighbours) {
   const KdTree tree(cloud.points);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!cloud.normals[i].allFinite()) continue;
-    const auto axes = tangents(cloud.normals[i]);
-    Eigen::Matrix2f A = Eigen::Matrix2f::Zero();
-    Eigen::Vector2f b = Eigen::Vector2f::Zero();
+    TangentGradient gradient(cloud.normals[i]);
     for (const auto& n : tree.nearest_few(cloud.points[i], static_cast<std::size_t>(neighbours))) {
       const auto j = static_cast<std::size_t>(n.index);
-      const Eigen::Vector2f side = axes.transpose() * (cloud.points[j] - cloud.points[i]);
-      A += side * side.transpose();
-      b += side * (cloud.intensities[j] - cloud.intensities[i]);
+      gradient.add(cloud.points[j] - cloud.points[i], cloud.intensities[j] - cloud.intensities[i]);
     }
-    if (!(A.determinant() > 1e-4f * A.trace() * A.trace())) continue;  // on a line: unknown across it
-    cloud.gradients[i] = axes * A.ldlt().solve(b);
+    cloud.gradients[i] = gradient.solve();
   }
 }
 

@@ -5,19 +5,22 @@
 #include <numeric>
 #include <string>
 
+#include "icp/tangent_gradient.hpp"
+
 namespace lcmslam {
 namespace {
 
 constexpr int block_side = 4;  // voxels
 constexpr float smallest_sigma = 1e-4f;
+constexpr float same_surface = 0.7f;  // cosine
 
 Eigen::Vector3i block_of(const Eigen::Vector3i& voxel) {
   return {voxel.x() >> 2, voxel.y() >> 2, voxel.z() >> 2};
 }
 
-std::int16_t cell_of(const Eigen::Vector3i& voxel) {
+std::int8_t cell_of(const Eigen::Vector3i& voxel) {
   constexpr int mask = block_side - 1;
-  return static_cast<std::int16_t>((voxel.x() & mask) | (voxel.y() & mask) << 2 | (voxel.z() & mask) << 4);
+  return static_cast<std::int8_t>((voxel.x() & mask) | (voxel.y() & mask) << 2 | (voxel.z() & mask) << 4);
 }
 
 }  // namespace
@@ -33,19 +36,22 @@ VoxelMap::VoxelMap(const VoxelMapSettings& settings)
 VoxelMap::Block& VoxelMap::block_at(const Eigen::Vector3i& position) {
   const auto next = static_cast<std::int32_t>(blocks_.size());
   const std::int32_t slot = index_.insert(voxel_key(position), next);
-  if (slot == next) blocks_.push_back({position, {}});
+  if (slot == next) blocks_.push_back({position, -1, {}});
   return blocks_[static_cast<std::size_t>(slot)];
 }
 
 void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor) {
   ++frame_;
   if (!cloud.has_normals()) return;
+  intensities_ = intensities_ || !cloud.intensities.empty();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!voxel_exists(cloud.points[i], inverse_size_) || !cloud.normals[i].allFinite()) continue;
     float sigma = cloud.sigmas.empty() ? 0.01f : cloud.sigmas[i];
     if (!std::isfinite(sigma)) continue;
     sigma = std::max(sigma, smallest_sigma);
-    merge({cloud.points[i], cloud.normals[i], 1.0f / (sigma * sigma), sigma, 1, 0, frame_, anchor});
+    const float intensity = cloud.intensities.empty() ? TargetPoint::unknown : cloud.intensities[i];
+    merge({cloud.points[i], cloud.normals[i], 1.0f / (sigma * sigma), sigma, intensity, 1, 0, 1, frame_,
+           anchor});
   }
   if (blocks_.size() > static_cast<std::size_t>(settings_.max_blocks)) forget(view_point);
 }
@@ -53,7 +59,7 @@ void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int
 // Into the surfel of its voxel that faces the same way, or beside it.
 void VoxelMap::merge(const Surfel& seen) {
   const Eigen::Vector3i voxel = voxel_of(seen.point, inverse_size_);
-  const std::int16_t cell = cell_of(voxel);
+  const std::int8_t cell = cell_of(voxel);
   Block& block = block_at(block_of(voxel));
   const auto agreement = static_cast<float>(settings_.normal_agreement);
   for (Surfel& s : block.surfels) {
@@ -64,9 +70,14 @@ void VoxelMap::merge(const Surfel& seen) {
     const Eigen::Vector3f blended = s.normal + share * (seen.normal - s.normal);
     if (const float length = blended.norm(); length > 0.1f) s.normal = blended / length;
     s.sigma += share * (seen.sigma - s.sigma);
+    if (std::isnan(s.intensity)) s.intensity = seen.intensity;
+    if (!std::isnan(seen.intensity)) s.intensity += share * (seen.intensity - s.intensity);
     s.weight = std::min(s.weight + seen.weight, static_cast<float>(settings_.max_weight) * one);
-    if (s.frame != seen.frame)
+    if (s.frame != seen.frame) {
       s.observations = static_cast<std::int16_t>(std::min<int>(s.observations + seen.observations, 32767));
+      s.evidence =
+          static_cast<std::int8_t>(std::min<int>(s.evidence + seen.evidence, settings_.max_evidence));
+    }
     s.frame = std::max(s.frame, seen.frame);
     return;
   }
@@ -75,10 +86,17 @@ void VoxelMap::merge(const Surfel& seen) {
   ++surfels_;
 }
 
+void VoxelMap::renumber_anchors(const std::vector<int>& number) {
+  for (Block& block : blocks_)
+    for (Surfel& s : block.surfels)
+      s.anchor = number[std::min(static_cast<std::size_t>(s.anchor), number.size() - 1)];
+}
+
 VoxelMap VoxelMap::bent(const std::vector<Eigen::Isometry3d>& T_new_old) const {
   VoxelMap map(settings_);
   map.frame_ = frame_ + 1;
   map.forgotten_ = forgotten_;
+  map.intensities_ = intensities_;
   map.index_.clear(blocks_.size());
   map.blocks_.reserve(blocks_.size());
   std::vector<Eigen::Isometry3f> moves;
@@ -100,14 +118,17 @@ bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoin
     return false;
   float best = max_distance * max_distance;
   const Surfel* nearest = nullptr;
+  const Block* home = nullptr;
   const auto search = [&](const Eigen::Vector3i& block) {
     const std::int32_t slot = index_.find(voxel_key(block));
     if (slot == VoxelIndex::none) return;
-    for (const Surfel& s : blocks_[static_cast<std::size_t>(slot)].surfels) {
+    const Block& candidates = blocks_[static_cast<std::size_t>(slot)];
+    for (const Surfel& s : candidates.surfels) {
       const float d = (s.point - point).squaredNorm();
-      if (d > best || s.observations < settings_.min_observations) continue;
+      if (d > best || s.observations < settings_.min_observations || s.evidence < 0) continue;
       best = d;
       nearest = &s;
+      home = &candidates;
     }
   };
   // The point's own block first: mostly the others are then too far away to hold anything nearer.
@@ -128,8 +149,18 @@ bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoin
       }
   if (!nearest) return false;
   found = {nearest->point, nearest->normal,
-           nearest->sigma / std::sqrt(static_cast<float>(nearest->observations))};
+           nearest->sigma / std::sqrt(static_cast<float>(nearest->observations)), nearest->intensity};
+  if (!std::isnan(nearest->intensity)) found.gradient = gradient_at(*nearest, *home);
   return true;
+}
+
+// From the surface around it within its block.
+Eigen::Vector3f VoxelMap::gradient_at(const Surfel& surfel, const Block& block) const {
+  TangentGradient gradient(surfel.normal);
+  for (const Surfel& s : block.surfels)
+    if (!std::isnan(s.intensity) && s.normal.dot(surfel.normal) > same_surface)
+      gradient.add(s.point - surfel.point, s.intensity - surfel.intensity);
+  return gradient.solve();
 }
 
 std::size_t VoxelMap::memory_bytes() const {
@@ -179,6 +210,7 @@ Cloud VoxelMap::cloud_around(const Eigen::Vector3d& centre, double radius) const
       cloud.points.push_back(s.point);
       cloud.normals.push_back(s.normal);
       cloud.sigmas.push_back(s.sigma / std::sqrt(static_cast<float>(s.observations)));
+      if (intensities_) cloud.intensities.push_back(s.intensity);
     }
   return cloud;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "icp/cloud.hpp"
+#include "icp/free_space.hpp"
 #include "icp/target.hpp"
 #include "icp/voxel_index.hpp"
 
@@ -20,7 +21,11 @@ struct VoxelMapSettings {
   double normal_agreement = 0.5;  ///< cosine; points with another normal make a second surfel
   double max_weight = 60;         ///< observations that a surfel remembers (then a running mean)
   int min_observations = 1;       ///< surfels seen less often are not found (one frame counts once)
-  int max_blocks = 160000;        ///< about 1.2 kB each where surfaces fill them: 200 MB, 2.5 million voxels
+  // Evidence that a surfel is still there: 1 when it is new; a view that supports it adds one.
+  int max_evidence = 6;     ///< so that what has long been there can go, too
+  int miss = 2;             ///< taken off by a view that sees through it
+  int dropped_at = -3;      ///< it goes
+  int max_blocks = 160000;  ///< about 1.2 kB each where surfaces fill them: 200 MB, 2.5 million voxels
 };
 
 class VoxelMap : public Target {
@@ -32,15 +37,31 @@ class VoxelMap : public Target {
   /// New surfels belong to keyframe `anchor`.
   void insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor = 0);
 
+  /// Keyframes get other numbers: surfels of `i` belong to number[i] now, those of later ones to its last.
+  void renumber_anchors(const std::vector<int>& number);
+
   /// The map after its keyframes have moved: each surfel goes with the one it belongs to, by
   /// T_new_old[anchor], those of later ones with the last. Surfels that meet in a voxel become one.
   VoxelMap bent(const std::vector<Eigen::Isometry3d>& T_new_old) const;
 
+  struct Gone {
+    Eigen::Vector3f point;  ///< m, map
+    int anchor = 0;         ///< keyframe that it belonged to
+  };
+  /// Surfels that the view supports gain, those that it sees through lose evidence; the ones that have lost
+  /// enough go and are given back. Follows a rotating share of the view's rays, so that the cost depends on
+  /// neither the map's nor the image's size. `turn` counts the calls.
+  std::vector<Gone> look_through(const FreeSpaceView& view, const Eigen::Isometry3d& T_map_camera,
+                                 const FreeSpaceSettings& settings, std::int32_t turn);
+
+  /// Surfels that were seen through of late are no partners.
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
   bool finds_nearest() const override { return true; }
   std::size_t size() const override { return surfels_; }
   std::size_t blocks() const { return blocks_.size(); }
   std::size_t memory_bytes() const;
+  /// Whether clouds with intensities were inserted: then partners have them, with their gradient.
+  bool has_intensities() const { return intensities_; }
   /// Whether something was forgotten since the map began.
   bool has_forgotten() const { return forgotten_; }
 
@@ -56,20 +77,26 @@ class VoxelMap : public Target {
   struct Surfel {
     Eigen::Vector3f point;
     Eigen::Vector3f normal;
-    float weight;  // sum of 1 / sigma^2
-    float sigma;   // of one observation, m
+    float weight;     // sum of 1 / sigma^2
+    float sigma;      // of one observation, m
+    float intensity;  // 0..1, NaN where unknown
     std::int16_t observations;
-    std::int16_t cell;    // voxel in the block, 0..63
-    std::int32_t frame;   // last insertion that touched it
-    std::int32_t anchor;  // keyframe that it moves with
+    std::int8_t cell;      // voxel in the block, 0..63
+    std::int8_t evidence;  // that it is still there; below 0 it is doubtful
+    std::int32_t frame;    // last insertion that touched it
+    std::int32_t anchor;   // keyframe that it moves with
   };
   struct Block {
     Eigen::Vector3i position;
+    std::int32_t looked_at = -1;  // turn
     std::vector<Surfel> surfels;
   };
 
   Block& block_at(const Eigen::Vector3i& position);
   void merge(const Surfel& seen);
+  Eigen::Vector3f gradient_at(const Surfel& surfel, const Block& block) const;
+  void look_at(Block& block, const FreeSpaceView& view, const Eigen::Isometry3f& T_camera_map,
+               std::vector<Gone>& gone) const;
   void forget(const Eigen::Vector3d& view_point);
 
   VoxelMapSettings settings_;
@@ -77,7 +104,7 @@ class VoxelMap : public Target {
   VoxelIndex index_;
   std::vector<Block> blocks_;
   std::size_t surfels_ = 0;
-  bool forgotten_ = false;
+  bool forgotten_ = false, intensities_ = false;
   std::int32_t frame_ = 0;
 };
 

@@ -93,18 +93,18 @@ icp_report_t icp_report(const IcpMapper::Step& step, const IcpMapperSettings& se
 graph_t icp_graph(const KeyframeGraph& graph) {
   graph_t message;
   message.frame = "map";
-  for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
+  for (const KeyframeGraph::Node& n : graph.nodes()) {
     graph_node_t node;
-    node.keyframe = static_cast<int32_t>(i);
-    node.keyframe_utime = graph.nodes()[i].utime;
-    node.T_map_camera = to_message(graph.nodes()[i].T_world_camera);
+    node.keyframe = n.id;
+    node.keyframe_utime = n.utime;
+    node.T_map_camera = to_message(n.T_world_camera);
     message.nodes.push_back(node);
   }
   message.n_nodes = static_cast<int32_t>(message.nodes.size());
   for (const GraphEdge& e : graph.edges()) {
     graph_edge_t edge;
-    edge.from = e.from;
-    edge.to = e.to;
+    edge.from = graph.nodes()[static_cast<std::size_t>(e.from)].id;
+    edge.to = graph.nodes()[static_cast<std::size_t>(e.to)].id;
     edge.kind = static_cast<std::int8_t>(e.kind);
     edge.T_from_to = to_message(e.T_from_to.T);
     edge.sigma_trans = sigma(e.T_from_to.covariance.topLeftCorner<3, 3>());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -63,7 +64,9 @@ void IcpNode::on_camera(const images_t& message) {
   // Odometry comes later: what needs no motion is done while it is made.
   EncodedFrame encoded = checked_images(message, *calibration_);
   Prepared prepared;
-  if (settings_.variant == VariantKind::modern) prepared.colour = std::exchange(encoded.colour, {});
+  const bool colour_later =
+      settings_.variant == VariantKind::modern && !settings_.uses_colour() && !settings_.compares_images();
+  if (colour_later) prepared.colour = std::exchange(encoded.colour, {});
   prepared.frame = decode_images(encoded, *calibration_);
   RgbdFrame& frame = prepared.frame;
   if (!frame.depth.empty()) (*filter_)(frame.depth, frame.amplitude);
@@ -152,6 +155,13 @@ ColouredCloud IcpNode::paint(Prepared& prepared, const Shot& shot) {
   return make_cloud(frame, depth, step, damaged);
 }
 
+// The same points, but for those that the colour camera does not see.
+void IcpNode::add_intensities(Prepared& prepared, Shot& shot) {
+  const ColouredCloud painted = paint(prepared, shot);
+  shot.cloud = geometry_of(painted);
+  shot.cloud.intensities = intensities_of(painted);
+}
+
 // Only what is there already: waiting for features would add their latency to the pose's.
 std::optional<FeatureFrame> IcpNode::features_at(const Prepared& prepared, const Shot& shot) const {
   const Utime utime = prepared.frame.utime;
@@ -175,7 +185,7 @@ std::optional<FeatureFrame> IcpNode::features_at(const Prepared& prepared, const
 void IcpNode::on_frame(Prepared& prepared) {
   const RgbdFrame& frame = prepared.frame;
   const double begin = publisher_.cpu_time();
-  const Shot shot = make_shot(prepared);
+  Shot shot = make_shot(prepared);
   if (mapper_ && shot.utime <= last_utime_ && last_utime_ - shot.utime < 1'000'000) return;  // came too late
   const bool jumped = shot.utime <= last_utime_ || shot.utime - last_utime_ > longest_gap;
   if (mapper_ && jumped) ++restarts_;
@@ -185,6 +195,7 @@ void IcpNode::on_frame(Prepared& prepared) {
   }
   const auto motion = join_.between(last_utime_, shot.utime);
   T_world_previous_ = last_.T_world_robot;
+  if (settings_.uses_colour()) add_intensities(prepared, shot);
   const auto features = features_at(prepared, shot);
   with_features_ += features ? 1 : 0;
   const ColourView colour{frame.colour, calibration_->colour, calibration_->depth,
@@ -204,9 +215,10 @@ void IcpNode::publish(Utime frame_utime, const Shot& shot, const std::optional<M
                       double cpu_time) {
   const IcpMapper::Step& step = last_;
   // First the graph: the pose stands in the map that it makes.
-  if (step.node || step.bent) publish_graph();
+  if (step.thinned) drop_tiles_of_the_gone();
+  if (step.node || step.bent || step.thinned) publish_graph();
   pose_estimate_t pose = icp_pose(step, shot.depth_utime, shot.T_points_depth);
-  pose.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
+  pose.map_revision = mapper_->keyframes_made();
   pose.processing_time = cpu_time;
   publisher_.publish("ICP_POSE", pose, frame_utime);
 
@@ -221,12 +233,17 @@ void IcpNode::publish(Utime frame_utime, const Shot& shot, const std::optional<M
   publisher_.publish("ICP_REPORT", report);
 
   if (step.keyframe) queue_keyframe(mapper_->keyframes().back());
+  queue_changed(false);
+}
+
+void IcpNode::queue_changed(bool all) {
+  for (const std::size_t i : mapper_->take_changed(all)) queue_keyframe(mapper_->keyframes()[i]);
 }
 
 void IcpNode::queue_keyframe(const IcpMapper::Keyframe& keyframe) {
-  const DenseKeyframe dense{keyframe.id, keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
-  const auto revision = static_cast<std::int64_t>(mapper_->keyframes().size());
-  for (auto& tile : make_keyframe_tiles(dense, calibration_->T_robot_camera, revision))
+  const int id = mapper_->graph().nodes()[static_cast<std::size_t>(keyframe.id)].id;
+  const DenseKeyframe dense{id, keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
+  for (auto& tile : make_keyframe_tiles(dense, calibration_->T_robot_camera, mapper_->keyframes_made()))
     tiles_.push_back(std::move(tile));
 }
 
@@ -235,6 +252,14 @@ void IcpNode::publish_graph() {
   graph.utime = last_utime_;
   graph.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
   publisher_.publish("ICP_GRAPH", graph);
+}
+
+void IcpNode::drop_tiles_of_the_gone() {
+  std::set<std::int32_t> ids;
+  for (const auto& node : mapper_->graph().nodes()) ids.insert(node.id);
+  tiles_.erase(std::remove_if(tiles_.begin(), tiles_.end(),
+                              [&](const keyframe_t& tile) { return ids.count(tile.id) == 0; }),
+               tiles_.end());
 }
 
 void IcpNode::send_waiting_tile() {
@@ -265,6 +290,7 @@ void IcpNode::command(const command_t& command) {
 void IcpNode::finish() {
   join_.flush();
   if (mapper_ && mapper_->finish()) publish_graph();
+  if (mapper_) queue_changed(true);
   while (!tiles_.empty()) {
     send_waiting_tile();
     std::this_thread::sleep_for(publisher_.pace());
@@ -284,6 +310,7 @@ NodeReport IcpNode::report() const {
                    {"restarts", static_cast<double>(restarts_)},
                    {"keyframes", mapper_ ? static_cast<double>(mapper_->keyframes().size()) : 0},
                    {"map_points", mapper_ ? static_cast<double>(mapper_->map().size()) : 0},
+                   {"memory_mb", mapper_ ? 1e-6 * static_cast<double>(mapper_->memory_bytes()) : 0},
                    {"overlap", last_.registration.overlap},
                    {"graph_nodes", mapper_ ? static_cast<double>(mapper_->graph().nodes().size()) : 0},
                    {"graph_edges", mapper_ ? static_cast<double>(mapper_->graph().edges().size()) : 0},

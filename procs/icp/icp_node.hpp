@@ -54,12 +54,15 @@ class IcpNode : public Node {
   std::optional<FeatureFrame> features_at(const Prepared& prepared, const Shot& shot) const;
   Shot make_shot(const Prepared& prepared) const;
   ColouredCloud paint(Prepared& prepared, const Shot& shot);
+  void add_intensities(Prepared& prepared, Shot& shot);
   Utime clock_correction() const;
   void observe_clock(const Shot& shot, const std::optional<Motion>& motion);
   void restart();
   void publish(Utime frame_utime, const Shot& shot, const std::optional<Motion>& motion, double cpu_time);
   void queue_keyframe(const IcpMapper::Keyframe& keyframe);
+  void queue_changed(bool all);
   void publish_graph();
+  void drop_tiles_of_the_gone();
   void send_waiting_tile();
 
   Publisher& publisher_;

@@ -19,6 +19,7 @@ RegistrationSettings read_registration(const ConfigNode& c, RegistrationSettings
                                              {"normal_space", SelectionKind::normal_space},
                                              {"stable", SelectionKind::stable}});
   s.selected_points = c.get("selected_points", s.selected_points, Range{10, 1e7});
+  s.seed = static_cast<std::uint64_t>(c.get("seed", static_cast<int>(s.seed), Range{0, 1e9}));
   s.metric = named_choice<MetricKind>(c, "metric", s.metric,
                                       {{"point_to_point", MetricKind::point_to_point},
                                        {"point_to_plane", MetricKind::point_to_plane},
@@ -49,6 +50,28 @@ RegistrationSettings read_registration(const ConfigNode& c, RegistrationSettings
   s.max_iterations = c.get("max_iterations", s.max_iterations, Range{1, 10000});
   s.epsilon_translation = c.get("epsilon_translation", s.epsilon_translation, metres);
   s.epsilon_rotation = c.get("epsilon_rotation", s.epsilon_rotation, radians);
+  s.degenerate_share = c.get("degenerate_share", s.degenerate_share, share);
+  s.independent_pairs = c.get("independent_pairs", s.independent_pairs, Range{1, 1e9});
+  s.min_pairs = c.get("min_pairs", s.min_pairs, Range{1, 1e6});
+  return s;
+}
+
+/// Of the mapper's passes, which compare views and colours, too.
+RegistrationSettings read_pass(const ConfigNode& c, const RegistrationSettings& fallback,
+                               CorrespondenceKind correspondence) {
+  RegistrationSettings s = read_registration(c, fallback);
+  s.epsilon_rms = c.get("epsilon_rms", s.epsilon_rms, metres);
+  s.frustum = c.get("frustum", s.frustum);
+  s.colour_overlap = c.get("colour_overlap", s.colour_overlap);
+  s.colour_scale = c.get("colour_scale", s.colour_scale, metres);
+  if (s.boundary && correspondence == CorrespondenceKind::voxel_map)
+    c.fail("boundary",
+           "the voxel map knows no boundaries; icp.correspondence may be kd_tree, projective or "
+           "normal_shooting");
+  if (!is_iterative(s.solver) && (s.metric != MetricKind::point_to_point || s.colour_scale > 0))
+    c.fail("solver",
+           "a closed form minimises point_to_point without colour alone; others need gauss_newton or "
+           "levenberg_marquardt");
   return s;
 }
 
@@ -93,8 +116,9 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
                                         {"projective", CorrespondenceKind::projective},
                                         {"normal_shooting", CorrespondenceKind::normal_shooting}});
   s.view_radius = c.get("view_radius", s.view_radius, Range{0.1, 1000});
-  s.coarse = read_registration(c.section("coarse"), s.coarse);
-  s.fine = read_registration(c.section("fine"), s.fine);
+  s.coarse = read_pass(c.section("coarse"), s.coarse, s.correspondence);
+  s.fine = read_pass(c.section("fine"), s.fine, s.correspondence);
+  s.overlap = read_overlap(c.section("overlap"), s.overlap);
 
   s.variant = named_choice<VariantKind>(c, "variant", s.variant,
                                         {{"modern", VariantKind::modern},
@@ -112,6 +136,16 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   const ConfigNode map = c.section("map");
   s.map.voxel_size = map.get("voxel_size", s.map.voxel_size, Range{0.001, 10});
   s.map.max_blocks = map.get("max_blocks", s.map.max_blocks, Range{100, 1e8});
+  s.map.max_evidence = map.get("max_evidence", s.map.max_evidence, Range{1, 100});
+  s.map.miss = map.get("miss", s.map.miss, Range{1, 100});
+  s.map.dropped_at = map.get("dropped_at", s.map.dropped_at, Range{-100, -1});
+
+  const ConfigNode free_space = c.section("free_space");
+  s.free_space.enabled = free_space.get("enabled", s.free_space.enabled);
+  s.free_space.sigmas = free_space.get("sigmas", s.free_space.sigmas, Range{0, 1000});
+  s.free_space.tolerance = free_space.get("tolerance", s.free_space.tolerance, metres);
+  s.free_space.lateral = free_space.get("lateral", s.free_space.lateral, metres);
+  s.free_space.rotation = free_space.get("rotation", s.free_space.rotation, Range{1, 100});
 
   const ConfigNode features = c.section("features");
   s.features.enabled = features.get("enabled", s.features.enabled);
@@ -142,6 +176,8 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   s.graph.min_rotation = graph.get("min_rotation", s.graph.min_rotation, radians);
   s.graph.wait = graph.get("wait", s.graph.wait, Range{0, 10});
   s.graph.time = graph.get("time", s.graph.time, Range{0, 100});
+  s.graph.max_keyframes = c.get("max_keyframes", s.graph.max_keyframes, Range{20, 1e6});
+  s.graph.max_waiting = graph.get("max_waiting", s.graph.max_waiting, Range{0, 1e6});
   s.graph.time_per_node = graph.get("time_per_node", s.graph.time_per_node, Range{0, 1});
   const ConfigNode optimiser = graph.section("optimiser");
   s.graph.optimiser.kernel_width =
@@ -176,6 +212,7 @@ IcpMapperSettings read_icp_settings(const ConfigNode& c) {
   s.keyframe_angle = c.get("keyframe_angle", s.keyframe_angle, radians);
   s.keyframe_overlap = c.get("keyframe_overlap", s.keyframe_overlap, share);
   s.keyframe_voxel = c.get("keyframe_voxel", s.keyframe_voxel, Range{0.001, 10});
+  s.keyframe_features = c.get("keyframe_features", s.keyframe_features, Range{20, 100000});
   s.keyframe_points = c.get("keyframe_points", s.keyframe_points, Range{1000, 1e10});
   return s;
 }

@@ -59,7 +59,10 @@ void MapServerNode::connect(Inputs& inputs) {
   inputs.subscribe<pose_estimate_t>("ICP_POSE", 1000, [this](const pose_estimate_t& m) {
     add_to_path(icp_path_, m);
     const DenseMap* map = find_map(dense_maps_, m.sender);
-    follow("icp", m, map != nullptr ? static_cast<std::int64_t>(map->keyframes().size()) : 0);
+    // The pose counts all keyframes that were made, the graph those that are kept.
+    const std::int64_t given_up =
+        graph_sender_ == m.sender ? std::max<std::int64_t>(0, m.map_revision - graph_keyframes_) : 0;
+    follow("icp", m, map != nullptr ? static_cast<std::int64_t>(map->keyframes().size()) + given_up : 0);
   });
   inputs.subscribe<map_request_t>("MAP_REQUEST", 100, [this](const map_request_t& m) { on_request(m); })
       .primary = true;
@@ -92,6 +95,8 @@ void MapServerNode::on_keyframe(const keyframe_t& message) {
 
 void MapServerNode::on_graph(const graph_t& message) {
   DenseMap* map = find_map(dense_maps_, message.sender);
+  graph_sender_ = message.sender;
+  graph_keyframes_ = message.map_revision;
   if (map == nullptr) return;
   std::vector<KeyframePose> poses;
   std::set<std::int32_t> named;

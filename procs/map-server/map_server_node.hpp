@@ -52,7 +52,8 @@ class MapServerNode : public Node {
     Utime up_to_date = 0;  // message time at which the map was last complete
     Utime asked = 0;       // message time of the last request
   };
-  std::map<std::string, Progress> progress_;  // by mapper
+  std::map<std::string, Progress> progress_;             // by mapper
+  std::int64_t graph_sender_ = 0, graph_keyframes_ = 0;  // of the newest ICP_GRAPH
   std::int64_t changes_ = 0, saved_changes_ = 0;
   std::int64_t exports_ = 0, resends_ = 0;
 };

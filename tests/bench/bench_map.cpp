@@ -5,6 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <map>
 
 #include "icp/icp_mapper.hpp"
@@ -40,6 +41,35 @@ void registers(benchmark::State& state) {
   state.counters["MB"] = static_cast<double>(map.memory_bytes()) * 1e-6;
 }
 BENCHMARK(registers)->Arg(0)->Arg(1)->Arg(2)->Arg(3)->Unit(benchmark::kMillisecond);
+
+// What a frame of 25,000 points pays for free space, in a room with 100 more points in the air that come
+// back.
+void looks_through(benchmark::State& state) {
+  VoxelMap map = map_of(static_cast<int>(state.range(0)), 40);
+  const Eigen::Isometry3d T_world_camera(optical_axes());
+  Cloud image;
+  for (int row = -72; row < 72; ++row)
+    for (int column = -88; column < 88; ++column) {
+      const Eigen::Vector3f ray(0.005f * static_cast<float>(column), 0.005f * static_cast<float>(row), 1);
+      const Eigen::Vector3f world = T_world_camera.linear().cast<float>() * ray;
+      float z = 3 / world.x();  // the wall ahead, and the floor
+      if (world.z() < 0) z = std::min(z, -1 / world.z());
+      image.points.push_back(z * ray);
+      image.sigmas.push_back(0.005f);
+    }
+  Cloud ghost;
+  add_rectangle(ghost, {1.8, -0.25, -0.5}, {0, 0, 0.5}, {0, 0.5, 0}, 0.05);
+  const FreeSpaceSettings settings;
+  std::int32_t turn = 0;
+  std::size_t gone = 0;
+  for (auto _ : state) {
+    if (turn % 50 == 0) map.insert(ghost, Eigen::Vector3d::Zero());
+    gone += map.look_through(FreeSpaceView(image, settings), T_world_camera, settings, turn++).size();
+  }
+  state.counters["voxels"] = static_cast<double>(map.size());
+  state.counters["gone"] = static_cast<double>(gone);
+}
+BENCHMARK(looks_through)->Arg(0)->Arg(3)->Unit(benchmark::kMillisecond);
 
 void bends(benchmark::State& state) {
   const VoxelMap& map = map_of(static_cast<int>(state.range(0)), 40);

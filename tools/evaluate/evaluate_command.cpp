@@ -6,10 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "evaluate/dense_map_log.hpp"
 #include "evaluate/evaluation_report.hpp"
 #include "evaluate/pose_log.hpp"
 #include "evaluate/reference_surface.hpp"
 #include "evaluation/surface_error.hpp"
+#include "evaluation/wall_error.hpp"
 #include "mapping/map_export.hpp"
 #include "parse_command.hpp"
 #include "simulation/scene.hpp"
@@ -36,7 +38,7 @@ struct Request {
   InputRequest inputs;
   std::string alignment = "se3", association, json;
   std::vector<std::string> plots;
-  std::string map, scene, reference;
+  std::string map, scene, reference, walls;
   EvaluationSettings settings;
   bool find_clock_offset = false;
   ClockOffsetSearch search;
@@ -94,6 +96,10 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
          "LOG whose depth images, fused at the true poses, are the surfaces (tangent planes, 1 cm apart)")
       ->needs(map)
       ->excludes(scene);
+  app.add_option(
+      "--walls", r.walls,
+      "FILE.yaml of the simulation: do its walls stand where they stood on the first visit, in the "
+      "dense map (ICP_KEYFRAME) of the last estimate's log?");
   app.add_option("--json", r.json, "file for all figures");
   return parse_command(app, argc, argv);
 }
@@ -114,11 +120,43 @@ SurfaceError reference_error(const Request& r, const Trajectory& truth,
       [&](const Eigen::Vector3f& p) { return surface.distance(p, reach); }, reach);
 }
 
-std::string format_map_error(const Request& r, const Evaluation& evaluation) {
+/// The last estimate of a map. `option`: who asks.
+const EvaluatedEstimate& map_estimate(const std::string& option, const Evaluation& evaluation) {
   const EvaluatedEstimate* placed = nullptr;
   for (const EvaluatedEstimate& e : evaluation.estimates)
     if (e.report && e.path.channel != "ODOMETRY") placed = &e;
-  if (placed == nullptr) throw std::runtime_error("--map: no estimate tells where the map lies");
+  if (placed == nullptr) throw std::runtime_error(option + ": no estimate tells where the map lies");
+  return *placed;
+}
+
+WallError measure_walls(const Request& r, const EvaluatedEstimate& placed) {
+  std::vector<WallTriangle> walls;
+  std::vector<Triangle> others;
+  for (const SceneTriangle& t : load_scene(r.walls).triangles) {
+    const Triangle corners = {t.corner[0], t.corner[1], t.corner[2]};
+    if (t.kind == SurfaceKind::wall)
+      walls.push_back({corners, t.normal[0]});
+    else
+      others.push_back(corners);
+  }
+  return wall_error(dense_map_of(placed.path.file, placed.report->alignment.T_truth_estimate), walls,
+                    TriangleSurface(std::move(others)));
+}
+
+std::string format_wall_error(const Request& r, const Evaluation& evaluation) {
+  const EvaluatedEstimate& placed = map_estimate("--walls", evaluation);
+  const WallError e = measure_walls(r, placed);
+  return fmt::format(
+      "\n{}: walls of {} in patches of 0.25 m, placed by {}: {} seen again after 20 s or more, where first "
+      "and "
+      "last visit lie apart by {:.4f} m (median), {:.4f} m (95 %), {:.4f} m (largest); {} patches, thickness "
+      "{:.4f} m (median), {:.4f} m (95 %)\n",
+      placed.path.file, r.walls, placed.path.name, e.revisited, e.offset_median, e.offset_p95, e.offset_max,
+      e.patches, e.thickness_median, e.thickness_p95);
+}
+
+std::string format_map_error(const Request& r, const Evaluation& evaluation) {
+  const EvaluatedEstimate* placed = &map_estimate("--map", evaluation);
   const Eigen::Isometry3d& T_truth_map = placed->report->alignment.T_truth_estimate;
   const SurfaceError e = r.reference.empty() ? scene_error(r, T_truth_map)
                                              : reference_error(r, evaluation.truth.trajectory, T_truth_map);
@@ -145,6 +183,7 @@ int evaluate_command(int argc, char** argv) {
   const Evaluation evaluation = evaluate_all(std::move(inputs), r.settings, r.find_clock_offset, r.search);
   std::cout << format_evaluation(evaluation);
   if (!r.map.empty()) std::cout << format_map_error(r, evaluation);
+  if (!r.walls.empty()) std::cout << format_wall_error(r, evaluation);
   for (const std::string& file : r.plots) write_plot(file, evaluation_plot(evaluation));
   if (!r.json.empty()) {
     std::ofstream text(r.json);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/pose_t.hpp>
+#include <limits>
 
 #include "log/log_reader.hpp"
 #include "messages/camera_messages.hpp"
@@ -65,7 +66,7 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
       Nodes nodes;
       for (const graph_node_t& node : m.nodes)
         nodes[node.keyframe] = from_message(node.T_map_camera, "T_map_camera");
-      graphs_[m.sender] = std::move(nodes);
+      add_graph(m.sender, std::move(nodes));
     } else if (name == "pose_t") {
       const auto m = decode_message<pose_t>(data, size);
       add_pose(channel, {checked(m.utime), from_message(transform_of(m), "pose_t")}, 0, 0, 0);
@@ -101,6 +102,36 @@ void PoseLog::add_pose(const std::string& channel, const StampedPose& pose, std:
   path.degraded += status == pose_estimate_t::DEGRADED ? 1 : 0;
 }
 
+// A mapper that keeps its graph bounded gives nodes up; what was seen from them goes with the nearest one.
+void PoseLog::add_graph(std::int64_t sender, Nodes nodes) {
+  for (const auto& [id, T_map_gone] : graphs_[sender]) {
+    if (nodes.count(id) > 0) continue;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [other, T_map_other] : graphs_[sender]) {
+      const double distance = (T_map_other.translation() - T_map_gone.translation()).norm();
+      if (nodes.count(other) == 0 || distance >= least) continue;
+      least = distance;
+      heirs_[sender][id] = {other, T_map_other.inverse() * T_map_gone};
+    }
+  }
+  for (const auto& [id, pose] : nodes) heirs_[sender].erase(id);
+  graphs_[sender] = std::move(nodes);
+}
+
+std::optional<Eigen::Isometry3d> PoseLog::final_pose(std::int64_t sender, std::int32_t node) const {
+  const Nodes& nodes = graphs_.at(sender);
+  Eigen::Isometry3d T_node_asked = Eigen::Isometry3d::Identity();
+  const auto heirs = heirs_.find(sender);
+  for (std::size_t steps = 0; nodes.count(node) == 0; ++steps) {
+    if (heirs == heirs_.end() || heirs->second.count(node) == 0 || steps > heirs->second.size())
+      return std::nullopt;
+    const Heir& heir = heirs->second.at(node);
+    T_node_asked = heir.T_heir_gone * T_node_asked;
+    node = heir.node;
+  }
+  return nodes.at(node) * T_node_asked;
+}
+
 void PoseLog::add_sight(const std::string& channel, const StampedPose& pose, std::int64_t sender) {
   const auto graph = graphs_.find(sender);
   if (graph == graphs_.end() || graph->second.empty()) return;
@@ -118,8 +149,8 @@ void PoseLog::add_final_paths() {
     path.body = channel.body;
     path.lost = channel.lost;
     for (const PoseChannel::Sight& sight : channel.sights)
-      if (const auto node = graph->second.find(sight.node); node != graph->second.end())
-        path.trajectory.push_back({sight.utime, node->second * sight.T_node_robot});
+      if (const auto T_map_camera = final_pose(graph->first, sight.node))
+        path.trajectory.push_back({sight.utime, *T_map_camera * sight.T_node_robot});
     finals[name.substr(0, name.rfind("_POSE")) + "_FINAL"] = std::move(path);
   }
   channels_.merge(finals);

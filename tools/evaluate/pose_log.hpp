@@ -61,7 +61,15 @@ class PoseLog {
   std::map<std::string, Mapper> mappers_;
   using Nodes = std::map<std::int32_t, Eigen::Isometry3d>;  // T_map_camera
   std::map<std::int64_t, Nodes> graphs_;                    // the newest of each sender
-  std::map<std::string, std::string> others_;               // what the other channels carry
+  /// A node that a graph has given up, as seen from the nearest one that stayed.
+  struct Heir {
+    std::int32_t node = 0;
+    Eigen::Isometry3d T_heir_gone = Eigen::Isometry3d::Identity();
+  };
+  std::map<std::int64_t, std::map<std::int32_t, Heir>> heirs_;  // by sender and node
+  void add_graph(std::int64_t sender, Nodes nodes);
+  std::optional<Eigen::Isometry3d> final_pose(std::int64_t sender, std::int32_t node) const;
+  std::map<std::string, std::string> others_;  // what the other channels carry
   std::optional<RgbdCalibration> calibration_;
   std::size_t damages_ = 0;
 };

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "icp/icp_mapper.hpp"
+#include "icp/kd_tree.hpp"
 #include "unit/icp/scenes.hpp"
 
 namespace lcmslam {
@@ -72,6 +73,7 @@ class Forgetting : public testing::Test {
   Random random_{5};
   Utime utime_ = 0;
   double x_ = 0;
+  static constexpr double first_ = 0.15;  // m, where the long run begins
 };
 
 TEST_F(Forgetting, KeyframesGiveBackWhatTheMapForgot) {
@@ -124,6 +126,60 @@ TEST_F(Forgetting, KeyframesKeepABoundedNumberOfPoints) {
   EXPECT_GT(mapper.keyframes().front().voxel, 2 * settings.keyframe_voxel);
   EXPECT_EQ(mapper.keyframes().back().voxel, settings.keyframe_voxel);
   EXPECT_GT(mapper.keyframes().back().cloud.size(), 4 * mapper.keyframes().front().cloud.size());
+}
+
+// Hours in one building: to and fro, with fewer keyframes than the way would have.
+TEST_F(Forgetting, FewKeyframesStayAndTheFirstPlaceIsKnown) {
+  IcpMapperSettings settings;
+  settings.graph.max_keyframes = 20;
+  settings.map.max_blocks = 2200;
+  IcpMapper mapper(settings);
+  std::vector<std::size_t> bytes;
+  std::size_t most = 0, most_nodes = 0;
+  bool thinned = false;
+  constexpr int laps = 5;
+  for (int lap = 0; lap < laps; ++lap) {
+    for (int i = 1; i <= 120; ++i) {
+      const double x = 0.15 * (i <= 60 ? i : 120 - i);
+      const auto step = go_to(mapper, x);
+      ASSERT_EQ(to_string(step.status), "tracking") << lap << " " << x;
+      EXPECT_NEAR(step.T_world_robot.translation().x(), x - first_, 0.08) << lap;
+      thinned = thinned || step.thinned;
+      most = std::max(most, mapper.keyframes().size());
+      most_nodes = std::max(most_nodes, mapper.graph().nodes().size());
+      for (const auto& keyframe : mapper.keyframes())
+        ASSERT_LT(static_cast<std::size_t>(keyframe.id), mapper.graph().nodes().size());
+    }
+    bytes.push_back(mapper.memory_bytes());
+  }
+  EXPECT_TRUE(thinned);
+  EXPECT_LE(most, 21U);
+  EXPECT_LE(most_nodes, 42U);
+  EXPECT_GT(mapper.keyframes_made(), 30);
+  std::cout << "bytes after each lap:";
+  for (const std::size_t b : bytes) std::cout << " " << b;
+  std::cout << ", keyframes " << mapper.keyframes_made() << "\n";
+  EXPECT_LT(static_cast<double>(bytes.back()), 1.1 * static_cast<double>(bytes[1]));
+  // What the map forgets comes back from the keyframes that are left, and places the robot.
+  const auto home = go_to(mapper, 0.15);
+  EXPECT_GT(home.registration.overlap, 0.9);
+  EXPECT_NEAR(home.T_world_robot.translation().x(), 0.15 - first_, 0.06);
+  // Points of keyframes that went are their neighbours' now.
+  ASSERT_FALSE(mapper.finish() && mapper.keyframes().empty());
+  Cloud published;
+  for (const auto& keyframe : mapper.keyframes()) {
+    const Cloud cloud = geometry_of(keyframe.cloud, keyframe.T_world_camera);
+    published.points.insert(published.points.end(), cloud.points.begin(), cloud.points.end());
+  }
+  int asked = 0, found = 0;
+  const KdTree tree(published.points);
+  for (const Eigen::Vector3f& p : hall_.points) {
+    if (p.z() > -0.9f || std::abs(p.y()) > 0.8f || p.x() < 2 || p.x() > 9) continue;  // the floor
+    ++asked;
+    found += tree.nearest(p - Eigen::Vector3f(static_cast<float>(first_), 0, 0), 0.08f).index >= 0 ? 1 : 0;
+  }
+  EXPECT_GT(asked, 100);
+  EXPECT_GT(found, 0.97 * asked);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
 #include "icp/kd_tree.hpp"
@@ -196,6 +197,31 @@ TEST(ProjectiveTarget, TheNearerSurfaceHidesTheFarther) {
   EXPECT_EQ(found.point.z(), 2);
   EXPECT_FALSE(target.find({0, 0, -3}, 50, found));   // behind
   EXPECT_FALSE(target.find({50, 0, 3}, 500, found));  // beside
+}
+
+TEST(VoxelMap, PartnersOfColouredCloudsHaveIntensityAndItsGradient) {
+  Cloud cloud = wall(0.02);
+  VoxelMap map;
+  map.insert(cloud, Eigen::Vector3d::Zero());
+  TargetPoint found;
+  ASSERT_TRUE(map.find({2, 0.1f, 0.2f}, 0.1f, found));
+  EXPECT_TRUE(std::isnan(found.intensity));
+  EXPECT_FALSE(map.has_intensities());
+  // Brighter to the left and upwards.
+  const Eigen::Vector3f gradient(0, 0.2f, 0.1f);
+  for (const Eigen::Vector3f& p : cloud.points) cloud.intensities.push_back(0.5f + gradient.dot(p));
+  map = VoxelMap();
+  for (int i = 0; i < 3; ++i) map.insert(cloud, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(map.has_intensities());
+  EXPECT_EQ(map.cloud().intensities.size(), map.size());
+  const VoxelMap bent = map.bent({Eigen::Isometry3d::Identity()});
+  for (const VoxelMap* each : std::initializer_list<const VoxelMap*>{&map, &bent}) {
+    for (float y = -1; y < 1; y += 0.13f) {
+      ASSERT_TRUE(each->find({2, y, 0.2f}, 0.1f, found));
+      EXPECT_NEAR(found.intensity, 0.5f + gradient.dot(found.point), 1e-3f);
+      EXPECT_LT((found.gradient - gradient).norm(), 5e-3f) << y;
+    }
+  }
 }
 
 }  // namespace

@@ -41,9 +41,10 @@ class MapServer : public ::testing::Test {
       bus_.deliver("ICP_KEYFRAME", tile);
     }
   }
-  void graph(std::int64_t sender, const std::vector<std::int32_t>& ids) {
+  void graph(std::int64_t sender, const std::vector<std::int32_t>& ids, std::int64_t keyframes = 1) {
     graph_t m;
-    m.utime = m.map_revision = 1;
+    m.utime = 1;
+    m.map_revision = keyframes;
     m.seq = seq_++;
     m.sender = sender;
     for (const std::int32_t id : ids) {
@@ -176,6 +177,18 @@ TEST_F(MapServer, KeyframesThatDoNotComeAreAskedForAgain) {
   EXPECT_EQ(resends("icp"), 1U);
   keyframe(2, 1, 10);
   pose("ICP_POSE", 2, 2, 15.0);
+  EXPECT_EQ(resends("icp"), 1U);
+}
+
+// Poses count the keyframes that were made, graphs those that are kept.
+TEST_F(MapServer, RedundantKeyframesThatWentAreNotAskedFor) {
+  for (int id = 0; id < 5; ++id) keyframe(2, id, 10);
+  graph(2, {0, 2, 4}, 3);
+  for (double seconds = 10; seconds < 20; seconds += 0.5) pose("ICP_POSE", 2, 5, seconds);
+  EXPECT_EQ(resends("icp"), 0U);
+  keyframe(2, 5, 10);
+  graph(2, {0, 2, 4, 5, 6}, 5);  // 6 does not come
+  for (double seconds = 20; seconds < 21.6; seconds += 0.5) pose("ICP_POSE", 2, 7, seconds);
   EXPECT_EQ(resends("icp"), 1U);
 }
 

@@ -63,6 +63,44 @@ TEST_F(Evaluate, FinalPathFollowsTheLastGraph) {
   EXPECT_GT(ate(results[0]), 3 * ate(results[1]));
 }
 
+// Poses seen from nodes that the mapper has given up follow those that stayed.
+TEST_F(Evaluate, FinalPathOutlivesNodesThatAreGivenUp) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    graph_t graph;
+    graph.utime = graph.seq = 0;
+    graph.sender = 5;
+    graph.frame = "map";
+    graph.map_revision = graph.n_edges = 0;
+    const Eigen::Isometry3d aside(Eigen::Translation3d(0, 0.5, 0));  // of the map, until the last graph
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      const StampedPose pose{path_[i].utime, aside * path_[i].T_world_body};
+      if (i % 5 == 0) {
+        graph_node_t node;
+        node.keyframe = static_cast<std::int32_t>(i / 5);
+        node.keyframe_utime = pose.utime;
+        node.T_map_camera = to_message(pose.T_world_body);
+        graph.nodes.push_back(node);
+        if (graph.nodes.size() > 4) graph.nodes.erase(graph.nodes.begin() + 1);
+        graph.n_nodes = static_cast<std::int32_t>(graph.nodes.size());
+        log.write("ICP_GRAPH", graph);
+      }
+      log.write("ICP_POSE", estimate_message(pose));
+    }
+    for (graph_node_t& node : graph.nodes)
+      node.T_map_camera = to_message(path_[5 * static_cast<std::size_t>(node.keyframe)].T_world_body);
+    log.write("ICP_GRAPH", graph);
+  }
+  EXPECT_EQ(run({path("run.lcmlog"), "--alignment", "none", "--json", path("out.json")}), 0) << output_;
+  const auto results = json("out.json").at("estimates");
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_EQ(results[1].at("name"), "ICP_FINAL");
+  EXPECT_EQ(results[1].at("poses"), path_.size());
+  EXPECT_NEAR(ate(results[0]), 0.5, 1e-3);
+  EXPECT_LT(ate(results[1]), 1e-3);
+}
+
 TEST_F(Evaluate, MapIsComparedWithTheScene) {
   std::ofstream(path("map.ply")) << "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
   write_log("run.lcmlog");

@@ -1,0 +1,40 @@
+#include "icp/last_view.hpp"
+
+namespace lcmslam {
+
+void LastView::compare(const ColourView* now, const Eigen::Isometry3d& T_robot_camera) {
+  frustum_.reset();
+  overlap_.reset();
+  if (!last_) return;
+  if (frustum_wanted_) {
+    frustum_.emplace(last_->depth_camera);
+    views_.frustum = &*frustum_;
+    views_.T_camera_target = (T_world_camera_ * last_->T_camera_depth).inverse();
+  }
+  if (overlap_wanted_ && now != nullptr && !now->image.empty() && !last_->image.empty()) {
+    overlap_.emplace(now->image, last_->image, settings_);
+    views_.overlap = &*overlap_;
+    views_.source_camera = &now->camera;
+    views_.T_camera_source = T_robot_camera.inverse();
+  }
+}
+
+RegistrationSettings LastView::possible(RegistrationSettings settings) const {
+  settings.frustum = settings.frustum && frustum_;
+  settings.colour_overlap = settings.colour_overlap && overlap_;
+  return settings;
+}
+
+void LastView::keep(const ColourView* colour, const Eigen::Isometry3d& T_world_camera) {
+  if (!frustum_wanted_ && !overlap_wanted_) return;
+  last_.reset();
+  if (colour != nullptr) last_ = *colour;
+  T_world_camera_ = T_world_camera;
+}
+
+RegistrationSettings without_views(RegistrationSettings settings) {
+  settings.frustum = settings.colour_overlap = false;
+  return settings;
+}
+
+}  // namespace lcmslam
