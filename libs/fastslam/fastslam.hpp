@@ -162,6 +162,14 @@ class FastSlam {
     double distance2 = 0;  // summed over the accepted
   };
 
+  /// For moving four particles at once; one a thread.
+  struct Workspace {
+    std::unique_ptr<Proposal> proposal;
+    ObservedLanes seen;
+    std::vector<const CompactLandmark*> stored;
+    std::vector<LearnedLanes> learned;
+  };
+
   std::size_t best() const { return static_cast<std::size_t>(best_); }
   Sightings filter(const Motion& motion, const FeatureFrame& frame, std::vector<FeaturePoint>& points,
                    StepResult& result);
@@ -169,9 +177,10 @@ class FastSlam {
              const std::vector<FeaturePoint>& points, Sightings& sightings, StepResult& result) const;
   template <class Work>
   void for_particles(std::size_t each, const Work& work);
-  Verdict move(Particle& particle, const Eigen::Isometry3d& T_world_prior, const Proposal& proposal,
-               const std::vector<LandmarkMatch>& observed, Random& random,
-               std::vector<ObservedLandmark>& sights, std::vector<const CompactLandmark*>& stored) const;
+  void move(Particle* particles, Random* streams, int count, const Eigen::Isometry3d* T_world_prior,
+            const std::vector<LandmarkMatch>& observed, Workspace& work, Verdict* verdicts) const;
+  void learn(Particle& particle, int lane, const std::vector<LandmarkMatch>& observed, const Workspace& work,
+             Verdict& verdict) const;
   void widen_for_correlation(const std::vector<LandmarkMatch>& observed, Utime utime,
                              std::vector<FeaturePoint>& points);
   std::vector<Verdict> move_particles(const FrameAssociation& association,

@@ -28,20 +28,25 @@ std::vector<FastSlam::Verdict> FastSlam::move_particles(const FrameAssociation& 
                                                         const std::vector<FeaturePoint>& points) {
   std::vector<Verdict> verdicts(particles_.size());
   for_particles(observed.size(), [&](std::size_t begin, std::size_t end) {
-    const auto proposal = make_proposal(settings_, association.prior.covariance);
-    std::vector<ObservedLandmark> sights;  // the measurements are the same for all, the landmarks are not
+    Workspace work;
+    work.proposal = make_proposal(settings_, association.prior.covariance);
     for (const LandmarkMatch& match : observed)
-      sights.push_back({points[static_cast<std::size_t>(match.point)].measurement, {}});
-    std::vector<const CompactLandmark*> stored;
-    for (std::size_t k = begin; k < end; ++k) {
-      Particle& particle = particles_[k];
-      const Eigen::Isometry3d T_prior =
-          association.T_world_found ? *association.T_world_found
-          : association.corrected   ? particle.T_world_robot * association.prior.T_from_to
-                                    : particle.T_world_robot * calibration_.apply(particle.calibration);
-      verdicts[k] = move(particle, T_prior, *proposal, observed, streams_[k], sights, stored);
-      if (!association.corrected)
-        calibration_.learn(se3_log(T_prior.inverse() * particle.T_world_robot), particle.calibration);
+      work.seen.measurements.push_back(points[static_cast<std::size_t>(match.point)].measurement);
+    for (std::size_t first = begin; first < end; first += kLanes) {
+      const std::size_t last = std::min(end, first + kLanes) - 1;
+      Eigen::Isometry3d T_prior[kLanes];
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const Particle& particle = particles_[std::min(first + lane, last)];
+        T_prior[lane] = association.T_world_found ? *association.T_world_found
+                        : association.corrected
+                            ? particle.T_world_robot * association.prior.T_from_to
+                            : particle.T_world_robot * calibration_.apply(particle.calibration);
+      }
+      move(&particles_[first], &streams_[first], static_cast<int>(last + 1 - first), T_prior, observed, work,
+           &verdicts[first]);
+      for (std::size_t k = first; k <= last && !association.corrected; ++k)
+        calibration_.learn(se3_log(T_prior[k - first].inverse() * particles_[k].T_world_robot),
+                           particles_[k].calibration);
     }
   });
   if (!association.corrected) calibration_.end();
@@ -51,49 +56,90 @@ std::vector<FastSlam::Verdict> FastSlam::move_particles(const FrameAssociation& 
   return verdicts;
 }
 
-FastSlam::Verdict FastSlam::move(Particle& particle, const Eigen::Isometry3d& T_world_prior,
-                                 const Proposal& proposal, const std::vector<LandmarkMatch>& observed,
-                                 Random& random, std::vector<ObservedLandmark>& sights,
-                                 std::vector<const CompactLandmark*>& stored) const {
+// Up to four particles side by side; `T_world_prior` and lanes beyond `count` repeat the last one.
+void FastSlam::move(Particle* particles, Random* streams, int count, const Eigen::Isometry3d* T_world_prior,
+                    const std::vector<LandmarkMatch>& observed, Workspace& work, Verdict* verdicts) const {
   // Each particle's landmarks lie somewhere else in memory: all are on their way before the first is used.
-  stored.clear();
+  work.stored.clear();
   for (const LandmarkMatch& match : observed)
-    stored.push_back(particle.map.prefetch(static_cast<std::size_t>(match.slot)));
-  for (std::size_t i = 0; i < observed.size(); ++i) sights[i].landmark = *stored[i];
-  const ProposedPose proposed = proposal.propose(T_world_prior, sights, random);
-  particle.T_world_robot = renormalised(proposed.T_world_robot, settings_.planar);
-  particle.log_weight += proposed.log_weight;
-
+    for (int lane = 0; lane < kLanes; ++lane)
+      work.stored.push_back(
+          particles[std::min(lane, count - 1)].map.prefetch(static_cast<std::size_t>(match.slot)));
+  load_landmarks(work.stored, work.seen.landmarks);
+  ProposedPose proposed[kLanes];
+  work.proposal->propose(T_world_prior, work.seen, streams, count, proposed);
+  Eigen::Isometry3d T_world_robot[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane)
+    T_world_robot[lane] = lane < count ? renormalised(proposed[lane].T_world_robot, settings_.planar)
+                                       : T_world_robot[count - 1];
   const double added = settings_.minimum_landmark_sigma * settings_.minimum_landmark_sigma;
-  Verdict verdict;
+  learn_points(work.seen.measurements, work.seen.landmarks, T_world_robot, added, work.learned);
+  for (int lane = 0; lane < count; ++lane) {
+    particles[lane].T_world_robot = T_world_robot[lane];
+    particles[lane].log_weight += proposed[lane].log_weight;
+    learn(particles[lane], lane, observed, work, verdicts[lane]);
+  }
+}
+
+// The particle weighs each observation, and believes those in its gate.
+void FastSlam::learn(Particle& particle, int lane, const std::vector<LandmarkMatch>& observed,
+                     const Workspace& work, Verdict& verdict) const {
+  const double added = settings_.minimum_landmark_sigma * settings_.minimum_landmark_sigma;
+  ParticleMap::Editor edit(particle.map);
   verdict.accepted.resize(observed.size());
   for (std::size_t i = 0; i < observed.size(); ++i) {
-    const auto& [measurement, landmark] = sights[i];
-    const Innovation innovation = innovate(landmark, measurement, particle.T_world_robot);
-    const bool accepted = innovation.distance2 <= gate2_;  // exp(-d^2/2) >= gate
-    verdict.accepted[i] = accepted;
-    if (accepted) {
-      particle.log_weight += innovation.log_peak - 0.5 * innovation.distance2;  // log of 2.5, corrected
-      particle.map.edit(static_cast<std::size_t>(observed[i].slot)) =
-          update_landmark(landmark, innovation, measurement, particle.T_world_robot, added);
-      ++verdict.count;
-      verdict.distance2 += innovation.distance2;
-    } else if (settings_.rejection == RejectionWeight::constant) {
-      particle.log_weight += std::log(settings_.p0);
+    const Measurement& measurement = work.seen.measurements[i];
+    const auto slot = static_cast<std::size_t>(observed[i].slot);
+    const auto weigh = [&](double distance2, double log_peak) {
+      const bool accepted = distance2 <= gate2_;  // exp(-d^2/2) >= gate
+      verdict.accepted[i] = accepted;
+      if (accepted) {
+        particle.log_weight += log_peak - 0.5 * distance2;  // log of 2.5, corrected
+        ++verdict.count;
+        verdict.distance2 += distance2;
+      } else if (settings_.rejection == RejectionWeight::constant) {
+        particle.log_weight += std::log(settings_.p0);
+      } else {
+        particle.log_weight += log_peak - 0.5 * gate2_;
+      }
+      return accepted;
+    };
+    if (measurement.kind == MeasurementKind::point) {
+      const LearnedLanes& learned = work.learned[i];
+      if (weigh(learned.distance2[lane], learned.log_peak(lane))) edit[slot] = learned.updated.landmark(lane);
     } else {
-      particle.log_weight += innovation.log_peak - 0.5 * gate2_;
+      const LandmarkGaussian landmark = work.seen.landmarks[i].gaussian(lane);
+      const Innovation innovation = innovate(landmark, measurement, particle.T_world_robot);
+      if (weigh(innovation.distance2, innovation.log_peak))
+        edit[slot] = update_landmark(landmark, innovation, measurement, particle.T_world_robot, added);
     }
   }
-  return verdict;
 }
 
 void FastSlam::make_landmarks(const std::vector<LandmarkMatch>& created,
                               const std::vector<FeaturePoint>& points) {
+  std::vector<Measurement> measurements;
+  for (const LandmarkMatch& match : created)
+    measurements.push_back(points[static_cast<std::size_t>(match.point)].measurement);
   for_particles(created.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      for (const LandmarkMatch& match : created)
-        particles_[k].map.edit(static_cast<std::size_t>(match.slot)) = make_landmark(
-            points[static_cast<std::size_t>(match.point)].measurement, particles_[k].T_world_robot);
+    std::vector<CompactLanes> made;
+    for (std::size_t first = begin; first < end; first += kLanes) {
+      Eigen::Isometry3d T_world_robot[kLanes];
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        T_world_robot[lane] = particles_[std::min(first + lane, end - 1)].T_world_robot;
+      for (std::size_t k = first; k < std::min(end, first + kLanes); ++k)
+        for (const LandmarkMatch& match : created)
+          particles_[k].map.prefetch(static_cast<std::size_t>(match.slot));
+      make_points(measurements, T_world_robot, made);
+      for (std::size_t k = first; k < std::min(end, first + kLanes); ++k) {
+        ParticleMap::Editor edit(particles_[k].map);
+        for (std::size_t i = 0; i < created.size(); ++i)
+          edit[static_cast<std::size_t>(created[i].slot)] =
+              measurements[i].kind == MeasurementKind::point
+                  ? made[i].landmark(static_cast<int>(k - first))
+                  : CompactLandmark(make_landmark(measurements[i], particles_[k].T_world_robot));
+      }
+    }
   });
 }
 

@@ -8,8 +8,8 @@ namespace lcmslam {
 void LandmarkGrid::follow(const ParticleMap& map, const LandmarkIndex& index) {
   places_.resize(std::max(places_.size(), static_cast<std::size_t>(index.slots())));
   ParticleMap::for_each_difference(
-      followed_, map, [&](std::size_t slot, const CompactLandmark*, const CompactLandmark& now) {
-        if (slot >= places_.size()) return;
+      followed_, map, [&](std::size_t slot, const CompactLandmark* before, const CompactLandmark& now) {
+        if (slot >= places_.size() || (before && before->mean == now.mean)) return;
         const int number = static_cast<int>(slot);
         if (number < index.slots() && index.alive(number) && index.record(number).known_id < 0)
           put(slot, now.mean);
@@ -42,9 +42,17 @@ void LandmarkGrid::put(std::size_t slot, const Eigen::Vector3d& mean) {
     return;
   }
   remove(slot);
-  std::vector<Entry>& cell = cells_[key];
-  places_[slot] = {&cell, cell.size(), key};
-  cell.push_back({static_cast<int>(slot), mean});
+  std::vector<Entry>& entries = cell(key);
+  places_[slot] = {&entries, entries.size(), key};
+  entries.push_back({static_cast<int>(slot), mean});
+}
+
+std::vector<LandmarkGrid::Entry>& LandmarkGrid::cell(const Key& key) {
+  auto found = std::lower_bound(cells_.begin(), cells_.end(), key,
+                                [](const Cell& c, const Key& k) { return c.key < k; });
+  if (found == cells_.end() || found->key != key)
+    found = cells_.insert(found, {key, std::make_unique<std::vector<Entry>>()});
+  return *found->entries;
 }
 
 }  // namespace lcmslam

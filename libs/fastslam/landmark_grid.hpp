@@ -4,7 +4,7 @@
 // step to step at the cost of what changed.
 
 #include <array>
-#include <map>
+#include <memory>
 #include <vector>
 
 #include "fastslam/landmark_index.hpp"
@@ -17,7 +17,7 @@ class LandmarkGrid {
   LandmarkGrid() = default;
   LandmarkGrid(const LandmarkGrid&) = delete;  // places point into cells
   LandmarkGrid& operator=(const LandmarkGrid&) = delete;
-  LandmarkGrid(LandmarkGrid&&) = default;  // a map's elements stay where they are
+  LandmarkGrid(LandmarkGrid&&) = default;
   LandmarkGrid& operator=(LandmarkGrid&&) = default;
 
   struct Entry {
@@ -28,16 +28,22 @@ class LandmarkGrid {
   /// Takes over what differs from the map of the last call. Landmarks of known identity are left out.
   void follow(const ParticleMap& map, const LandmarkIndex& index);
 
-  /// Calls visit(entry) for all in cells that touch the sphere, cell by cell: always in the same order after
-  /// the same calls of follow(). Some may have died since, or lie outside.
+  /// Calls visit(entry) for all in the cells for which near(centre, radius of the sphere around the cell)
+  /// holds, cell by cell: always in the same order after the same calls of follow(). Some may have died
+  /// since.
+  template <class Near, class Visit>
+  void for_each(Near near, Visit visit) const {
+    const double radius = 0.5 * std::sqrt(3.) * kCell;
+    for (const auto& [key, entries] : cells_)
+      if (near(kCell * Eigen::Vector3d(key[0] + 0.5, key[1] + 0.5, key[2] + 0.5), radius))
+        for (const Entry& entry : *entries) visit(entry);
+  }
+  /// The same for all in cells that touch the sphere.
   template <class Visit>
   void for_each_near(const Eigen::Vector3d& centre, double radius, Visit visit) const {
-    const double reach = radius + 0.5 * std::sqrt(3.) * kCell;
-    for (const auto& [key, entries] : cells_) {
-      const Eigen::Vector3d middle = kCell * Eigen::Vector3d(key[0] + 0.5, key[1] + 0.5, key[2] + 0.5);
-      if ((middle - centre).squaredNorm() > reach * reach) continue;
-      for (const Entry& entry : entries) visit(entry);
-    }
+    for_each(
+        [&](const Eigen::Vector3d& middle, double half) { return (middle - centre).norm() <= radius + half; },
+        visit);
   }
 
  private:
@@ -53,8 +59,15 @@ class LandmarkGrid {
   void remove(std::size_t slot);
   void put(std::size_t slot, const Eigen::Vector3d& mean);
 
-  std::map<Key, std::vector<Entry>> cells_;  // ordered: the same results on every machine
-  std::vector<Place> places_;                // by slot
+  /// The cell's entries, which stay where they are.
+  std::vector<Entry>& cell(const Key& key);
+
+  struct Cell {
+    Key key;
+    std::unique_ptr<std::vector<Entry>> entries;
+  };
+  std::vector<Cell> cells_;    // ordered by key: the same results on every machine
+  std::vector<Place> places_;  // by slot
   ParticleMap followed_;
 };
 

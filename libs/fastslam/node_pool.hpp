@@ -6,6 +6,8 @@
 //
 // Memory that is given back serves later nodes of the same size and nothing else.
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <mutex>
 #include <new>
@@ -26,9 +28,10 @@ class NodePool {
 #ifdef LCMSLAM_NO_NODE_POOL
     return ::operator new(kBytes);
 #else
-    if (!free_) refill();
-    --count_;
-    return std::exchange(free_, free_->next);
+    if (count_ == 0) refill();
+    void* const memory = free_[--count_];
+    if (count_ >= kAhead) fetch(free_[count_ - kAhead]);
+    return memory;
 #endif
   }
 
@@ -36,21 +39,20 @@ class NodePool {
 #ifdef LCMSLAM_NO_NODE_POOL
     ::operator delete(memory);
 #else
-    free_ = new (memory) Free{free_};
-    if (++count_ >= 2 * kBatch) hand_over(kBatch);
+    free_[count_++] = memory;
+    if (count_ == 2 * kBatch) hand_over(kBatch);
 #endif
   }
 
  private:
-  struct Free {
-    Free* next;
-  };
-  static_assert(kBytes >= sizeof(Free) && kBytes % alignof(std::max_align_t) == 0);
-  static constexpr int kBatch = 64;
+  static_assert(kBytes % alignof(std::max_align_t) == 0);
+  static constexpr std::size_t kBatch = 64;
+  static constexpr std::size_t kAhead =
+      3;  // so many takes before it is used a node is fetched into the cache
 
   struct Batch {
-    Free* first;
-    int count;
+    std::array<void*, kBatch> nodes;
+    std::size_t count;
   };
   struct Shared {
     std::mutex mutex;
@@ -62,9 +64,17 @@ class NodePool {
     return *forever;
   }
 
+  static void fetch(void* memory) {
+#ifdef __GNUC__
+    for (std::size_t i = 0; i < kBytes; i += 64) __builtin_prefetch(static_cast<std::byte*>(memory) + i, 1);
+#else
+    static_cast<void>(memory);
+#endif
+  }
+
   struct HandOverAtExit {
     ~HandOverAtExit() {
-      if (count_ > 0) hand_over(count_);
+      while (count_ > 0) hand_over(std::min(count_, kBatch));
     }
   };
 
@@ -73,29 +83,32 @@ class NodePool {
     static_cast<void>(at_exit);
     const std::lock_guard<std::mutex> lock(shared().mutex);
     if (!shared().batches.empty()) {
-      free_ = shared().batches.back().first;
-      count_ = shared().batches.back().count;
+      const Batch& batch = shared().batches.back();
+      count_ = batch.count;
+      std::copy_n(batch.nodes.begin(), count_, free_.begin());
       shared().batches.pop_back();
       return;
     }
     count_ = kBatch;
     shared().blocks.push_back(::operator new(kBatch* kBytes));
     auto* block = static_cast<std::byte*>(shared().blocks.back());
-    for (int i = kBatch; i-- > 0;) free_ = new (block + static_cast<std::size_t>(i) * kBytes) Free{free_};
+    for (std::size_t i = 0; i < kBatch; ++i) free_[i] = block + (kBatch - 1 - i) * kBytes;
   }
 
-  static void hand_over(int number) {
-    Free* const first = free_;
-    Free* last = first;
-    for (int i = 1; i < number; ++i) last = last->next;
-    free_ = std::exchange(last->next, nullptr);
+  // Those that were freed first: they have left the cache.
+  static void hand_over(std::size_t number) {
+    Batch batch;
+    batch.count = number;
+    std::copy_n(free_.begin(), number, batch.nodes.begin());
+    std::copy(free_.begin() + static_cast<std::ptrdiff_t>(number),
+              free_.begin() + static_cast<std::ptrdiff_t>(count_), free_.begin());
     count_ -= number;
     const std::lock_guard<std::mutex> lock(shared().mutex);
-    shared().batches.push_back({first, number});
+    shared().batches.push_back(batch);
   }
 
-  static thread_local inline Free* free_ = nullptr;
-  static thread_local inline int count_ = 0;
+  static thread_local inline std::array<void*, 2 * kBatch> free_{};
+  static thread_local inline std::size_t count_ = 0;
 };
 
 }  // namespace lcmslam

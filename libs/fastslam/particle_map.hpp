@@ -3,6 +3,7 @@
 // bytes, the fewer cache misses, and these are what a step of the filter costs.
 
 #include <algorithm>
+#include <array>
 
 #include "fastslam/landmark_filter.hpp"
 #include "fastslam/persistent_array.hpp"
@@ -16,20 +17,23 @@ namespace lcmslam {
 class CompactLandmark {
  public:
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< m, world
+  using Factors = std::array<float, 6>;            // D, L10, L20, L21
+  /// What is left of a variance after cancellation is not known better than to this part of it.
+  static constexpr double kLeastPart = 1e-12;
 
   CompactLandmark() = default;
+  CompactLandmark(const Eigen::Vector3d& mean_, const Factors& factors) : mean(mean_), factors_(factors) {}
   CompactLandmark(const LandmarkGaussian& g)
       : CompactLandmark(g.mean, g.covariance) {}  // NOLINT: same meaning
   /// `P`: m^2, world, symmetric and positive definite.
   CompactLandmark(const Eigen::Vector3d& mean_, const Eigen::Matrix3d& P) : mean(mean_) {
-    // What is left of a variance after cancellation is not known better than to this part of it.
-    constexpr double least = 1e-12;
+    constexpr double least = kLeastPart;
     const double d0 = P(0, 0), l10 = P(1, 0) / d0, l20 = P(2, 0) / d0;
     const double d1 = std::max(P(1, 1) - l10 * P(1, 0), least * P(1, 1));
     const double m21 = P(2, 1) - l20 * P(1, 0), l21 = m21 / d1;
     const double d2 = std::max(P(2, 2) - l20 * P(2, 0) - l21 * m21, least * P(2, 2));
     const double factors[6] = {d0, d1, d2, l10, l20, l21};
-    for (int i = 0; i < 6; ++i) factors_[i] = static_cast<float>(factors[i]);
+    for (std::size_t i = 0; i < 6; ++i) factors_[i] = static_cast<float>(factors[i]);
   }
 
   /// m^2, world.
@@ -48,10 +52,15 @@ class CompactLandmark {
     return d0 * (1 + l10 * l10 + l20 * l20) + d1 * (1 + l21 * l21) + d2;
   }
 
+  /// To the last bit.
+  bool operator==(const CompactLandmark& o) const { return mean == o.mean && factors_ == o.factors_; }
+
+  const Factors& factors() const { return factors_; }
+
   operator LandmarkGaussian() const { return {mean, covariance()}; }  // NOLINT: same meaning
 
  private:
-  float factors_[6] = {1, 1, 1, 0, 0, 0};  // D, L10, L20, L21
+  Factors factors_ = {1, 1, 1, 0, 0, 0};
 };
 
 /// A particle's landmarks by slot (see LandmarkIndex).

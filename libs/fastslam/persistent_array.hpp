@@ -50,6 +50,25 @@ class PersistentArray {
     return own<Leaf>(*node)->values[index % kLeaf];
   }
 
+  /// Many elements for writing, as edit(): those that share a leaf find it once. Meanwhile nobody else may
+  /// touch this array.
+  class Editor {
+   public:
+    explicit Editor(PersistentArray& array) : array_(array) {}
+    Value& operator[](std::size_t index) {
+      if (index / kLeaf != leaf_) {
+        leaf_ = index / kLeaf;
+        first_ = &array_.edit(leaf_ * kLeaf);
+      }
+      return first_[index % kLeaf];
+    }
+
+   private:
+    PersistentArray& array_;
+    std::size_t leaf_ = ~std::size_t{0};
+    Value* first_ = nullptr;
+  };
+
   /// Calls visit(index, before or null, after) for each element in a leaf of `after` that `before` does
   /// not share, ascending. Cost: the changed paths, not the size.
   template <class Visit>

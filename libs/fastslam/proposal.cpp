@@ -2,11 +2,15 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <type_traits>
 
+#include "fastslam/normal_equations.hpp"
 #include "fastslam/pose_space.hpp"
 #include "fastslam/small_cholesky.hpp"
 #include "fastslam/symmetric.hpp"
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"  // see lanes.hpp
+#endif
 
 namespace lcmslam {
 namespace {
@@ -29,10 +33,13 @@ class MotionProposal final : public Proposal {
  public:
   explicit MotionProposal(const Matrix6d& Q) : root_(lower_root<D>(PoseSpace<D>::reduce(Q))) {}
 
-  ProposedPose propose(const Eigen::Isometry3d& T_world_prior, const std::vector<ObservedLandmark>&,
-                       Random& random) const override {
-    const typename PoseSpace<D>::Vector xi = root_ * standard_normal<D>(random);
-    return {T_world_prior * se3_exp(PoseSpace<D>::expand(xi)), 0};
+  using Proposal::propose;
+  void propose(const Eigen::Isometry3d* T_world_prior, const ObservedLanes&, Random* streams, int count,
+               ProposedPose* proposed) const override {
+    for (int k = 0; k < count; ++k) {
+      const typename PoseSpace<D>::Vector xi = root_ * standard_normal<D>(streams[k]);
+      proposed[k] = {T_world_prior[k] * se3_exp(PoseSpace<D>::expand(xi)), 0};
+    }
   }
 
  private:
@@ -49,10 +56,11 @@ class MeasurementProposal final : public Proposal {
   using Space = PoseSpace<D>;
   using Vector = typename Space::Vector;
   using Matrix = typename Space::Matrix;
+  using LaneArray = typename LaneCholesky<D>::Vector;
 
   struct Posterior {
-    Vector mean;            // xi
-    SmallCholesky<D> root;  // of the information
+    LaneArray mean;        // xi
+    LaneCholesky<D> root;  // of the information
   };
 
   MeasurementProposal(const FastSlamSettings& settings, const Matrix6d& Q)
@@ -61,56 +69,103 @@ class MeasurementProposal final : public Proposal {
         prior_information_(Space::reduce(Q).llt().solve(Matrix::Identity())),
         prior_log_root_(SmallCholesky<D>(prior_information_).half_log_determinant()) {}
 
-  Posterior posterior(const Eigen::Isometry3d& T_prior,
-                      const std::vector<ObservedLandmark>& observations) const {
+  void posterior(const Eigen::Isometry3d* T_prior, const ObservedLanes& observed, Posterior& result) const {
     // S_i is formed once, at the prior's orientation.
-    weights_.resize(observations.size());
-    for (std::size_t i = 0; i < observations.size(); ++i)
-      weights_[i] = invert_symmetric(
-                        innovation_covariance(observations[i].landmark, observations[i].measurement, T_prior))
-                        .inverse;
-
-    Posterior result{Vector::Zero(), SmallCholesky<D>(prior_information_)};
+    weigh_points(observed.measurements, observed.landmarks, T_prior, weights_);
+    weigh_others(observed, T_prior);
+    result.mean = {};
+    Eigen::Isometry3d T[kLanes];
+    NormalEquations<D> normal;
     for (int iteration = 0; iteration < iterations_; ++iteration) {
-      const Eigen::Isometry3d T = iteration == 0 ? T_prior : T_prior * se3_exp(Space::expand(result.mean));
-      Matrix information = prior_information_;
-      Vector gradient = prior_information_ * result.mean;
-      for (std::size_t i = 0; i < observations.size(); ++i)
-        add(observations[i], weights_[i], T, information, gradient);
-      result.root = SmallCholesky<D>(information);
-      result.mean -= result.root.solve(gradient);
+      for (int k = 0; k < kLanes; ++k)
+        T[k] = iteration == 0 ? T_prior[k] : T_prior[k] * se3_exp(Space::expand(lane(result.mean, k)));
+      begin(result.mean, normal);
+      add_points(observed.measurements, observed.landmarks, weights_, T, huber_, normal);
+      add_others(observed, T, normal);
+      descend(normal, result.root, result.mean);
     }
-    return result;
   }
 
-  ProposedPose propose(const Eigen::Isometry3d& T_prior, const std::vector<ObservedLandmark>& observations,
-                       Random& random) const override {
-    const Posterior q = posterior(T_prior, observations);
-    const Vector normal = standard_normal<D>(random);
-    const Vector xi = q.mean + q.root.solve_upper(normal);
-    const double log_prior = prior_log_root_ - 0.5 * xi.dot(prior_information_ * xi);
-    const double log_proposal = q.root.half_log_determinant() - 0.5 * normal.squaredNorm();
-    return {T_prior * se3_exp(Space::expand(xi)), log_prior - log_proposal};
+  using Proposal::propose;
+  void propose(const Eigen::Isometry3d* T_prior, const ObservedLanes& observed, Random* streams, int count,
+               ProposedPose* proposed) const override {
+    Posterior q;
+    posterior(T_prior, observed, q);
+    LaneArray xi{};
+    Vector normal[kLanes];
+    for (int k = 0; k < count; ++k) {
+      normal[k] = standard_normal<D>(streams[k]);
+      for (int i = 0; i < D; ++i) xi[static_cast<std::size_t>(i)][k] = normal[k](i);
+    }
+    q.root.solve_upper(xi);
+    for (int k = 0; k < count; ++k) {
+      const Vector drawn = lane(q.mean, k) + lane(xi, k);
+      const double log_prior = prior_log_root_ - 0.5 * drawn.dot(prior_information_ * drawn);
+      const double log_proposal = q.root.half_log_determinant(k) - 0.5 * normal[k].squaredNorm();
+      proposed[k] = {T_prior[k] * se3_exp(Space::expand(drawn)), log_prior - log_proposal};
+    }
   }
 
  private:
-  void add(const ObservedLandmark& observed, const Eigen::Matrix3d& S_inverse, const Eigen::Isometry3d& T,
-           Matrix& information, Vector& gradient) const {
-    const Measurement& z = observed.measurement;
-    const Eigen::Vector3d p = predict_measurement(observed.landmark.mean, T);
+  static Vector lane(const LaneArray& lanes, int k) {
+    Vector v;
+    for (int i = 0; i < D; ++i) v(i) = lanes[static_cast<std::size_t>(i)][k];
+    return v;
+  }
+
+  // The prior's part.
+  void begin(const LaneArray& mean, NormalEquations<D>& normal) const {
+    for (std::size_t i = 0; i < D; ++i) {
+      normal.gradient[i] = Lanes{};
+      for (std::size_t j = 0; j < D; ++j) {
+        const double information = prior_information_(static_cast<int>(i), static_cast<int>(j));
+        normal.gradient[i] += information * mean[j];
+        normal.information[i][j] = information + Lanes{};
+      }
+    }
+  }
+
+  // What is no point, particle by particle.
+  void weigh_others(const ObservedLanes& observed, const Eigen::Isometry3d* T_prior) const {
+    others_.clear();
+    for (std::size_t i = 0; i < observed.measurements.size(); ++i) {
+      if (observed.measurements[i].kind == MeasurementKind::point) continue;
+      Other other{i, {}};
+      for (int k = 0; k < kLanes; ++k)
+        other.weights[k] = invert_symmetric(innovation_covariance(observed.landmarks[i].gaussian(k),
+                                                                  observed.measurements[i], T_prior[k]))
+                               .inverse;
+      others_.push_back(other);
+    }
+  }
+
+  void add_others(const ObservedLanes& observed, const Eigen::Isometry3d* T,
+                  NormalEquations<D>& normal) const {
+    for (const Other& other : others_)
+      for (int k = 0; k < kLanes; ++k) {
+        const LandmarkGaussian landmark = observed.landmarks[other.index].gaussian(k);
+        Matrix information = Matrix::Zero();
+        Vector gradient = Vector::Zero();
+        add(observed.measurements[other.index], landmark.mean, other.weights[k], T[k], information, gradient);
+        for (std::size_t i = 0; i < D; ++i) {
+          normal.gradient[i][k] += gradient(static_cast<int>(i));
+          for (std::size_t j = 0; j <= i; ++j)
+            normal.information[i][j][k] += information(static_cast<int>(i), static_cast<int>(j));
+        }
+      }
+  }
+
+  void add(const Measurement& z, const Eigen::Vector3d& landmark, const Eigen::Matrix3d& S_inverse,
+           const Eigen::Isometry3d& T, Matrix& information, Vector& gradient) const {
+    const Eigen::Vector3d p = predict_measurement(landmark, T);
     with_model(z, [&](auto model) {
       const Eigen::Vector3d residual = model.difference(z.value, model.predict(p));
       const Eigen::Vector3d weighted = S_inverse * residual;
       const double distance2 = residual.dot(weighted);
       const double robust = distance2 > huber_ * huber_ ? huber_ / std::sqrt(distance2) : 1;
-      if constexpr (std::is_same_v<decltype(model), PointModel>) {
-        information += Space::normal_matrix(robust * S_inverse, p);
-        gradient += Space::wrench(robust * weighted, p);
-      } else {
-        const Eigen::Matrix3d G = model.jacobian(p);
-        information += robust * Space::normal_matrix(sandwiched(G.transpose(), S_inverse), p);
-        gradient += robust * Space::wrench(G.transpose() * weighted, p);
-      }
+      const Eigen::Matrix3d G = model.jacobian(p);
+      information += robust * Space::normal_matrix(sandwiched(G.transpose(), S_inverse), p);
+      gradient += robust * Space::wrench(G.transpose() * weighted, p);
     });
   }
 
@@ -118,18 +173,32 @@ class MeasurementProposal final : public Proposal {
   double huber_;
   Matrix prior_information_;
   double prior_log_root_;
-  mutable std::vector<Eigen::Matrix3d> weights_;  // scratch: one proposal serves one thread
+  // Scratch: one proposal serves one thread.
+  struct Other {
+    std::size_t index;                // of the measurement
+    Eigen::Matrix3d weights[kLanes];  // S^-1
+  };
+  mutable std::vector<LaneSymmetric> weights_;
+  mutable std::vector<Other> others_;
 };
 
 template <int D>
 PoseGaussian posterior_of(const FastSlamSettings& settings, const Matrix6d& Q,
                           const Eigen::Isometry3d& T_prior,
                           const std::vector<ObservedLandmark>& observations) {
-  const auto q = MeasurementProposal<D>(settings, Q).posterior(T_prior, observations);
-  using Matrix = typename PoseSpace<D>::Matrix;
-  Matrix covariance;
-  for (int i = 0; i < D; ++i) covariance.col(i) = q.root.solve(Matrix::Identity().col(i));
-  return {T_prior * se3_exp(PoseSpace<D>::expand(q.mean)), PoseSpace<D>::expand(covariance)};
+  const Eigen::Isometry3d T_priors[kLanes] = {T_prior, T_prior, T_prior, T_prior};
+  typename MeasurementProposal<D>::Posterior q;
+  MeasurementProposal<D>(settings, Q).posterior(T_priors, ObservedLanes(observations), q);
+  typename PoseSpace<D>::Vector mean;
+  typename PoseSpace<D>::Matrix covariance;
+  for (std::size_t i = 0; i < D; ++i) {
+    typename LaneCholesky<D>::Vector column{};
+    column[i] += 1.;
+    q.root.solve(column);
+    mean(static_cast<int>(i)) = q.mean[i][0];
+    for (std::size_t j = 0; j < D; ++j) covariance(static_cast<int>(j), static_cast<int>(i)) = column[j][0];
+  }
+  return {T_prior * se3_exp(PoseSpace<D>::expand(mean)), PoseSpace<D>::expand(covariance)};
 }
 
 template <int D>
@@ -139,6 +208,21 @@ std::unique_ptr<Proposal> make(const FastSlamSettings& settings, const Matrix6d&
 }
 
 }  // namespace
+
+ObservedLanes::ObservedLanes(const std::vector<ObservedLandmark>& observations) {
+  for (const ObservedLandmark& observed : observations) {
+    measurements.push_back(observed.measurement);
+    landmarks.push_back({all_lanes(observed.landmark.mean), all_lanes(observed.landmark.covariance)});
+  }
+}
+
+ProposedPose Proposal::propose(const Eigen::Isometry3d& T_world_prior,
+                               const std::vector<ObservedLandmark>& observations, Random& random) const {
+  const Eigen::Isometry3d T_priors[kLanes] = {T_world_prior, T_world_prior, T_world_prior, T_world_prior};
+  ProposedPose proposed;
+  propose(T_priors, ObservedLanes(observations), &random, 1, &proposed);
+  return proposed;
+}
 
 std::unique_ptr<Proposal> make_proposal(const FastSlamSettings& settings, const Matrix6d& Q) {
   return settings.planar ? make<3>(settings, Q) : make<6>(settings, Q);

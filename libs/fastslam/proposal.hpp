@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fastslam/landmark_filter.hpp"
+#include "fastslam/landmark_lanes.hpp"
 #include "fastslam/settings.hpp"
 #include "geometry/random.hpp"
 #include "geometry/transform.hpp"
@@ -24,11 +25,27 @@ struct ProposedPose {
   double log_weight = 0;  ///< log p(x) - log q(x)
 };
 
+/// A step's measurements, which all particles share, with the landmarks in four particles' maps.
+struct ObservedLanes {
+  std::vector<Measurement> measurements;
+  std::vector<LandmarkLanes> landmarks;  ///< one for each measurement
+
+  ObservedLanes() = default;
+  /// Four times the same.
+  explicit ObservedLanes(const std::vector<ObservedLandmark>& observations);
+};
+
+/// Draws for four particles at once. Each has its own prior and its own random numbers; what it draws does
+/// not depend on the others.
 class Proposal {
  public:
   virtual ~Proposal() = default;
-  virtual ProposedPose propose(const Eigen::Isometry3d& T_world_prior,
-                               const std::vector<ObservedLandmark>& observations, Random& random) const = 0;
+  /// T_world_prior[kLanes]; one random stream and one proposed pose for each of the first `count`.
+  virtual void propose(const Eigen::Isometry3d* T_world_prior, const ObservedLanes& observed, Random* streams,
+                       int count, ProposedPose* proposed) const = 0;
+  /// One particle alone.
+  ProposedPose propose(const Eigen::Isometry3d& T_world_prior,
+                       const std::vector<ObservedLandmark>& observations, Random& random) const;
 };
 
 /// The proposal that the settings name, for a prior covariance Q (right perturbation, positive

@@ -23,11 +23,11 @@ MapChanges LandmarkPublication::take(const ParticleMap& map, LandmarkIndex& inde
   MapChanges changes;
   sent_.resize(static_cast<std::size_t>(index.slots()));
   std::vector<int> moved;
-  ParticleMap::for_each_difference(compared_, map,
-                                   [&](std::size_t slot, const CompactLandmark*, const CompactLandmark& now) {
-                                     if (slot < sent_.size() && differs(sent_[slot], now))
-                                       moved.push_back(static_cast<int>(slot));
-                                   });
+  ParticleMap::for_each_difference(
+      compared_, map, [&](std::size_t slot, const CompactLandmark* before, const CompactLandmark& now) {
+        if (slot >= sent_.size() || (before && *before == now)) return;
+        if (differs(sent_[slot], now)) moved.push_back(static_cast<int>(slot));
+      });
   compared_ = map;
   const std::vector<int> touched = index.take_touched();
   std::vector<int> candidates;

@@ -37,6 +37,13 @@ using DistanceKernel = void (*)(const WideDescriptor* const queries[4], const De
 /// Throws std::invalid_argument when the processor lacks the instructions.
 DistanceKernel distance_kernel(InstructionSet set = best_instruction_set());
 
+/// Writes distances[t] = |query - targets[t]|^2 for t = 0..count-1: for a query that comes alone.
+using LoneDistanceKernel = void (*)(const WideDescriptor& query, const Descriptor* targets,
+                                    const std::int32_t* norms2, int count, std::int32_t* distances);
+
+/// Throws std::invalid_argument when the processor lacks the instructions.
+LoneDistanceKernel lone_distance_kernel(InstructionSet set = best_instruction_set());
+
 /// Whether any of the four comparisons (0 or -1 each) holds.
 inline bool any(Int4 comparison) {
   using Long2 = std::int64_t __attribute__((vector_size(16)));

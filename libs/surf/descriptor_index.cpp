@@ -165,17 +165,16 @@ void DescriptorIndex::insert_into(Lists& lists, int sign, int id, const Descript
 std::size_t DescriptorIndex::nearest_centre(const Lists& lists, const Descriptor& descriptor) {
   WideDescriptor wide;
   wide.assign(descriptor);
-  const WideDescriptor* const queries[4] = {&wide, &wide, &wide, &wide};
-  Int4 distances[256];
+  std::int32_t distances[256];
   int nearest = std::numeric_limits<int>::max();
   std::size_t result = 0;
   for (std::size_t first = 0; first < lists.centres.size(); first += std::size(distances)) {
     const std::size_t count = std::min(std::size(distances), lists.centres.size() - first);
-    distances_(queries, lists.centres.data() + first, lists.centre_norms2.data() + first,
-               static_cast<int>(count), distances);
+    lone_distances_(wide, lists.centres.data() + first, lists.centre_norms2.data() + first,
+                    static_cast<int>(count), distances);
     for (std::size_t i = 0; i < count; ++i)
-      if (distances[i][0] < nearest) {
-        nearest = distances[i][0];
+      if (distances[i] < nearest) {
+        nearest = distances[i];
         result = first + i;
       }
   }

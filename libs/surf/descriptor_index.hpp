@@ -81,6 +81,7 @@ class DescriptorIndex {
   Lists by_sign_[2];           // bright, dark
   std::vector<Place> places_;  // by id
   DistanceKernel distances_ = distance_kernel();
+  LoneDistanceKernel lone_distances_ = lone_distance_kernel();
 };
 
 }  // namespace lcmslam

@@ -22,6 +22,15 @@ void offer(Neighbours& neighbours, const Neighbour& candidate) {
   neighbours[i] = candidate;
 }
 
+void fetch(const void* begin, std::size_t bytes) {
+#ifdef __GNUC__
+  for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(static_cast<const char*>(begin) + i);
+#else
+  static_cast<void>(begin);
+  static_cast<void>(bytes);
+#endif
+}
+
 }  // namespace
 
 DescriptorSearch::DescriptorSearch(const SearchSettings& settings, InstructionSet set)
@@ -97,6 +106,12 @@ void DescriptorSearch::search_lists(const DescriptorIndex::Lists& lists) {
     Group group;
     for (; first < probes_by_list_.size() && probes_by_list_[first].list == list && group.count < 4; ++first)
       group.queries[group.count++] = probes_by_list_[first].query;
+    if (first < probes_by_list_.size()) {  // the next one is on its way meanwhile
+      const DescriptorIndex::List& next = lists.lists[static_cast<std::size_t>(probes_by_list_[first].list)];
+      fetch(next.descriptors.data(), next.descriptors.size() * sizeof(Descriptor));
+      fetch(next.norms2.data(), next.norms2.size() * sizeof(std::int32_t));
+      fetch(next.ids.data(), next.ids.size() * sizeof(int));
+    }
     compare(group, lists.lists[static_cast<std::size_t>(list)]);
   }
 }

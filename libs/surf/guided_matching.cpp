@@ -53,8 +53,8 @@ bool GuidedResult::supported() const {
   return found >= 10 && found - chance > 3 * std::sqrt(found + chance);
 }
 
-double GuidedMatcher::Gate::squared_innovation(const Feature& feature) const {
-  const Eigen::Vector2d innovation(feature.x - centre.x(), feature.y - centre.y());
+double GuidedMatcher::Gate::squared_innovation(double x, double y) const {
+  const Eigen::Vector2d innovation(x - centre.x(), y - centre.y());
   return innovation.dot(information * innovation);
 }
 
@@ -76,18 +76,17 @@ const GuidedResult& GuidedMatcher::match(const FeatureFrame& frame, const Predic
   open_gates(frame, pose, landmarks, index, settings);
   fill_grid(frame);
 
-  compare(frame, gates_.size() / 2, settings.chi_square);
+  compare(gates_.size() / 2, settings);
   find_nearest(frame.features.size(), settings.same_place);
   for (std::size_t f = 0; f < frame.features.size(); ++f) result_.by_chance += is_match(f, settings);
 
-  compare(frame, 0, settings.chi_square);
+  compare(0, settings);
   find_nearest(frame.features.size(), settings.same_place);
-  result_.candidates = static_cast<int>(pairs_.size());
   for (std::size_t f = 0; f < frame.features.size(); ++f) {
     if (!is_match(f, settings)) continue;
     const Gate& gate = gates_[static_cast<std::size_t>(of_feature_[f].partner)];
     result_.matches.push_back({static_cast<int>(f), gate.id, of_feature_[f].distance2});
-    result_.mean_squared_innovation += gate.squared_innovation(frame.features[f]);
+    result_.mean_squared_innovation += gate.squared_innovation(frame.features[f].x, frame.features[f].y);
   }
   if (!result_.matches.empty())
     result_.mean_squared_innovation /= static_cast<double>(result_.matches.size());
@@ -116,6 +115,9 @@ void GuidedMatcher::open_gates(const FeatureFrame& frame, const PredictedPose& p
       ++result_.too_vague;
       continue;
     }
+#ifdef __GNUC__
+    __builtin_prefetch(descriptor.data());  // compared soon
+#endif
     gates_.push_back({landmark.id, index.is_dark(landmark.id), &descriptor, &landmark, pixel, S.inverse(),
                       half_width, half_height});
   }
@@ -133,19 +135,29 @@ void GuidedMatcher::fill_grid(const FeatureFrame& frame) {
     if (usable(f)) ++cell_begin_[cell_of(f)];
   int total = 0;  // each cell's end for now
   for (int& begin : cell_begin_) begin = total += begin;
-  cell_features_.resize(static_cast<std::size_t>(total));
-  for (std::size_t f = frame.features.size(); f-- > 0;)
-    if (usable(frame.features[f]))
-      cell_features_[static_cast<std::size_t>(--cell_begin_[cell_of(frame.features[f])])] =
-          static_cast<int>(f);
+  sought_.resize(static_cast<std::size_t>(total));
+  wide_.resize(sought_.size());
+  for (std::size_t f = frame.features.size(); f-- > 0;) {
+    const Feature& feature = frame.features[f];
+    if (!usable(feature)) continue;
+    const auto place = static_cast<std::size_t>(--cell_begin_[cell_of(feature)]);
+    sought_[place] = {feature.x, feature.y, static_cast<int>(f), feature.laplacian >= 0};
+    wide_[place].assign(feature.descriptor);
+  }
 }
 
 // Seeks each landmark in the gate `shift` places on, though never in its own when that is another's.
-void GuidedMatcher::compare(const FeatureFrame& frame, std::size_t shift, double limit) {
+void GuidedMatcher::compare(std::size_t shift, const GuidedSettings& settings) {
   pairs_.clear();
+  result_.candidates = 0;
+  const double limit = settings.chi_square;
+  // Whoever differs more is no match, and no rival of one: the ratio test passes beside it.
+  const double largest = 127 * settings.max_distance / std::min(settings.ratio, 1.);
+  const int relevant = static_cast<int>(std::min(1.01 * largest * largest, 1e9));
   for (std::size_t g = 0; g < gates_.size(); ++g) {
     const Gate& own = gates_[g];
     const Gate& gate = gates_[(g + shift) % gates_.size()];
+    inside_.clear();
     const int last_row = row(gate.centre.y() + gate.half_height);
     const int last_column = column(gate.centre.x() + gate.half_width);
     for (int r = row(gate.centre.y() - gate.half_height); r <= last_row; ++r) {
@@ -154,13 +166,32 @@ void GuidedMatcher::compare(const FeatureFrame& frame, std::size_t shift, double
       const auto end_cell = static_cast<std::size_t>(r * columns_ + last_column + 1);
       // The cells of a row follow each other.
       for (int k = cell_begin_[first_cell]; k < cell_begin_[end_cell]; ++k) {
-        const int f = cell_features_[static_cast<std::size_t>(k)];
-        const Feature& feature = frame.features[static_cast<std::size_t>(f)];
-        if ((feature.laplacian >= 0) != own.dark || !(gate.squared_innovation(feature) < limit)) continue;
-        if (shift != 0 && own.squared_innovation(feature) < limit) continue;
-        pairs_.push_back({f, static_cast<int>(g), squared_distance(feature.descriptor, *own.descriptor)});
+        const Sought& sought = sought_[static_cast<std::size_t>(k)];
+        if (sought.dark != own.dark || !(gate.squared_innovation(sought.x, sought.y) < limit)) continue;
+        if (shift != 0 && own.squared_innovation(sought.x, sought.y) < limit) continue;
+        inside_.push_back(static_cast<std::size_t>(k));
       }
     }
+    result_.candidates += static_cast<int>(inside_.size());
+    measure(g, relevant);
+  }
+}
+
+// The descriptors' distances of those inside; keeps what is `relevant`.
+void GuidedMatcher::measure(std::size_t gate, int relevant) {
+  if (inside_.empty()) return;
+  const Descriptor& descriptor = *gates_[gate].descriptor;
+  std::int32_t& norm2 = gates_[gate].norm2;
+  if (norm2 < 0) norm2 = squared_norm(descriptor);
+  for (std::size_t first = 0; first < inside_.size(); first += 4) {
+    const std::size_t count = std::min<std::size_t>(4, inside_.size() - first);
+    const WideDescriptor* group[4];
+    for (std::size_t i = 0; i < 4; ++i) group[i] = &wide_[inside_[first + std::min(i, count - 1)]];
+    Int4 distances;
+    distances_(group, &descriptor, &norm2, 1, &distances);
+    for (std::size_t i = 0; i < count; ++i)
+      if (distances[i] <= relevant)
+        pairs_.push_back({sought_[inside_[first + i]].feature, static_cast<int>(gate), distances[i]});
   }
 }
 

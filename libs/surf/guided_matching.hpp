@@ -76,8 +76,15 @@ class GuidedMatcher {
     Eigen::Vector2d centre;
     Eigen::Matrix2d information;     // S^-1
     double half_width, half_height;  // of the box around the ellipse
+    std::int32_t norm2 = -1;         // of the descriptor, once it is needed
 
-    double squared_innovation(const Feature& feature) const;
+    double squared_innovation(double x, double y) const;
+  };
+  /// A feature, in the order of the grid's cells.
+  struct Sought {
+    float x, y;
+    int feature;
+    bool dark;
   };
   struct Pair {
     int feature, gate, distance2;
@@ -90,7 +97,8 @@ class GuidedMatcher {
                   const std::vector<MapPoint>& landmarks, const DescriptorIndex& index,
                   const GuidedSettings& settings);
   void fill_grid(const FeatureFrame& frame);
-  void compare(const FeatureFrame& frame, std::size_t shift, double limit);
+  void compare(std::size_t shift, const GuidedSettings& settings);
+  void measure(std::size_t gate, int relevant);
   void find_nearest(std::size_t features, double same_place);
   bool is_match(std::size_t feature, const GuidedSettings& settings) const;
   int column(double x) const;
@@ -99,8 +107,12 @@ class GuidedMatcher {
   GuidedResult result_;
   std::vector<Gate> gates_;
   int columns_ = 0, rows_ = 0;
-  std::vector<int> cell_begin_, cell_features_;
-  std::vector<Pair> pairs_;  // inside gates
+  std::vector<int> cell_begin_;
+  std::vector<Sought> sought_;
+  std::vector<WideDescriptor> wide_;  // theirs
+  DistanceKernel distances_ = distance_kernel();
+  std::vector<std::size_t> inside_;  // of the gate at work, in sought_
+  std::vector<Pair> pairs_;          // inside gates, similar enough to count
   std::vector<Nearest> of_feature_, of_gate_;
 };
 

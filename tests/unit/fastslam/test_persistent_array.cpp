@@ -50,6 +50,28 @@ TEST(PersistentArray, EqualsPlainMapsUnderRandomWritesAndCopies) {
   }
 }
 
+TEST(PersistentArray, EditorWritesAsEditDoes) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    Array array;
+    Reference reference;
+    for (int round = 0; round < 30; ++round) {
+      const Array copy = array;
+      const Reference former = reference;
+      Array::Editor edit(array);
+      for (int i = 0; i < 40; ++i) {  // near each other, in no order; now and then beyond the end
+        const auto index = static_cast<std::size_t>(50 * round / 2 + random.below(60));
+        const int value = static_cast<int>(random.below(1000)) + 1;
+        edit[index] = value;
+        reference[index] = value;
+      }
+      expect_equal(array, reference, 1000);
+      expect_equal(copy, former, 1000);
+    }
+  }
+}
+
 TEST(PersistentArray, DifferenceFindsEveryChangeAndVisitsLittleElse) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);

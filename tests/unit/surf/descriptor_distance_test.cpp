@@ -40,6 +40,9 @@ TEST(DescriptorDistance, EveryInstructionSetEqualsDirectSummation) {
         for (int q = 0; q < 4; ++q)
           ASSERT_EQ(distances[t][q], squared_distance(queries[q], targets[t]))
               << "seed " << seed << ", set " << int(set);
+      std::int32_t lone[40];
+      lone_distance_kernel(set)(wide[0], targets.data(), norms2.data(), int(targets.size()), lone);
+      for (std::size_t t = 0; t < targets.size(); ++t) ASSERT_EQ(lone[t], distances[t][0]) << "seed " << seed;
     }
   }
 }
@@ -49,6 +52,7 @@ TEST(DescriptorDistance, TheBestSetIsThere) {
   EXPECT_TRUE(has(best_instruction_set()));
   if (!has(InstructionSet::avx2)) {
     EXPECT_THROW(distance_kernel(InstructionSet::avx2), std::invalid_argument);
+    EXPECT_THROW(lone_distance_kernel(InstructionSet::avx2), std::invalid_argument);
   }
 }
 
