@@ -55,7 +55,8 @@ std::vector<MatchedPose> nearest(const Trajectory& truth, const Trajectory& esti
   for (const auto& [difference, t, e] : candidates) {
     if (truth_used[t] || estimate_used[e]) continue;
     truth_used[t] = estimate_used[e] = 1;
-    matches.push_back({estimate[e].utime + offset, truth[t].T_world_body, estimate[e].T_world_body});
+    matches.push_back({estimate[e].utime + offset, truth[t].T_world_body, estimate[e].T_world_body,
+                       estimate[e].covariance});
   }
   std::sort(matches.begin(), matches.end(),
             [](const MatchedPose& a, const MatchedPose& b) { return a.utime < b.utime; });
@@ -67,7 +68,8 @@ std::vector<MatchedPose> interpolated(const Trajectory& truth, const Trajectory&
   std::vector<MatchedPose> matches;
   for (const StampedPose& pose : estimate) {
     const auto T_world_truth = pose_at(truth, pose.utime + offset, max_gap);
-    if (T_world_truth) matches.push_back({pose.utime + offset, *T_world_truth, pose.T_world_body});
+    if (T_world_truth)
+      matches.push_back({pose.utime + offset, *T_world_truth, pose.T_world_body, pose.covariance});
   }
   return matches;
 }

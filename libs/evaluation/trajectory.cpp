@@ -21,7 +21,11 @@ void sort_trajectory(Trajectory& trajectory) {
 
 Trajectory in_other_frame(const Trajectory& trajectory, const Eigen::Isometry3d& T_body_other) {
   Trajectory other = trajectory;
-  for (StampedPose& pose : other) pose.T_world_body = pose.T_world_body * T_body_other;
+  const Matrix6d A = adjoint(T_body_other.inverse());
+  for (StampedPose& pose : other) {
+    pose.T_world_body = pose.T_world_body * T_body_other;
+    if (pose.covariance) pose.covariance = (A * *pose.covariance * A.transpose()).eval();
+  }
   return other;
 }
 

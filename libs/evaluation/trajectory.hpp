@@ -15,6 +15,8 @@ namespace lcmslam {
 struct StampedPose {
   Utime utime = 0;
   Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();
+  /// Of T_world_body exp(xi): translation (m), rotation (rad), body frame; where it was told.
+  std::optional<Matrix6d> covariance = std::nullopt;
 };
 
 /// Sorted by time, one pose a stamp (`sort_trajectory` establishes it).

@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "evaluation/consistency.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -136,6 +138,9 @@ TrajectoryReport evaluate(const Trajectory& truth, const Trajectory& estimate,
   report.per_frame = relative_errors(report.matches, 1, StepUnit::frames);
   report.per_second = relative_errors(report.matches, 1, StepUnit::seconds);
   report.per_metre = relative_errors(report.matches, 1, StepUnit::metres);
+  if (settings.alignment != Alignment::sim3)  // covariances know of no scale
+    report.consistency = consistency(
+        report.matches, settings.alignment == Alignment::se2 || settings.alignment == Alignment::se3);
   return report;
 }
 

@@ -7,6 +7,7 @@
 //
 // `evaluate` does all of it. Both trajectories must speak of the same body frame (in_other_frame).
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ struct MatchedPose {
   Utime utime = 0;  ///< of the truth's clock, at the estimate's pose
   Eigen::Isometry3d T_world_truth = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_world_estimate = Eigen::Isometry3d::Identity();
+  std::optional<Matrix6d> covariance = std::nullopt;  ///< the estimate's own, as in StampedPose
 };
 
 /// p_truth = scale * T * p_estimate (T's translation is not scaled).
@@ -61,6 +63,14 @@ struct PoseErrors {
   ErrorStatistics rotation;     ///< rad
 };
 
+/// Whether the estimate errs as much as it says (consistency.hpp).
+struct Consistency {
+  int components = 6;          ///< of a pose's error: what NEES averages to when the covariances are honest
+  ErrorStatistics nees;        ///< normalised estimation error squared
+  double inside = 0;           ///< share of the poses that err less than their covariance's 95 % bound
+  double position_inside = 0;  ///< the same of their positions
+};
+
 /// Step of the relative pose error.
 enum class StepUnit { frames, seconds, metres };
 
@@ -72,6 +82,7 @@ struct TrajectoryReport {
   WorldAlignment alignment;
   PoseErrors absolute;                          ///< ATE, and the rotation left after alignment
   PoseErrors per_frame, per_second, per_metre;  ///< RPE over 1 frame, 1 s and 1 m of path
+  std::optional<Consistency> consistency;       ///< where the estimate tells covariances
   std::vector<MatchedPose> matches;             ///< aligned
 };
 

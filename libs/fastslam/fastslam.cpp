@@ -48,6 +48,9 @@ FastSlam::FastSlam(const FastSlamSettings& settings)
     streams_.emplace_back(settings.seed, i);
     particles_[i].lineage = static_cast<int>(i);
   }
+  const double translation = settings.shared_translation_sigma, rotation = settings.shared_rotation_sigma;
+  unmodelled_.diagonal().head<3>().setConstant(translation * translation);
+  unmodelled_.diagonal().tail<3>().setConstant(rotation * rotation);
   if (settings.rejuvenate && settings.planar) smoother_ = std::make_unique<PathSmoother>(settings);
   if (settings.smooth_map) map_smoother_ = std::make_unique<MapSmoother>(settings);
 }
@@ -73,6 +76,9 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   // The particle of highest weight is the map; the pose is estimated before resampling adds noise.
   const std::vector<double> weights = choose_best();
   estimate(weights, result);
+  shared_error_.observe(sightings.seen, index_, settings_.minimum_consensus, result.T_world_robot,
+                        result.spread);
+  tell_covariance(weights, result);
   const bool reunion =
       !sightings.contradicted.empty() ||
       std::any_of(sightings.seen.begin(), sightings.seen.end(), [&](const LandmarkMatch& match) {
@@ -89,6 +95,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   std::vector<int> chosen;
   if (sightings.may_create) chosen = choose_new_landmarks(frame, points, sightings.seen, index_, settings_);
   const std::vector<LandmarkMatch> created = create_landmarks(frame, points, chosen);
+  shared_error_.create(created);
   for (const LandmarkMatch& match : created)
     result.associations.push_back(report(match, AssociationOutcome::created, points, index_));
   if (map_smoother_) remember_keyframe(motion, frame, points, created, result);
@@ -96,7 +103,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   if (loop_open_ && !running_) begin_map_smoothing();
   result.created = static_cast<int>(chosen.size());
   if (smoother_ && remember({frame.utime, motion, measured, points, sightings.observed, created, forgotten,
-                             result.T_world_robot, result.covariance}))
+                             result.T_world_robot, result.spread + unmodelled_}))
     smooth_path_when_due(reunion);
 
   result.effective_sample_size = effective_sample_size(weights);

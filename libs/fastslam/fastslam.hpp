@@ -29,6 +29,7 @@
 #include "fastslam/proposal.hpp"
 #include "fastslam/publication.hpp"
 #include "fastslam/settings.hpp"
+#include "fastslam/shared_error.hpp"
 
 namespace lcmslam {
 
@@ -63,7 +64,9 @@ struct AssociationReport {
 struct StepResult {
   Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();  ///< estimate that the settings name
   Eigen::Isometry3d T_world_best = Eigen::Isometry3d::Identity();  ///< of the best particle: fits landmarks()
-  Matrix6d covariance = Matrix6d::Zero();  ///< of the particles about T_world_robot, body frame
+  /// Of T_world_robot exp(xi) as the robot's pose seen from its first one; body frame.
+  Matrix6d covariance = Matrix6d::Zero();
+  Matrix6d spread = Matrix6d::Zero();  ///< of the particles about T_world_robot, body frame
   double effective_sample_size = 0;
   int best = 0;  ///< index of the best particle after this step
   TrackStatus status = TrackStatus::initialising;
@@ -84,8 +87,9 @@ struct StepResult {
 
 struct Particle {
   Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
-  double log_weight = 0;                                  ///< not normalised
-  CalibrationMean calibration = CalibrationMean::Zero();  ///< of the odometry
+  Eigen::Isometry3d T_world_start = Eigen::Isometry3d::Identity();  ///< its path's first pose
+  double log_weight = 0;                                            ///< not normalised
+  CalibrationMean calibration = CalibrationMean::Zero();            ///< of the odometry
   int lineage = 0;  ///< its ancestor when all particles were last drawn anew
   ParticleMap map;
 };
@@ -136,7 +140,7 @@ class FastSlam {
     std::vector<LandmarkMatch> observed, created;
     std::vector<std::int32_t> forgotten;  // identities
     Eigen::Isometry3d T_world_robot;      // the estimate, as said then
-    Matrix6d covariance;
+    Matrix6d covariance;                  // in the world that it stands in
   };
   /// The smoothed path's posterior, and particles drawn from it.
   struct PathDraw {
@@ -205,7 +209,10 @@ class FastSlam {
                                               const std::vector<FeaturePoint>& points,
                                               const std::vector<int>& chosen);
   void make_landmarks(const std::vector<LandmarkMatch>& created, const std::vector<FeaturePoint>& points);
+  static Matrix6d scatter(const std::vector<Vector6d>& offsets, const std::vector<double>& weights,
+                          const Vector6d& centre);
   void estimate(const std::vector<double>& weights, StepResult& result) const;
+  void tell_covariance(const std::vector<double>& weights, StepResult& result) const;
   bool resample_when_due(const std::vector<double>& weights);
   void resample_particles(const std::vector<double>& weights);
 
@@ -240,9 +247,12 @@ class FastSlam {
   std::size_t smoothed_ = 0;  // size of the path then
   double smoothing_gap_ = 2;  // by how much it is to grow before it is smoothed again
   LandmarkIndex index_;
+  SharedError shared_error_;
+  Matrix6d unmodelled_ = Matrix6d::Zero();  // of the settings' shared sigmas
   LandmarkPublication publication_;
   int best_ = 0;
   bool started_ = false;
+  bool drawn_anew_ = false;  // once: particles differ in where their paths began
 };
 
 }  // namespace lcmslam

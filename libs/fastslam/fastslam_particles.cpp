@@ -155,26 +155,42 @@ std::vector<double> FastSlam::choose_best() {
   return weights;
 }
 
+Matrix6d FastSlam::scatter(const std::vector<Vector6d>& offsets, const std::vector<double>& weights,
+                           const Vector6d& centre) {
+  Matrix6d sum = Matrix6d::Zero();
+  for (std::size_t k = 0; k < offsets.size(); ++k)
+    sum += weights[k] * (offsets[k] - centre) * (offsets[k] - centre).transpose();
+  return 0.5 * (sum + sum.transpose());  // exactly symmetric
+}
+
 void FastSlam::estimate(const std::vector<double>& weights, StepResult& result) const {
-  const Eigen::Isometry3d T_best = particles_[best()].T_world_robot;
-  const Eigen::Isometry3d T_best_world = T_best.inverse();
+  result.T_world_best = particles_[best()].T_world_robot;
+  const Eigen::Isometry3d T_best_world = result.T_world_best.inverse();
   std::vector<Vector6d> offsets(particles_.size());
-  result.covariance.setZero();
   Vector6d mean = Vector6d::Zero();
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     offsets[k] = se3_log(T_best_world * particles_[k].T_world_robot);
     mean += weights[k] * offsets[k];
   }
   if (settings_.estimate == PoseEstimate::best) mean.setZero();
-  for (std::size_t k = 0; k < particles_.size(); ++k)
-    result.covariance += weights[k] * (offsets[k] - mean) * (offsets[k] - mean).transpose();
-  const double translation = settings_.shared_translation_sigma, rotation = settings_.shared_rotation_sigma;
-  result.covariance.diagonal().head<3>().array() += translation * translation;
-  result.covariance.diagonal().tail<3>().array() += rotation * rotation;
-  result.covariance =
-      (0.5 * (result.covariance + result.covariance.transpose())).eval();  // exactly symmetric
-  result.T_world_best = T_best;
-  result.T_world_robot = T_best * se3_exp(mean);
+  result.T_world_robot = result.T_world_best * se3_exp(mean);
+  result.spread = scatter(offsets, weights, mean);
+}
+
+// Particles drawn from the whole path's posterior know where their paths began: their poses as seen from
+// there lie about the estimate as the truth does. (The mean square about the estimate and not the variance:
+// the smoother holds the world where it was said to be, not at the first pose.) Others have forgotten it, and
+// what they share is added.
+void FastSlam::tell_covariance(const std::vector<double>& weights, StepResult& result) const {
+  if (!drawn_anew_) {
+    result.covariance = result.spread + shared_error_.at(result.T_world_robot) + unmodelled_;
+    return;
+  }
+  const Eigen::Isometry3d T_robot_world = result.T_world_robot.inverse();
+  std::vector<Vector6d> offsets;
+  for (const Particle& particle : particles_)
+    offsets.push_back(se3_log(T_robot_world * particle.T_world_start.inverse() * particle.T_world_robot));
+  result.covariance = scatter(offsets, weights, Vector6d::Zero()) + unmodelled_;
 }
 
 bool FastSlam::resample_when_due(const std::vector<double>& weights) {

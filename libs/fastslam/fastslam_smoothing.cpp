@@ -178,6 +178,7 @@ void FastSlam::draw_anew(const PathDraw& draw, const std::set<int>& unborn) {
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     Particle& particle = particles_[k];
     particle.T_world_robot = draw.samples[k].T_world_robot;
+    particle.T_world_start = draw.samples[k].T_world_start;
     particle.calibration = draw.samples[k].calibration;
     particle.log_weight = 0;
     particle.lineage = static_cast<int>(k);
@@ -185,6 +186,7 @@ void FastSlam::draw_anew(const PathDraw& draw, const std::set<int>& unborn) {
       if (const int slot = index_.find(id); slot >= 0 && unborn.count(slot) == 0)
         particle.map.edit(static_cast<std::size_t>(slot)) = landmark;
   }
+  drawn_anew_ = true;
   best_ = 0;  // the mode
 }
 

@@ -75,6 +75,11 @@ struct CalibrationPrior {
   }
 };
 
+Eigen::Vector3d standard_normal(Random& random) {
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  return {x, y, z};
+}
+
 // L^-1 of a covariance L L^T.
 template <class Matrix>
 Matrix root_information(const Matrix& covariance) {
@@ -149,12 +154,25 @@ struct PathSmoother::Graph {
     }
   }
 
-  // Normal equations at the solution; columns: poses but the first, landmarks, odometry's calibration.
-  SparseMatrix information() {
+  // Root of the covariance that the sensor's calibration adds to the newest pose as seen from the first: with
+  // H of all (information(true)) and the root of H_xx without the sensor,
+  //   dx/ds = -H_xx^-1 H_xs,   covariance of s = (H_ss - H_sx H_xx^-1 H_xs)^-1.
+  Eigen::Matrix3d sensor_root(const SparseMatrix& H, const Eigen::SimplicialLLT<SparseMatrix>& root) const {
+    const Eigen::Index n = H.rows() - 3, newest = static_cast<Eigen::Index>(3 * poses.size()) - 6;
+    const Eigen::MatrixXd H_xs = H.block(0, n, n, 3);
+    const Eigen::MatrixXd by_sensor = -root.solve(H_xs);
+    const Eigen::Matrix3d H_ss = Eigen::Matrix3d(H.block(n, n, 3, 3)) + H_xs.transpose() * by_sensor;
+    return H_ss.llt().matrixU().solve<Eigen::OnTheRight>(by_sensor.middleRows<3>(newest).eval());
+  }
+
+  // Normal equations at the solution; columns: poses but the first, landmarks, odometry's calibration, and
+  // the sensor's if asked for.
+  SparseMatrix information(bool with_sensor = false) {
     std::vector<double*> blocks;
     for (std::size_t i = 1; i < poses.size(); ++i) blocks.push_back(poses[i].data());
     for (auto& [id, landmark] : landmarks) blocks.push_back(landmark.data());
     blocks.push_back(calibration.data());
+    if (with_sensor) blocks.push_back(sensor.data());
     ceres::Problem::EvaluateOptions options;
     options.parameter_blocks = blocks;
     ceres::CRSMatrix J;
@@ -302,9 +320,11 @@ std::vector<PathSample> PathSmoother::sample(std::size_t count, Random& random,
   Graph& g = *graph_;
   std::vector<PathSample> samples;
   if (g.poses.size() < 2 || g.residuals == 0) return samples;
-  const SparseMatrix H = g.information();
+  const SparseMatrix H_all = g.information(true);
+  const SparseMatrix H = H_all.topLeftCorner(H_all.rows() - 3, H_all.cols() - 3);
   const Eigen::SimplicialLLT<SparseMatrix> root(H);  // P H P^T = L L^T
   if (root.info() != Eigen::Success) return samples;
+  const Eigen::Matrix3d sensor_root = g.sensor_root(H_all, root);
 
   const auto of_landmarks = static_cast<Eigen::Index>(3 * (g.poses.size() - 1));
   const Eigen::Index of_calibration = H.rows() - 3;
@@ -345,13 +365,21 @@ std::vector<PathSample> PathSmoother::sample(std::size_t count, Random& random,
     const auto& last = g.poses.back();
     const Eigen::Vector3d moved = delta.segment<3>(of_landmarks - 3);
     Eigen::Vector3d noise = Eigen::Vector3d::Zero();
-    if (k > 0) noise = Q_root * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    if (k > 0) noise = Q_root * standard_normal(random);
     Vector6d correction = g.jacobian * sample.calibration;
     for (int i = 0; i < 3; ++i) correction(PoseSpace<3>::row(i)) += noise(i);
     const Eigen::Isometry3d T_draw_last =
         planar_pose(last[0] + moved.x(), last[1] + moved.y(), last[2] + moved.z());
     sample.T_world_robot = T_world_draw * T_draw_last * g.T_pose_now *
                            se3_exp(PoseSpace<3>::expand(PoseSpace<3>::reduce(correction)));
+    // The calibration that all samples share may be wrong: as if the path had begun elsewhere.
+    if (k > 0 && g.sensor_sigma.maxCoeff() > 1e-9)
+      noise = sensor_root * standard_normal(random);
+    else
+      noise.setZero();
+    const Eigen::Isometry3d T_otherwise_last = planar_pose(
+        last[0] + moved.x() + noise.x(), last[1] + moved.y() + noise.y(), last[2] + moved.z() + noise.z());
+    sample.T_world_start = T_world_draw * T_draw_last * T_otherwise_last.inverse() * g.pose(0);
     samples.push_back(std::move(sample));
   }
   return samples;

@@ -37,6 +37,7 @@ struct SmoothedPose {
 /// One draw from the posterior, as a particle keeps it: given its path, landmarks are independent.
 struct PathSample {
   Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();  ///< at the newest step
+  Eigen::Isometry3d T_world_start = Eigen::Isometry3d::Identity();  ///< at the first
   CalibrationMean calibration = CalibrationMean::Zero();
   std::map<std::int32_t, LandmarkGaussian> landmarks;
 };
@@ -70,7 +71,8 @@ class PathSmoother {
 
   /// After solve(): draws from the Gaussian posterior, the first its mode, moved on to the newest step by its
   /// motion. Empty when the posterior is singular. `calibration_covariance`: given the path, for all samples.
-  /// All are of one sensor() calibration: its own uncertainty is not in their spread.
+  /// All are of one sensor() calibration: what it may be wrong by is in their T_world_start, as if the path
+  /// had begun elsewhere.
   std::vector<PathSample> sample(std::size_t count, Random& random, Eigen::Matrix3d& calibration_covariance);
 
  private:

@@ -34,8 +34,8 @@ struct FastSlamSettings {
   ResamplingScheme resampling = ResamplingScheme::systematic;
   double resample_fraction = 0.5;  ///< resample when ESS < fraction * particles; 1 or more: every step
   PoseEstimate estimate = PoseEstimate::mean;
-  // Added in variance to the reported covariance: errors that all particles share (common ancestors, the
-  // first frame's own noise, calibration) do not show in their spread.
+  // Added in variance to the reported covariance: what no particle knows of (the depth's systematic errors,
+  // the camera's mount). What all particles share of the past is told apart from it (shared_error.hpp).
   double shared_translation_sigma = 0.006;  ///< m
   double shared_rotation_sigma = 0.0025;    ///< rad
 

@@ -23,17 +23,24 @@ nlohmann::json errors_json(const PoseErrors& errors) {
 nlohmann::json report_json(const TrajectoryReport& r) {
   const Eigen::Vector3d t = r.alignment.T_truth_estimate.translation();
   const Eigen::Quaterniond q(r.alignment.T_truth_estimate.linear());
-  return {{"matched_poses", r.matched_poses},
-          {"tracked_fraction", r.tracked_fraction},
-          {"truth_length_m", r.truth_length},
-          {"alignment",
-           {{"scale", r.alignment.scale},
-            {"translation_m", {t.x(), t.y(), t.z()}},
-            {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}}},
-          {"ate", errors_json(r.absolute)},
-          {"rpe_per_frame", errors_json(r.per_frame)},
-          {"rpe_per_second", errors_json(r.per_second)},
-          {"rpe_per_metre", errors_json(r.per_metre)}};
+  nlohmann::json json = {{"matched_poses", r.matched_poses},
+                         {"tracked_fraction", r.tracked_fraction},
+                         {"truth_length_m", r.truth_length},
+                         {"alignment",
+                          {{"scale", r.alignment.scale},
+                           {"translation_m", {t.x(), t.y(), t.z()}},
+                           {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}}},
+                         {"ate", errors_json(r.absolute)},
+                         {"rpe_per_frame", errors_json(r.per_frame)},
+                         {"rpe_per_second", errors_json(r.per_second)},
+                         {"rpe_per_metre", errors_json(r.per_metre)}};
+  if (r.consistency)
+    json["consistency"] = {{"components", r.consistency->components},
+                           {"nees_mean", r.consistency->nees.mean},
+                           {"nees_median", r.consistency->nees.median},
+                           {"poses_within_95", r.consistency->inside},
+                           {"positions_within_95", r.consistency->position_inside}};
+  return json;
 }
 
 nlohmann::json path_json(const EvaluatedPath& path) {

@@ -67,6 +67,15 @@ std::string clock_text(const EvaluatedEstimate& e) {
   return text;
 }
 
+std::string consistency_text(const EvaluatedEstimate& e) {
+  const Consistency& c = *e.report->consistency;
+  return fmt::format(
+      "{}: consistency of its covariances: NEES median {:.1f}, mean {:.1f} ({} when honest, more: "
+      "overconfident); "
+      "within 95 %: {:.0f} % of the poses, {:.0f} % of the positions\n",
+      e.path.name, c.nees.median, c.nees.mean, c.components, 100 * c.inside, 100 * c.position_inside);
+}
+
 void evaluate_one(EvaluatedEstimate& e, const Trajectory& truth, const EvaluationSettings& settings) {
   try {
     e.report = evaluate(truth, e.path.trajectory, settings);
@@ -140,6 +149,7 @@ std::string format_evaluation(const Evaluation& evaluation) {
   for (const std::string& note : evaluation.notes) text += note + "\n";
   text += "\n" + error_table(evaluation).text() + "\n";
   for (const EvaluatedEstimate& e : evaluation.estimates) {
+    if (e.report && e.report->consistency) text += consistency_text(e);
     if (e.clock) text += clock_text(e);
     if (!e.problem.empty()) text += e.path.name + ": " + e.problem + "\n";
   }

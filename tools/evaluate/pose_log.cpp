@@ -32,6 +32,15 @@ Utime checked(Utime utime) {
   return utime;
 }
 
+// A covariance that is none spoils no pose.
+std::optional<Matrix6d> told_covariance(const pose_estimate_t& m) {
+  try {
+    return covariance_from_message(m.covariance, "covariance");
+  } catch (const DecodeError&) {
+    return std::nullopt;
+  }
+}
+
 rigid_transform_t transform_of(const pose_t& m) {
   rigid_transform_t transform;
   std::copy_n(m.pos, 3, transform.trans);
@@ -57,8 +66,8 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
       channels_[channel].source = m.source;
     } else if (name == "pose_estimate_t") {
       const auto m = decode_message<pose_estimate_t>(data, size);
-      add_pose(channel, {checked(m.utime), from_message(m.T_map_robot, "T_map_robot")}, m.sender, m.status,
-               m.map_revision);
+      add_pose(channel, {checked(m.utime), from_message(m.T_map_robot, "T_map_robot"), told_covariance(m)},
+               m.sender, m.status, m.map_revision);
       channels_[channel].body = m.child_frame;
       add_sight(channel, channels_[channel].trajectory.back(), m.sender);
     } else if (name == "graph_t") {

@@ -80,6 +80,8 @@ const ColumnOf columns[] = {
     {"p90", [](const FilterScore& s) { return s.landmarks_p90; }},
     {"first to last m", [](const FilterScore& s) { return s.reunion; }},
     {"by odometry", [](const FilterScore& s) { return s.odometry_reunion; }},
+    {"NEES", [](const FilterScore& s) { return s.nees; }},
+    {"beyond 95 % bound", [](const FilterScore& s) { return s.beyond; }},
 };
 
 }  // namespace
@@ -169,6 +171,8 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
   FilterScore score;
   TrajectoryReport report;
   score.fastslam = ate(log.truth, run.fastslam, &report);
+  score.nees = report.consistency ? report.consistency->nees.mean : nothing;
+  score.beyond = report.consistency ? 1 - report.consistency->inside : nothing;
   score.odometry = ate(log.truth, run.odometry);
   score.smoothed = run.smoothed.size() > 2 ? ate(log.truth, run.smoothed) : nothing;
   score.clean = clean;

@@ -48,6 +48,7 @@ struct FilterScore {
   double clean = 0, corrected = 0;          ///< odometry's ATE without noise; part of the noise's error taken
                                             ///< away: (odometry - fastslam) / (odometry - clean)
   double landmarks = 0, landmarks_p90 = 0;  ///< median and 90 % of their distances from surfaces, m
+  double nees = 0, beyond = 0;              ///< of fastslam: mean; share of poses beyond their 95 % bound
   double reunion = 0, odometry_reunion = 0;  ///< medians of reunion_distances, m
   int reunions = 0, lost = 0;
 };

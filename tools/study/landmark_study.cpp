@@ -45,6 +45,8 @@ double (*const columns[])(const LandmarkScore&) = {
     [](const LandmarkScore& s) { return s.smoothed.rmse; },
     [](const LandmarkScore& s) { return s.smoothed.maximum; },
     [](const LandmarkScore& s) { return s.landmarks; },
+    [](const LandmarkScore& s) { return s.consistency ? s.consistency->nees.mean : std::nan(""); },
+    [](const LandmarkScore& s) { return s.consistency ? 100 * (1 - s.consistency->inside) : std::nan(""); },
 };
 
 }  // namespace
@@ -88,6 +90,7 @@ LandmarkScore score(const LandmarkRecording& recording, const Trajectory& refere
   result.report = run.report;
   const TrajectoryReport online = evaluate(reference, run.online, settings);
   result.online = online.absolute.translation;
+  result.consistency = online.consistency;
   double worst = -1;
   for (const MatchedPose& m : online.matches) {
     const double error = (m.T_world_truth.translation() - m.T_world_estimate.translation()).norm();
@@ -123,7 +126,8 @@ LandmarkStudyResult study_landmarks(const LandmarkRecording& recording, const Co
 }
 
 std::string landmark_table(const LandmarkStudyResult& result) {
-  Table table({"seed", "online RMSE m", "max", "at s", "smoothed RMSE m", "max", "landmarks RMSE m"});
+  Table table({"seed", "online RMSE m", "max", "at s", "smoothed RMSE m", "max", "landmarks RMSE m",
+               "NEES (3)", "beyond 95 % bound, %"});
   for (const LandmarkScore& s : result.scores) {
     std::vector<std::string> row = {std::to_string(s.seed)};
     for (const auto value : columns) row.push_back(fixed_number(value(s), 3));

@@ -27,9 +27,10 @@ LandmarkRun run_landmarks(const LandmarkRecording& recording, const ConfigNode& 
 
 struct LandmarkScore {
   int seed = 0;
-  ErrorStatistics online, smoothed;  ///< m, of positions after the best planar fit
-  double worst_at = 0;               ///< s from the start, where online errs most
-  double landmarks = 0;              ///< m, RMSE, by the smoothed path's fit; NaN without a true map
+  ErrorStatistics online, smoothed;        ///< m, of positions after the best planar fit
+  std::optional<Consistency> consistency;  ///< of online
+  double worst_at = 0;                     ///< s from the start, where online errs most
+  double landmarks = 0;                    ///< m, RMSE, by the smoothed path's fit; NaN without a true map
   std::map<std::string, double> report;
 };
 

@@ -74,6 +74,7 @@ class Driving : public testing::TestWithParam<Variant> {};
 // 17 m of laps: 2 % scale and 3 % rotation error, slips that the stated covariance excludes, 7 % wrong
 // descriptors, 10 % clutter, a systematic range error.
 TEST_P(Driving, StaysNearTheTruth) {
+  double nees = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(seed);
     WorldSettings world;
@@ -90,7 +91,10 @@ TEST_P(Driving, StaysNearTheTruth) {
     EXPECT_LE(score.untracked, 2);  // the first step, and hardly ever later
     EXPECT_LT(score.wrong, 0.01 * score.accepted);
     EXPECT_LT(score.nees, 30);
+    nees += score.nees / 3;
   }
+  EXPECT_GT(nees, 0.3);  // not far too careful,
+  EXPECT_LT(nees, 6);    // nor overconfident: twice the expected
 }
 
 INSTANTIATE_TEST_SUITE_P(Variants, Driving, testing::ValuesIn(variants()),

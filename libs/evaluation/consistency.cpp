@@ -1,0 +1,85 @@
+#include "evaluation/consistency.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace lcmslam {
+namespace {
+
+// 95 % quantiles of chi square with 2, 3 and 6 degrees of freedom.
+constexpr double kInside2 = 5.991, kInside3 = 7.815, kInside6 = 12.592;
+
+using Components = std::vector<int>;  // of a twist
+
+Components components_of(const std::vector<MatchedPose>& matches) {
+  const Eigen::Isometry3d T_first_world = matches.front().T_world_estimate.inverse();
+  const bool planar = std::all_of(matches.begin(), matches.end(), [&](const MatchedPose& match) {
+    const Eigen::Isometry3d T = T_first_world * match.T_world_estimate;
+    return std::abs(T.translation().z()) < 1e-6 && T.linear()(2, 2) > 1 - 1e-9;
+  });
+  return planar ? Components{0, 1, 5} : Components{0, 1, 2, 3, 4, 5};
+}
+
+Eigen::VectorXd error_of(const MatchedPose& match, const Components& rows) {
+  return se3_log(match.T_world_estimate.inverse() * match.T_world_truth)(rows);
+}
+
+double nees(const Eigen::VectorXd& e, const Eigen::MatrixXd& P) {
+  return e.dot(P.llt().solve(e));
+}
+
+// Gauss-Newton on the sum of NEES over a motion of the estimate's world, told in the frame of its first pose:
+// T_i <- T_0 exp(xi) T_0^-1 T_i, e_i <- e_i - Ad((T_0^-1 T_i)^-1) xi.
+void fit_world(std::vector<MatchedPose>& matches, const Components& rows) {
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  for (int iteration = 0; iteration < 5; ++iteration) {
+    const Eigen::Isometry3d T_first = matches.front().T_world_estimate;
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
+    for (const MatchedPose& match : matches) {
+      const Eigen::MatrixXd A = adjoint(match.T_world_estimate.inverse() * T_first)(rows, rows);
+      const Eigen::MatrixXd P = (*match.covariance)(rows, rows);
+      const Eigen::MatrixXd weighted = P.llt().solve(A);
+      information += A.transpose() * weighted;
+      gradient += weighted.transpose() * error_of(match, rows);
+    }
+    Vector6d xi = Vector6d::Zero();
+    xi(rows) = Eigen::VectorXd(information.ldlt().solve(gradient));
+    const Eigen::Isometry3d T_moved = T_first * se3_exp(xi) * T_first.inverse();
+    for (MatchedPose& match : matches) match.T_world_estimate = T_moved * match.T_world_estimate;
+  }
+}
+
+}  // namespace
+
+std::optional<Consistency> consistency(std::vector<MatchedPose> matches, bool fit) {
+  if (matches.empty()) return std::nullopt;
+  const Components rows = components_of(matches);
+  const auto tells_nothing = [&](const MatchedPose& match) {
+    return !match.covariance ||
+           Eigen::MatrixXd((*match.covariance)(rows, rows)).llt().info() != Eigen::Success;
+  };
+  matches.erase(std::remove_if(matches.begin(), matches.end(), tells_nothing), matches.end());
+  if (matches.empty()) return std::nullopt;
+  if (fit) fit_world(matches, rows);
+
+  Consistency result;
+  result.components = static_cast<int>(rows.size());
+  const bool planar = rows.size() == 3;
+  const Eigen::Index position = planar ? 2 : 3;
+  const auto n = static_cast<double>(matches.size());
+  std::vector<double> values;
+  for (const MatchedPose& match : matches) {
+    const Eigen::VectorXd e = error_of(match, rows);
+    const Eigen::MatrixXd P = (*match.covariance)(rows, rows);
+    values.push_back(nees(e, P));
+    result.inside += (values.back() < (planar ? kInside3 : kInside6)) / n;
+    const double off = nees(e.head(position), P.topLeftCorner(position, position));
+    result.position_inside += (off < (planar ? kInside2 : kInside3)) / n;
+  }
+  result.nees = statistics(std::move(values));
+  return result;
+}
+
+}  // namespace lcmslam
