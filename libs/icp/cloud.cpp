@@ -135,8 +135,13 @@ ColouredCloud voxel_filtered(const ColouredCloud& cloud, double voxel_size) {
     const cv::Vec3b& c = cloud.colours[i];
     return Eigen::Vector3f(c[0], c[1], c[2]);
   };
-  ColouredCloud result;
-  for (const VoxelSum& s : sum_voxels(cloud, voxel_size, colour_of)) {
+  const std::vector<VoxelSum> sums = sum_voxels(cloud, voxel_size, colour_of);
+  ColouredCloud result;  // kept for long: no more memory than it needs
+  result.points.reserve(sums.size());
+  result.colours.reserve(sums.size());
+  if (!cloud.normals.empty()) result.normals.reserve(sums.size());
+  if (!cloud.sigmas.empty()) result.sigmas.reserve(sums.size());
+  for (const VoxelSum& s : sums) {
     append_geometry(s, cloud, result);
     const Eigen::Vector3f c = s.colour / s.weight;
     result.colours.emplace_back(cv::saturate_cast<uchar>(c.x()), cv::saturate_cast<uchar>(c.y()),

@@ -133,11 +133,12 @@ TEST_F(Forgetting, FewKeyframesStayAndTheFirstPlaceIsKnown) {
   IcpMapperSettings settings;
   settings.graph.max_keyframes = 20;
   settings.map.max_blocks = 2200;
+  settings.keyframe_points = 150'000;
   IcpMapper mapper(settings);
   std::vector<std::size_t> bytes;
   std::size_t most = 0, most_nodes = 0;
   bool thinned = false;
-  constexpr int laps = 5;
+  constexpr int laps = 8;
   for (int lap = 0; lap < laps; ++lap) {
     for (int i = 1; i <= 120; ++i) {
       const double x = 0.15 * (i <= 60 ? i : 120 - i);
@@ -151,15 +152,20 @@ TEST_F(Forgetting, FewKeyframesStayAndTheFirstPlaceIsKnown) {
         ASSERT_LT(static_cast<std::size_t>(keyframe.id), mapper.graph().nodes().size());
     }
     bytes.push_back(mapper.memory_bytes());
+    std::size_t points = 0;
+    for (const auto& keyframe : mapper.keyframes()) points += keyframe.cloud.size();
+    EXPECT_LT(static_cast<double>(points), 1.2 * settings.keyframe_points) << lap;  // and what joined since
   }
   EXPECT_TRUE(thinned);
   EXPECT_LE(most, 21U);
-  EXPECT_LE(most_nodes, 42U);
+  EXPECT_LE(most_nodes, 46U);  // some come while the graph is at work
   EXPECT_GT(mapper.keyframes_made(), 30);
   std::cout << "bytes after each lap:";
   for (const std::size_t b : bytes) std::cout << " " << b;
   std::cout << ", keyframes " << mapper.keyframes_made() << "\n";
-  EXPECT_LT(static_cast<double>(bytes.back()), 1.1 * static_cast<double>(bytes[1]));
+  const auto half = bytes.begin() + laps / 2;
+  EXPECT_LT(static_cast<double>(*std::max_element(half, bytes.end())),
+            1.1 * static_cast<double>(*std::max_element(bytes.begin(), half)));
   // What the map forgets comes back from the keyframes that are left, and places the robot.
   const auto home = go_to(mapper, 0.15);
   EXPECT_GT(home.registration.overlap, 0.9);
