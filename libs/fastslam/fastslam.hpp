@@ -200,6 +200,7 @@ class FastSlam {
   void begin_map_smoothing();
   void smooth_path_when_due(bool reunion);
   void begin_path_smoothing();
+  Utime solving_time() const;
   bool take_over_path();
   void draw_anew(const PathDraw& draw, const std::set<int>& unborn);
   void repeat(const PathStep& step, std::set<int>& unborn);
@@ -244,8 +245,8 @@ class FastSlam {
   SensorCalibration sensor_;                   // as the smoothed path has it
   double smoothing_cost_ = 0;
   Random smoothing_stream_;
-  std::size_t smoothed_ = 0;  // size of the path then
-  double smoothing_gap_ = 2;  // by how much it is to grow before it is smoothed again
+  Utime smoothed_at_ = 0;  // message time when that began
+  bool reunited_ = false;  // since then a landmark came back after long
   LandmarkIndex index_;
   SharedError shared_error_;
   Matrix6d unmodelled_ = Matrix6d::Zero();  // of the settings' shared sigmas

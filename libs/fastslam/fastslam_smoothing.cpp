@@ -12,7 +12,7 @@ namespace {
 
 constexpr Utime kSmoothingTime = 2'000'000;  // us that the map smoother has beside the filter
 constexpr Utime kTimePerPose = 100;          // us that the path smoother has, for each pose; takes about 70
-constexpr double kSooner = 0.3;              // of the growth that it waits for: where few lineages are left
+constexpr double kUrgent = 2;                // times its share of a core: where few lineages are left
 
 }  // namespace
 
@@ -124,18 +124,24 @@ std::vector<SmoothedPose> FastSlam::smooth() {
   return smoother_->path();
 }
 
-// The path is smoothed when a landmark comes back after long and the path has grown by some part, which
-// bounds the mean cost, and sooner when few lineages are left: within seconds the last ones may lead far
-// astray (Victoria Park: two lineages, a spread of 0.2 m, an error of 10 m).
+// The path is smoothed when a landmark came back after long or few lineages are left: within seconds the last
+// ones may lead far astray (Victoria Park: two lineages, a spread of 0.2 m, an error of 10 m). It waits until
+// the solver has rested: where sights are rare and come together, it has, and is there at once.
 void FastSlam::smooth_path_when_due(bool reunion) {
-  if (running_path_ || (!reunion && !coalesced())) return;
-  const auto waited = static_cast<double>(smoother_->size() - smoothed_);
-  if (waited >= (coalesced() ? kSooner : 1) * smoothing_gap_) begin_path_smoothing();
+  reunited_ = reunited_ || reunion;
+  const bool few = coalesced();
+  if (running_path_ || smoother_->size() < 2 || (!reunited_ && !few)) return;
+  const double share = (few ? kUrgent : 1) * settings_.rejuvenation_share;
+  if (share * static_cast<double>(last_utime_ - smoothed_at_) >= static_cast<double>(solving_time()))
+    begin_path_smoothing();
+}
+
+Utime FastSlam::solving_time() const {
+  return kTimePerPose * static_cast<Utime>(smoother_->size());
 }
 
 // The solver's time is bounded by the path's length and not by the clock: a replay is the same.
 void FastSlam::begin_path_smoothing() {
-  const Utime time = kTimePerPose * static_cast<Utime>(smoother_->size());
   const auto draw = [smoother = smoother_.get(), count = particles_.size(), stream = smoothing_stream_] {
     PathDraw result;
     result.cost = smoother->solve();
@@ -143,9 +149,9 @@ void FastSlam::begin_path_smoothing() {
     result.samples = smoother->sample(count, result.stream, result.calibration_covariance);
     return result;
   };
-  running_path_ = RunningPath{std::async(std::launch::async, draw), last_utime_ + time};
-  smoothed_ = smoother_->size();
-  smoothing_gap_ = std::max(10.0, settings_.rejuvenation_growth * static_cast<double>(smoothed_));
+  running_path_ = RunningPath{std::async(std::launch::async, draw), last_utime_ + solving_time()};
+  smoothed_at_ = last_utime_;
+  reunited_ = false;
 }
 
 // The particles as drawn from the posterior of the path as it was, and then the way that was gone since.

@@ -99,7 +99,7 @@ struct FastSlamSettings {
   // again after long or few lineages are left, and the particles are drawn anew from its posterior
   // (path_smoother.hpp).
   bool rejuvenate = true;
-  double rejuvenation_growth = 0.01;    ///< and when the path has grown by this ratio: bounds the mean cost
+  double rejuvenation_share = 0.2;      ///< of a core's time for the solver; twice that at few lineages
   double rejuvenation_lineages = 0.25;  ///< of the particles: distinct ancestors since they were drawn anew
   int reunion_steps = 20;               ///< unseen for so many steps is long
 

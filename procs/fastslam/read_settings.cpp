@@ -39,7 +39,7 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.rejuvenate = c.get("rejuvenate", s.rejuvenate);
   s.smooth_map = c.get("smooth_map", s.smooth_map);
   s.bend_closed_loops = c.get("bend_closed_loops", s.bend_closed_loops);
-  s.rejuvenation_growth = c.get("rejuvenation_growth", s.rejuvenation_growth, Range{0, 100});
+  s.rejuvenation_share = c.get("rejuvenation_share", s.rejuvenation_share, Range{0, 1});
   s.rejuvenation_lineages = c.get("rejuvenation_lineages", s.rejuvenation_lineages, Range{0, 1});
   s.reunion_steps = c.get("reunion_steps", s.reunion_steps, Range{0, 1000000000});
   s.detect_slips = c.get("detect_slips", s.detect_slips);
