@@ -44,18 +44,9 @@ const Graph& whole_run() {
   return *graph;
 }
 
-/// Largest distance of the poses from the truth; the map begins where the first pose was.
 double largest_error(const std::vector<pose_estimate_t>& poses) {
-  const Simulation& simulation = SimulatedKitchen::instance().simulation();
-  const auto estimate = [](const pose_estimate_t& m) { return from_message(m.T_map_robot, "T_map_robot"); };
-  const Eigen::Isometry3d T_world_map =
-      simulation.T_world_robot(poses.front().utime) * estimate(poses.front()).inverse();
-  double largest = 0;
-  for (const pose_estimate_t& m : poses) {
-    const Eigen::Isometry3d error = simulation.T_world_robot(m.utime).inverse() * T_world_map * estimate(m);
-    largest = std::max(largest, error.translation().norm());
-  }
-  return largest;
+  const std::vector<double> errors = SimulatedKitchen::instance().position_errors(poses);
+  return *std::max_element(errors.begin(), errors.end());
 }
 
 class BothMappers : public ::testing::TestWithParam<const char*> {

@@ -1,12 +1,14 @@
 #pragma once
 // The first seconds of the simulated kitchen as messages, rendered once for all tests of a program.
 
+#include <lcmslam/pose_estimate_t.hpp>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "imaging/codec.hpp"
 #include "messages/camera_messages.hpp"
+#include "messages/geometry_messages.hpp"
 #include "messages/motion_messages.hpp"
 #include "messages/origin.hpp"
 #include "simulation/simulation.hpp"
@@ -31,6 +33,18 @@ class SimulatedKitchen {
   }
 
   const Simulation& simulation() const { return simulation_; }
+  /// m from the true position of each pose, in the map frame that the first one makes.
+  std::vector<double> position_errors(const std::vector<pose_estimate_t>& poses) const {
+    std::vector<double> errors;
+    Eigen::Isometry3d T_world_map;
+    for (const pose_estimate_t& m : poses) {
+      const Eigen::Isometry3d T_map_robot = from_message(m.T_map_robot, "T_map_robot");
+      const Eigen::Isometry3d T_world_robot = simulation_.T_world_robot(m.utime);
+      if (errors.empty()) T_world_map = T_world_robot * T_map_robot.inverse();
+      errors.push_back((T_world_robot.inverse() * T_world_map * T_map_robot).translation().norm());
+    }
+    return errors;
+  }
   camera_calibration_t calibration() const {
     camera_calibration_t message = to_message(simulation_.calibration());
     message.seq = 0;

@@ -32,15 +32,8 @@ TEST_P(ThesisVariants, FollowTheRobot) {
 
   const auto poses = bus.on<pose_estimate_t>("ICP_POSE");
   ASSERT_EQ(poses.size(), static_cast<std::size_t>(frames));
-  const Simulation& simulation = SimulatedKitchen::instance().simulation();
-  const auto estimate = [](const pose_estimate_t& m) { return from_message(m.T_map_robot, "T_map_robot"); };
-  const Eigen::Isometry3d T_world_map =
-      simulation.T_world_robot(poses.front().utime) * estimate(poses.front()).inverse();
-  for (const pose_estimate_t& m : poses) {
-    const Eigen::Isometry3d error = simulation.T_world_robot(m.utime).inverse() * T_world_map * estimate(m);
-    EXPECT_LT(error.translation().norm(), 0.05);
-    EXPECT_EQ(m.status, pose_estimate_t::TRACKING);
-  }
+  for (const double error : SimulatedKitchen::instance().position_errors(poses)) EXPECT_LT(error, 0.05);
+  for (const pose_estimate_t& m : poses) EXPECT_EQ(m.status, pose_estimate_t::TRACKING);
   for (const icp_report_t& report : bus.on<icp_report_t>("ICP_REPORT"))
     EXPECT_THAT(report.variant, ::testing::StartsWith(GetParam()));
 }

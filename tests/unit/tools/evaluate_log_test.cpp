@@ -21,17 +21,46 @@ using ::testing::HasSubstr;
 using testing::MessageLog;
 using testing::truth_message;
 
+// A growing graph of keyframes, each at a pose.
+class GraphMessage {
+ public:
+  explicit GraphMessage(std::size_t poses_per_keyframe) : stride_(poses_per_keyframe) {
+    graph_.utime = graph_.seq = 0;
+    graph_.sender = 5;
+    graph_.frame = "map";
+    graph_.map_revision = graph_.n_edges = 0;
+  }
+  void add(std::size_t i, const StampedPose& pose) {
+    graph_node_t node;
+    node.keyframe = static_cast<std::int32_t>(i / stride_);
+    graph_.utime = node.keyframe_utime = pose.utime;
+    node.T_map_camera = to_message(pose.T_world_body);
+    graph_.nodes.push_back(node);
+  }
+  void remove(std::ptrdiff_t node) { graph_.nodes.erase(graph_.nodes.begin() + node); }
+  std::size_t size() const { return graph_.nodes.size(); }
+  const graph_t& message() {
+    graph_.n_nodes = static_cast<std::int32_t>(graph_.nodes.size());
+    return graph_;
+  }
+  /// With every keyframe where the path has it.
+  const graph_t& corrected(const Trajectory& path) {
+    for (graph_node_t& node : graph_.nodes)
+      node.T_map_camera = to_message(path[stride_ * static_cast<std::size_t>(node.keyframe)].T_world_body);
+    return message();
+  }
+
+ private:
+  std::size_t stride_;
+  graph_t graph_;
+};
+
 // A mapper that walks off by 1 cm a pose, a keyframe every ten poses; its last graph has them right.
 TEST_F(Evaluate, FinalPathFollowsTheLastGraph) {
   {
     MessageLog log(path("run.lcmlog"));
     for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
-    graph_t graph;
-    graph.utime = graph.seq = 0;
-    graph.sender = 5;
-    graph.frame = "map";
-    graph.map_revision = 0;
-    graph.n_edges = 0;
+    GraphMessage graph(10);
     const auto slid = [&](std::size_t i) {
       StampedPose pose = path_[i];
       pose.T_world_body = Eigen::Translation3d(0, 0, 0.01 * static_cast<double>(i)) * pose.T_world_body;
@@ -39,19 +68,12 @@ TEST_F(Evaluate, FinalPathFollowsTheLastGraph) {
     };
     for (std::size_t i = 0; i < path_.size(); ++i) {
       if (i % 10 == 0) {
-        graph_node_t node;
-        node.keyframe = static_cast<std::int32_t>(i / 10);
-        graph.utime = node.keyframe_utime = path_[i].utime;
-        node.T_map_camera = to_message(slid(i).T_world_body);
-        graph.nodes.push_back(node);
-        graph.n_nodes = static_cast<std::int32_t>(graph.nodes.size());
-        log.write("ICP_GRAPH", graph);
+        graph.add(i, slid(i));
+        log.write("ICP_GRAPH", graph.message());
       }
       log.write("ICP_POSE", estimate_message(slid(i)));
     }
-    for (std::size_t k = 0; k < graph.nodes.size(); ++k)
-      graph.nodes[k].T_map_camera = to_message(path_[10 * k].T_world_body);
-    log.write("ICP_GRAPH", graph);
+    log.write("ICP_GRAPH", graph.corrected(path_));
   }
   EXPECT_EQ(run({path("run.lcmlog"), "--json", path("out.json")}), 0) << output_;
   EXPECT_THAT(output_, HasSubstr("ICP_FINAL"));
@@ -68,29 +90,18 @@ TEST_F(Evaluate, FinalPathOutlivesNodesThatAreGivenUp) {
   {
     MessageLog log(path("run.lcmlog"));
     for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
-    graph_t graph;
-    graph.utime = graph.seq = 0;
-    graph.sender = 5;
-    graph.frame = "map";
-    graph.map_revision = graph.n_edges = 0;
+    GraphMessage graph(5);
     const Eigen::Isometry3d aside(Eigen::Translation3d(0, 0.5, 0));  // of the map, until the last graph
     for (std::size_t i = 0; i < path_.size(); ++i) {
       const StampedPose pose{path_[i].utime, aside * path_[i].T_world_body};
       if (i % 5 == 0) {
-        graph_node_t node;
-        node.keyframe = static_cast<std::int32_t>(i / 5);
-        node.keyframe_utime = pose.utime;
-        node.T_map_camera = to_message(pose.T_world_body);
-        graph.nodes.push_back(node);
-        if (graph.nodes.size() > 4) graph.nodes.erase(graph.nodes.begin() + 1);
-        graph.n_nodes = static_cast<std::int32_t>(graph.nodes.size());
-        log.write("ICP_GRAPH", graph);
+        graph.add(i, pose);
+        if (graph.size() > 4) graph.remove(1);
+        log.write("ICP_GRAPH", graph.message());
       }
       log.write("ICP_POSE", estimate_message(pose));
     }
-    for (graph_node_t& node : graph.nodes)
-      node.T_map_camera = to_message(path_[5 * static_cast<std::size_t>(node.keyframe)].T_world_body);
-    log.write("ICP_GRAPH", graph);
+    log.write("ICP_GRAPH", graph.corrected(path_));
   }
   EXPECT_EQ(run({path("run.lcmlog"), "--alignment", "none", "--json", path("out.json")}), 0) << output_;
   const auto results = json("out.json").at("estimates");
