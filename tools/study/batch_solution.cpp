@@ -93,7 +93,9 @@ BatchSolution solve_batch(const LandmarkRecording& recording) {
     }
     if (i == 1) problem.SetParameterBlockConstant(poses[0].data());
     if (i % 100 != 99 && i + 1 != n) continue;
-    options.max_num_iterations = i + 1 == n ? 100 : 8;
+    const bool whole = i + 1 == n;  // solved until it moves by less than a millimetre
+    options.max_num_iterations = whole ? 200 : 8;
+    options.function_tolerance = whole ? 1e-9 : 1e-6;
     ceres::Solve(options, &problem, &summary);
   }
   solution.converged = summary.termination_type == ceres::CONVERGENCE;
