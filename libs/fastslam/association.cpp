@@ -96,8 +96,8 @@ std::optional<FeaturePoint> camera_bearing(const Feature& feature, const Feature
 // identity nothing tells which landmark it shows.
 std::optional<FeaturePoint> planar_measurement(const Feature& feature, const FeatureFrame& frame,
                                                const FastSlamSettings& s) {
-  if (feature.landmark_id < 0 || !feature.point.allFinite() || !(feature.depth_sigma > 0))
-    return std::nullopt;
+  const bool sound = feature.depth_sigma > 0 && feature.depth_sigma < 1e3F && feature.point.norm() < 1e4F;
+  if (feature.landmark_id < 0 || !sound) return std::nullopt;
   FeaturePoint result;
   Measurement& m = result.measurement;
   m.kind = feature.kind;

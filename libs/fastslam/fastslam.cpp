@@ -76,8 +76,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   // The particle of highest weight is the map; the pose is estimated before resampling adds noise.
   const std::vector<double> weights = choose_best();
   estimate(weights, result);
-  shared_error_.observe(sightings.seen, index_, settings_.minimum_consensus, result.T_world_robot,
-                        result.spread);
+  shared_error_.observe(sightings.accepted, settings_.minimum_consensus, result.T_world_robot, result.spread);
   tell_covariance(weights, result);
   const bool reunion =
       !sightings.contradicted.empty() ||
@@ -183,6 +182,7 @@ bool FastSlam::judge(const Verdict& verdict, const FrameAssociation& association
     if (used) result.observations.push_back({told.feature, told.landmark, accepted});
     const bool known = index_.record(match.slot).known_id >= 0;
     located = located || (known && accepted);
+    if (accepted) sightings.accepted.push_back(match);
     if (!used || accepted)
       believed.push_back(match);
     else if (known)

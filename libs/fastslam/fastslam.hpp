@@ -153,7 +153,8 @@ class FastSlam {
   /// A step's old landmarks. Matches are ordered by slot.
   struct Sightings {
     std::vector<LandmarkMatch> observed;    // the particles were weighed by these
-    std::vector<LandmarkMatch> seen;        // again; not what the best particle rejects
+    std::vector<LandmarkMatch> accepted;    // of these, by the best particle
+    std::vector<LandmarkMatch> seen;        // again, used or not; not what the best particle rejects
     std::vector<VisibleLandmark> expected;  // ought to be seen
     std::vector<int> contradicted;          // slots of known identity that the best particle rejects
     bool may_create = true;                 // new ones
@@ -246,7 +247,7 @@ class FastSlam {
   double smoothing_cost_ = 0;
   Random smoothing_stream_;
   Utime smoothed_at_ = 0;  // message time when that began
-  bool reunited_ = false;  // since then a landmark came back after long
+  bool reunited_ = false;  // since then a landmark came back after long or was contradicted
   LandmarkIndex index_;
   SharedError shared_error_;
   Matrix6d unmodelled_ = Matrix6d::Zero();  // of the settings' shared sigmas

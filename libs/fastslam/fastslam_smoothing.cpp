@@ -24,6 +24,7 @@ bool FastSlam::remember(PathStep step) {
       running_path_.reset();  // waits
       since_.clear();
       smoother_.reset();
+      drawn_anew_ = false;  // where the paths began will be forgotten
       return false;
     }
   if (running_path_)
@@ -36,13 +37,14 @@ bool FastSlam::remember(PathStep step) {
 // All sights of known identity, believed by the filter or not. The values are as measured, the covariances
 // those that the filter used. calibration_ stands in this step.
 void FastSlam::add_to_path(const PathStep& step, const Motion& prior) {
+  // First, since what has died may have been born again in the same step.
+  for (const std::int32_t id : step.forgotten) smoother_->forget(id);
   std::vector<IdentifiedMeasurement> sights;
   for (std::size_t i = 0; i < step.used.size(); ++i) {
     sights.push_back({step.used[i].landmark_id, step.measured[i].measurement});
     sights.back().measurement.covariance = step.used[i].measurement.covariance;
   }
   smoother_->add(step.utime, prior, calibration_.jacobian(), sights, step.T_world_robot, step.covariance);
-  for (const std::int32_t id : step.forgotten) smoother_->forget(id);
 }
 
 // What the best particle accepted, and what it saw for the first time.
@@ -120,11 +122,13 @@ std::vector<SmoothedPose> FastSlam::smooth() {
   if (running_path_) take_over_path();
   begin_path_smoothing();
   if (!take_over_path()) return {};
-  best_ = 0;  // the posterior's mode
+  taken_over_.clear();  // older
+  best_ = 0;            // the posterior's mode
   return smoother_->path();
 }
 
-// The path is smoothed when a landmark came back after long or few lineages are left: within seconds the last
+// The path is smoothed when a landmark came back after long, a sight contradicts its landmark or few lineages
+// are left: within seconds the last
 // ones may lead far astray (Victoria Park: two lineages, a spread of 0.2 m, an error of 10 m). It waits until
 // the solver has rested: where sights are rare and come together, it has, and is there at once.
 void FastSlam::smooth_path_when_due(bool reunion) {
@@ -156,9 +160,10 @@ void FastSlam::begin_path_smoothing() {
 
 // The particles as drawn from the posterior of the path as it was, and then the way that was gone since.
 bool FastSlam::take_over_path() {
-  const PathDraw draw = running_path_->result.get();
   const bool wanted = running_path_->wanted;
+  auto result = std::move(running_path_->result);
   running_path_.reset();
+  const PathDraw draw = result.get();
   smoothing_stream_ = draw.stream;
   smoothing_cost_ = draw.cost;
   if (wanted) taken_over_ = smoother_->path();

@@ -1,7 +1,7 @@
 #pragma once
-// Where the landmarks of one map stand, by cells of 2 m: what is near the camera is found without looking at
-// the rest, so that a step's cost does not grow with the building. It follows the best particle's map from
-// step to step at the cost of what changed.
+// Where the landmarks of one map stand, by cells of 2 m: what may be in view is found without looking at the
+// landmarks of other cells; of these a test each is all that a large building costs. It follows the best
+// particle's map from step to step at the cost of what changed.
 
 #include <array>
 #include <memory>
@@ -37,13 +37,6 @@ class LandmarkGrid {
     for (const auto& [key, entries] : cells_)
       if (near(kCell * Eigen::Vector3d(key[0] + 0.5, key[1] + 0.5, key[2] + 0.5), radius))
         for (const Entry& entry : *entries) visit(entry);
-  }
-  /// The same for all in cells that touch the sphere.
-  template <class Visit>
-  void for_each_near(const Eigen::Vector3d& centre, double radius, Visit visit) const {
-    for_each(
-        [&](const Eigen::Vector3d& middle, double half) { return (middle - centre).norm() <= radius + half; },
-        visit);
   }
 
  private:

@@ -1,7 +1,5 @@
 #include "fastslam/normal_equations.hpp"
 
-#include <cmath>
-
 #include "surf/kernel_set.hpp"
 
 #if defined(__GNUC__) && !defined(__clang__)

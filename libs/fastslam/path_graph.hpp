@@ -60,14 +60,14 @@ struct PathSmoother::Graph {
   // path_posterior.cpp: the Gaussian about the solution.
   using SparseMatrix = Eigen::SparseMatrix<double>;
   struct Posterior;
-  SparseMatrix information(bool with_sensor = false) const;
-  bool find(Posterior& posterior) const;  // false: singular
+  SparseMatrix information() const;
+  bool find(Posterior& posterior) const;  // false: not solved, or singular
   Eigen::Isometry3d T_world_draw(const Eigen::VectorXd& delta) const;
   PathSample draw(const Posterior& posterior, Random* random) const;
 
   std::unique_ptr<ceres::LossFunction> robust;
   std::unique_ptr<ceres::Problem> problem;
-  Eigen::Vector3d sigma, sensor_sigma;
+  Eigen::Vector3d sensor_sigma;
   std::deque<std::array<double, 3>> poses;  // x, y, heading; a deque: addresses stay
   std::vector<Utime> utimes;
   struct Said {
@@ -76,14 +76,15 @@ struct PathSmoother::Graph {
   };
   std::vector<Said> said;  // by the filter, of each pose
   std::map<std::int32_t, std::array<double, 2>> landmarks;
-  std::map<std::int32_t, std::vector<ceres::ResidualBlockId>> sights;
+  std::map<std::int32_t, std::size_t> sights;  // of each landmark
   CalibrationMean calibration = CalibrationMean::Zero();
   Eigen::Vector3d sensor = Eigen::Vector3d::Zero();
   // Since the newest pose: steps without a sight make one motion.
   Eigen::Isometry3d T_pose_now = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();
   Eigen::Matrix<double, 6, 3> jacobian = Eigen::Matrix<double, 6, 3>::Zero();
-  std::size_t residuals = 0;
+  std::size_t residuals = 0;  // of sights
+  bool solved = false;
 };
 
 }  // namespace lcmslam

@@ -43,16 +43,17 @@ struct PathSmoother::Graph::Posterior {
   Eigen::Index newest() const { return landmarks - 3; }
 };
 
-// Normal equations at the solution; columns as in Posterior, then the sensor's calibration if asked for.
-SparseMatrix PathSmoother::Graph::information(bool with_sensor) const {
+// Normal equations at the solution; columns as in Posterior, then the sensor's calibration. Empty when a
+// residual has no value there.
+SparseMatrix PathSmoother::Graph::information() const {
   const auto block = [](const auto& parameters) { return const_cast<double*>(parameters.data()); };
   ceres::Problem::EvaluateOptions options;
   for (std::size_t i = 1; i < poses.size(); ++i) options.parameter_blocks.push_back(block(poses[i]));
   for (const auto& [id, landmark] : landmarks) options.parameter_blocks.push_back(block(landmark));
   options.parameter_blocks.push_back(block(calibration));
-  if (with_sensor) options.parameter_blocks.push_back(block(sensor));
+  options.parameter_blocks.push_back(block(sensor));
   ceres::CRSMatrix J;
-  problem->Evaluate(options, nullptr, nullptr, nullptr, &J);
+  if (!problem->Evaluate(options, nullptr, nullptr, nullptr, &J)) return {};
   const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> mapped(
       J.num_rows, J.num_cols, static_cast<Eigen::Index>(J.values.size()), J.rows.data(), J.cols.data(),
       J.values.data());
@@ -61,7 +62,10 @@ SparseMatrix PathSmoother::Graph::information(bool with_sensor) const {
 }
 
 bool PathSmoother::Graph::find(Posterior& p) const {
-  const SparseMatrix all = information(true);
+  if (!solved) return false;
+  const SparseMatrix all = information();
+  const Eigen::Map<const Eigen::VectorXd> values(all.valuePtr(), all.nonZeros());
+  if (all.rows() == 0 || !values.allFinite()) return false;
   p.H = all.topLeftCorner(all.rows() - 3, all.cols() - 3);
   p.root.compute(p.H);
   if (p.root.info() != Eigen::Success) return false;
@@ -126,28 +130,6 @@ PathSample PathSmoother::Graph::draw(const Posterior& p, Random* random) const {
   sample.T_world_start =
       T * T_draw_newest * planar_pose(otherwise.x(), otherwise.y(), otherwise.z()).inverse() * pose(0);
   return sample;
-}
-
-std::map<std::int32_t, LandmarkGaussian> PathSmoother::landmarks() const {
-  const Graph& g = *graph_;
-  std::map<std::int32_t, LandmarkGaussian> result;
-  if (g.poses.size() < 2) return result;
-  const SparseMatrix H = g.information();
-  const SparseRoot root(H);
-  if (root.info() != Eigen::Success) return result;
-  auto column = static_cast<Eigen::Index>(3 * (g.poses.size() - 1));
-  for (const auto& [id, landmark] : g.landmarks) {
-    LandmarkGaussian gaussian;
-    gaussian.mean << landmark[0], landmark[1], 0;
-    gaussian.covariance = kPlaneVariance * Eigen::Matrix3d::Identity();
-    for (int i = 0; i < 2; ++i) {
-      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(H.rows(), column + i);
-      gaussian.covariance.col(i).head<2>() = root.solve(unit).segment<2>(column);
-    }
-    result[id] = gaussian;
-    column += 2;
-  }
-  return result;
 }
 
 std::vector<PathSample> PathSmoother::sample(std::size_t count, Random& random,

@@ -7,13 +7,13 @@ namespace lcmslam {
 
 PathSmoother::Graph::Graph(const FastSlamSettings& s)
     : robust(new ceres::CauchyLoss(s.huber_width)),
-      sigma(std::max(1e-9, s.way_scale_sigma), std::max(1e-9, s.heading_scale_sigma),
-            std::max(1e-9, s.heading_per_m_sigma)),
       sensor_sigma(std::max(1e-9, s.range_offset_sigma), std::max(1e-9, s.range_scale_sigma),
                    std::max(1e-9, s.bearing_offset_sigma)) {
   ceres::Problem::Options options;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem = std::make_unique<ceres::Problem>(options);
+  const Eigen::Vector3d sigma(std::max(1e-9, s.way_scale_sigma), std::max(1e-9, s.heading_scale_sigma),
+                              std::max(1e-9, s.heading_per_m_sigma));
   auto* prior = new ceres::AutoDiffCostFunction<CalibrationPrior, 3, 3>(new CalibrationPrior{sigma});
   problem->AddResidualBlock(prior, nullptr, calibration.data());
   auto* of_sensor =
@@ -81,9 +81,10 @@ void PathSmoother::add(Utime utime, const Motion& motion,
     }
     auto* error = new LandmarkError{
         m.measurement, root_information<Eigen::Matrix2d>(m.measurement.covariance.topLeftCorner<2, 2>())};
-    g.sights[m.landmark_id].push_back(g.problem->AddResidualBlock(
-        new ceres::AutoDiffCostFunction<LandmarkError, 2, 3, 2, 3>(error), g.robust.get(),
-        g.poses.back().data(), landmark->second.data(), g.sensor.data()));
+    g.problem->AddResidualBlock(new ceres::AutoDiffCostFunction<LandmarkError, 2, 3, 2, 3>(error),
+                                g.robust.get(), g.poses.back().data(), landmark->second.data(),
+                                g.sensor.data());
+    ++g.sights[m.landmark_id];
     ++g.residuals;
   }
 }
@@ -92,7 +93,7 @@ void PathSmoother::forget(std::int32_t landmark_id) {
   Graph& g = *graph_;
   const auto landmark = g.landmarks.find(landmark_id);
   if (landmark == g.landmarks.end()) return;
-  g.residuals -= g.sights[landmark_id].size();
+  g.residuals -= g.sights[landmark_id];
   g.problem->RemoveParameterBlock(landmark->second.data());  // and its residuals
   g.sights.erase(landmark_id);
   g.landmarks.erase(landmark);
@@ -114,6 +115,8 @@ double PathSmoother::solve() {
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, g.problem.get(), &summary);
+  g.solved = summary.IsSolutionUsable();
+  if (!g.solved) return 0;
   g.place_world();
   return summary.final_cost / static_cast<double>(g.residuals);
 }
@@ -122,10 +125,6 @@ std::vector<SmoothedPose> PathSmoother::path() const {
   std::vector<SmoothedPose> path;
   for (std::size_t i = 0; i < graph_->poses.size(); ++i) path.push_back({graph_->utimes[i], graph_->pose(i)});
   return path;
-}
-
-const CalibrationMean& PathSmoother::calibration() const {
-  return graph_->calibration;
 }
 
 SensorCalibration PathSmoother::sensor() const {

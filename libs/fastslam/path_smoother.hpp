@@ -57,22 +57,21 @@ class PathSmoother {
   /// The landmark was no longer there: what was seen of it counts no more.
   void forget(std::int32_t landmark_id);
 
-  /// Steps with a sight.
+  /// Poses: of the first step, and of each with a sight.
   std::size_t size() const;
 
-  /// Minimises; the cost per measurement afterwards (0.5 per residual component when consistent).
+  /// Minimises; the cost per measurement afterwards (0.5 per residual component when consistent), 0 when
+  /// nothing could be solved.
   double solve();
 
-  /// After solve(). Poses of the steps with a sight.
+  /// After solve().
   std::vector<SmoothedPose> path() const;
-  std::map<std::int32_t, LandmarkGaussian> landmarks() const;  ///< with marginal covariances
-  const CalibrationMean& calibration() const;
   SensorCalibration sensor() const;
 
   /// After solve(): draws from the Gaussian posterior, the first its mode, moved on to the newest step by its
-  /// motion. Empty when the posterior is singular. `calibration_covariance`: given the path, for all samples.
-  /// All are of one sensor() calibration: what it may be wrong by is in their T_world_start, as if the path
-  /// had begun elsewhere.
+  /// motion. Empty when there is no solution or it is singular. `calibration_covariance`: given the path, for
+  /// all samples. All are of one sensor() calibration: what it may be wrong by is in their T_world_start, as
+  /// if the path had begun elsewhere.
   std::vector<PathSample> sample(std::size_t count, Random& random, Eigen::Matrix3d& calibration_covariance);
 
  private:

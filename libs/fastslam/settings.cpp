@@ -87,7 +87,7 @@ void check(const FastSlamSettings& s) {
   require("minimum_consensus", s.minimum_consensus, 3, 1e6);
   require("loop_steps", s.loop_steps, 1, 1e6);
   require("relocalise_after", s.relocalise_after, 1, 1e9);
-  require("rejuvenation_share", s.rejuvenation_share, 0, 1);
+  require("rejuvenation_share", s.rejuvenation_share, 1e-6, 1);
   require("rejuvenation_lineages", s.rejuvenation_lineages, 0, 1);
   require("reunion_steps", s.reunion_steps, 0, 1e9);
   require("maximum_new_landmarks", s.maximum_new_landmarks, 0, std::numeric_limits<int>::max());

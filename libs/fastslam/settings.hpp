@@ -96,8 +96,8 @@ struct FastSlamSettings {
   int relocalise_after = 5;  ///< steps without consensus before the whole map is searched
 
   // Landmarks of known identity in the plane: the path so far is smoothed when a landmark comes into sight
-  // again after long or few lineages are left, and the particles are drawn anew from its posterior
-  // (path_smoother.hpp).
+  // again after long or is contradicted, or few lineages are left, and the particles are drawn anew from its
+  // posterior (path_smoother.hpp).
   bool rejuvenate = true;
   double rejuvenation_share = 0.2;      ///< of a core's time for the solver; twice that at few lineages
   double rejuvenation_lineages = 0.25;  ///< of the particles: distinct ancestors since they were drawn anew

@@ -13,17 +13,17 @@ Matrix6d carried(const Matrix6d& A, const Matrix6d& covariance) {
 
 }  // namespace
 
-void SharedError::observe(const std::vector<LandmarkMatch>& seen, const LandmarkIndex& index,
-                          int minimum_consensus, const Eigen::Isometry3d& T_world_robot,
-                          const Matrix6d& spread) {
-  if (seen.empty()) return;
+void SharedError::observe(const std::vector<LandmarkMatch>& accepted, int minimum_consensus,
+                          const Eigen::Isometry3d& T_world_robot, const Matrix6d& spread) {
+  if (accepted.empty()) return;
   Compact sum = Compact::Zero();
   double shares = 0;  // of the spread
-  for (const LandmarkMatch& match : seen) {
-    sum += made_at_[static_cast<std::size_t>(match.slot)];
-    shares += 1.0 / std::max(1, index.record(match.slot).observations);
+  for (const LandmarkMatch& match : accepted) {
+    Record& landmark = landmarks_[static_cast<std::size_t>(match.slot)];
+    sum += landmark.made_at;
+    shares += 1.0 / landmark.sights++;
   }
-  const auto count = static_cast<double>(seen.size());
+  const auto count = static_cast<double>(accepted.size());
   const Matrix6d mean = (sum.cast<double>() + shares * carried(adjoint(T_world_robot), spread)) / count;
   const double part = count / (count + minimum_consensus);  // a few do not tell the whole pose
   covariance_ += part * (mean - covariance_);
@@ -32,8 +32,8 @@ void SharedError::observe(const std::vector<LandmarkMatch>& seen, const Landmark
 void SharedError::create(const std::vector<LandmarkMatch>& created) {
   for (const LandmarkMatch& match : created) {
     const auto slot = static_cast<std::size_t>(match.slot);
-    if (slot >= made_at_.size()) made_at_.resize(slot + 1, Compact::Zero());
-    made_at_[slot] = covariance_.cast<float>();
+    if (slot >= landmarks_.size()) landmarks_.resize(slot + 1);
+    landmarks_[slot] = {covariance_.cast<float>(), 1};
   }
 }
 

@@ -6,8 +6,8 @@
 //
 // So each landmark keeps the covariance B of the shared error when it was made, as of a twist of the world
 // (left perturbation exp(xi) T), in which it holds for the landmark and whoever looks at it alike. Each of
-// its n sights so far came from a pose that erred by the spread L besides, independently, and the landmark is
-// their mean. Over the landmarks in sight,
+// its n accepted sights so far came from a pose that erred by the spread L besides, independently, and the
+// landmark is their mean. Over the landmarks in sight,
 //
 //   B = mean(B_landmark + L / n)
 //
@@ -22,8 +22,9 @@ namespace lcmslam {
 
 class SharedError {
  public:
-  /// The pose, with its particles' spread (body frame), rests on these landmarks: the more, the surer.
-  void observe(const std::vector<LandmarkMatch>& seen, const LandmarkIndex& index, int minimum_consensus,
+  /// The pose, with its particles' spread (body frame), rests on these landmarks, and they learned from it:
+  /// the more, the surer.
+  void observe(const std::vector<LandmarkMatch>& accepted, int minimum_consensus,
                const Eigen::Isometry3d& T_world_robot, const Matrix6d& spread);
   /// Landmarks are made.
   void create(const std::vector<LandmarkMatch>& created);
@@ -33,7 +34,11 @@ class SharedError {
  private:
   using Compact = Eigen::Matrix<float, 6, 6>;
   Matrix6d covariance_ = Matrix6d::Zero();  // B: of a twist of the world, m, rad
-  std::vector<Compact> made_at_;            // of each landmark, by slot
+  struct Record {
+    Compact made_at = Compact::Zero();
+    int sights = 0;
+  };
+  std::vector<Record> landmarks_;  // by slot
 };
 
 }  // namespace lcmslam

@@ -22,6 +22,8 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.estimate = named_choice<PoseEstimate>(c, "estimate", s.estimate,
                                           {{"best", PoseEstimate::best}, {"mean", PoseEstimate::mean}});
   s.use_motion_covariance = c.get("use_motion_covariance", s.use_motion_covariance);
+  s.shared_translation_sigma = c.get("shared_translation_sigma", s.shared_translation_sigma, Range{0, 10});
+  s.shared_rotation_sigma = c.get("shared_rotation_sigma", s.shared_rotation_sigma, Range{0, 10});
   const Range noise{0, 100};
   s.translation_noise = c.get("translation_noise", s.translation_noise, noise);
   s.rotation_noise = c.get("rotation_noise", s.rotation_noise, noise);
@@ -39,7 +41,7 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.rejuvenate = c.get("rejuvenate", s.rejuvenate);
   s.smooth_map = c.get("smooth_map", s.smooth_map);
   s.bend_closed_loops = c.get("bend_closed_loops", s.bend_closed_loops);
-  s.rejuvenation_share = c.get("rejuvenation_share", s.rejuvenation_share, Range{0, 1});
+  s.rejuvenation_share = c.get("rejuvenation_share", s.rejuvenation_share, Range{1e-6, 1});
   s.rejuvenation_lineages = c.get("rejuvenation_lineages", s.rejuvenation_lineages, Range{0, 1});
   s.reunion_steps = c.get("reunion_steps", s.reunion_steps, Range{0, 1000000000});
   s.detect_slips = c.get("detect_slips", s.detect_slips);
@@ -49,6 +51,7 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.measurement_inflation = c.get("measurement_inflation", s.measurement_inflation, Range{1e-3, 1e6});
   s.correlation_time = c.get("correlation_time", s.correlation_time, Range{0, 1e4});
   s.maximum_observations = c.get("maximum_observations", s.maximum_observations, Range{1, 100000});
+  s.minimum_landmark_sigma = c.get("minimum_landmark_sigma", s.minimum_landmark_sigma, Range{0, 10});
   s.gate = c.get("gate", s.gate, Range{0, 1});
   s.rejection = named_choice<RejectionWeight>(
       c, "rejection", s.rejection,
@@ -56,17 +59,27 @@ FastSlamSettings read_fastslam_settings(const ConfigNode& c) {
   s.p0 = c.get("p0", s.p0, Range{0, 1e9});
   s.descriptor_ratio = c.get("descriptor_ratio", s.descriptor_ratio, Range{0, 1});
   s.descriptor_distance = c.get("descriptor_distance", s.descriptor_distance, Range{0, 2});
+  s.same_place = c.get("same_place", s.same_place, Range{0, 100});
   s.search_radius = c.get("search_radius", s.search_radius, Range{0, 2});
   s.guided = c.get("guided", s.guided);
   s.use_bearings = c.get("use_bearings", s.use_bearings);
+  s.visibility_margin = c.get("visibility_margin", s.visibility_margin, Range{0, 1});
+  s.descriptor_blend = c.get("descriptor_blend", s.descriptor_blend, Range{0, 1});
   s.verify_by_consensus = c.get("verify_by_consensus", s.verify_by_consensus);
   s.minimum_consensus = c.get("minimum_consensus", s.minimum_consensus, Range{3, 100000});
   s.close_loops = c.get("close_loops", s.close_loops);
   s.loop_steps = c.get("loop_steps", s.loop_steps, Range{1, 1000000});
   s.relocalise_after = c.get("relocalise_after", s.relocalise_after, Range{1, 1000000});
   s.maximum_new_landmarks = c.get("maximum_new_landmarks", s.maximum_new_landmarks, Range{1, 100000});
+  s.cell_capacity = c.get("cell_capacity", s.cell_capacity, Range{1, 1000000});
   s.remove_landmarks = c.get("remove_landmarks", s.remove_landmarks);
+  s.odds_hit = c.get("odds_hit", s.odds_hit, Range{0, 100});
+  s.odds_miss = c.get("odds_miss", s.odds_miss, Range{-100, 0});
+  s.odds_new = c.get("odds_new", s.odds_new, Range{-1e6, 1e6});
+  s.odds_remove = c.get("odds_remove", s.odds_remove, Range{-1e6, 1e6});
+  s.odds_maximum = c.get("odds_maximum", s.odds_maximum, Range{0, 1e6});
   s.minimum_observations = c.get("minimum_observations", s.minimum_observations, Range{1, 100000});
+  s.tentative_steps = c.get("tentative_steps", s.tentative_steps, Range{1, 1000000000});
   try {
     check(s);
   } catch (const std::invalid_argument& error) {

@@ -108,6 +108,62 @@ TEST(Association, UnusableFeaturesAreLeftOut) {
   EXPECT_TRUE(usable_features(scene.frame, scene.settings).empty());
 }
 
+TEST(Association, PlanarMeasurementsNeedASigmaAndAnIdentity) {
+  FeatureFrame frame;
+  frame.width = frame.height = 1;
+  frame.fx = frame.fy = 1;
+  frame.pixel_sigma = 0.02f;
+  Feature sound;
+  sound.kind = MeasurementKind::range_bearing;
+  sound.landmark_id = 3;
+  sound.point = {2, 0.5f, 0};
+  sound.depth_sigma = 0.1f;
+  const float inf = std::numeric_limits<float>::infinity();
+  for (const MeasurementKind kind : {MeasurementKind::range_bearing, MeasurementKind::planar}) {
+    sound.kind = kind;
+    frame.features.assign(8, sound);
+    frame.features[1].depth_sigma = inf;
+    frame.features[2].depth_sigma = std::numeric_limits<float>::quiet_NaN();
+    frame.features[3].depth_sigma = 0;
+    frame.features[4].point.x() = inf;
+    frame.features[5].point.y() = std::numeric_limits<float>::quiet_NaN();
+    frame.features[6].point.x() = 1e30f;
+    frame.features[7].landmark_id = -1;
+    const auto usable = usable_features(frame, {});
+    ASSERT_EQ(usable.size(), 1u);
+    EXPECT_EQ(usable[0].feature, 0);
+  }
+}
+
+// The cells of the grid and the view's planes leave nothing out.
+TEST(Association, VisibleLandmarksAreThoseInTheImage) {
+  std::size_t total = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    const Scene scene(seed);
+    const double margin = scene.settings.visibility_margin * scene.frame.width;
+    std::vector<int> expected, found;
+    const Eigen::Isometry3d T_camera_world = (scene.T_world_robot * scene.frame.T_robot_camera).inverse();
+    for (int slot = 0; slot < scene.index.slots(); ++slot) {
+      const Eigen::Vector3d p = T_camera_world * scene.map.find(static_cast<std::size_t>(slot))->mean;
+      if (p.z() < 0.5 * scene.settings.minimum_range || p.norm() > 1.1 * scene.settings.maximum_range)
+        continue;
+      const double x = scene.frame.fx * p.x() / p.z() + scene.frame.cx;
+      const double y = scene.frame.fy * p.y() / p.z() + scene.frame.cy;
+      const bool inside =
+          x >= -margin && x <= scene.frame.width + margin && y >= -margin && y <= scene.frame.height + margin;
+      if (inside) expected.push_back(slot);
+    }
+    for (const VisibleLandmark& v :
+         visible_landmarks(scene.map, scene.index, scene.T_world_robot, scene.frame, scene.settings))
+      found.push_back(v.slot);
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, expected);
+    total += found.size();
+  }
+  EXPECT_GT(total, 500u);
+}
+
 TEST(Association, FeaturesWithoutDepthAreBearings) {
   Scene scene(1);
   const auto points = usable_features(scene.frame, scene.settings);

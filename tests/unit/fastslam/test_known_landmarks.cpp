@@ -279,7 +279,8 @@ std::vector<ConsistencyCase> consistency_cases() {
 // The reported covariance over seeds, in worlds like MRCLAM's: a table in the test's output. It is told as of
 // the pose seen from the first one, and held to that. After a fit of the paths the first poses, which are
 // told to millimetres, stand where the fit needs them: so that figure is held to where the robot has gone
-// half a lap. Bounds: half and twice the expected; one run's errors are too alike to use those of chi square.
+// half a lap. Bounds of the first: half and twice the expected; one run's errors are too alike to use those
+// of chi square. The others are wider.
 TEST(KnownLandmarks, ConsistencyOverSeeds) {
   std::printf("%-18s %10s %8s %8s %8s %8s   NEES of (x, y, heading): 3 when honest\n", "world", "from start",
               "worst", "fitted", "settled", "RMSE m");

@@ -42,7 +42,10 @@ TEST(LandmarkGrid, HoldsWhatTheFollowedMapHolds) {
 
       const Eigen::Vector3d centre = anywhere();
       std::map<int, Eigen::Vector3d> found;
-      grid.for_each_near(centre, 4, [&](const LandmarkGrid::Entry& entry) {
+      const auto near = [&](const Eigen::Vector3d& middle, double radius) {
+        return (middle - centre).norm() <= 4 + radius;
+      };
+      grid.for_each(near, [&](const LandmarkGrid::Entry& entry) {
         if (!index.alive(entry.slot)) return;
         EXPECT_TRUE(found.emplace(entry.slot, entry.mean).second) << "twice";
         EXPECT_LT((entry.mean - centre).norm(), 4 + 2 * std::sqrt(3.) + 1e-9) << "far away";
@@ -66,7 +69,7 @@ TEST(LandmarkGrid, KnownIdentitiesAreLeftOut) {
   map.edit(static_cast<std::size_t>(index.add(feature, {}))).mean.setZero();
   LandmarkGrid grid;
   grid.follow(map, index);
-  grid.for_each_near(Eigen::Vector3d::Zero(), 1, [](const auto&) { FAIL(); });
+  grid.for_each([](const auto&, double) { return true; }, [](const auto&) { FAIL(); });
 }
 
 TEST(LandmarkIndex, ForgetsWhatIsTentativeAndUnseen) {
