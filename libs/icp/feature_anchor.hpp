@@ -46,8 +46,8 @@ class FeatureAnchor {
   /// Where the robot is, wherever that be: each call asks the next few keyframes. For a robot that is lost.
   std::optional<Prior> search(const FeatureFrame& features, const Eigen::Isometry3d& T_robot_camera);
 
-  /// T_world_robot with its information, by the keyframe with most matches that agree; nothing when too few
-  /// agree. `T_world_camera` is where the camera should be.
+  /// T_world_robot with its information, by the matches with all keyframes around T_world_camera (where the
+  /// camera should be) together; nothing when too few agree.
   std::optional<Prior> locate(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera,
                               const Eigen::Isometry3d& T_robot_camera);
 

@@ -11,9 +11,11 @@ constexpr float nearest_z = 0.1f;  // m
 constexpr float spacings = 1.5f;   // between points that a cell is wide: none stays empty on a surface
 constexpr float widest = 200;      // cells
 constexpr float least_cosine = 0.25f;
+constexpr float steepest = 10;  // x / z, y / z
 
 inline bool usable(const Eigen::Vector3f& p) {
-  return p.z() >= nearest_z && std::isfinite(p.x() + p.y() + p.z());
+  const float most = steepest * p.z();  // comparisons that NaN fails
+  return p.z() >= nearest_z && std::isfinite(most) && std::abs(p.x()) <= most && std::abs(p.y()) <= most;
 }
 
 }  // namespace
@@ -30,7 +32,7 @@ FreeSpaceView::FreeSpaceView(const Cloud& cloud, const FreeSpaceSettings& settin
     ++count;
   }
   if (count < 2) return;
-  const Eigen::Array2f extent = (high - low).min(20.0f);
+  const Eigen::Array2f extent = high - low;
   pitch_ =
       std::max(spacings * std::sqrt(extent.prod() / static_cast<float>(count)), extent.maxCoeff() / widest);
   if (!(pitch_ > 0)) return;
@@ -45,11 +47,10 @@ FreeSpaceView::FreeSpaceView(const Cloud& cloud, const FreeSpaceSettings& settin
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f& p = cloud.points[i];
     if (!usable(p)) continue;
-    const int column = static_cast<int>((p.x() / p.z() - left_) / pitch_);
-    const int row = static_cast<int>((p.y() / p.z() - top_) / pitch_);
-    if (column >= columns_ || row >= rows_) continue;
+    const float u = (p.x() / p.z() - left_) / pitch_, v = (p.y() / p.z() - top_) / pitch_;
+    if (!is_inside(u, v)) continue;
     const float spread = cloud.sigmas.empty() || !std::isfinite(cloud.sigmas[i]) ? 0 : k * cloud.sigmas[i];
-    const std::size_t cell = index(column, row);
+    const std::size_t cell = index(static_cast<int>(u), static_cast<int>(v));
     const float z = std::max(p.z() - spread, 0.01f);
     near_[cell] = near_[cell] > 0 ? std::min(near_[cell], z) : z;
     far_[cell] = std::max(far_[cell], p.z() + spread);
@@ -84,8 +85,7 @@ Sight FreeSpaceView::judge(const Eigen::Vector3f& point, const Eigen::Vector3f& 
   if (columns_ == 0 || !(point.z() >= nearest_z)) return Sight::unknown;
   const float u = (point.x() / point.z() - left_) / pitch_;
   const float v = (point.y() / point.z() - top_) / pitch_;
-  if (!(u >= 0 && v >= 0 && u < static_cast<float>(columns_) && v < static_cast<float>(rows_)))
-    return Sight::unknown;
+  if (!is_inside(u, v)) return Sight::unknown;
   const std::size_t cell = index(static_cast<int>(u), static_cast<int>(v));
   // A surface that errs by the tolerance across it errs by more along a slanting ray.
   const float cosine = std::max(least_cosine, std::abs(normal.dot(point)) / point.norm());

@@ -14,7 +14,7 @@ struct FreeSpaceSettings {
   bool enabled = true;
   double sigmas = 4;        ///< of the depth noise, and
   double tolerance = 0.05;  ///< m across the surface that a point must lie before what is measured
-  double lateral = 0.03;    ///< m around the point that must be free, too; at least one cell
+  double lateral = 0.03;    ///< m around the point that must be free, too: from one cell to four
   int rotation = 7;         ///< each frame follows one of so many rays in each row and column
 };
 
@@ -23,7 +23,7 @@ enum class Sight { unknown, supported, seen_through };
 class FreeSpaceView {
  public:
   /// `cloud` in the camera frame (x right, y down, z forward; m), its sigmas along the ray. Points at z < 0.1
-  /// m are left out.
+  /// m, and beyond 84 degrees to a side, are left out.
   FreeSpaceView(const Cloud& cloud, const FreeSpaceSettings& settings);
 
   /// Of a point and its normal in the camera frame.
@@ -39,6 +39,10 @@ class FreeSpaceView {
  private:
   static constexpr int levels = 3;  // neighbourhoods of radius 1, 2, 4 cells
   std::size_t index(int column, int row) const { return static_cast<std::size_t>(row * columns_ + column); }
+  /// Before the cast to int: what is far out fits none.
+  bool is_inside(float u, float v) const {
+    return u >= 0 && v >= 0 && u < static_cast<float>(columns_) && v < static_cast<float>(rows_);
+  }
   std::vector<float> nearest_around(const std::vector<float>& image, int radius) const;
 
   FreeSpaceSettings settings_;

@@ -31,8 +31,10 @@ void IcpMapper::begin_sweep() {
   index_swept();
 }
 
-// The next one from which some of the places can be seen.
+// The next one from which some of the places can be seen. Not while clouds wait to join others: they would
+// bring back what an heir that is clean already has lost.
 void IcpMapper::clean_next_keyframe() {
+  if (!retired_.empty()) return;
   const double range = seen_from * settings_.filter.max_range;
   while (next_swept_ < keyframes_.size()) {
     Keyframe& keyframe = keyframes_[next_swept_++];

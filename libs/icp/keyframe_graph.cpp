@@ -6,7 +6,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr int loop_span = 10;  // nodes; edges that span more close a loop
+constexpr int loop_span = 10;              // nodes; edges that span more close a loop
+constexpr double least_correction = 1e-6;  // m, rad: below, rounding
 
 Matrix6d squares(double translation, double rotation) {
   Matrix6d m = Matrix6d::Zero();
@@ -75,7 +76,7 @@ bool KeyframeGraph::add_features(int node, const FeatureFrame& features) {
   return false;
 }
 
-void KeyframeGraph::begin(Utime now) {
+void KeyframeGraph::begin(Utime now, Optimise when) {
   PoseGraph graph;
   for (const Node& node : nodes_) graph.poses.push_back(node.T_world_camera);
   graph.edges = edges_;
@@ -85,15 +86,15 @@ void KeyframeGraph::begin(Utime now) {
   due_ = now + static_cast<Utime>(1e6 * seconds);
   running_ =
       std::async(std::launch::async, [graph = std::move(graph), waiting = waiting_, fresh = std::move(fresh_),
-                                      &finder = finder_, settings = settings_]() mutable {
-        return solve(std::move(graph), std::move(waiting), fresh, finder, settings);
+                                      &finder = finder_, settings = settings_, when]() mutable {
+        return solve(std::move(graph), std::move(waiting), fresh, finder, settings, when);
       });
   fresh_.clear();
 }
 
 KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphEdge> waiting,
                                              const std::vector<NewNode>& fresh, LoopFinder& finder,
-                                             const KeyframeGraphSettings& settings) {
+                                             const KeyframeGraphSettings& settings, Optimise when) {
   bool circles = false;
   for (const NewNode& added : fresh) {
     const KeyframeView& view = *added.view;
@@ -117,8 +118,10 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
   }
   Solution solution;
   const bool admitted = admit(waiting, graph, settings.optimiser) > 0;
-  if (admitted && circles) optimise(graph, settings.optimiser);
-  solution.moved = admitted && circles;
+  const bool any_circle = std::any_of(graph.edges.begin(), graph.edges.end(),
+                                      [](const GraphEdge& e) { return e.to - e.from > 1; });
+  if ((admitted && circles) || (when == Optimise::any_circle && any_circle))
+    optimise(graph, settings.optimiser);
   solution.graph = std::move(graph);
   solution.waiting = std::move(waiting);
   return solution;
@@ -156,16 +159,16 @@ std::optional<KeyframeGraph::Correction> KeyframeGraph::work(Utime now) {
     return !added.view->features.features.empty() ||
            now - added.utime >= static_cast<Utime>(1e6 * settings_.wait);
   };
-  if (!fresh_.empty() && std::all_of(fresh_.begin(), fresh_.end(), ready)) begin(now);
+  if (!fresh_.empty() && std::all_of(fresh_.begin(), fresh_.end(), ready)) begin(now, Optimise::new_circles);
   return std::nullopt;
 }
 
 std::optional<KeyframeGraph::Correction> KeyframeGraph::finish() {
   if (running_.valid()) take(running_.get());
   if (!settings_.enabled || nodes_.size() < 2) return std::nullopt;
-  begin(0);
+  begin(0, Optimise::any_circle);
   take(running_.get());
-  return notable_correction(0, 0);
+  return notable_correction(least_correction, least_correction);
 }
 
 std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& covering) {

@@ -22,7 +22,7 @@ struct KeyframeGraphSettings {
   bool enabled = true;
   PoseGraphSettings optimiser;
   LoopFinderSettings loops;
-  int neighbours = 2;         ///< nearest keyframes that a new one is compared with, besides the last one
+  int neighbours = 2;  ///< nearest keyframes that a new node is compared with, besides the one before it
   double max_distance = 1.0;  ///< m between cameras, and
   double max_angle = 0.7;     ///< rad: beyond, they are no neighbours
   // Added (squared) to the motion between two keyframes as tracking has it: the map pulls it along.
@@ -33,7 +33,7 @@ struct KeyframeGraphSettings {
   double min_rotation = 0.003;     ///< rad
   double wait = 0.2;               ///< s of message time that the work waits for a keyframe's features
   double time = 0.3;               ///< s of message time that the work may take, and
-  double time_per_node = 0.002;    ///< s for each keyframe
+  double time_per_node = 0.002;    ///< s for each node
   /// Keyframes that are kept, and as many other nodes; a tenth of them goes at a time (about 0.25 MB each).
   int max_keyframes = 600;
   int max_waiting = 200;  ///< edges that are not believed yet; the newest ones
@@ -66,7 +66,8 @@ class KeyframeGraph {
   /// Once a frame: begins work that is due and tells when work that is done moves poses notably. They move
   /// with apply().
   std::optional<Correction> work(Utime now);
-  /// All that is left to do; every correction counts.
+  /// All that is left to do, on the poses as they stand: work under way whose result was not taken over, and
+  /// corrections too small until now, count too.
   std::optional<Correction> finish();
   void apply(const Correction& correction);
 
@@ -94,14 +95,15 @@ class KeyframeGraph {
   struct Solution {
     PoseGraph graph;
     std::vector<GraphEdge> waiting;
-    bool moved = false;
   };
+  /// When the poses are optimised: when a circle closes anew, or wherever there is one.
+  enum class Optimise { new_circles, any_circle };
 
-  void begin(Utime now);
+  void begin(Utime now, Optimise when);
   void take(Solution solution);
   std::optional<Correction> notable_correction(double min_translation, double min_rotation) const;
   static Solution solve(PoseGraph graph, std::vector<GraphEdge> waiting, const std::vector<NewNode>& fresh,
-                        LoopFinder& finder, const KeyframeGraphSettings& settings);
+                        LoopFinder& finder, const KeyframeGraphSettings& settings, Optimise when);
 
   KeyframeGraphSettings settings_;
   std::vector<Node> nodes_;

@@ -1,6 +1,14 @@
 #include "icp/last_view.hpp"
 
 namespace lcmslam {
+namespace {
+
+// Another camera, or another size of its images, begins anew.
+bool comparable(const cv::Mat& a, const cv::Mat& b) {
+  return !a.empty() && a.size() == b.size() && a.type() == b.type();
+}
+
+}  // namespace
 
 void LastView::compare(const ColourView* now, const Eigen::Isometry3d& T_robot_camera) {
   frustum_.reset();
@@ -11,7 +19,7 @@ void LastView::compare(const ColourView* now, const Eigen::Isometry3d& T_robot_c
     views_.frustum = &*frustum_;
     views_.T_camera_target = (T_world_camera_ * last_->T_camera_depth).inverse();
   }
-  if (overlap_wanted_ && now != nullptr && !now->image.empty() && !last_->image.empty()) {
+  if (overlap_wanted_ && now != nullptr && comparable(now->image, last_->image)) {
     overlap_.emplace(now->image, last_->image, settings_);
     views_.overlap = &*overlap_;
     views_.source_camera = &now->camera;

@@ -21,7 +21,8 @@ class LastView {
   /// Before a frame is registered. `now` may be null, and its image empty; it must outlive the registration.
   void compare(const ColourView* now, const Eigen::Isometry3d& T_robot_camera);
   const SensorViews* views() const { return &views_; }
-  /// The settings without the rejectors that have nothing to go by: there was no frame, or no image.
+  /// The settings without the rejectors that have nothing to go by: there was no frame, or no image of this
+  /// size and type.
   RegistrationSettings possible(RegistrationSettings settings) const;
 
   /// A registered frame becomes the last one.

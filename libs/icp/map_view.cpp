@@ -11,7 +11,7 @@ MapView::MapView(const VoxelMap& map, CorrespondenceKind kind, double radius,
 const Target& MapView::from(const Eigen::Isometry3d& T_world_camera) {
   if (kind_ == CorrespondenceKind::voxel_map) return *map_;
   if (!still_good(T_world_camera)) {
-    const Cloud nearby = prepared_target(map_->cloud_around(T_world_camera.translation(), radius_),
+    const Cloud nearby = prepared_target(map_->partners_around(T_world_camera.translation(), radius_),
                                          prepared_for_, T_world_camera.translation());
     target_ = make_target(nearby, kind_, T_world_camera);
     revision_ = map_->revision();

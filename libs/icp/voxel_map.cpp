@@ -1,8 +1,6 @@
 #include "icp/voxel_map.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <numeric>
 #include <string>
 
 #include "icp/tangent_gradient.hpp"
@@ -75,8 +73,8 @@ void VoxelMap::merge(const Surfel& seen) {
     s.weight = std::min(s.weight + seen.weight, static_cast<float>(settings_.max_weight) * one);
     if (s.frame != seen.frame) {
       s.observations = static_cast<std::int16_t>(std::min<int>(s.observations + seen.observations, 32767));
-      s.evidence =
-          static_cast<std::int8_t>(std::min<int>(s.evidence + seen.evidence, settings_.max_evidence));
+      s.evidence = static_cast<std::int8_t>(
+          std::clamp(s.evidence + seen.evidence, settings_.dropped_at + 1, settings_.max_evidence));
     }
     s.frame = std::max(s.frame, seen.frame);
     return;
@@ -125,7 +123,7 @@ bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoin
     const Block& candidates = blocks_[static_cast<std::size_t>(slot)];
     for (const Surfel& s : candidates.surfels) {
       const float d = (s.point - point).squaredNorm();
-      if (d > best || s.observations < settings_.min_observations || s.evidence < 0) continue;
+      if (d > best || !is_partner(s)) continue;
       best = d;
       nearest = &s;
       home = &candidates;
@@ -169,19 +167,21 @@ std::size_t VoxelMap::memory_bytes() const {
   return bytes;
 }
 
-// Drops a tenth, so that this happens rarely.
+// Drops a tenth, so that this happens rarely: first what holds nothing any more, then what is farthest.
 void VoxelMap::forget(const Eigen::Vector3d& view_point) {
-  forgotten_ = true;
   const double block_size = settings_.voxel_size * block_side;
   std::vector<double> distance(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i)
     distance[i] =
         ((blocks_[i].position.cast<double>().array() + 0.5).matrix() * block_size - view_point).norm();
-  std::vector<std::size_t> order(blocks_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    if (!blocks_[i].surfels.empty()) order.push_back(i);
+  const auto left = static_cast<std::size_t>(0.9 * settings_.max_blocks);
+  forgotten_ = forgotten_ || order.size() > left;
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return distance[a] < distance[b]; });
-  order.resize(static_cast<std::size_t>(0.9 * settings_.max_blocks));
+  if (order.size() > left) order.resize(left);
   std::sort(order.begin(), order.end());
 
   std::vector<Block> kept;
@@ -196,22 +196,27 @@ void VoxelMap::forget(const Eigen::Vector3d& view_point) {
   blocks_ = std::move(kept);
 }
 
-Cloud VoxelMap::cloud() const {
-  return cloud_around(Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity());
+void VoxelMap::append(const Surfel& s, Cloud& cloud) const {
+  cloud.points.push_back(s.point);
+  cloud.normals.push_back(s.normal);
+  cloud.sigmas.push_back(s.sigma / std::sqrt(static_cast<float>(s.observations)));
+  if (intensities_) cloud.intensities.push_back(s.intensity);
 }
 
-Cloud VoxelMap::cloud_around(const Eigen::Vector3d& centre, double radius) const {
+Cloud VoxelMap::cloud() const {
+  Cloud cloud;
+  for (const Block& block : blocks_)
+    for (const Surfel& s : block.surfels) append(s, cloud);
+  return cloud;
+}
+
+Cloud VoxelMap::partners_around(const Eigen::Vector3d& centre, double radius) const {
   Cloud cloud;
   const Eigen::Vector3f c = centre.cast<float>();
   const auto squared_radius = static_cast<float>(radius * radius);
   for (const Block& block : blocks_)
-    for (const Surfel& s : block.surfels) {
-      if ((s.point - c).squaredNorm() > squared_radius) continue;
-      cloud.points.push_back(s.point);
-      cloud.normals.push_back(s.normal);
-      cloud.sigmas.push_back(s.sigma / std::sqrt(static_cast<float>(s.observations)));
-      if (intensities_) cloud.intensities.push_back(s.intensity);
-    }
+    for (const Surfel& s : block.surfels)
+      if (is_partner(s) && (s.point - c).squaredNorm() <= squared_radius) append(s, cloud);
   return cloud;
 }
 

@@ -49,8 +49,8 @@ class VoxelMap : public Target {
     int anchor = 0;         ///< keyframe that it belonged to
   };
   /// Surfels that the view supports gain, those that it sees through lose evidence; the ones that have lost
-  /// enough go and are given back. Follows a rotating share of the view's rays, so that the cost depends on
-  /// neither the map's nor the image's size. `turn` counts the calls.
+  /// enough go and are given back. Follows a rotating share of the view's rays (one of rotation^2), so that
+  /// the cost does not depend on the map's size. `turn` counts the calls.
   std::vector<Gone> look_through(const FreeSpaceView& view, const Eigen::Isometry3d& T_map_camera,
                                  const FreeSpaceSettings& settings, std::int32_t turn);
 
@@ -65,13 +65,13 @@ class VoxelMap : public Target {
   /// Whether something was forgotten since the map began.
   bool has_forgotten() const { return forgotten_; }
 
-  /// Counts insertions: the same number, the same map.
+  /// Counts insertions, bends and views that took surfels away: the same number, the same surfels.
   std::int32_t revision() const { return frame_; }
 
   /// All surfels, in an order that depends only on what was inserted.
   Cloud cloud() const;
-  /// Those less than `radius` (m) from `centre` (map coordinates).
-  Cloud cloud_around(const Eigen::Vector3d& centre, double radius) const;
+  /// Those that find() gives, less than `radius` (m) from `centre` (map coordinates).
+  Cloud partners_around(const Eigen::Vector3d& centre, double radius) const;
 
  private:
   struct Surfel {
@@ -92,6 +92,10 @@ class VoxelMap : public Target {
     std::vector<Surfel> surfels;
   };
 
+  bool is_partner(const Surfel& s) const {
+    return s.observations >= settings_.min_observations && s.evidence >= 0;
+  }
+  void append(const Surfel& s, Cloud& cloud) const;
   Block& block_at(const Eigen::Vector3i& position);
   void merge(const Surfel& seen);
   Eigen::Vector3f gradient_at(const Surfel& surfel, const Block& block) const;

@@ -13,7 +13,7 @@ std::vector<VoxelMap::Gone> VoxelMap::look_through(const FreeSpaceView& view,
   const Eigen::Isometry3f T_camera_map = T.inverse();
   const float side = 4 / inverse_size_;  // m, of a block
   std::vector<Gone> gone;
-  // One ray of each tile of cells; after rotation^2 turns, each.
+  // One ray of each tile of rotation x rotation cells; after rotation^2 turns each ray had its turn.
   const int n = settings.rotation, offset = turn % (n * n);
   for (int row = offset / n; row < view.rows(); row += n)
     for (int column = offset % n; column < view.columns(); column += n) {
@@ -38,16 +38,15 @@ std::vector<VoxelMap::Gone> VoxelMap::look_through(const FreeSpaceView& view,
 
 void VoxelMap::look_at(Block& block, const FreeSpaceView& view, const Eigen::Isometry3f& T_camera_map,
                        std::vector<Gone>& gone) const {
-  const auto dropped = [&](Surfel& s) {
+  for (Surfel& s : block.surfels) {
     const Sight sight = view.judge(T_camera_map * s.point, T_camera_map.linear() * s.normal);
     int evidence = s.evidence;
     if (sight == Sight::supported) evidence = std::min(evidence + 1, settings_.max_evidence);
-    if (sight == Sight::seen_through) evidence -= settings_.miss;
-    s.evidence = static_cast<std::int8_t>(std::max(evidence, settings_.dropped_at));
-    if (evidence > settings_.dropped_at) return false;
-    gone.push_back({s.point, s.anchor});
-    return true;
-  };
+    if (sight == Sight::seen_through) evidence = std::max(evidence - settings_.miss, settings_.dropped_at);
+    s.evidence = static_cast<std::int8_t>(evidence);
+    if (evidence <= settings_.dropped_at) gone.push_back({s.point, s.anchor});
+  }
+  const auto dropped = [&](const Surfel& s) { return s.evidence <= settings_.dropped_at; };
   block.surfels.erase(std::remove_if(block.surfels.begin(), block.surfels.end(), dropped),
                       block.surfels.end());
 }

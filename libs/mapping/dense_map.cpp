@@ -1,6 +1,7 @@
 #include "mapping/dense_map.hpp"
 
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -53,15 +54,17 @@ bool DenseMap::add(const KeyframeTile& tile) {
   const DenseKeyframe& part = tile.part;
   Pending& pending = pending_[part.id];
   const auto tiles = static_cast<std::size_t>(tile.tiles);
-  if (pending.tiles != tiles || pending.utime != part.utime) pending = Pending{};
+  if (pending.tiles != tiles || pending.utime != part.utime || pending.revision != part.revision)
+    pending = Pending{};
   pending.utime = part.utime;
+  pending.revision = part.revision;
   pending.tiles = tiles;
   pending.T_world_camera = part.T_world_camera;
   pending.clouds[tile.tile] = part.cloud;
   pending.clouds[tile.tile].sigmas.clear();
   if (pending.clouds.size() < tiles) return false;
 
-  DenseKeyframe complete{part.id, pending.utime, pending.T_world_camera, {}};
+  DenseKeyframe complete{part.id, pending.utime, pending.T_world_camera, {}, pending.revision};
   std::size_t points = 0;
   for (const auto& [index, cloud] : pending.clouds) points += cloud.size();
   complete.cloud.points.reserve(points);
@@ -85,6 +88,16 @@ std::vector<std::int32_t> DenseMap::correct(const std::vector<KeyframePose>& pos
   }
   if (unknown.size() < poses.size()) ++revision_;
   return unknown;
+}
+
+void DenseMap::follow(const std::vector<KeyframePose>& graph) {
+  correct(graph);
+  std::set<std::int32_t> named;
+  for (const KeyframePose& pose : graph) named.insert(pose.id);
+  for (auto keyframe = keyframes_.begin(); keyframe != keyframes_.end();) {
+    const std::int32_t id = (keyframe++)->first;
+    if (named.count(id) == 0) remove(id);
+  }
 }
 
 void DenseMap::remove(std::int32_t id) {
@@ -121,7 +134,8 @@ std::vector<std::int32_t> DenseMap::incomplete() const {
   std::vector<std::int32_t> ids;
   for (const auto& [id, pending] : pending_) {
     const auto keyframe = keyframes_.find(id);
-    const bool only_repeated = keyframe != keyframes_.end() && keyframe->second.utime == pending.utime;
+    const bool only_repeated = keyframe != keyframes_.end() && keyframe->second.utime == pending.utime &&
+                               keyframe->second.revision == pending.revision;
     if (!only_repeated) ids.push_back(id);
   }
   return ids;

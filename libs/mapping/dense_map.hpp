@@ -16,7 +16,8 @@ struct DenseKeyframe {
   std::int32_t id = 0;
   Utime utime = 0;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  ColouredCloud cloud;  ///< camera frame; sigmas are not kept
+  ColouredCloud cloud;        ///< camera frame; sigmas are not kept
+  std::int64_t revision = 0;  ///< of its cloud as it was told: tiles of one telling agree, others differ
 };
 
 /// Part `tile` (from 0) of `tiles` of a keyframe's cloud; every tile carries the pose.
@@ -34,14 +35,18 @@ struct KeyframePose {
 class DenseMap {
  public:
   /// Keeps the tile; the last missing one adds the keyframe or replaces it. Tiles come in any order
-  /// and repeatedly; another utime or number of tiles starts the keyframe anew. Returns whether the
-  /// keyframe became complete. Throws std::invalid_argument for impossible tile numbers, a pose
+  /// and repeatedly; another revision, utime or number of tiles starts the keyframe anew. Returns whether
+  /// the keyframe became complete. Throws std::invalid_argument for impossible tile numbers, a pose
   /// that is not finite, or colours or normals that do not match the points.
   bool add(const KeyframeTile& tile);
 
   /// Moves keyframes; the pose that arrived last counts. Returns the ids of keyframes that are not
   /// here (ask for them again). Throws std::invalid_argument for a pose that is not finite.
   std::vector<std::int32_t> correct(const std::vector<KeyframePose>& poses);
+
+  /// Moves all keyframes as a whole graph has them: those that it does not name go, because the mapper gave
+  /// them up or has begun a new map. Throws as correct() does.
+  void follow(const std::vector<KeyframePose>& graph);
 
   void remove(std::int32_t id);
   void clear();
@@ -64,6 +69,7 @@ class DenseMap {
  private:
   struct Pending {
     Utime utime = 0;
+    std::int64_t revision = 0;
     Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
     std::size_t tiles = 0;
     std::map<int, ColouredCloud> clouds;

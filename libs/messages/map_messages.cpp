@@ -130,6 +130,7 @@ KeyframeTile from_message(const keyframe_t& message) {
   tile.tiles = message.n_tiles;
   tile.part.id = message.id;
   tile.part.utime = message.utime;
+  tile.part.revision = message.map_revision;
   tile.part.T_world_camera = from_message(message.T_map_camera, "T_map_camera");
   const auto resolution = static_cast<float>(message.resolution);
   for (std::size_t i = 0; i < message.position.size(); i += 3) {

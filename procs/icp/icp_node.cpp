@@ -243,7 +243,8 @@ void IcpNode::queue_changed(bool all) {
 void IcpNode::queue_keyframe(const IcpMapper::Keyframe& keyframe) {
   const int id = mapper_->graph().nodes()[static_cast<std::size_t>(keyframe.id)].id;
   const DenseKeyframe dense{id, keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
-  for (auto& tile : make_keyframe_tiles(dense, calibration_->T_robot_camera, mapper_->keyframes_made()))
+  ++tellings_;
+  for (auto& tile : make_keyframe_tiles(dense, calibration_->T_robot_camera, tellings_))
     tiles_.push_back(std::move(tile));
 }
 

@@ -85,6 +85,7 @@ class IcpNode : public Node {
   std::optional<IcpMapper> mapper_;
   Utime last_utime_ = 0;
   std::deque<keyframe_t> tiles_;  // wait for their turn: bursts overrun receive buffers
+  std::int64_t tellings_ = 0;     // of keyframes, over all maps
   std::chrono::steady_clock::time_point next_tile_{};
   std::int64_t steps_ = 0, lost_ = 0, unpainted_ = 0, restarts_ = 0, with_features_ = 0, anchored_ = 0;
   IcpMapper::Step last_;

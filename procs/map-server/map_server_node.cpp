@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <lcmslam/map_reply_t.hpp>
-#include <set>
 
 #include "map-server/map_files.hpp"
 #include "messages/geometry_messages.hpp"
@@ -99,16 +98,9 @@ void MapServerNode::on_graph(const graph_t& message) {
   graph_keyframes_ = message.map_revision;
   if (map == nullptr) return;
   std::vector<KeyframePose> poses;
-  std::set<std::int32_t> named;
-  for (const graph_node_t& node : message.nodes) {
+  for (const graph_node_t& node : message.nodes)
     poses.push_back({node.keyframe, from_message(node.T_map_camera, "T_map_camera")});
-    named.insert(node.keyframe);
-  }
-  std::vector<std::int32_t> gone;  // of a map that the mapper has given up (reset, a log that loops)
-  for (const auto& [id, keyframe] : map->keyframes())
-    if (named.count(id) == 0) gone.push_back(id);
-  for (const std::int32_t id : gone) map->remove(id);
-  map->correct(poses);
+  map->follow(poses);
   ++changes_;
 }
 

@@ -24,6 +24,15 @@ std::int64_t microseconds_now() {
   return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count();
 }
 
+/// A STATUS this much older or newer than the clock is none of a process that runs now.
+constexpr std::int64_t other_time = 60'000'000;  // us
+
+bool is_of_now(const status_t& status) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();  // the clock of STATUS
+  const std::int64_t utime = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  return status.utime > utime - other_time && status.utime < utime + other_time;
+}
+
 Finding no_lcm(const std::string& subject, const std::string& url) {
   return {Level::failure, subject, "LCM cannot use " + url, ""};
 }
@@ -38,12 +47,17 @@ class Listener {
     try {
       const auto status =
           decode_message<status_t>(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
-      names.insert(status.process);
-      processes.insert(fmt::format("{} ({})", status.process, status.pid));
+      const std::string process = fmt::format("{} ({})", status.process, status.pid);
+      if (is_of_now(status)) {
+        names.insert(status.process);
+        processes.insert(process);
+      } else {
+        recorded.insert(process);
+      }
     } catch (const DecodeError&) {
     }
   }
-  std::set<std::string> channels, names, processes;
+  std::set<std::string> channels, names, processes, recorded;
 };
 
 template <class Texts>
@@ -127,6 +141,13 @@ Finding check_senders(const DoctorOptions& options) {
   if (listener.channels.empty()) return finding;
   finding.level = Level::note;
   finding.text = "others send here: " + joined(listener.channels, 8);
+  if (listener.processes.empty() && !listener.recorded.empty()) {
+    finding.level = Level::warning;
+    finding.text +=
+        "; STATUS is of another time: a recording of a graph is played (or the clock of its machine is "
+        "wrong): " +
+        joined(listener.recorded, 8);
+  }
   if (listener.processes.empty()) return finding;
   const bool rival = std::any_of(options.processes.begin(), options.processes.end(),
                                  [&](const auto& name) { return listener.names.count(name) > 0; });

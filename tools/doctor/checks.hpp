@@ -38,7 +38,8 @@ Finding check_route(const std::string& lcm_url);
 Finding check_receive_buffer(const std::string& lcm_url, const GraphTraffic& traffic);
 /// Sends to itself at the graph's size and rate. Needs a route.
 Finding check_loop_back(const DoctorOptions& options);
-/// Listens for what others send, for 1.5 s at least: STATUS comes at 1 Hz.
+/// Listens for what others send, for 1.5 s at least: STATUS comes at 1 Hz. One whose time is more than a
+/// minute from now is played from a log and no rival, but what comes with it is worth a warning.
 Finding check_senders(const DoctorOptions& options);
 /// `root`: of the file system's tree below which sys/devices/system/cpu is looked for.
 Finding check_governor(const std::filesystem::path& root = "/");

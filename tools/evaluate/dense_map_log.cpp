@@ -14,39 +14,71 @@
 
 namespace lcmslam {
 
-std::vector<SeenPoint> dense_map_of(const std::string& log, const Eigen::Isometry3d& T) {
+namespace {
+
+/// The map of the mapper that began last, as MapServerNode keeps it.
+class NewestMap {
+ public:
+  /// Throws DecodeError or std::invalid_argument.
+  void take(const LogEventView& event) {
+    if (event.channel == "ICP_KEYFRAME") {
+      const auto message = decode_message<keyframe_t>(event.data, event.size);
+      const KeyframeTile tile = from_message(message);
+      if (is_newest(message.sender)) map_.add(tile);
+    } else if (event.channel == "ICP_GRAPH") {
+      const auto message = decode_message<graph_t>(event.data, event.size);
+      std::vector<KeyframePose> poses;
+      for (const graph_node_t& node : message.nodes)
+        poses.push_back({node.keyframe, from_message(node.T_map_camera, "T_map_camera")});
+      if (is_newest(message.sender)) map_.follow(poses);
+    }
+  }
+  const DenseMap& map() const { return map_; }
+
+ private:
+  // A mapper never heard before has begun a map of its own.
+  bool is_newest(std::int64_t sender) {
+    if (senders_.insert(sender).second) {
+      newest_ = sender;
+      map_.clear();
+    }
+    return sender == newest_;
+  }
+
+  DenseMap map_;
+  std::set<std::int64_t> senders_;
+  std::int64_t newest_ = 0;
+};
+
+}  // namespace
+
+LoggedDenseMap dense_map_of(const std::string& log, const Eigen::Isometry3d& T) {
   LogReader reader(log);
-  DenseMap map;
-  graph_t last_graph;
+  NewestMap newest;
+  LoggedDenseMap result;
   while (const auto event = reader.next_view()) {
-    if (event->channel == "ICP_KEYFRAME")
-      map.add(from_message(decode_message<keyframe_t>(event->data, event->size)));
-    if (event->channel != "ICP_GRAPH") continue;
-    last_graph = decode_message<graph_t>(event->data, event->size);
+    try {
+      newest.take(*event);
+    } catch (const DecodeError&) {
+      ++result.refused;
+    } catch (const std::invalid_argument&) {
+      ++result.refused;
+    }
   }
-  std::vector<KeyframePose> poses;
-  std::set<std::int32_t> named;
-  for (const graph_node_t& node : last_graph.nodes) {
-    poses.push_back({node.keyframe, from_message(node.T_map_camera, "T_map_camera")});
-    named.insert(node.keyframe);
-  }
-  map.correct(poses);
-  if (map.keyframes().empty()) throw std::runtime_error(log + ": no ICP_KEYFRAME");
+  if (newest.map().keyframes().empty()) throw std::runtime_error(log + ": no ICP_KEYFRAME");
 
   const Eigen::Vector3f unknown = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-  std::vector<SeenPoint> points;
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    if (!named.empty() && named.count(id) == 0) continue;  // given up
+  for (const auto& [id, keyframe] : newest.map().keyframes()) {
     const Eigen::Isometry3f T_camera = (T * keyframe.T_world_camera).cast<float>();
     const ColouredCloud& cloud = keyframe.cloud;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const bool known = !cloud.normals.empty() && cloud.normals[i].allFinite();
-      points.push_back({T_camera * cloud.points[i],
-                        known ? Eigen::Vector3f(T_camera.linear() * cloud.normals[i]) : unknown,
-                        keyframe.utime});
+      result.points.push_back({T_camera * cloud.points[i],
+                               known ? Eigen::Vector3f(T_camera.linear() * cloud.normals[i]) : unknown,
+                               keyframe.utime});
     }
   }
-  return points;
+  return result;
 }
 
 }  // namespace lcmslam

@@ -129,7 +129,14 @@ const EvaluatedEstimate& map_estimate(const std::string& option, const Evaluatio
   return *placed;
 }
 
-WallError measure_walls(const Request& r, const EvaluatedEstimate& placed) {
+/// As text and for --json.
+struct Figures {
+  std::string text;
+  nlohmann::json json;
+};
+
+Figures wall_figures(const Request& r, const Evaluation& evaluation) {
+  const EvaluatedEstimate& placed = map_estimate("--walls", evaluation);
   std::vector<WallTriangle> walls;
   std::vector<Triangle> others;
   for (const SceneTriangle& t : load_scene(r.walls).triangles) {
@@ -139,33 +146,50 @@ WallError measure_walls(const Request& r, const EvaluatedEstimate& placed) {
     else
       others.push_back(corners);
   }
-  return wall_error(dense_map_of(placed.path.file, placed.report->alignment.T_truth_estimate), walls,
-                    TriangleSurface(std::move(others)));
-}
-
-std::string format_wall_error(const Request& r, const Evaluation& evaluation) {
-  const EvaluatedEstimate& placed = map_estimate("--walls", evaluation);
-  const WallError e = measure_walls(r, placed);
-  return fmt::format(
+  const LoggedDenseMap map = dense_map_of(placed.path.file, placed.report->alignment.T_truth_estimate);
+  const WallError e = wall_error(map.points, walls, TriangleSurface(std::move(others)));
+  Figures figures;
+  figures.text = fmt::format(
       "\n{}: walls of {} in patches of 0.25 m, placed by {}: {} seen again after 20 s or more, where first "
       "and "
       "last visit lie apart by {:.4f} m (median), {:.4f} m (95 %), {:.4f} m (largest); {} patches, thickness "
       "{:.4f} m (median), {:.4f} m (95 %)\n",
       placed.path.file, r.walls, placed.path.name, e.revisited, e.offset_median, e.offset_p95, e.offset_max,
       e.patches, e.thickness_median, e.thickness_p95);
+  if (map.refused > 0)
+    figures.text += fmt::format("{}: {} messages of the map could not be decoded or were refused\n",
+                                placed.path.file, map.refused);
+  figures.json = {{"file", placed.path.file},
+                  {"placed_by", placed.path.name},
+                  {"scene", r.walls},
+                  {"points", map.points.size()},
+                  {"refused_messages", map.refused},
+                  {"patches", e.patches},
+                  {"thickness_median_m", e.thickness_median},
+                  {"thickness_p95_m", e.thickness_p95},
+                  {"revisited_patches", e.revisited},
+                  {"offset_median_m", e.offset_median},
+                  {"offset_p95_m", e.offset_p95},
+                  {"offset_max_m", e.offset_max}};
+  return figures;
 }
 
-std::string format_map_error(const Request& r, const Evaluation& evaluation) {
-  const EvaluatedEstimate* placed = &map_estimate("--map", evaluation);
-  const Eigen::Isometry3d& T_truth_map = placed->report->alignment.T_truth_estimate;
+Figures map_figures(const Request& r, const Evaluation& evaluation) {
+  const EvaluatedEstimate& placed = map_estimate("--map", evaluation);
+  const Eigen::Isometry3d& T_truth_map = placed.report->alignment.T_truth_estimate;
   const SurfaceError e = r.reference.empty() ? scene_error(r, T_truth_map)
                                              : reference_error(r, evaluation.truth.trajectory, T_truth_map);
-  return fmt::format(
+  const std::string& surfaces = r.reference.empty() ? r.scene : r.reference;
+  Figures figures;
+  figures.text = fmt::format(
       "\n{}: {} points, placed by {}; distance to the surfaces of {}: median {:.4f} m, 95 % within {:.4f} m, "
       "mean "
       "{:.4f} m, {:.2f} % beyond 0.3 m\n",
-      r.map, e.points, placed->path.name, r.reference.empty() ? r.scene : r.reference, e.median, e.p95,
-      e.mean, 100 * e.beyond);
+      r.map, e.points, placed.path.name, surfaces, e.median, e.p95, e.mean, 100 * e.beyond);
+  figures.json = {{"file", r.map},      {"placed_by", placed.path.name}, {"surfaces", surfaces},
+                  {"points", e.points}, {"median_m", e.median},          {"p95_m", e.p95},
+                  {"mean_m", e.mean},   {"beyond_share", e.beyond}};
+  return figures;
 }
 
 }  // namespace
@@ -182,12 +206,17 @@ int evaluate_command(int argc, char** argv) {
                                                           : Association::interpolate_truth;
   const Evaluation evaluation = evaluate_all(std::move(inputs), r.settings, r.find_clock_offset, r.search);
   std::cout << format_evaluation(evaluation);
-  if (!r.map.empty()) std::cout << format_map_error(r, evaluation);
-  if (!r.walls.empty()) std::cout << format_wall_error(r, evaluation);
+  nlohmann::json json = evaluation_json(evaluation);
+  const auto tell = [&json](const char* name, Figures figures) {
+    std::cout << figures.text;
+    json[name] = std::move(figures.json);
+  };
+  if (!r.map.empty()) tell("map", map_figures(r, evaluation));
+  if (!r.walls.empty()) tell("walls", wall_figures(r, evaluation));
   for (const std::string& file : r.plots) write_plot(file, evaluation_plot(evaluation));
   if (!r.json.empty()) {
     std::ofstream text(r.json);
-    text << evaluation_json(evaluation).dump(2) << "\n";
+    text << json.dump(2) << "\n";
     text.close();
     if (!text) throw std::runtime_error(r.json + ": cannot be written");
   }

@@ -50,12 +50,12 @@ TEST_F(Walls, OneVisitHasAThicknessAlone) {
 
 TEST_F(Walls, TheLastVisitIsComparedWithTheFirst) {
   see(0, 0.01);
-  see(30, -0.05);  // put right later
-  see(60, 0.035, 0.004, 0.01, 1.9);
-  see(61, 0.035, 0.004, 0.01, 1.9);
+  see(30, -0.05);                     // put right later
+  see(60, 0.035, 0.004, -0.99, 1.9);  // three quarters of the wall; the last visit of the rest is the second
+  see(61, 0.035, 0.004, -0.99, 1.9);
   const WallError e = error();
   EXPECT_EQ(e.revisited, 16 * 12);
-  EXPECT_NEAR(e.offset_median, 0.04, 0.02);  // a half 25 mm, the other 60 mm
+  EXPECT_NEAR(e.offset_median, 0.025, 0.004);
   EXPECT_NEAR(e.offset_max, 0.06, 0.004);
   EXPECT_GT(e.thickness_median, 0.05);
 }

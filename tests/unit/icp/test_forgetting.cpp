@@ -171,7 +171,8 @@ TEST_F(Forgetting, FewKeyframesStayAndTheFirstPlaceIsKnown) {
   EXPECT_GT(home.registration.overlap, 0.9);
   EXPECT_NEAR(home.T_world_robot.translation().x(), 0.15 - first_, 0.06);
   // Points of keyframes that went are their neighbours' now.
-  ASSERT_FALSE(mapper.finish() && mapper.keyframes().empty());
+  mapper.finish();
+  ASSERT_GT(mapper.keyframes().size(), 10U);
   Cloud published;
   for (const auto& keyframe : mapper.keyframes()) {
     const Cloud cloud = geometry_of(keyframe.cloud, keyframe.T_world_camera);

@@ -66,6 +66,59 @@ TEST(KeyframeGraph, ClosesTheLoopOfAReturn) {
   EXPECT_EQ(odometry, 20);
 }
 
+/// A path that bends aside; only its ends, which are one place, show something.
+struct LoopAtTheEnd {
+  std::vector<Eigen::Isometry3d> truth;
+  KeyframeGraph graph{{}};
+  FeatureFrame last_features;
+  Utime now = second;
+
+  LoopAtTheEnd() {
+    Gallery gallery(4);
+    Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
+    for (int i = 0; i <= 20; ++i, now += second) {
+      truth.push_back(Eigen::Isometry3d(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0)));
+      T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
+      const bool end = i % 20 == 0;
+      const KeyframeView view = end ? gallery.seen_from(truth.back()) : KeyframeView();
+      last_features = view.features;
+      graph.add(now, T_world_map * truth.back(), 1e-4 * Matrix6d::Identity(), view, i <= 10);
+      if (i < 20) {
+        EXPECT_FALSE(graph.work(now));
+        EXPECT_FALSE(graph.work(now + second / 2));
+      }
+    }
+    now -= second;
+  }
+  double error_of_the_return() const {
+    return (graph.nodes().front().T_world_camera.translation() -
+            graph.nodes().back().T_world_camera.translation())
+        .norm();
+  }
+};
+
+TEST(KeyframeGraph, ALoopThatIsStillWorkedOnAtTheEndCounts) {
+  LoopAtTheEnd visit;
+  ASSERT_GT(visit.error_of_the_return(), 0.1);
+  EXPECT_FALSE(visit.graph.work(visit.now));         // takes what was done before
+  EXPECT_FALSE(visit.graph.work(visit.now + 1000));  // begins
+  ASSERT_FALSE(visit.graph.add_features(20, visit.last_features)) << "the work has begun";
+  const auto correction = visit.graph.finish();
+  ASSERT_TRUE(correction);
+  visit.graph.apply(*correction);
+  EXPECT_LT(visit.error_of_the_return(), 0.02);
+  EXPECT_EQ(visit.graph.edges().back().kind, EdgeKind::loop);
+}
+
+// Done, but so small that the map was not bent for it.
+TEST(KeyframeGraph, ACorrectionTooSmallForTheMapCountsAtTheEnd) {
+  KeyframeGraphSettings settings;
+  settings.min_translation = settings.min_rotation = 10;  // m, rad: all of them
+  const Visit visit(settings);
+  EXPECT_EQ(visit.corrections, 1);
+  EXPECT_LT(visit.error_of_the_return(), 0.01);
+}
+
 TEST(KeyframeGraph, WithoutAnythingSeenItKeepsThePath) {
   const Visit blind({}, false);
   EXPECT_EQ(blind.corrections, 0);

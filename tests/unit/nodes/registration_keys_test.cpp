@@ -91,12 +91,12 @@ TEST_P(RegistrationKeys, RegisterTheKitchen) {
   }
 }
 
-// What is chosen arrives: a rejector, a term or a limit that changes nothing would not be there.
+// What is chosen arrives; each value differs from its default.
 TEST(RegistrationKeySettings, AreRead) {
   const IcpMapperSettings s = read_icp_settings(ConfigNode::parse(
       "{coarse: {frustum: true, seed: 9, min_pairs: 11}, fine: {colour_overlap: true, colour_scale: 0.2, "
       "epsilon_rms: 0.001, degenerate_share: 0.05, independent_pairs: 77}, overlap: {columns: 5}, "
-      "free_space: {rotation: 7}, map: {miss: 3}}"));
+      "free_space: {rotation: 5}, map: {miss: 3}}"));
   EXPECT_TRUE(s.coarse.frustum);
   EXPECT_FALSE(s.fine.frustum);
   EXPECT_EQ(s.coarse.seed, 9U);
@@ -107,7 +107,7 @@ TEST(RegistrationKeySettings, AreRead) {
   EXPECT_EQ(s.fine.degenerate_share, 0.05);
   EXPECT_EQ(s.fine.independent_pairs, 77);
   EXPECT_EQ(s.overlap.columns, 5);
-  EXPECT_EQ(s.free_space.rotation, 7);
+  EXPECT_EQ(s.free_space.rotation, 5);
   EXPECT_EQ(s.map.miss, 3);
   EXPECT_TRUE(s.uses_colour());
   EXPECT_TRUE(s.compares_images());

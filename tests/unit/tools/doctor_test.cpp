@@ -139,6 +139,45 @@ TEST(Doctor, NamesTheGraphThatRunsAlready) {
   EXPECT_THAT(finding.text, HasSubstr("surf (4711)"));
 }
 
+/// What launch finds while a STATUS of that age is on the bus.
+Finding senders_beside(std::chrono::system_clock::duration age) {
+  std::atomic<bool> stop{false};
+  std::thread other([&] {
+    lcm::LCM lcm(url);
+    LcmPublisher publisher(lcm, 3, 1'000'000);
+    status_t status{};
+    status.process = "surf";
+    status.pid = 4711;
+    while (!stop) {
+      const auto time = (std::chrono::system_clock::now() - age).time_since_epoch();
+      status.utime = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
+      publisher.publish("STATUS", status);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  DoctorOptions options = quick(url);
+  options.processes = {"icp", "surf"};
+  const Finding finding = check_senders(options);
+  stop = true;
+  other.join();
+  return finding;
+}
+
+TEST(Doctor, APlayedRecordingIsNoRivalGraph) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  const Finding live = senders_beside(std::chrono::seconds(1));
+  EXPECT_TRUE(is_rival_graph(live)) << live.text;
+  EXPECT_THAT(live.text, HasSubstr("runs here already: surf (4711)"));
+  for (const int hours : {1, 20'000, -1}) {
+    const Finding played = senders_beside(std::chrono::hours(hours));
+    EXPECT_FALSE(is_rival_graph(played)) << played.text;
+    EXPECT_EQ(played.level, Level::warning);
+    EXPECT_THAT(played.text, HasSubstr("others send here: STATUS"));
+    EXPECT_THAT(played.text, HasSubstr("a recording of a graph is played"));
+    EXPECT_THAT(played.text, HasSubstr("surf (4711)"));
+  }
+}
+
 TEST(Doctor, ReadsTheGovernor) {
   testing::ScratchFolder scratch;
   const auto folder = scratch.path() / "sys/devices/system/cpu/cpu0/cpufreq";

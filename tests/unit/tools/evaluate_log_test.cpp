@@ -129,10 +129,14 @@ TEST_F(Evaluate, MapIsComparedWithTheScene) {
   for (StampedPose& pose : same) pose.T_world_body.translation().x() += 1e-7;
   write_tum(path("estimate.txt"), same);
   const std::string scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
-  EXPECT_EQ(
-      run({"--truth", path("truth.txt"), path("estimate.txt"), "--map", path("map.ply"), "--scene", scene}),
-      0)
+  EXPECT_EQ(run({"--truth", path("truth.txt"), path("estimate.txt"), "--map", path("map.ply"), "--scene",
+                 scene, "--json", path("map.json")}),
+            0)
       << output_;
+  const auto figures = json("map.json").at("map");
+  EXPECT_EQ(figures.at("points"), 400);
+  EXPECT_NEAR(figures.at("median_m").get<double>(), 0.02, 1e-4);
+  EXPECT_EQ(figures.at("beyond_share"), 0);
   EXPECT_THAT(output_, HasSubstr("400 points"));
   EXPECT_THAT(output_, HasSubstr("median 0.0200 m"));
 }
