@@ -128,9 +128,9 @@ std::vector<SmoothedPose> FastSlam::smooth() {
 }
 
 // The path is smoothed when a landmark came back after long, a sight contradicts its landmark or few lineages
-// are left: within seconds the last
-// ones may lead far astray (Victoria Park: two lineages, a spread of 0.2 m, an error of 10 m). It waits until
-// the solver has rested: where sights are rare and come together, it has, and is there at once.
+// are left: within seconds the last ones may lead far astray (Victoria Park: two lineages, a spread of 0.2 m,
+// an error of 10 m). It waits until the solver has rested: where sights are rare and come together, it has,
+// and is there at once.
 void FastSlam::smooth_path_when_due(bool reunion) {
   reunited_ = reunited_ || reunion;
   const bool few = coalesced();

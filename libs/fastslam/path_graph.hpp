@@ -61,7 +61,8 @@ struct PathSmoother::Graph {
   using SparseMatrix = Eigen::SparseMatrix<double>;
   struct Posterior;
   SparseMatrix information() const;
-  bool find(Posterior& posterior) const;  // false: not solved, or singular
+  bool find_posterior(Posterior& posterior) const;  // false: not solved, or singular
+  bool sensor_may_err() const { return sensor_sigma.maxCoeff() > 1e-9; }
   Eigen::Isometry3d T_world_draw(const Eigen::VectorXd& delta) const;
   PathSample draw(const Posterior& posterior, Random* random) const;
 

@@ -61,7 +61,7 @@ SparseMatrix PathSmoother::Graph::information() const {
   return SparseMatrix(columns.transpose()) * columns;
 }
 
-bool PathSmoother::Graph::find(Posterior& p) const {
+bool PathSmoother::Graph::find_posterior(Posterior& p) const {
   if (!solved) return false;
   const SparseMatrix all = information();
   const Eigen::Map<const Eigen::VectorXd> values(all.valuePtr(), all.nonZeros());
@@ -74,7 +74,7 @@ bool PathSmoother::Graph::find(Posterior& p) const {
   p.calibration_covariance = block3(p.H, p.calibration).llt().solve(Eigen::Matrix3d::Identity());
   p.motion_root = (reduce(covariance) + 1e-12 * Eigen::Matrix3d::Identity()).llt().matrixL();
   p.sensor_root.setZero();
-  if (sensor_sigma.maxCoeff() > 1e-9) p.sensor_root = lcmslam::sensor_root(all, p.root, p.newest());
+  if (sensor_may_err()) p.sensor_root = lcmslam::sensor_root(all, p.root, p.newest());
   return true;
 }
 
@@ -126,7 +126,7 @@ PathSample PathSmoother::Graph::draw(const Posterior& p, Random* random) const {
 
   // The sensor's calibration that all samples share may be wrong: as if the path had begun elsewhere.
   Eigen::Vector3d otherwise = newest;
-  if (random && sensor_sigma.maxCoeff() > 1e-9) otherwise += p.sensor_root * standard_normal(*random);
+  if (random && sensor_may_err()) otherwise += p.sensor_root * standard_normal(*random);
   sample.T_world_start =
       T * T_draw_newest * planar_pose(otherwise.x(), otherwise.y(), otherwise.z()).inverse() * pose(0);
   return sample;
@@ -136,7 +136,8 @@ std::vector<PathSample> PathSmoother::sample(std::size_t count, Random& random,
                                              Eigen::Matrix3d& calibration_covariance) {
   std::vector<PathSample> samples;
   Graph::Posterior posterior;
-  if (graph_->poses.size() < 2 || graph_->residuals == 0 || !graph_->find(posterior)) return samples;
+  if (graph_->poses.size() < 2 || graph_->residuals == 0 || !graph_->find_posterior(posterior))
+    return samples;
   calibration_covariance = posterior.calibration_covariance;
   for (std::size_t k = 0; k < count; ++k)
     samples.push_back(graph_->draw(posterior, k == 0 ? nullptr : &random));

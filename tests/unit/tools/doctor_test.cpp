@@ -118,29 +118,8 @@ TEST(GraphTraffic, IsMeasuredOnTheImagesThatTheConfigurationWouldSend) {
   EXPECT_THROW(graph_traffic(demo, {"camera.simulation.scene=none.yaml"}), std::exception);
 }
 
-TEST(Doctor, NamesTheGraphThatRunsAlready) {
-  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
-  std::atomic<bool> stop{false};
-  std::thread other([&] {
-    lcm::LCM lcm(url);
-    LcmPublisher publisher(lcm, 3, 1'000'000);
-    status_t status{};
-    status.process = "surf";
-    status.pid = 4711;
-    while (!stop) {
-      publisher.publish("STATUS", status);
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-  });
-  const Finding finding = check_senders(quick(url));
-  stop = true;
-  other.join();
-  EXPECT_EQ(finding.level, Level::warning);
-  EXPECT_THAT(finding.text, HasSubstr("surf (4711)"));
-}
-
-/// What launch finds while a STATUS of that age is on the bus.
-Finding senders_beside(std::chrono::system_clock::duration age) {
+/// What is found while a STATUS of that age is on the bus; `processes`: those to be launched.
+Finding senders_beside(std::chrono::system_clock::duration age, std::vector<std::string> processes = {}) {
   std::atomic<bool> stop{false};
   std::thread other([&] {
     lcm::LCM lcm(url);
@@ -156,20 +135,27 @@ Finding senders_beside(std::chrono::system_clock::duration age) {
     }
   });
   DoctorOptions options = quick(url);
-  options.processes = {"icp", "surf"};
+  options.processes = std::move(processes);
   const Finding finding = check_senders(options);
   stop = true;
   other.join();
   return finding;
 }
 
+TEST(Doctor, NamesTheGraphThatRunsAlready) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  const Finding finding = senders_beside(std::chrono::seconds(0));
+  EXPECT_EQ(finding.level, Level::warning);
+  EXPECT_THAT(finding.text, HasSubstr("surf (4711)"));
+}
+
 TEST(Doctor, APlayedRecordingIsNoRivalGraph) {
   if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
-  const Finding live = senders_beside(std::chrono::seconds(1));
+  const Finding live = senders_beside(std::chrono::seconds(1), {"icp", "surf"});
   EXPECT_TRUE(is_rival_graph(live)) << live.text;
   EXPECT_THAT(live.text, HasSubstr("runs here already: surf (4711)"));
   for (const int hours : {1, 20'000, -1}) {
-    const Finding played = senders_beside(std::chrono::hours(hours));
+    const Finding played = senders_beside(std::chrono::hours(hours), {"icp", "surf"});
     EXPECT_FALSE(is_rival_graph(played)) << played.text;
     EXPECT_EQ(played.level, Level::warning);
     EXPECT_THAT(played.text, HasSubstr("others send here: STATUS"));
