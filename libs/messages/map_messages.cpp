@@ -145,4 +145,11 @@ KeyframeTile from_message(const keyframe_t& message) {
   return tile;
 }
 
+std::vector<KeyframePose> from_message(const graph_t& message) {
+  std::vector<KeyframePose> poses;
+  for (const graph_node_t& node : message.nodes)
+    poses.push_back({node.keyframe, from_message(node.T_map_camera, "T_map_camera")});
+  return poses;
+}
+
 }  // namespace lcmslam

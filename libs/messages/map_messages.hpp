@@ -1,4 +1,5 @@
 #pragma once
+#include <lcmslam/graph_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
 #include <lcmslam/landmark_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
@@ -26,5 +27,8 @@ std::vector<MapLandmark> landmarks_of(const landmarks_t& message);
 std::vector<keyframe_t> make_keyframe_tiles(const DenseKeyframe& keyframe,
                                             const Eigen::Isometry3d& T_robot_camera, std::int64_t revision);
 KeyframeTile from_message(const keyframe_t& message);
+
+/// Where the graph has its nodes, as DenseMap::follow takes them.
+std::vector<KeyframePose> from_message(const graph_t& message);
 
 }  // namespace lcmslam

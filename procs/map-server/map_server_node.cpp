@@ -97,10 +97,7 @@ void MapServerNode::on_graph(const graph_t& message) {
   graph_sender_ = message.sender;
   graph_keyframes_ = message.map_revision;
   if (map == nullptr) return;
-  std::vector<KeyframePose> poses;
-  for (const graph_node_t& node : message.nodes)
-    poses.push_back({node.keyframe, from_message(node.T_map_camera, "T_map_camera")});
-  map->follow(poses);
+  map->follow(from_message(message));
   ++changes_;
 }
 

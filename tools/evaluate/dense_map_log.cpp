@@ -27,9 +27,7 @@ class NewestMap {
       if (is_newest(message.sender)) map_.add(tile);
     } else if (event.channel == "ICP_GRAPH") {
       const auto message = decode_message<graph_t>(event.data, event.size);
-      std::vector<KeyframePose> poses;
-      for (const graph_node_t& node : message.nodes)
-        poses.push_back({node.keyframe, from_message(node.T_map_camera, "T_map_camera")});
+      const std::vector<KeyframePose> poses = from_message(message);
       if (is_newest(message.sender)) map_.follow(poses);
     }
   }
