@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <lcmslam/status_t.hpp>
+#include <map>
 #include <set>
 
 #include "doctor/checks.hpp"
@@ -48,23 +49,24 @@ class Listener {
       const auto status =
           decode_message<status_t>(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
       const std::string process = fmt::format("{} ({})", status.process, status.pid);
-      if (is_of_now(status)) {
-        names.insert(status.process);
-        processes.insert(process);
-      } else {
+      if (!is_of_now(status)) {
         recorded.insert(process);
+      } else if (status.state == status_t::STOPPING) {
+        running.erase(process);  // its last word: a graph that ends while we listen is in nobody's way
+      } else {
+        running[process] = status.process;
       }
     } catch (const DecodeError&) {
     }
   }
-  std::set<std::string> channels, names, processes, recorded;
+  std::set<std::string> channels, recorded;
+  std::map<std::string, std::string> running;  // NAME (PID) -> NAME
 };
 
-template <class Texts>
-std::string joined(const Texts& texts, std::size_t most) {
+std::string joined(const std::set<std::string>& texts, std::size_t most) {
   std::string all;
   std::size_t count = 0;
-  for (const auto& text : texts) {
+  for (const std::string& text : texts) {
     if (++count > most) return all + ", ...";
     all += (all.empty() ? "" : ", ") + text;
   }
@@ -141,19 +143,23 @@ Finding check_senders(const DoctorOptions& options) {
   if (listener.channels.empty()) return finding;
   finding.level = Level::note;
   finding.text = "others send here: " + joined(listener.channels, 8);
-  if (listener.processes.empty() && !listener.recorded.empty()) {
+  if (listener.running.empty() && !listener.recorded.empty()) {
     finding.level = Level::warning;
     finding.text +=
         "; STATUS is of another time: a recording of a graph is played (or the clock of its machine is "
         "wrong): " +
         joined(listener.recorded, 8);
   }
-  if (listener.processes.empty()) return finding;
-  const bool rival = std::any_of(options.processes.begin(), options.processes.end(),
-                                 [&](const auto& name) { return listener.names.count(name) > 0; });
-  finding.level = rival ? Level::failure : Level::warning;
+  if (listener.running.empty()) return finding;
+  const std::set<std::string> to_start(options.processes.begin(), options.processes.end());
+  std::set<std::string> processes;
+  finding.level = Level::warning;
+  for (const auto& [process, name] : listener.running) {
+    processes.insert(process);
+    if (to_start.count(name) > 0) finding.level = Level::failure;  // a rival
+  }
   finding.text =
-      "a graph of lcmslam runs here already: " + joined(listener.processes, 8) +
+      "a graph of lcmslam runs here already: " + joined(processes, 8) +
       "; a second one needs a port of its own (--lcm-url udpm://239.255.76.67:PORT?ttl=0) or, with "
       "launch, --private-bus";
   return finding;

@@ -39,7 +39,8 @@ Finding check_receive_buffer(const std::string& lcm_url, const GraphTraffic& tra
 /// Sends to itself at the graph's size and rate. Needs a route.
 Finding check_loop_back(const DoctorOptions& options);
 /// Listens for what others send, for 1.5 s at least: STATUS comes at 1 Hz. One whose time is more than a
-/// minute from now is played from a log and no rival, but what comes with it is worth a warning.
+/// minute from now is played from a log and no rival, but what comes with it is worth a warning; nor is a
+/// process whose last word was that it stops.
 Finding check_senders(const DoctorOptions& options);
 /// `root`: of the file system's tree below which sys/devices/system/cpu is looked for.
 Finding check_governor(const std::filesystem::path& root = "/");

@@ -5,9 +5,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -25,6 +27,37 @@ namespace {
   dup2(input, STDIN_FILENO);
   if (chdir(folder) == 0) execvp(argv[0], argv);
   _exit(127);
+}
+
+/// Of a process in /proc: state and parent, from behind its name, which itself may hold spaces.
+struct ProcessFacts {
+  char state = 'Z';
+  pid_t parent = 0;
+};
+
+ProcessFacts facts_of(pid_t pid) {
+  ProcessFacts facts;
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string stat;
+  if (!std::getline(file, stat)) return facts;
+  std::istringstream(stat.substr(stat.rfind(')') + 1)) >> facts.state >> facts.parent;
+  return facts;
+}
+
+/// Children, their children and so on.
+std::vector<pid_t> descendants(pid_t ancestor) {
+  std::multimap<pid_t, pid_t> children;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const pid_t pid = std::atoi(entry.path().filename().c_str());
+    if (pid > 0) children.emplace(facts_of(pid).parent, pid);
+  }
+  std::vector<pid_t> found{ancestor};
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto [first, last] = children.equal_range(found[i]);
+    for (auto child = first; child != last; ++child) found.push_back(child->second);
+  }
+  found.erase(found.begin());
+  return found;
 }
 
 }  // namespace
@@ -51,9 +84,13 @@ Program::Program(std::vector<std::string> arguments, const std::filesystem::path
 
 Program::~Program() {
   if (!ending_.ended) {
+    kill(pid_, SIGSTOP);  // it starts no more
+    const std::vector<pid_t> started = descendants(pid_);
     kill(-pid_, SIGKILL);
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
+    for (const pid_t pid : started) kill(pid, SIGKILL);
+    wait_until([&] { return std::none_of(started.begin(), started.end(), process_exists); }, 10);
   }
   std::remove(file_.c_str());
 }
@@ -90,11 +127,7 @@ Result run(std::vector<std::string> arguments, double seconds) {
 }
 
 bool process_exists(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  std::string stat;
-  if (!std::getline(file, stat)) return false;
-  const std::size_t name_end = stat.rfind(')');  // the name itself may hold spaces
-  return name_end != std::string::npos && stat.size() > name_end + 2 && stat[name_end + 2] != 'Z';
+  return facts_of(pid).state != 'Z';
 }
 
 }  // namespace lcmslam::integration

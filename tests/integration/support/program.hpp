@@ -16,8 +16,8 @@ struct Ending {
   int signal = 0;
 };
 
-/// Its standard output and error go to one file. Killed (-9) with everything of its process group at the
-/// end of its life, and by the kernel should the test itself die.
+/// Its standard output and error go to one file. At the end of its life it and all that it has started are
+/// killed (-9): no straggler meets the next test. The kernel kills it should the test itself die.
 class Program {
  public:
   /// `arguments`: program first; one without '/' is looked for where the programs were built, then in PATH.

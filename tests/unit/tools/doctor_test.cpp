@@ -118,8 +118,10 @@ TEST(GraphTraffic, IsMeasuredOnTheImagesThatTheConfigurationWouldSend) {
   EXPECT_THROW(graph_traffic(demo, {"camera.simulation.scene=none.yaml"}), std::exception);
 }
 
-/// What is found while a STATUS of that age is on the bus; `processes`: those to be launched.
-Finding senders_beside(std::chrono::system_clock::duration age, std::vector<std::string> processes = {}) {
+/// What is found while a STATUS of that age is on the bus; `processes`: those to be launched. One that stops
+/// says so after its first tellings.
+Finding senders_beside(std::chrono::system_clock::duration age, std::vector<std::string> processes = {},
+                       bool stops = false) {
   std::atomic<bool> stop{false};
   std::thread other([&] {
     lcm::LCM lcm(url);
@@ -127,7 +129,8 @@ Finding senders_beside(std::chrono::system_clock::duration age, std::vector<std:
     status_t status{};
     status.process = "surf";
     status.pid = 4711;
-    while (!stop) {
+    for (int telling = 0; !stop; ++telling) {
+      status.state = stops && telling > 20 ? status_t::STOPPING : status_t::RUNNING;
       const auto time = (std::chrono::system_clock::now() - age).time_since_epoch();
       status.utime = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
       publisher.publish("STATUS", status);
@@ -162,6 +165,13 @@ TEST(Doctor, APlayedRecordingIsNoRivalGraph) {
     EXPECT_THAT(played.text, HasSubstr("a recording of a graph is played"));
     EXPECT_THAT(played.text, HasSubstr("surf (4711)"));
   }
+}
+
+TEST(Doctor, AGraphThatEndsMeanwhileIsNoRival) {
+  if (!enter_private_bus()) GTEST_SKIP() << "this machine permits no private network namespace";
+  const Finding ending = senders_beside(std::chrono::seconds(0), {"icp", "surf"}, true);
+  EXPECT_FALSE(is_rival_graph(ending)) << ending.text;
+  EXPECT_THAT(ending.text, HasSubstr("others send here: STATUS"));
 }
 
 TEST(Doctor, ReadsTheGovernor) {
