@@ -130,6 +130,44 @@ TEST(PathSmoothing, StepsMeanwhileAreGoneThroughOnceMore) {
   EXPECT_LT(rmse[2], 1.5 * rmse[0] + 0.01);
 }
 
+// The robot comes back to its first beacon after a lap of bad odometry, and meets a second one while the path
+// is smoothed. The particles are far apart then, but each has the second beacon where it was seen from it.
+TEST(PathSmoothing, ALandmarkBornMeanwhileIsMadeAnew) {
+  synthetic::PlanarWorldSettings world;
+  world.translation_sigma = world.rotation_sigma = 0.03;
+  PlanarDrive drive = make_planar_drive(world, 6);
+  constexpr std::size_t lap = 210, out_of_sight = 60;
+  ASSERT_GE(drive.steps[lap].frame.features.size(), 2u);
+  const int first = drive.steps[lap].frame.features.front().landmark_id;
+  const int second = drive.steps[lap].frame.features.back().landmark_id;
+  FastSlam slam(settings_with(1));
+  std::size_t i = 0;
+  for (bool drawn = false; !drawn; ++i) {
+    ASSERT_LT(i, lap + 40);
+    FeatureFrame frame = drive.steps[i].frame;
+    frame.utime /= 200;  // many steps while the solver works
+    const auto hidden = [&](const Feature& f) {
+      return f.landmark_id == first ? i >= out_of_sight && i < lap : f.landmark_id != second || i <= lap;
+    };
+    auto& features = frame.features;
+    features.erase(std::remove_if(features.begin(), features.end(), hidden), features.end());
+    drawn = slam.step(drive.steps[i].motion, frame).rejuvenated && i > lap;
+  }
+  const Eigen::Vector2d& beacon = drive.beacons[static_cast<std::size_t>(second)];
+  const Eigen::Vector3d seen =
+      drive.steps[i - 1].T_start_robot.inverse() * Eigen::Vector3d(beacon.x(), beacon.y(), 0);
+  Eigen::Matrix3Xd positions(3, static_cast<Eigen::Index>(slam.particles().size()));
+  for (Eigen::Index k = 0; k < positions.cols(); ++k) {
+    const Particle& particle = slam.particles()[static_cast<std::size_t>(k)];
+    positions.col(k) = particle.T_world_robot.translation();
+    const auto* landmark = particle.map.find(1);  // the slot of the second one
+    ASSERT_NE(landmark, nullptr);
+    EXPECT_LT((particle.T_world_robot.inverse() * landmark->mean.cast<double>() - seen).norm(), 0.4);
+  }
+  const double spread = (positions.colwise() - positions.rowwise().mean()).colwise().norm().mean();
+  EXPECT_GT(spread, 0.4);  // else it proves nothing
+}
+
 // A beacon is moved while the robot drives: its landmark dies, and lives again where the beacon is now, in
 // the filter's map as in what is drawn from the smoothed path.
 TEST(PathSmoothing, WhatDiesAndIsBornAgainIsSmoothedWhereItIs) {
