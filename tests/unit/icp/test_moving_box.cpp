@@ -21,6 +21,7 @@ class MovingBox : public testing::Test {
   struct Run {
     Cloud map, published;  // both in the world of the first pose
     double error = 0;      // m, furthest
+    int thinned = 0;       // times
   };
 
   static double box_y(int frame) {
@@ -87,8 +88,7 @@ class MovingBox : public testing::Test {
     return clouds;
   }
 
-  static Run run(const std::vector<Cloud>& clouds, bool free_space) {
-    IcpMapperSettings settings;
+  static Run run(const std::vector<Cloud>& clouds, bool free_space, IcpMapperSettings settings = {}) {
     settings.free_space.enabled = free_space;
     IcpMapper mapper(settings);
     Run run;
@@ -105,6 +105,7 @@ class MovingBox : public testing::Test {
       coloured.colours.assign(cloud.size(), {10, 20, 30});
       const auto step = mapper.step(100'000 * (i + 1), coloured, mount(),
                                     i > 0 ? std::make_optional(motion) : std::nullopt);
+      run.thinned += step.thinned ? 1 : 0;
       run.error = std::max(
           run.error, (robot(0).inverse() * robot(i) * step.T_world_robot.inverse()).translation().norm());
     }
@@ -153,6 +154,20 @@ TEST_F(MovingBox, LeavesNoTrail) {
   // The box stands there at the end.
   const Eigen::AlignedBox3f box(Eigen::Vector3f(1.75f, 1.0f, 0.2f), Eigen::Vector3f(1.85f, 1.4f, 1));
   EXPECT_GT(kept(plain.map, free.map, box), 0.98);
+}
+
+// Keyframes that others cover leave their clouds to those, and no more of the box than all would have kept.
+TEST_F(MovingBox, LeavesNoTrailInWhatThinnedKeyframesLeaveBehind) {
+  IcpMapperSettings settings;
+  settings.keyframe_distance = settings.keyframe_angle = 0.04;  // many that look at the same
+  const Run all = run(with_box(), true, settings);
+  settings.graph.max_keyframes = 5;
+  const Run plain = run(with_box(), false, settings), free = run(with_box(), true, settings);
+  EXPECT_EQ(all.thinned, 0);
+  EXPECT_GT(free.thinned, 5);
+  ASSERT_GT(trail(plain.published), 5'000U);
+  EXPECT_LE(trail(free.published), trail(all.published));
+  EXPECT_LT(static_cast<double>(trail(free.published)), 0.05 * static_cast<double>(trail(plain.published)));
 }
 
 TEST_F(MovingBox, WhatStandsStays) {
