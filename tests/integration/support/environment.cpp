@@ -5,23 +5,16 @@
 
 #include <cstdlib>
 #include <iostream>
-#include <random>
 #include <thread>
 
 #include "runtime/options.hpp"
-#include "runtime/private_bus.hpp"
+#include "support/own_bus.hpp"
 
 namespace lcmslam::integration {
 
 int run_tests(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  std::string url = default_lcm_url;
-  if (!enter_private_bus()) {
-    const unsigned port = 20'000 + std::random_device()() % 10'000;
-    url.replace(url.find(":7667"), 5, ":" + std::to_string(port));
-    std::cerr << "no private network namespace on this machine: tests run on the shared bus " << url << "\n";
-  }
-  setenv("LCM_DEFAULT_URL", url.c_str(), 1);
+  setenv("LCM_DEFAULT_URL", own_bus(default_lcm_url).c_str(), 1);
   return RUN_ALL_TESTS();
 }
 
