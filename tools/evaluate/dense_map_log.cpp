@@ -13,7 +13,6 @@
 #include "messages/map_messages.hpp"
 
 namespace lcmslam {
-
 namespace {
 
 /// The map of the mapper that began last, as MapServerNode keeps it.

@@ -151,8 +151,8 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
   Figures figures;
   figures.text = fmt::format(
       "\n{}: walls of {} in patches of 0.25 m, placed by {}: {} seen again after 20 s or more, where first "
-      "and "
-      "last visit lie apart by {:.4f} m (median), {:.4f} m (95 %), {:.4f} m (largest); {} patches, thickness "
+      "and last visit lie apart by {:.4f} m (median), {:.4f} m (95 %), {:.4f} m (largest); {} patches, "
+      "thickness "
       "{:.4f} m (median), {:.4f} m (95 %)\n",
       placed.path.file, r.walls, placed.path.name, e.revisited, e.offset_median, e.offset_p95, e.offset_max,
       e.patches, e.thickness_median, e.thickness_p95);
@@ -183,8 +183,7 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
   Figures figures;
   figures.text = fmt::format(
       "\n{}: {} points, placed by {}; distance to the surfaces of {}: median {:.4f} m, 95 % within {:.4f} m, "
-      "mean "
-      "{:.4f} m, {:.2f} % beyond 0.3 m\n",
+      "mean {:.4f} m, {:.2f} % beyond 0.3 m\n",
       r.map, e.points, placed.path.name, surfaces, e.median, e.p95, e.mean, 100 * e.beyond);
   figures.json = {{"file", r.map},      {"placed_by", placed.path.name}, {"surfaces", surfaces},
                   {"points", e.points}, {"median_m", e.median},          {"p95_m", e.p95},
