@@ -1,6 +1,9 @@
 # One place for what all of our targets share: warnings, sanitizers, include root.
 add_library(lcmslam_options INTERFACE)
-target_include_directories(lcmslam_options INTERFACE ${CMAKE_SOURCE_DIR}/libs)
+# Headers are <lcmslam/surf/surf.hpp> in the tree and after install alike: a link stands for the prefix. What is
+# not installed has the tree as its root: "procs/surf/surf_node.hpp".
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/include)
+file(CREATE_LINK ${CMAKE_SOURCE_DIR}/libs ${CMAKE_BINARY_DIR}/include/lcmslam SYMBOLIC)
 target_compile_options(lcmslam_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror)
 # Identical floating-point results whatever the compiler fuses: batch runs are compared byte for byte.
 target_compile_options(lcmslam_options INTERFACE -ffp-contract=off)
@@ -16,11 +19,15 @@ if(LCMSLAM_FUZZ)
   target_compile_options(lcmslam_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# lcmslam_precompile(TARGET HEADER...): other people's headers, read once for all files of the target. Files
-# still include what they use; the debug preset builds without.
+# lcmslam_precompile(TARGET HEADER... | REUSE_FROM OTHER): other people's headers, read once for all files of the
+# target. Files still include what they use; the debug preset builds without.
 function(lcmslam_precompile target)
   if(LCMSLAM_PRECOMPILE)
-    target_precompile_headers(${target} PRIVATE ${ARGN})
+    if(ARGV1 STREQUAL REUSE_FROM)
+      target_precompile_headers(${target} ${ARGN})
+    else()
+      target_precompile_headers(${target} PRIVATE ${ARGN})
+    endif()
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
       # For ccache; and memory is there to do without the compiler's garbage collection, 7 % of its time.
       target_compile_options(${target} PRIVATE -fpch-preprocess --param=ggc-min-heapsize=1000000)
@@ -28,39 +35,79 @@ function(lcmslam_precompile target)
   endif()
 endfunction()
 
-# lcmslam_library(surf DEPENDS lcmslam_geometry opencv_core ... PRIVATE pcl_io ...)
-# makes lcmslam_surf from every .cpp of the current folder. PRIVATE: libraries that only its .cpp files
-# see (PCL's compile flags and headers are heavy).
+# What nearly every file of libs and procs reads: once for all of them.
+file(WRITE ${CMAKE_BINARY_DIR}/precompiled.cpp "")
+add_library(lcmslam_precompiled STATIC ${CMAKE_BINARY_DIR}/precompiled.cpp)
+target_link_libraries(lcmslam_precompiled PRIVATE lcmslam_options Eigen3::Eigen opencv_core)
+lcmslam_precompile(lcmslam_precompiled <Eigen/Dense> <opencv2/core.hpp> <algorithm> <array> <chrono> <cmath> <cstdint>
+                   <deque> <filesystem> <fstream> <functional> <future> <iostream> <limits> <map> <memory> <numeric>
+                   <optional> <set> <sstream> <stdexcept> <string> <thread> <tuple> <utility> <vector>)
+
+# lcmslam_library(surf DEPENDS lcmslam_parallel opencv_core ... PRIVATE pcl_io ... SUBFOLDERS landmarks ...)
+# makes lcmslam_surf from every .cpp of the current folder and of SUBFOLDERS. PRIVATE: libraries that only its .cpp
+# files see (PCL's compile flags and headers are heavy).
 function(lcmslam_library name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE;SUBFOLDERS" ${ARGN})
+  set(patterns ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  foreach(folder ${ARG_SUBFOLDERS})
+    list(APPEND patterns ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+  endforeach()
+  file(GLOB sources CONFIGURE_DEPENDS ${patterns})
   list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp)
   add_library(lcmslam_${name} STATIC ${sources})
-  target_link_libraries(lcmslam_${name} PUBLIC lcmslam_options ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE})
+  target_include_directories(lcmslam_${name} PUBLIC ${CMAKE_BINARY_DIR}/include)
+  target_link_libraries(lcmslam_${name} PUBLIC ${ARG_DEPENDS} PRIVATE lcmslam_options ${ARG_PRIVATE})
+  lcmslam_precompile(lcmslam_${name} REUSE_FROM lcmslam_precompiled)
+endfunction()
+
+# lcmslam_vectorise(FILE... [OPTIONS -f...]): row loops that the compiler vectorises at -O3; the sanitizer and debug
+# presets keep their own level. No exception flags of floating point are looked at: without them comparisons
+# vectorise too; results keep their bits.
+function(lcmslam_vectorise)
+  cmake_parse_arguments(ARG "" "" "OPTIONS" ${ARGN})
+  if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT LCMSLAM_SANITIZE)
+    set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} PROPERTIES COMPILE_OPTIONS "-O3;-fno-trapping-math;${ARG_OPTIONS}")
+    if(ARG_OPTIONS)
+      set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+    endif()
+  endif()
 endfunction()
 
 # lcmslam_process(surf DEPENDS ...): procs/surf/{*_node.cpp,main.cpp} -> library lcmslam_surf_node, program lcmslam-surf.
 function(lcmslam_process name)
   cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
   lcmslam_library(${name}_node DEPENDS lcmslam_messages lcmslam_runtime ${ARG_DEPENDS})
-  target_include_directories(lcmslam_${name}_node PUBLIC ${CMAKE_SOURCE_DIR}/procs)
+  target_include_directories(lcmslam_${name}_node PUBLIC ${CMAKE_SOURCE_DIR})
   add_executable(lcmslam-${name} main.cpp)
-  target_link_libraries(lcmslam-${name} PRIVATE lcmslam_${name}_node)
+  target_link_libraries(lcmslam-${name} PRIVATE lcmslam_options lcmslam_${name}_node)
 endfunction()
 
-# lcmslam_test(surf DEPENDS ...): every .cpp of tests/unit/surf -> test_surf, known to ctest.
+# The same for tests.
+function(lcmslam_precompile_tests)
+  add_library(lcmslam_precompiled_tests STATIC ${CMAKE_BINARY_DIR}/precompiled.cpp)
+  target_link_libraries(lcmslam_precompiled_tests PRIVATE lcmslam_options Eigen3::Eigen opencv_core GTest::gmock)
+  target_compile_definitions(lcmslam_precompiled_tests PRIVATE LCMSLAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  target_compile_options(lcmslam_precompiled_tests PRIVATE $<$<CONFIG:Release>:-O1>)
+  lcmslam_precompile(lcmslam_precompiled_tests <gmock/gmock.h> <Eigen/Dense> <opencv2/core.hpp> <algorithm> <cmath>
+                     <filesystem> <fstream> <limits> <map> <memory> <optional> <set> <sstream> <string> <vector>)
+endfunction()
+
+# lcmslam_test(surf DEPENDS ... [FOLDER folder]): every .cpp of tests/unit/surf -> test_surf, known to ctest.
 function(lcmslam_test name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
+  cmake_parse_arguments(ARG "" "FOLDER" "DEPENDS" ${ARGN})
+  if(NOT ARG_FOLDER)
+    set(ARG_FOLDER ${CMAKE_CURRENT_SOURCE_DIR}/${name})
+  endif()
+  file(GLOB sources CONFIGURE_DEPENDS ${ARG_FOLDER}/*.cpp)
   if(NOT sources)
     return()
   endif()
   add_executable(test_${name} ${sources})
-  target_link_libraries(test_${name} PRIVATE ${ARG_DEPENDS} Eigen3::Eigen GTest::gmock GTest::gtest_main)
+  target_link_libraries(test_${name} PRIVATE lcmslam_options ${ARG_DEPENDS} Eigen3::Eigen GTest::gmock GTest::gtest_main)
   target_compile_definitions(test_${name} PRIVATE LCMSLAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # they are built more often than run
-  lcmslam_precompile(test_${name} <gmock/gmock.h> <Eigen/Dense>)
-  target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  lcmslam_precompile(test_${name} REUSE_FROM lcmslam_precompiled_tests)
+  target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR})
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
                        PROPERTIES TIMEOUT 300)
 endfunction()

@@ -1,12 +1,11 @@
 #include <poll.h>
 #include <unistd.h>
-
 #include <cstring>
 #include <exception>
 #include <iostream>
 
-#include "commands.hpp"
-#include "runtime/options.hpp"
+#include <lcmslam/runtime/options.hpp>
+#include "tools/commands.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
-#include "parse_command.hpp"
+#include "tools/parse_command.hpp"
 
-#include "runtime/options.hpp"
+#include <lcmslam/runtime/options.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "run_folder.hpp"
+#include "tools/run_folder.hpp"
 
 #include <ctime>
 

@@ -1,11 +1,11 @@
-#include "configuration/config.hpp"
+#include <lcmslam/configuration/config.hpp>
 
 #include <algorithm>
 #include <map>
 #include <set>
 
-#include "configuration/scalar.hpp"
-#include "configuration/yaml_tree.hpp"
+#include <lcmslam/configuration/scalar.hpp>
+#include <lcmslam/configuration/yaml_tree.hpp>
 
 namespace lcmslam {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "configuration/config.hpp"
+#include <lcmslam/configuration/config.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "configuration/scalar.hpp"
+#include <lcmslam/configuration/scalar.hpp>
 
 #include <algorithm>
 #include <charconv>

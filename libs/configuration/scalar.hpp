@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "configuration/config.hpp"
-#include "configuration/yaml_tree.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/configuration/yaml_tree.hpp>
 
 namespace lcmslam {
 

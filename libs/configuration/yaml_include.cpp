@@ -6,8 +6,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "configuration/config.hpp"
-#include "configuration/yaml_tree.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/configuration/yaml_tree.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,12 +1,11 @@
-#include "configuration/yaml_tree.hpp"
+#include <lcmslam/configuration/yaml_tree.hpp>
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
-
 #include <map>
 #include <sstream>
 
-#include "configuration/config.hpp"
+#include <lcmslam/configuration/config.hpp>
 
 namespace lcmslam {
 namespace {

@@ -14,9 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/trajectory.hpp"
-#include "imaging/calibration.hpp"
-#include "imaging/rgbd_frame.hpp"
+#include <lcmslam/evaluation/trajectory.hpp>
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/imaging/rgbd_frame.hpp>
 
 namespace lcmslam {
 

@@ -1,9 +1,10 @@
-#include "datasets/description.hpp"
+#include <lcmslam/datasets/description.hpp>
 
 #include <algorithm>
 
-#include "datasets/numbered_files.hpp"
-#include "datasets/readers.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/datasets/numbered_files.hpp>
+#include <lcmslam/datasets/readers.hpp>
 
 namespace lcmslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/dataset.hpp"
+#include <lcmslam/datasets/dataset.hpp>
 
 namespace lcmslam {
 

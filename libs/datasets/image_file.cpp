@@ -1,4 +1,4 @@
-#include "datasets/image_file.hpp"
+#include <lcmslam/datasets/image_file.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "imaging/codec.hpp"
-#include "imaging/jpeg.hpp"
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/imaging/io/jpeg.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,8 +4,9 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
-#include "imaging/calibration.hpp"
-#include "imaging/rgbd_frame.hpp"
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/imaging/rgbd_frame.hpp>
 
 namespace lcmslam {
 

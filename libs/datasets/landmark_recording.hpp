@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "configuration/config.hpp"
-#include "datasets/dataset.hpp"
-#include "geometry/motion_buffer.hpp"
-#include "odometry/twist_odometry.hpp"
-#include "surf/feature.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/geometry/motion_buffer.hpp>
+#include <lcmslam/odometry/twist_odometry.hpp>
 
 namespace lcmslam {
 

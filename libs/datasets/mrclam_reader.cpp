@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/landmark_recording.hpp"
-#include "datasets/text_rows.hpp"
+#include <lcmslam/datasets/landmark_recording.hpp>
+#include <lcmslam/datasets/text_rows.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "datasets/numbered_files.hpp"
+#include <lcmslam/datasets/numbered_files.hpp>
 
 #include <algorithm>
 #include <cstdlib>

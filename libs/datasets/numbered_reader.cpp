@@ -4,10 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "datasets/numbered_files.hpp"
-#include "datasets/pose_files.hpp"
-#include "datasets/readers.hpp"
-#include "datasets/text_rows.hpp"
+#include <lcmslam/datasets/numbered_files.hpp>
+#include <lcmslam/datasets/pose_files.hpp>
+#include <lcmslam/datasets/readers.hpp>
+#include <lcmslam/datasets/text_rows.hpp>
 
 namespace lcmslam {
 namespace {

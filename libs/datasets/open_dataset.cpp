@@ -1,10 +1,12 @@
 #include <set>
 
-#include "datasets/dataset.hpp"
-#include "datasets/description.hpp"
-#include "datasets/image_file.hpp"
-#include "datasets/readers.hpp"
-#include "imaging/codec.hpp"
+#include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/datasets/description.hpp>
+#include <lcmslam/datasets/image_file.hpp>
+#include <lcmslam/datasets/readers.hpp>
+#include <lcmslam/imaging/io/calibration_file.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,5 +1,5 @@
-#include "datasets/description.hpp"
-#include "datasets/landmark_recording.hpp"
+#include <lcmslam/datasets/description.hpp>
+#include <lcmslam/datasets/landmark_recording.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,9 +1,9 @@
-#include "datasets/pose_files.hpp"
+#include <lcmslam/datasets/pose_files.hpp>
 
 #include <Eigen/SVD>
 #include <cmath>
 
-#include "datasets/text_rows.hpp"
+#include <lcmslam/datasets/text_rows.hpp>
 
 namespace lcmslam {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/recording.hpp"
+#include <lcmslam/datasets/recording.hpp>
 
 namespace lcmslam {
 

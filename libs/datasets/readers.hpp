@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "datasets/description.hpp"
-#include "datasets/recording.hpp"
+#include <lcmslam/datasets/description.hpp>
+#include <lcmslam/datasets/recording.hpp>
 
 namespace lcmslam {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/dataset.hpp"
+#include <lcmslam/datasets/dataset.hpp>
 
 namespace lcmslam {
 

@@ -1,11 +1,11 @@
-#include "datasets/text_rows.hpp"
+#include <lcmslam/datasets/text_rows.hpp>
 
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 
-#include "datasets/dataset.hpp"
+#include <lcmslam/datasets/dataset.hpp>
 
 namespace lcmslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <tuple>
 
-#include "datasets/pose_files.hpp"
-#include "datasets/readers.hpp"
-#include "datasets/text_rows.hpp"
+#include <lcmslam/datasets/pose_files.hpp>
+#include <lcmslam/datasets/readers.hpp>
+#include <lcmslam/datasets/text_rows.hpp>
 
 namespace lcmslam {
 namespace {

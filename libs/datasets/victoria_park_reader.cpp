@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "datasets/landmark_recording.hpp"
-#include "datasets/text_rows.hpp"
+#include <lcmslam/datasets/landmark_recording.hpp>
+#include <lcmslam/datasets/text_rows.hpp>
 
 namespace lcmslam {
 namespace {

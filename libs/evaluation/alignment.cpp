@@ -3,7 +3,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-#include "evaluation/trajectory_error.hpp"
+#include <lcmslam/evaluation/trajectory_error.hpp>
 
 namespace lcmslam {
 namespace {

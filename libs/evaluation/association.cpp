@@ -5,7 +5,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "evaluation/trajectory_error.hpp"
+#include <lcmslam/evaluation/trajectory_error.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "evaluation/clock_offset.hpp"
+#include <lcmslam/evaluation/clock_offset.hpp>
 
 #include <algorithm>
 #include <cmath>

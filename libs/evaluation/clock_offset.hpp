@@ -2,7 +2,7 @@
 // A constant difference between the clock of the truth and the clock of an estimate, found from the two
 // motions themselves.
 
-#include "evaluation/trajectory_error.hpp"
+#include <lcmslam/evaluation/trajectory_error.hpp>
 
 namespace lcmslam {
 

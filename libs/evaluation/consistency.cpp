@@ -1,4 +1,4 @@
-#include "evaluation/consistency.hpp"
+#include <lcmslam/evaluation/consistency.hpp>
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -9,7 +9,7 @@
 
 #include <optional>
 
-#include "evaluation/trajectory_error.hpp"
+#include <lcmslam/evaluation/trajectory_error.hpp>
 
 namespace lcmslam {
 

@@ -1,10 +1,10 @@
-#include "evaluation/plot_frame.hpp"
+#include <lcmslam/evaluation/plot_frame.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "evaluation/table.hpp"
+#include <lcmslam/evaluation/table.hpp>
 
 namespace lcmslam {
 namespace {

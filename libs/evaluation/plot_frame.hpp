@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "evaluation/plot_surface.hpp"
-#include "evaluation/trajectory_plot.hpp"
+#include <lcmslam/evaluation/plot_surface.hpp>
+#include <lcmslam/evaluation/trajectory_plot.hpp>
 
 namespace lcmslam {
 

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "evaluation/plot_surface.hpp"
+#include <lcmslam/evaluation/plot_surface.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "evaluation/surface_error.hpp"
+#include <lcmslam/evaluation/surface_error.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-#include "evaluation/plot_surface.hpp"
-#include "evaluation/table.hpp"
+#include <lcmslam/evaluation/plot_surface.hpp>
+#include <lcmslam/evaluation/table.hpp>
 
 namespace lcmslam {
 namespace {

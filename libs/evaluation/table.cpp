@@ -1,4 +1,4 @@
-#include "evaluation/table.hpp"
+#include <lcmslam/evaluation/table.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "evaluation/trajectory.hpp"
+#include <lcmslam/evaluation/trajectory.hpp>
 
 #include <algorithm>
 

@@ -1,11 +1,11 @@
-#include "evaluation/trajectory_error.hpp"
+#include <lcmslam/evaluation/trajectory_error.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
-#include "evaluation/consistency.hpp"
+#include <lcmslam/evaluation/consistency.hpp>
 
 namespace lcmslam {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/trajectory.hpp"
+#include <lcmslam/evaluation/trajectory.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "evaluation/trajectory_plot.hpp"
+#include <lcmslam/evaluation/trajectory_plot.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "evaluation/plot_frame.hpp"
+#include <lcmslam/evaluation/plot_frame.hpp>
 
 namespace lcmslam {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/trajectory.hpp"
+#include <lcmslam/evaluation/trajectory.hpp>
 
 namespace lcmslam {
 

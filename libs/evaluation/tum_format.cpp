@@ -9,7 +9,7 @@
 #include <istream>
 #include <ostream>
 
-#include "evaluation/trajectory.hpp"
+#include <lcmslam/evaluation/trajectory.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "evaluation/wall_error.hpp"
+#include <lcmslam/evaluation/wall_error.hpp>
 
 #include <algorithm>
 #include <array>

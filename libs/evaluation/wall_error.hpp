@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "evaluation/surface_error.hpp"
-#include "geometry/transform.hpp"
+#include <lcmslam/evaluation/surface_error.hpp>
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

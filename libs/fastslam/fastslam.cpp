@@ -1,11 +1,11 @@
-#include "fastslam/fastslam.hpp"
+#include <lcmslam/fastslam/fastslam.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "fastslam/existence.hpp"
-#include "fastslam/motion_model.hpp"
-#include "fastslam/resampling.hpp"
+#include <lcmslam/fastslam/landmarks/existence.hpp>
+#include <lcmslam/fastslam/motion_model.hpp>
+#include <lcmslam/fastslam/resampling.hpp>
 
 namespace lcmslam {
 namespace {

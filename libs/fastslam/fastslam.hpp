@@ -22,14 +22,14 @@
 #include <utility>
 #include <vector>
 
-#include "fastslam/frame_association.hpp"
-#include "fastslam/map_smoother.hpp"
-#include "fastslam/odometry_calibration.hpp"
-#include "fastslam/path_smoother.hpp"
-#include "fastslam/proposal.hpp"
-#include "fastslam/publication.hpp"
-#include "fastslam/settings.hpp"
-#include "fastslam/shared_error.hpp"
+#include <lcmslam/fastslam/association/frame_association.hpp>
+#include <lcmslam/fastslam/landmarks/publication.hpp>
+#include <lcmslam/fastslam/odometry_calibration.hpp>
+#include <lcmslam/fastslam/proposal.hpp>
+#include <lcmslam/fastslam/settings.hpp>
+#include <lcmslam/fastslam/smoothing/map_smoother.hpp>
+#include <lcmslam/fastslam/smoothing/path_smoother.hpp>
+#include <lcmslam/fastslam/smoothing/shared_error.hpp>
 
 namespace lcmslam {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fastslam/fastslam.hpp"
-#include "fastslam/pose_space.hpp"
-#include "fastslam/resampling.hpp"
-#include "surf/kernel_set.hpp"
+#include <lcmslam/fastslam/fastslam.hpp>
+#include <lcmslam/fastslam/pose_space.hpp>
+#include <lcmslam/fastslam/resampling.hpp>
+#include <lcmslam/parallel/rows.hpp>
 
 namespace lcmslam {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include "fastslam/fastslam.hpp"
-#include "fastslam/motion_model.hpp"
-#include "fastslam/pose_space.hpp"
+#include <lcmslam/fastslam/fastslam.hpp>
+#include <lcmslam/fastslam/motion_model.hpp>
+#include <lcmslam/fastslam/pose_space.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,8 +1,8 @@
-#include "fastslam/motion_model.hpp"
+#include <lcmslam/fastslam/motion_model.hpp>
 
 #include <cmath>
 
-#include "fastslam/pose_space.hpp"
+#include <lcmslam/fastslam/pose_space.hpp>
 
 namespace lcmslam {
 namespace {

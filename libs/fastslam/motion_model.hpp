@@ -1,8 +1,8 @@
 #pragma once
 // The prior of a step: how far the robot moved, and how well that is known.
 
-#include "fastslam/settings.hpp"
-#include "geometry/motion_buffer.hpp"
+#include <lcmslam/fastslam/settings.hpp>
+#include <lcmslam/geometry/motion_buffer.hpp>
 
 namespace lcmslam {
 

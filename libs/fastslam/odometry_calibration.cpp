@@ -1,4 +1,4 @@
-#include "fastslam/odometry_calibration.hpp"
+#include <lcmslam/fastslam/odometry_calibration.hpp>
 
 #include <Eigen/Cholesky>
 

@@ -10,9 +10,9 @@
 // Given the particle's path it has a closed form (Rao-Blackwell): each step's drawn motion is a measurement
 // of c. J depends on the odometry alone, so that all particles share the covariance and differ in the mean.
 
-#include "fastslam/pose_space.hpp"
-#include "fastslam/settings.hpp"
-#include "geometry/motion_buffer.hpp"
+#include <lcmslam/fastslam/pose_space.hpp>
+#include <lcmslam/fastslam/settings.hpp>
+#include <lcmslam/geometry/motion_buffer.hpp>
 
 namespace lcmslam {
 

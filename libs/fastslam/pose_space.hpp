@@ -2,7 +2,7 @@
 // Which of the six components of a pose perturbation T * exp(xi) are free: three in the plane
 // (x, y, heading), all six otherwise. Filters are written once for D = 3 and D = 6.
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

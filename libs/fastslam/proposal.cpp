@@ -1,12 +1,12 @@
-#include "fastslam/proposal.hpp"
+#include <lcmslam/fastslam/proposal.hpp>
 
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "fastslam/normal_equations.hpp"
-#include "fastslam/pose_space.hpp"
-#include "fastslam/small_cholesky.hpp"
-#include "fastslam/symmetric.hpp"
+#include <lcmslam/fastslam/landmarks/small_cholesky.hpp>
+#include <lcmslam/fastslam/landmarks/symmetric.hpp>
+#include <lcmslam/fastslam/pose_space.hpp>
+#include <lcmslam/fastslam/proposal_equations.hpp>
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // see lanes.hpp
@@ -75,7 +75,7 @@ class MeasurementProposal final : public Proposal {
     weigh_others(observed, T_prior);
     result.mean = {};
     Eigen::Isometry3d T[kLanes];
-    NormalEquations<D> normal;
+    ProposalEquations<D> normal;
     for (int iteration = 0; iteration < iterations_; ++iteration) {
       for (int k = 0; k < kLanes; ++k)
         T[k] = iteration == 0 ? T_prior[k] : T_prior[k] * se3_exp(Space::expand(lane(result.mean, k)));
@@ -114,7 +114,7 @@ class MeasurementProposal final : public Proposal {
   }
 
   // The prior's part.
-  void begin(const LaneArray& mean, NormalEquations<D>& normal) const {
+  void begin(const LaneArray& mean, ProposalEquations<D>& normal) const {
     for (std::size_t i = 0; i < D; ++i) {
       normal.gradient[i] = Lanes{};
       for (std::size_t j = 0; j < D; ++j) {
@@ -140,7 +140,7 @@ class MeasurementProposal final : public Proposal {
   }
 
   void add_others(const ObservedLanes& observed, const Eigen::Isometry3d* T,
-                  NormalEquations<D>& normal) const {
+                  ProposalEquations<D>& normal) const {
     for (const Other& other : others_)
       for (int k = 0; k < kLanes; ++k) {
         const LandmarkGaussian landmark = observed.landmarks[other.index].gaussian(k);

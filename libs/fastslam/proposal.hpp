@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "fastslam/landmark_filter.hpp"
-#include "fastslam/landmark_lanes.hpp"
-#include "fastslam/settings.hpp"
-#include "geometry/random.hpp"
-#include "geometry/transform.hpp"
+#include <lcmslam/fastslam/landmarks/landmark_filter.hpp>
+#include <lcmslam/fastslam/landmarks/landmark_lanes.hpp>
+#include <lcmslam/fastslam/settings.hpp>
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "fastslam/resampling.hpp"
+#include <lcmslam/fastslam/resampling.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "fastslam/settings.hpp"
-#include "geometry/random.hpp"
+#include <lcmslam/fastslam/settings.hpp>
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 

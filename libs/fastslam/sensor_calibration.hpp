@@ -8,7 +8,7 @@
 // map (path_smoother.hpp) from priors that belong to the sensor, and the filter takes them away from what is
 // measured next. Calibrated against a truth they would be no property of the recording.
 
-#include "fastslam/measurement_model.hpp"
+#include <lcmslam/fastslam/landmarks/measurement_model.hpp>
 
 namespace lcmslam {
 

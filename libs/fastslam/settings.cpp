@@ -1,4 +1,4 @@
-#include "fastslam/settings.hpp"
+#include <lcmslam/fastslam/settings.hpp>
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "geometry/motion_buffer.hpp"
+#include <lcmslam/geometry/motion_buffer.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

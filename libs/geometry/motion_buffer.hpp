@@ -8,7 +8,7 @@
 #include <deque>
 #include <optional>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "geometry/rigid_alignment.hpp"
+#include <lcmslam/geometry/rigid_alignment.hpp>
 
 #include <Eigen/Dense>
 #include <cmath>

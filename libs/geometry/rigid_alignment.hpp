@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

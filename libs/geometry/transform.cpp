@@ -1,4 +1,4 @@
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "imaging/depth_filter_parts.hpp"
+#include <lcmslam/imaging/depth_filter_parts.hpp>
 
 namespace lcmslam {
 namespace {

@@ -2,7 +2,8 @@
 #include <array>
 #include <cmath>
 
-#include "imaging/depth_filter_parts.hpp"
+#include <lcmslam/imaging/depth_filter_parts.hpp>
+#include <lcmslam/parallel/instruction_set.hpp>
 
 namespace lcmslam {
 namespace {
@@ -19,8 +20,10 @@ inline float weight(float difference, float inverse_width, float neighbour) {
 }
 
 /// Means of pixels and their neighbours `stride` floats apart on both sides.
-LCMSLAM_ROW_KERNEL void smooth_row(const float* row, std::ptrdiff_t stride, const float* sigma, int columns,
-                                   float width, float* result) {
+LCMSLAM_VECTORISED(smooth_row,
+                   (const float* row, std::ptrdiff_t stride, const float* sigma, int columns, float width,
+                    float* result),
+                   (row, stride, sigma, columns, width, result)) {
   for (int u = 0; u < columns; ++u) {
     const float q = row[u];
     const float inverse_width = 1.0f / (width * sigma[u]);
@@ -37,7 +40,8 @@ LCMSLAM_ROW_KERNEL void smooth_row(const float* row, std::ptrdiff_t stride, cons
   }
 }
 
-LCMSLAM_ROW_KERNEL void write_row(const float* inverse, int columns, std::uint16_t* depth) {
+LCMSLAM_VECTORISED(write_row, (const float* inverse, int columns, std::uint16_t* depth),
+                   (inverse, columns, depth)) {
   for (int u = 0; u < columns; ++u) {
     const float millimetres = std::min(65535.0f, 1000.0f / std::max(inverse[u], 0.01f) + 0.5f);
     depth[u] = depth[u] != 0 ? static_cast<std::uint16_t>(static_cast<int>(millimetres)) : std::uint16_t{0};

@@ -3,12 +3,10 @@
 // their noise. Stands with the sensor or the data set and is the same for every algorithm preset.
 
 #include <cmath>
-#include <filesystem>
 #include <string>
 
-#include "configuration/config.hpp"
-#include "geometry/transform.hpp"
-#include "imaging/camera_model.hpp"
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/imaging/camera_model.hpp>
 
 namespace lcmslam {
 
@@ -44,10 +42,5 @@ struct RgbdCalibration {
 
   void check() const;  ///< throws std::invalid_argument naming the wrong value
 };
-
-/// Reads the keys documented in config/calibration/tum_fr1.yaml; throws ConfigError naming file, line
-/// and key. load_calibration also refuses keys that it does not know.
-RgbdCalibration read_calibration(const ConfigNode& config);
-RgbdCalibration load_calibration(const std::filesystem::path& file);
 
 }  // namespace lcmslam

@@ -1,11 +1,9 @@
-#include "imaging/camera_model.hpp"
+#include <lcmslam/imaging/camera_model.hpp>
 
 #include <cmath>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
-
-#include "imaging/codec.hpp"
 
 namespace lcmslam {
 namespace {

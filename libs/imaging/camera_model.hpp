@@ -3,11 +3,16 @@
 // Camera frame: x right, y down, z forward; pixel (0, 0) is the centre of the upper left pixel.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
 namespace lcmslam {
+
+/// Larger images are refused before any memory is taken.
+constexpr int max_image_side = 8192;  ///< pixels
+constexpr std::int64_t max_image_pixels = 32 << 20;
 
 struct CameraModel {
   int width = 0;  ///< pixels

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "imaging/registration.hpp"
+#include <lcmslam/imaging/depth_registration.hpp>
 
 namespace lcmslam {
 namespace {

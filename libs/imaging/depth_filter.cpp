@@ -1,10 +1,11 @@
-#include "imaging/depth_filter.hpp"
+#include <lcmslam/imaging/depth_filter.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "imaging/depth_filter_parts.hpp"
+#include <lcmslam/imaging/depth_filter_parts.hpp>
+#include <lcmslam/parallel/instruction_set.hpp>
 
 namespace lcmslam {
 namespace {
@@ -18,8 +19,10 @@ std::unique_ptr<DepthFilterPart> make_part(const std::string& name, const DepthF
 }
 
 // d(1/z) = dz / z^2.
-LCMSLAM_ROW_KERNEL void invert_row(const std::uint16_t* depth, int columns, const DepthNoise& noise,
-                                   float* inverse, float* sigma) {
+LCMSLAM_VECTORISED(invert_row,
+                   (const std::uint16_t* depth, int columns, const DepthNoise& noise, float* inverse,
+                    float* sigma),
+                   (depth, columns, noise, inverse, sigma)) {
   const auto constant = static_cast<float>(noise.constant);
   const auto quadratic = static_cast<float>(noise.quadratic);
   const auto offset = static_cast<float>(noise.offset);
@@ -32,8 +35,9 @@ LCMSLAM_ROW_KERNEL void invert_row(const std::uint16_t* depth, int columns, cons
   }
 }
 
-LCMSLAM_ROW_KERNEL void add_amplitude_noise(const std::uint8_t* amplitude, int columns,
-                                            const DepthNoise& noise, float* sigma) {
+LCMSLAM_VECTORISED(add_amplitude_noise,
+                   (const std::uint8_t* amplitude, int columns, const DepthNoise& noise, float* sigma),
+                   (amplitude, columns, noise, sigma)) {
   const auto scale = static_cast<float>(noise.amplitude * std::sqrt(255.0));
   for (int u = 0; u < columns; ++u)
     sigma[u] += scale / std::sqrt(std::max(1.0f, static_cast<float>(amplitude[u])));

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "imaging/calibration.hpp"
+#include <lcmslam/imaging/calibration.hpp>
 
 namespace lcmslam {
 

@@ -1,8 +1,7 @@
 #pragma once
 // The parts of the depth filter, one file each.
 
-#include "imaging/depth_filter.hpp"
-#include "imaging/row_kernel.hpp"
+#include <lcmslam/imaging/depth_filter.hpp>
 
 namespace lcmslam {
 

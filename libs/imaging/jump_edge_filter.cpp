@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "imaging/depth_filter_parts.hpp"
+#include <lcmslam/imaging/depth_filter_parts.hpp>
+#include <lcmslam/parallel/instruction_set.hpp>
 
 namespace lcmslam {
 namespace {
@@ -40,8 +41,10 @@ struct RowSettings {
 };
 
 /// Sets keep[u] to 0 where a measured pixel's surface ends on both sides across some edge.
-LCMSLAM_ROW_KERNEL void judge_row(const float* const rows[2 * far_reach + 1], const float* sigma, int columns,
-                                  const RowSettings& settings, std::int32_t* keep) {
+LCMSLAM_VECTORISED(judge_row,
+                   (const float* const rows[2 * far_reach + 1], const float* sigma, int columns,
+                    const RowSettings& settings, std::int32_t* keep),
+                   (rows, sigma, columns, settings, keep)) {
   const float* row = rows[far_reach];
   const float *up1 = rows[far_reach - 1], *up2 = rows[far_reach - near_reach], *up4 = rows[0];
   const float *down1 = rows[far_reach + 1], *down2 = rows[far_reach + near_reach],

@@ -1,4 +1,4 @@
-#include "imaging/occlusion.hpp"
+#include <lcmslam/imaging/occlusion.hpp>
 
 #include <algorithm>
 #include <cmath>

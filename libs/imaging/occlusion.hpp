@@ -1,7 +1,7 @@
 #pragma once
 // Which depth points the colour camera cannot see because nearer ones stand in front of them.
 
-#include "imaging/registration.hpp"
+#include <lcmslam/imaging/depth_registration.hpp>
 
 namespace lcmslam {
 

@@ -1,44 +1,13 @@
 #pragma once
-// One shot of the camera head, as it travels (encoded) and as algorithms use it (decoded).
+// One shot of the camera head as algorithms use it.
 
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <stdexcept>
 #include <string>
-#include <vector>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
-
-/// How an image's bytes are coded on the wire.
-enum class ImageCoding {
-  none,        ///< no image
-  jpeg,        ///< colour
-  raw_bgr,     ///< colour, 8-bit, rows back to back
-  raw_rgb,     ///< the same, red first
-  raw_gray,    ///< 8-bit
-  depth_zlib,  ///< 16-bit little-endian millimetres along the optical axis, 0 = invalid, zlib
-  depth_raw,   ///< the same without zlib
-  gray_zlib    ///< 8-bit amplitude, zlib
-};
-
-struct EncodedImage {
-  Utime utime = 0;  ///< when this image was taken, on its own camera's clock
-  int width = 0;
-  int height = 0;
-  ImageCoding coding = ImageCoding::none;
-  std::vector<std::uint8_t> bytes;
-};
-
-struct EncodedFrame {
-  Utime utime = 0;  ///< of the colour image
-  std::int64_t seq = 0;
-  std::string sensor;
-  EncodedImage colour;
-  EncodedImage depth;
-  EncodedImage amplitude;  ///< of the depth camera, may be absent
-};
 
 struct RgbdFrame {
   Utime utime = 0;        ///< of the colour image
@@ -48,12 +17,6 @@ struct RgbdFrame {
   cv::Mat colour;     ///< CV_8UC3 BGR
   cv::Mat depth;      ///< CV_16UC1 millimetres along the optical axis, 0 = invalid
   cv::Mat amplitude;  ///< CV_8UC1 of the depth camera, or empty
-};
-
-/// An image's bytes that do not decode: names what is wrong.
-class CodecError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 }  // namespace lcmslam

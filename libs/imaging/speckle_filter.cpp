@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "imaging/depth_filter_parts.hpp"
+#include <lcmslam/imaging/depth_filter_parts.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "log/channel_history.hpp"
+#include <lcmslam/log/channel_history.hpp>
 
 #include <cstring>
 

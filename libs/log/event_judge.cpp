@@ -1,4 +1,4 @@
-#include "log/event_judge.hpp"
+#include <lcmslam/log/event_judge.hpp>
 
 namespace lcmslam {
 

@@ -11,8 +11,8 @@
 #include <optional>
 #include <string>
 
-#include "log/channel_history.hpp"
-#include "log/log_format.hpp"
+#include <lcmslam/log/channel_history.hpp>
+#include <lcmslam/log/log_format.hpp>
 
 namespace lcmslam {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

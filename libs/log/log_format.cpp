@@ -1,4 +1,4 @@
-#include "log/log_format.hpp"
+#include <lcmslam/log/log_format.hpp>
 
 #include <algorithm>
 #include <cstring>

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "log/log_event.hpp"
+#include <lcmslam/log/log_event.hpp>
 
 namespace lcmslam::log_format {
 

@@ -1,10 +1,9 @@
-#include "log/log_reader.hpp"
+#include <lcmslam/log/log_reader.hpp>
 
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "log/event_judge.hpp"
+#include <lcmslam/log/event_judge.hpp>
 
 namespace lcmslam {
 

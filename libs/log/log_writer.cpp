@@ -1,13 +1,12 @@
-#include "log/log_writer.hpp"
+#include <lcmslam/log/log_writer.hpp>
 
 #include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
-#include "log/log_format.hpp"
+#include <lcmslam/log/log_format.hpp>
 
 namespace lcmslam {
 

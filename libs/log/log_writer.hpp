@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "log/log_event.hpp"
+#include <lcmslam/log/log_event.hpp>
 
 namespace lcmslam {
 

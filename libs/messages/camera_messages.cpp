@@ -1,10 +1,11 @@
-#include "messages/camera_messages.hpp"
+#include <lcmslam/messages/camera_messages.hpp>
 
-#include "imaging/codec.hpp"
-#include "imaging/registration.hpp"
-#include "messages/decode.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/origin.hpp"
+#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/origin.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
 #include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/images_t.hpp>
-
-#include "imaging/calibration.hpp"
-#include "imaging/rgbd_frame.hpp"
-#include "messages/schema.hpp"
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/imaging/rgbd_frame.hpp>
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 

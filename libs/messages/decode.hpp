@@ -1,7 +1,7 @@
 #pragma once
 // The only way a message's bytes become a message.
 
-#include "messages/schema.hpp"
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <set>
 
-#include "messages/schema.hpp"
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "messages/print_message.hpp"
+#include <lcmslam/messages/print_message.hpp>
 
 namespace lcmslam {
 namespace {

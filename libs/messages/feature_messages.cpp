@@ -1,9 +1,9 @@
-#include "messages/feature_messages.hpp"
+#include <lcmslam/messages/feature_messages.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "messages/geometry_messages.hpp"
+#include <lcmslam/messages/geometry_messages.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,8 +1,7 @@
 #pragma once
+#include <lcmslam/features/feature.hpp>
 #include <lcmslam/features_t.hpp>
-
-#include "messages/schema.hpp"
-#include "surf/feature.hpp"
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 

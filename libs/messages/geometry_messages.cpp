@@ -1,4 +1,4 @@
-#include "messages/geometry_messages.hpp"
+#include <lcmslam/messages/geometry_messages.hpp>
 
 #include <cmath>
 

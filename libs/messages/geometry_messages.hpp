@@ -1,8 +1,7 @@
 #pragma once
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/messages/schema.hpp>
 #include <lcmslam/rigid_transform_t.hpp>
-
-#include "geometry/transform.hpp"
-#include "messages/schema.hpp"
 
 namespace lcmslam {
 

@@ -1,9 +1,10 @@
-#include "messages/map_messages.hpp"
+#include <lcmslam/messages/map_messages.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "messages/geometry_messages.hpp"
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
 
 namespace lcmslam {
 namespace {

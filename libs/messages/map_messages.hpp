@@ -3,10 +3,9 @@
 #include <lcmslam/keyframe_t.hpp>
 #include <lcmslam/landmark_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
-
-#include "mapping/dense_map.hpp"
-#include "mapping/landmark_map.hpp"
-#include "messages/schema.hpp"
+#include <lcmslam/map_store/dense_map.hpp>
+#include <lcmslam/map_store/landmark_map.hpp>
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 

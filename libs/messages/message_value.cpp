@@ -1,10 +1,10 @@
-#include "messages/message_value.hpp"
+#include <lcmslam/messages/message_value.hpp>
 
 #include <algorithm>
 #include <limits>
 #include <optional>
 
-#include "messages/wire_reader.hpp"
+#include <lcmslam/messages/wire_reader.hpp>
 
 namespace lcmslam {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "messages/origin.hpp"
-#include "messages/schema.hpp"
+#include <lcmslam/messages/origin.hpp>
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 

@@ -1,9 +1,9 @@
-#include "messages/motion_messages.hpp"
+#include <lcmslam/messages/motion_messages.hpp>
 
 #include <algorithm>
 #include <limits>
 
-#include "messages/geometry_messages.hpp"
+#include <lcmslam/messages/geometry_messages.hpp>
 
 namespace lcmslam {
 

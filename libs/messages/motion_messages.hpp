@@ -1,14 +1,13 @@
 #pragma once
 #include <lcmslam/encoders_t.hpp>
+#include <lcmslam/geometry/motion_buffer.hpp>
 #include <lcmslam/ground_truth_t.hpp>
+#include <lcmslam/messages/schema.hpp>
+#include <lcmslam/odometry/encoders.hpp>
+#include <lcmslam/odometry/twist_odometry.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/twist_t.hpp>
-
-#include "geometry/motion_buffer.hpp"
-#include "messages/schema.hpp"
-#include "odometry/encoders.hpp"
-#include "odometry/twist_odometry.hpp"
 
 namespace lcmslam {
 

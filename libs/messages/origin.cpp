@@ -1,4 +1,4 @@
-#include "messages/origin.hpp"
+#include <lcmslam/messages/origin.hpp>
 
 #include <optional>
 

@@ -2,9 +2,10 @@
 // Who sent a message and its number: fields seq and sender, or for CAMERA (wire-compatible with
 // bot_core, which has neither) metadata of the first image.
 
-#include <lcmslam/images_t.hpp>
 #include <string>
 #include <type_traits>
+
+#include <lcmslam/images_t.hpp>
 
 namespace lcmslam {
 

@@ -1,9 +1,9 @@
-#include "messages/parts.hpp"
+#include <lcmslam/messages/parts.hpp>
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "messages/schema.hpp"
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,13 +4,13 @@
 
 #include <cstdint>
 #include <deque>
-#include <lcmslam/part_t.hpp>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/part_t.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "messages/print_message.hpp"
+#include <lcmslam/messages/print_message.hpp>
 
 #include <charconv>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "messages/message_value.hpp"
+#include <lcmslam/messages/message_value.hpp>
 
 namespace lcmslam {
 

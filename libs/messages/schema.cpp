@@ -1,6 +1,6 @@
-#include "messages/schema.hpp"
+#include <lcmslam/messages/schema.hpp>
 
-#include "messages/wire_reader.hpp"
+#include <lcmslam/messages/wire_reader.hpp>
 
 namespace lcmslam {
 namespace {

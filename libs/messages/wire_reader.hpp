@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "messages/schema.hpp"
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "odometry/motion_noise.hpp"
+#include <lcmslam/odometry/motion_noise.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "geometry/motion_buffer.hpp"
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/motion_buffer.hpp>
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "odometry/twist_odometry.hpp"
+#include <lcmslam/odometry/twist_odometry.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "geometry/motion_buffer.hpp"
-#include "odometry/wheel_noise.hpp"
+#include <lcmslam/geometry/motion_buffer.hpp>
+#include <lcmslam/odometry/wheel_noise.hpp>
 
 namespace lcmslam {
 

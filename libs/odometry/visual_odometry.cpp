@@ -1,4 +1,4 @@
-#include "odometry/visual_odometry.hpp"
+#include <lcmslam/odometry/visual_odometry.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "geometry/motion_buffer.hpp"
-#include "geometry/random.hpp"
-#include "surf/feature.hpp"
-#include "surf/matching.hpp"
-#include "surf/rigid_ransac.hpp"
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/features/matching.hpp>
+#include <lcmslam/features/rigid_ransac.hpp>
+#include <lcmslam/geometry/motion_buffer.hpp>
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "odometry/wheel_kinematics.hpp"
+#include <lcmslam/odometry/wheel_kinematics.hpp>
 
 #include <Eigen/SVD>
 #include <algorithm>

@@ -8,8 +8,8 @@
 
 #include <vector>
 
-#include "odometry/encoders.hpp"
-#include "odometry/wheel_noise.hpp"
+#include <lcmslam/odometry/encoders.hpp>
+#include <lcmslam/odometry/wheel_noise.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "odometry/wheel_noise.hpp"
+#include <lcmslam/odometry/wheel_noise.hpp>
 
 #include <cmath>
 #include <stdexcept>

@@ -7,7 +7,7 @@
 // that has the same size at `scale_length` (`scale_angle`): variance k^2 * scale_length * d. That
 // overstates it on shorter ways and understates it on longer ones, which a map corrects.
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

@@ -1,11 +1,11 @@
-#include "odometry/wheel_odometry.hpp"
+#include <lcmslam/odometry/wheel_odometry.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
-#include "odometry/wheel_kinematics.hpp"
+#include <lcmslam/odometry/wheel_kinematics.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "geometry/motion_buffer.hpp"
-#include "odometry/encoders.hpp"
-#include "odometry/wheel_noise.hpp"
+#include <lcmslam/geometry/motion_buffer.hpp>
+#include <lcmslam/odometry/encoders.hpp>
+#include <lcmslam/odometry/wheel_noise.hpp>
 
 namespace lcmslam {
 

@@ -1,7 +1,6 @@
-#include "runtime/inputs.hpp"
+#include <lcmslam/runtime/inputs.hpp>
 
 #include <spdlog/spdlog.h>
-
 #include <algorithm>
 
 namespace lcmslam {

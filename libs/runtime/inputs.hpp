@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "geometry/transform.hpp"
-#include "messages/decode.hpp"
-#include "messages/origin.hpp"
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/origin.hpp>
 
 namespace lcmslam {
 

@@ -1,14 +1,13 @@
-#include "runtime/lcm_bus.hpp"
+#include <lcmslam/runtime/lcm_bus.hpp>
 
 #include <spdlog/spdlog.h>
-
 #include <cstdlib>
 #include <ctime>
 #include <limits>
 #include <random>
 #include <utility>
 
-#include "runtime/machine.hpp"
+#include <lcmslam/runtime/machine.hpp>
 
 namespace lcmslam {
 namespace {

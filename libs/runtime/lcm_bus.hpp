@@ -8,9 +8,9 @@
 #include <lcm/lcm-cpp.hpp>
 #include <thread>
 
-#include "messages/parts.hpp"
-#include "runtime/inputs.hpp"
-#include "runtime/publisher.hpp"
+#include <lcmslam/messages/parts.hpp>
+#include <lcmslam/runtime/inputs.hpp>
+#include <lcmslam/runtime/publisher.hpp>
 
 namespace lcmslam {
 

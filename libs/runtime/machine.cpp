@@ -1,10 +1,9 @@
-#include "runtime/machine.hpp"
+#include <lcmslam/runtime/machine.hpp>
 
 #include <malloc.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "geometry/motion_buffer.hpp"
+#include <lcmslam/geometry/motion_buffer.hpp>
 
 namespace lcmslam {
 

@@ -3,12 +3,12 @@
 // publisher, one handler a message. The same class runs live, in batch and in tests.
 
 #include <chrono>
-#include <lcmslam/command_t.hpp>
 #include <optional>
 
-#include "configuration/config.hpp"
-#include "runtime/inputs.hpp"
-#include "runtime/publisher.hpp"
+#include <lcmslam/command_t.hpp>
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/runtime/inputs.hpp>
+#include <lcmslam/runtime/publisher.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "runtime/options.hpp"
+#include <lcmslam/runtime/options.hpp>
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>

@@ -1,8 +1,7 @@
-#include "runtime/private_bus.hpp"
+#include <lcmslam/runtime/private_bus.hpp>
 
 #include <sched.h>
 #include <unistd.h>
-
 #include <cstdlib>
 #include <fstream>
 #include <string>

@@ -1,15 +1,14 @@
-#include "runtime/process.hpp"
+#include <lcmslam/runtime/process.hpp>
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-
 #include <iostream>
 
-#include "runtime/lcm_bus.hpp"
-#include "runtime/machine.hpp"
-#include "runtime/options.hpp"
-#include "runtime/status_reporter.hpp"
-#include "runtime/stop_signal.hpp"
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/machine.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/status_reporter.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
 
 namespace lcmslam {
 namespace {

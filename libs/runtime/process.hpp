@@ -4,8 +4,8 @@
 #include <functional>
 #include <memory>
 
-#include "configuration/config.hpp"
-#include "runtime/node.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/runtime/node.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "runtime/publisher.hpp"
+#include <lcmslam/runtime/publisher.hpp>
 
 namespace lcmslam {
 

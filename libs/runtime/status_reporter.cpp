@@ -1,12 +1,11 @@
-#include "runtime/status_reporter.hpp"
+#include <lcmslam/runtime/status_reporter.hpp>
 
 #include <fmt/format.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/machine.hpp"
+#include <lcmslam/runtime/machine.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,9 @@
 #pragma once
 // Gathers STATUS.
 
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/node.hpp>
 #include <lcmslam/status_t.hpp>
-
-#include "runtime/lcm_bus.hpp"
-#include "runtime/node.hpp"
 
 namespace lcmslam {
 

@@ -1,7 +1,6 @@
-#include "runtime/stop_signal.hpp"
+#include <lcmslam/runtime/stop_signal.hpp>
 
 #include <unistd.h>
-
 #include <csignal>
 
 namespace lcmslam {

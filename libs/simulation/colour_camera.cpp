@@ -1,10 +1,10 @@
-#include "simulation/colour_camera.hpp"
+#include <lcmslam/simulation/colour_camera.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/rows.hpp"
-#include "simulation/surface.hpp"
+#include <lcmslam/parallel/rows.hpp>
+#include <lcmslam/simulation/surface.hpp>
 
 namespace lcmslam {
 
@@ -33,8 +33,8 @@ cv::Mat ColourCamera::render(const Eigen::Isometry3d& T_world_camera, const Vect
   const auto last = static_cast<std::uint64_t>(size.area());
   const float gain = 1 + static_cast<float>(sensor_.gain_sigma) * PixelNoise::normal(noise.bits(last));
   const Eigen::Isometry3f T = T_world_camera.cast<float>();
-  for_rows(size.height, threads, [&](int row) { trace_row(row, T, gain, sharp, depth); });
-  for_rows(size.height, threads, [&](int row) {
+  interleaved_rows(size.height, threads, [&](int row) { trace_row(row, T, gain, sharp, depth); });
+  interleaved_rows(size.height, threads, [&](int row) {
     blur_row(row, velocity, sharp, depth, image);
     noise_row(row, noise, image);
   });

@@ -1,10 +1,10 @@
-#include "simulation/depth_camera.hpp"
+#include <lcmslam/simulation/depth_camera.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/rows.hpp"
-#include "simulation/surface.hpp"
+#include <lcmslam/parallel/rows.hpp>
+#include <lcmslam/simulation/surface.hpp>
 
 namespace lcmslam {
 
@@ -20,8 +20,8 @@ cv::Mat DepthCamera::render(const Eigen::Isometry3d& T_world_camera, const Pixel
                             int threads) const {
   cv::Mat exact(camera_.height, camera_.width, CV_32FC2), depth(camera_.height, camera_.width, CV_16UC1);
   const Eigen::Isometry3f T = T_world_camera.cast<float>();
-  for_rows(camera_.height, threads, [&](int row) { trace_row(row, T, exact); });
-  for_rows(camera_.height, threads, [&](int row) { measure_row(row, exact, noise, depth); });
+  interleaved_rows(camera_.height, threads, [&](int row) { trace_row(row, T, exact); });
+  interleaved_rows(camera_.height, threads, [&](int row) { measure_row(row, exact, noise, depth); });
   return depth;
 }
 

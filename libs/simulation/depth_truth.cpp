@@ -1,4 +1,4 @@
-#include "simulation/depth_truth.hpp"
+#include <lcmslam/simulation/depth_truth.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "simulation/rows.hpp"
-#include "simulation/surface.hpp"
+#include <lcmslam/parallel/rows.hpp>
+#include <lcmslam/simulation/surface.hpp>
 
 namespace lcmslam {
 namespace {
@@ -122,7 +122,7 @@ cv::Mat DepthTruth::classify(const cv::Mat& depth, const cv::Mat& amplitude,
   cv::Mat classes(size, CV_8UC1, cv::Scalar(0));
   if (gap != nullptr) *gap = cv::Mat(size, CV_32FC1, cv::Scalar(nothing));
   const Eigen::Isometry3f T = T_world_camera.cast<float>();
-  for_rows(size.height, threads, [&](int v) {
+  interleaved_rows(size.height, threads, [&](int v) {
     std::vector<Hit> rows(static_cast<std::size_t>(split_ * rays_.cols));
     std::vector<Hit> pixel(static_cast<std::size_t>(split_ * split_));
     for (int k = 0; k < split_; ++k) trace_row(split_ * v + k, T, rows.data() + k * rays_.cols);

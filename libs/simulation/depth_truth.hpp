@@ -5,11 +5,11 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "geometry/transform.hpp"
-#include "imaging/camera_model.hpp"
-#include "simulation/depth_camera.hpp"
-#include "simulation/ray_caster.hpp"
-#include "simulation/tof_camera.hpp"
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/imaging/camera_model.hpp>
+#include <lcmslam/simulation/depth_camera.hpp>
+#include <lcmslam/simulation/ray_caster.hpp>
+#include <lcmslam/simulation/tof_camera.hpp>
 
 namespace lcmslam {
 

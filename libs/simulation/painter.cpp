@@ -1,4 +1,4 @@
-#include "simulation/painter.hpp"
+#include <lcmslam/simulation/painter.hpp>
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 

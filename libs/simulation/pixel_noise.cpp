@@ -1,9 +1,9 @@
-#include "simulation/pixel_noise.hpp"
+#include <lcmslam/simulation/pixel_noise.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 namespace {

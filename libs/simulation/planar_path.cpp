@@ -1,4 +1,4 @@
-#include "simulation/planar_path.hpp"
+#include <lcmslam/simulation/planar_path.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

@@ -1,7 +1,6 @@
-#include "simulation/ray_caster.hpp"
+#include <lcmslam/simulation/ray_caster.hpp>
 
 #include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>

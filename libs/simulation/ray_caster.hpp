@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "simulation/scene.hpp"
+#include <lcmslam/simulation/scene.hpp>
 
 namespace lcmslam {
 

@@ -1,13 +1,13 @@
-#include "simulation/scene.hpp"
+#include <lcmslam/simulation/scene.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "geometry/transform.hpp"
-#include "simulation/painter.hpp"
-#include "simulation/shapes.hpp"
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/simulation/painter.hpp>
+#include <lcmslam/simulation/shapes.hpp>
 
 namespace lcmslam {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "configuration/config.hpp"
-#include "simulation/texture.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/simulation/texture.hpp>
 
 namespace lcmslam {
 

@@ -1,10 +1,10 @@
-#include "simulation/sensor_head.hpp"
+#include <lcmslam/simulation/sensor_head.hpp>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "simulation/depth_camera.hpp"
-#include "simulation/tof_camera.hpp"
+#include <lcmslam/simulation/depth_camera.hpp>
+#include <lcmslam/simulation/tof_camera.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,11 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "imaging/calibration.hpp"
-#include "imaging/rgbd_frame.hpp"
-#include "simulation/depth_truth.hpp"
-#include "simulation/pixel_noise.hpp"
-#include "simulation/ray_caster.hpp"
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/rgbd_frame.hpp>
+#include <lcmslam/simulation/depth_truth.hpp>
+#include <lcmslam/simulation/pixel_noise.hpp>
+#include <lcmslam/simulation/ray_caster.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "simulation/shapes.hpp"
+#include <lcmslam/simulation/shapes.hpp>
 
 #include <cmath>
 

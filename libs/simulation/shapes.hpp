@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "simulation/scene.hpp"
+#include <lcmslam/simulation/scene.hpp>
 
 namespace lcmslam {
 

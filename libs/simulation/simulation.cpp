@@ -1,14 +1,14 @@
-#include "simulation/simulation.hpp"
+#include <lcmslam/simulation/simulation.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "geometry/random.hpp"
-#include "simulation/colour_camera.hpp"
-#include "simulation/planar_path.hpp"
-#include "simulation/sensor_head.hpp"
-#include "simulation/wheel_base.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/simulation/colour_camera.hpp>
+#include <lcmslam/simulation/planar_path.hpp>
+#include <lcmslam/simulation/sensor_head.hpp>
+#include <lcmslam/simulation/wheel_base.hpp>
 
 namespace lcmslam {
 namespace {

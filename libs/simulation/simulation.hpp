@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
-#include "imaging/calibration.hpp"
-#include "imaging/rgbd_frame.hpp"
-#include "odometry/encoders.hpp"
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/rgbd_frame.hpp>
+#include <lcmslam/odometry/encoders.hpp>
 
 namespace lcmslam {
 

@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "simulation/ray_caster.hpp"
-#include "simulation/scene.hpp"
+#include <lcmslam/simulation/ray_caster.hpp>
+#include <lcmslam/simulation/scene.hpp>
 
 namespace lcmslam {
 

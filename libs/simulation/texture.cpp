@@ -1,4 +1,4 @@
-#include "simulation/texture.hpp"
+#include <lcmslam/simulation/texture.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "simulation/tof_camera.hpp"
+#include <lcmslam/simulation/tof_camera.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
-#include "simulation/rows.hpp"
-#include "simulation/surface.hpp"
+#include <lcmslam/parallel/rows.hpp>
+#include <lcmslam/simulation/surface.hpp>
 
 namespace lcmslam {
 namespace {
@@ -35,7 +35,7 @@ TofImage TofCamera::render(const Eigen::Isometry3d& T_world_camera, const PixelN
   const cv::Size size(camera_.width, camera_.height);
   TofImage image{cv::Mat(size, CV_16UC1), cv::Mat(size, CV_8UC1), cv::Mat(size, CV_32FC1)};
   const Eigen::Isometry3f T = T_world_camera.cast<float>();
-  for_rows(size.height, threads, [&](int row) {
+  interleaved_rows(size.height, threads, [&](int row) {
     std::vector<Echo> sub_rows[split];
     for (int k = 0; k < split; ++k) trace_row(split * row + k, T, sub_rows[k]);
     measure_row(row, sub_rows, noise, image);

@@ -7,10 +7,10 @@
 
 #include <opencv2/core.hpp>
 
-#include "geometry/transform.hpp"
-#include "imaging/camera_model.hpp"
-#include "simulation/pixel_noise.hpp"
-#include "simulation/ray_caster.hpp"
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/imaging/camera_model.hpp>
+#include <lcmslam/simulation/pixel_noise.hpp>
+#include <lcmslam/simulation/ray_caster.hpp>
 
 namespace lcmslam {
 

@@ -1,10 +1,10 @@
-#include "simulation/wheel_base.hpp"
+#include <lcmslam/simulation/wheel_base.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "odometry/encoders.hpp"
-#include "simulation/planar_path.hpp"
+#include <lcmslam/odometry/encoders.hpp>
+#include <lcmslam/simulation/planar_path.hpp>
 
 namespace lcmslam {
 

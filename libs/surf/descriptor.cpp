@@ -1,10 +1,10 @@
-#include "surf/descriptor.hpp"
+#include <lcmslam/surf/descriptor.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "surf/kernel_set.hpp"
+#include <lcmslam/parallel/instruction_set.hpp>
 
 namespace lcmslam {
 namespace {
@@ -37,9 +37,9 @@ struct Disc {
   }
 };
 
-LCMSLAM_KERNEL(weighted_wavelets,
-               (const float* patch, const float* weights, float* __restrict dx, float* __restrict dy),
-               (patch, weights, dx, dy)) {
+LCMSLAM_VECTORISED(weighted_wavelets,
+                   (const float* patch, const float* weights, float* __restrict dx, float* __restrict dy),
+                   (patch, weights, dx, dy)) {
   for (int j = 0; j < wavelets; ++j) {
     const float *upper = patch + j * means, *lower = upper + means;
     for (int i = 0; i < wavelets; ++i) {
@@ -53,8 +53,8 @@ LCMSLAM_KERNEL(weighted_wavelets,
 
 // Directions in turns [0, 1): a polynomial arc tangent, good to 0.001 degrees, where a bin has 5. One
 // formula without branches, so that the loop vectorises and gives the same bits everywhere.
-LCMSLAM_KERNEL(turns, (const float* dx, const float* dy, int n, float* __restrict angle),
-               (dx, dy, n, angle)) {
+LCMSLAM_VECTORISED(turns, (const float* dx, const float* dy, int n, float* __restrict angle),
+                   (dx, dy, n, angle)) {
   for (int k = 0; k < n; ++k) {
     const float x = dx[k], y = dy[k];
     const float absolute_x = x < 0 ? -x : x, absolute_y = y < 0 ? -y : y;
@@ -136,13 +136,13 @@ __attribute__((always_inline)) inline void sum_rows_loop(const float* patch, con
     }
 }
 
-LCMSLAM_KERNEL(sum_rows_64, (const float* patch, const float* weight, RowSums<4>& sums),
-               (patch, weight, sums)) {
+LCMSLAM_VECTORISED(sum_rows_64, (const float* patch, const float* weight, RowSums<4>& sums),
+                   (patch, weight, sums)) {
   sum_rows_loop<4>(patch, weight, sums);
 }
 
-LCMSLAM_KERNEL(sum_rows_128, (const float* patch, const float* weight, RowSums<8>& sums),
-               (patch, weight, sums)) {
+LCMSLAM_VECTORISED(sum_rows_128, (const float* patch, const float* weight, RowSums<8>& sums),
+                   (patch, weight, sums)) {
   sum_rows_loop<8>(patch, weight, sums);
 }
 

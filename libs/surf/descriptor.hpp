@@ -2,7 +2,7 @@
 // Orientation and descriptor of a blob from Haar wavelets (Bay et al. 2008, section 4), the descriptor
 // with overlapping regions (M-SURF: Agrawal, Konolige & Blas, "CenSurE", ECCV 2008, section 4).
 
-#include "surf/patch.hpp"
+#include <lcmslam/surf/patch.hpp>
 
 namespace lcmslam {
 

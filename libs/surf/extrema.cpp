@@ -1,4 +1,4 @@
-#include "surf/extrema.hpp"
+#include <lcmslam/surf/extrema.hpp>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,17 +6,18 @@
 #include <cstring>
 #include <optional>
 
-#include "surf/kernel_set.hpp"
+#include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/parallel/rows.hpp>
 
 namespace lcmslam {
 namespace {
 
 // marks[c] = 1 where a sample is above the threshold and its eight neighbours: earlier ones are less,
 // later ones at most equal.
-LCMSLAM_KERNEL(mark_peaks,
-               (const float* upper, const float* row, const float* lower, int n, float threshold,
-                std::uint8_t* __restrict marks),
-               (upper, row, lower, n, threshold, marks)) {
+LCMSLAM_VECTORISED(mark_peaks,
+                   (const float* upper, const float* row, const float* lower, int n, float threshold,
+                    std::uint8_t* __restrict marks),
+                   (upper, row, lower, n, threshold, marks)) {
   for (int c = 0; c < n; ++c) {
     const float value = row[c];
     marks[c] =

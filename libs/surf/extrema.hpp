@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "surf/hessian.hpp"
+#include <lcmslam/surf/hessian.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "surf/feature_budget.hpp"
+#include <lcmslam/surf/feature_budget.hpp>
 
 #include <algorithm>
 #include <cmath>

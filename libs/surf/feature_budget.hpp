@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "surf/extrema.hpp"
+#include <lcmslam/surf/extrema.hpp>
 
 namespace lcmslam {
 

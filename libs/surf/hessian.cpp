@@ -1,8 +1,9 @@
-#include "surf/hessian.hpp"
+#include <lcmslam/surf/hessian.hpp>
 
 #include <algorithm>
 
-#include "surf/kernel_set.hpp"
+#include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/parallel/rows.hpp>
 
 namespace lcmslam {
 namespace {
@@ -29,10 +30,10 @@ struct IntegralRows {
         lower_bottom(integral.row(y + lobe + 1)) {}
 };
 
-LCMSLAM_KERNEL(sum_columns,
-               (const IntegralRows& in, int n, std::uint32_t* __restrict xx, std::uint32_t* __restrict yy,
-                std::uint32_t* __restrict xy),
-               (in, n, xx, yy, xy)) {
+LCMSLAM_VECTORISED(sum_columns,
+                   (const IntegralRows& in, int n, std::uint32_t* __restrict xx, std::uint32_t* __restrict yy,
+                    std::uint32_t* __restrict xy),
+                   (in, n, xx, yy, xy)) {
   const IntegralRows rows = in;  // local: nothing that is written can change it
   for (int x = 0; x < n; ++x) {
     xx[x] = rows.xx_bottom[x] - rows.xx_top[x];
@@ -63,10 +64,10 @@ __attribute__((always_inline)) inline void determinant_loop(const std::uint32_t*
   }
 }
 
-LCMSLAM_KERNEL(determinant_row,
-               (const std::uint32_t* xx, const std::uint32_t* yy, const std::uint32_t* xy, int lobe, int step,
-                int n, float* out),
-               (xx, yy, xy, lobe, step, n, out)) {
+LCMSLAM_VECTORISED(determinant_row,
+                   (const std::uint32_t* xx, const std::uint32_t* yy, const std::uint32_t* xy, int lobe,
+                    int step, int n, float* out),
+                   (xx, yy, xy, lobe, step, n, out)) {
   switch (step) {
     case 1:
       return determinant_loop<1>(xx, yy, xy, lobe, step, n, out);

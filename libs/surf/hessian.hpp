@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "surf/integral.hpp"
+#include <lcmslam/surf/integral.hpp>
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "surf/integral.hpp"
+#include <lcmslam/surf/integral.hpp>
 
 #include <algorithm>
 

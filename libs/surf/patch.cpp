@@ -1,10 +1,11 @@
-#include "surf/patch.hpp"
+#include <lcmslam/surf/patch.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "surf/kernel_set.hpp"
+#include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/parallel/rows.hpp>
 #ifdef LCMSLAM_HAS_AVX2
 #include <immintrin.h>
 #endif
@@ -19,10 +20,10 @@ std::uint16_t fixed_mean(std::int32_t sum, float factor) {
 }
 
 // Boxes of `side` columns that lie within the image.
-LCMSLAM_KERNEL(filter_row,
-               (const std::uint32_t* top, const std::uint32_t* bottom, int side, int n, float factor,
-                std::uint16_t* out),
-               (top, bottom, side, n, factor, out)) {
+LCMSLAM_VECTORISED(filter_row,
+                   (const std::uint32_t* top, const std::uint32_t* bottom, int side, int n, float factor,
+                    std::uint16_t* out),
+                   (top, bottom, side, n, factor, out)) {
   for (int x = 0; x < n; ++x) {
     const std::uint32_t sum = (bottom[x + side] - bottom[x]) - (top[x + side] - top[x]);
     out[x] = static_cast<std::uint16_t>(
@@ -187,7 +188,7 @@ void PatchSampler::sample(const PatchPose& pose, int n, float* patch) const {
                   static_cast<float>(sums.height() - 1),
                   n};
 #ifdef LCMSLAM_HAS_AVX2
-  if (kernel_set() == KernelSet::avx2) return sample_avx2(grid, patch);
+  if (best_instruction_set() == InstructionSet::avx2) return sample_avx2(grid, patch);
 #endif
   sample_baseline(grid, patch);
 }

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "surf/integral.hpp"
+#include <lcmslam/surf/integral.hpp>
 
 namespace lcmslam {
 

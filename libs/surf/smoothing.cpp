@@ -1,11 +1,12 @@
-#include "surf/smoothing.hpp"
+#include <lcmslam/surf/smoothing.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
-#include "surf/kernel_set.hpp"
+#include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/parallel/rows.hpp>
 
 namespace lcmslam {
 namespace {
@@ -17,7 +18,7 @@ struct NineRows {
   const std::uint8_t* row[2 * radius + 1];
 };
 
-LCMSLAM_KERNEL(smooth_columns, (const NineRows& in, int n, std::uint16_t* __restrict out), (in, n, out)) {
+LCMSLAM_VECTORISED(smooth_columns, (const NineRows& in, int n, std::uint16_t* __restrict out), (in, n, out)) {
   const NineRows rows = in;  // local: nothing that is written can change it
   for (int x = 0; x < n; ++x)
     out[x] =
@@ -27,7 +28,7 @@ LCMSLAM_KERNEL(smooth_columns, (const NineRows& in, int n, std::uint16_t* __rest
 }
 
 // in[0] lies `radius` pixels left of out[0].
-LCMSLAM_KERNEL(smooth_row, (const std::uint16_t* in, int n, std::uint8_t* __restrict out), (in, n, out)) {
+LCMSLAM_VECTORISED(smooth_row, (const std::uint16_t* in, int n, std::uint8_t* __restrict out), (in, n, out)) {
   for (int x = 0; x < n; ++x) {
     const int sum = in[x] + in[x + 8] + 8 * (in[x + 1] + in[x + 7]) + 28 * (in[x + 2] + in[x + 6]) +
                     56 * (in[x + 3] + in[x + 5]) + 70 * in[x + 4];

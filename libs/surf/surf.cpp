@@ -1,4 +1,4 @@
-#include "surf/surf.hpp"
+#include <lcmslam/surf/surf.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "surf/descriptor.hpp"
-#include "surf/kernel_set.hpp"
+#include <lcmslam/parallel/rows.hpp>
+#include <lcmslam/surf/descriptor.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,11 +4,11 @@
 #include <opencv2/features2d.hpp>
 #include <vector>
 
-#include "surf/extrema.hpp"
-#include "surf/feature_budget.hpp"
-#include "surf/hessian.hpp"
-#include "surf/patch.hpp"
-#include "surf/smoothing.hpp"
+#include <lcmslam/surf/extrema.hpp>
+#include <lcmslam/surf/feature_budget.hpp>
+#include <lcmslam/surf/hessian.hpp>
+#include <lcmslam/surf/patch.hpp>
+#include <lcmslam/surf/smoothing.hpp>
 
 namespace lcmslam {
 

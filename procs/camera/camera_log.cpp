@@ -1,14 +1,15 @@
-#include "camera/camera_log.hpp"
+#include "procs/camera/camera_log.hpp"
 
-#include "camera/publish_event.hpp"
-#include "log/log_reader.hpp"
-#include "log/log_writer.hpp"
-#include "messages/camera_messages.hpp"
-#include "messages/decode.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
-#include "messages/parts.hpp"
-#include "runtime/publisher.hpp"
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/messages/parts.hpp>
+#include <lcmslam/runtime/publisher.hpp>
+#include "procs/camera/publish_event.hpp"
 
 namespace lcmslam {
 namespace {

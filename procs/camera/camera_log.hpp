@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "camera/camera_source.hpp"
+#include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
 

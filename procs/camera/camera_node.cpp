@@ -1,12 +1,12 @@
-#include "camera/camera_node.hpp"
+#include "procs/camera/camera_node.hpp"
 
 #include <spdlog/spdlog.h>
 
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/status_t.hpp>
-
-#include "camera/publish_event.hpp"
-#include "messages/camera_messages.hpp"
-#include "runtime/machine.hpp"
+#include "procs/camera/publish_event.hpp"
 
 namespace lcmslam {
 namespace {

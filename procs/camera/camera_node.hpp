@@ -7,8 +7,8 @@
 #include <set>
 #include <thread>
 
-#include "camera/camera_source.hpp"
-#include "runtime/node.hpp"
+#include <lcmslam/runtime/node.hpp>
+#include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
 

@@ -1,8 +1,8 @@
-#include "camera/camera_source.hpp"
+#include "procs/camera/camera_source.hpp"
 
 #include <map>
 
-#include "camera/camera_log.hpp"
+#include "procs/camera/camera_log.hpp"
 
 namespace lcmslam {
 

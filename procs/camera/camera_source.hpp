@@ -6,10 +6,11 @@
 #include <string>
 #include <variant>
 
-#include "configuration/config.hpp"
-#include "imaging/calibration.hpp"
-#include "imaging/rgbd_frame.hpp"
-#include "odometry/encoders.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/imaging/rgbd_frame.hpp>
+#include <lcmslam/odometry/encoders.hpp>
 
 namespace lcmslam {
 

@@ -1,9 +1,8 @@
+#include <spdlog/spdlog.h>
 #include <algorithm>
 
-#include <spdlog/spdlog.h>
-
-#include "camera/camera_source.hpp"
-#include "datasets/dataset.hpp"
+#include <lcmslam/datasets/dataset.hpp>
+#include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,5 +1,5 @@
-#include "camera/camera_node.hpp"
-#include "runtime/process.hpp"
+#include <lcmslam/runtime/process.hpp>
+#include "procs/camera/camera_node.hpp"
 
 int main(int argc, char** argv) {
   using namespace lcmslam;

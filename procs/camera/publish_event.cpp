@@ -1,8 +1,9 @@
-#include "camera/publish_event.hpp"
+#include "procs/camera/publish_event.hpp"
 
-#include "messages/camera_messages.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 
 namespace lcmslam {
 namespace {

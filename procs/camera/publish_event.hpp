@@ -1,6 +1,6 @@
 #pragma once
-#include "camera/camera_source.hpp"
-#include "runtime/publisher.hpp"
+#include <lcmslam/runtime/publisher.hpp>
+#include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
 

@@ -1,7 +1,9 @@
-#include "camera/repeated_source.hpp"
+#include "procs/camera/repeated_source.hpp"
 
 #include <algorithm>
 #include <limits>
+
+#include <lcmslam/imaging/io/encoded_frame.hpp>
 
 namespace lcmslam {
 namespace {

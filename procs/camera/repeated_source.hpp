@@ -1,7 +1,7 @@
 #pragma once
 #include <functional>
 
-#include "camera/camera_source.hpp"
+#include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
 

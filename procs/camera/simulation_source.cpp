@@ -1,11 +1,11 @@
 #include <spdlog/spdlog.h>
-
 #include <fstream>
 
-#include "camera/camera_log.hpp"
-#include "camera/camera_source.hpp"
-#include "imaging/codec.hpp"
-#include "simulation/simulation.hpp"
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/simulation/simulation.hpp>
+#include "procs/camera/camera_log.hpp"
+#include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
 namespace {

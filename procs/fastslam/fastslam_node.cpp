@@ -1,15 +1,15 @@
-#include "fastslam/fastslam_node.hpp"
+#include "procs/fastslam/fastslam_node.hpp"
 
-#include <lcmslam/associations_t.hpp>
-#include <lcmslam/particles_t.hpp>
-#include <lcmslam/pose_estimate_t.hpp>
 #include <thread>
 
-#include "fastslam/read_settings.hpp"
-#include "messages/feature_messages.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/map_messages.hpp"
-#include "messages/motion_messages.hpp"
+#include <lcmslam/associations_t.hpp>
+#include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/particles_t.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include "procs/fastslam/read_settings.hpp"
 
 namespace lcmslam {
 namespace {

@@ -2,10 +2,10 @@
 // FEATURES + ODOMETRY -> FASTSLAM_POSE, FASTSLAM_PARTICLES, FASTSLAM_ASSOCIATIONS, FASTSLAM_LANDMARKS; at the
 // end, and on the command "smooth", FASTSLAM_SMOOTHED: the path again as all measurements together show it.
 
-#include "fastslam/fastslam.hpp"
-#include "runtime/motion_join.hpp"
-#include "runtime/node.hpp"
-#include "surf/feature.hpp"
+#include <lcmslam/fastslam/fastslam.hpp>
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/runtime/motion_join.hpp>
+#include <lcmslam/runtime/node.hpp>
 
 namespace lcmslam {
 

@@ -1,5 +1,5 @@
-#include "fastslam/fastslam_node.hpp"
-#include "runtime/process.hpp"
+#include <lcmslam/runtime/process.hpp>
+#include "procs/fastslam/fastslam_node.hpp"
 
 int main(int argc, char** argv) {
   using namespace lcmslam;

@@ -1,6 +1,6 @@
-#include "fastslam/read_settings.hpp"
+#include "procs/fastslam/read_settings.hpp"
 
-#include "configuration/named_choice.hpp"
+#include <lcmslam/configuration/named_choice.hpp>
 
 namespace lcmslam {
 FastSlamSettings read_fastslam_settings(const ConfigNode& c) {

@@ -1,6 +1,6 @@
 #pragma once
-#include "configuration/config.hpp"
-#include "fastslam/settings.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/fastslam/settings.hpp>
 
 namespace lcmslam {
 

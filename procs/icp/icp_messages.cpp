@@ -1,10 +1,10 @@
-#include "icp/icp_messages.hpp"
+#include "procs/icp/icp_messages.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,12 +1,12 @@
 #pragma once
 // What the mapper found, as messages. Whoever publishes them adds times, counts and revision.
 
+#include <optional>
+
+#include <lcmslam/dense_mapper/icp_mapper.hpp>
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/icp_report_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
-#include <optional>
-
-#include "icp/icp_mapper.hpp"
 
 namespace lcmslam {
 

@@ -1,4 +1,4 @@
-#include "icp/icp_node.hpp"
+#include "procs/icp/icp_node.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,16 +6,19 @@
 #include <thread>
 #include <utility>
 
-#include "icp/feature_depth.hpp"
-#include "icp/icp_messages.hpp"
-#include "icp/read_settings.hpp"
-#include "icp/rolling_shutter.hpp"
-#include "imaging/codec.hpp"
-#include "messages/camera_messages.hpp"
-#include "messages/feature_messages.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/map_messages.hpp"
-#include "messages/motion_messages.hpp"
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/rgbd/feature_depth.hpp>
+#include <lcmslam/rgbd/make_cloud.hpp>
+#include <lcmslam/rgbd/rolling_shutter.hpp>
+#include "procs/icp/icp_messages.hpp"
+#include "procs/icp/read_settings.hpp"
 
 namespace lcmslam {
 namespace {

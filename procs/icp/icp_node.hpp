@@ -2,18 +2,20 @@
 // CAMERA + ODOMETRY -> ICP_POSE, ICP_KEYFRAME, ICP_GRAPH, ICP_REPORT.
 
 #include <deque>
+
 #include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/dense_mapper/icp_mapper.hpp>
 #include <lcmslam/features_t.hpp>
 #include <lcmslam/images_t.hpp>
+#include <lcmslam/imaging/depth_filter.hpp>
+#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/imaging/rgbd_frame.hpp>
 #include <lcmslam/keyframe_t.hpp>
-
-#include "icp/depth_view.hpp"
-#include "icp/icp_mapper.hpp"
-#include "imaging/depth_filter.hpp"
-#include "imaging/registration.hpp"
-#include "imaging/rgbd_frame.hpp"
-#include "runtime/motion_join.hpp"
-#include "runtime/node.hpp"
+#include <lcmslam/rgbd/depth_view.hpp>
+#include <lcmslam/runtime/motion_join.hpp>
+#include <lcmslam/runtime/node.hpp>
 
 namespace lcmslam {
 

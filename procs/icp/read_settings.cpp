@@ -1,8 +1,8 @@
-#include "icp/read_settings.hpp"
+#include "procs/icp/read_settings.hpp"
 
 #include <algorithm>
 
-#include "configuration/named_choice.hpp"
+#include <lcmslam/configuration/named_choice.hpp>
 
 namespace lcmslam {
 namespace {

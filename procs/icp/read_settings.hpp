@@ -1,7 +1,7 @@
 #pragma once
-#include "configuration/config.hpp"
-#include "icp/icp_mapper.hpp"
-#include "imaging/depth_filter.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/imaging/depth_filter.hpp>
 
 namespace lcmslam {
 

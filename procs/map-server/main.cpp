@@ -1,5 +1,5 @@
-#include "map-server/map_server_node.hpp"
-#include "runtime/process.hpp"
+#include <lcmslam/runtime/process.hpp>
+#include "procs/map-server/map_server_node.hpp"
 
 int main(int argc, char** argv) {
   using namespace lcmslam;

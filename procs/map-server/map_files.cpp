@@ -1,9 +1,10 @@
-#include "map-server/map_files.hpp"
+#include "procs/map-server/map_files.hpp"
 
 #include <sstream>
 
-#include "mapping/map_export.hpp"
-#include "mapping/map_picture.hpp"
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/rendering/map_picture.hpp>
 
 namespace lcmslam {
 namespace {

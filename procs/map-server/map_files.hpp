@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "imaging/registration.hpp"
-#include "mapping/landmark_map.hpp"
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/map_store/landmark_map.hpp>
 
 namespace lcmslam {
 

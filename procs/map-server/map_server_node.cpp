@@ -1,13 +1,12 @@
-#include "map-server/map_server_node.hpp"
+#include "procs/map-server/map_server_node.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <lcmslam/map_reply_t.hpp>
-
-#include "map-server/map_files.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/map_messages.hpp"
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
+#include "procs/map-server/map_files.hpp"
 
 namespace lcmslam {
 namespace {

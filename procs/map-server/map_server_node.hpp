@@ -2,16 +2,16 @@
 // Keeps both mappers' maps, answers MAP_REQUEST, saves at shutdown.
 
 #include <filesystem>
+#include <map>
+
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/map_request_t.hpp>
+#include <lcmslam/map_store/dense_map.hpp>
+#include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
-#include <map>
-
-#include "mapping/dense_map.hpp"
-#include "mapping/landmark_map.hpp"
-#include "runtime/node.hpp"
+#include <lcmslam/runtime/node.hpp>
 
 namespace lcmslam {
 

@@ -1,5 +1,5 @@
-#include "odometry/odometry_node.hpp"
-#include "runtime/process.hpp"
+#include <lcmslam/runtime/process.hpp>
+#include "procs/odometry/odometry_node.hpp"
 
 int main(int argc, char** argv) {
   using namespace lcmslam;

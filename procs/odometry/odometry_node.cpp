@@ -1,11 +1,10 @@
-#include "odometry/odometry_node.hpp"
+#include "procs/odometry/odometry_node.hpp"
 
+#include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/pose_t.hpp>
-
-#include "messages/feature_messages.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
 
 namespace lcmslam {
 namespace {

@@ -2,14 +2,13 @@
 // ENCODERS, TWIST, FEATURES or another driver's pose_t -> ODOMETRY.
 
 #include <lcmslam/encoders_t.hpp>
+#include <lcmslam/odometry/motion_noise.hpp>
+#include <lcmslam/odometry/twist_odometry.hpp>
+#include <lcmslam/odometry/visual_odometry.hpp>
+#include <lcmslam/odometry/wheel_odometry.hpp>
 #include <lcmslam/odometry_t.hpp>
+#include <lcmslam/runtime/node.hpp>
 #include <lcmslam/twist_t.hpp>
-
-#include "odometry/motion_noise.hpp"
-#include "odometry/twist_odometry.hpp"
-#include "odometry/visual_odometry.hpp"
-#include "odometry/wheel_odometry.hpp"
-#include "runtime/node.hpp"
 
 namespace lcmslam {
 

@@ -1,8 +1,8 @@
-#include "surf/feature_frame.hpp"
+#include "procs/surf/feature_frame.hpp"
 
 #include <opencv2/imgproc.hpp>
 
-#include "surf/sharpness.hpp"
+#include <lcmslam/imaging/sharpness.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
-#include "imaging/registration.hpp"
-#include "surf/feature.hpp"
-#include "surf/surf.hpp"
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/surf/surf.hpp>
 
 namespace lcmslam {
 

@@ -1,5 +1,5 @@
-#include "runtime/process.hpp"
-#include "surf/surf_node.hpp"
+#include <lcmslam/runtime/process.hpp>
+#include "procs/surf/surf_node.hpp"
 
 int main(int argc, char** argv) {
   using namespace lcmslam;

@@ -1,14 +1,13 @@
-#include "surf/surf_node.hpp"
+#include "procs/surf/surf_node.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
-#include "messages/camera_messages.hpp"
-#include "messages/feature_messages.hpp"
-#include "messages/motion_messages.hpp"
-#include "surf/feature_frame.hpp"
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include "procs/surf/feature_frame.hpp"
 
 namespace lcmslam {
 namespace {

@@ -2,16 +2,15 @@
 // CAMERA -> FEATURES: SURF keypoints of the colour image with their 3-D points from the depth image.
 
 #include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/geometry/motion_buffer.hpp>
 #include <lcmslam/images_t.hpp>
+#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/sharpness.hpp>
 #include <lcmslam/odometry_t.hpp>
-
-#include "geometry/motion_buffer.hpp"
-#include "imaging/registration.hpp"
-#include "runtime/node.hpp"
-#include "surf/adaptive_threshold.hpp"
-#include "surf/feature.hpp"
-#include "surf/sharpness.hpp"
-#include "surf/surf.hpp"
+#include <lcmslam/runtime/node.hpp>
+#include <lcmslam/surf/adaptive_threshold.hpp>
+#include <lcmslam/surf/surf.hpp>
 
 namespace lcmslam {
 

@@ -5,9 +5,9 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "imaging/depth_filter.hpp"
-#include "simulation/planar_path.hpp"
-#include "simulation/sensor_head.hpp"
+#include <lcmslam/imaging/depth_filter.hpp>
+#include <lcmslam/simulation/planar_path.hpp>
+#include <lcmslam/simulation/sensor_head.hpp>
 
 namespace lcmslam {
 namespace {

@@ -7,15 +7,15 @@
 // driving; p50 and p95 are CPU times of steps after the map is full.
 
 #include <benchmark/benchmark.h>
-#include <time.h>
 
+#include <time.h>
 #include <cstdlib>
 #include <opencv2/core/utility.hpp>
 #include <set>
 #include <string>
 
-#include "bench/landmark_scene.hpp"
-#include "fastslam/fastslam.hpp"
+#include <lcmslam/fastslam/fastslam.hpp>
+#include "tests/bench/landmark_scene.hpp"
 
 namespace lcmslam {
 namespace {

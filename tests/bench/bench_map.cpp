@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <map>
 
-#include "icp/icp_mapper.hpp"
-#include "icp/registration.hpp"
-#include "icp/voxel_map.hpp"
-#include "unit/icp/scenes.hpp"
+#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/voxel_map.hpp>
+#include <lcmslam/registration/registration.hpp>
+#include "tests/support/cloud_scenes.hpp"
 
 namespace lcmslam {
 namespace {

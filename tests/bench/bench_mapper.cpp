@@ -4,18 +4,18 @@
 //   build/release/bin/bench_mapper
 
 #include <benchmark/benchmark.h>
-#include <time.h>
 
+#include <time.h>
 #include <algorithm>
 #include <filesystem>
 
-#include "datasets/dataset.hpp"
-#include "icp/icp_node.hpp"
-#include "messages/camera_messages.hpp"
-#include "odometry/odometry_node.hpp"
-#include "runtime/machine.hpp"
-#include "surf/surf_node.hpp"
-#include "unit/nodes/test_bus.hpp"
+#include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/runtime/machine.hpp>
+#include "procs/icp/icp_node.hpp"
+#include "procs/odometry/odometry_node.hpp"
+#include "procs/surf/surf_node.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace lcmslam {
 namespace {

@@ -6,19 +6,18 @@
 // the map has not seen against 20,000 landmarks merged from the others; `both` is the share of queries
 // whose nearest and second nearest were found, `nearest` of those whose nearest was.
 
-#include <flann/flann.hpp>  // before OpenCV's: the other order breaks its serialisation
-
 #include <benchmark/benchmark.h>
-#include <time.h>
 
+#include <time.h>
 #include <algorithm>
+#include <flann/flann.hpp>  // before OpenCV's: the other order breaks its serialisation
 #include <opencv2/features2d.hpp>
 
-#include "geometry/random.hpp"
-#include "surf/guided_matching.hpp"
-#include "surf/matching.hpp"
-#include "surf/rigid_ransac.hpp"
-#include "unit/surf/recorded_features.hpp"
+#include <lcmslam/features/guided_matching.hpp>
+#include <lcmslam/features/matching.hpp>
+#include <lcmslam/features/rigid_ransac.hpp>
+#include <lcmslam/geometry/random.hpp>
+#include "tests/support/recorded_features.hpp"
 
 namespace lcmslam {
 namespace {

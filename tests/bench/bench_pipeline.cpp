@@ -5,14 +5,16 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "fastslam/fastslam.hpp"
-#include "icp/icp_mapper.hpp"
-#include "imaging/codec.hpp"
-#include "imaging/registration.hpp"
-#include "simulation/simulation.hpp"
-#include "surf/feature_frame.hpp"
-#include "surf/surf.hpp"
-#include "unit/surf/dlib_surf.hpp"
+#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/fastslam/fastslam.hpp>
+#include <lcmslam/imaging/depth_filter.hpp>
+#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/rgbd/make_cloud.hpp>
+#include <lcmslam/simulation/simulation.hpp>
+#include <lcmslam/surf/surf.hpp>
+#include "procs/surf/feature_frame.hpp"
+#include "tests/unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
 namespace {
@@ -96,6 +98,7 @@ BENCHMARK(render)->Unit(benchmark::kMillisecond);
 void icp_step(benchmark::State& state) {
   const RgbdCalibration& c = kitchen().calibration();
   const DepthRegistration registration(c);
+  DepthFilter filter(c);
   frames();
   IcpMapper mapper;
   Utime last = frame_time(0);
@@ -103,9 +106,10 @@ void icp_step(benchmark::State& state) {
   for (auto _ : state) {
     const auto index = static_cast<std::size_t>(i++ % static_cast<int>(frames().size()));
     const Utime now = frame_time(static_cast<int>(index));
-    RegisteredDepth depth = registration(frames()[index]);
-    remove_jump_edges(depth.points, depth.sigma);
-    mapper.step(now, make_cloud(frames()[index], depth), c.T_robot_camera, true_motion(last, now));
+    RgbdFrame frame = frames()[index];
+    frame.depth = frame.depth.clone();
+    filter(frame.depth, frame.amplitude);
+    mapper.step(now, make_cloud(frame, registration(frame)), c.T_robot_camera, true_motion(last, now));
     last = now;
   }
 }

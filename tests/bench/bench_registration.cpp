@@ -6,15 +6,15 @@
 // 95th percentile over pairs and repetitions), ratio = peer's median over ours.
 
 #include <benchmark/benchmark.h>
-#include <time.h>
 
+#include <time.h>
 #include <algorithm>
 #include <functional>
 
-#include "bench/pcl_peer.hpp"
-#include "icp/kd_tree.hpp"
-#include "icp/registration.hpp"
-#include "unit/icp/recordings.hpp"
+#include <lcmslam/cloud/kd_tree.hpp>
+#include <lcmslam/registration/registration.hpp>
+#include "tests/bench/pcl_peer.hpp"
+#include "tests/support/recorded_clouds.hpp"
 
 namespace lcmslam {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "surf/kernel_set.hpp"
-#include "surf/surf.hpp"
-#include "unit/surf/blob_scene.hpp"
-#include "unit/surf/dlib_surf.hpp"
+#include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/surf/surf.hpp>
+#include "tests/unit/surf/blob_scene.hpp"
+#include "tests/unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
 namespace {
@@ -60,9 +60,9 @@ void surf_extended(benchmark::State& state) {
 BENCHMARK(surf_extended)->Unit(benchmark::kMillisecond);
 
 void surf_without_avx2(benchmark::State& state) {
-  const KernelSet before = limit_kernel_set(KernelSet::baseline);
+  const InstructionSet before = limit_instruction_set(InstructionSet::portable);
   detect_and_describe(state, at_most(1000), 1);
-  limit_kernel_set(before);
+  limit_instruction_set(before);
 }
 BENCHMARK(surf_without_avx2)->Unit(benchmark::kMillisecond);
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "unit/fastslam/synthetic_world.hpp"
+#include "tests/unit/fastslam/synthetic_world.hpp"
 
 namespace lcmslam::synthetic {
 

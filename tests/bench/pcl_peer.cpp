@@ -1,4 +1,4 @@
-#include "bench/pcl_peer.hpp"
+#include "tests/bench/pcl_peer.hpp"
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "configuration/config.hpp"
+#include <lcmslam/configuration/config.hpp>
 
 namespace lcmslam {
 namespace {

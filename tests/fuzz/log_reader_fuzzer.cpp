@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "log/log_reader.hpp"
+#include <lcmslam/log/log_reader.hpp>
 
 namespace {
 

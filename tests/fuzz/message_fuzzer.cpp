@@ -4,16 +4,16 @@
 #include <cstdlib>
 #include <functional>
 
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/messages/origin.hpp>
+#include <lcmslam/messages/parts.hpp>
+#include <lcmslam/messages/print_message.hpp>
 #include "message_includes.inc"
-#include "messages/camera_messages.hpp"
-#include "messages/decode.hpp"
-#include "messages/feature_messages.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/map_messages.hpp"
-#include "messages/motion_messages.hpp"
-#include "messages/origin.hpp"
-#include "messages/parts.hpp"
-#include "messages/print_message.hpp"
 
 namespace lcmslam {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cstdlib>
 
-#include "messages/parts.hpp"
-#include "messages/schema.hpp"
+#include <lcmslam/messages/parts.hpp>
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 namespace {

@@ -6,15 +6,16 @@
 #include <iostream>
 #include <iterator>
 
-#include "evaluation/trajectory.hpp"
-#include "log/log_format.hpp"
-#include "messages/camera_messages.hpp"
-#include "messages/decode.hpp"
-#include "messages/feature_messages.hpp"
-#include "messages/map_messages.hpp"
-#include "messages/motion_messages.hpp"
-#include "unit/messages/samples.hpp"
-#include "unit/messages/wire_sample.hpp"
+#include <lcmslam/evaluation/trajectory.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/log/log_format.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include "tests/unit/messages/samples.hpp"
+#include "tests/unit/messages/wire_sample.hpp"
 
 namespace lcmslam {
 namespace {

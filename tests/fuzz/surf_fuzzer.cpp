@@ -6,8 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "surf/kernel_set.hpp"
-#include "surf/surf.hpp"
+#include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/surf/surf.hpp>
 
 namespace lcmslam {
 namespace {
@@ -100,7 +100,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Surf surf(settings);
     Found found[2];
     for (int i = 0; i < 2; ++i) {
-      limit_kernel_set(i == 0 ? KernelSet::baseline : KernelSet::avx2);
+      limit_instruction_set(i == 0 ? InstructionSet::portable : InstructionSet::avx2);
       found[i].keypoints = keypoints;
       surf.detectAndCompute(image, mask, found[i].keypoints, found[i].descriptors, provided);
       check(found[i], surf, image_size, provided);

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "evaluation/trajectory_error.hpp"
+#include <lcmslam/evaluation/trajectory_error.hpp>
 
 namespace {
 

@@ -6,13 +6,14 @@
 #include <lcm/lcm-cpp.hpp>
 #include <nlohmann/json.hpp>
 
-#include "integration/support/environment.hpp"
-#include "integration/support/program.hpp"
-#include "mapping/map_export.hpp"
-#include "messages/camera_messages.hpp"
-#include "messages/decode.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
 
 namespace lcmslam::integration {
 namespace {

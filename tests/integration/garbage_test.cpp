@@ -7,10 +7,10 @@
 #include <fstream>
 #include <set>
 
-#include "integration/garbage/bad_messages.hpp"
-#include "integration/garbage/samples.hpp"
-#include "integration/support/environment.hpp"
-#include "integration/support/program.hpp"
+#include "tests/integration/garbage/bad_messages.hpp"
+#include "tests/integration/garbage/samples.hpp"
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
 
 namespace lcmslam::integration {
 namespace {

@@ -6,10 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "evaluation/trajectory.hpp"
-#include "integration/support/environment.hpp"
-#include "integration/support/program.hpp"
-#include "mapping/map_export.hpp"
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/evaluation/trajectory.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
 
 namespace lcmslam::integration {
 namespace {

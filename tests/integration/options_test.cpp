@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "integration/support/environment.hpp"
-#include "integration/support/program.hpp"
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
 
 namespace lcmslam::integration {
 namespace {

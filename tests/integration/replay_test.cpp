@@ -6,14 +6,14 @@
 #include <algorithm>
 #include <csignal>
 #include <lcm/lcm-cpp.hpp>
-#include <lcmslam/images_t.hpp>
-#include <lcmslam/pose_estimate_t.hpp>
 
-#include "integration/support/bus.hpp"
-#include "integration/support/environment.hpp"
-#include "integration/support/program.hpp"
-#include "mapping/map_export.hpp"
-#include "runtime/options.hpp"
+#include <lcmslam/images_t.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include "tests/integration/support/bus.hpp"
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
 
 namespace lcmslam::integration {
 namespace {

@@ -6,10 +6,10 @@
 #include <csignal>
 #include <set>
 
-#include "integration/support/bus.hpp"
-#include "integration/support/environment.hpp"
-#include "integration/support/program.hpp"
-#include "runtime/options.hpp"
+#include <lcmslam/runtime/options.hpp>
+#include "tests/integration/support/bus.hpp"
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
 
 namespace lcmslam::integration {
 namespace {

@@ -3,14 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
-#include <lcmslam/pose_estimate_t.hpp>
-#include <lcmslam/status_t.hpp>
 #include <nlohmann/json.hpp>
 
-#include "integration/support/bus.hpp"
-#include "integration/support/environment.hpp"
-#include "integration/support/program.hpp"
-#include "messages/parts.hpp"
+#include <lcmslam/messages/parts.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include <lcmslam/status_t.hpp>
+#include "tests/integration/support/bus.hpp"
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
 
 namespace lcmslam::integration {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "runtime/private_bus.hpp"
+#include <lcmslam/runtime/private_bus.hpp>
 
 namespace lcmslam {
 

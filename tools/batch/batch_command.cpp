@@ -1,18 +1,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
-
 #include <chrono>
 #include <iostream>
 #include <thread>
 
-#include "batch/batch_run.hpp"
-#include "commands.hpp"
-#include "evaluation/table.hpp"
-#include "parse_command.hpp"
-#include "run_folder.hpp"
-#include "runtime/machine.hpp"
-#include "runtime/options.hpp"
-#include "runtime/stop_signal.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/runtime/machine.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/batch/batch_run.hpp"
+#include "tools/commands.hpp"
+#include "tools/parse_command.hpp"
+#include "tools/run_folder.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "batch/batch_graph.hpp"
+#include "tools/batch/batch_graph.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -6,11 +6,11 @@
 #include <map>
 #include <stdexcept>
 
-#include "fastslam/fastslam_node.hpp"
-#include "icp/icp_node.hpp"
-#include "map-server/map_server_node.hpp"
-#include "odometry/odometry_node.hpp"
-#include "surf/surf_node.hpp"
+#include "procs/fastslam/fastslam_node.hpp"
+#include "procs/icp/icp_node.hpp"
+#include "procs/map-server/map_server_node.hpp"
+#include "procs/odometry/odometry_node.hpp"
+#include "procs/surf/surf_node.hpp"
 
 namespace lcmslam {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "configuration/config.hpp"
-#include "runtime/node.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/runtime/node.hpp>
 
 namespace lcmslam {
 

@@ -1,12 +1,12 @@
-#include "batch/batch_run.hpp"
+#include "tools/batch/batch_run.hpp"
 
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
-#include "log/log_session.hpp"
-#include "log/log_writer.hpp"
-#include "log/message_reader.hpp"
-#include "runtime/options.hpp"
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include "tools/log/log_session.hpp"
+#include "tools/log/message_reader.hpp"
 
 namespace lcmslam {
 namespace {

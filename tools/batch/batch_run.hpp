@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "batch/batch_graph.hpp"
+#include "tools/batch/batch_graph.hpp"
 
 namespace lcmslam {
 

@@ -1,20 +1,19 @@
 #include <fmt/format.h>
 #include <unistd.h>
-
 #include <iostream>
-#include <lcmslam/map_request_t.hpp>
 
-#include "commands.hpp"
-#include "demo/run_recorder.hpp"
-#include "demo/run_summary.hpp"
-#include "doctor/checks.hpp"
-#include "launch/graph.hpp"
-#include "parse_command.hpp"
-#include "run_folder.hpp"
-#include "runtime/lcm_bus.hpp"
-#include "runtime/options.hpp"
-#include "runtime/private_bus.hpp"
-#include "runtime/stop_signal.hpp"
+#include <lcmslam/map_request_t.hpp>
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/private_bus.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/commands.hpp"
+#include "tools/demo/run_recorder.hpp"
+#include "tools/demo/run_summary.hpp"
+#include "tools/doctor/checks.hpp"
+#include "tools/launch/graph.hpp"
+#include "tools/parse_command.hpp"
+#include "tools/run_folder.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,10 @@
-#include "demo/run_recorder.hpp"
+#include "tools/demo/run_recorder.hpp"
 
 #include <algorithm>
 
-#include "messages/camera_messages.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 
 namespace lcmslam {
 

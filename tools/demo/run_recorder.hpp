@@ -2,14 +2,14 @@
 // Listens to a running graph and keeps what an evaluation needs: every trajectory, the truth, the
 // state of the processes.
 
-#include <lcmslam/map_reply_t.hpp>
-#include <lcmslam/pose_estimate_t.hpp>
 #include <optional>
 
-#include "evaluation/trajectory_error.hpp"
-#include "imaging/calibration.hpp"
-#include "launch/status_table.hpp"
-#include "runtime/inputs.hpp"
+#include <lcmslam/evaluation/trajectory_error.hpp>
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/map_reply_t.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include <lcmslam/runtime/inputs.hpp>
+#include "tools/launch/status_table.hpp"
 
 namespace lcmslam {
 

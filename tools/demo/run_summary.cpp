@@ -1,13 +1,12 @@
-#include "demo/run_summary.hpp"
+#include "tools/demo/run_summary.hpp"
 
 #include <fmt/format.h>
-
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "evaluation/table.hpp"
-#include "evaluation/trajectory_plot.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/evaluation/trajectory_plot.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "demo/run_recorder.hpp"
+#include "tools/demo/run_recorder.hpp"
 
 namespace lcmslam {
 

@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-
 #include <algorithm>
-#include <lcmslam/status_t.hpp>
 #include <map>
 #include <set>
 
-#include "doctor/checks.hpp"
-#include "runtime/lcm_bus.hpp"
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/status_t.hpp>
+#include "tools/doctor/checks.hpp"
 
 namespace lcmslam {
 namespace {

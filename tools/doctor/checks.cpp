@@ -1,11 +1,10 @@
-#include "doctor/checks.hpp"
+#include "tools/doctor/checks.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -14,8 +13,8 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "runtime/lcm_bus.hpp"
-#include "runtime/machine.hpp"
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/machine.hpp>
 
 namespace lcmslam {
 namespace {

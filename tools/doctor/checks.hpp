@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "doctor/graph_traffic.hpp"
+#include "tools/doctor/graph_traffic.hpp"
 
 namespace lcmslam {
 

@@ -1,14 +1,13 @@
 #include <unistd.h>
-
 #include <cstdlib>
 #include <iostream>
 
-#include "commands.hpp"
-#include "doctor/checks.hpp"
-#include "doctor/graph_traffic.hpp"
-#include "parse_command.hpp"
-#include "runtime/options.hpp"
-#include "runtime/private_bus.hpp"
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/private_bus.hpp>
+#include "tools/commands.hpp"
+#include "tools/doctor/checks.hpp"
+#include "tools/doctor/graph_traffic.hpp"
+#include "tools/parse_command.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,11 @@
-#include "doctor/graph_traffic.hpp"
+#include "tools/doctor/graph_traffic.hpp"
 
 #include <algorithm>
 
-#include "camera/camera_source.hpp"
-#include "camera/publish_event.hpp"
-#include "runtime/options.hpp"
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include "procs/camera/camera_source.hpp"
+#include "procs/camera/publish_event.hpp"
 
 namespace lcmslam {
 namespace {

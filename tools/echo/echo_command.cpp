@@ -3,12 +3,12 @@
 #include <iostream>
 #include <sstream>
 
-#include "commands.hpp"
-#include "echo/echo_printer.hpp"
-#include "parse_command.hpp"
-#include "runtime/options.hpp"
-#include "runtime/stop_signal.hpp"
-#include "spy/bus_listener.hpp"
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/commands.hpp"
+#include "tools/echo/echo_printer.hpp"
+#include "tools/parse_command.hpp"
+#include "tools/spy/bus_listener.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,9 +1,9 @@
-#include "echo/echo_printer.hpp"
+#include "tools/echo/echo_printer.hpp"
 
 #include <fmt/format.h>
 
-#include "messages/decode.hpp"
-#include "spy/bus_statistics.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include "tools/spy/bus_statistics.hpp"
 
 namespace lcmslam {
 

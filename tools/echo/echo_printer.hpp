@@ -4,8 +4,8 @@
 #include <map>
 #include <optional>
 
-#include "messages/parts.hpp"
-#include "messages/print_message.hpp"
+#include <lcmslam/messages/parts.hpp>
+#include <lcmslam/messages/print_message.hpp>
 
 namespace lcmslam {
 

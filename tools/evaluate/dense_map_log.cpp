@@ -1,16 +1,17 @@
-#include "evaluate/dense_map_log.hpp"
+#include "tools/evaluate/dense_map_log.hpp"
 
-#include <lcmslam/graph_t.hpp>
-#include <lcmslam/keyframe_t.hpp>
 #include <limits>
 #include <set>
 #include <stdexcept>
 
-#include "log/log_reader.hpp"
-#include "mapping/dense_map.hpp"
-#include "messages/decode.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/map_messages.hpp"
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/keyframe_t.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/map_store/dense_map.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
 
 namespace lcmslam {
 namespace {

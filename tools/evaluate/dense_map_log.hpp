@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/wall_error.hpp"
+#include <lcmslam/evaluation/wall_error.hpp>
 
 namespace lcmslam {
 

@@ -1,20 +1,19 @@
 #include <fmt/format.h>
-
 #include <fstream>
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
-#include "evaluate/dense_map_log.hpp"
-#include "evaluate/evaluation_report.hpp"
-#include "evaluate/pose_log.hpp"
-#include "evaluate/reference_surface.hpp"
-#include "evaluation/surface_error.hpp"
-#include "evaluation/wall_error.hpp"
-#include "mapping/map_export.hpp"
-#include "parse_command.hpp"
-#include "simulation/scene.hpp"
+#include <lcmslam/evaluation/surface_error.hpp>
+#include <lcmslam/evaluation/wall_error.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/simulation/scene.hpp>
+#include "tools/commands.hpp"
+#include "tools/evaluate/dense_map_log.hpp"
+#include "tools/evaluate/evaluation_report.hpp"
+#include "tools/evaluate/pose_log.hpp"
+#include "tools/evaluate/reference_surface.hpp"
+#include "tools/parse_command.hpp"
 
 namespace lcmslam {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "evaluate/evaluation_report.hpp"
+#include "tools/evaluate/evaluation_report.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,12 +1,11 @@
-#include "evaluate/evaluation_report.hpp"
+#include "tools/evaluate/evaluation_report.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "evaluation/table.hpp"
+#include <lcmslam/evaluation/table.hpp>
 
 namespace lcmslam {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/trajectory_inputs.hpp"
-#include "evaluation/clock_offset.hpp"
-#include "evaluation/trajectory_plot.hpp"
+#include <lcmslam/evaluation/clock_offset.hpp>
+#include <lcmslam/evaluation/trajectory_plot.hpp>
+#include "tools/evaluate/trajectory_inputs.hpp"
 
 namespace lcmslam {
 

@@ -1,19 +1,18 @@
-#include "evaluate/pose_log.hpp"
+#include "tools/evaluate/pose_log.hpp"
 
 #include <fmt/format.h>
-
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <lcmslam/graph_t.hpp>
-#include <lcmslam/pose_t.hpp>
 #include <limits>
 
-#include "log/log_reader.hpp"
-#include "messages/camera_messages.hpp"
-#include "messages/decode.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/pose_t.hpp>
 
 namespace lcmslam {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "evaluation/trajectory.hpp"
-#include "imaging/calibration.hpp"
+#include <lcmslam/evaluation/trajectory.hpp>
+#include <lcmslam/imaging/calibration.hpp>
 
 namespace lcmslam {
 

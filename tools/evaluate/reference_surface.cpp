@@ -1,16 +1,16 @@
-#include "evaluate/reference_surface.hpp"
+#include "tools/evaluate/reference_surface.hpp"
 
 #include <cmath>
-#include <lcmslam/camera_calibration_t.hpp>
-#include <lcmslam/images_t.hpp>
 #include <optional>
 #include <stdexcept>
 
-#include "icp/cloud_filter.hpp"
-#include "icp/depth_view.hpp"
-#include "log/log_reader.hpp"
-#include "messages/camera_messages.hpp"
-#include "messages/decode.hpp"
+#include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/cloud/cloud_filter.hpp>
+#include <lcmslam/images_t.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/rgbd/depth_view.hpp>
 
 namespace lcmslam {
 namespace {

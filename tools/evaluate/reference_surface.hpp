@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "evaluation/trajectory.hpp"
-#include "icp/voxel_map.hpp"
+#include <lcmslam/dense_mapper/voxel_map.hpp>
+#include <lcmslam/evaluation/trajectory.hpp>
 
 namespace lcmslam {
 

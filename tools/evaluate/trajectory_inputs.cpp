@@ -1,4 +1,4 @@
-#include "evaluate/trajectory_inputs.hpp"
+#include "tools/evaluate/trajectory_inputs.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <map>
 
-#include "evaluate/pose_log.hpp"
+#include "tools/evaluate/pose_log.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,12 +1,11 @@
 #include <fmt/format.h>
-
 #include <iostream>
 
-#include "camera/camera_log.hpp"
-#include "camera/repeated_source.hpp"
-#include "commands.hpp"
-#include "import/landmark_log.hpp"
-#include "parse_command.hpp"
+#include "procs/camera/camera_log.hpp"
+#include "procs/camera/repeated_source.hpp"
+#include "tools/commands.hpp"
+#include "tools/import/landmark_log.hpp"
+#include "tools/parse_command.hpp"
 
 namespace lcmslam {
 namespace {

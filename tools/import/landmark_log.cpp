@@ -1,13 +1,13 @@
-#include "import/landmark_log.hpp"
+#include "tools/import/landmark_log.hpp"
 
 #include <algorithm>
 #include <functional>
 #include <vector>
 
-#include "log/log_writer.hpp"
-#include "messages/feature_messages.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 
 namespace lcmslam {
 namespace {

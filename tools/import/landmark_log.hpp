@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "datasets/landmark_recording.hpp"
-#include "runtime/publisher.hpp"
+#include <lcmslam/datasets/landmark_recording.hpp>
+#include <lcmslam/runtime/publisher.hpp>
 
 namespace lcmslam {
 

@@ -1,8 +1,8 @@
-#include "launch/graph.hpp"
+#include "tools/launch/graph.hpp"
 
 #include <algorithm>
 
-#include "runtime/options.hpp"
+#include <lcmslam/runtime/options.hpp>
 
 namespace lcmslam {
 

@@ -1,8 +1,8 @@
 #pragma once
 // The process graph that a configuration names.
 
-#include "configuration/config.hpp"
-#include "launch/supervisor.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include "tools/launch/supervisor.hpp"
 
 namespace lcmslam {
 

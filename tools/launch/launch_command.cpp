@@ -1,19 +1,18 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <iostream>
 
-#include "commands.hpp"
-#include "doctor/checks.hpp"
-#include "launch/graph.hpp"
-#include "launch/status_table.hpp"
-#include "parse_command.hpp"
-#include "run_folder.hpp"
-#include "runtime/lcm_bus.hpp"
-#include "runtime/options.hpp"
-#include "runtime/private_bus.hpp"
-#include "runtime/stop_signal.hpp"
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/private_bus.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/commands.hpp"
+#include "tools/doctor/checks.hpp"
+#include "tools/launch/graph.hpp"
+#include "tools/launch/status_table.hpp"
+#include "tools/parse_command.hpp"
+#include "tools/run_folder.hpp"
 
 namespace lcmslam {
 namespace {

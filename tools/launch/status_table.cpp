@@ -1,7 +1,6 @@
-#include "launch/status_table.hpp"
+#include "tools/launch/status_table.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 
 namespace lcmslam {

@@ -1,11 +1,11 @@
 #pragma once
 // The state of the whole graph from its STATUS messages.
 
-#include <lcmslam/status_t.hpp>
 #include <map>
 #include <string>
 
-#include "launch/supervisor.hpp"
+#include <lcmslam/status_t.hpp>
+#include "tools/launch/supervisor.hpp"
 
 namespace lcmslam {
 

@@ -1,10 +1,9 @@
-#include "launch/supervisor.hpp"
+#include "tools/launch/supervisor.hpp"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <csignal>
 #include <cstring>

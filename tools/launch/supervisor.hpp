@@ -3,7 +3,6 @@
 // supervisor, not even when it is killed with -9 (the kernel then sends them SIGTERM).
 
 #include <sys/types.h>
-
 #include <chrono>
 #include <filesystem>
 #include <string>

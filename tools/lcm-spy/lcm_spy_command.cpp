@@ -1,15 +1,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
-
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
 
-#include "commands.hpp"
-#include "lcm-spy/spy_launch.hpp"
-#include "parse_command.hpp"
-#include "runtime/options.hpp"
+#include <lcmslam/runtime/options.hpp>
+#include "tools/commands.hpp"
+#include "tools/lcm-spy/spy_launch.hpp"
+#include "tools/parse_command.hpp"
 
 namespace lcmslam {
 namespace {

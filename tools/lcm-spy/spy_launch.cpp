@@ -1,9 +1,8 @@
-#include "lcm-spy/spy_launch.hpp"
+#include "tools/lcm-spy/spy_launch.hpp"
 
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
-
 #include <cstddef>
 #include <sstream>
 

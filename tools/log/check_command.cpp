@@ -1,10 +1,9 @@
 #include <fmt/format.h>
-
 #include <iostream>
 
-#include "log/log_check.hpp"
-#include "log/log_commands.hpp"
-#include "parse_command.hpp"
+#include "tools/log/log_check.hpp"
+#include "tools/log/log_commands.hpp"
+#include "tools/parse_command.hpp"
 
 namespace lcmslam {
 namespace {

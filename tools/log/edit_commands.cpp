@@ -1,11 +1,10 @@
 #include <fmt/format.h>
-
 #include <iostream>
 
-#include "log/log_commands.hpp"
-#include "log/log_edit.hpp"
-#include "log/selection_options.hpp"
-#include "parse_command.hpp"
+#include "tools/log/log_commands.hpp"
+#include "tools/log/log_edit.hpp"
+#include "tools/log/selection_options.hpp"
+#include "tools/parse_command.hpp"
 
 namespace lcmslam {
 namespace {

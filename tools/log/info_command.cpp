@@ -1,8 +1,8 @@
 #include <iostream>
 
-#include "log/log_commands.hpp"
-#include "log/log_summary.hpp"
-#include "parse_command.hpp"
+#include "tools/log/log_commands.hpp"
+#include "tools/log/log_summary.hpp"
+#include "tools/parse_command.hpp"
 
 namespace lcmslam {
 

@@ -1,13 +1,13 @@
-#include "log/lcm_play_bus.hpp"
+#include "tools/log/lcm_play_bus.hpp"
 
 #include <algorithm>
 #include <cerrno>
-#include <lcmslam/status_t.hpp>
 #include <stdexcept>
 
-#include "log/message_facts.hpp"
-#include "messages/decode.hpp"
-#include "runtime/stop_signal.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include <lcmslam/status_t.hpp>
+#include "tools/log/message_facts.hpp"
 
 namespace lcmslam {
 

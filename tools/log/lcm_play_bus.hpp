@@ -3,8 +3,8 @@
 
 #include <map>
 
-#include "log/log_player.hpp"
-#include "runtime/lcm_bus.hpp"
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include "tools/log/log_player.hpp"
 
 namespace lcmslam {
 

@@ -1,8 +1,8 @@
-#include "log/lockstep.hpp"
+#include "tools/log/lockstep.hpp"
 
 #include <algorithm>
 
-#include "log/log_event.hpp"
+#include <lcmslam/log/log_event.hpp>
 
 namespace lcmslam {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

@@ -1,15 +1,14 @@
-#include "log/log_check.hpp"
+#include "tools/log/log_check.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <optional>
 
-#include "log/log_session.hpp"
-#include "log/message_facts.hpp"
-#include "log/part_joiner.hpp"
-#include "messages/print_message.hpp"
+#include <lcmslam/messages/print_message.hpp>
+#include "tools/log/log_session.hpp"
+#include "tools/log/message_facts.hpp"
+#include "tools/log/part_joiner.hpp"
 
 namespace lcmslam {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "log/log_reader.hpp"
+#include <lcmslam/log/log_reader.hpp>
 
 namespace lcmslam {
 

@@ -1,8 +1,8 @@
 #include <cstring>
 #include <iostream>
 
-#include "commands.hpp"
-#include "log/log_commands.hpp"
+#include "tools/commands.hpp"
+#include "tools/log/log_commands.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,10 @@
-#include "log/log_edit.hpp"
+#include "tools/log/log_edit.hpp"
 
 #include <filesystem>
 #include <stdexcept>
 
-#include "log/log_writer.hpp"
-#include "log/message_reader.hpp"
+#include <lcmslam/log/log_writer.hpp>
+#include "tools/log/message_reader.hpp"
 
 namespace lcmslam {
 namespace {

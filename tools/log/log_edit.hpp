@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "log/log_reader.hpp"
-#include "log/log_selection.hpp"
+#include <lcmslam/log/log_reader.hpp>
+#include "tools/log/log_selection.hpp"
 
 namespace lcmslam {
 

@@ -1,15 +1,15 @@
-#include "log/log_player.hpp"
+#include "tools/log/log_player.hpp"
 
-#include <lcmslam/camera_calibration_t.hpp>
-#include <lcmslam/images_t.hpp>
 #include <stdexcept>
 #include <utility>
 
-#include "log/log_session.hpp"
-#include "log/message_facts.hpp"
-#include "log/message_reader.hpp"
-#include "log/play_pace.hpp"
-#include "messages/decode.hpp"
+#include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/images_t.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include "tools/log/log_session.hpp"
+#include "tools/log/message_facts.hpp"
+#include "tools/log/message_reader.hpp"
+#include "tools/log/play_pace.hpp"
 
 namespace lcmslam {
 namespace {

@@ -4,9 +4,9 @@
 #include <functional>
 #include <string>
 
-#include "log/lockstep.hpp"
-#include "log/log_selection.hpp"
-#include "log/play_order.hpp"
+#include "tools/log/lockstep.hpp"
+#include "tools/log/log_selection.hpp"
+#include "tools/log/play_order.hpp"
 
 namespace lcmslam {
 

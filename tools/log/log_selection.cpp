@@ -1,13 +1,12 @@
-#include "log/log_selection.hpp"
+#include "tools/log/log_selection.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "messages/print_message.hpp"
+#include <lcmslam/messages/print_message.hpp>
 
 namespace lcmslam {
 namespace {

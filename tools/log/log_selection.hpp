@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "log/log_event.hpp"
+#include <lcmslam/log/log_event.hpp>
 
 namespace lcmslam {
 

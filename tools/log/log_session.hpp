@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "log/log_event.hpp"
+#include <lcmslam/log/log_event.hpp>
 
 namespace lcmslam {
 

@@ -1,9 +1,9 @@
-#include "log/log_summary.hpp"
+#include "tools/log/log_summary.hpp"
 
 #include <algorithm>
 
-#include "log/log_session.hpp"
-#include "log/message_facts.hpp"
+#include "tools/log/log_session.hpp"
+#include "tools/log/message_facts.hpp"
 
 namespace lcmslam {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "log/log_reader.hpp"
-#include "log/part_joiner.hpp"
-#include "runtime/inputs.hpp"
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/runtime/inputs.hpp>
+#include "tools/log/part_joiner.hpp"
 
 namespace lcmslam {
 

@@ -1,7 +1,7 @@
-#include "log/message_facts.hpp"
+#include "tools/log/message_facts.hpp"
 
-#include "messages/decode.hpp"
-#include "messages/wire_reader.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/wire_reader.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "log/event_judge.hpp"
-#include "messages/origin.hpp"
-#include "messages/schema.hpp"
+#include <lcmslam/log/event_judge.hpp>
+#include <lcmslam/messages/origin.hpp>
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam {
 

@@ -1,6 +1,6 @@
-#include "log/message_reader.hpp"
+#include "tools/log/message_reader.hpp"
 
-#include "log/message_facts.hpp"
+#include "tools/log/message_facts.hpp"
 
 namespace lcmslam {
 

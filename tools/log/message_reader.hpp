@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "log/log_reader.hpp"
-#include "log/part_joiner.hpp"
+#include <lcmslam/log/log_reader.hpp>
+#include "tools/log/part_joiner.hpp"
 
 namespace lcmslam {
 

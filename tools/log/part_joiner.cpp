@@ -1,7 +1,7 @@
-#include "log/part_joiner.hpp"
+#include "tools/log/part_joiner.hpp"
 
-#include "log/message_facts.hpp"
-#include "messages/decode.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include "tools/log/message_facts.hpp"
 
 namespace lcmslam {
 

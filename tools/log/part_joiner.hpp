@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "log/log_event.hpp"
-#include "messages/parts.hpp"
+#include <lcmslam/log/log_event.hpp>
+#include <lcmslam/messages/parts.hpp>
 
 namespace lcmslam {
 

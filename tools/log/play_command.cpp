@@ -1,15 +1,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
 #include <iostream>
 
-#include "log/lcm_play_bus.hpp"
-#include "log/log_commands.hpp"
-#include "log/message_reader.hpp"
-#include "log/selection_options.hpp"
-#include "messages/print_message.hpp"
-#include "runtime/options.hpp"
-#include "runtime/stop_signal.hpp"
+#include <lcmslam/messages/print_message.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/log/lcm_play_bus.hpp"
+#include "tools/log/log_commands.hpp"
+#include "tools/log/message_reader.hpp"
+#include "tools/log/selection_options.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "log/play_order.hpp"
+#include "tools/log/play_order.hpp"
 
 #include <algorithm>
 

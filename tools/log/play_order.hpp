@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "log/log_event.hpp"
+#include <lcmslam/log/log_event.hpp>
 
 namespace lcmslam {
 

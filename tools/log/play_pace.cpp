@@ -1,8 +1,8 @@
-#include "log/play_pace.hpp"
+#include "tools/log/play_pace.hpp"
 
 #include <algorithm>
 
-#include "log/log_event.hpp"
+#include <lcmslam/log/log_event.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <optional>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

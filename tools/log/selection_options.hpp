@@ -1,8 +1,8 @@
 #pragma once
 // --from, --to, --channels and --without of the log tools.
 
-#include "log/log_selection.hpp"
-#include "parse_command.hpp"
+#include "tools/log/log_selection.hpp"
+#include "tools/parse_command.hpp"
 
 namespace lcmslam {
 

@@ -1,9 +1,8 @@
 #include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
-#include "log/log_summary.hpp"
-#include "messages/schema.hpp"
+#include <lcmslam/messages/schema.hpp>
+#include "tools/log/log_summary.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,9 +1,9 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "log/log_summary.hpp"
-#include "messages/print_message.hpp"
-#include "messages/schema.hpp"
+#include <lcmslam/messages/print_message.hpp>
+#include <lcmslam/messages/schema.hpp>
+#include "tools/log/log_summary.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "spy/arrival_rate.hpp"
+#include "tools/spy/arrival_rate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "spy/bus_listener.hpp"
+#include "tools/spy/bus_listener.hpp"
 
 #include <chrono>
 #include <stdexcept>
 #include <thread>
 
-#include "runtime/lcm_bus.hpp"
+#include <lcmslam/runtime/lcm_bus.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,11 +1,11 @@
-#include "spy/bus_statistics.hpp"
+#include "tools/spy/bus_statistics.hpp"
 
 #include <cinttypes>
 #include <cstdio>
 
-#include "messages/decode.hpp"
-#include "messages/print_message.hpp"
-#include "messages/wire_reader.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/print_message.hpp>
+#include <lcmslam/messages/wire_reader.hpp>
 
 namespace lcmslam {
 namespace {

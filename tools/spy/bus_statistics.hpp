@@ -4,10 +4,10 @@
 #include <map>
 #include <set>
 
-#include "messages/message_value.hpp"
-#include "messages/parts.hpp"
-#include "runtime/inputs.hpp"
-#include "spy/arrival_rate.hpp"
+#include <lcmslam/messages/message_value.hpp>
+#include <lcmslam/messages/parts.hpp>
+#include <lcmslam/runtime/inputs.hpp>
+#include "tools/spy/arrival_rate.hpp"
 
 namespace lcmslam {
 

@@ -1,17 +1,16 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
-
 #include <chrono>
 #include <iostream>
 #include <mutex>
 #include <thread>
 
-#include "commands.hpp"
-#include "parse_command.hpp"
-#include "runtime/options.hpp"
-#include "runtime/stop_signal.hpp"
-#include "spy/bus_listener.hpp"
-#include "spy/spy_report.hpp"
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/commands.hpp"
+#include "tools/parse_command.hpp"
+#include "tools/spy/bus_listener.hpp"
+#include "tools/spy/spy_report.hpp"
 
 namespace lcmslam {
 namespace {

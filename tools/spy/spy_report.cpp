@@ -1,12 +1,11 @@
-#include "spy/spy_report.hpp"
+#include "tools/spy/spy_report.hpp"
 
 #include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "evaluation/table.hpp"
-#include "messages/print_message.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/messages/print_message.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/machine.hpp"
-#include "spy/bus_statistics.hpp"
+#include <lcmslam/runtime/machine.hpp>
+#include "tools/spy/bus_statistics.hpp"
 
 namespace lcmslam {
 

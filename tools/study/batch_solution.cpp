@@ -1,7 +1,6 @@
-#include "study/batch_solution.hpp"
+#include "tools/study/batch_solution.hpp"
 
 #include <ceres/ceres.h>
-
 #include <array>
 #include <cmath>
 #include <map>

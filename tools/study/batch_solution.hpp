@@ -2,8 +2,8 @@
 // A reference for recordings without truth: all poses and landmarks at once, by least squares over every
 // factor. Written apart from the filter and its smoother, with which it shares no code.
 
-#include "datasets/landmark_recording.hpp"
-#include "evaluation/trajectory.hpp"
+#include <lcmslam/datasets/landmark_recording.hpp>
+#include <lcmslam/evaluation/trajectory.hpp>
 
 namespace lcmslam {
 

@@ -1,9 +1,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "icp/cloud_filter.hpp"
-#include "imaging/registration.hpp"
-#include "study/depth_filter_study.hpp"
+#include <lcmslam/imaging/depth_registration.hpp>
+#include "tools/study/depth_filter_study.hpp"
 
 namespace lcmslam {
 namespace {
@@ -55,20 +54,6 @@ std::vector<DepthFilterMethod> depth_filter_methods(const DepthFilterSettings& s
        [](const RgbdCalibration& calibration) -> Filter {
          return [calibration](cv::Mat& depth, const cv::Mat&) {
            fixed_angle_filter(depth, calibration, 10 * CV_PI / 180);
-         };
-       }},
-      {"point image, 2 of 4 neighbours",
-       [](const RgbdCalibration& calibration) -> Filter {
-         return [registration = std::make_shared<DepthRegistration>(calibration)](cv::Mat& depth,
-                                                                                  const cv::Mat& amplitude) {
-           RgbdFrame frame;
-           frame.depth = depth;
-           frame.amplitude = amplitude;
-           // Pixels in the colour image are not wanted: the largest step leaves nearly all of them out.
-           RegisteredDepth registered = (*registration)(frame, Eigen::Isometry3d::Identity(), depth.cols);
-           remove_jump_edges(registered.points, registered.sigma);
-           for (int i = 0; i < static_cast<int>(depth.total()); ++i)
-             if (std::isnan(registered.points.ptr<cv::Vec3f>()[i][2])) depth.ptr<std::uint16_t>()[i] = 0;
          };
        }},
   };

@@ -1,17 +1,16 @@
-#include "study/depth_filter_study.hpp"
+#include "tools/study/depth_filter_study.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "evaluation/table.hpp"
-#include "simulation/planar_path.hpp"
-#include "simulation/sensor_head.hpp"
-#include "study/measures.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/simulation/planar_path.hpp>
+#include <lcmslam/simulation/sensor_head.hpp>
+#include "tools/study/measures.hpp"
 
 namespace lcmslam {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "imaging/depth_filter.hpp"
+#include <lcmslam/imaging/depth_filter.hpp>
 
 namespace lcmslam {
 

@@ -10,7 +10,7 @@
 #include <dlib/opencv/cv_image.h>
 #endif
 
-#include "study/feature_methods.hpp"
+#include "tools/study/feature_methods.hpp"
 
 namespace lcmslam {
 

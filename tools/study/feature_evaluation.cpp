@@ -1,11 +1,11 @@
-#include "study/feature_evaluation.hpp"
+#include "tools/study/feature_evaluation.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
 
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "study/feature_methods.hpp"
+#include "tools/study/feature_methods.hpp"
 
 namespace lcmslam {
 

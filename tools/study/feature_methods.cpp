@@ -1,11 +1,11 @@
-#include "study/feature_methods.hpp"
+#include "tools/study/feature_methods.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <opencv2/features2d.hpp>
 #include <tuple>
 
-#include "surf/surf.hpp"
+#include <lcmslam/surf/surf.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,11 +1,10 @@
 // The study's result as table, CSV and JSON.
 
 #include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
-#include "evaluation/table.hpp"
-#include "study/feature_study.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include "tools/study/feature_study.hpp"
 
 namespace lcmslam {
 namespace {

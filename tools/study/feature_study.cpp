@@ -1,7 +1,6 @@
-#include "study/feature_study.hpp"
+#include "tools/study/feature_study.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,8 +8,8 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "imaging/codec.hpp"
-#include "study/measures.hpp"
+#include <lcmslam/imaging/io/codec.hpp>
+#include "tools/study/measures.hpp"
 
 namespace lcmslam {
 namespace {

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "datasets/dataset.hpp"
-#include "study/feature_evaluation.hpp"
-#include "study/feature_methods.hpp"
-#include "study/score_comparison.hpp"
+#include <lcmslam/datasets/dataset.hpp>
+#include "tools/study/feature_evaluation.hpp"
+#include "tools/study/feature_methods.hpp"
+#include "tools/study/score_comparison.hpp"
 
 namespace lcmslam {
 

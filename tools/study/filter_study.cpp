@@ -1,20 +1,20 @@
-#include "study/filter_study.hpp"
+#include "tools/study/filter_study.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <lcmslam/landmarks_t.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "evaluate/pose_log.hpp"
-#include "evaluation/table.hpp"
-#include "log/message_reader.hpp"
-#include "messages/decode.hpp"
-#include "messages/feature_messages.hpp"
-#include "study/measures.hpp"
-#include "surf/matching.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/features/matching.hpp>
+#include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/feature_messages.hpp>
+#include "tools/evaluate/pose_log.hpp"
+#include "tools/log/message_reader.hpp"
+#include "tools/study/measures.hpp"
 
 namespace lcmslam {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "batch/batch_graph.hpp"
-#include "configuration/config.hpp"
-#include "evaluation/trajectory_error.hpp"
-#include "surf/feature.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/evaluation/trajectory_error.hpp>
+#include <lcmslam/features/feature.hpp>
+#include "tools/batch/batch_graph.hpp"
 
 namespace lcmslam {
 

@@ -1,18 +1,17 @@
-#include "study/landmark_study.hpp"
+#include "tools/study/landmark_study.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <lcmslam/landmarks_t.hpp>
 #include <nlohmann/json.hpp>
 
-#include "batch/batch_graph.hpp"
-#include "evaluate/pose_log.hpp"
-#include "evaluation/table.hpp"
-#include "import/landmark_log.hpp"
-#include "runtime/options.hpp"
-#include "study/measures.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include "tools/batch/batch_graph.hpp"
+#include "tools/evaluate/pose_log.hpp"
+#include "tools/import/landmark_log.hpp"
+#include "tools/study/measures.hpp"
 
 namespace lcmslam {
 namespace {

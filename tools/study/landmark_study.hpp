@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "configuration/config.hpp"
-#include "datasets/landmark_recording.hpp"
-#include "evaluation/trajectory_error.hpp"
-#include "study/batch_solution.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/datasets/landmark_recording.hpp>
+#include <lcmslam/evaluation/trajectory_error.hpp>
+#include "tools/study/batch_solution.hpp"
 
 namespace lcmslam {
 

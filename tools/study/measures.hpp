@@ -2,7 +2,6 @@
 // What the studies measure with.
 
 #include <time.h>
-
 #include <algorithm>
 #include <limits>
 #include <opencv2/core/utility.hpp>

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include "icp/alternating.hpp"
-#include "icp/colour_overlap.hpp"
-#include "icp/icp_mapper.hpp"
-#include "icp/kd_tree.hpp"
-#include "icp/start_hypotheses.hpp"
-#include "study/pair_study.hpp"
-#include "surf/rigid_ransac.hpp"
+#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/start_hypotheses.hpp>
+#include <lcmslam/dense_mapper/thesis/alternating.hpp>
+#include <lcmslam/features/rigid_ransac.hpp>
+#include <lcmslam/registration/kd_tree_target.hpp>
+#include <lcmslam/rgbd/colour_overlap.hpp>
+#include "tools/study/pair_study.hpp"
 
 namespace lcmslam {
 namespace {
@@ -48,7 +48,7 @@ PairMethod thesis(int on_cloud, int on_features, FeaturePairing pairing, bool ch
     settings.cloud_iterations = on_cloud;
     settings.feature_iterations = on_features;
     settings.pairing = pairing;
-    const ColourOverlap overlap(source.colour, target.colour);
+    const ImageOverlap overlap = colour_overlap(source.colour, target.colour);
     const Cloud sub = overlapping_points(source.cloud, overlap, source.camera);
     const FeaturePairs features = feature_pairs(source.features, target.features, checked);
     const Eigen::Isometry3d T_start =

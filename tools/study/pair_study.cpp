@@ -1,7 +1,6 @@
-#include "study/pair_study.hpp"
+#include "tools/study/pair_study.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,14 +9,17 @@
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 
-#include "evaluation/table.hpp"
-#include "evaluation/trajectory.hpp"
-#include "icp/cloud_filter.hpp"
-#include "icp/kd_tree.hpp"
-#include "imaging/codec.hpp"
-#include "study/feature_study.hpp"
-#include "study/measures.hpp"
-#include "surf/feature_frame.hpp"
+#include <lcmslam/cloud/cloud_filter.hpp>
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/evaluation/trajectory.hpp>
+#include <lcmslam/imaging/depth_filter.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/registration/kd_tree_target.hpp>
+#include <lcmslam/rgbd/make_cloud.hpp>
+#include "procs/surf/feature_frame.hpp"
+#include "tools/study/feature_study.hpp"
+#include "tools/study/measures.hpp"
 
 namespace lcmslam {
 namespace {
@@ -56,10 +58,13 @@ PairView make_view(const RgbdFrame& frame, const DepthRegistration& registration
   view.depth_utime = calibration.depth_time(frame.depth_utime);
   view.colour = frame.colour;
   view.camera = calibration.colour;
-  RegisteredDepth depth = registration(frame);
-  view.features = describe_frame(frame, depth, calibration, surf);
-  remove_jump_edges(depth.points, depth.sigma);
-  view.cloud = voxel_filtered(geometry_of(usable_points(make_cloud(frame, depth, 2, true), {})), voxel_size);
+  view.features = describe_frame(frame, registration(frame), calibration, surf);
+  RgbdFrame filtered = frame;
+  filtered.depth = frame.depth.clone();
+  DepthFilter filter(calibration);
+  filter(filtered.depth, frame.amplitude);
+  const ColouredCloud cloud = make_cloud(filtered, registration(filtered), 2, true);
+  view.cloud = voxel_filtered(geometry_of(usable_points(cloud)), voxel_size);
   return view;
 }
 

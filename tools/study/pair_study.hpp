@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "camera/camera_source.hpp"
-#include "icp/cloud.hpp"
-#include "surf/feature.hpp"
+#include <lcmslam/cloud/cloud.hpp>
+#include <lcmslam/features/feature.hpp>
+#include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
 

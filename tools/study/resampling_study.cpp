@@ -1,19 +1,19 @@
-#include "study/resampling_study.hpp"
+#include "tools/study/resampling_study.hpp"
 
 #include <algorithm>
 #include <array>
-#include <lcmslam/particles_t.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "batch/batch_run.hpp"
-#include "evaluate/pose_log.hpp"
-#include "evaluation/table.hpp"
-#include "evaluation/trajectory_error.hpp"
-#include "log/log_reader.hpp"
-#include "messages/decode.hpp"
-#include "runtime/options.hpp"
-#include "study/measures.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/evaluation/trajectory_error.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/particles_t.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include "tools/batch/batch_run.hpp"
+#include "tools/evaluate/pose_log.hpp"
+#include "tools/study/measures.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,11 +1,11 @@
-#include "study/score_comparison.hpp"
+#include "tools/study/score_comparison.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 namespace {

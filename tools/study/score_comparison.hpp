@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "study/feature_evaluation.hpp"
+#include "tools/study/feature_evaluation.hpp"
 
 namespace lcmslam {
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -8,21 +7,21 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "camera/camera_log.hpp"
-#include "commands.hpp"
-#include "evaluation/table.hpp"
-#include "launch/graph.hpp"
-#include "parse_command.hpp"
-#include "run_folder.hpp"
-#include "runtime/options.hpp"
-#include "simulation/simulation.hpp"
-#include "study/depth_filter_study.hpp"
-#include "study/feature_study.hpp"
-#include "study/filter_study.hpp"
-#include "study/landmark_study.hpp"
-#include "study/measures.hpp"
-#include "study/pair_study.hpp"
-#include "study/resampling_study.hpp"
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/simulation/simulation.hpp>
+#include "procs/camera/camera_log.hpp"
+#include "tools/commands.hpp"
+#include "tools/launch/graph.hpp"
+#include "tools/parse_command.hpp"
+#include "tools/run_folder.hpp"
+#include "tools/study/depth_filter_study.hpp"
+#include "tools/study/feature_study.hpp"
+#include "tools/study/filter_study.hpp"
+#include "tools/study/landmark_study.hpp"
+#include "tools/study/measures.hpp"
+#include "tools/study/pair_study.hpp"
+#include "tools/study/resampling_study.hpp"
 
 namespace lcmslam {
 namespace {

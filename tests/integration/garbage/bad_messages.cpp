@@ -1,9 +1,10 @@
-#include "integration/garbage/bad_messages.hpp"
+#include "tests/integration/garbage/bad_messages.hpp"
 
 #include <algorithm>
 #include <functional>
-#include <lcmslam/images_t.hpp>
 #include <limits>
+
+#include <lcmslam/images_t.hpp>
 
 namespace lcmslam::integration {
 namespace {

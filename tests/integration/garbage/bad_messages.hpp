@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "geometry/random.hpp"
-#include "integration/support/bus.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include "tests/integration/support/bus.hpp"
 
 namespace lcmslam::integration {
 

@@ -1,18 +1,18 @@
-#include "integration/garbage/samples.hpp"
+#include "tests/integration/garbage/samples.hpp"
 
 #include <algorithm>
 #include <deque>
+
 #include <lcmslam/command_t.hpp>
 #include <lcmslam/map_request_t.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/pose_t.hpp>
-
-#include "camera/publish_event.hpp"
-#include "fastslam/fastslam_node.hpp"
-#include "icp/icp_node.hpp"
-#include "integration/support/environment.hpp"
-#include "messages/camera_messages.hpp"
-#include "odometry/odometry_node.hpp"
-#include "surf/surf_node.hpp"
+#include "procs/camera/publish_event.hpp"
+#include "procs/fastslam/fastslam_node.hpp"
+#include "procs/icp/icp_node.hpp"
+#include "procs/odometry/odometry_node.hpp"
+#include "procs/surf/surf_node.hpp"
+#include "tests/integration/support/environment.hpp"
 
 namespace lcmslam::integration {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "integration/support/bus.hpp"
+#include "tests/integration/support/bus.hpp"
 
 namespace lcmslam::integration {
 

@@ -1,11 +1,11 @@
-#include "integration/support/bus.hpp"
+#include "tests/integration/support/bus.hpp"
 
 #include <cmath>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
-#include "integration/support/environment.hpp"
+#include "tests/integration/support/environment.hpp"
 
 namespace lcmslam::integration {
 namespace {

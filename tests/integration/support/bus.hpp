@@ -4,7 +4,6 @@
 #include <atomic>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
-#include <lcmslam/status_t.hpp>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -12,7 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "messages/decode.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/status_t.hpp>
 
 namespace lcmslam::integration {
 

@@ -1,14 +1,14 @@
-#include "integration/support/environment.hpp"
+#include "tests/integration/support/environment.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
+#include <unistd.h>
 #include <cstdlib>
 #include <iostream>
 #include <thread>
 
-#include "runtime/options.hpp"
-#include "support/own_bus.hpp"
+#include <lcmslam/runtime/options.hpp>
+#include "tests/support/own_bus.hpp"
 
 namespace lcmslam::integration {
 

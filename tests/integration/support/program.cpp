@@ -1,10 +1,9 @@
-#include "integration/support/program.hpp"
+#include "tests/integration/support/program.hpp"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
@@ -13,7 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "integration/support/environment.hpp"
+#include "tests/integration/support/environment.hpp"
 
 namespace lcmslam::integration {
 namespace {

@@ -2,7 +2,6 @@
 // A program that a test starts, watches and stops.
 
 #include <sys/types.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>

@@ -2,13 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
+#include <unistd.h>
 #include <fstream>
 #include <random>
 
-#include "configuration/config.hpp"
-#include "unit/configuration/error_of.hpp"
+#include <lcmslam/configuration/config.hpp>
+#include "tests/unit/configuration/error_of.hpp"
 
 namespace lcmslam {
 namespace {

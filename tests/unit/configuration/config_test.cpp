@@ -1,9 +1,9 @@
-#include "configuration/config.hpp"
+#include <lcmslam/configuration/config.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "unit/configuration/error_of.hpp"
+#include "tests/unit/configuration/error_of.hpp"
 
 namespace lcmslam {
 namespace {

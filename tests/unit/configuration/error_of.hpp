@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "configuration/config.hpp"
+#include <lcmslam/configuration/config.hpp>
 
 namespace lcmslam {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "datasets/landmark_recording.hpp"
-#include "unit/datasets/scratch_folder.hpp"
+#include <lcmslam/datasets/landmark_recording.hpp>
+#include "tests/unit/datasets/scratch_folder.hpp"
 
 namespace lcmslam {
 namespace {

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "datasets/dataset.hpp"
-#include "imaging/codec.hpp"
-#include "unit/datasets/scratch_folder.hpp"
+#include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include "tests/unit/datasets/scratch_folder.hpp"
 
 namespace lcmslam {
 namespace {

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "datasets/dataset.hpp"
-#include "geometry/random.hpp"
-#include "unit/datasets/scratch_folder.hpp"
+#include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/geometry/random.hpp>
+#include "tests/unit/datasets/scratch_folder.hpp"
 
 namespace lcmslam {
 namespace {

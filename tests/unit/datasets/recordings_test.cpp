@@ -5,9 +5,9 @@
 
 #include <cstdlib>
 
-#include "datasets/dataset.hpp"
-#include "imaging/codec.hpp"
-#include "imaging/registration.hpp"
+#include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
 
 namespace lcmslam {
 namespace {

@@ -2,7 +2,6 @@
 // A folder of a test's own, and small images to put in it.
 
 #include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "evaluation/trajectory.hpp"
-#include "geometry/random.hpp"
+#include <lcmslam/evaluation/trajectory.hpp>
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam::testing {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "surf/matching.hpp"
+#include <lcmslam/features/matching.hpp>
 
 namespace lcmslam::testing {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "geometry/motion_buffer.hpp"
-#include "geometry/random.hpp"
-#include "surf/feature.hpp"
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/geometry/motion_buffer.hpp>
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam::synthetic {
 

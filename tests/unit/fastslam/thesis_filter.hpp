@@ -9,8 +9,8 @@
 #include <cmath>
 #include <vector>
 
-#include "fastslam/resampling.hpp"
-#include "unit/fastslam/descriptor_tree.hpp"
+#include <lcmslam/fastslam/resampling.hpp>
+#include "tests/unit/fastslam/descriptor_tree.hpp"
 
 namespace lcmslam::testing {
 

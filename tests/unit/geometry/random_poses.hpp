@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "geometry/random.hpp"
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 

@@ -1,9 +1,10 @@
-#include "imaging/calibration.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/io/calibration_file.hpp>
 
 namespace lcmslam {
 namespace {

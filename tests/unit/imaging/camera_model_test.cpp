@@ -1,12 +1,12 @@
 // Camera model: against OpenCV's projection, and as its own inverse.
 
-#include "imaging/camera_model.hpp"
+#include <lcmslam/imaging/camera_model.hpp>
 
 #include <gtest/gtest.h>
 
 #include <opencv2/calib3d.hpp>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 namespace {

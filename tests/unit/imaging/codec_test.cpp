@@ -1,6 +1,6 @@
 // Codecs of the wire: lossless where promised, and proof against any bytes.
 
-#include "imaging/codec.hpp"
+#include <lcmslam/imaging/io/codec.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,8 @@
 #include <functional>
 #include <limits>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,11 +1,11 @@
-#include "imaging/depth_filter.hpp"
+#include <lcmslam/imaging/depth_filter.hpp>
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "log/log_reader.hpp"
-#include "sample_log.hpp"
+#include <lcmslam/log/log_reader.hpp>
+#include "tests/unit/log/sample_log.hpp"
 
 namespace lcmslam {
 namespace {

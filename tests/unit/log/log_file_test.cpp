@@ -1,17 +1,17 @@
 // Reader and writer against each other, against stock LCM and against recordings of others.
 
 #include <gmock/gmock.h>
+
 #include <sys/resource.h>
 #include <sys/stat.h>
-
 #include <csignal>
 #include <cstdlib>
 #include <lcm/lcm-cpp.hpp>
 #include <map>
 
-#include "log/log_reader.hpp"
-#include "log/log_writer.hpp"
-#include "sample_log.hpp"
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/log/log_writer.hpp>
+#include "tests/unit/log/sample_log.hpp"
 
 namespace lcmslam {
 namespace {

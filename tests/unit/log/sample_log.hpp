@@ -2,14 +2,13 @@
 // A log in memory whose messages carry a checksum, and files that live as long as their test.
 
 #include <unistd.h>
-
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
-#include "geometry/random.hpp"
-#include "log/event_judge.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/log/event_judge.hpp>
 
 namespace lcmslam::testing {
 

@@ -1,6 +1,8 @@
 #pragma once
 // Every type of lcmtypes/, for tests that hold for all of them.
 
+#include <gtest/gtest.h>
+
 #include <lcmslam/association_t.hpp>
 #include <lcmslam/associations_t.hpp>
 #include <lcmslam/camera_calibration_t.hpp>
@@ -37,8 +39,6 @@
 #include <lcmslam/twist_t.hpp>
 #include <lcmslam/value_t.hpp>
 #include <lcmslam/wheel_t.hpp>
-
-#include <gtest/gtest.h>
 
 namespace lcmslam::testing {
 

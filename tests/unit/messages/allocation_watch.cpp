@@ -1,4 +1,4 @@
-#include "unit/messages/allocation_watch.hpp"
+#include "tests/unit/messages/allocation_watch.hpp"
 
 #include <algorithm>
 #include <cstdlib>

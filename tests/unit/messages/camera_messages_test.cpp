@@ -1,12 +1,13 @@
-#include "messages/camera_messages.hpp"
+#include <lcmslam/messages/camera_messages.hpp>
 
 #include <gmock/gmock.h>
 
-#include "messages/decode.hpp"
-#include "messages/origin.hpp"
-#include "unit/messages/error_of.hpp"
-#include "unit/messages/samples.hpp"
-#include "unit/messages/wire_sample.hpp"
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/origin.hpp>
+#include "tests/unit/messages/error_of.hpp"
+#include "tests/unit/messages/samples.hpp"
+#include "tests/unit/messages/wire_sample.hpp"
 
 namespace lcmslam {
 namespace {

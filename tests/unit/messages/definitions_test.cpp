@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
-#include "messages/schema.hpp"
-#include "unit/messages/wire_sample.hpp"
+#include <lcmslam/messages/schema.hpp>
+#include "tests/unit/messages/wire_sample.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "messages/schema.hpp"
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam::testing {
 

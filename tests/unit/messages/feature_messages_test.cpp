@@ -1,11 +1,11 @@
-#include "messages/feature_messages.hpp"
+#include <lcmslam/messages/feature_messages.hpp>
 
 #include <gmock/gmock.h>
 
-#include "messages/decode.hpp"
-#include "unit/messages/error_of.hpp"
-#include "unit/messages/samples.hpp"
-#include "unit/messages/wire_sample.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include "tests/unit/messages/error_of.hpp"
+#include "tests/unit/messages/samples.hpp"
+#include "tests/unit/messages/wire_sample.hpp"
 
 namespace lcmslam {
 namespace {

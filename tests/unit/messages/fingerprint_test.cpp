@@ -1,13 +1,13 @@
 // The wire is frozen: a changed member makes old logs unreadable. Who must change a type gives it a
 // new name; this table only grows.
 
-#include "unit/messages/all_types.hpp"
+#include "tests/unit/messages/all_types.hpp"
 
 #include <cstdint>
 #include <map>
 #include <string>
 
-#include "messages/decode.hpp"
+#include <lcmslam/messages/decode.hpp>
 
 namespace lcmslam {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "messages/print_message.hpp"
+#include <lcmslam/messages/print_message.hpp>
 
 namespace lcmslam {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "messages/decode.hpp"
-#include "unit/messages/all_types.hpp"
-#include "unit/messages/allocation_watch.hpp"
-#include "unit/messages/wire_sample.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include "tests/unit/messages/all_types.hpp"
+#include "tests/unit/messages/allocation_watch.hpp"
+#include "tests/unit/messages/wire_sample.hpp"
 
 namespace lcmslam {
 namespace {

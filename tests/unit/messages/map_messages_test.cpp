@@ -1,12 +1,12 @@
-#include "messages/map_messages.hpp"
+#include <lcmslam/messages/map_messages.hpp>
 
 #include <gmock/gmock.h>
 
 #include <numeric>
 
-#include "messages/decode.hpp"
-#include "unit/messages/error_of.hpp"
-#include "unit/messages/samples.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include "tests/unit/messages/error_of.hpp"
+#include "tests/unit/messages/samples.hpp"
 
 namespace lcmslam {
 namespace {

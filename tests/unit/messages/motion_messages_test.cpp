@@ -1,13 +1,13 @@
-#include "messages/motion_messages.hpp"
+#include <lcmslam/messages/motion_messages.hpp>
 
 #include <gmock/gmock.h>
-#include <lcmslam/pose_t.hpp>
 
-#include "messages/decode.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/origin.hpp"
-#include "unit/messages/error_of.hpp"
-#include "unit/messages/samples.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/origin.hpp>
+#include <lcmslam/pose_t.hpp>
+#include "tests/unit/messages/error_of.hpp"
+#include "tests/unit/messages/samples.hpp"
 
 namespace lcmslam {
 namespace {

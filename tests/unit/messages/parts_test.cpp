@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "geometry/random.hpp"
-#include "messages/decode.hpp"
-#include "messages/parts.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/parts.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,15 +1,15 @@
-#include "messages/print_message.hpp"
+#include <lcmslam/messages/print_message.hpp>
 
 #include <gmock/gmock.h>
 
-#include <lcmslam/images_t.hpp>
-#include <lcmslam/pose_estimate_t.hpp>
-#include <lcmslam/status_t.hpp>
 #include <nlohmann/json.hpp>
 
-#include "messages/decode.hpp"
-#include "unit/messages/allocation_watch.hpp"
-#include "unit/messages/wire_sample.hpp"
+#include <lcmslam/images_t.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include <lcmslam/status_t.hpp>
+#include "tests/unit/messages/allocation_watch.hpp"
+#include "tests/unit/messages/wire_sample.hpp"
 
 namespace lcmslam {
 namespace {

@@ -3,13 +3,14 @@
 
 #include <cmath>
 
-#include "geometry/random.hpp"
-#include "imaging/calibration.hpp"
-#include "imaging/codec.hpp"
-#include "mapping/dense_map.hpp"
-#include "mapping/landmark_map.hpp"
-#include "odometry/encoders.hpp"
-#include "surf/feature.hpp"
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/map_store/dense_map.hpp>
+#include <lcmslam/map_store/landmark_map.hpp>
+#include <lcmslam/odometry/encoders.hpp>
 
 namespace lcmslam::testing {
 

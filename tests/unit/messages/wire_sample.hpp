@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/random.hpp"
-#include "messages/schema.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/messages/schema.hpp>
 
 namespace lcmslam::testing {
 

@@ -4,12 +4,13 @@
 
 #include <filesystem>
 
-#include "camera/camera_log.hpp"
-#include "camera/repeated_source.hpp"
-#include "log/log_reader.hpp"
-#include "log/log_writer.hpp"
-#include "messages/decode.hpp"
-#include "messages/parts.hpp"
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/parts.hpp>
+#include "procs/camera/camera_log.hpp"
+#include "procs/camera/repeated_source.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,17 +1,17 @@
-#include "map-server/map_server_node.hpp"
+#include "procs/map-server/map_server_node.hpp"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <lcmslam/map_reply_t.hpp>
 
-#include "mapping/map_export.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/map_messages.hpp"
-#include "messages/motion_messages.hpp"
-#include "unit/messages/samples.hpp"
-#include "unit/nodes/test_bus.hpp"
-#include "unit/tools/scratch.hpp"
+#include <lcmslam/map_reply_t.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include "tests/support/test_bus.hpp"
+#include "tests/unit/messages/samples.hpp"
+#include "tests/unit/tools/scratch.hpp"
 
 namespace lcmslam {
 namespace {

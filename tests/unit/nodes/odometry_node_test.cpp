@@ -1,11 +1,10 @@
-#include "odometry/odometry_node.hpp"
+#include "procs/odometry/odometry_node.hpp"
 
 #include <gmock/gmock.h>
 
+#include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/pose_t.hpp>
-
-#include "messages/geometry_messages.hpp"
-#include "unit/nodes/simulated_kitchen.hpp"
+#include "tests/support/simulated_kitchen.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "surf/surf_node.hpp"
+#include "procs/surf/surf_node.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,9 +6,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "messages/feature_messages.hpp"
-#include "unit/messages/wire_sample.hpp"
-#include "unit/nodes/simulated_kitchen.hpp"
+#include <lcmslam/messages/feature_messages.hpp>
+#include "tests/support/simulated_kitchen.hpp"
+#include "tests/unit/messages/wire_sample.hpp"
 
 namespace lcmslam {
 namespace {

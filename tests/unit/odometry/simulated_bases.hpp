@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "odometry/encoders.hpp"
-#include "odometry/wheel_odometry.hpp"
+#include <lcmslam/odometry/encoders.hpp>
+#include <lcmslam/odometry/wheel_odometry.hpp>
 
 namespace lcmslam::testing {
 

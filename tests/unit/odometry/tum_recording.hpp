@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "surf/feature.hpp"
-#include "surf/surf.hpp"
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/surf/surf.hpp>
 
 namespace lcmslam::testing {
 

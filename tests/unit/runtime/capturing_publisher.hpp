@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/publisher.hpp"
+#include <lcmslam/runtime/publisher.hpp>
 
 namespace lcmslam::testing {
 

@@ -1,13 +1,13 @@
-#include "runtime/inputs.hpp"
+#include <lcmslam/runtime/inputs.hpp>
 
 #include <gmock/gmock.h>
+
 #include <spdlog/spdlog.h>
 
 #include <lcmslam/command_t.hpp>
 #include <lcmslam/encoders_t.hpp>
+#include <lcmslam/geometry/random.hpp>
 #include <lcmslam/pose_t.hpp>
-
-#include "geometry/random.hpp"
 
 namespace lcmslam {
 namespace {

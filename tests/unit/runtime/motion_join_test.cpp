@@ -1,4 +1,4 @@
-#include "runtime/motion_join.hpp"
+#include <lcmslam/runtime/motion_join.hpp>
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
-#include "runtime/options.hpp"
+#include <lcmslam/runtime/options.hpp>
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
+#include <unistd.h>
 #include <cstdlib>
 #include <fstream>
 

@@ -1,11 +1,10 @@
-#include "runtime/publisher.hpp"
+#include <lcmslam/runtime/publisher.hpp>
 
 #include <gmock/gmock.h>
 
 #include <lcmslam/encoders_t.hpp>
 #include <lcmslam/pose_t.hpp>
-
-#include "unit/runtime/capturing_publisher.hpp"
+#include "tests/unit/runtime/capturing_publisher.hpp"
 
 namespace lcmslam {
 namespace {

@@ -4,10 +4,9 @@
 #include <gmock/gmock.h>
 
 #include <lcmslam/encoders_t.hpp>
+#include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/status_t.hpp>
-
-#include "runtime/lcm_bus.hpp"
-#include "support/own_bus.hpp"
+#include "tests/support/own_bus.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,14 +1,14 @@
 #pragma once
 // A small room with known geometry for the sensor tests.
 
-#include <string>
-
 #include <algorithm>
 #include <cmath>
-#include "geometry/transform.hpp"
-#include "imaging/camera_model.hpp"
-#include "simulation/pixel_noise.hpp"
-#include "simulation/ray_caster.hpp"
+#include <string>
+
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/imaging/camera_model.hpp>
+#include <lcmslam/simulation/pixel_noise.hpp>
+#include <lcmslam/simulation/ray_caster.hpp>
 
 namespace lcmslam {
 

@@ -1,8 +1,8 @@
-#include "simulation/colour_camera.hpp"
+#include <lcmslam/simulation/colour_camera.hpp>
 
 #include <gmock/gmock.h>
 
-#include "unit/simulation/box_room.hpp"
+#include "tests/unit/simulation/box_room.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,10 @@
-#include "simulation/depth_camera.hpp"
+#include <lcmslam/simulation/depth_camera.hpp>
 
 #include <gmock/gmock.h>
 
 #include <set>
 
-#include "unit/simulation/box_room.hpp"
+#include "tests/unit/simulation/box_room.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,8 +1,8 @@
-#include "simulation/depth_truth.hpp"
+#include <lcmslam/simulation/depth_truth.hpp>
 
 #include <gmock/gmock.h>
 
-#include "unit/simulation/box_room.hpp"
+#include "tests/unit/simulation/box_room.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,11 +1,11 @@
-#include "simulation/scene.hpp"
+#include <lcmslam/simulation/scene.hpp>
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 
-#include "simulation/ray_caster.hpp"
-#include "unit/simulation/box_room.hpp"
+#include <lcmslam/simulation/ray_caster.hpp>
+#include "tests/unit/simulation/box_room.hpp"
 
 namespace lcmslam {
 namespace {

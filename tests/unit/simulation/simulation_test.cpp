@@ -1,10 +1,10 @@
-#include "simulation/simulation.hpp"
+#include <lcmslam/simulation/simulation.hpp>
 
 #include <gmock/gmock.h>
 
-#include "simulation/planar_path.hpp"
-#include "simulation/ray_caster.hpp"
-#include "simulation/scene.hpp"
+#include <lcmslam/simulation/planar_path.hpp>
+#include <lcmslam/simulation/ray_caster.hpp>
+#include <lcmslam/simulation/scene.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,10 @@
-#include "simulation/wheel_base.hpp"
+#include <lcmslam/simulation/wheel_base.hpp>
 
 #include <gmock/gmock.h>
 
 #include <Eigen/QR>
 
-#include "unit/simulation/box_room.hpp"
+#include "tests/unit/simulation/box_room.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "surf/adaptive_threshold.hpp"
+#include <lcmslam/surf/adaptive_threshold.hpp>
 
 #include <gmock/gmock.h>
 

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam::test {
 

@@ -3,8 +3,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "blob_scene.hpp"
-#include "surf/surf.hpp"
+#include <lcmslam/surf/surf.hpp>
+#include "tests/unit/surf/blob_scene.hpp"
 
 namespace lcmslam {
 namespace {

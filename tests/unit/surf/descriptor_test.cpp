@@ -6,11 +6,11 @@
 #include <cmath>
 #include <vector>
 
-#include "blob_scene.hpp"
-#include "detected_features.hpp"
-#include "plain_descriptor.hpp"
-#include "surf/descriptor.hpp"
-#include "surf/surf.hpp"
+#include <lcmslam/surf/descriptor.hpp>
+#include <lcmslam/surf/surf.hpp>
+#include "tests/unit/surf/blob_scene.hpp"
+#include "tests/unit/surf/detected_features.hpp"
+#include "tests/unit/surf/plain_descriptor.hpp"
 
 namespace lcmslam {
 namespace {

@@ -2,7 +2,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "surf/surf.hpp"
+#include <lcmslam/surf/surf.hpp>
 
 namespace lcmslam::test {
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "blob_scene.hpp"
-#include "surf/surf.hpp"
+#include <lcmslam/surf/surf.hpp>
+#include "tests/unit/surf/blob_scene.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "geometry/random.hpp"
-#include "surf/hessian.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/surf/hessian.hpp>
 
 namespace lcmslam {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "blob_scene.hpp"
-#include "detected_features.hpp"
-#include "surf/surf.hpp"
+#include <lcmslam/surf/surf.hpp>
+#include "tests/unit/surf/blob_scene.hpp"
+#include "tests/unit/surf/detected_features.hpp"
 
 namespace lcmslam {
 namespace {

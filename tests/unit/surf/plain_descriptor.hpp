@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "surf/descriptor.hpp"
+#include <lcmslam/surf/descriptor.hpp>
 
 namespace lcmslam::test {
 

@@ -14,11 +14,11 @@
 #include <optional>
 #include <sstream>
 
-#include "geometry/transform.hpp"
-#include "surf/matching.hpp"
-#include "surf/rigid_ransac.hpp"
-#include "surf/surf.hpp"
-#include "unit/surf/dlib_surf.hpp"
+#include <lcmslam/features/matching.hpp>
+#include <lcmslam/features/rigid_ransac.hpp>
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/surf/surf.hpp>
+#include "tests/unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,10 @@
-#include "surf/smoothing.hpp"
+#include <lcmslam/surf/smoothing.hpp>
 
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 
-#include "geometry/random.hpp"
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,13 +1,13 @@
 // A program of its own, because it counts every call of malloc: operator new and OpenCV's matrices too.
 #include <gtest/gtest.h>
-#include <malloc.h>
 
+#include <malloc.h>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
 
-#include "surf/surf.hpp"
-#include "unit/surf/blob_scene.hpp"
+#include <lcmslam/surf/surf.hpp>
+#include "tests/unit/surf/blob_scene.hpp"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
 #define LCMSLAM_COUNTS_MALLOC

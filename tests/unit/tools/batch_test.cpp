@@ -3,13 +3,13 @@
 
 #include <gmock/gmock.h>
 
-#include "batch/batch_run.hpp"
-#include "log/log_reader.hpp"
-#include "log/log_writer.hpp"
-#include "messages/decode.hpp"
-#include "messages/parts.hpp"
-#include "runtime/options.hpp"
-#include "unit/tools/scratch.hpp"
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/parts.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include "tests/unit/tools/scratch.hpp"
+#include "tools/batch/batch_run.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "study/depth_filter_study.hpp"
+#include "tools/study/depth_filter_study.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,19 +1,19 @@
 // What the doctor finds on machines that are well and on machines that are made ill.
 
 #include <gmock/gmock.h>
+
 #include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <atomic>
-#include <lcmslam/status_t.hpp>
 #include <thread>
 
-#include "doctor/checks.hpp"
-#include "runtime/lcm_bus.hpp"
-#include "runtime/private_bus.hpp"
-#include "support/own_bus.hpp"
-#include "unit/tools/scratch.hpp"
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/private_bus.hpp>
+#include <lcmslam/status_t.hpp>
+#include "tests/support/own_bus.hpp"
+#include "tests/unit/tools/scratch.hpp"
+#include "tools/doctor/checks.hpp"
 
 namespace lcmslam {
 namespace {

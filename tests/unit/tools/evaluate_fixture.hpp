@@ -5,16 +5,16 @@
 
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
-#include "evaluate/evaluation_report.hpp"
-#include "log/log_writer.hpp"
-#include "messages/camera_messages.hpp"
-#include "messages/decode.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
-#include "unit/evaluation/path_samples.hpp"
-#include "unit/tools/mounted_camera.hpp"
-#include "unit/tools/scratch.hpp"
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include "tests/unit/evaluation/path_samples.hpp"
+#include "tests/unit/tools/mounted_camera.hpp"
+#include "tests/unit/tools/scratch.hpp"
+#include "tools/commands.hpp"
+#include "tools/evaluate/evaluation_report.hpp"
 
 namespace lcmslam::testing {
 

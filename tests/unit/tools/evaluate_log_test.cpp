@@ -1,15 +1,16 @@
 // lcmslam evaluate on what logs hold besides poses: graphs, maps, several runs, damage.
 
 #include <fstream>
-#include <lcmslam/graph_t.hpp>
 #include <limits>
 
-#include "evaluate/pose_log.hpp"
-#include "imaging/codec.hpp"
-#include "mapping/map_export.hpp"
-#include "messages/camera_messages.hpp"
-#include "unit/tools/evaluate_fixture.hpp"
-#include "unit/tools/mounted_camera.hpp"
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include "tests/unit/tools/evaluate_fixture.hpp"
+#include "tests/unit/tools/mounted_camera.hpp"
+#include "tools/evaluate/pose_log.hpp"
 
 namespace lcmslam {
 namespace {

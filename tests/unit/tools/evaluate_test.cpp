@@ -2,9 +2,9 @@
 
 #include <fstream>
 
-#include "evaluate/pose_log.hpp"
-#include "unit/evaluation/ate_by_definition.hpp"
-#include "unit/tools/evaluate_fixture.hpp"
+#include "tests/unit/evaluation/ate_by_definition.hpp"
+#include "tests/unit/tools/evaluate_fixture.hpp"
+#include "tools/evaluate/pose_log.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,12 +1,12 @@
 // lcmslam evaluate --walls: the dense map that a log's messages make.
 
 #include <cmath>
+
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
-
-#include "evaluate/dense_map_log.hpp"
-#include "messages/map_messages.hpp"
-#include "unit/tools/evaluate_fixture.hpp"
+#include <lcmslam/messages/map_messages.hpp>
+#include "tests/unit/tools/evaluate_fixture.hpp"
+#include "tools/evaluate/dense_map_log.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,6 +1,6 @@
 // The feature study's evaluation on matches whose truth is known, and the study in small on a recording.
 
-#include "study/feature_study.hpp"
+#include "tools/study/feature_study.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "geometry/random.hpp"
-#include "geometry/transform.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
 namespace {

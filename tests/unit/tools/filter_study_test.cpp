@@ -1,12 +1,12 @@
-#include "study/filter_study.hpp"
+#include "tools/study/filter_study.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "geometry/random.hpp"
-#include "runtime/options.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/runtime/options.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,8 +1,8 @@
-#include "launch/graph.hpp"
+#include "tools/launch/graph.hpp"
 
 #include <gmock/gmock.h>
 
-#include "unit/tools/scratch.hpp"
+#include "tests/unit/tools/scratch.hpp"
 
 namespace lcmslam {
 namespace {

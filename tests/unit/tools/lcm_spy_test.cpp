@@ -1,10 +1,10 @@
-#include "lcm-spy/spy_launch.hpp"
+#include "tools/lcm-spy/spy_launch.hpp"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 
-#include "unit/tools/scratch.hpp"
+#include "tests/unit/tools/scratch.hpp"
 
 namespace lcmslam {
 namespace {

@@ -6,14 +6,14 @@
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "batch/batch_run.hpp"
-#include "commands.hpp"
-#include "evaluate/pose_log.hpp"
-#include "evaluation/trajectory_error.hpp"
-#include "runtime/options.hpp"
-#include "unit/evaluation/path_samples.hpp"
-#include "unit/tools/joint_alignment.hpp"
-#include "unit/tools/scratch.hpp"
+#include <lcmslam/evaluation/trajectory_error.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include "tests/unit/evaluation/path_samples.hpp"
+#include "tests/unit/tools/joint_alignment.hpp"
+#include "tests/unit/tools/scratch.hpp"
+#include "tools/batch/batch_run.hpp"
+#include "tools/commands.hpp"
+#include "tools/evaluate/pose_log.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,8 +1,8 @@
-#include "log/log_check.hpp"
+#include "tools/log/log_check.hpp"
 
 #include <gmock/gmock.h>
 
-#include "log_samples.hpp"
+#include "tests/unit/tools/log_samples.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,10 +1,10 @@
-#include "log/log_edit.hpp"
+#include "tools/log/log_edit.hpp"
 
 #include <gmock/gmock.h>
 
-#include "geometry/random.hpp"
-#include "log/log_check.hpp"
-#include "log_samples.hpp"
+#include <lcmslam/geometry/random.hpp>
+#include "tests/unit/tools/log_samples.hpp"
+#include "tools/log/log_check.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,9 +1,9 @@
-#include "log/lockstep.hpp"
+#include "tools/log/lockstep.hpp"
 
 #include <gmock/gmock.h>
 
-#include "log/play_order.hpp"
-#include "log/play_pace.hpp"
+#include "tools/log/play_order.hpp"
+#include "tools/log/play_pace.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,9 +1,9 @@
-#include "log/log_player.hpp"
+#include "tools/log/log_player.hpp"
 
 #include <gmock/gmock.h>
 
-#include "log/message_facts.hpp"
-#include "log_samples.hpp"
+#include "tests/unit/tools/log_samples.hpp"
+#include "tools/log/message_facts.hpp"
 
 namespace lcmslam {
 namespace {

@@ -3,17 +3,17 @@
 
 #include <filesystem>
 #include <fstream>
+
 #include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/encoders_t.hpp>
 #include <lcmslam/images_t.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/origin.hpp>
+#include <lcmslam/messages/parts.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
-
-#include "log/log_reader.hpp"
-#include "log/log_writer.hpp"
-#include "messages/decode.hpp"
-#include "messages/origin.hpp"
-#include "messages/parts.hpp"
-#include "scratch.hpp"
+#include "tests/unit/tools/scratch.hpp"
 
 namespace lcmslam::testing {
 

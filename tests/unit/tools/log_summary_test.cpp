@@ -1,10 +1,10 @@
-#include "log/log_summary.hpp"
+#include "tools/log/log_summary.hpp"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 
-#include "log_samples.hpp"
+#include "tests/unit/tools/log_samples.hpp"
 
 namespace lcmslam {
 namespace {

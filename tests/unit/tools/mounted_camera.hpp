@@ -1,7 +1,7 @@
 #pragma once
 // A small camera on a robot, at no special place.
 
-#include "imaging/calibration.hpp"
+#include <lcmslam/imaging/calibration.hpp>
 
 namespace lcmslam::testing {
 

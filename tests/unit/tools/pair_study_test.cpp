@@ -1,10 +1,10 @@
-#include "study/pair_study.hpp"
+#include "tools/study/pair_study.hpp"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 
-#include "camera/camera_log.hpp"
+#include "procs/camera/camera_log.hpp"
 
 namespace lcmslam {
 namespace {

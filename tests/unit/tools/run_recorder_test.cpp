@@ -1,11 +1,11 @@
-#include "demo/run_recorder.hpp"
+#include "tools/demo/run_recorder.hpp"
 
 #include <gmock/gmock.h>
 
-#include "messages/camera_messages.hpp"
-#include "messages/geometry_messages.hpp"
-#include "messages/motion_messages.hpp"
-#include "unit/tools/mounted_camera.hpp"
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
+#include "tests/unit/tools/mounted_camera.hpp"
 
 namespace lcmslam {
 namespace {

@@ -2,7 +2,6 @@
 // A folder that lives as long as its test, and waiting for a condition with a deadline.
 
 #include <unistd.h>
-
 #include <chrono>
 #include <filesystem>
 #include <fstream>

@@ -1,12 +1,12 @@
-#include "echo/echo_printer.hpp"
+#include "tools/echo/echo_printer.hpp"
 
 #include <gmock/gmock.h>
 
 #include <lcm/lcm-cpp.hpp>
-#include <lcmslam/pose_estimate_t.hpp>
 #include <nlohmann/json.hpp>
 
-#include "messages/decode.hpp"
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "spy/spy_report.hpp"
+#include "tools/spy/spy_report.hpp"
 
 #include <gmock/gmock.h>
 

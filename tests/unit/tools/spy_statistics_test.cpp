@@ -1,15 +1,15 @@
-#include "spy/bus_statistics.hpp"
+#include "tools/spy/bus_statistics.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
+
+#include <lcmslam/geometry/random.hpp>
 #include <lcmslam/images_t.hpp>
+#include <lcmslam/messages/decode.hpp>
 #include <lcmslam/pointcloud2_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/status_t.hpp>
-
-#include "geometry/random.hpp"
-#include "messages/decode.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "launch/status_table.hpp"
+#include "tools/launch/status_table.hpp"
 
 #include <gmock/gmock.h>
 

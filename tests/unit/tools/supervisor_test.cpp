@@ -1,12 +1,12 @@
-#include "launch/supervisor.hpp"
+#include "tools/launch/supervisor.hpp"
 
 #include <gmock/gmock.h>
+
 #include <sys/prctl.h>
 #include <sys/wait.h>
-
 #include <csignal>
 
-#include "unit/tools/scratch.hpp"
+#include "tests/unit/tools/scratch.hpp"
 
 namespace lcmslam {
 namespace {

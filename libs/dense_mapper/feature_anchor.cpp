@@ -1,0 +1,112 @@
+#include <lcmslam/dense_mapper/feature_anchor.hpp>
+
+#include <algorithm>
+
+#include <lcmslam/pose_graph/pose_graph.hpp>
+
+namespace lcmslam {
+
+FeatureAnchor::FeatureAnchor(const FeatureAnchorSettings& settings) : settings_(settings) {}
+
+void FeatureAnchor::add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features, int node) {
+  keyframes_.push_back({T_world_camera, features, node});
+}
+
+void FeatureAnchor::bend(const std::vector<Eigen::Isometry3d>& T_new_old) {
+  for (Keyframe& keyframe : keyframes_)
+    keyframe.T_world_camera =
+        T_new_old[std::min(static_cast<std::size_t>(keyframe.node), T_new_old.size() - 1)] *
+        keyframe.T_world_camera;
+}
+
+void FeatureAnchor::renumber(const std::vector<bool>& gone, const std::vector<int>& number) {
+  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(),
+                                  [&](const Keyframe& k) { return gone[static_cast<std::size_t>(k.node)]; }),
+                   keyframes_.end());
+  for (Keyframe& keyframe : keyframes_) keyframe.node = number[static_cast<std::size_t>(keyframe.node)];
+}
+
+std::size_t FeatureAnchor::memory_bytes() const {
+  std::size_t bytes = keyframes_.capacity() * sizeof(Keyframe);
+  for (const Keyframe& keyframe : keyframes_)
+    bytes += keyframe.features.features.capacity() * sizeof(Feature);
+  return bytes;
+}
+
+std::vector<const FeatureAnchor::Keyframe*> FeatureAnchor::around(
+    const Eigen::Isometry3d& T_world_camera) const {
+  std::vector<std::pair<double, const Keyframe*>> near;
+  for (const Keyframe& keyframe : keyframes_) {
+    const Eigen::Isometry3d step = keyframe.T_world_camera.inverse() * T_world_camera;
+    const double distance = step.translation().norm() / settings_.max_distance;
+    const double angle = rotation_angle(step) / settings_.max_angle;
+    if (distance < 1 && angle < 1) near.emplace_back(distance + angle, &keyframe);
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<const Keyframe*> nearest;
+  for (const auto& [distance, keyframe] : near)
+    if (nearest.size() < static_cast<std::size_t>(settings_.keyframes)) nearest.push_back(keyframe);
+  return nearest;
+}
+
+std::optional<Prior> FeatureAnchor::locate(const FeatureFrame& features,
+                                           const Eigen::Isometry3d& T_world_camera,
+                                           const Eigen::Isometry3d& T_robot_camera) {
+  return locate_by(around(T_world_camera), features, T_robot_camera);
+}
+
+std::optional<Prior> FeatureAnchor::search(const FeatureFrame& features,
+                                           const Eigen::Isometry3d& T_robot_camera) {
+  for (int i = 0; i < settings_.searched_keyframes && !keyframes_.empty(); ++i) {
+    const Keyframe& keyframe = keyframes_[next_search_++ % keyframes_.size()];
+    if (const auto found = locate_by({&keyframe}, features, T_robot_camera)) return found;
+  }
+  return std::nullopt;
+}
+
+// All keyframes' matches at once, in the world: where one keyframe gives way to the next, nothing jumps.
+std::optional<Prior> FeatureAnchor::locate_by(const std::vector<const Keyframe*>& keyframes,
+                                              const FeatureFrame& features,
+                                              const Eigen::Isometry3d& T_robot_camera) {
+  std::vector<PointPair> pairs;
+  for (const Keyframe* keyframe : keyframes) {
+    const Eigen::Matrix3d R = keyframe->T_world_camera.linear();
+    for (const Match& m : matcher_.match(keyframe->features.features, features.features)) {
+      const Feature& known = keyframe->features.features[static_cast<std::size_t>(m.a)];
+      const Feature& seen = features.features[static_cast<std::size_t>(m.b)];
+      if (known.kind != MeasurementKind::point || seen.kind != MeasurementKind::point) continue;
+      pairs.push_back({keyframe->T_world_camera * known.point.cast<double>(), seen.point.cast<double>(),
+                       R * point_covariance(known, keyframe->features) * R.transpose(),
+                       point_covariance(seen, features)});
+    }
+  }
+  RigidRansacSettings ransac;
+  ransac.min_inliers = settings_.min_inliers;
+  Random random(1);
+  const RigidRansacResult aligned = align_ransac(pairs, ransac, random);
+  if (!aligned.success) return std::nullopt;
+  Matrix6d covariance = aligned.covariance;
+  covariance.diagonal().head<3>().array() += settings_.floor_translation * settings_.floor_translation;
+  covariance.diagonal().tail<3>().array() += settings_.floor_rotation * settings_.floor_rotation;
+  const Matrix6d A = adjoint(T_robot_camera);  // from the camera's body frame to the robot's
+  Prior anchor;
+  anchor.T_target_source = aligned.T_a_b * T_robot_camera.inverse();
+  anchor.information = (A * covariance * A.transpose()).inverse();
+  return anchor;
+}
+
+double disagreement(const Prior& a, const Prior& b) {
+  return distance_from_identity(
+      {a.T_target_source.inverse() * b.T_target_source, a.information.inverse() + b.information.inverse()});
+}
+
+Prior fused(const Prior& a, const Prior& b) {
+  // First order about a: b lies at xi from there, in a's body frame.
+  const Vector6d xi = se3_log(a.T_target_source.inverse() * b.T_target_source);
+  Prior result;
+  result.information = a.information + b.information;
+  result.T_target_source = a.T_target_source * se3_exp(result.information.ldlt().solve(b.information * xi));
+  return result;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,73 @@
+#pragma once
+// Where the SURF features of a frame place the robot, against those of the keyframes around: knowledge for
+// directions in which geometry alone slides (a wall, a floor), and without the drift of frame-to-frame
+// odometry.
+
+#include <optional>
+#include <vector>
+
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/features/matching.hpp>
+#include <lcmslam/features/rigid_ransac.hpp>
+#include <lcmslam/registration/solver.hpp>
+
+namespace lcmslam {
+
+struct FeatureAnchorSettings {
+  bool enabled = true;
+  int keyframes = 2;          ///< nearest ones that are asked
+  double max_distance = 1.0;  ///< m between a keyframe's camera and this one's, and
+  double max_angle = 0.7;     ///< rad: beyond, SURF does not find things again
+  int min_inliers = 20;
+  int searched_keyframes = 5;  ///< asked in each frame while lost
+  // Added (squared) to the alignment's covariance: errors that all of a frame's features share, as between
+  // two keyframes (LoopFinderSettings).
+  double floor_translation = 0.005;  ///< m
+  double floor_rotation = 0.003;     ///< rad
+  double max_disagreement = 5;       ///< Mahalanobis distance from odometry; beyond, the map judges
+};
+
+/// Mahalanobis distance between two places.
+double disagreement(const Prior& a, const Prior& b);
+
+class FeatureAnchor {
+ public:
+  explicit FeatureAnchor(const FeatureAnchorSettings& settings);
+
+  /// A keyframe's features and where its camera stood; `node` of the graph that it moves with.
+  void add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features, int node = 0);
+  /// Keyframes move, each by T_new_old[node], those of later nodes by the last.
+  void bend(const std::vector<Eigen::Isometry3d>& T_new_old);
+  /// Keyframes of nodes that go (true), and the new numbers of the others.
+  void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
+  void clear() { keyframes_.clear(); }
+  std::size_t memory_bytes() const;
+
+  /// Where the robot is, wherever that be: each call asks the next few keyframes. For a robot that is lost.
+  std::optional<Prior> search(const FeatureFrame& features, const Eigen::Isometry3d& T_robot_camera);
+
+  /// T_world_robot with its information, by the matches with all keyframes around T_world_camera (where the
+  /// camera should be) together; nothing when too few agree.
+  std::optional<Prior> locate(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera,
+                              const Eigen::Isometry3d& T_robot_camera);
+
+ private:
+  struct Keyframe {
+    Eigen::Isometry3d T_world_camera;
+    FeatureFrame features;
+    int node = 0;
+  };
+  std::optional<Prior> locate_by(const std::vector<const Keyframe*>& keyframes, const FeatureFrame& features,
+                                 const Eigen::Isometry3d& T_robot_camera);
+  std::vector<const Keyframe*> around(const Eigen::Isometry3d& T_world_camera) const;
+
+  FeatureAnchorSettings settings_;
+  std::vector<Keyframe> keyframes_;
+  std::size_t next_search_ = 0;
+  Matcher matcher_;
+};
+
+/// Both pieces of knowledge together: the minimum of the sum of both squared Mahalanobis distances.
+Prior fused(const Prior& a, const Prior& b);
+
+}  // namespace lcmslam

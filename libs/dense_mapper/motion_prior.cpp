@@ -1,0 +1,52 @@
+#include <lcmslam/dense_mapper/motion_prior.hpp>
+
+#include <Eigen/Dense>
+
+namespace lcmslam {
+namespace {
+
+Vector6d squares(double translation, double rotation) {
+  Vector6d v;
+  v.head<3>().setConstant(translation * translation);
+  v.tail<3>().setConstant(rotation * rotation);
+  return v;
+}
+
+}  // namespace
+
+Eigen::Isometry3d on_floor(const Eigen::Isometry3d& T_world_robot) {
+  return planar_pose(T_world_robot.translation().x(), T_world_robot.translation().y(), yaw(T_world_robot));
+}
+
+Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
+              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings) {
+  Prior prior;
+  Matrix6d covariance = Matrix6d::Zero();
+  if (motion && motion->T_from_to.matrix().allFinite() && motion->covariance.allFinite()) {
+    prior.T_target_source = T_world_last * motion->T_from_to;
+    covariance = motion->covariance;
+    covariance.diagonal() += squares(settings.floor_translation, settings.floor_rotation);
+  } else {
+    prior.T_target_source = T_world_last * free_motion;
+    covariance.diagonal() = squares(settings.free_translation, settings.free_rotation);
+  }
+  if (!settings.planar) {
+    prior.information = covariance.inverse();
+    return prior;
+  }
+
+  // On the floor x, y and heading are what motion tells; height and tilt are known absolutely.
+  prior.T_target_source = on_floor(prior.T_target_source);
+  const int in_plane[3] = {0, 1, 5};
+  Eigen::Matrix3d moving;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) moving(i, j) = covariance(in_plane[i], in_plane[j]);
+  const Eigen::Matrix3d information = moving.inverse();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) prior.information(in_plane[i], in_plane[j]) = information(i, j);
+  prior.information(2, 2) = 1 / (settings.plane_height * settings.plane_height);
+  prior.information(3, 3) = prior.information(4, 4) = 1 / (settings.plane_tilt * settings.plane_tilt);
+  return prior;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,54 @@
+#pragma once
+// The thesis's proposed ICP (algorithm 3.2, steps 5-10), for clouds whose relative pose nobody knows: turns
+// between iterations on the overlapping part of the cloud and iterations on the SURF points. The cloud alone
+// slides into a wrong basin, the few SURF points alone stay coarse; by turns each leads the other on.
+//
+//   1  colour_overlap, overlapping_points   S_sub
+//   2  SURF correspondences                 S_SURF, T_SURF
+//   3,4  align_start                        M_initial
+//   5-10 register_alternating
+
+#include <optional>
+
+#include <lcmslam/dense_mapper/thesis/feature_pairs.hpp>
+#include <lcmslam/registration/registration.hpp>
+
+namespace lcmslam {
+
+enum class FeaturePairing {
+  nearest,  ///< each iteration pairs a SURF point with the nearest one, as algorithm 3.2 is printed
+  fixed     ///< as the descriptors paired them
+};
+
+struct AlternatingSettings {
+  AlternatingSettings();
+
+  RegistrationSettings registration;  ///< one iteration of either kind; thesis: point to point, all points
+  int cloud_iterations = 1;           ///< in turn with
+  int feature_iterations = 1;         ///< these: the ratio
+  FeaturePairing pairing = FeaturePairing::nearest;
+  int max_rounds = 100;
+  double epsilon_rms = 1e-5;  ///< m; stop when the smaller error changes less in a round
+};
+
+struct AlternatingResult {
+  Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();  ///< that of the smaller error
+  bool from_features = false;                                         ///< whose error is the smaller one
+  std::vector<double> cloud_rms;  ///< m, point to point, after each round; NaN where nothing paired
+  std::vector<double> feature_rms;
+  StopReason stop = StopReason::too_few_pairs;
+  bool ok() const { return stop == StopReason::converged || stop == StopReason::max_iterations; }
+};
+
+/// M_initial: least squares over the pairs by the estimator of the settings; nothing when they do not fix a
+/// transform.
+std::optional<Eigen::Isometry3d> align_start(const FeaturePairs& features,
+                                             const RegistrationSettings& settings);
+
+/// Throws std::invalid_argument for settings out of range and for feature sets of different sizes. Where one
+/// of the two sets is too small, the other one goes on alone.
+AlternatingResult register_alternating(const Cloud& overlap, const Target& target,
+                                       const FeaturePairs& features, const Eigen::Isometry3d& T_start,
+                                       const AlternatingSettings& settings = {});
+
+}  // namespace lcmslam

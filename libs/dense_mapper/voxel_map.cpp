@@ -1,0 +1,223 @@
+#include <lcmslam/dense_mapper/voxel_map.hpp>
+
+#include <algorithm>
+#include <string>
+
+#include <lcmslam/registration/tangent_gradient.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr int block_side = 4;  // voxels
+constexpr float smallest_sigma = 1e-4f;
+constexpr float same_surface = 0.7f;  // cosine
+
+Eigen::Vector3i block_of(const Eigen::Vector3i& voxel) {
+  return {voxel.x() >> 2, voxel.y() >> 2, voxel.z() >> 2};
+}
+
+std::int8_t cell_of(const Eigen::Vector3i& voxel) {
+  constexpr int mask = block_side - 1;
+  return static_cast<std::int8_t>((voxel.x() & mask) | (voxel.y() & mask) << 2 | (voxel.z() & mask) << 4);
+}
+
+}  // namespace
+
+VoxelMap::VoxelMap(const VoxelMapSettings& settings)
+    : settings_(settings), inverse_size_(static_cast<float>(1.0 / settings.voxel_size)) {
+  if (!(settings.voxel_size > 0) || settings.max_blocks <= 0)
+    throw std::invalid_argument("voxel map: voxel size " + std::to_string(settings.voxel_size) +
+                                " m and max_blocks " + std::to_string(settings.max_blocks) +
+                                " must be positive");
+}
+
+VoxelMap::Block& VoxelMap::block_at(const Eigen::Vector3i& position) {
+  const auto next = static_cast<std::int32_t>(blocks_.size());
+  const std::int32_t slot = index_.insert(voxel_key(position), next);
+  if (slot == next) blocks_.push_back({position, -1, {}});
+  return blocks_[static_cast<std::size_t>(slot)];
+}
+
+void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor) {
+  ++frame_;
+  if (!cloud.has_normals()) return;
+  intensities_ = intensities_ || !cloud.intensities.empty();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!voxel_exists(cloud.points[i], inverse_size_) || !cloud.normals[i].allFinite()) continue;
+    float sigma = cloud.sigmas.empty() ? 0.01f : cloud.sigmas[i];
+    if (!std::isfinite(sigma)) continue;
+    sigma = std::max(sigma, smallest_sigma);
+    const float intensity = cloud.intensities.empty() ? TargetPoint::unknown : cloud.intensities[i];
+    merge({cloud.points[i], cloud.normals[i], 1.0f / (sigma * sigma), sigma, intensity, 1, 0, 1, frame_,
+           anchor});
+  }
+  if (blocks_.size() > static_cast<std::size_t>(settings_.max_blocks)) forget(view_point);
+}
+
+// Into the surfel of its voxel that faces the same way, or beside it.
+void VoxelMap::merge(const Surfel& seen) {
+  const Eigen::Vector3i voxel = voxel_of(seen.point, inverse_size_);
+  const std::int8_t cell = cell_of(voxel);
+  Block& block = block_at(block_of(voxel));
+  const auto agreement = static_cast<float>(settings_.normal_agreement);
+  for (Surfel& s : block.surfels) {
+    if (s.cell != cell || s.normal.dot(seen.normal) < agreement) continue;
+    const float one = 1.0f / (seen.sigma * seen.sigma);  // weight of one observation
+    const float share = seen.weight / (s.weight + seen.weight);
+    s.point += share * (seen.point - s.point);
+    const Eigen::Vector3f blended = s.normal + share * (seen.normal - s.normal);
+    if (const float length = blended.norm(); length > 0.1f) s.normal = blended / length;
+    s.sigma += share * (seen.sigma - s.sigma);
+    if (std::isnan(s.intensity)) s.intensity = seen.intensity;
+    if (!std::isnan(seen.intensity)) s.intensity += share * (seen.intensity - s.intensity);
+    s.weight = std::min(s.weight + seen.weight, static_cast<float>(settings_.max_weight) * one);
+    if (s.frame != seen.frame) {
+      s.observations = static_cast<std::int16_t>(std::min<int>(s.observations + seen.observations, 32767));
+      s.evidence = static_cast<std::int8_t>(
+          std::clamp(s.evidence + seen.evidence, settings_.dropped_at + 1, settings_.max_evidence));
+    }
+    s.frame = std::max(s.frame, seen.frame);
+    return;
+  }
+  block.surfels.push_back(seen);
+  block.surfels.back().cell = cell;
+  ++surfels_;
+}
+
+void VoxelMap::renumber_anchors(const std::vector<int>& number) {
+  for (Block& block : blocks_)
+    for (Surfel& s : block.surfels)
+      s.anchor = number[std::min(static_cast<std::size_t>(s.anchor), number.size() - 1)];
+}
+
+VoxelMap VoxelMap::bent(const std::vector<Eigen::Isometry3d>& T_new_old) const {
+  VoxelMap map(settings_);
+  map.frame_ = frame_ + 1;
+  map.forgotten_ = forgotten_;
+  map.intensities_ = intensities_;
+  map.index_.clear(blocks_.size());
+  map.blocks_.reserve(blocks_.size());
+  std::vector<Eigen::Isometry3f> moves;
+  for (const Eigen::Isometry3d& T : T_new_old) moves.push_back(T.cast<float>());
+  for (const Block& block : blocks_)
+    for (Surfel s : block.surfels) {
+      if (!moves.empty()) {
+        const Eigen::Isometry3f& T = moves[std::min(static_cast<std::size_t>(s.anchor), moves.size() - 1)];
+        s.point = T * s.point;
+        s.normal = T.linear() * s.normal;
+      }
+      if (voxel_exists(s.point, inverse_size_)) map.merge(s);
+    }
+  return map;
+}
+
+bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const {
+  if (!(max_distance >= 0) || !voxel_exists(point.cwiseAbs().array() + max_distance, inverse_size_))
+    return false;
+  float best = max_distance * max_distance;
+  const Surfel* nearest = nullptr;
+  const Block* home = nullptr;
+  const auto search = [&](const Eigen::Vector3i& block) {
+    const std::int32_t slot = index_.find(voxel_key(block));
+    if (slot == VoxelIndex::none) return;
+    const Block& candidates = blocks_[static_cast<std::size_t>(slot)];
+    for (const Surfel& s : candidates.surfels) {
+      const float d = (s.point - point).squaredNorm();
+      if (d > best || !is_partner(s)) continue;
+      best = d;
+      nearest = &s;
+      home = &candidates;
+    }
+  };
+  // The point's own block first: mostly the others are then too far away to hold anything nearer.
+  const Eigen::Vector3i own = block_of(voxel_of(point, inverse_size_));
+  search(own);
+  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(1.0001f * std::sqrt(best));  // for rounding
+  const Eigen::Vector3i low = block_of(voxel_of(point - reach, inverse_size_));
+  const Eigen::Vector3i high = block_of(voxel_of(point + reach, inverse_size_));
+  const float side = block_side / inverse_size_;
+  for (int x = low.x(); x <= high.x(); ++x)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int z = low.z(); z <= high.z(); ++z) {
+        const Eigen::Vector3i block(x, y, z);
+        if (block == own) continue;
+        const Eigen::Array3f corner = side * block.cast<float>().array();
+        const Eigen::Array3f outside = (corner - point.array()).max(point.array() - corner - side).max(0.0f);
+        if (outside.square().sum() <= best) search(block);
+      }
+  if (!nearest) return false;
+  found = {nearest->point, nearest->normal,
+           nearest->sigma / std::sqrt(static_cast<float>(nearest->observations)), nearest->intensity};
+  if (!std::isnan(nearest->intensity)) found.gradient = gradient_at(*nearest, *home);
+  return true;
+}
+
+// From the surface around it within its block.
+Eigen::Vector3f VoxelMap::gradient_at(const Surfel& surfel, const Block& block) const {
+  TangentGradient gradient(surfel.normal);
+  for (const Surfel& s : block.surfels)
+    if (!std::isnan(s.intensity) && s.normal.dot(surfel.normal) > same_surface)
+      gradient.add(s.point - surfel.point, s.intensity - surfel.intensity);
+  return gradient.solve();
+}
+
+std::size_t VoxelMap::memory_bytes() const {
+  std::size_t bytes = blocks_.capacity() * sizeof(Block) + index_.memory_bytes();
+  for (const Block& block : blocks_) bytes += block.surfels.capacity() * sizeof(Surfel);
+  return bytes;
+}
+
+// Drops a tenth, so that this happens rarely: first what holds nothing any more, then what is farthest.
+void VoxelMap::forget(const Eigen::Vector3d& view_point) {
+  const double block_size = settings_.voxel_size * block_side;
+  std::vector<double> distance(blocks_.size());
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    distance[i] =
+        ((blocks_[i].position.cast<double>().array() + 0.5).matrix() * block_size - view_point).norm();
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    if (!blocks_[i].surfels.empty()) order.push_back(i);
+  const auto left = static_cast<std::size_t>(0.9 * settings_.max_blocks);
+  forgotten_ = forgotten_ || order.size() > left;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return distance[a] < distance[b]; });
+  if (order.size() > left) order.resize(left);
+  std::sort(order.begin(), order.end());
+
+  std::vector<Block> kept;
+  kept.reserve(order.size());
+  index_.clear(order.size());
+  surfels_ = 0;
+  for (const std::size_t i : order) {
+    index_.insert(voxel_key(blocks_[i].position), static_cast<std::int32_t>(kept.size()));
+    surfels_ += blocks_[i].surfels.size();
+    kept.push_back(std::move(blocks_[i]));
+  }
+  blocks_ = std::move(kept);
+}
+
+void VoxelMap::append(const Surfel& s, Cloud& cloud) const {
+  cloud.points.push_back(s.point);
+  cloud.normals.push_back(s.normal);
+  cloud.sigmas.push_back(s.sigma / std::sqrt(static_cast<float>(s.observations)));
+  if (intensities_) cloud.intensities.push_back(s.intensity);
+}
+
+Cloud VoxelMap::cloud() const {
+  Cloud cloud;
+  for (const Block& block : blocks_)
+    for (const Surfel& s : block.surfels) append(s, cloud);
+  return cloud;
+}
+
+Cloud VoxelMap::partners_around(const Eigen::Vector3d& centre, double radius) const {
+  Cloud cloud;
+  const Eigen::Vector3f c = centre.cast<float>();
+  const auto squared_radius = static_cast<float>(radius * radius);
+  for (const Block& block : blocks_)
+    for (const Surfel& s : block.surfels)
+      if (is_partner(s) && (s.point - c).squaredNorm() <= squared_radius) append(s, cloud);
+  return cloud;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,115 @@
+#pragma once
+// The growing map that frames are registered against: surfels (mean point, mean normal) in voxels,
+// voxels in blocks of 4x4x4, blocks in a hash table. Cost of a look-up does not depend on the size
+// of the map; memory is bounded: when the blocks become too many, the farthest ones are forgotten.
+//
+// Invariant: every surfel lies in the voxel that it is filed under, with a finite unit normal.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <lcmslam/cloud/cloud.hpp>
+#include <lcmslam/cloud/voxel_index.hpp>
+#include <lcmslam/dense_mapper/free_space.hpp>
+#include <lcmslam/registration/target.hpp>
+
+namespace lcmslam {
+
+struct VoxelMapSettings {
+  double voxel_size = 0.04;       ///< m
+  double normal_agreement = 0.5;  ///< cosine; points with another normal make a second surfel
+  double max_weight = 60;         ///< observations that a surfel remembers (then a running mean)
+  int min_observations = 1;       ///< surfels seen less often are not found (one frame counts once)
+  // Evidence that a surfel is still there: 1 when it is new; a view that supports it adds one.
+  int max_evidence = 6;     ///< so that what has long been there can go, too
+  int miss = 2;             ///< taken off by a view that sees through it
+  int dropped_at = -3;      ///< it goes
+  int max_blocks = 160000;  ///< about 1.2 kB each where surfaces fill them: 200 MB, 2.5 million voxels
+};
+
+class VoxelMap : public Target {
+ public:
+  explicit VoxelMap(const VoxelMapSettings& settings = {});
+
+  /// Merges a cloud in map coordinates; points without a normal are left out. `view_point` is where
+  /// it was seen from (m): what is farthest from there is forgotten first.
+  /// New surfels belong to keyframe `anchor`.
+  void insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor = 0);
+
+  /// Keyframes get other numbers: surfels of `i` belong to number[i] now, those of later ones to its last.
+  void renumber_anchors(const std::vector<int>& number);
+
+  /// The map after its keyframes have moved: each surfel goes with the one it belongs to, by
+  /// T_new_old[anchor], those of later ones with the last. Surfels that meet in a voxel become one.
+  VoxelMap bent(const std::vector<Eigen::Isometry3d>& T_new_old) const;
+
+  struct Gone {
+    Eigen::Vector3f point;  ///< m, map
+    int anchor = 0;         ///< keyframe that it belonged to
+  };
+  /// Surfels that the view supports gain, those that it sees through lose evidence; the ones that have lost
+  /// enough go and are given back. Follows a rotating share of the view's rays (one of rotation^2), so that
+  /// the cost does not depend on the map's size. `turn` counts the calls.
+  std::vector<Gone> look_through(const FreeSpaceView& view, const Eigen::Isometry3d& T_map_camera,
+                                 const FreeSpaceSettings& settings, std::int32_t turn);
+
+  /// Surfels that were seen through of late are no partners.
+  bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
+  bool finds_nearest() const override { return true; }
+  std::size_t size() const override { return surfels_; }
+  std::size_t blocks() const { return blocks_.size(); }
+  std::size_t memory_bytes() const;
+  /// Whether clouds with intensities were inserted: then partners have them, with their gradient.
+  bool has_intensities() const { return intensities_; }
+  /// Whether something was forgotten since the map began.
+  bool has_forgotten() const { return forgotten_; }
+
+  /// Counts insertions, bends and views that took surfels away: the same number, the same surfels.
+  std::int32_t revision() const { return frame_; }
+
+  /// All surfels, in an order that depends only on what was inserted.
+  Cloud cloud() const;
+  /// Those that find() gives, less than `radius` (m) from `centre` (map coordinates).
+  Cloud partners_around(const Eigen::Vector3d& centre, double radius) const;
+
+ private:
+  struct Surfel {
+    Eigen::Vector3f point;
+    Eigen::Vector3f normal;
+    float weight;     // sum of 1 / sigma^2
+    float sigma;      // of one observation, m
+    float intensity;  // 0..1, NaN where unknown
+    std::int16_t observations;
+    std::int8_t cell;      // voxel in the block, 0..63
+    std::int8_t evidence;  // that it is still there; below 0 it is doubtful
+    std::int32_t frame;    // last insertion that touched it
+    std::int32_t anchor;   // keyframe that it moves with
+  };
+  struct Block {
+    Eigen::Vector3i position;
+    std::int32_t looked_at = -1;  // turn
+    std::vector<Surfel> surfels;
+  };
+
+  bool is_partner(const Surfel& s) const {
+    return s.observations >= settings_.min_observations && s.evidence >= 0;
+  }
+  void append(const Surfel& s, Cloud& cloud) const;
+  Block& block_at(const Eigen::Vector3i& position);
+  void merge(const Surfel& seen);
+  Eigen::Vector3f gradient_at(const Surfel& surfel, const Block& block) const;
+  void look_at(Block& block, const FreeSpaceView& view, const Eigen::Isometry3f& T_camera_map,
+               std::vector<Gone>& gone) const;
+  void forget(const Eigen::Vector3d& view_point);
+
+  VoxelMapSettings settings_;
+  float inverse_size_;
+  VoxelIndex index_;
+  std::vector<Block> blocks_;
+  std::size_t surfels_ = 0;
+  bool forgotten_ = false, intensities_ = false;
+  std::int32_t frame_ = 0;
+};
+
+}  // namespace lcmslam

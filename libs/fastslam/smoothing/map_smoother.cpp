@@ -1,0 +1,207 @@
+#include <lcmslam/fastslam/smoothing/map_smoother.hpp>
+
+#include <ceres/ceres.h>
+#include <Eigen/Cholesky>
+#include <array>
+#include <vector>
+
+#include <lcmslam/fastslam/pose_space.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr double kKeyframeWay = 0.05, kKeyframeTurn = 0.05;  // m, rad
+constexpr int kIterations = 15;
+
+using Vector6 = std::array<double, 6>;
+
+Vector6d vector(const double* xi) {
+  return Eigen::Map<const Vector6d>(xi);
+}
+
+// Ceres stores row after row, and asks for no Jacobian of what is constant.
+template <int rows, int columns>
+void store(const Eigen::Matrix<double, rows, columns>& J, double* to) {
+  if (to == nullptr) return;
+  Eigen::Map<Eigen::Matrix<double, rows, columns, Eigen::RowMajor>> map(to);
+  map = J;
+}
+
+// L^-1 of the free components' covariance L L^T, other rows 0.
+template <int D>
+Matrix6d root_information(const Matrix6d& covariance) {
+  using Matrix = typename PoseSpace<D>::Matrix;
+  const Matrix C = PoseSpace<D>::reduce(covariance) + 1e-12 * Matrix::Identity();
+  const Matrix root = C.llt().matrixL().solve(Matrix(Matrix::Identity()));
+  return PoseSpace<D>::expand(root);
+}
+
+// The Jacobians are those at the linearisation by right perturbations: xi and the residual's rotation are
+// small (a smoothed path is centimetres from the filter's), and where they vanish nothing is neglected.
+class MotionError final : public ceres::SizedCostFunction<6, 6, 6> {
+ public:
+  MotionError(const Eigen::Isometry3d& A, const Eigen::Isometry3d& B, const Eigen::Isometry3d& Z,
+              const Matrix6d& root)
+      : A_(A), B_(B), Z_(Z), root_(root) {}
+
+  bool Evaluate(const double* const* xi, double* residuals, double** jacobians) const override {
+    const Eigen::Isometry3d between = (A_ * se3_exp(vector(xi[0]))).inverse() * B_ * se3_exp(vector(xi[1]));
+    Eigen::Map<Vector6d> residual(residuals);
+    residual = root_ * se3_log(Z_.inverse() * between);
+    if (jacobians == nullptr) return true;
+    store<6, 6>(-root_ * adjoint(between.inverse()), jacobians[0]);
+    store<6, 6>(root_, jacobians[1]);
+    return true;
+  }
+
+ private:
+  Eigen::Isometry3d A_, B_, Z_;
+  Matrix6d root_;
+};
+
+class SightError final : public ceres::SizedCostFunction<3, 6, 3> {
+ public:
+  SightError(const Eigen::Isometry3d& T, const Measurement& z)
+      : T_(T), z_(z.value), root_(z.covariance.llt().matrixL().solve(Eigen::Matrix3d::Identity().eval())) {}
+
+  bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
+    const Eigen::Isometry3d T = T_ * se3_exp(vector(parameters[0]));
+    const Eigen::Vector3d p = predict_measurement(Eigen::Map<const Eigen::Vector3d>(parameters[1]), T);
+    Eigen::Map<Eigen::Vector3d> residual(residuals);
+    residual = root_ * (z_ - p);
+    if (jacobians == nullptr) return true;
+    store<3, 6>(root_ * PoseSpace<6>::residual_jacobian(p), jacobians[0]);
+    store<3, 3>(-root_ * T.linear().transpose(), jacobians[1]);
+    return true;
+  }
+
+ private:
+  Eigen::Isometry3d T_;
+  Eigen::Vector3d z_;
+  Eigen::Matrix3d root_;
+};
+
+Motion chained(const Motion& first, const Motion& second) {
+  const Matrix6d A = adjoint(second.T_from_to.inverse());
+  Motion both = second;
+  both.T_from_to = first.T_from_to * second.T_from_to;
+  both.covariance = A * first.covariance * A.transpose() + second.covariance;
+  return both;
+}
+
+}  // namespace
+
+void MapSmoother::add(Utime utime, const Eigen::Isometry3d& T_world_robot,
+                      const std::optional<Motion>& motion, const std::vector<PointSight>& seen,
+                      bool loop_closed) {
+  loop_closed_ = loop_closed_ || loop_closed;
+  if (keyframes_.empty())
+    motion_.reset();
+  else if (motion && motion_)
+    motion_ = chained(*motion_, *motion);
+  else
+    motion_.reset();  // for good until the next keyframe
+  if (!keyframes_.empty()) {
+    const Eigen::Isometry3d way = keyframes_.back().T_world_robot.inverse() * T_world_robot;
+    if (way.translation().norm() < kKeyframeWay && rotation_angle(way) < kKeyframeTurn) return;
+  }
+  if (seen.empty()) return;
+  keyframes_.push_back({utime, T_world_robot, motion_, seen, loop_closed_});
+  motion_ = Motion();
+  loop_closed_ = false;
+}
+
+// Where the search starts. A closed loop's error is more than a linearisation bears: it is first shared out
+// over the motions since what is recognised was last seen, to each by its variance, and all between moves by
+// its part of the whole correction (trajectory bending: Dubbelman and Browning 2015).
+std::vector<Eigen::Isometry3d> MapSmoother::bent_path() const {
+  std::vector<Eigen::Isometry3d> path;
+  std::map<std::int64_t, std::size_t> last_seen;  // keyframe
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    const Keyframe& k = keyframes_[i];
+    path.push_back(k.T_world_robot);
+    if (k.loop_closed && k.motion && i > 0) {
+      std::size_t from = 0;
+      for (const PointSight& s : k.seen)
+        if (const auto found = last_seen.find(s.landmark); found != last_seen.end())
+          from = std::max(from, found->second);
+      std::vector<double> share(i + 1, 0);  // summed from there
+      for (std::size_t j = from + 1; j <= i; ++j)
+        share[j] = share[j - 1] + (keyframes_[j].motion ? keyframes_[j].motion->covariance.trace() : 1.0);
+      const Eigen::Isometry3d T_drifted = path[i - 1] * k.motion->T_from_to;
+      const Vector6d correction = se3_log(k.T_world_robot * T_drifted.inverse());
+      for (std::size_t j = from + 1; j < i; ++j)
+        path[j] = se3_exp(Vector6d(share[j] / share[i] * correction)) * path[j];
+    }
+    for (const PointSight& s : k.seen) last_seen[s.landmark] = i;
+  }
+  return path;
+}
+
+std::optional<MapSmoothing> MapSmoother::solve() const {
+  if (keyframes_.size() < 2) return std::nullopt;
+  std::map<std::int64_t, int> sights;
+  for (const Keyframe& k : keyframes_)
+    for (const PointSight& s : k.seen) ++sights[s.landmark];
+
+  MapSmoothing result;
+  const std::vector<Eigen::Isometry3d> start = bent_path();
+  // Ceres eliminates parameters in the order of their addresses: only arrays give the same bytes in every
+  // run.
+  std::vector<Vector6> xi(keyframes_.size(), Vector6{});
+  std::vector<Eigen::Vector3d> points;  // by order of first sight; never moves
+  points.reserve(sights.size());
+  std::map<std::int64_t, double*> point_of;
+  ceres::CauchyLoss robust(settings_.huber_width);
+  ceres::Problem::Options problem_options;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(problem_options);
+  ceres::Solver::Options options;
+  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    const Keyframe& k = keyframes_[i];
+    problem.AddParameterBlock(xi[i].data(), 6);
+    options.linear_solver_ordering->AddElementToGroup(xi[i].data(), 1);
+    if (i > 0 && k.motion) {
+      const Matrix6d root = settings_.planar ? root_information<3>(k.motion->covariance)
+                                             : root_information<6>(k.motion->covariance);
+      problem.AddResidualBlock(new MotionError(start[i - 1], start[i], k.motion->T_from_to, root), nullptr,
+                               xi[i - 1].data(), xi[i].data());
+    }
+    for (const PointSight& s : k.seen) {
+      if (sights[s.landmark] < 2) continue;
+      auto [landmark, first] = point_of.try_emplace(s.landmark, nullptr);
+      if (first) {
+        landmark->second = points.emplace_back(start[i] * s.measurement.value).data();
+        problem.AddParameterBlock(landmark->second, 3);
+        options.linear_solver_ordering->AddElementToGroup(landmark->second, 0);
+      }
+      problem.AddResidualBlock(new SightError(start[i], s.measurement), &robust, xi[i].data(),
+                               landmark->second);
+    }
+  }
+  for (std::size_t i = 1; settings_.planar && i < xi.size(); ++i)
+    problem.SetManifold(xi[i].data(), new ceres::SubsetManifold(6, {2, 3, 4}));  // x, y, heading free
+  problem.SetParameterBlockConstant(xi.front().data());
+
+  options.num_threads = 1;  // the same result everywhere
+  options.linear_solver_type = ceres::SPARSE_SCHUR;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.max_num_iterations = kIterations;
+  options.function_tolerance = 1e-4;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (!summary.IsSolutionUsable()) return std::nullopt;
+  for (const auto& [id, point] : point_of) result.landmarks[id] = Eigen::Map<const Eigen::Vector3d>(point);
+  result.cost_before = summary.initial_cost;
+  result.cost_after = summary.final_cost;
+  result.residuals = static_cast<std::size_t>(problem.NumResiduals());
+  for (std::size_t i = 0; i < keyframes_.size(); ++i)
+    result.path.push_back(
+        {keyframes_[i].utime, restrict_pose(start[i] * se3_exp(vector(xi[i].data())), settings_.planar)});
+  result.T_world_correction = result.path.back().T_world_robot * keyframes_.back().T_world_robot.inverse();
+  return result;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/parallel/instruction_set.hpp>
+
+namespace lcmslam {
+namespace {
+
+// The inverse depth of a plane n . p = 1 is linear in the ray: 1/z = n . (x, y, 1). Measured inverse
+// depths around a pixel therefore give n by linear least squares in two unknowns, a and b, after
+// centring:  1/z = c + a x + b y,  n = (a, b, c).
+
+constexpr int reach = 2;                    // samples on either side: 5 x 5
+constexpr float steepest = 5;               // depth over lateral distance of a surface still worth fitting
+constexpr float wanted_uncertainty = 0.1f;  // rad
+constexpr float greatest_uncertainty = 0.3f;
+constexpr int greatest_stride = 6;
+constexpr float fewest_samples = 10;
+constexpr int border = reach * greatest_stride;  // pixels without depth, so that nobody asks where images end
+constexpr int lanes = 8;                         // pixels that are fitted at once
+
+/// Rays and inverse depths of a point image, a plane each.
+struct InverseDepths {
+  cv::Mat_<float> x, y, q;
+  std::ptrdiff_t pitch = 0;  // floats from row to row
+
+  explicit InverseDepths(const cv::Mat& points);
+  std::ptrdiff_t at(int v, int u) const { return (v + border) * pitch + u + border; }
+};
+
+LCMSLAM_VECTORISED(invert_row, (const float* point, int columns, float* x, float* y, float* q),
+                   (point, columns, x, y, q)) {
+  for (int u = 0; u < columns; ++u) {
+    const float inverse = 1.0f / point[3 * u + 2];
+    x[u] = point[3 * u] * inverse;
+    y[u] = point[3 * u + 1] * inverse;
+    q[u] = inverse;
+  }
+}
+
+InverseDepths::InverseDepths(const cv::Mat& points) {
+  const cv::Size size = points.size() + cv::Size(2 * border, 2 * border);
+  for (cv::Mat_<float>* plane : {&x, &y, &q}) plane->create(size);
+  pitch = size.width;
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  for (int v = 0; v < size.height; ++v) {
+    float* const rows[] = {x.ptr<float>(v), y.ptr<float>(v), q.ptr<float>(v)};
+    const bool inside = v >= border && v < border + points.rows;
+    for (float* row : rows) {
+      std::fill(row, row + (inside ? border : size.width), nothing);
+      std::fill(row + size.width - border, row + size.width, nothing);
+    }
+    if (inside)
+      invert_row(points.ptr<float>(v - border), points.cols, rows[0] + border, rows[1] + border,
+                 rows[2] + border);
+  }
+}
+
+/// Some pixels of a row, one a lane.
+struct Pixels {
+  std::ptrdiff_t at[lanes];
+  float sigma[lanes];
+  float nx[lanes], ny[lanes], nz[lanes];  // the results, NaN where unknown
+};
+
+// Each lane sees its own 25 samples; those beyond an edge or without depth add zeros.
+LCMSLAM_VECTORISED(fit_planes,
+                   (const float* image_x, const float* image_y, const float* image_q,
+                    std::ptrdiff_t image_pitch, float pixel_pitch, Pixels& pixels),
+                   (image_x, image_y, image_q, image_pitch, pixel_pitch, pixels)) {
+  float x0[lanes], y0[lanes], q0[lanes], sigma_q[lanes], noise_gate[lanes], slope_gate[lanes];
+  std::ptrdiff_t stride[lanes];
+  float n[lanes] = {}, x[lanes] = {}, y[lanes] = {}, q[lanes] = {};
+  float xx[lanes] = {}, xy[lanes] = {}, yy[lanes] = {}, xq[lanes] = {}, yq[lanes] = {}, qq[lanes] = {};
+  for (int l = 0; l < lanes; ++l) {
+    x0[l] = image_x[pixels.at[l]];
+    y0[l] = image_y[pixels.at[l]];
+    q0[l] = image_q[pixels.at[l]];
+  }
+  for (int l = 0; l < lanes; ++l) {
+    // 25 samples at stride d leave the slope uncertain by sigma / (sqrt(50) d z pitch).
+    const float z = 1 / q0[l];
+    const float wanted = pixels.sigma[l] / (wanted_uncertainty * 7.07f * z * pixel_pitch);
+    const float chosen = wanted > 1 ? (wanted < greatest_stride ? wanted : greatest_stride) : 1;
+    const int pixels_apart = static_cast<int>(chosen + 0.5f);
+    stride[l] = pixels_apart;
+    sigma_q[l] = pixels.sigma[l] * q0[l] * q0[l];
+    noise_gate[l] = 4.2f * sigma_q[l];  // three standard deviations of a difference
+    slope_gate[l] = steepest * pixel_pitch * static_cast<float>(pixels_apart) * q0[l];
+  }
+  for (int j = -reach; j <= reach; ++j)
+    for (int i = -reach; i <= reach; ++i) {
+      const auto distance = static_cast<float>(std::max(std::abs(i), std::abs(j)));
+      float sample_x[lanes], sample_y[lanes], sample_q[lanes];
+      for (int l = 0; l < lanes; ++l) {
+        const std::ptrdiff_t at = pixels.at[l] + stride[l] * (j * image_pitch + i);
+        sample_x[l] = image_x[at];
+        sample_y[l] = image_y[at];
+        sample_q[l] = image_q[at];
+      }
+      for (int l = 0; l < lanes; ++l) {
+        const float to_x = sample_x[l] - x0[l], to_y = sample_y[l] - y0[l], to_q = sample_q[l] - q0[l];
+        const float gate = noise_gate[l] + slope_gate[l] * distance;
+        const float one = std::abs(to_q) <= gate ? 1.0f : 0.0f;  // NaN: not
+        const float dx = one > 0 ? to_x : 0.0f;
+        const float dy = one > 0 ? to_y : 0.0f;
+        const float dq = one > 0 ? to_q : 0.0f;
+        n[l] += one;
+        x[l] += dx;
+        y[l] += dy;
+        q[l] += dq;
+        xx[l] += dx * dx;
+        xy[l] += dx * dy;
+        yy[l] += dy * dy;
+        xq[l] += dx * dq;
+        yq[l] += dy * dq;
+        qq[l] += dq * dq;
+      }
+    }
+  for (int l = 0; l < lanes; ++l) {
+    const float cxx = xx[l] - x[l] * x[l] / n[l];
+    const float cxy = xy[l] - x[l] * y[l] / n[l];
+    const float cyy = yy[l] - y[l] * y[l] / n[l];
+    const float cxq = xq[l] - x[l] * q[l] / n[l];
+    const float cyq = yq[l] - y[l] * q[l] / n[l];
+    const float determinant = cxx * cyy - cxy * cxy;
+    const float a = (cyy * cxq - cxy * cyq) / determinant;
+    const float b = (cxx * cyq - cxy * cxq) / determinant;
+    const float c = (q[l] - a * x[l] - b * y[l]) / n[l];
+    const float residual = (qq[l] - q[l] * q[l] / n[l]) - a * cxq - b * cyq;
+    const float variance = sigma_q[l] * sigma_q[l] * (cxx + cyy) / determinant;  // of (a, b) together
+    const float nz = q0[l] + c - a * x0[l] - b * y0[l];
+    const float length = std::sqrt(a * a + b * b + nz * nz);
+    // A neighbourhood on one line only determines no plane; an edge or a corner is none.
+    const bool known = (q0[l] > 0) & (n[l] >= fewest_samples) &
+                       (determinant > 0.02f * (cxx + cyy) * (cxx + cyy)) &
+                       !(residual > 9 * sigma_q[l] * sigma_q[l] * n[l]) & (length > 0) &
+                       !(variance > greatest_uncertainty * greatest_uncertainty * length * length);
+    const float unknown = std::numeric_limits<float>::quiet_NaN();
+    const float towards_camera = -(1.0f / length);
+    pixels.nx[l] = known ? a * towards_camera : unknown;
+    pixels.ny[l] = known ? b * towards_camera : unknown;
+    pixels.nz[l] = known ? nz * towards_camera : unknown;
+  }
+}
+
+}  // namespace
+
+cv::Mat estimate_normals(const RegisteredDepth& registered, int step) {
+  if (step < 1) throw std::invalid_argument("estimate_normals: step must be at least 1");
+  const InverseDepths image(registered.points);
+  const int rows = registered.points.rows, columns = registered.points.cols;
+  cv::Mat normals((rows + step - 1) / step, (columns + step - 1) / step, CV_32FC3);
+  for (int v = 0; v < rows; v += step) {
+    const auto* sigma = registered.sigma.ptr<float>(v);
+    auto* normal = normals.ptr<cv::Vec3f>(v / step);
+    for (int first = 0; first < normals.cols; first += lanes) {
+      Pixels pixels;
+      for (int l = 0; l < lanes; ++l) {  // beyond the row's end its last pixel again
+        const int u = step * std::min(first + l, normals.cols - 1);
+        pixels.at[l] = image.at(v, u);
+        pixels.sigma[l] = sigma[u];
+      }
+      fit_planes(image.x.ptr<float>(), image.y.ptr<float>(), image.q.ptr<float>(), image.pitch,
+                 registered.pitch, pixels);
+      for (int l = 0; l < std::min(lanes, normals.cols - first); ++l)
+        normal[first + l] = {pixels.nx[l], pixels.ny[l], pixels.nz[l]};
+    }
+  }
+  return normals;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,108 @@
+#include <lcmslam/imaging/io/calibration_file.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace lcmslam {
+namespace {
+
+CameraModel read_camera(const ConfigNode& node) {
+  CameraModel camera;
+  camera.width = static_cast<int>(node.number("width", {1, 8192}));
+  camera.height = static_cast<int>(node.number("height", {1, 8192}));
+  camera.fx = node.number("fx", {1e-3, 1e6});
+  camera.fy = node.number("fy", {1e-3, 1e6});
+  camera.cx = node.number("cx");
+  camera.cy = node.number("cy");
+  camera.distortion = node.get("distortion", std::vector<double>{});
+  if (std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k == 0; }))
+    camera.distortion.clear();
+  return camera;
+}
+
+Eigen::Isometry3d read_quaternion(const ConfigNode& node) {
+  const std::vector<double> translation = node.numbers("translation", 3);
+  const std::vector<double> quaternion = node.numbers("quaternion", 4);
+  double norm = 0;
+  for (double q : quaternion) norm += q * q;
+  if (!(std::abs(std::sqrt(norm) - 1) < 1e-2))
+    node.fail("quaternion",
+              "must be a unit quaternion [w, x, y, z], its length is " + std::to_string(std::sqrt(norm)));
+  return make_transform(translation.data(), quaternion.data());
+}
+
+// rpy turns the head as a body (x forward, y left, z up): Rz(yaw) Ry(pitch) Rx(roll), then the camera's
+// axes. A head inclined downwards by 20 degrees is rpy [0, 0.349, 0].
+Eigen::Isometry3d read_mount(const ConfigNode& node) {
+  if (!node.has("rpy")) return read_quaternion(node);
+  if (node.has("quaternion")) node.fail("rpy", "give rpy or quaternion, not both");
+  const std::vector<double> t = node.numbers("translation", 3);
+  const std::vector<double> rpy = node.numbers("rpy", 3);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << t[0], t[1], t[2];
+  T.linear() = (Eigen::AngleAxisd(rpy[2], Eigen::Vector3d::UnitZ()) *
+                Eigen::AngleAxisd(rpy[1], Eigen::Vector3d::UnitY()) *
+                Eigen::AngleAxisd(rpy[0], Eigen::Vector3d::UnitX()))
+                   .toRotationMatrix();
+  return T * optical_axes();
+}
+
+DepthNoise read_noise(const ConfigNode& node) {
+  DepthNoise noise;
+  noise.constant = node.get("constant", noise.constant, Range{1e-6, 1});
+  noise.quadratic = node.get("quadratic", noise.quadratic, Range{0, 1});
+  noise.offset = node.get("offset", noise.offset, Range{0, 10});
+  noise.amplitude = node.get("amplitude", noise.amplitude, Range{0, 1});
+  return noise;
+}
+
+}  // namespace
+
+RgbdCalibration read_calibration(const ConfigNode& config) {
+  RgbdCalibration calibration;
+  calibration.sensor = config.get("sensor", calibration.sensor);
+  if (!config.has("colour"))
+    config.fail("colour", "the key colour is missing: give the colour camera's intrinsics");
+  calibration.colour = read_camera(config.section("colour"));
+  calibration.depth_registered = config.get("depth_registered", false);
+  if (calibration.depth_registered) {
+    for (const char* key : {"depth", "colour_depth"})
+      if (config.has(key))
+        config.fail(key,
+                    "must be left out when depth_registered is true: the depth image has the colour "
+                    "camera's geometry");
+    calibration.depth = calibration.colour;
+  } else {
+    for (const char* key : {"depth", "colour_depth"})
+      if (!config.has(key))
+        config.fail(key, std::string("the key ") + key +
+                             " is missing: give depth and colour_depth, or depth_registered: true");
+    calibration.depth = read_camera(config.section("depth"));
+    calibration.T_colour_depth = read_quaternion(config.section("colour_depth"));
+  }
+  if (config.has("mount")) {
+    calibration.has_mount = true;
+    calibration.T_robot_camera = read_mount(config.section("mount"));
+  }
+  calibration.depth_clock_offset = config.get("depth_clock_offset", 0.0, Range{-10, 10});
+  if (config.has("depth_noise")) calibration.depth_noise = read_noise(config.section("depth_noise"));
+  calibration.depth_min = config.get("depth_min", calibration.depth_min, Range{0, 65});
+  calibration.depth_max = config.get("depth_max", calibration.depth_max, Range{0, 65.535});
+  calibration.pixel_sigma = config.get("pixel_sigma", calibration.pixel_sigma, Range{1e-3, 100});
+  try {
+    calibration.check();
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError(config.where() + ": " + error.what());
+  }
+  return calibration;
+}
+
+RgbdCalibration load_calibration(const std::filesystem::path& file) {
+  const ConfigNode config = ConfigNode::load(file);
+  RgbdCalibration calibration = read_calibration(config);
+  config.finish();
+  return calibration;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,83 @@
+#pragma once
+// The dense map: coloured clouds on keyframes. The clouds stay in their camera's frame, so when the
+// pose graph is corrected the map bends with it.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/geometry/transform.hpp>
+
+namespace lcmslam {
+
+struct DenseKeyframe {
+  std::int32_t id = 0;
+  Utime utime = 0;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  ColouredCloud cloud;        ///< camera frame; sigmas are not kept
+  std::int64_t revision = 0;  ///< of its cloud as it was told: tiles of one telling agree, others differ
+};
+
+/// Part `tile` (from 0) of `tiles` of a keyframe's cloud; every tile carries the pose.
+struct KeyframeTile {
+  DenseKeyframe part;
+  int tile = 0;
+  int tiles = 1;
+};
+
+struct KeyframePose {
+  std::int32_t id = 0;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+};
+
+class DenseMap {
+ public:
+  /// Keeps the tile; the last missing one adds the keyframe or replaces it. Tiles come in any order
+  /// and repeatedly; another revision, utime or number of tiles starts the keyframe anew. Returns whether
+  /// the keyframe became complete. Throws std::invalid_argument for impossible tile numbers, a pose
+  /// that is not finite, or colours or normals that do not match the points.
+  bool add(const KeyframeTile& tile);
+
+  /// Moves keyframes; the pose that arrived last counts. Returns the ids of keyframes that are not
+  /// here (ask for them again). Throws std::invalid_argument for a pose that is not finite.
+  std::vector<std::int32_t> correct(const std::vector<KeyframePose>& poses);
+
+  /// Moves all keyframes as a whole graph has them: those that it does not name go, because the mapper gave
+  /// them up or has begun a new map. Throws as correct() does.
+  void follow(const std::vector<KeyframePose>& graph);
+
+  void remove(std::int32_t id);
+  void clear();
+
+  /// All points in the world frame, averaged in cells of `resolution` m (see VoxelAverage).
+  ColouredCloud merge(double resolution) const;
+  /// All points in the world frame as they are, keyframe by keyframe.
+  ColouredCloud merge_all() const;
+
+  /// Complete keyframes, by id.
+  const std::map<std::int32_t, DenseKeyframe>& keyframes() const { return keyframes_; }
+  /// Ids of keyframes of which tiles are missing.
+  std::vector<std::int32_t> incomplete() const;
+  std::size_t point_count() const;
+  /// Bytes that clouds occupy, of incomplete keyframes too.
+  std::size_t memory_bytes() const;
+  /// Counts every visible change, so that viewers know when to redraw.
+  std::int64_t revision() const { return revision_; }
+
+ private:
+  struct Pending {
+    Utime utime = 0;
+    std::int64_t revision = 0;
+    Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+    std::size_t tiles = 0;
+    std::map<int, ColouredCloud> clouds;
+  };
+
+  std::map<std::int32_t, DenseKeyframe> keyframes_;
+  std::map<std::int32_t, Pending> pending_;
+  std::int64_t revision_ = 0;
+};
+
+}  // namespace lcmslam

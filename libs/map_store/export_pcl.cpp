@@ -1,0 +1,153 @@
+// What goes through PCL: PCD files, and reading back.
+
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/conversions.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
+#include <pcl/point_types.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/map_store/atomic_file.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+
+namespace lcmslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class Point>
+void put(Point& target, const Eigen::Vector3f& position, const std::uint8_t red, const std::uint8_t green,
+         const std::uint8_t blue) {
+  target.getVector3fMap() = position;
+  target.r = red;
+  target.g = green;
+  target.b = blue;
+}
+
+/// PCL's writers refuse an empty cloud.
+const char* const empty_pcd =
+    "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\n"
+    "COUNT 1 1 1 1\nWIDTH 0\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 0\nDATA ascii\n";
+
+template <class Point>
+void save(const fs::path& file, const pcl::PointCloud<Point>& cloud) {
+  if (cloud.empty()) {
+    write_atomically(file, std::string(empty_pcd));
+    return;
+  }
+  write_atomically(file, [&](const fs::path& temporary) {
+    // The writer for the point type: the one for PCLPointCloud2 miscounts padding between fields.
+    if (pcl::PCDWriter().writeBinary(temporary.string(), cloud) < 0)
+      throw std::runtime_error("PCL could not write it (disk full?)");
+  });
+}
+
+template <class Point>
+pcl::PointCloud<Point> positions_and_colours(const ColouredCloud& cloud) {
+  pcl::PointCloud<Point> points(static_cast<std::uint32_t>(cloud.size()), 1);
+  points.is_dense = true;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const cv::Vec3b& bgr = cloud.colours[i];
+    put(points[i], cloud.points[i], bgr[2], bgr[1], bgr[0]);
+  }
+  return points;
+}
+
+bool has_field(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+  return std::any_of(cloud.fields.begin(), cloud.fields.end(),
+                     [&](const pcl::PCLPointField& field) { return field.name == name; });
+}
+
+ColouredCloud from_pcl(const pcl::PCLPointCloud2& generic, const fs::path& file) {
+  for (const char* axis : {"x", "y", "z"})
+    if (!has_field(generic, axis))
+      throw std::runtime_error("cannot read " + file.string() + ": has no field '" + axis + "'");
+  ColouredCloud cloud;
+  if (generic.width * generic.height == 0) return cloud;
+  const auto take = [&](const auto& point) {
+    cloud.points.push_back(point.getVector3fMap());
+    cloud.colours.emplace_back(point.b, point.g, point.r);
+  };
+  if (has_field(generic, "normal_x")) {
+    pcl::PointCloud<pcl::PointXYZRGBNormal> points;
+    pcl::fromPCLPointCloud2(generic, points);
+    for (const pcl::PointXYZRGBNormal& point : points) {
+      take(point);
+      cloud.normals.push_back(point.getNormalVector3fMap());
+    }
+  } else {
+    pcl::PointCloud<pcl::PointXYZRGB> points;
+    pcl::fromPCLPointCloud2(generic, points);
+    for (const pcl::PointXYZRGB& point : points) take(point);
+  }
+  return cloud;
+}
+
+/// PCL's reader does not come back from a file without these lines.
+void check_pcd_header(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::set<std::string> missing = {"FIELDS", "SIZE", "TYPE", "WIDTH", "HEIGHT", "POINTS", "DATA"};
+  std::string line;
+  for (int lines = 0; lines < 100 && missing.count("DATA") && std::getline(stream, line); ++lines)
+    missing.erase(line.substr(0, line.find(' ')));
+  if (!missing.empty())
+    throw std::runtime_error("cannot read " + file.string() + ": no PCD file, it has no line " +
+                             *missing.begin());
+}
+
+template <class Reader>
+ColouredCloud load(const fs::path& file) {
+  if (!fs::is_regular_file(file)) throw std::runtime_error("cannot read " + file.string() + ": no such file");
+  pcl::PCLPointCloud2 generic;
+  int result = -1;
+  try {
+    Reader reader;
+    result = reader.read(file.string(), generic);
+  } catch (const std::exception& error) {
+    throw std::runtime_error("cannot read " + file.string() + ": " + error.what());
+  }
+  if (result < 0) throw std::runtime_error("cannot read " + file.string() + ": not a valid point cloud file");
+  return from_pcl(generic, file);
+}
+
+}  // namespace
+
+void save_pcd(const fs::path& file, const ColouredCloud& cloud) {
+  if (cloud.normals.empty() || cloud.normals.size() != cloud.size()) {
+    save(file, positions_and_colours<pcl::PointXYZRGB>(cloud));
+    return;
+  }
+  auto points = positions_and_colours<pcl::PointXYZRGBNormal>(cloud);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    points[i].getNormalVector3fMap() = cloud.normals[i];
+    points[i].curvature = 0;
+  }
+  save(file, points);
+}
+
+void save_pcd(const fs::path& file, const std::vector<MapLandmark>& landmarks) {
+  pcl::PointCloud<pcl::PointXYZRGBL> points(static_cast<std::uint32_t>(landmarks.size()), 1);
+  points.is_dense = true;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const MapLandmark& landmark = landmarks[i];
+    put(points[i], landmark.mean.cast<float>(), landmark.rgb[0], landmark.rgb[1], landmark.rgb[2]);
+    points[i].label = static_cast<std::uint32_t>(landmark.id);
+  }
+  save(file, points);
+}
+
+ColouredCloud load_ply(const fs::path& file) {
+  return load<pcl::PLYReader>(file);
+}
+
+ColouredCloud load_pcd(const fs::path& file) {
+  if (fs::is_regular_file(file)) check_pcd_header(file);
+  return load<pcl::PCDReader>(file);
+}
+
+}  // namespace lcmslam

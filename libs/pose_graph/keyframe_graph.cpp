@@ -1,0 +1,226 @@
+#include <lcmslam/pose_graph/keyframe_graph.hpp>
+
+#include <algorithm>
+#include <set>
+
+namespace lcmslam {
+namespace {
+
+constexpr int loop_span = 10;              // nodes; edges that span more close a loop
+constexpr double least_correction = 1e-6;  // m, rad: below, rounding
+
+Matrix6d squares(double translation, double rotation) {
+  Matrix6d m = Matrix6d::Zero();
+  m.diagonal().head<3>().setConstant(translation * translation);
+  m.diagonal().tail<3>().setConstant(rotation * rotation);
+  return m;
+}
+
+// Products of many transforms drift away from rotations; corrections must not carry that on.
+Eigen::Isometry3d rigid(const Eigen::Isometry3d& T) {
+  Eigen::Isometry3d result = T;
+  result.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  return result;
+}
+
+std::vector<int> nearest(const PoseGraph& graph, const LoopFinder& finder, int node,
+                         const KeyframeGraphSettings& settings) {
+  const Eigen::Isometry3d& T_world_camera = graph.poses[static_cast<std::size_t>(node)];
+  std::vector<std::pair<double, int>> near;
+  for (int other = 0; other + 1 < node; ++other) {
+    if (finder.view(other) == nullptr) continue;
+    const Eigen::Isometry3d step = graph.poses[static_cast<std::size_t>(other)].inverse() * T_world_camera;
+    const double distance = step.translation().norm() / settings.max_distance;
+    const double angle = rotation_angle(step) / settings.max_angle;
+    if (distance < 1 && angle < 1) near.emplace_back(distance + angle, other);
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<int> nodes;
+  for (const auto& [distance, other] : near)
+    if (static_cast<int>(nodes.size()) < settings.neighbours) nodes.push_back(other);
+  return nodes;
+}
+
+}  // namespace
+
+KeyframeGraph::KeyframeGraph(const KeyframeGraphSettings& settings)
+    : settings_(settings), finder_(settings.loops) {}
+
+void KeyframeGraph::set_floor(const std::optional<Eigen::Isometry3d>& T_camera_robot) {
+  T_camera_on_floor_ = T_camera_robot;
+}
+
+int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance,
+                       KeyframeView view, bool keyframe) {
+  const auto id = static_cast<int>(nodes_.size());
+  view.node = id;
+  if (id > 0) {
+    GraphEdge edge;
+    edge.from = id - 1;
+    edge.to = id;
+    edge.T_from_to = {nodes_.back().T_world_camera.inverse() * T_world_camera,
+                      covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
+    edges_.push_back(edge);
+  }
+  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe});
+  if (settings_.enabled) fresh_.push_back({std::make_shared<KeyframeView>(std::move(view)), keyframe, utime});
+  return id;
+}
+
+bool KeyframeGraph::add_features(int node, const FeatureFrame& features) {
+  for (NewNode& added : fresh_) {
+    if (added.view->node != node) continue;
+    added.view->features = features;
+    return true;
+  }
+  return false;
+}
+
+void KeyframeGraph::begin(Utime now, Optimise when) {
+  PoseGraph graph;
+  for (const Node& node : nodes_) graph.poses.push_back(node.T_world_camera);
+  graph.edges = edges_;
+  graph.T_camera_on_floor = T_camera_on_floor_;
+  edges_begun_ = edges_.size();
+  const double seconds = settings_.time + settings_.time_per_node * static_cast<double>(nodes_.size());
+  due_ = now + static_cast<Utime>(1e6 * seconds);
+  running_ =
+      std::async(std::launch::async, [graph = std::move(graph), waiting = waiting_, fresh = std::move(fresh_),
+                                      &finder = finder_, settings = settings_, when]() mutable {
+        return solve(std::move(graph), std::move(waiting), fresh, finder, settings, when);
+      });
+  fresh_.clear();
+}
+
+KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphEdge> waiting,
+                                             const std::vector<NewNode>& fresh, LoopFinder& finder,
+                                             const KeyframeGraphSettings& settings, Optimise when) {
+  bool circles = false;
+  for (const NewNode& added : fresh) {
+    const KeyframeView& view = *added.view;
+    // Compare with the last one, with those near, with those that look alike.
+    std::vector<int> near = nearest(graph, finder, view.node, settings);
+    if (finder.view(view.node - 1) != nullptr) near.push_back(view.node - 1);
+    std::vector<int> known = near;
+    for (const int alike : finder.alike(view.features, known)) known.push_back(alike);
+    for (const int other : known) {
+      const bool is_near = std::find(near.begin(), near.end(), other) != near.end();
+      const Eigen::Isometry3d T_from_to = graph.poses[static_cast<std::size_t>(other)].inverse() *
+                                          graph.poses[static_cast<std::size_t>(view.node)];
+      const auto measured =
+          finder.verify(*finder.view(other), view, is_near ? std::make_optional(T_from_to) : std::nullopt);
+      if (!measured) continue;
+      const EdgeKind kind = view.node - other > loop_span ? EdgeKind::loop : EdgeKind::registration;
+      waiting.push_back({other, view.node, kind, *measured, 0});
+      circles = circles || view.node - other > 1;
+    }
+    if (added.keyframe) finder.add(added.view);
+  }
+  Solution solution;
+  const bool admitted = admit(waiting, graph, settings.optimiser) > 0;
+  const bool any_circle = std::any_of(graph.edges.begin(), graph.edges.end(),
+                                      [](const GraphEdge& e) { return e.to - e.from > 1; });
+  if ((admitted && circles) || (when == Optimise::any_circle && any_circle))
+    optimise(graph, settings.optimiser);
+  solution.graph = std::move(graph);
+  solution.waiting = std::move(waiting);
+  return solution;
+}
+
+void KeyframeGraph::take(Solution solution) {
+  solution.graph.edges.insert(solution.graph.edges.end(),
+                              edges_.begin() + static_cast<std::ptrdiff_t>(edges_begun_), edges_.end());
+  edges_ = std::move(solution.graph.edges);
+  waiting_ = std::move(solution.waiting);
+  const auto most = static_cast<std::size_t>(settings_.max_waiting);
+  if (waiting_.size() > most) waiting_.erase(waiting_.begin(), waiting_.end() - settings_.max_waiting);
+  solved_ = std::move(solution.graph.poses);
+}
+
+std::optional<KeyframeGraph::Correction> KeyframeGraph::notable_correction(double min_translation,
+                                                                           double min_rotation) const {
+  Correction correction;
+  bool notable = false;
+  for (std::size_t i = 0; i < solved_.size(); ++i) {
+    const Eigen::Isometry3d step = nodes_[i].T_world_camera.inverse() * solved_[i];
+    notable = notable || step.translation().norm() > min_translation || rotation_angle(step) > min_rotation;
+    correction.push_back(rigid(solved_[i] * nodes_[i].T_world_camera.inverse()));
+  }
+  return notable ? std::make_optional(correction) : std::nullopt;
+}
+
+std::optional<KeyframeGraph::Correction> KeyframeGraph::work(Utime now) {
+  if (running_.valid()) {
+    if (now < due_) return std::nullopt;
+    take(running_.get());
+    return notable_correction(settings_.min_translation, settings_.min_rotation);
+  }
+  const auto ready = [&](const NewNode& added) {
+    return !added.view->features.features.empty() ||
+           now - added.utime >= static_cast<Utime>(1e6 * settings_.wait);
+  };
+  if (!fresh_.empty() && std::all_of(fresh_.begin(), fresh_.end(), ready)) begin(now, Optimise::new_circles);
+  return std::nullopt;
+}
+
+std::optional<KeyframeGraph::Correction> KeyframeGraph::finish() {
+  if (running_.valid()) take(running_.get());
+  if (!settings_.enabled || nodes_.size() < 2) return std::nullopt;
+  begin(0, Optimise::any_circle);
+  take(running_.get());
+  return notable_correction(least_correction, least_correction);
+}
+
+std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& covering) {
+  constexpr std::size_t newest = 10;  // nodes that tracking and the next edges start from
+  const auto most = static_cast<std::size_t>(settings_.max_keyframes);
+  const auto keyframes = static_cast<std::size_t>(
+      std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.keyframe; }));
+  if (running_.valid() || (keyframes <= most && nodes_.size() - keyframes <= most)) return std::nullopt;
+
+  std::vector<ThinningNode> nodes;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    nodes.push_back({nodes_[i].T_world_camera, nodes_[i].keyframe, i == 0 || i + newest >= nodes_.size()});
+  for (const NewNode& added : fresh_) nodes[static_cast<std::size_t>(added.view->node)].fixed = true;
+  const std::size_t left = most - std::max<std::size_t>(1, most / 10);
+  const auto limit = [&](std::size_t count) { return count > most ? left : count; };
+  Thinned thinned;
+  thinned.gone = covered_nodes(nodes, limit(keyframes), limit(nodes_.size() - keyframes), covering);
+
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (thinned.gone[i]) take_out(static_cast<int>(i), edges_, waiting_);
+  std::vector<int> place(nodes_.size(), 0);
+  std::vector<Node> kept;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    place[i] = static_cast<int>(kept.size());
+    if (!thinned.gone[i]) kept.push_back(nodes_[i]);
+  }
+  for (const int heir : heirs(nodes, thinned.gone, covering))
+    thinned.index.push_back(place[static_cast<std::size_t>(heir)]);
+  nodes_ = std::move(kept);
+  for (auto* edges : {&edges_, &waiting_})
+    for (GraphEdge& e : *edges) {
+      e.from = place[static_cast<std::size_t>(e.from)];
+      e.to = place[static_cast<std::size_t>(e.to)];
+    }
+  for (NewNode& added : fresh_) added.view->node = place[static_cast<std::size_t>(added.view->node)];
+  finder_.renumber(thinned.gone, thinned.index);
+  solved_.clear();
+  return thinned;
+}
+
+std::size_t KeyframeGraph::memory_bytes() const {
+  std::size_t bytes = nodes_.capacity() * sizeof(Node) + solved_.capacity() * sizeof(solved_[0]) +
+                      (edges_.capacity() + waiting_.capacity()) * sizeof(GraphEdge);
+  for (const NewNode& added : fresh_) bytes += lcmslam::memory_bytes(*added.view);
+  return running_.valid() ? bytes : bytes + finder_.memory_bytes();
+}
+
+void KeyframeGraph::apply(const Correction& correction) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const Eigen::Isometry3d& C = correction[std::min(i, correction.size() - 1)];
+    nodes_[i].T_world_camera = rigid(C * nodes_[i].T_world_camera);
+  }
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,121 @@
+#pragma once
+// The keyframes' pose graph, kept beside the frames: a new keyframe is compared with the one before it, with
+// those near it and with those that look alike; what geometry and the graph's own expectation believe
+// becomes an edge, and the poses are optimised anew.
+//
+// The work runs in a thread of its own on what was known when it began, and its result is taken over at a
+// fixed message time later: the same log gives the same result however fast the machine is. A machine
+// that is slower than that time waits.
+
+#include <future>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <lcmslam/pose_graph/graph_thinning.hpp>
+#include <lcmslam/pose_graph/loop_finder.hpp>
+#include <lcmslam/pose_graph/pose_graph.hpp>
+
+namespace lcmslam {
+
+struct KeyframeGraphSettings {
+  bool enabled = true;
+  PoseGraphSettings optimiser;
+  LoopFinderSettings loops;
+  int neighbours = 2;  ///< nearest keyframes that a new node is compared with, besides the one before it
+  double max_distance = 1.0;  ///< m between cameras, and
+  double max_angle = 0.7;     ///< rad: beyond, they are no neighbours
+  // Added (squared) to the motion between two keyframes as tracking has it: the map pulls it along.
+  double floor_translation = 0.01;  ///< m
+  double floor_rotation = 0.005;    ///< rad
+  // Corrections below are not worth bending the map for.
+  double min_translation = 0.004;  ///< m
+  double min_rotation = 0.003;     ///< rad
+  double wait = 0.2;               ///< s of message time that the work waits for a keyframe's features
+  double time = 0.3;               ///< s of message time that the work may take, and
+  double time_per_node = 0.002;    ///< s for each node
+  /// Keyframes that are kept, and as many other nodes; a tenth of them goes at a time (about 0.25 MB each).
+  int max_keyframes = 600;
+  int max_waiting = 200;  ///< edges that are not believed yet; the newest ones
+};
+
+class KeyframeGraph {
+ public:
+  explicit KeyframeGraph(const KeyframeGraphSettings& settings);
+
+  struct Node {
+    Utime utime = 0;
+    Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+    int id = 0;  ///< of all that ever were; nodes are called by their index, which changes when others go
+    bool keyframe = false;
+  };
+
+  /// Where each node goes: T_world_new = by_node[id] * T_world_old. Things of newer nodes go with the last.
+  using Correction = std::vector<Eigen::Isometry3d>;
+
+  /// For robots on the floor; nothing for cameras in the hand.
+  void set_floor(const std::optional<Eigen::Isometry3d>& T_camera_robot);
+
+  /// A new node, numbered from 0. `covariance` of tracking there, against the map (camera's body frame).
+  /// `keyframe`: later ones are compared with it.
+  int add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance, KeyframeView view,
+          bool keyframe);
+  /// What was seen from the newest node, when it comes later than its cloud. False when it is too late.
+  bool add_features(int node, const FeatureFrame& features);
+
+  /// Once a frame: begins work that is due and tells when work that is done moves poses notably. They move
+  /// with apply().
+  std::optional<Correction> work(Utime now);
+  /// All that is left to do, on the poses as they stand: work under way whose result was not taken over, and
+  /// corrections too small until now, count too.
+  std::optional<Correction> finish();
+  void apply(const Correction& correction);
+
+  /// Nodes that went, and the new index of each old one; of those that went, of the one that takes their
+  /// things.
+  struct Thinned {
+    std::vector<bool> gone;
+    std::vector<int> index;
+  };
+  /// Takes redundant nodes out when there are too many and no work is under way (which waits for work()).
+  std::optional<Thinned> thin(const Covering& covering);
+
+  /// Of all that is kept, but for work under way.
+  std::size_t memory_bytes() const;
+
+  const std::vector<Node>& nodes() const { return nodes_; }
+  const std::vector<GraphEdge>& edges() const { return edges_; }
+
+ private:
+  struct NewNode {
+    std::shared_ptr<KeyframeView> view;
+    bool keyframe = false;
+    Utime utime = 0;
+  };
+  struct Solution {
+    PoseGraph graph;
+    std::vector<GraphEdge> waiting;
+  };
+  /// When the poses are optimised: when a circle closes anew, or wherever there is one.
+  enum class Optimise { new_circles, any_circle };
+
+  void begin(Utime now, Optimise when);
+  void take(Solution solution);
+  std::optional<Correction> notable_correction(double min_translation, double min_rotation) const;
+  static Solution solve(PoseGraph graph, std::vector<GraphEdge> waiting, const std::vector<NewNode>& fresh,
+                        LoopFinder& finder, const KeyframeGraphSettings& settings, Optimise when);
+
+  KeyframeGraphSettings settings_;
+  std::vector<Node> nodes_;
+  int next_id_ = 0;
+  std::vector<GraphEdge> edges_, waiting_;  // waiting: measured, not believed yet
+  std::optional<Eigen::Isometry3d> T_camera_on_floor_;
+  std::vector<NewNode> fresh_;
+  LoopFinder finder_;  // only the work touches it
+  std::size_t edges_begun_ = 0;
+  std::vector<Eigen::Isometry3d> solved_;  // poses that the last work found
+  Utime due_ = 0;
+  std::future<Solution> running_;  // the last member: it waits for the work before the rest goes
+};
+
+}  // namespace lcmslam

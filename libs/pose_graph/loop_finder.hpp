@@ -1,0 +1,76 @@
+#pragma once
+// Has the camera been here before? Keyframes that look alike are named by their SURF descriptors (each
+// feature votes for the keyframes of its nearest neighbours), and pairs of keyframes are verified by
+// geometry: RANSAC over matched features, then ICP of the two clouds, with every direction's certainty.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <lcmslam/features/descriptor_search.hpp>
+#include <lcmslam/features/matching.hpp>
+#include <lcmslam/features/rigid_ransac.hpp>
+#include <lcmslam/pose_graph/pose_graph.hpp>
+#include <lcmslam/registration/registration.hpp>
+
+namespace lcmslam {
+
+struct LoopFinderSettings {
+  int indexed_features = 200;             ///< strongest of each keyframe that can be found again
+  double max_descriptor_distance = 0.35;  ///< between descriptors of unit norm
+  int min_votes = 12;
+  int candidates = 2;             ///< most voted keyframes that are verified
+  int min_inliers = 15;           ///< of RANSAC
+  double min_overlap = 0.30;      ///< of the clouds, after ICP
+  double min_inlier_share = 0.6;  ///< of the pairs, within three sigmas
+  double max_disagreement = 5;    ///< Mahalanobis distance between ICP and features
+  // Added (squared) to every edge's covariance: what a sensor's points of one view err alike.
+  double floor_translation = 0.005;  ///< m
+  double floor_rotation = 0.003;     ///< rad
+  RegistrationSettings registration = registration_defaults();
+
+  static RegistrationSettings registration_defaults();
+};
+
+/// What is seen from a keyframe; camera frame.
+struct KeyframeView {
+  int node = 0;           ///< when it is added
+  Cloud cloud;            ///< reduced, with normals and sigmas
+  FeatureFrame features;  ///< may be empty
+};
+
+std::size_t memory_bytes(const KeyframeView& view);
+
+class LoopFinder {
+ public:
+  explicit LoopFinder(const LoopFinderSettings& settings);
+
+  /// A keyframe that can be found again.
+  void add(std::shared_ptr<const KeyframeView> view);
+  const KeyframeView* view(int node) const;
+
+  /// Nodes that most features vote for, most voted first; `without`: nodes that are known to be near.
+  std::vector<int> alike(const FeatureFrame& features, const std::vector<int>& without);
+
+  /// Nodes that go (true), and the new numbers of the others; the index is made anew when it is used next.
+  void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
+  std::size_t memory_bytes() const;
+
+  /// T_from_to by geometry; nothing when it does not hold. `guess` is tried when features do not tell.
+  std::optional<UncertainTransform> verify(const KeyframeView& from, const KeyframeView& to,
+                                           const std::optional<Eigen::Isometry3d>& guess);
+
+ private:
+  void enter(const FeatureFrame& features, int node);
+  void refresh_index();
+
+  LoopFinderSettings settings_;
+  std::vector<std::shared_ptr<const KeyframeView>> views_;  // by node, null where there is none
+  DescriptorIndex index_;
+  bool stale_ = false;  // index_ names nodes by old numbers
+  std::vector<int> node_of_descriptor_;
+  DescriptorSearch search_;
+  Matcher matcher_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,200 @@
+// Both mappers on the first seconds of the simulated kitchen.
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include <lcmslam/associations_t.hpp>
+#include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/particles_t.hpp>
+#include "procs/fastslam/fastslam_node.hpp"
+#include "procs/icp/icp_node.hpp"
+#include "procs/odometry/odometry_node.hpp"
+#include "procs/surf/surf_node.hpp"
+#include "tests/support/simulated_kitchen.hpp"
+
+namespace lcmslam {
+namespace {
+
+using testing::SimulatedKitchen;
+using testing::TestBus;
+using testing::value_of;
+
+constexpr int frames = 40;
+
+/// The graph between camera and map server.
+struct Graph {
+  TestBus bus;
+  OdometryNode& odometry = bus.add<OdometryNode>();
+  SurfNode& surf = bus.add<SurfNode>(ConfigNode::parse("{max_features: 400}"));
+  FastSlamNode& fastslam = bus.add<FastSlamNode>(ConfigNode::parse("{particles: 40}"));
+  IcpNode& icp = bus.add<IcpNode>();
+
+  void play(int count = frames) { SimulatedKitchen::instance().play(bus, count); }
+};
+
+const Graph& whole_run() {
+  static const auto graph = [] {
+    auto made = std::make_unique<Graph>();
+    made->play();
+    made->bus.finish();
+    return made;
+  }();
+  return *graph;
+}
+
+double largest_error(const std::vector<pose_estimate_t>& poses) {
+  const std::vector<double> errors = SimulatedKitchen::instance().position_errors(poses);
+  return *std::max_element(errors.begin(), errors.end());
+}
+
+class BothMappers : public ::testing::TestWithParam<const char*> {
+ protected:
+  std::string channel() const { return GetParam(); }
+};
+
+TEST_P(BothMappers, StayWithinThreeCentimetresOfTheTruth) {
+  const auto poses = whole_run().bus.on<pose_estimate_t>(channel());
+  ASSERT_EQ(poses.size(), static_cast<std::size_t>(frames));
+  const double error = largest_error(poses);
+  RecordProperty("largest_error_mm", static_cast<int>(std::lround(1000 * error)));
+  EXPECT_LT(error, 0.03);
+  // The robot did move, so that standing still would not do.
+  const auto& first = poses.front().T_map_robot.trans;
+  const auto& last = poses.back().T_map_robot.trans;
+  EXPECT_GT(std::hypot(last[0] - first[0], last[1] - first[1]), 0.3);
+  for (const pose_estimate_t& m : poses) {
+    EXPECT_EQ(m.processing_time, 0);
+    EXPECT_NE(m.status, pose_estimate_t::LOST);
+  }
+}
+
+TEST_P(BothMappers, JumpBackInTimeBeginsANewMap) {
+  Graph graph;
+  graph.play(8);
+  graph.bus.finish();
+  const auto before = graph.bus.on<pose_estimate_t>(channel());
+  ASSERT_EQ(before.size(), 8U);
+  // The same again, an hour earlier.
+  auto& kitchen = SimulatedKitchen::instance();
+  const Utime hour = 3'600'000'000;
+  for (int k = 0; k < 5; ++k) {
+    for (Utime t = kitchen.frame_time(k) - 80'000; t <= kitchen.frame_time(k) + 20'000; t += 20'000) {
+      encoders_t encoders = to_message(kitchen.simulation().encoders(t));
+      encoders.utime -= hour;
+      graph.bus.deliver("ENCODERS", encoders);
+    }
+    images_t frame = kitchen.frame(k);
+    frame.utime -= hour;
+    for (image_t& image : frame.images) image.utime -= hour;
+    graph.bus.deliver("CAMERA", frame);
+  }
+  graph.bus.finish();
+  EXPECT_EQ(graph.bus.decode_errors(), 0);
+  const auto poses = graph.bus.on<pose_estimate_t>(channel());
+  ASSERT_EQ(poses.size(), 13U);
+  EXPECT_LT(poses[8].utime, before.front().utime);
+  EXPECT_TRUE(from_message(poses[8].T_map_robot, "").isApprox(from_message(before[0].T_map_robot, ""), 0.01));
+  EXPECT_EQ(value_of(channel() == "ICP_POSE" ? static_cast<Node&>(graph.icp) : graph.fastslam, "restarts"),
+            1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Channels, BothMappers, ::testing::Values("FASTSLAM_POSE", "ICP_POSE"));
+
+TEST(Mappers, TwoRunsGiveTheSameBytes) {
+  Graph a, b;
+  for (Graph* graph : {&a, &b}) {
+    graph->play(8);
+    graph->bus.finish();
+  }
+  ASSERT_EQ(a.bus.published().size(), b.bus.published().size());
+  for (std::size_t i = 0; i < a.bus.published().size(); ++i)
+    ASSERT_EQ(a.bus.published()[i], b.bus.published()[i]) << i << ": " << a.bus.published()[i].channel;
+}
+
+TEST(Mappers, EveryMessageOfTheRunIsNumberedAndSound) {
+  const TestBus& bus = whole_run().bus;
+  EXPECT_EQ(bus.decode_errors(), 0);
+  EXPECT_EQ(bus.count("FEATURES"), static_cast<std::size_t>(frames));
+  EXPECT_EQ(bus.count("FASTSLAM_PARTICLES"), static_cast<std::size_t>(frames));
+  EXPECT_GE(bus.count("ICP_KEYFRAME"), 1U);
+  EXPECT_GE(bus.count("FASTSLAM_LANDMARKS"), 10U);
+  for (const auto& p : bus.published()) EXPECT_LE(p.bytes.size(), 100'000U) << p.channel;
+  for (const particles_t& m : bus.on<particles_t>("FASTSLAM_PARTICLES")) {
+    double sum = 0;
+    for (const particle_t& p : m.particles) sum += p.weight;
+    EXPECT_NEAR(sum, 1, 1e-4);
+    EXPECT_LT(m.best, m.n_particles);
+  }
+  std::int64_t revision = 0;  // changes follow one another
+  for (const landmarks_t& m : bus.on<landmarks_t>("FASTSLAM_LANDMARKS")) {
+    EXPECT_EQ(m.base_revision, revision);
+    revision = m.map_revision;
+  }
+}
+
+TEST(Mappers, AssociationsNameFeaturesAndLandmarksOfTheRun) {
+  const TestBus& bus = whole_run().bus;
+  const auto features = bus.on<features_t>("FEATURES");
+  const auto associations = bus.on<associations_t>("FASTSLAM_ASSOCIATIONS");
+  ASSERT_EQ(associations.size(), features.size());
+  std::set<std::int64_t> made;
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < associations.size(); ++i) {
+    EXPECT_EQ(associations[i].utime, features[i].utime);
+    EXPECT_EQ(associations[i].width, features[i].width);
+    EXPECT_EQ(associations[i].height, features[i].height);
+    for (const association_t& a : associations[i].associations) {
+      ASSERT_LT(a.feature, features[i].n_features);
+      const feature_t& feature = features[i].features[static_cast<std::size_t>(a.feature)];
+      EXPECT_EQ(a.x, feature.x);
+      EXPECT_EQ(a.y, feature.y);
+      if (a.outcome == association_t::CREATED) {
+        EXPECT_TRUE(made.insert(a.landmark).second) << "an id is used once";
+      } else {
+        EXPECT_EQ(made.count(a.landmark), 1U) << "seen before it was made";
+        ++seen;
+      }
+    }
+  }
+  EXPECT_GT(made.size(), 50U);
+  EXPECT_GT(seen, made.size());
+  for (const landmarks_t& m : bus.on<landmarks_t>("FASTSLAM_LANDMARKS"))
+    for (const landmark_t& landmark : m.landmarks) EXPECT_EQ(made.count(landmark.id), 1U);
+}
+
+TEST(Mappers, FramesWithoutOdometryGoOnAndAreCounted) {
+  TestBus bus;
+  bus.add<SurfNode>();
+  const FastSlamNode& fastslam = bus.add<FastSlamNode>(ConfigNode::parse("{particles: 20}"));
+  const IcpNode& icp = bus.add<IcpNode>();
+  SimulatedKitchen::instance().play(bus, 5);  // nobody turns ENCODERS into ODOMETRY
+  bus.finish();
+  EXPECT_EQ(value_of(fastslam, "steps"), 5);
+  EXPECT_EQ(value_of(fastslam, "without_odometry"), 5);
+  EXPECT_EQ(value_of(icp, "steps"), 5);
+  EXPECT_EQ(value_of(icp, "without_odometry"), 5);
+}
+
+TEST(Mappers, ResendGivesTheWholeMap) {
+  Graph graph;
+  graph.play(5);
+  graph.bus.finish();
+  const std::size_t landmarks_before = graph.bus.count("FASTSLAM_LANDMARKS");
+  const std::size_t tiles = graph.bus.count("ICP_KEYFRAME");
+  ASSERT_GE(tiles, 1U);
+  graph.bus.command("resend");
+  graph.bus.finish();
+  EXPECT_EQ(graph.bus.count("ICP_KEYFRAME"), 2 * tiles);
+  const auto all = graph.bus.on<landmarks_t>("FASTSLAM_LANDMARKS");
+  ASSERT_GT(all.size(), landmarks_before);
+  EXPECT_EQ(all[landmarks_before].base_revision, 0);
+  EXPECT_EQ(all[landmarks_before].map_revision, all[landmarks_before - 1].map_revision);
+  std::size_t landmarks = 0;
+  for (std::size_t i = landmarks_before; i < all.size(); ++i) landmarks += all[i].landmarks.size();
+  EXPECT_GT(landmarks, 30U);
+}
+
+}  // namespace
+}  // namespace lcmslam

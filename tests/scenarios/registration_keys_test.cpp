@@ -1,0 +1,135 @@
+// Every part of the modern registration can be chosen in YAML: each value of each key registers the simulated
+// kitchen's first frames, and what does not exist is refused.
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/messages/geometry_messages.hpp>
+#include "procs/icp/icp_node.hpp"
+#include "procs/icp/read_settings.hpp"
+#include "procs/odometry/odometry_node.hpp"
+#include "tests/support/simulated_kitchen.hpp"
+
+namespace lcmslam {
+namespace {
+
+using testing::SimulatedKitchen;
+using testing::TestBus;
+
+/// Of both passes; `more`: of the section icp.
+struct Key {
+  std::string pass;
+  std::string more;
+  double metres = 0.03;  // furthest from the truth
+};
+
+std::vector<Key> keys() {
+  std::vector<Key> all;
+  for (const char* selection : {"all", "uniform", "random", "normal_space", "stable"})
+    all.push_back({std::string("selection: ") + selection, ""});
+  for (const char* correspondence : {"voxel_map", "kd_tree", "projective", "normal_shooting"})
+    all.push_back({"", std::string("correspondence: ") + correspondence});
+  for (const char* metric : {"point_to_point", "point_to_plane", "plane_to_plane"})
+    for (const char* solver : {"gauss_newton", "levenberg_marquardt"})
+      all.push_back({std::string("metric: ") + metric + ", solver: " + solver, ""});
+  for (const char* solver : {"svd", "svd_uncorrected", "quaternion", "small_angle", "small_angle_as_printed"})
+    all.push_back({std::string("metric: point_to_point, solver: ") + solver, "", 0.08});
+  for (const char* kernel : {"none", "huber", "geman_mcclure"})
+    all.push_back({std::string("kernel: ") + kernel + ", kernel_width: 2", ""});
+  for (const char* rejection :
+       {"distance_sigmas: 0", "distance_sigmas: 2.5", "max_distance: 0.1, min_distance: 0.03",
+        "max_normal_angle: 0.4", "max_normal_angle: 3.1416", "trimmed_fraction: 0.8", "mutual: true",
+        "frustum: true", "colour_overlap: true"})
+    all.push_back({rejection, ""});
+  for (const char* correspondence : {"kd_tree", "projective", "normal_shooting"}) {
+    const std::string more = std::string("correspondence: ") + correspondence;
+    all.push_back({"boundary: true", more});
+    all.push_back({"colour_scale: 0.1", more});
+  }
+  all.push_back({"colour_scale: 0.1", ""});
+  all.push_back({"colour_scale: 0.1, metric: plane_to_plane", ""});
+  all.push_back({"colour_overlap: true", "overlap: {columns: 4, rows: 3, scale: 0.125, search: 60}"});
+  for (const char* weighting : {"weigh_by_noise: false", "noise_floor: 0.01"}) all.push_back({weighting, ""});
+  for (const char* stop : {"max_iterations: 40", "epsilon_translation: 0.001, epsilon_rotation: 0.001",
+                           "epsilon_rms: 1e-5", "min_pairs: 100"})
+    all.push_back({stop, ""});
+  for (const char* solving : {"degenerate_share: 0.02", "independent_pairs: 1000"})
+    all.push_back({solving, ""});
+  all.push_back({"selection: random, seed: 7, selected_points: 900", ""});
+  all.push_back({"", "free_space: {sigmas: 5, tolerance: 0.08, lateral: 0.05, rotation: 3}"});
+  all.push_back({"", "free_space: {enabled: false}"});
+  all.push_back({"", "map: {max_evidence: 10, miss: 1, dropped_at: -5}"});
+  return all;
+}
+
+ConfigNode config_of(const Key& key) {
+  return ConfigNode::parse("{coarse: {" + key.pass + "}, fine: {" + key.pass + "}" +
+                           (key.more.empty() ? "" : ", " + key.more) + "}");
+}
+
+void PrintTo(const Key& key, std::ostream* out) {
+  *out << "{" << key.pass << "} " << key.more;
+}
+
+class RegistrationKeys : public ::testing::TestWithParam<Key> {};
+INSTANTIATE_TEST_SUITE_P(Keys, RegistrationKeys, ::testing::ValuesIn(keys()));
+
+TEST_P(RegistrationKeys, RegisterTheKitchen) {
+  TestBus bus;
+  bus.add<OdometryNode>();
+  bus.add<IcpNode>(config_of(GetParam()));
+  constexpr int frames = 6;
+  SimulatedKitchen::instance().play(bus, frames);
+  bus.finish();
+
+  const auto poses = bus.on<pose_estimate_t>("ICP_POSE");
+  ASSERT_EQ(poses.size(), static_cast<std::size_t>(frames));
+  for (const double error : SimulatedKitchen::instance().position_errors(poses))
+    EXPECT_LT(error, GetParam().metres);
+  for (const pose_estimate_t& m : poses) {
+    EXPECT_EQ(m.status, pose_estimate_t::TRACKING);
+    EXPECT_TRUE(&m == &poses.front() || m.inliers > 30) << m.inliers;
+  }
+}
+
+// What is chosen arrives; each value differs from its default.
+TEST(RegistrationKeySettings, AreRead) {
+  const IcpMapperSettings s = read_icp_settings(ConfigNode::parse(
+      "{coarse: {frustum: true, seed: 9, min_pairs: 11}, fine: {colour_overlap: true, colour_scale: 0.2, "
+      "epsilon_rms: 0.001, degenerate_share: 0.05, independent_pairs: 77}, overlap: {columns: 5}, "
+      "free_space: {rotation: 5}, map: {miss: 3}}"));
+  EXPECT_TRUE(s.coarse.frustum);
+  EXPECT_FALSE(s.fine.frustum);
+  EXPECT_EQ(s.coarse.seed, 9U);
+  EXPECT_EQ(s.coarse.min_pairs, 11);
+  EXPECT_TRUE(s.fine.colour_overlap);
+  EXPECT_EQ(s.fine.colour_scale, 0.2);
+  EXPECT_EQ(s.fine.epsilon_rms, 0.001);
+  EXPECT_EQ(s.fine.degenerate_share, 0.05);
+  EXPECT_EQ(s.fine.independent_pairs, 77);
+  EXPECT_EQ(s.overlap.columns, 5);
+  EXPECT_EQ(s.free_space.rotation, 5);
+  EXPECT_EQ(s.map.miss, 3);
+  EXPECT_TRUE(s.uses_colour());
+  EXPECT_TRUE(s.compares_images());
+}
+
+TEST(RegistrationKeySettings, WhatDoesNotExistIsRefused) {
+  for (const char* wrong :
+       {"{fine: {boundary: true}}", "{fine: {solver: svd}}",
+        "{fine: {metric: point_to_point, solver: svd, colour_scale: 0.1}}", "{fine: {colour_scale: -1}}",
+        "{fine: {frustum: 3}}", "{free_space: {rotation: 0}}", "{map: {dropped_at: 1}}",
+        "{overlap: {scale: 2}}", "{fine: {selection: best}}"}) {
+    TestBus bus;
+    EXPECT_THROW(bus.add<IcpNode>(ConfigNode::parse(wrong)), ConfigError) << wrong;
+  }
+  // Only the mapper's own passes have views and colours to compare.
+  for (const char* unknown : {"{graph: {loops: {registration: {frustum: true}}}}",
+                              "{thesis: {registration: {colour_scale: 1}}}", "{fine: {colour: 1}}"}) {
+    const ConfigNode config = ConfigNode::parse(unknown);
+    read_icp_settings(config);
+    EXPECT_THROW(config.finish(), ConfigError) << unknown;
+  }
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,223 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/geometry/rigid_alignment.hpp>
+#include "tests/support/recorded_clouds.hpp"
+
+namespace lcmslam {
+namespace {
+
+// What a robot in the room sees: the scene in the robot's (= camera's) frame, slightly noisy.
+ColouredCloud seen_from(const Cloud& scene, const Eigen::Isometry3d& T_world_robot, std::uint64_t seed) {
+  const Cloud moved = transformed(scene, T_world_robot.inverse());
+  Random random(seed);
+  ColouredCloud cloud;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    cloud.points.push_back(moved.points[i] + static_cast<float>(random.normal(0, 0.003)) * moved.normals[i]);
+    cloud.normals.push_back(moved.normals[i]);
+    cloud.sigmas.push_back(0.003f);
+    cloud.colours.emplace_back(10, 20, 30);
+  }
+  return cloud;
+}
+
+void expect_pose(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth, double metres,
+                 double radians) {
+  const Eigen::Isometry3d e = truth.inverse() * found;
+  EXPECT_LT(e.translation().norm(), metres);
+  EXPECT_LT(rotation_angle(e), radians);
+}
+
+const Eigen::Isometry3d no_mount = Eigen::Isometry3d::Identity();
+constexpr Utime frame_time = 100'000;
+
+std::string name_of(const testing::TestParamInfo<CorrespondenceKind>& test) {
+  static const char* const names[] = {"VoxelMap", "KdTree", "Projective"};
+  return names[static_cast<std::size_t>(test.param)];
+}
+
+class EveryCorrespondence : public testing::TestWithParam<CorrespondenceKind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryCorrespondence,
+                         testing::Values(CorrespondenceKind::voxel_map, CorrespondenceKind::kd_tree,
+                                         CorrespondenceKind::projective),
+                         name_of);
+
+// What a camera with 80 x 60 degrees sees of a cloud in its frame.
+ColouredCloud in_view(const ColouredCloud& cloud) {
+  ColouredCloud seen;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f& p = cloud.points[i];
+    if (p.z() < 0.2f || std::abs(p.x()) > 0.6f * p.z() || std::abs(p.y()) > 0.45f * p.z()) continue;
+    seen.points.push_back(p);
+    seen.normals.push_back(cloud.normals[i]);
+    seen.sigmas.push_back(cloud.sigmas[i]);
+    seen.colours.push_back(cloud.colours[i]);
+  }
+  return seen;
+}
+
+TEST_P(EveryCorrespondence, FollowsAKnownPathWithoutOdometry) {
+  IcpMapperSettings settings;
+  settings.correspondence = GetParam();
+  IcpMapper mapper(settings);
+  const Cloud scene = room(0.03);
+  Eigen::Isometry3d looks_ahead = Eigen::Isometry3d::Identity();  // camera's z is the robot's x
+  looks_ahead.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 20; ++i) {
+    SCOPED_TRACE(i);
+    const auto seed = static_cast<std::uint64_t>(i);
+    const auto step =
+        mapper.step(i * frame_time, in_view(seen_from(scene, T * looks_ahead, seed)), looks_ahead);
+    EXPECT_EQ(to_string(step.status), "tracking");
+    expect_pose(step.T_world_robot, T, 0.01, 0.005);
+    T = T * se3_exp(twist(0.02, 0.01, 0, 0, 0.005, 0.02));
+  }
+  EXPECT_GT(mapper.keyframes().size(), 1u);
+}
+
+// A slip that exceeds what odometry states: registration wins where the scene fixes the pose.
+TEST(IcpMapper, OvercomesAWheelSlip) {
+  IcpMapperSettings settings;
+  settings.prior.planar = true;
+  IcpMapper mapper(settings);
+  const Cloud scene = room(0.03);
+  mapper.step(0, seen_from(scene, no_mount, 1), no_mount);
+  Motion slipped;
+  slipped.T_from_to = planar_pose(0.05, 0.03, 0.04);  // in truth it stood still
+  slipped.covariance = 1e-8 * Matrix6d::Identity();
+  const auto step = mapper.step(frame_time, seen_from(scene, no_mount, 2), no_mount, slipped);
+  EXPECT_EQ(to_string(step.status), "tracking");
+  expect_pose(step.T_world_robot, no_mount, 0.006, 0.004);
+}
+
+TEST(IcpMapper, FollowsOdometryAlongABareWall) {
+  IcpMapperSettings settings;
+  settings.prior.planar = true;
+  IcpMapper mapper(settings);
+  const Cloud scene = wall(0.03);
+  mapper.step(0, seen_from(scene, no_mount, 1), no_mount);
+  Motion motion;
+  motion.T_from_to = planar_pose(0, 0.1, 0);
+  motion.covariance = 1e-6 * Matrix6d::Identity();
+  const auto step = mapper.step(frame_time, seen_from(scene, motion.T_from_to, 2), no_mount, motion);
+  EXPECT_FALSE(step.registration.degenerate.empty());
+  expect_pose(step.T_world_robot, motion.T_from_to, 0.01, 0.01);
+}
+
+TEST(IcpMapper, GarbageIsLostAndTheMapIsLeftAlone) {
+  IcpMapper mapper;
+  const Cloud scene = room(0.03);
+  EXPECT_EQ(to_string(mapper.step(0, {}, no_mount).status), "initialising");
+  mapper.step(frame_time, seen_from(scene, no_mount, 1), no_mount);
+  const std::size_t before = mapper.map().size();
+
+  ColouredCloud not_finite = seen_from(scene, no_mount, 2);
+  for (auto& p : not_finite.points) p.setConstant(std::numeric_limits<float>::quiet_NaN());
+  ColouredCloud coincident = seen_from(scene, no_mount, 3);
+  for (auto& p : coincident.points) p = Eigen::Vector3f(1, 0, 0);
+  ColouredCloud no_normals = seen_from(scene, no_mount, 4);
+  no_normals.normals.clear();
+  const ColouredCloud elsewhere = seen_from(sphere({3, 2, 2}, 0.5), no_mount, 5);
+  Utime utime = 2 * frame_time;
+  for (const ColouredCloud& cloud : {ColouredCloud{}, not_finite, coincident, no_normals, elsewhere}) {
+    const auto step = mapper.step(utime += frame_time, cloud, no_mount);
+    EXPECT_EQ(to_string(step.status), "lost");
+    EXPECT_TRUE(step.T_world_robot.matrix().allFinite());
+    EXPECT_TRUE(step.covariance.allFinite());
+    EXPECT_EQ(mapper.map().size(), before);
+  }
+  // And it comes back.
+  const auto step = mapper.step(utime + frame_time, seen_from(scene, no_mount, 6), no_mount);
+  EXPECT_EQ(to_string(step.status), "tracking");
+  expect_pose(step.T_world_robot, no_mount, 0.01, 0.005);
+}
+
+TEST(IcpMapper, RecoversAtAKeyframeAfterAJump) {
+  IcpMapper mapper;
+  const Cloud scene = room(0.03);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  Utime utime = 0;
+  for (int i = 0; i < 25; ++i) {
+    mapper.step(utime += frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount);
+    T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.03));
+  }
+  // Carried back to the start while the camera was covered.
+  for (int i = 0; i < 3; ++i) mapper.step(utime += frame_time, {}, no_mount);
+  IcpMapper::Step step;
+  for (int i = 0; i < 5; ++i)
+    step = mapper.step(utime += frame_time, seen_from(scene, no_mount, 77), no_mount);
+  EXPECT_EQ(to_string(step.status), "tracking");
+  expect_pose(step.T_world_robot, no_mount, 0.02, 0.01);
+}
+
+// Another room behind the robot that looks the same: odometry tells them apart, and is believed where the
+// map ends.
+TEST(IcpMapper, GoesOnFromOdometryWhereTheMapEnds) {
+  IcpMapperSettings settings;
+  settings.reseed_after = 3;
+  IcpMapper mapper(settings);
+  mapper.step(0, seen_from(room(0.03), no_mount, 1), no_mount);
+  const Eigen::Isometry3d T = planar_pose(0, 0, 3.0);
+  Motion motion;
+  motion.T_from_to = T;
+  motion.covariance = 1e-4 * Matrix6d::Identity();
+  const ColouredCloud behind = seen_from(transformed(room(0.03), T), T, 2);
+  IcpMapper::Step step;
+  for (int i = 1; i <= 8; ++i) {
+    SCOPED_TRACE(i);
+    step = mapper.step(i * frame_time, behind, no_mount, motion);
+    const bool waiting = i <= settings.reseed_after;
+    EXPECT_EQ(to_string(step.status), waiting                          ? "lost"
+                                      : i == settings.reseed_after + 1 ? "degraded"
+                                                                       : "tracking");
+    motion.T_from_to.setIdentity();
+  }
+  expect_pose(step.T_world_robot, T, 0.02, 0.02);
+}
+
+// Against motion capture; the stretch turns fast and comes back.
+TEST(IcpMapper, TracksAHandHeldRecording) {
+  const auto recording = Fr1Recording::open();
+  if (!recording) GTEST_SKIP() << "no ../shared/data/tum_fr1_rpy";
+  const std::size_t first = 100;
+  const auto run = [&](std::size_t count) {
+    IcpMapper mapper;
+    std::vector<IcpMapper::Step> steps;
+    for (std::size_t i = first; i < first + count; ++i)
+      steps.push_back(mapper.step(recording->utime(i), recording->cloud(i), optical_axes()));
+    return steps;
+  };
+  const auto steps = run(60);
+  std::vector<Eigen::Vector3d> found, truth;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    EXPECT_EQ(to_string(steps[k].status), "tracking") << k;
+    found.push_back((steps[k].T_world_robot * optical_axes()).translation());
+    truth.push_back(recording->T_world_camera(first + k).translation());
+  }
+  const auto T_truth_world = align_svd(found, truth);
+  ASSERT_TRUE(T_truth_world);
+  double squares = 0;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    squares += (*T_truth_world * found[k] - truth[k]).squaredNorm();
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(found.size())), 0.03);
+  constexpr std::size_t half_second = 15;
+  for (std::size_t k = half_second; k < steps.size(); ++k) {
+    const Eigen::Isometry3d moved = optical_axes().inverse() *
+                                    steps[k - half_second].T_world_robot.inverse() * steps[k].T_world_robot *
+                                    optical_axes();
+    const Eigen::Isometry3d expected =
+        recording->T_world_camera(first + k - half_second).inverse() * recording->T_world_camera(first + k);
+    EXPECT_LT(rotation_angle(expected.inverse() * moved), 0.10) << k;
+  }
+  const auto again = run(10);
+  for (std::size_t k = 0; k < again.size(); ++k)
+    EXPECT_TRUE(again[k].T_world_robot.matrix() == steps[k].T_world_robot.matrix());
+}
+
+}  // namespace
+}  // namespace lcmslam

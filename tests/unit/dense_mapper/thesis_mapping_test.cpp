@@ -1,0 +1,180 @@
+// The thesis's variants in the mapper: the growing target and each variant along a known path.
+
+#include <gtest/gtest.h>
+
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include "tests/support/cloud_scenes.hpp"
+
+namespace lcmslam {
+namespace {
+
+TEST(GrowingCloud, FindsWhatAnExhaustiveSearchFinds) {
+  Random random(1);
+  GrowingCloud grown(0);
+  std::vector<Eigen::Vector3f> all;
+  for (int batch = 0; batch < 40; ++batch) {
+    Cloud cloud;
+    for (int i = 0; i < 5 + 17 * (batch % 7); ++i)
+      cloud.points.push_back(
+          Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)).cast<float>());
+    all.insert(all.end(), cloud.points.begin(), cloud.points.end());
+    EXPECT_EQ(grown.add(cloud), cloud.size());
+    ASSERT_EQ(grown.size(), all.size());
+    for (int k = 0; k < 20; ++k) {
+      const Eigen::Vector3f query =
+          Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)).cast<float>();
+      float best = 0.3f * 0.3f;
+      const Eigen::Vector3f* nearest = nullptr;
+      for (const auto& p : all)
+        if ((p - query).squaredNorm() <= best) best = (p - query).squaredNorm(), nearest = &p;
+      TargetPoint found;
+      ASSERT_EQ(grown.find(query, 0.3f, found), nearest != nullptr);
+      if (nearest) {
+        EXPECT_EQ(found.point, *nearest);
+      }
+    }
+  }
+}
+
+TEST(GrowingCloud, NearPointsAreOne) {
+  GrowingCloud grown(0.02);
+  Cloud cloud;
+  cloud.points = {{0, 0, 0}, {0.001f, 0, 0}, {1, 0, 0}};
+  EXPECT_EQ(grown.add(cloud), 3U);  // a cloud's own points are not compared
+  cloud.points = {{0.015f, 0, 0}, {0.03f, 0, 0}, Eigen::Vector3f::Constant(NAN)};
+  EXPECT_EQ(grown.add(cloud), 1U);
+  EXPECT_EQ(grown.size(), 4U);
+  TargetPoint found;
+  ASSERT_TRUE(grown.find({0.03f, 0, 0}, 0.001f, found));
+  EXPECT_FALSE(found.normal.allFinite());
+  EXPECT_THROW(GrowingCloud(-1), std::invalid_argument);
+  EXPECT_THROW(GrowingCloud{NAN}, std::invalid_argument);
+  EXPECT_THROW(ThesisVariant(VariantKind::modern, {}), std::invalid_argument);
+}
+
+CameraModel camera() {
+  CameraModel c;
+  c.width = 640;
+  c.height = 480;
+  c.fx = c.fy = 400;
+  c.cx = 319.5;
+  c.cy = 239.5;
+  return c;
+}
+
+/// The room as a camera at T_world_camera sees it, and points of it with descriptors of their own.
+struct View {
+  ColouredCloud cloud;
+  FeatureFrame features;
+};
+
+View view_from(const Eigen::Isometry3d& T_world_camera, std::uint64_t seed) {
+  Random random(seed);
+  const Cloud scene = transformed(room(0.04), T_world_camera.inverse());
+  View view;
+  view.features.width = 640, view.features.height = 480;
+  view.features.fx = view.features.fy = 400, view.features.cx = 319.5, view.features.cy = 239.5;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const auto pixel = camera().project(scene.points[i].cast<double>());
+    if (!pixel || !camera().contains(*pixel)) continue;
+    const Eigen::Vector3f p =
+        scene.points[i] + static_cast<float>(random.normal(0, 0.002)) * scene.normals[i];
+    view.cloud.points.push_back(p);
+    view.cloud.normals.push_back(scene.normals[i]);
+    view.cloud.sigmas.push_back(0.002f);
+    view.cloud.colours.emplace_back(10, 20, 30);
+    if (i % 40 != 0) continue;
+    Feature f;
+    f.x = static_cast<float>(pixel->x()), f.y = static_cast<float>(pixel->y());
+    f.laplacian = 1;
+    f.kind = MeasurementKind::point;
+    f.point = p;
+    f.depth_sigma = 0.003f;
+    Random own(i);
+    for (auto& byte : f.descriptor) byte = static_cast<std::uint8_t>(own.below(256));
+    view.features.features.push_back(f);
+  }
+  return view;
+}
+
+class EveryVariant : public testing::TestWithParam<std::tuple<VariantKind, SolverKind>> {};
+INSTANTIATE_TEST_SUITE_P(
+    Variants, EveryVariant,
+    testing::Combine(testing::Values(VariantKind::plain, VariantKind::alternating, VariantKind::frustum),
+                     testing::Values(SolverKind::svd, SolverKind::quaternion, SolverKind::small_angle)));
+
+TEST_P(EveryVariant, FollowsAKnownPath) {
+  IcpMapperSettings settings;
+  std::tie(settings.variant, settings.thesis.icp.registration.solver) = GetParam();
+  settings.thesis.icp.registration.max_distance = 0.3;
+  IcpMapper mapper(settings);
+  const Eigen::Isometry3d mount = optical_axes();
+  const ColourView colour{cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(90)), camera(), camera(),
+                          Eigen::Isometry3d::Identity()};  // a plain image: all is unknown
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity(), T_last = T;
+  for (int i = 0; i < 12; ++i) {
+    SCOPED_TRACE(i);
+    const View view = view_from(T * mount, static_cast<std::uint64_t>(i));
+    Motion motion;
+    motion.T_from_to = T_last.inverse() * T * se3_exp(twist(0.01, -0.01, 0, 0, 0, 0.01));  // wheels err
+    motion.covariance = 1e-4 * Matrix6d::Identity();
+    const auto step = mapper.step(100'000 * i, view.cloud, mount,
+                                  i > 0 ? std::optional(motion) : std::nullopt, &view.features, &colour);
+    EXPECT_EQ(to_string(step.status), "tracking");
+    const Eigen::Isometry3d error = T.inverse() * step.T_world_robot;
+    // Point to point slides, but far less than the wheels, which are 0.15 m off in the end.
+    EXPECT_LT(error.translation().norm(), 0.06);
+    EXPECT_LT(rotation_angle(error), 0.03);
+    if (i > 0) {
+      EXPECT_GT(step.registration.overlap, 0.5);
+      EXPECT_FALSE(step.registration.rms.empty());
+      EXPECT_GT(step.registration.covariance.determinant(), 0);
+    }
+    T_last = T;
+    T = T * se3_exp(twist(0.02, 0.01, 0, 0, 0.005, 0.02));
+  }
+}
+
+// No odometry at all, half a metre and 30 degrees a step: only the SURF pairs lead there.
+TEST(Alternating, TheMapperFollowsLargeStepsWithoutOdometry) {
+  const Eigen::Isometry3d mount = optical_axes();
+  const Eigen::Isometry3d T = se3_exp(twist(-0.4, 0.3, 0.1, 0.1, 0, -0.4));
+  for (const auto kind : {VariantKind::plain, VariantKind::alternating}) {
+    IcpMapperSettings settings;
+    settings.variant = kind;
+    settings.thesis.icp.registration.max_distance = 0.3;
+    IcpMapper mapper(settings);
+    const View first = view_from(mount, 1), second = view_from(T * mount, 2);
+    mapper.step(0, first.cloud, mount, std::nullopt, &first.features);
+    const auto step = mapper.step(100'000, second.cloud, mount, std::nullopt, &second.features);
+    const double error = (T.inverse() * step.T_world_robot).translation().norm();
+    if (kind == VariantKind::alternating) {
+      EXPECT_LT(error, 0.03);
+    } else {
+      EXPECT_GT(error, 0.1) << "the case is hard";
+    }
+  }
+}
+
+// What the uncorrected estimators give never leaves the mapper: rotations only.
+TEST(Variants, PosesAreRotationsWhateverTheEstimator) {
+  for (const auto solver :
+       {SolverKind::svd_uncorrected, SolverKind::quaternion_as_printed, SolverKind::small_angle_as_printed}) {
+    IcpMapperSettings settings;
+    settings.variant = VariantKind::plain;
+    settings.thesis.icp.registration.solver = solver;
+    IcpMapper mapper(settings);
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Isometry3d T = planar_pose(0.05 * i, 0, 0.1 * i) * optical_axes();
+      const auto step = mapper.step(100'000 * i, view_from(T, 1).cloud, optical_axes());
+      const Eigen::Matrix3d R = step.T_world_robot.linear();
+      EXPECT_TRUE(step.T_world_robot.matrix().allFinite());
+      EXPECT_NEAR(R.determinant(), 1, 1e-9);
+      EXPECT_LT((R * R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,227 @@
+#include <lcmslam/map_store/map_export.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sys/resource.h>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/map_store/atomic_file.hpp>
+#include "tests/unit/map_store/sample_map.hpp"
+
+namespace lcmslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string content(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+std::size_t files_in(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+void expect_equal(const ColouredCloud& read, const ColouredCloud& written) {
+  EXPECT_EQ(read.points, written.points);
+  EXPECT_EQ(read.colours, written.colours);
+  EXPECT_EQ(read.normals, written.normals);
+}
+
+TEST(MapExport, CloudsSurviveTheRoundTrip) {
+  const TemporaryFolder folder;
+  for (const bool normals : {false, true})
+    for (const std::size_t size : {1, 2, 1000}) {
+      const ColouredCloud cloud = random_cloud(size, size, normals);
+      save_ply(folder / "map.ply", cloud);
+      expect_equal(load_ply(folder / "map.ply"), cloud);
+      save_pcd(folder / "map.pcd", cloud);
+      expect_equal(load_pcd(folder / "map.pcd"), cloud);
+    }
+  EXPECT_EQ(files_in(folder.path()), 2u) << "no temporary file is left behind";
+}
+
+TEST(MapExport, UnknownNormalsAreZeroInPly) {
+  const TemporaryFolder folder;
+  ColouredCloud cloud = random_cloud(1, 3, true);
+  cloud.normals[1].setConstant(NAN);
+  save_ply(folder / "map.ply", cloud);
+  EXPECT_EQ(load_ply(folder / "map.ply").normals.at(1), Eigen::Vector3f(0, 0, 0));
+}
+
+TEST(MapExport, EmptyMapsGiveValidFiles) {
+  const TemporaryFolder folder;
+  save_ply(folder / "cloud.ply", ColouredCloud());
+  save_pcd(folder / "cloud.pcd", ColouredCloud());
+  save_ply(folder / "landmarks.ply", std::vector<MapLandmark>());
+  save_pcd(folder / "landmarks.pcd", std::vector<MapLandmark>());
+  for (const char* name : {"cloud.ply", "landmarks.ply"})
+    EXPECT_EQ(load_ply(folder / name).size(), 0u) << name;
+  for (const char* name : {"cloud.pcd", "landmarks.pcd"})
+    EXPECT_EQ(load_pcd(folder / name).size(), 0u) << name;
+}
+
+template <class Number>
+Number take(const std::string& bytes, std::size_t& at) {
+  Number number;
+  std::memcpy(&number, bytes.data() + at, sizeof number);
+  at += sizeof number;
+  return number;
+}
+
+TEST(MapExport, LandmarkPlyHoldsAllProperties) {
+  const TemporaryFolder folder;
+  std::vector<MapLandmark> landmarks = {landmark(5, 1, 2, 3), landmark(-7, -4, 5, 6)};
+  landmarks[1].covariance << 1, 2, 3, 2, 4, 5, 3, 5, 6;
+  landmarks[1].observations = 42;
+  save_ply(folder / "l.ply", landmarks);
+  const std::string bytes = content(folder / "l.ply");
+  EXPECT_THAT(bytes, StartsWith("ply\nformat binary_little_endian 1.0\n"));
+  EXPECT_THAT(bytes, HasSubstr("element vertex 2\n"));
+  EXPECT_THAT(bytes,
+              HasSubstr("property uchar red\nproperty uchar green\nproperty uchar blue\nproperty int id\n"
+                        "property int observations\nproperty float cov_xx\nproperty float cov_xy\n"));
+  std::size_t at = bytes.find("end_header\n") + 11;
+  const std::size_t row = 12 + 3 + 4 + 4 + 24;
+  ASSERT_EQ(bytes.size(), at + 2 * row);
+  at += row;
+  for (const float coordinate : {-4.F, 5.F, 6.F}) EXPECT_EQ(take<float>(bytes, at), coordinate);
+  for (const int channel : {10, 200, 30}) EXPECT_EQ(take<std::uint8_t>(bytes, at), channel);
+  EXPECT_EQ(take<std::int32_t>(bytes, at), -7);
+  EXPECT_EQ(take<std::int32_t>(bytes, at), 42);
+  for (const float element : {1.F, 2.F, 3.F, 4.F, 5.F, 6.F}) EXPECT_EQ(take<float>(bytes, at), element);
+
+  const ColouredCloud cloud = load_ply(folder / "l.ply");
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.points[0], Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(cloud.colours[0], cv::Vec3b(30, 200, 10));
+
+  landmarks[0].id = std::int64_t{1} << 40;
+  save_ply(folder / "wide.ply", landmarks);
+  const std::string wide = content(folder / "wide.ply");
+  EXPECT_THAT(wide, HasSubstr("property double id\n"));
+  at = wide.find("end_header\n") + 11 + 15;
+  EXPECT_EQ(take<double>(wide, at), std::ldexp(1.0, 40));
+}
+
+TEST(MapExport, LandmarkPcdHoldsPositionColourAndLabel) {
+  const TemporaryFolder folder;
+  save_pcd(folder / "l.pcd", std::vector<MapLandmark>{landmark(5, 1, 2, 3)});
+  const ColouredCloud cloud = load_pcd(folder / "l.pcd");
+  ASSERT_EQ(cloud.size(), 1u);
+  EXPECT_EQ(cloud.points[0], Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(cloud.colours[0], cv::Vec3b(30, 200, 10));
+  EXPECT_THAT(content(folder / "l.pcd"), HasSubstr("FIELDS x y z rgba label"));
+}
+
+/// Every way of saving, by the name of its file.
+std::vector<std::pair<std::string, std::function<void(const fs::path&)>>> all_saves() {
+  const ColouredCloud cloud = random_cloud(1, 20000, true);
+  const std::vector<MapLandmark> landmarks(5000, landmark(1));
+  return {{"cloud.ply", [=](const fs::path& file) { save_ply(file, cloud); }},
+          {"cloud.pcd", [=](const fs::path& file) { save_pcd(file, cloud); }},
+          {"landmarks.ply", [=](const fs::path& file) { save_ply(file, landmarks); }},
+          {"landmarks.pcd", [=](const fs::path& file) { save_pcd(file, landmarks); }}};
+}
+
+TEST(AtomicFile, ImpossibleTargetsAreNamed) {
+  const TemporaryFolder folder;
+  for (const auto& [name, save] : all_saves()) {
+    const fs::path missing = folder / ("none/" + name);
+    EXPECT_THAT(error_of([&] { save(missing); }),
+                testing::AllOf(HasSubstr(missing.string()), HasSubstr("does not exist")));
+    EXPECT_THAT(error_of([&] { save(folder.path()); }), HasSubstr("is a folder"));
+    // Not writable, not even for root.
+    EXPECT_THAT(error_of([&] { save("/proc/" + name); }), HasSubstr("cannot save /proc/" + name + ": "));
+    EXPECT_THAT(error_of([&] { save("/dev/full"); }), HasSubstr("is not a regular file"));
+  }
+  EXPECT_TRUE(fs::is_character_file("/dev/full")) << "a device must not be replaced";
+  EXPECT_EQ(files_in(folder.path()), 0u);
+}
+
+/// While it lives no file can grow beyond `bytes`: to the program, a disk that is full.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+TEST(AtomicFile, AFullDiskKeepsTheOldFile) {
+  const TemporaryFolder folder;
+  for (const auto& [name, save] : all_saves()) {
+    const fs::path file = folder / name;
+    std::ofstream(file) << "the old map";
+    std::string error;
+    {
+      const FullDisk full(20000);
+      error = error_of([&, &save = save] { save(file); });
+    }
+    EXPECT_THAT(error, StartsWith("cannot save " + file.string() + ": "));
+    EXPECT_EQ(content(file), "the old map");
+    EXPECT_NO_THROW(save(file)) << "works once there is room";
+    EXPECT_GT(fs::file_size(file), 20000u);
+  }
+  EXPECT_EQ(files_in(folder.path()), 4u) << "no temporary file is left behind";
+}
+
+TEST(AtomicFile, AWriterThatFailsHalfWayKeepsTheOldFile) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "map.txt";
+  write_atomically(file, "old");
+  const std::string error = error_of([&] {
+    write_atomically(file, [&](const fs::path& temporary) {
+      EXPECT_EQ(temporary.parent_path(), folder.path());
+      std::ofstream(temporary) << "half of the n";
+      throw std::runtime_error("the writer's reason");
+    });
+  });
+  EXPECT_EQ(error, "cannot save " + file.string() + ": the writer's reason");
+  EXPECT_EQ(content(file), "old");
+  write_atomically(file, "new");
+  EXPECT_EQ(content(file), "new");
+  EXPECT_EQ(files_in(folder.path()), 1u);
+}
+
+TEST(MapExport, UnreadableFilesAreNamed) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "bad.ply") << "no ply at all";
+  std::ofstream(folder / "bad.pcd") << "no pcd at all";
+  EXPECT_THAT(error_of([&] { load_ply(folder / "bad.ply"); }), HasSubstr("bad.ply"));
+  EXPECT_THAT(error_of([&] { load_pcd(folder / "bad.pcd"); }), HasSubstr("bad.pcd"));
+  EXPECT_THAT(error_of([&] { load_ply(folder / "none.ply"); }), HasSubstr("no such file"));
+}
+
+}  // namespace
+}  // namespace lcmslam

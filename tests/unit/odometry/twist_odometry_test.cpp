@@ -1,0 +1,86 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <lcmslam/odometry/twist_odometry.hpp>
+
+namespace lcmslam {
+namespace {
+
+Twist twist_at(double seconds, double v, double w) {
+  return {std::llround(1e6 * seconds), {v, 0, 0}, {0, 0, w}};
+}
+
+TEST(TwistOdometry, HoldsATwistUntilTheNext) {
+  TwistOdometry odometry;
+  const auto first = odometry.update(twist_at(1, 0.5, 0));
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(first->T_odom_robot.isApprox(Eigen::Isometry3d::Identity()));
+  const auto second = odometry.update(twist_at(1.8, 0, 1));
+  EXPECT_NEAR(second->T_odom_robot.translation().x(), 0.4, 1e-9);
+  const auto third = odometry.update(twist_at(2.3, 0, 0));
+  EXPECT_NEAR(yaw(third->T_odom_robot), 0.5, 1e-9);
+  EXPECT_NEAR(third->T_odom_robot.translation().x(), 0.4, 1e-9);
+}
+
+TEST(TwistOdometry, CurvesAreExactArcs) {
+  TwistOdometry odometry;
+  odometry.update(twist_at(0, 1, 1));
+  const auto sample = odometry.update(twist_at(1, 0, 0));
+  EXPECT_NEAR(sample->T_odom_robot.translation().x(), std::sin(1.0), 1e-9);
+  EXPECT_NEAR(sample->T_odom_robot.translation().y(), 1 - std::cos(1.0), 1e-9);
+}
+
+TEST(TwistOdometry, CovarianceDoesNotDependOnHowOftenTwistsCome) {
+  TwistOdometrySettings settings;
+  settings.curve_noise = 0.05;
+  TwistOdometry seldom(settings), often(settings);
+  MotionSample a, b;
+  for (int i = 0; i <= 2; ++i) a = *seldom.update(twist_at(0.5 * i, 0.4, 0.8));
+  for (int i = 0; i <= 100; ++i) b = *often.update(twist_at(0.01 * i, 0.4, 0.8));
+  EXPECT_TRUE(a.T_odom_robot.isApprox(b.T_odom_robot, 1e-9));
+  EXPECT_TRUE(a.covariance.isApprox(b.covariance, 0.03));
+  EXPECT_GT(b.covariance(0, 0), 0.05 * 0.05 * 0.8 * 0.9);
+}
+
+TEST(TwistOdometry, ADelayedBaseIsWhereItWasMeantToBeLater) {
+  TwistOdometrySettings settings;
+  settings.delay = 0.2;
+  TwistOdometry odometry(settings);
+  EXPECT_EQ(odometry.update(twist_at(1, 1, 0))->utime, 1'200'000);
+  EXPECT_EQ(odometry.update(twist_at(2, 0, 0))->utime, 2'200'000);
+}
+
+TEST(TwistOdometry, SilenceIsNoMotionAndMuchDoubt) {
+  TwistOdometrySettings settings;
+  settings.timeout = 1;
+  settings.max_speed = 2;
+  TwistOdometry odometry(settings);
+  odometry.update(twist_at(0, 0.5, 0));
+  const auto sample = odometry.update(twist_at(3, 0.5, 0));
+  EXPECT_NEAR(sample->T_odom_robot.translation().x(), 0.5, 1e-9);
+  EXPECT_GT(sample->covariance(0, 0), 15);
+}
+
+TEST(TwistOdometry, RepeatedAndLoopingStamps) {
+  TwistOdometry odometry;
+  odometry.update(twist_at(1, 1, 0));
+  EXPECT_FALSE(odometry.update(twist_at(1, 1, 0)));
+  odometry.update(twist_at(2, 1, 0));
+  EXPECT_TRUE(odometry.update(twist_at(0.5, 1, 0))->T_odom_robot.isApprox(Eigen::Isometry3d::Identity()));
+}
+
+TEST(TwistOdometry, WrongSettingsAreNamed) {
+  TwistOdometrySettings settings;
+  settings.curve_noise = -1;
+  EXPECT_THAT([&] { TwistOdometry odometry(settings); },
+              ::testing::ThrowsMessage<std::invalid_argument>(::testing::HasSubstr("curve_noise")));
+  settings.curve_noise = 0;
+  settings.delay = NAN;
+  EXPECT_THAT([&] { TwistOdometry odometry(settings); },
+              ::testing::ThrowsMessage<std::invalid_argument>(::testing::HasSubstr("delay")));
+}
+
+}  // namespace
+}  // namespace lcmslam

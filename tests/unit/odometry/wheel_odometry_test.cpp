@@ -1,0 +1,230 @@
+#include <lcmslam/odometry/wheel_odometry.hpp>
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Eigenvalues>
+#include <limits>
+
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/odometry/wheel_kinematics.hpp>
+#include "tests/unit/odometry/simulated_bases.hpp"
+
+namespace lcmslam {
+namespace {
+
+using testing::Base;
+using ::testing::HasSubstr;
+
+void expect_near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double tolerance,
+                 const std::string& what) {
+  EXPECT_LT((a.matrix() - b.matrix()).cwiseAbs().maxCoeff(), tolerance) << what;
+}
+
+Eigen::Isometry3d odometry_after(Base base, const PlanarTwist& twist, double seconds, int messages) {
+  WheelOdometry odometry;
+  testing::steer(base, twist);
+  EXPECT_TRUE(odometry.update(base.encoders)->T_odom_robot.isApprox(Eigen::Isometry3d::Identity()));
+  MotionSample sample;
+  for (int i = 0; i < messages; ++i) {
+    testing::drive(base, twist, seconds / messages);
+    sample = *odometry.update(base.encoders);
+    EXPECT_LT(odometry.residual(), 1e-12) << base.name;
+    EXPECT_NEAR(odometry.twist().vx, twist.vx, 1e-9) << base.name;
+    EXPECT_NEAR(odometry.twist().vy, twist.vy, 1e-9) << base.name;
+    EXPECT_NEAR(odometry.twist().w, twist.w, 1e-9) << base.name;
+  }
+  EXPECT_EQ(sample.utime, base.encoders.utime);
+  EXPECT_FALSE(sample.visual);
+  return sample.T_odom_robot;
+}
+
+TEST(WheelOdometry, StraightTurnOnTheSpotAndQuarterCircle) {
+  for (const Base& base : testing::all_bases()) {
+    expect_near(odometry_after(base, {0.5, 0, 0}, 4, 200), planar_pose(2, 0, 0), 1e-9, base.name);
+    expect_near(odometry_after(base, {-0.5, 0, 0}, 4, 200), planar_pose(-2, 0, 0), 1e-9, base.name);
+    expect_near(odometry_after(base, {0, 0, 0.5}, M_PI, 200), planar_pose(0, 0, M_PI / 2), 1e-5, base.name);
+    // A circle of 2 m, left turn: a quarter of it ends at (2, 2).
+    expect_near(odometry_after(base, {M_PI / 2, 0, M_PI / 4}, 2, 100), planar_pose(2, 2, M_PI / 2), 1e-9,
+                base.name);
+  }
+}
+
+TEST(WheelOdometry, SidewaysOnBasesThatCan) {
+  for (const Base& base : testing::all_bases()) {
+    if (!base.sideways) continue;
+    expect_near(odometry_after(base, {0, 0.3, 0}, 5, 250), planar_pose(0, 1.5, 0), 1e-9, base.name);
+    expect_near(odometry_after(base, {0.3, -0.4, 0}, 5, 250), planar_pose(1.5, -2, 0), 1e-9, base.name);
+  }
+}
+
+TEST(WheelOdometry, IsExactOnRandomArcs) {
+  Random random(11);
+  for (int trial = 0; trial < 100; ++trial) {
+    for (const Base& base : testing::all_bases()) {
+      const PlanarTwist twist{random.uniform(-1, 1), base.sideways ? random.uniform(-1, 1) : 0,
+                              random.uniform(-1, 1)};
+      expect_near(odometry_after(base, twist, 2, 8), testing::arc(twist, 2), 1e-9, base.name);
+    }
+  }
+}
+
+TEST(WheelOdometry, LostMessagesCostNothing) {
+  for (Base base : testing::all_bases()) {
+    const PlanarTwist twist{0.4, base.sideways ? 0.2 : 0, 0.7};
+    testing::steer(base, twist);
+    WheelOdometry all, few;
+    all.update(base.encoders);
+    few.update(base.encoders);
+    MotionSample every, last;
+    for (int i = 0; i < 100; ++i) {
+      testing::drive(base, twist, 0.02);
+      every = *all.update(base.encoders);
+      if (i == 17 || i == 99) last = *few.update(base.encoders);
+    }
+    expect_near(every.T_odom_robot, last.T_odom_robot, 1e-9, base.name);
+    const double difference = (every.covariance - last.covariance).cwiseAbs().maxCoeff();
+    EXPECT_LT(difference, 0.01 * every.covariance.cwiseAbs().maxCoeff()) << base.name;
+  }
+}
+
+TEST(WheelOdometry, SteeringIsTakenHalfWayByTheShortWay) {
+  Base base = testing::steered_base();
+  for (Wheel& wheel : base.encoders.wheels) wheel.steering = M_PI - 0.1;
+  std::vector<Wheel> after = base.encoders.wheels;
+  for (Wheel& wheel : after) {
+    wheel.steering = -M_PI + 0.1;
+    wheel.angle += 1;
+  }
+  const WheelFit fit = fit_motion(base.encoders.wheels, after);
+  EXPECT_TRUE(fit.motion.isApprox(Eigen::Vector3d(-0.08, 0, 0), 1e-9)) << fit.motion.transpose();
+}
+
+TEST(WheelOdometry, ResidualShowsASlippingWheelAndWidensTheCovariance) {
+  Base base = testing::steered_base();
+  WheelOdometry odometry, undisturbed;
+  for (WheelOdometry* o : {&odometry, &undisturbed}) o->update(base.encoders);
+  testing::drive(base, {0.5, 0, 0}, 0.02);
+  const MotionSample without = *undisturbed.update(base.encoders);
+  base.encoders.wheels[0].angle += 0.05 / base.encoders.wheels[0].radius;
+  const MotionSample with = *odometry.update(base.encoders);
+  EXPECT_GT(odometry.residual(), 0.005);
+  EXPECT_LT(undisturbed.residual(), 1e-12);
+  for (const int axis : {0, 1, 5}) {
+    EXPECT_GT(with.covariance(axis, axis), 2 * without.covariance(axis, axis)) << "axis " << axis;
+  }
+}
+
+TEST(WheelOdometry, EveryIncrementHasAPositiveDefiniteCovariance) {
+  Random random(5);
+  for (Base base : testing::all_bases()) {
+    WheelOdometry odometry;
+    MotionBuffer buffer;
+    buffer.add(*odometry.update(base.encoders));
+    for (int i = 0; i < 300; ++i) {
+      const bool rest = i / 50 % 2 == 1;
+      const PlanarTwist twist{rest ? 0 : random.uniform(-0.5, 0.5), 0, rest ? 0 : random.uniform(-1, 1)};
+      const Utime before = base.encoders.utime;
+      testing::drive(base, twist, 0.02);
+      ASSERT_TRUE(buffer.add(*odometry.update(base.encoders)));
+      const auto motion = buffer.between(before, base.encoders.utime);
+      ASSERT_TRUE(motion);
+      const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(motion->covariance);
+      EXPECT_GT(solver.eigenvalues()[0], 0) << base.name << ", message " << i;
+    }
+  }
+}
+
+TEST(WheelOdometry, StampsThatGoBackStartAnewAndRepeatedOnesGiveNothing) {
+  Base base = testing::differential_base();
+  WheelOdometry odometry;
+  const Encoders start = base.encoders;
+  odometry.update(base.encoders);
+  testing::drive(base, {1, 0, 0.3}, 1);
+  ASSERT_TRUE(odometry.update(base.encoders));
+  EXPECT_FALSE(odometry.update(base.encoders));
+  const auto again = odometry.update(start);
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->T_odom_robot.isApprox(Eigen::Isometry3d::Identity()));
+  EXPECT_EQ(again->covariance, Matrix6d::Zero());
+  EXPECT_EQ(odometry.twist().vx, 0);
+}
+
+TEST(WheelOdometry, CountersThatStartAgainKeepThePose) {
+  Base base = testing::differential_base();
+  WheelOdometry odometry;
+  odometry.update(base.encoders);
+  testing::drive(base, {0.5, 0, 0}, 10);
+  const MotionSample before = *odometry.update(base.encoders);
+  for (Wheel& wheel : base.encoders.wheels) wheel.angle = 0;
+  base.encoders.utime += 20'000;
+  const MotionSample after = *odometry.update(base.encoders);
+  EXPECT_EQ(odometry.restarts(), 1);
+  expect_near(before.T_odom_robot, after.T_odom_robot, 1e-12, "restart");
+  EXPECT_GT(after.covariance(0, 0), before.covariance(0, 0));
+  testing::drive(base, {0.5, 0, 0}, 2);
+  expect_near(odometry.update(base.encoders)->T_odom_robot, planar_pose(6, 0, 0), 1e-9, "goes on");
+}
+
+std::string error_of(const Encoders& encoders, WheelOdometry odometry = WheelOdometry()) {
+  try {
+    odometry.update(encoders);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(WheelOdometry, WheelsThatDoNotDetermineTheMotionAreAnError) {
+  EXPECT_THAT(error_of({0, 0, {}}), HasSubstr("at least two"));
+  EXPECT_THAT(error_of({0, 0, {testing::make_wheel(0, 0.2, 0.1)}}), HasSubstr("at least two"));
+  // All in one place: nothing is known of the heading.
+  EXPECT_THAT(error_of({0, 0, {testing::make_wheel(0, 0, 0.1), testing::make_wheel(0, 0, 0.1)}}),
+              HasSubstr("do not determine"));
+  // Two mecanum wheels: two equations for three unknowns.
+  EXPECT_THAT(
+      error_of({0, 0, {testing::make_wheel(0, 0.2, 0.1, 0.7), testing::make_wheel(0, -0.2, 0.1, 0.7)}}),
+      HasSubstr("do not determine"));
+  // Four rollers alike on a line: forward and sideways cannot be told apart.
+  Encoders alike;
+  for (const double y : {-0.3, -0.1, 0.1, 0.3}) alike.wheels.push_back(testing::make_wheel(0, y, 0.1, 0.7));
+  EXPECT_THAT(error_of(alike), HasSubstr("do not determine"));
+}
+
+TEST(WheelOdometry, WrongValuesAreNamedAndLeaveTheStateAlone) {
+  Base base = testing::steered_base();
+  WheelOdometry odometry;
+  odometry.update(base.encoders);
+  testing::drive(base, {0.5, 0, 0}, 0.1);
+
+  const auto broken = [&](auto change) {
+    Encoders encoders = base.encoders;
+    change(encoders);
+    return error_of(encoders, odometry);
+  };
+  EXPECT_THAT(broken([](Encoders& e) { e.wheels[2].angle = std::numeric_limits<double>::quiet_NaN(); }),
+              HasSubstr("wheel 2: angle is nan"));
+  EXPECT_THAT(broken([](Encoders& e) { e.wheels[1].radius = 0; }), HasSubstr("wheel 1: radius is 0"));
+  EXPECT_THAT(broken([](Encoders& e) { e.wheels[0].roller_angle = 1.57; }), HasSubstr("roller_angle"));
+  EXPECT_THAT(broken([](Encoders& e) { e.wheels.pop_back(); }),
+              HasSubstr("3 wheels, earlier messages had 4"));
+
+  Encoders fewer = base.encoders;
+  fewer.wheels.pop_back();
+  EXPECT_THROW(odometry.update(fewer), std::invalid_argument);
+  expect_near(odometry.update(base.encoders)->T_odom_robot, planar_pose(0.05, 0, 0), 1e-9, "after the error");
+}
+
+TEST(WheelOdometry, SettingsAreChecked) {
+  WheelOdometrySettings settings;
+  settings.side_slip_weight = 0;
+  EXPECT_THROW(WheelOdometry{settings}, std::invalid_argument);
+  settings = {};
+  settings.noise.rotation_scale = -1;
+  EXPECT_THROW(WheelOdometry{settings}, std::invalid_argument);
+  settings = {};
+  settings.noise.flatness = 0;
+  EXPECT_THROW(WheelOdometry{settings}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,282 @@
+// A graph that gives nodes up: what was measured stays known, memory stays, loops still close.
+
+#include <lcmslam/pose_graph/graph_thinning.hpp>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include <lcmslam/pose_graph/keyframe_graph.hpp>
+#include "tests/unit/dense_mapper/gallery.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime second = 1'000'000;
+
+Matrix6d diagonal(double translation, double rotation) {
+  Vector6d d;
+  d << Eigen::Vector3d::Constant(translation * translation), Eigen::Vector3d::Constant(rotation * rotation);
+  return d.asDiagonal();
+}
+
+Eigen::Isometry3d some_pose(Random& random) {
+  return se3_exp(twist(random.normal(), random.normal(), random.normal(), 0.4 * random.normal(),
+                       0.4 * random.normal(), 0.4 * random.normal()));
+}
+
+GraphEdge edge(int from, int to, EdgeKind kind, const UncertainTransform& T) {
+  return {from, to, kind, T, 0};
+}
+
+TEST(TakeOut, ComposesThePathAndContinuesLoops) {
+  Random random(3);
+  const UncertainTransform a{some_pose(random), diagonal(0.02, 0.01)},
+      b{some_pose(random), diagonal(0.01, 0.01)}, loop{some_pose(random), diagonal(0.005, 0.002)};
+  std::vector<GraphEdge> edges = {edge(3, 4, EdgeKind::odometry, a), edge(4, 5, EdgeKind::odometry, b),
+                                  edge(0, 4, EdgeKind::loop, loop), edge(0, 1, EdgeKind::odometry, a)};
+  std::vector<GraphEdge> waiting = {edge(1, 4, EdgeKind::loop, loop)};
+  take_out(4, edges, waiting);
+  ASSERT_EQ(edges.size(), 3U);
+  for (const GraphEdge& e : edges) EXPECT_LT(e.from, e.to);
+  const GraphEdge& untouched = edges[0];
+  EXPECT_EQ(untouched.to, 1);
+  const auto between = [&](int from, int to) {
+    return *std::find_if(edges.begin(), edges.end(),
+                         [&](const GraphEdge& e) { return e.from == from && e.to == to; });
+  };
+  const GraphEdge path = between(3, 5), continued = between(0, 5);  // 5: the surer neighbour
+  EXPECT_EQ(path.kind, EdgeKind::odometry);
+  EXPECT_EQ(continued.kind, EdgeKind::loop);
+  const UncertainTransform ab = a * b, loop_b = loop * b;
+  EXPECT_TRUE(path.T_from_to.T.isApprox(ab.T, 1e-9));
+  EXPECT_TRUE(path.T_from_to.covariance.isApprox(ab.covariance, 1e-6));
+  EXPECT_TRUE(continued.T_from_to.T.isApprox(loop_b.T, 1e-9));
+  EXPECT_TRUE(continued.T_from_to.covariance.isApprox(loop_b.covariance, 1e-6));
+  ASSERT_EQ(waiting.size(), 1U);
+  EXPECT_EQ(waiting[0].to, 5);
+  EXPECT_TRUE(waiting[0].T_from_to.T.isApprox(loop_b.T, 1e-9));
+}
+
+TEST(TakeOut, ParallelEdgesBecomeOne) {
+  Random random(4);
+  const Eigen::Isometry3d T = some_pose(random);
+  const GraphEdge a = edge(0, 1, EdgeKind::loop, {T, diagonal(0.01, 0.01)});
+  GraphEdge b = a;
+  b.T_from_to.T = T * se3_exp(twist(0.02, 0, 0, 0, 0, 0));
+  const GraphEdge one = merged(a, b);
+  EXPECT_TRUE(one.T_from_to.covariance.isApprox(0.5 * a.T_from_to.covariance, 1e-9));
+  EXPECT_TRUE((T.inverse() * one.T_from_to.T).isApprox(se3_exp(twist(0.01, 0, 0, 0, 0, 0)), 1e-9));
+  // Two loops to nodes that go end at one.
+  const UncertainTransform step{Eigen::Isometry3d::Identity(), diagonal(0.01, 0.01)};
+  std::vector<GraphEdge> edges, waiting;
+  for (int i = 0; i < 8; ++i) edges.push_back(edge(i, i + 1, EdgeKind::odometry, step));
+  for (int i = 4; i < 8; ++i) edges.push_back(edge(0, i, EdgeKind::loop, step));
+  for (const int gone : {4, 5, 6}) take_out(gone, edges, waiting);
+  int loops = 0, odometry = 0;
+  for (const GraphEdge& e : edges) (e.kind == EdgeKind::odometry ? odometry : loops) += 1;
+  EXPECT_EQ(odometry, 5);  // 0 1 2 3 7 8 in one piece
+  EXPECT_LE(loops, 2);
+  EXPECT_GE(loops, 1);
+}
+
+/// Three laps around a square with noisy odometry and noisy sights of the lap before.
+PoseGraph laps(std::uint64_t seed, std::vector<Eigen::Isometry3d>& truth) {
+  Random random(seed);
+  const auto noisy = [&](const Eigen::Isometry3d& T, double m, double rad) {
+    return T * se3_exp(twist(random.normal(0, m), random.normal(0, m), random.normal(0, m),
+                             random.normal(0, rad), random.normal(0, rad), random.normal(0, rad)));
+  };
+  constexpr int around = 24;
+  for (int i = 0; i < 3 * around; ++i) {
+    const double angle = 2 * M_PI * i / around;
+    truth.push_back(planar_pose(3 * std::cos(angle), 3 * std::sin(angle), angle));
+  }
+  PoseGraph graph;
+  graph.poses.push_back(truth[0]);
+  for (int i = 1; i < 3 * around; ++i) {
+    const Eigen::Isometry3d step =
+        truth[static_cast<std::size_t>(i - 1)].inverse() * truth[static_cast<std::size_t>(i)];
+    graph.edges.push_back(
+        edge(i - 1, i, EdgeKind::odometry, {noisy(step, 0.02, 0.01), diagonal(0.02, 0.01)}));
+    graph.poses.push_back(graph.poses.back() * graph.edges.back().T_from_to.T);
+    if (i < around) continue;
+    const int before = i - around;
+    const Eigen::Isometry3d back =
+        truth[static_cast<std::size_t>(before)].inverse() * truth[static_cast<std::size_t>(i)];
+    graph.edges.push_back(edge(before, i, EdgeKind::loop, {noisy(back, 0.01, 0.005), diagonal(0.01, 0.005)}));
+  }
+  return graph;
+}
+
+double rms_error(const PoseGraph& graph, const std::vector<Eigen::Isometry3d>& truth,
+                 const std::vector<int>& nodes) {
+  double sum = 0;
+  for (const int i : nodes)
+    sum += (graph.poses[static_cast<std::size_t>(i)].translation() -
+            truth[static_cast<std::size_t>(i)].translation())
+               .squaredNorm();
+  return std::sqrt(sum / static_cast<double>(nodes.size()));
+}
+
+// Standard deviation (m) of a node's place when the first one is known: all edges linearised at the poses.
+double spread(const PoseGraph& graph, int node) {
+  const auto n = static_cast<Eigen::Index>(6 * graph.poses.size());
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
+  H.diagonal().head<6>().setConstant(1e12);
+  for (std::size_t i = 0; i < graph.poses.size(); ++i)  // nodes without edges
+    H.diagonal().segment<6>(static_cast<Eigen::Index>(6 * i)).array() += 1e-9;
+  for (const GraphEdge& e : graph.edges) {
+    const Eigen::Index i = 6 * e.from, j = 6 * e.to;
+    const Matrix6d information = e.T_from_to.covariance.inverse();
+    const Matrix6d A = -adjoint(e.T_from_to.T.inverse());
+    H.block<6, 6>(i, i) += A.transpose() * information * A;
+    H.block<6, 6>(j, j) += information;
+    H.block<6, 6>(i, j) += A.transpose() * information;
+    H.block<6, 6>(j, i) += information * A;
+  }
+  const Eigen::MatrixXd covariance = H.inverse();
+  return std::sqrt(covariance.block<3, 3>(6 * node, 6 * node).trace());
+}
+
+TEST(TakeOut, KeepsWhatTheGraphKnows) {
+  double full = 0, thin = 0, start = 0, overconfidence = 0;
+  constexpr int seeds = 10;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    std::vector<Eigen::Isometry3d> truth;
+    PoseGraph graph = laps(seed, truth), thinned = graph;
+    std::vector<GraphEdge> waiting;
+    std::vector<int> kept;
+    for (int i = 0; i < static_cast<int>(truth.size()); ++i)
+      if (i % 3 == 1 && i > 0)
+        take_out(i, thinned.edges, waiting);
+      else
+        kept.push_back(i);
+    EXPECT_LT(thinned.edges.size(), graph.edges.size());
+    start += rms_error(graph, truth, kept);
+    EXPECT_EQ(optimise(graph, {}), 0);
+    EXPECT_EQ(optimise(thinned, {}), 0);
+    full += rms_error(graph, truth, kept);
+    thin += rms_error(thinned, truth, kept);
+    for (const int node : {11, 36, 60})
+      overconfidence = std::max(overconfidence, spread(graph, node) / spread(thinned, node));
+  }
+  std::cout << "rms " << start / seeds << " m before, " << full / seeds << " with all nodes, " << thin / seeds
+            << " with two thirds; surer by a factor " << overconfidence << "\n";
+  EXPECT_LT(full, 0.5 * start);
+  EXPECT_LT(thin, 1.2 * full);
+  EXPECT_LT(overconfidence, 1.1);
+}
+
+TEST(CoveredNodes, TheMostRedundantGo) {
+  std::vector<ThinningNode> nodes;
+  const auto add = [&](double x, double heading, bool keyframe, bool fixed = false) {
+    nodes.push_back({planar_pose(x, 0, heading), keyframe, fixed});
+  };
+  add(0, 0, true, true);
+  add(0.02, 0, true);  // beside the first one
+  for (int i = 1; i < 6; ++i) add(0.5 * i, 0, true);
+  add(1.0, 1.5, true);  // looks elsewhere
+  add(1.51, 0, true);   // beside node 4, newer
+  add(2.2, 0, false);
+  add(2.01, 0, false);  // nearest to a keyframe
+  const auto gone = covered_nodes(nodes, 7, 1);
+  std::vector<int> which;
+  for (std::size_t i = 0; i < gone.size(); ++i)
+    if (gone[i]) which.push_back(static_cast<int>(i));
+  EXPECT_THAT(which, testing::ElementsAre(1, 8, 10));
+  const auto heir = heirs(nodes, gone);
+  EXPECT_EQ(heir[1], 0);
+  EXPECT_EQ(heir[8], 4);
+  EXPECT_EQ(heir[10], 5);
+  EXPECT_EQ(heir[7], 7);
+  // Fixed ones stay, whatever the limit.
+  for (ThinningNode& n : nodes) n.fixed = true;
+  for (const bool g : covered_nodes(nodes, 0, 0)) EXPECT_FALSE(g);
+}
+
+/// Up and down the gallery with tracking that slides off, as one that keeps few keyframes.
+struct LongDrive {
+  static constexpr int per_way = 10;
+  KeyframeGraph graph;
+  Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
+  std::vector<std::size_t> bytes;  // at the end of each way back
+  std::size_t most_nodes = 0, most_edges = 0;
+  int thinned = 0;
+
+  LongDrive(int max_keyframes, int laps) : graph(settings(max_keyframes)) {
+    Gallery gallery(4);
+    Utime now = second;
+    for (int i = 0; i <= 2 * per_way * laps; ++i, now += second) {
+      const int place = i % (2 * per_way);
+      const double x = 0.4 * (place <= per_way ? place : 2 * per_way - place);
+      T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
+      const Eigen::Isometry3d T(Eigen::Translation3d(x, 0, 0));
+      graph.add(now, T_world_map * T, 1e-6 * Matrix6d::Identity(), gallery.seen_from(T),
+                i % 2 == 0 || i < 20);
+      for (const Utime later : {now, now + second / 2, now + 3 * second / 4}) {
+        take(graph.work(later));
+        if (const auto gone = graph.thin({})) {
+          ++thinned;
+          EXPECT_EQ(gone->gone.size(), gone->index.size());
+        }
+      }
+      most_nodes = std::max(most_nodes, graph.nodes().size());
+      most_edges = std::max(most_edges, graph.edges().size());
+      if (place == 0) bytes.push_back(graph.memory_bytes());
+    }
+    take(graph.finish());
+  }
+
+  static KeyframeGraphSettings settings(int max_keyframes) {
+    KeyframeGraphSettings s;
+    s.max_keyframes = max_keyframes;
+    return s;
+  }
+  void take(const std::optional<KeyframeGraph::Correction>& correction) {
+    if (!correction) return;
+    graph.apply(*correction);
+    T_world_map = correction->back() * T_world_map;
+  }
+  double error_of_the_return() const {
+    return (graph.nodes().front().T_world_camera.translation() -
+            graph.nodes().back().T_world_camera.translation())
+        .norm();
+  }
+};
+
+TEST(LongDrive, MemorySettlesAndTheLoopStillCloses) {
+  constexpr int laps = 12;
+  const LongDrive drive(20, laps), everything(100000, 4);
+  EXPECT_EQ(everything.thinned, 0);
+  EXPECT_GT(drive.thinned, 5);
+  EXPECT_LE(drive.most_nodes, 42U);
+  ASSERT_EQ(drive.bytes.size(), laps + 1U);
+  const auto half = drive.bytes.begin() + laps / 2;
+  const std::size_t early = *std::max_element(drive.bytes.begin() + 3, half),
+                    late = *std::max_element(half, drive.bytes.end());
+  std::cout << "bytes " << early << " then " << late << ", with everything " << everything.bytes.back()
+            << ", edges " << drive.most_edges << ", return " << drive.error_of_the_return() << " ("
+            << everything.error_of_the_return() << ")\n";
+  EXPECT_LT(static_cast<double>(late), 1.1 * static_cast<double>(early));
+  EXPECT_LT(late, everything.bytes.back());
+  EXPECT_LT(drive.error_of_the_return(), 0.02);  // each lap alone slides by 0.2 m
+  EXPECT_LT(drive.most_edges, 42U * 8);
+  // The first node stays, and what is left is in order of time, each with its own id.
+  EXPECT_EQ(drive.graph.nodes().front().id, 0);
+  for (std::size_t i = 1; i < drive.graph.nodes().size(); ++i)
+    EXPECT_LT(drive.graph.nodes()[i - 1].id, drive.graph.nodes()[i].id);
+  EXPECT_EQ(drive.graph.nodes().back().id, 2 * LongDrive::per_way * laps);
+}
+
+TEST(LongDrive, IsTheSameEachTime) {
+  const LongDrive a(20, 4), b(20, 4);
+  ASSERT_EQ(a.graph.nodes().size(), b.graph.nodes().size());
+  for (std::size_t i = 0; i < a.graph.nodes().size(); ++i) {
+    EXPECT_EQ(a.graph.nodes()[i].id, b.graph.nodes()[i].id);
+    EXPECT_EQ(a.graph.nodes()[i].T_world_camera.matrix(), b.graph.nodes()[i].T_world_camera.matrix());
+  }
+}
+
+}  // namespace
+}  // namespace lcmslam

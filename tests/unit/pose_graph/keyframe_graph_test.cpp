@@ -1,0 +1,217 @@
+#include <lcmslam/pose_graph/keyframe_graph.hpp>
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/dense_mapper/voxel_map.hpp>
+#include "tests/unit/dense_mapper/gallery.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime second = 1'000'000;
+
+/// Along the gallery and back, 0.4 m a node, with tracking that slides off to the side and turns.
+struct Visit {
+  std::vector<Eigen::Isometry3d> truth;
+  KeyframeGraph graph;
+  int corrections = 0;
+
+  explicit Visit(const KeyframeGraphSettings& settings = {}, bool neighbours_found = true) : graph(settings) {
+    Gallery gallery(4);
+    Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
+    Utime now = second;
+    for (int i = 0; i <= 20; ++i, now += second) {
+      truth.push_back(Eigen::Isometry3d(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0)));
+      T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
+      KeyframeView view = gallery.seen_from(truth.back());
+      if (!neighbours_found) view = KeyframeView();  // neither features nor points
+      graph.add(now, T_world_map * truth.back(), 1e-6 * Matrix6d::Identity(), view, i <= 10);
+      take(graph.work(now), T_world_map);
+      take(graph.work(now + second / 2), T_world_map);
+    }
+    take(graph.finish(), T_world_map);
+  }
+
+  // What tracking carries on moves with the newest node.
+  void take(const std::optional<KeyframeGraph::Correction>& correction, Eigen::Isometry3d& T_world_map) {
+    if (!correction) return;
+    ++corrections;
+    graph.apply(*correction);
+    T_world_map = correction->back() * T_world_map;
+  }
+
+  double error_of_the_return() const {
+    const Eigen::Isometry3d& first = graph.nodes().front().T_world_camera;
+    const Eigen::Isometry3d& last = graph.nodes().back().T_world_camera;
+    return (first.translation() - last.translation()).norm();
+  }
+};
+
+TEST(KeyframeGraph, ClosesTheLoopOfAReturn) {
+  KeyframeGraphSettings without;
+  without.enabled = false;
+  const Visit drifted(without);
+  ASSERT_GT(drifted.error_of_the_return(), 0.1);
+  EXPECT_EQ(drifted.corrections, 0);
+  const Visit visit;
+  EXPECT_GE(visit.corrections, 1);
+  EXPECT_LT(visit.error_of_the_return(), 0.01);
+  int loops = 0, odometry = 0;
+  for (const GraphEdge& e : visit.graph.edges()) {
+    loops += e.kind == EdgeKind::loop ? 1 : 0;
+    odometry += e.kind == EdgeKind::odometry ? 1 : 0;
+    EXPECT_LT(e.from, e.to);
+  }
+  EXPECT_GE(loops, 3);
+  EXPECT_EQ(odometry, 20);
+}
+
+/// A path that bends aside; only its ends, which are one place, show something.
+struct LoopAtTheEnd {
+  std::vector<Eigen::Isometry3d> truth;
+  KeyframeGraph graph{{}};
+  FeatureFrame last_features;
+  Utime now = second;
+
+  LoopAtTheEnd() {
+    Gallery gallery(4);
+    Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
+    for (int i = 0; i <= 20; ++i, now += second) {
+      truth.push_back(Eigen::Isometry3d(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0)));
+      T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
+      const bool end = i % 20 == 0;
+      const KeyframeView view = end ? gallery.seen_from(truth.back()) : KeyframeView();
+      last_features = view.features;
+      graph.add(now, T_world_map * truth.back(), 1e-4 * Matrix6d::Identity(), view, i <= 10);
+      if (i < 20) {
+        EXPECT_FALSE(graph.work(now));
+        EXPECT_FALSE(graph.work(now + second / 2));
+      }
+    }
+    now -= second;
+  }
+  double error_of_the_return() const {
+    return (graph.nodes().front().T_world_camera.translation() -
+            graph.nodes().back().T_world_camera.translation())
+        .norm();
+  }
+};
+
+TEST(KeyframeGraph, ALoopThatIsStillWorkedOnAtTheEndCounts) {
+  LoopAtTheEnd visit;
+  ASSERT_GT(visit.error_of_the_return(), 0.1);
+  EXPECT_FALSE(visit.graph.work(visit.now));         // takes what was done before
+  EXPECT_FALSE(visit.graph.work(visit.now + 1000));  // begins
+  ASSERT_FALSE(visit.graph.add_features(20, visit.last_features)) << "the work has begun";
+  const auto correction = visit.graph.finish();
+  ASSERT_TRUE(correction);
+  visit.graph.apply(*correction);
+  EXPECT_LT(visit.error_of_the_return(), 0.02);
+  EXPECT_EQ(visit.graph.edges().back().kind, EdgeKind::loop);
+}
+
+// Done, but so small that the map was not bent for it.
+TEST(KeyframeGraph, ACorrectionTooSmallForTheMapCountsAtTheEnd) {
+  KeyframeGraphSettings settings;
+  settings.min_translation = settings.min_rotation = 10;  // m, rad: all of them
+  const Visit visit(settings);
+  EXPECT_EQ(visit.corrections, 1);
+  EXPECT_LT(visit.error_of_the_return(), 0.01);
+}
+
+TEST(KeyframeGraph, WithoutAnythingSeenItKeepsThePath) {
+  const Visit blind({}, false);
+  EXPECT_EQ(blind.corrections, 0);
+  EXPECT_EQ(blind.graph.edges().size(), 20U);
+  EXPECT_GT(blind.error_of_the_return(), 0.1);
+}
+
+TEST(KeyframeGraph, DoesNotDependOnHowFastTheWorkIs) {
+  const Visit a, b;
+  ASSERT_EQ(a.graph.nodes().size(), b.graph.nodes().size());
+  for (std::size_t i = 0; i < a.graph.nodes().size(); ++i)
+    EXPECT_EQ(a.graph.nodes()[i].T_world_camera.matrix(), b.graph.nodes()[i].T_world_camera.matrix());
+}
+
+TEST(KeyframeGraph, FeaturesMayComeLater) {
+  Gallery gallery(4);
+  KeyframeView view = gallery.seen_from(Eigen::Isometry3d::Identity());
+  const FeatureFrame features = view.features;
+  view.features = {};
+  KeyframeGraph graph({});
+  const int id = graph.add(second, Eigen::Isometry3d::Identity(), Matrix6d::Identity(), view, true);
+  EXPECT_FALSE(graph.work(second + 1000));  // waits for them
+  EXPECT_TRUE(graph.add_features(id, features));
+  EXPECT_FALSE(graph.work(second + 2000));  // begins
+  EXPECT_FALSE(graph.add_features(id, features));
+  EXPECT_FALSE(graph.add_features(7, features));
+}
+
+TEST(LoopFinder, NamesTheKeyframeThatLooksAlikeAndMeasuresIt) {
+  Gallery gallery(9);
+  LoopFinder finder({});
+  for (int i = 0; i < 5; ++i) {
+    auto view = std::make_shared<KeyframeView>(
+        gallery.seen_from(Eigen::Isometry3d(Eigen::Translation3d(1.5 * i, 0, 0))));
+    view->node = i;
+    finder.add(view);
+  }
+  const Eigen::Isometry3d T = se3_exp(twist(4.6, 0.05, -0.05, 0, 0, 0)) * se3_exp(twist(0, 0, 0, 0, 0.05, 0));
+  const KeyframeView view = gallery.seen_from(T);
+  const auto alike = finder.alike(view.features, {});
+  ASSERT_FALSE(alike.empty());
+  EXPECT_EQ(alike.front(), 3);
+  EXPECT_THAT(finder.alike(view.features, {3}), testing::Not(testing::Contains(3)));
+  const auto measured = finder.verify(*finder.view(3), view, std::nullopt);
+  ASSERT_TRUE(measured);
+  const UncertainTransform error{
+      measured->T.inverse() * Eigen::Isometry3d(Eigen::Translation3d(-4.5, 0, 0)) * T, measured->covariance};
+  EXPECT_LT(error.T.translation().norm(), 0.01);
+  EXPECT_LT(rotation_angle(error.T), 0.005);
+  EXPECT_LT(distance_from_identity(error), 4.7);  // no surer than it is
+}
+
+TEST(LoopFinder, RefusesAnotherPlace) {
+  Gallery here(1), elsewhere(2);
+  LoopFinder finder({});
+  auto view = std::make_shared<KeyframeView>(here.seen_from(Eigen::Isometry3d::Identity()));
+  finder.add(view);
+  const KeyframeView other = elsewhere.seen_from(Eigen::Isometry3d::Identity());
+  EXPECT_TRUE(finder.alike(other.features, {}).empty());
+  EXPECT_FALSE(finder.verify(*view, other, std::nullopt));
+  EXPECT_FALSE(finder.verify(*view, {}, Eigen::Isometry3d::Identity()));
+  // The same things in another order in space: descriptors agree, geometry does not.
+  KeyframeView shuffled = here.seen_from(Eigen::Isometry3d::Identity());
+  auto& features = shuffled.features.features;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const auto& from = view->features.features[(7 * i + 3) % features.size()];
+    features[i].point = from.point;
+  }
+  EXPECT_FALSE(finder.verify(*view, shuffled, std::nullopt));
+}
+
+TEST(VoxelMap, BendsWithItsKeyframes) {
+  Cloud first, second_cloud;
+  add_rectangle(first, {1.01, 0.013, 0.017}, {0, 1, 0}, {0, 0, 1});
+  add_rectangle(second_cloud, {3.01, 0.013, 0.017}, {0, 1, 0}, {0, 0, 1});
+  VoxelMap map;
+  map.insert(first, Eigen::Vector3d::Zero(), 0);
+  map.insert(second_cloud, Eigen::Vector3d::Zero(), 5);
+  const Eigen::Isometry3d moved(Eigen::Translation3d(0, 0, 2));
+  const VoxelMap bent = map.bent({Eigen::Isometry3d::Identity(), moved});  // 5 goes with the last
+  EXPECT_EQ(bent.size(), map.size());
+  EXPECT_NE(bent.revision(), map.revision());
+  TargetPoint found;
+  EXPECT_TRUE(bent.find({1, 0.5f, 0.5f}, 0.05f, found));
+  EXPECT_FALSE(bent.find({3, 0.5f, 0.5f}, 0.05f, found));
+  ASSERT_TRUE(bent.find({3, 0.5f, 2.5f}, 0.05f, found));
+  EXPECT_NEAR(std::abs(found.normal.x()), 1, 1e-5);
+  // A copy that comes to lie on the original becomes one with it.
+  VoxelMap twice;
+  twice.insert(first, Eigen::Vector3d::Zero(), 0);
+  twice.insert(transformed(first, moved), Eigen::Vector3d::Zero(), 1);
+  EXPECT_EQ(twice.bent({Eigen::Isometry3d::Identity(), moved.inverse()}).size(), map.size() / 2);
+}
+
+}  // namespace
+}  // namespace lcmslam

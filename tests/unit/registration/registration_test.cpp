@@ -1,0 +1,282 @@
+// Every combination of parts through one check on recorded pairs; degeneracy; garbage.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include <lcmslam/registration/registration.hpp>
+#include "tests/support/recorded_clouds.hpp"
+#include "tests/support/targets.hpp"
+
+namespace lcmslam {
+namespace {
+
+struct Combination {
+  const char* name;
+  MetricKind metric;
+  SolverKind solver;
+  CorrespondenceKind correspondence;
+  KernelKind kernel;
+};
+
+const Combination combinations[] = {
+    {"svd", MetricKind::point_to_point, SolverKind::svd, CorrespondenceKind::kd_tree, KernelKind::huber},
+    {"quaternion", MetricKind::point_to_point, SolverKind::quaternion, CorrespondenceKind::kd_tree,
+     KernelKind::geman_mcclure},
+    {"small_angle", MetricKind::point_to_point, SolverKind::small_angle, CorrespondenceKind::kd_tree,
+     KernelKind::huber},
+    {"point_gauss_newton", MetricKind::point_to_point, SolverKind::gauss_newton, CorrespondenceKind::kd_tree,
+     KernelKind::none},
+    {"plane_none", MetricKind::point_to_plane, SolverKind::gauss_newton, CorrespondenceKind::kd_tree,
+     KernelKind::none},
+    {"plane_huber", MetricKind::point_to_plane, SolverKind::gauss_newton, CorrespondenceKind::kd_tree,
+     KernelKind::huber},
+    {"plane_geman_mcclure", MetricKind::point_to_plane, SolverKind::gauss_newton, CorrespondenceKind::kd_tree,
+     KernelKind::geman_mcclure},
+    {"plane_projective", MetricKind::point_to_plane, SolverKind::gauss_newton, CorrespondenceKind::projective,
+     KernelKind::geman_mcclure},
+    {"point_projective", MetricKind::point_to_point, SolverKind::svd, CorrespondenceKind::projective,
+     KernelKind::geman_mcclure}};
+
+RegistrationSettings settings_of(const Combination& c) {
+  RegistrationSettings s;
+  s.metric = c.metric;
+  s.solver = c.solver;
+  s.kernel = c.kernel;
+  s.max_iterations = 60;
+  if (c.metric == MetricKind::point_to_point) {  // slides slowly along surfaces
+    s.weigh_by_noise = false;
+    s.max_iterations = 200;
+    s.epsilon_translation = 2e-5;
+    s.epsilon_rotation = 1e-5;
+  }
+  return s;
+}
+
+void expect_near(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth, double metres,
+                 double degrees) {
+  const Eigen::Isometry3d e = truth.inverse() * found;
+  EXPECT_LT(e.translation().norm(), metres);
+  EXPECT_LT(rotation_angle(e) * 180 / 3.14159265, degrees);
+}
+
+class EveryCombination : public testing::TestWithParam<Combination> {
+ protected:
+  // Forward, inverse and from shifted starts.
+  void check(const RecordedPair& pair, CorrespondenceKind kind, const RegistrationSettings& settings,
+             double shift, double turn, double metres, double degrees) {
+    const Eigen::Isometry3d T = pair.T_target_source;
+    const auto target = make_target(pair.target, kind);
+    const auto source_as_target = make_target(pair.source, kind);
+    for (const double sign : {-1.0, 0.0, 1.0}) {
+      SCOPED_TRACE(sign);
+      const Eigen::Isometry3d start =
+          T * se3_exp(sign * twist(shift, -shift / 2, shift / 2, turn / 2, turn, -turn / 2));
+      const RegistrationResult forward = register_cloud(pair.source, *target, start, settings);
+      EXPECT_TRUE(forward.ok()) << to_string(forward.stop);
+      expect_near(forward.T_target_source, T, metres, degrees);
+      EXPECT_GT(forward.overlap, 0.3);
+      EXPECT_TRUE(forward.degenerate.empty());
+      const RegistrationResult inverse =
+          register_cloud(pair.target, *source_as_target, start.inverse(), settings);
+      EXPECT_TRUE(inverse.ok()) << to_string(inverse.stop);
+      expect_near(inverse.T_target_source, T.inverse(), metres, degrees);
+    }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Parts, EveryCombination, testing::ValuesIn(combinations),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+// A LiDAR's full circle does not fit a pinhole image.
+std::vector<Combination> combinations_for_lidar() {
+  std::vector<Combination> result;
+  for (const Combination& c : combinations)
+    if (c.correspondence != CorrespondenceKind::projective) result.push_back(c);
+  return result;
+}
+class EveryLidarCombination : public EveryCombination {};
+INSTANTIATE_TEST_SUITE_P(Parts, EveryLidarCombination, testing::ValuesIn(combinations_for_lidar()),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST_P(EveryLidarCombination, OutdoorLidarPair) {
+  const auto pair = lidar_pair();
+  if (!pair) GTEST_SKIP() << "no ../shared/data/registration/small_gicp";
+  RegistrationSettings settings = settings_of(GetParam());
+  settings.max_distance = 2;
+  settings.min_distance = 0.8;
+  settings.noise_floor = 0.05;
+  check(*pair, GetParam().correspondence, settings, 0.2, 0.02, 0.15, 1.0);
+}
+
+TEST_P(EveryCombination, HandHeldIndoorPairs) {
+  const auto recording = Fr1Recording::open();
+  if (!recording) GTEST_SKIP() << "no ../shared/data/tum_fr1_rpy";
+  for (const std::size_t i : {60u, 500u}) {
+    SCOPED_TRACE(i);
+    RecordedPair pair;
+    pair.target = voxel_filtered(geometry_of(recording->cloud(i)), 0.03);
+    pair.source = voxel_filtered(geometry_of(recording->cloud(i + 3)), 0.05);
+    pair.T_target_source = recording->T_world_camera(i).inverse() * recording->T_world_camera(i + 3);
+    check(pair, GetParam().correspondence, settings_of(GetParam()), 0.03, 0.03, 0.05, 2.0);
+  }
+}
+
+RegistrationResult register_to_itself(const Cloud& cloud, const Eigen::Isometry3d& start,
+                                      const Prior* prior = nullptr) {
+  const RegistrationSettings settings;
+  return register_cloud(cloud, *make_target(cloud, CorrespondenceKind::kd_tree), start, settings, prior);
+}
+
+// Degenerate directions are those whose motion leaves all residuals at zero.
+void expect_degenerate(const Cloud& cloud, std::size_t directions) {
+  const RegistrationResult r = register_to_itself(cloud, Eigen::Isometry3d::Identity());
+  ASSERT_EQ(r.degenerate.size(), directions);
+  for (const Vector6d& xi : r.degenerate) {
+    double sum = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const Eigen::Vector3d p = cloud.points[i].cast<double>();
+      const double slide = cloud.normals[i].cast<double>().dot(xi.head<3>() + xi.tail<3>().cross(p));
+      sum += slide * slide;
+    }
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(cloud.size())), 1e-3);
+  }
+  EXPECT_GT(r.covariance.diagonal().maxCoeff(), 0.01);
+}
+
+TEST(Degeneracy, AWallLeavesThreeDirections) {
+  expect_degenerate(wall(), 3);
+}
+TEST(Degeneracy, ACorridorLeavesOne) {
+  expect_degenerate(corridor(), 1);
+}
+TEST(Degeneracy, ASphereLeavesItsRotations) {
+  expect_degenerate(sphere({2, 0.5, 0.3}, 0.7), 3);
+}
+TEST(Degeneracy, ARoomLeavesNone) {
+  const RegistrationResult r = register_to_itself(room(), Eigen::Isometry3d::Identity());
+  EXPECT_TRUE(r.degenerate.empty());
+  EXPECT_LT(r.covariance.diagonal().maxCoeff(), 0.01);
+}
+
+// In front of a bare wall the distance is measured and the rest is the prediction.
+TEST(Degeneracy, TheWallsOwnDirectionsFollowThePrior) {
+  Prior prior;
+  prior.T_target_source = se3_exp(twist(0.03, 0.08, -0.05, 0.02, 0.01, -0.01));
+  prior.information = Matrix6d::Identity() * 1e4;
+  const RegistrationResult r = register_to_itself(wall(0.02), prior.T_target_source, &prior);
+  ASSERT_TRUE(r.ok());
+  const Eigen::Vector3d t = r.T_target_source.translation();
+  EXPECT_NEAR(t.y(), 0.08, 0.01);
+  EXPECT_NEAR(t.z(), -0.05, 0.01);
+  EXPECT_NEAR((r.T_target_source * Eigen::Vector3d(2, 0, 0)).x(), 2, 0.002);
+  const Vector6d sigma = r.covariance.diagonal().cwiseSqrt();
+  EXPECT_LT(sigma(0), 0.005);
+  EXPECT_NEAR(sigma(1), 0.01, 0.003);  // the prior's
+}
+
+TEST(Registration, WithoutPriorDegenerateDirectionsStay) {
+  const Eigen::Isometry3d start = se3_exp(twist(0.03, 0.04, -0.02, 0, 0, 0));
+  const RegistrationResult r = register_to_itself(wall(0.02), start);
+  ASSERT_TRUE(r.ok());
+  EXPECT_NEAR(r.T_target_source.translation().x(), 0, 0.001);
+  EXPECT_NEAR(r.T_target_source.translation().y(), 0.04, 1e-6);
+  EXPECT_NEAR(r.T_target_source.translation().z(), -0.02, 1e-6);
+}
+
+TEST(Registration, AWeakPriorDoesNotPullAGoodRegistration) {
+  Prior wrong;
+  wrong.T_target_source = se3_exp(twist(0.05, 0.05, -0.05, 0.03, -0.03, 0.03));
+  wrong.information = Matrix6d::Identity() / (0.03 * 0.03);
+  const RegistrationResult r = register_to_itself(room(), wrong.T_target_source, &wrong);
+  expect_near(r.T_target_source, Eigen::Isometry3d::Identity(), 0.004, 0.2);
+}
+
+// Noisy copies of a scene: the errors must fit the stated covariance. Independent noise on every
+// point, so all of them count; 6 x 40 squared normalised errors have mean 1 +- 0.09.
+TEST(Registration, CovarianceIsConsistent) {
+  RegistrationSettings settings;
+  settings.independent_pairs = 1e9;
+  settings.noise_floor = 0.001;
+  settings.kernel = KernelKind::none;
+  settings.distance_sigmas = 0;
+  const Cloud exact = room(0.1);
+  const auto target = make_target(room(0.02), CorrespondenceKind::kd_tree);
+  double sum = 0;
+  constexpr int runs = 40;
+  for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+    Random random(seed);
+    Cloud noisy = exact;
+    noisy.sigmas.assign(noisy.size(), 0.01f);
+    for (std::size_t i = 0; i < noisy.size(); ++i)
+      noisy.points[i] += static_cast<float>(random.normal(0, 0.01)) * noisy.normals[i];
+    const RegistrationResult r = register_cloud(noisy, *target, Eigen::Isometry3d::Identity(), settings);
+    const Vector6d e = se3_log(r.T_target_source);
+    sum += e.dot(r.covariance.inverse() * e) / 6;
+  }
+  EXPECT_GT(sum / runs, 0.5);
+  EXPECT_LT(sum / runs, 1.6);
+}
+
+TEST(Registration, RepeatsExactly) {
+  RegistrationSettings settings;
+  settings.selection = SelectionKind::random;
+  settings.selected_points = 300;
+  const auto target = make_target(room(), CorrespondenceKind::kd_tree);
+  const Eigen::Isometry3d start = se3_exp(twist(0.02, 0.02, 0, 0.01, 0, 0.02));
+  const RegistrationResult a = register_cloud(room(), *target, start, settings);
+  const RegistrationResult b = register_cloud(room(), *target, start, settings);
+  EXPECT_TRUE(a.T_target_source.matrix() == b.T_target_source.matrix());
+  EXPECT_TRUE(a.covariance == b.covariance);
+  EXPECT_EQ(a.rms, b.rms);
+  settings.seed = 2;
+  const RegistrationResult c = register_cloud(room(), *target, start, settings);
+  EXPECT_FALSE(a.T_target_source.matrix() == c.T_target_source.matrix());
+}
+
+class Garbage : public testing::TestWithParam<Combination> {};
+INSTANTIATE_TEST_SUITE_P(Parts, Garbage, testing::ValuesIn(combinations),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST_P(Garbage, GivesAStatusAndAFiniteTransform) {
+  const RegistrationSettings settings = settings_of(GetParam());
+  const Eigen::Isometry3d start = planar_pose(0.01, 0, 0);
+  const Cloud empty;
+  Cloud not_finite = room();
+  for (auto& p : not_finite.points) p.setConstant(std::numeric_limits<float>::quiet_NaN());
+  Cloud coincident;
+  coincident.points.assign(500, Eigen::Vector3f(0, 0, 2));
+  coincident.normals.assign(500, Eigen::Vector3f(0, 0, -1));
+  Cloud no_normals = room();
+  no_normals.normals.assign(no_normals.size(),
+                            Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  const Cloud good = room();
+  const std::vector<const Cloud*> clouds = {&empty, &not_finite, &coincident, &no_normals, &good};
+  for (const Cloud* source : clouds)
+    for (const Cloud* target : clouds) {
+      const auto built = make_target(*target, GetParam().correspondence);
+      const RegistrationResult r = register_cloud(*source, *built, start, settings);
+      EXPECT_TRUE(r.T_target_source.matrix().allFinite());
+      EXPECT_TRUE(r.covariance.allFinite());
+      const bool hopeless =
+          source == &empty || target == &empty || source == &not_finite || target == &not_finite;
+      if (hopeless) {
+        EXPECT_EQ(r.stop, StopReason::too_few_pairs);
+        EXPECT_TRUE(r.T_target_source.matrix() == start.matrix());
+      }
+    }
+}
+
+TEST(Registration, CombinationsThatDoNotExistAreNamed) {
+  RegistrationSettings settings;
+  settings.solver = SolverKind::svd;
+  const auto target = make_target(room(), CorrespondenceKind::kd_tree);
+  EXPECT_THROW(register_cloud(room(), *target, Eigen::Isometry3d::Identity(), settings),
+               std::invalid_argument);
+  settings.metric = MetricKind::point_to_point;
+  const Prior prior;
+  EXPECT_THROW(register_cloud(room(), *target, Eigen::Isometry3d::Identity(), settings, &prior),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace lcmslam
