@@ -22,7 +22,7 @@ struct Cloud {
   std::vector<Eigen::Vector3f> normals;  ///< unit; NaN where unknown
   std::vector<float> sigmas;             ///< m, standard deviation of a point
   std::vector<float> intensities;        ///< 0..1, NaN where unknown
-  // As a target alone (icp/preparation.hpp):
+  // As a target alone (registration/preparation.hpp):
   std::vector<Eigen::Vector3f> gradients;  ///< of the intensity in the tangent plane, 1/m, NaN where unknown
   std::vector<std::uint8_t> boundary;      ///< 1 where the surface ends
   std::size_t size() const { return points.size(); }
@@ -78,7 +78,8 @@ ColouredCloud kept_points(const ColouredCloud& cloud, const Keep& keep) {
 /// One point for each voxel: the mean weighted by 1/sigma^2, the mean normal (NaN when none is
 /// known), the mean sigma (neighbouring pixels share their errors) and the mean intensity. Order of first
 /// appearance; points that are not finite are left out. Throws std::invalid_argument unless the size is
-/// positive.
+/// positive. For one cloud, as every frame needs it; VoxelAverage (voxel_average.hpp) joins many clouds to a
+/// map, in which all points count alike.
 Cloud voxel_filtered(const Cloud& cloud, double voxel_size);
 
 /// The same for coloured clouds; colours are averaged.

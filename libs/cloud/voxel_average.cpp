@@ -112,10 +112,4 @@ ColouredCloud VoxelAverage::result() const {
   return cloud;
 }
 
-ColouredCloud average_voxels(const ColouredCloud& cloud, double resolution) {
-  VoxelAverage average(resolution);
-  average.add(cloud);
-  return average.result();
-}
-
 }  // namespace lcmslam

@@ -9,8 +9,10 @@
 
 namespace lcmslam {
 
-/// The result depends on the clouds and their order only: cells are sorted by their integer
-/// coordinates (z, then y, then x) and sums are taken in a fixed order.
+/// One map of many clouds: every point counts alike, sums are double, and cells come sorted by their integer
+/// coordinates (z, then y, then x), so that the result depends on the clouds and their order only.
+/// voxel_filtered (cloud.hpp) reduces one cloud instead: it weighs points by their noise and is fast enough
+/// for every frame.
 class VoxelAverage {
  public:
   /// Edge length of the cells in m; throws std::invalid_argument unless positive and finite.
@@ -42,8 +44,5 @@ class VoxelAverage {
   bool has_normals_ = false;
   std::vector<Run> runs_;  ///< of falling size, as in merge sort: adding n clouds costs n log n
 };
-
-/// One cloud thinned to a resolution.
-ColouredCloud average_voxels(const ColouredCloud& cloud, double resolution);
 
 }  // namespace lcmslam

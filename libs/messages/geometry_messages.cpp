@@ -1,5 +1,6 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace lcmslam {
@@ -21,6 +22,13 @@ Eigen::Isometry3d from_message(const rigid_transform_t& message, const std::stri
   if (!(std::abs(norm2 - 1) < 1e-3)) throw DecodeError(field + ": quaternion is not of unit length");
   for (const double t : message.trans) check_range(t, -largest_coordinate, largest_coordinate, field);
   return make_transform(message.trans, message.quat);
+}
+
+Eigen::Isometry3d from_message(const pose_t& message) {
+  rigid_transform_t transform;
+  std::copy_n(message.pos, 3, transform.trans);
+  std::copy_n(message.orientation, 4, transform.quat);
+  return from_message(transform, "pose_t");
 }
 
 void to_message(const Matrix6d& covariance, double (&values)[36]) {

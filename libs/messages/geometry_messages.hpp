@@ -1,6 +1,7 @@
 #pragma once
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/messages/schema.hpp>
+#include <lcmslam/pose_t.hpp>
 #include <lcmslam/rigid_transform_t.hpp>
 
 namespace lcmslam {
@@ -9,6 +10,9 @@ rigid_transform_t to_message(const Eigen::Isometry3d& transform);
 
 /// Throws DecodeError, naming `field`, when values are not finite or the quaternion is no unit one.
 Eigen::Isometry3d from_message(const rigid_transform_t& message, const std::string& field);
+
+/// The pose of bot_core's pose_t. Throws DecodeError likewise.
+Eigen::Isometry3d from_message(const pose_t& message);
 
 /// Row-major 6x6.
 void to_message(const Matrix6d& covariance, double (&values)[36]);

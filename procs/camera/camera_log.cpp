@@ -2,35 +2,18 @@
 
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/log/log_reader.hpp>
-#include <lcmslam/log/log_writer.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/messages/parts.hpp>
-#include <lcmslam/runtime/publisher.hpp>
+#include <lcmslam/runtime/log_publisher.hpp>
 #include "procs/camera/publish_event.hpp"
 
 namespace lcmslam {
 namespace {
 
 constexpr Utime calibration_period = 1'000'000;  // us
-
-class LogPublisher : public Publisher {
- public:
-  explicit LogPublisher(const std::string& file) : Publisher(1), log_(file) {}
-  std::int64_t bytes() const { return bytes_; }
-  void close() { log_.close(); }
-
- private:
-  void send(const std::string& channel, const std::vector<std::uint8_t>& data, Utime utime) override {
-    log_.write(utime, channel, data);
-    bytes_ += static_cast<std::int64_t>(data.size());
-  }
-
-  LogWriter log_;
-  std::int64_t bytes_ = 0;
-};
 
 /// The event that a message stands for; nothing for channels that are not the camera's.
 std::optional<CameraEvent> read_event(const LogEventView& event) {

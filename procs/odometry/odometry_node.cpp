@@ -4,7 +4,6 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
-#include <lcmslam/pose_t.hpp>
 
 namespace lcmslam {
 namespace {
@@ -62,21 +61,6 @@ std::optional<MotionNoise> read_noise(const ConfigNode& c) {
   return MotionNoise(s, Random(seed));
 }
 
-/// bot_core's pose_t has no covariance: what another driver's odometry is assumed to be worth.
-MotionSample external_sample(const pose_t& m, const MotionSample& last) {
-  MotionSample sample;
-  sample.utime = m.utime;
-  rigid_transform_t T;
-  std::copy(std::begin(m.pos), std::end(m.pos), T.trans);
-  std::copy(std::begin(m.orientation), std::end(m.orientation), T.quat);
-  sample.T_odom_robot = from_message(T, "pose");
-  const Eigen::Isometry3d step = sample.T_odom_robot.inverse() * last.T_odom_robot;
-  const double way = step.translation().norm() + 0.3 * rotation_angle(step);
-  const Matrix6d A = adjoint(step);
-  sample.covariance = A * last.covariance * A.transpose() + (1e-8 + 4e-4 * way) * Matrix6d::Identity();
-  return sample;
-}
-
 }  // namespace
 
 OdometryNode::OdometryNode(const ConfigNode& config, Publisher& publisher)
@@ -107,8 +91,8 @@ void OdometryNode::connect(Inputs& inputs) {
     inputs
         .subscribe<pose_t>(external_channel_, 500,
                            [this](const pose_t& m) {
-                             external_ = external_sample(m, external_);
-                             publish(external_, to_message(external_, source_));
+                             const MotionSample sample = external_.update(m.utime, from_message(m));
+                             publish(sample, to_message(sample, source_));
                            })
         .primary = true;
   }

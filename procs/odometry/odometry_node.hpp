@@ -2,6 +2,7 @@
 // ENCODERS, TWIST, FEATURES or another driver's pose_t -> ODOMETRY.
 
 #include <lcmslam/encoders_t.hpp>
+#include <lcmslam/odometry/external_odometry.hpp>
 #include <lcmslam/odometry/motion_noise.hpp>
 #include <lcmslam/odometry/twist_odometry.hpp>
 #include <lcmslam/odometry/visual_odometry.hpp>
@@ -34,7 +35,7 @@ class OdometryNode : public Node {
   TwistOdometry twist_;
   VisualOdometry visual_;
   std::optional<MotionNoise> noise_;
-  MotionSample external_;
+  ExternalOdometry external_;
   Utime last_utime_ = 0;  // of encoders and twists
   std::int64_t updates_ = 0;
   std::int64_t degraded_ = 0;  // visual updates that went on by prediction

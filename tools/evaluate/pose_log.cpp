@@ -40,13 +40,6 @@ std::optional<Matrix6d> told_covariance(const pose_estimate_t& m) {
   }
 }
 
-rigid_transform_t transform_of(const pose_t& m) {
-  rigid_transform_t transform;
-  std::copy_n(m.pos, 3, transform.trans);
-  std::copy_n(m.orientation, 4, transform.quat);
-  return transform;
-}
-
 }  // namespace
 
 void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::size_t size) {
@@ -77,7 +70,7 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
       add_graph(m.sender, std::move(nodes));
     } else if (name == "pose_t") {
       const auto m = decode_message<pose_t>(data, size);
-      add_pose(channel, {checked(m.utime), from_message(transform_of(m), "pose_t")}, 0, 0, 0);
+      add_pose(channel, {checked(m.utime), from_message(m)}, 0, 0, 0);
       channels_[channel].body = "robot";
     } else if (name == "camera_calibration_t" && !calibration_) {
       calibration_ = from_message(decode_message<camera_calibration_t>(data, size));

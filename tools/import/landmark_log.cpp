@@ -4,25 +4,13 @@
 #include <functional>
 #include <vector>
 
-#include <lcmslam/log/log_writer.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/runtime/log_publisher.hpp>
 
 namespace lcmslam {
 namespace {
-
-class LogPublisher : public Publisher {
- public:
-  explicit LogPublisher(const std::string& file) : Publisher(1), log_(file) {}
-  void close() { log_.close(); }
-
- private:
-  void send(const std::string& channel, const std::vector<std::uint8_t>& data, Utime utime) override {
-    log_.write(utime, channel, data);
-  }
-  LogWriter log_;
-};
 
 ground_truth_t truth_message(const StampedPose& pose) {
   ground_truth_t m;
@@ -65,7 +53,7 @@ LandmarkLogCounts write_landmark_log(const LandmarkRecording& recording, const s
   counts.frames = static_cast<std::int64_t>(recording.frames.size());
   counts.motions = static_cast<std::int64_t>(recording.twists.size() + recording.odometry.size());
   counts.truths = static_cast<std::int64_t>(recording.truth.size());
-  for (const auto& [channel, count] : log.counts()) counts.bytes += count.bytes;
+  counts.bytes = log.bytes();
   return counts;
 }
 

@@ -35,6 +35,12 @@ std::map<std::array<long, 3>, Cell> reference(const std::vector<ColouredCloud>& 
   return cells;
 }
 
+ColouredCloud average_voxels(const ColouredCloud& cloud, double resolution) {
+  VoxelAverage average(resolution);
+  average.add(cloud);
+  return average.result();
+}
+
 TEST(VoxelAverage, AgreesWithAPlainReference) {
   for (const double resolution : {0.05, 0.3, 1.7}) {
     Random random(17);

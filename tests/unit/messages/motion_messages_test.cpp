@@ -114,6 +114,16 @@ TEST(GeometryMessages, QuaternionOfNearlyUnitLengthIsNormalised) {
   EXPECT_NEAR(T.linear().determinant(), 1, 1e-12);
 }
 
+TEST(GeometryMessages, ReadsBotCoresPose) {
+  pose_t m{};
+  m.pos[1] = 2;
+  m.orientation[0] = m.orientation[3] = std::sqrt(0.5);  // w, z: a quarter turn to the left
+  const Eigen::Isometry3d T = from_message(m);
+  EXPECT_TRUE((T * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d(0, 3, 0), 1e-12));
+  m.orientation[0] = 3;
+  EXPECT_THAT(error_of([&] { from_message(m); }), HasSubstr("pose_t"));
+}
+
 TEST(GeometryMessages, RangeCheckNamesFieldValueAndLimits) {
   EXPECT_NO_THROW(check_range(1, 1, 1, "x"));
   EXPECT_THAT(error_of([] { check_range(2.5, -1, 2, "speed"); }),

@@ -1,0 +1,60 @@
+#include <lcmslam/odometry/external_odometry.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace lcmslam {
+namespace {
+
+Eigen::Isometry3d pose(double x, double y, double yaw) {
+  return se3_exp((Vector6d() << x, y, 0, 0, 0, 0).finished()) *
+         se3_exp((Vector6d() << 0, 0, 0, 0, 0, yaw).finished());
+}
+
+TEST(ExternalOdometry, PassesThePoseOn) {
+  ExternalOdometry odometry;
+  const MotionSample sample = odometry.update(1'500'000, pose(2, -1, 0.7));
+  EXPECT_EQ(sample.utime, 1'500'000);
+  EXPECT_EQ(sample.T_odom_robot.matrix(), pose(2, -1, 0.7).matrix());
+  EXPECT_FALSE(sample.visual);
+}
+
+TEST(ExternalOdometry, VarianceGrowsWithTheWayAndTheTurn) {
+  for (const auto& [T, way] : {std::pair(pose(0, 0, 0), 0.0), std::pair(pose(3, 4, 0), 5.0),
+                               std::pair(pose(0, 0, 1.5), 0.3 * 1.5)}) {
+    ExternalOdometry odometry;
+    const Matrix6d covariance = odometry.update(1, T).covariance;
+    EXPECT_TRUE(covariance.isApprox((1e-8 + 4e-4 * way) * Matrix6d::Identity(), 1e-9)) << covariance;
+  }
+}
+
+// What a heading error does to a position grows with the distance from where it was made.
+TEST(ExternalOdometry, TheIncrementIsWorthItsOwnStep) {
+  ExternalOdometry odometry;
+  MotionBuffer buffer;
+  for (const auto& [utime, T] : {std::pair(1, pose(0, 0, 0)), std::pair(2, pose(1, 0.5, 0.4)),
+                                 std::pair(3, pose(1.4, 0.8, 0.4)), std::pair(4, pose(1.4, 0.8, 0.9))})
+    buffer.add(odometry.update(utime, T));
+  const auto straight = buffer.between(2, 3);
+  const auto turn = buffer.between(3, 4);
+  ASSERT_TRUE(straight && turn);
+  EXPECT_NEAR(straight->T_from_to.translation().norm(), 0.5, 1e-12);
+  EXPECT_TRUE(straight->covariance.isApprox((1e-8 + 4e-4 * 0.5) * Matrix6d::Identity(), 1e-9));
+  EXPECT_TRUE(turn->covariance.isApprox((1e-8 + 4e-4 * 0.3 * 0.5) * Matrix6d::Identity(), 1e-9));
+}
+
+TEST(ExternalOdometry, AHeadingErrorMovesWhatComesAfterIt) {
+  ExternalOdometry odometry;
+  odometry.update(1, pose(0, 0, 0));
+  odometry.update(2, pose(0, 0, 2));
+  const Matrix6d turned = odometry.update(3, pose(0, 0, 2)).covariance;
+  const Eigen::Isometry3d far = pose(0, 0, 2) * pose(10, 0, 0);
+  const Matrix6d covariance = odometry.update(4, far).covariance;
+  // 10 m ahead, the lateral error is the turn's heading error times 10 m, besides both steps' own.
+  EXPECT_NEAR(covariance(1, 1), turned(1, 1) + 100 * turned(5, 5) + 1e-8 + 4e-4 * 10, 1e-9);
+  EXPECT_NEAR(covariance(0, 0), turned(0, 0) + 1e-8 + 4e-4 * 10, 1e-9);
+}
+
+}  // namespace
+}  // namespace lcmslam
