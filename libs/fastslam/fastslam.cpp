@@ -10,8 +10,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::uint64_t kResamplingStream = 0x726573616d706c65;
-constexpr std::uint64_t kSmoothingStream = 0x736d6f6f7468;
+constexpr std::uint64_t resampling_stream = 0x726573616d706c65;
+constexpr std::uint64_t smoothing_stream = 0x736d6f6f7468;
 
 FastSlamSettings checked(const FastSlamSettings& settings) {
   check(settings);
@@ -39,10 +39,10 @@ FastSlam::FastSlam(const FastSlamSettings& settings)
     : settings_(checked(settings)),
       gate2_(-2 * std::log(settings.gate)),
       particles_(static_cast<std::size_t>(settings.particles)),
-      resampling_stream_(settings.seed, kResamplingStream),
+      resampling_stream_(settings.seed, resampling_stream),
       associator_(settings),
       calibration_(settings),
-      smoothing_stream_(settings.seed, kSmoothingStream),
+      smoothing_stream_(settings.seed, smoothing_stream),
       publication_(settings.minimum_observations) {
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     streams_.emplace_back(settings.seed, i);

@@ -32,10 +32,10 @@ std::vector<FastSlam::Verdict> FastSlam::move_particles(const FrameAssociation& 
     work.proposal = make_proposal(settings_, association.prior.covariance);
     for (const LandmarkMatch& match : observed)
       work.seen.measurements.push_back(points[static_cast<std::size_t>(match.point)].measurement);
-    for (std::size_t first = begin; first < end; first += kLanes) {
-      const std::size_t last = std::min(end, first + kLanes) - 1;
-      Eigen::Isometry3d T_prior[kLanes];
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t first = begin; first < end; first += lane_count) {
+      const std::size_t last = std::min(end, first + lane_count) - 1;
+      Eigen::Isometry3d T_prior[lane_count];
+      for (std::size_t lane = 0; lane < lane_count; ++lane) {
         const Particle& particle = particles_[std::min(first + lane, last)];
         T_prior[lane] = association.T_world_found ? *association.T_world_found
                         : association.corrected
@@ -62,14 +62,14 @@ void FastSlam::move(Particle* particles, Random* streams, int count, const Eigen
   // Each particle's landmarks lie somewhere else in memory: all are on their way before the first is used.
   work.stored.clear();
   for (const LandmarkMatch& match : observed)
-    for (int lane = 0; lane < kLanes; ++lane)
+    for (int lane = 0; lane < lane_count; ++lane)
       work.stored.push_back(
           particles[std::min(lane, count - 1)].map.prefetch(static_cast<std::size_t>(match.slot)));
   load_landmarks(work.stored, work.seen.landmarks);
-  ProposedPose proposed[kLanes];
+  ProposedPose proposed[lane_count];
   work.proposal->propose(T_world_prior, work.seen, streams, count, proposed);
-  Eigen::Isometry3d T_world_robot[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane)
+  Eigen::Isometry3d T_world_robot[lane_count];
+  for (int lane = 0; lane < lane_count; ++lane)
     T_world_robot[lane] = lane < count ? renormalised(proposed[lane].T_world_robot, settings_.planar)
                                        : T_world_robot[count - 1];
   const double added = settings_.minimum_landmark_sigma * settings_.minimum_landmark_sigma;
@@ -123,15 +123,15 @@ void FastSlam::make_landmarks(const std::vector<LandmarkMatch>& created,
     measurements.push_back(points[static_cast<std::size_t>(match.point)].measurement);
   for_particles(created.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<CompactLanes> made;
-    for (std::size_t first = begin; first < end; first += kLanes) {
-      Eigen::Isometry3d T_world_robot[kLanes];
-      for (std::size_t lane = 0; lane < kLanes; ++lane)
+    for (std::size_t first = begin; first < end; first += lane_count) {
+      Eigen::Isometry3d T_world_robot[lane_count];
+      for (std::size_t lane = 0; lane < lane_count; ++lane)
         T_world_robot[lane] = particles_[std::min(first + lane, end - 1)].T_world_robot;
-      for (std::size_t k = first; k < std::min(end, first + kLanes); ++k)
+      for (std::size_t k = first; k < std::min(end, first + lane_count); ++k)
         for (const LandmarkMatch& match : created)
           particles_[k].map.prefetch(static_cast<std::size_t>(match.slot));
       make_points(measurements, T_world_robot, made);
-      for (std::size_t k = first; k < std::min(end, first + kLanes); ++k) {
+      for (std::size_t k = first; k < std::min(end, first + lane_count); ++k) {
         ParticleMap::Editor edit(particles_[k].map);
         for (std::size_t i = 0; i < created.size(); ++i)
           edit[static_cast<std::size_t>(created[i].slot)] =

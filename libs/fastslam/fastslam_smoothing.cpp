@@ -10,9 +10,9 @@
 namespace lcmslam {
 namespace {
 
-constexpr Utime kSmoothingTime = 2'000'000;  // us that the map smoother has beside the filter
-constexpr Utime kTimePerPose = 100;          // us that the path smoother has, for each pose; takes about 70
-constexpr double kUrgent = 2;                // times its share of a core: where few lineages are left
+constexpr Utime smoothing_time = 2'000'000;  // us that the map smoother has beside the filter
+constexpr Utime time_per_pose = 100;         // us that the path smoother has, for each pose; takes about 70
+constexpr double urgent_factor = 2;          // times its share of a core: where few lineages are left
 
 }  // namespace
 
@@ -109,7 +109,7 @@ bool FastSlam::begin_smoothing() {
 void FastSlam::begin_map_smoothing() {
   running_ =
       RunningSmoothing{std::async(std::launch::async, [copy = *map_smoother_] { return copy.solve(); }),
-                       last_utime_ + kSmoothingTime};
+                       last_utime_ + smoothing_time};
   loop_open_ = false;
 }
 
@@ -135,13 +135,13 @@ void FastSlam::smooth_path_when_due(bool reunion) {
   reunited_ = reunited_ || reunion;
   const bool few = coalesced();
   if (running_path_ || smoother_->size() < 2 || (!reunited_ && !few)) return;
-  const double share = (few ? kUrgent : 1) * settings_.rejuvenation_share;
+  const double share = (few ? urgent_factor : 1) * settings_.rejuvenation_share;
   if (share * static_cast<double>(last_utime_ - smoothed_at_) >= static_cast<double>(solving_time()))
     begin_path_smoothing();
 }
 
 Utime FastSlam::solving_time() const {
-  return kTimePerPose * static_cast<Utime>(smoother_->size());
+  return time_per_pose * static_cast<Utime>(smoother_->size());
 }
 
 // The solver's time is bounded by the path's length and not by the clock: a replay is the same.

@@ -74,10 +74,10 @@ class MeasurementProposal final : public Proposal {
     weigh_points(observed.measurements, observed.landmarks, T_prior, weights_);
     weigh_others(observed, T_prior);
     result.mean = {};
-    Eigen::Isometry3d T[kLanes];
+    Eigen::Isometry3d T[lane_count];
     ProposalEquations<D> normal;
     for (int iteration = 0; iteration < iterations_; ++iteration) {
-      for (int k = 0; k < kLanes; ++k)
+      for (int k = 0; k < lane_count; ++k)
         T[k] = iteration == 0 ? T_prior[k] : T_prior[k] * se3_exp(Space::expand(lane(result.mean, k)));
       begin(result.mean, normal);
       add_points(observed.measurements, observed.landmarks, weights_, T, huber_, normal);
@@ -92,7 +92,7 @@ class MeasurementProposal final : public Proposal {
     Posterior q;
     posterior(T_prior, observed, q);
     LaneArray xi{};
-    Vector normal[kLanes];
+    Vector normal[lane_count];
     for (int k = 0; k < count; ++k) {
       normal[k] = standard_normal<D>(streams[k]);
       for (int i = 0; i < D; ++i) xi[static_cast<std::size_t>(i)][k] = normal[k](i);
@@ -131,7 +131,7 @@ class MeasurementProposal final : public Proposal {
     for (std::size_t i = 0; i < observed.measurements.size(); ++i) {
       if (observed.measurements[i].kind == MeasurementKind::point) continue;
       Other other{i, {}};
-      for (int k = 0; k < kLanes; ++k)
+      for (int k = 0; k < lane_count; ++k)
         other.weights[k] = invert_symmetric(innovation_covariance(observed.landmarks[i].gaussian(k),
                                                                   observed.measurements[i], T_prior[k]))
                                .inverse;
@@ -142,7 +142,7 @@ class MeasurementProposal final : public Proposal {
   void add_others(const ObservedLanes& observed, const Eigen::Isometry3d* T,
                   ProposalEquations<D>& normal) const {
     for (const Other& other : others_)
-      for (int k = 0; k < kLanes; ++k) {
+      for (int k = 0; k < lane_count; ++k) {
         const LandmarkGaussian landmark = observed.landmarks[other.index].gaussian(k);
         Matrix information = Matrix::Zero();
         Vector gradient = Vector::Zero();
@@ -175,8 +175,8 @@ class MeasurementProposal final : public Proposal {
   double prior_log_root_;
   // Scratch: one proposal serves one thread.
   struct Other {
-    std::size_t index;                // of the measurement
-    Eigen::Matrix3d weights[kLanes];  // S^-1
+    std::size_t index;                    // of the measurement
+    Eigen::Matrix3d weights[lane_count];  // S^-1
   };
   mutable std::vector<LaneSymmetric> weights_;
   mutable std::vector<Other> others_;
@@ -186,7 +186,7 @@ template <int D>
 PoseGaussian posterior_of(const FastSlamSettings& settings, const Matrix6d& Q,
                           const Eigen::Isometry3d& T_prior,
                           const std::vector<ObservedLandmark>& observations) {
-  const Eigen::Isometry3d T_priors[kLanes] = {T_prior, T_prior, T_prior, T_prior};
+  const Eigen::Isometry3d T_priors[lane_count] = {T_prior, T_prior, T_prior, T_prior};
   typename MeasurementProposal<D>::Posterior q;
   MeasurementProposal<D>(settings, Q).posterior(T_priors, ObservedLanes(observations), q);
   typename PoseSpace<D>::Vector mean;
@@ -218,7 +218,7 @@ ObservedLanes::ObservedLanes(const std::vector<ObservedLandmark>& observations) 
 
 ProposedPose Proposal::propose(const Eigen::Isometry3d& T_world_prior,
                                const std::vector<ObservedLandmark>& observations, Random& random) const {
-  const Eigen::Isometry3d T_priors[kLanes] = {T_world_prior, T_world_prior, T_world_prior, T_world_prior};
+  const Eigen::Isometry3d T_priors[lane_count] = {T_world_prior, T_world_prior, T_world_prior, T_world_prior};
   ProposedPose proposed;
   propose(T_priors, ObservedLanes(observations), &random, 1, &proposed);
   return proposed;

@@ -40,7 +40,7 @@ struct ObservedLanes {
 class Proposal {
  public:
   virtual ~Proposal() = default;
-  /// T_world_prior[kLanes]; one random stream and one proposed pose for each of the first `count`.
+  /// T_world_prior[lane_count]; one random stream and one proposed pose for each of the first `count`.
   virtual void propose(const Eigen::Isometry3d* T_world_prior, const ObservedLanes& observed, Random* streams,
                        int count, ProposedPose* proposed) const = 0;
   /// One particle alone.

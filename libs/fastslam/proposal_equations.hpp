@@ -15,12 +15,12 @@ struct ProposalEquations {
   Vector gradient;
 };
 
-/// S^-1 of every point measurement from T_world_robot[kLanes]; the others' entries are undefined.
+/// S^-1 of every point measurement from T_world_robot[lane_count]; the others' entries are undefined.
 void weigh_points(const std::vector<Measurement>& measurements, const std::vector<LandmarkLanes>& landmarks,
                   const Eigen::Isometry3d* T_world_robot, std::vector<LaneSymmetric>& weights);
 
-/// Adds J^T W J and J^T W r of every point measurement, r = z - h(m) from T_world_robot[kLanes] and W = S^-1,
-/// less where Huber's rho with the width `huber` (sigma) says so.
+/// Adds J^T W J and J^T W r of every point measurement, r = z - h(m) from T_world_robot[lane_count] and W =
+/// S^-1, less where Huber's rho with the width `huber` (sigma) says so.
 void add_points(const std::vector<Measurement>& measurements, const std::vector<LandmarkLanes>& landmarks,
                 const std::vector<LaneSymmetric>& weights, const Eigen::Isometry3d* T_world_robot,
                 double huber, ProposalEquations<3>& normal);

@@ -13,7 +13,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr double kBearingVariance =
+constexpr double bearing_variance =
     4e-4;  // m^2, rank of a bearing among points in the choice of observations
 
 // The robot's covariance as the camera's: xi_camera = Ad(T_camera_robot) xi_robot.
@@ -288,13 +288,13 @@ std::vector<LandmarkMatch> select_informative(const std::vector<LandmarkMatch>& 
     double variance;
     LandmarkMatch match;
   };
-  std::array<std::vector<Candidate>, ImageGrid::kCells> cells;
+  std::array<std::vector<Candidate>, ImageGrid::cell_count> cells;
   for (const LandmarkMatch& match : matches) {
     const FeaturePoint& point = points[static_cast<std::size_t>(match.point)];
     const Feature& f = frame.features[static_cast<std::size_t>(point.feature)];
     // A bearing measures nothing along the ray: it comes after points that are as good across it.
     const double variance = map.find(static_cast<std::size_t>(match.slot))->variance() +
-                            (point.is_bearing() ? kBearingVariance : point.measurement.covariance.trace());
+                            (point.is_bearing() ? bearing_variance : point.measurement.covariance.trace());
     cells[grid.cell(f.x, f.y)].push_back({variance, match});
   }
   for (auto& cell : cells)

@@ -9,10 +9,10 @@
 namespace lcmslam {
 namespace {
 
-constexpr int kHypotheses = 60;
+constexpr int hypothesis_count = 60;
 // Accepts errors up to 2.6 sigma of the whole (trace) innovation covariance: at least 99 % of right
 // matches, whatever the covariance's shape and the pose's rotation.
-constexpr double kTraceGate = 6.6;
+constexpr double trace_gate = 6.6;
 
 double trace(const ObservedLandmark& pair) {
   return pair.landmark.covariance.trace() + pair.measurement.covariance.trace();
@@ -24,7 +24,7 @@ int mark_inliers(const std::vector<ObservedLandmark>& pairs, const Eigen::Isomet
   inlier.assign(pairs.size(), 0);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const double error2 = (T * pairs[i].measurement.value - pairs[i].landmark.mean).squaredNorm();
-    if (error2 > kTraceGate * trace(pairs[i])) continue;
+    if (error2 > trace_gate * trace(pairs[i])) continue;
     inlier[i] = 1;
     ++count;
   }
@@ -104,7 +104,7 @@ std::optional<Consensus> find_consensus(const std::vector<ObservedLandmark>& pai
     best.inlier = inlier;
   };
   std::vector<std::size_t> chosen(planar ? 2 : 3);
-  for (int hypothesis = 0; hypothesis < kHypotheses; ++hypothesis) {
+  for (int hypothesis = 0; hypothesis < hypothesis_count; ++hypothesis) {
     for (std::size_t& i : chosen) i = static_cast<std::size_t>(random.below(pairs.size()));
     if (const auto T = align(pairs, chosen, planar)) offer(*T);
   }

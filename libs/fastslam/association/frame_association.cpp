@@ -11,9 +11,10 @@ namespace lcmslam {
 namespace {
 
 // Of a place dozens of features must agree, so that a few lost neighbours do not matter.
-constexpr SearchSettings kPlaceSearch{0.03, 500};
-constexpr double kLargeTranslation = 0.1, kLargeRotation = 0.05;  // m, rad
-constexpr std::uint64_t kStream = 0x6173736f63;  // random stream of association, apart from particles'
+constexpr SearchSettings place_search{0.03, 500};
+constexpr double large_translation = 0.1, large_rotation = 0.05;  // m, rad
+constexpr std::uint64_t association_stream =
+    0x6173736f63;  // random stream of association, apart from particles'
 
 std::vector<ObservedLandmark> pair_up(const std::vector<LandmarkMatch>& matches,
                                       const std::vector<FeaturePoint>& points, const ParticleMap& map) {
@@ -107,8 +108,8 @@ void correct_motion(const Vector6d& correction, const Matrix6d& covariance, Moti
 
 FrameAssociator::FrameAssociator(const FastSlamSettings& settings)
     : settings_(settings),
-      random_(settings.seed, kStream),
-      matcher_(settings.guided ? kPlaceSearch : SearchSettings{1, 1}) {}  // 1: every descriptor
+      random_(settings.seed, association_stream),
+      matcher_(settings.guided ? place_search : SearchSettings{1, 1}) {}  // 1: every descriptor
 
 FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
                                             const std::vector<FeaturePoint>& points,
@@ -152,7 +153,7 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
     result.slipped = s.detect_slips && d2 > s.slip_gate;
     // A large correction, even an expected one, is also where the proposal should be linearised.
     const bool large =
-        correction.head<3>().norm() > kLargeTranslation || correction.tail<3>().norm() > kLargeRotation;
+        correction.head<3>().norm() > large_translation || correction.tail<3>().norm() > large_rotation;
     result.corrected = result.slipped || large;
     if (result.corrected) correct_motion(correction, consensus->covariance, result.prior);
     return result;
@@ -232,7 +233,7 @@ bool FrameAssociator::close_loop(const FeatureFrame& frame, const std::vector<Fe
   bool elsewhere = find_back(points, map, index, minimum, recognised);
   if (elsewhere) {
     const Vector6d off = se3_log(T_predicted.inverse() * *recognised.T_world_found);
-    elsewhere = off.head<3>().norm() > kLargeTranslation || off.tail<3>().norm() > kLargeRotation;
+    elsewhere = off.head<3>().norm() > large_translation || off.tail<3>().norm() > large_rotation;
   }
   recognised_ = elsewhere ? recognised_ + 1 : 0;
   result.doubtful = elsewhere;

@@ -10,17 +10,17 @@ namespace lcmslam {
 
 class ImageGrid {
  public:
-  static constexpr int kColumns = 16, kRows = 12, kCells = kColumns * kRows;
+  static constexpr int column_count = 16, row_count = 12, cell_count = column_count * row_count;
 
   explicit ImageGrid(const FeatureFrame& frame)
-      : cells_per_x_(kColumns / std::max(1.0, static_cast<double>(frame.width))),
-        cells_per_y_(kRows / std::max(1.0, static_cast<double>(frame.height))) {}
+      : cells_per_x_(column_count / std::max(1.0, static_cast<double>(frame.width))),
+        cells_per_y_(row_count / std::max(1.0, static_cast<double>(frame.height))) {}
 
-  int column(double x) const { return clamped(x * cells_per_x_, kColumns); }
-  int row(double y) const { return clamped(y * cells_per_y_, kRows); }
+  int column(double x) const { return clamped(x * cells_per_x_, column_count); }
+  int row(double y) const { return clamped(y * cells_per_y_, row_count); }
   /// Pixels outside belong to the nearest cell.
   std::size_t cell(double x, double y) const {
-    return static_cast<std::size_t>(row(y) * kColumns + column(x));
+    return static_cast<std::size_t>(row(y) * column_count + column(x));
   }
 
  private:

@@ -10,8 +10,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr double kSameViewCosine = 0.87;  // within 30 degrees of the last sight SURF should find it again
-constexpr double kSameScale = 1.5;        // and within this factor of its distance
+constexpr double same_view_cosine = 0.87;  // within 30 degrees of the last sight SURF should find it again
+constexpr double same_scale = 1.5;         // and within this factor of its distance
 
 const Feature& feature_of(const FeatureFrame& frame, const FeaturePoint& point) {
   return frame.features[static_cast<std::size_t>(point.feature)];
@@ -38,7 +38,7 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
   for (const int slot : contradicted) died += index.miss(slot, settings);
 
   const ImageGrid grid(frame);
-  std::array<double, ImageGrid::kCells> farthest{};  // measured in each cell
+  std::array<double, ImageGrid::cell_count> farthest{};  // measured in each cell
   for (const FeaturePoint& point : points) {
     const Feature& f = feature_of(frame, point);
     double& cell = farthest[grid.cell(f.x, f.y)];
@@ -53,8 +53,8 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
     if (record.seen_at > 0) {
       const Eigen::Vector3d ray = camera - landmark.mean;
       const double scale = ray.norm() / record.seen_at;
-      if (ray.normalized().dot(record.seen_from) < kSameViewCosine) continue;
-      if (scale > kSameScale || scale < 1 / kSameScale) continue;
+      if (ray.normalized().dot(record.seen_from) < same_view_cosine) continue;
+      if (scale > same_scale || scale < 1 / same_scale) continue;
     }
     died += index.miss(landmark.slot, settings);
   }
@@ -65,7 +65,7 @@ std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vect
                                       const std::vector<LandmarkMatch>& matches, const LandmarkIndex& index,
                                       const FastSlamSettings& settings) {
   const ImageGrid grid(frame);
-  std::array<int, ImageGrid::kCells> occupied{};
+  std::array<int, ImageGrid::cell_count> occupied{};
   std::vector<char> taken(points.size(), 0);
   for (const LandmarkMatch& match : matches) {
     const auto p = static_cast<std::size_t>(match.point);

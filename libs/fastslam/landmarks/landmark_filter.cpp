@@ -8,7 +8,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double two_pi = 6.283185307179586;
 
 template <class Model>
 Innovation innovate_as(const Model& model, const LandmarkGaussian& landmark, const Measurement& measurement,
@@ -23,7 +23,7 @@ Innovation innovate_as(const Model& model, const LandmarkGaussian& landmark, con
   const SymmetricInverse inverse = invert_symmetric(S);
   result.inverse = inverse.inverse;
   result.distance2 = result.residual.dot(result.inverse * result.residual);
-  constexpr double scale = Model::dimension == 3 ? kTwoPi * kTwoPi * kTwoPi : kTwoPi * kTwoPi;
+  constexpr double scale = Model::dimension == 3 ? two_pi * two_pi * two_pi : two_pi * two_pi;
   result.log_peak = -0.5 * std::log(scale * inverse.determinant);
   return result;
 }

@@ -20,7 +20,9 @@ void LandmarkGrid::follow(const ParticleMap& map, const LandmarkIndex& index) {
 }
 
 LandmarkGrid::Key LandmarkGrid::key_of(const Eigen::Vector3d& mean) {
-  const auto digit = [](double x) { return static_cast<int>(std::floor(std::clamp(x / kCell, -1e6, 1e6))); };
+  const auto digit = [](double x) {
+    return static_cast<int>(std::floor(std::clamp(x / cell_size, -1e6, 1e6)));
+  };
   return {digit(mean.x()), digit(mean.y()), digit(mean.z())};
 }
 

@@ -33,14 +33,14 @@ class LandmarkGrid {
   /// since.
   template <class Near, class Visit>
   void for_each(Near near, Visit visit) const {
-    const double radius = 0.5 * std::sqrt(3.) * kCell;
+    const double radius = 0.5 * std::sqrt(3.) * cell_size;
     for (const auto& [key, entries] : cells_)
-      if (near(kCell * Eigen::Vector3d(key[0] + 0.5, key[1] + 0.5, key[2] + 0.5), radius))
+      if (near(cell_size * Eigen::Vector3d(key[0] + 0.5, key[1] + 0.5, key[2] + 0.5), radius))
         for (const Entry& entry : *entries) visit(entry);
   }
 
  private:
-  static constexpr double kCell = 2;  // m
+  static constexpr double cell_size = 2;  // m
   using Key = std::array<int, 3>;
   struct Place {
     std::vector<Entry>* cell = nullptr;  // null: nowhere

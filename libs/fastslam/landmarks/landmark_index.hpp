@@ -16,7 +16,7 @@
 namespace lcmslam {
 
 struct LandmarkRecord {
-  /// -1: free slot. A known identity keeps its number; others count from kFirstOwnId, never used twice.
+  /// -1: free slot. A known identity keeps its number; others count from first_own_id, never used twice.
   std::int64_t id = -1;
   std::int32_t known_id = -1;  ///< identity that the sensor told; -1: known by its descriptor
   std::array<std::uint8_t, 3> colour{};
@@ -30,7 +30,7 @@ struct LandmarkRecord {
 };
 
 /// Below it ids are known identities, which are 32-bit numbers.
-constexpr std::int64_t kFirstOwnId = std::int64_t{1} << 31;
+constexpr std::int64_t first_own_id = std::int64_t{1} << 31;
 
 class LandmarkIndex {
  public:
@@ -74,7 +74,7 @@ class LandmarkIndex {
   std::unordered_map<int, Descriptor> known_descriptors_;  // by slot; never sought
   std::vector<int> free_;
   std::unordered_map<std::int32_t, int> known_slots_;
-  std::int64_t next_id_ = kFirstOwnId;
+  std::int64_t next_id_ = first_own_id;
   int step_ = 0;
   struct Due {
     int step, slot;

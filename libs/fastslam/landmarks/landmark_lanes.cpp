@@ -11,11 +11,11 @@
 namespace lcmslam {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double two_pi = 6.283185307179586;
 
 // L D L^T in floats: the constructor of CompactLandmark for four.
 LCMSLAM_LANES CompactLanes compact(const LaneVector& mean, const LaneSymmetric& P) {
-  const Lanes least = all_lanes(CompactLandmark::kLeastPart);
+  const Lanes least = all_lanes(CompactLandmark::least_part);
   const Lanes scale0 = 1. / P.xx, l10 = P.yx * scale0, l20 = P.zx * scale0;
   const Lanes d1 = larger(P.yy - l10 * P.yx, least * P.yy);
   const Lanes m21 = P.zy - l20 * P.yx, l21 = m21 / d1;
@@ -57,7 +57,7 @@ LCMSLAM_LANES LearnedLanes learn_point(const Measurement& z, const LandmarkLanes
 
 LCMSLAM_VECTORISED(load_all, (const CompactLandmark* const* stored, int count, LandmarkLanes* landmarks),
                    (stored, count, landmarks)) {
-  for (int i = 0; i < count; ++i) landmarks[i] = expanded(stored + kLanes * i);
+  for (int i = 0; i < count; ++i) landmarks[i] = expanded(stored + lane_count * i);
 }
 
 LCMSLAM_VECTORISED(learn_all,
@@ -96,12 +96,12 @@ CompactLandmark CompactLanes::landmark(int k) const {
 }
 
 double LearnedLanes::log_peak(int lane) const {
-  return -0.5 * std::log(kTwoPi * kTwoPi * kTwoPi * determinant[lane]);
+  return -0.5 * std::log(two_pi * two_pi * two_pi * determinant[lane]);
 }
 
 void load_landmarks(const std::vector<const CompactLandmark*>& stored,
                     std::vector<LandmarkLanes>& landmarks) {
-  landmarks.resize(stored.size() / kLanes);
+  landmarks.resize(stored.size() / lane_count);
   load_all(stored.data(), static_cast<int>(landmarks.size()), landmarks.data());
 }
 

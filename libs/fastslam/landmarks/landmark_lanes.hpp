@@ -36,11 +36,11 @@ struct LearnedLanes {
   double log_peak(int lane) const;  ///< log |2 pi S|^-1/2
 };
 
-/// stored[kLanes * i + lane] -> landmarks[i].
+/// stored[lane_count * i + lane] -> landmarks[i].
 void load_landmarks(const std::vector<const CompactLandmark*>& stored, std::vector<LandmarkLanes>& landmarks);
 
 /// Kalman update of every landmark that has a point measurement, as innovate() and update_landmark() from
-/// T_world_robot[kLanes], in world coordinates, where less is to be rotated. The others' entries are
+/// T_world_robot[lane_count], in world coordinates, where less is to be rotated. The others' entries are
 /// undefined.
 void learn_points(const std::vector<Measurement>& measurements, const std::vector<LandmarkLanes>& landmarks,
                   const Eigen::Isometry3d* T_world_robot, double added_variance,

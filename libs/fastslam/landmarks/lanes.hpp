@@ -16,7 +16,7 @@
 
 namespace lcmslam {
 
-constexpr int kLanes = 4;
+constexpr int lane_count = 4;
 using Lanes = double __attribute__((vector_size(32), aligned(32)));
 using LaneMask = std::int64_t __attribute__((vector_size(32), aligned(32)));
 

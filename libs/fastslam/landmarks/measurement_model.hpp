@@ -39,7 +39,7 @@ struct RobotPoint {
 };
 
 /// Variance of a planar landmark's height, m^2: it stands in the plane by definition.
-constexpr double kPlaneVariance = 1e-6;
+constexpr double plane_variance = 1e-6;
 
 /// (x, y, z) m in the robot frame (thesis 2.6-2.8).
 struct PointModel {
@@ -58,7 +58,7 @@ struct PlanarModel {
   static Eigen::Vector3d difference(const Eigen::Vector3d& z, const Eigen::Vector3d& h) { return z - h; }
   static RobotPoint initialise(const Measurement& m) {
     RobotPoint p{m.value, m.covariance};
-    p.covariance(2, 2) = kPlaneVariance;
+    p.covariance(2, 2) = plane_variance;
     return p;
   }
 };
@@ -85,7 +85,7 @@ struct RangeBearingModel {
     Eigen::Matrix3d J;  // dp/dz
     J << cosine, -range * sine, 0, sine, range * cosine, 0, 0, 0, 0;
     RobotPoint p{{range * cosine, range * sine, 0}, J * m.covariance * J.transpose()};
-    p.covariance(2, 2) = kPlaneVariance;
+    p.covariance(2, 2) = plane_variance;
     return p;
   }
 };

@@ -20,17 +20,17 @@
 
 namespace lcmslam {
 
-/// Nodes of `kBytes`, aligned as std::max_align_t is. Any thread may give back what any other took.
-template <std::size_t kBytes>
+/// Nodes of `node_bytes`, aligned as std::max_align_t is. Any thread may give back what any other took.
+template <std::size_t node_bytes>
 class NodePool {
  public:
   static void* take() {
 #ifdef LCMSLAM_NO_NODE_POOL
-    return ::operator new(kBytes);
+    return ::operator new(node_bytes);
 #else
     if (count_ == 0) refill();
     void* const memory = free_[--count_];
-    if (count_ >= kAhead) fetch(free_[count_ - kAhead]);
+    if (count_ >= prefetch_ahead) fetch(free_[count_ - prefetch_ahead]);
     return memory;
 #endif
   }
@@ -40,18 +40,18 @@ class NodePool {
     ::operator delete(memory);
 #else
     free_[count_++] = memory;
-    if (count_ == 2 * kBatch) hand_over(kBatch);
+    if (count_ == 2 * batch_size) hand_over(batch_size);
 #endif
   }
 
  private:
-  static_assert(kBytes % alignof(std::max_align_t) == 0);
-  static constexpr std::size_t kBatch = 64;
-  static constexpr std::size_t kAhead =
+  static_assert(node_bytes % alignof(std::max_align_t) == 0);
+  static constexpr std::size_t batch_size = 64;
+  static constexpr std::size_t prefetch_ahead =
       3;  // so many takes before it is used a node is fetched into the cache
 
   struct Batch {
-    std::array<void*, kBatch> nodes;
+    std::array<void*, batch_size> nodes;
     std::size_t count;
   };
   struct Shared {
@@ -66,7 +66,8 @@ class NodePool {
 
   static void fetch(void* memory) {
 #ifdef __GNUC__
-    for (std::size_t i = 0; i < kBytes; i += 64) __builtin_prefetch(static_cast<std::byte*>(memory) + i, 1);
+    for (std::size_t i = 0; i < node_bytes; i += 64)
+      __builtin_prefetch(static_cast<std::byte*>(memory) + i, 1);
 #else
     static_cast<void>(memory);
 #endif
@@ -74,7 +75,7 @@ class NodePool {
 
   struct HandOverAtExit {
     ~HandOverAtExit() {
-      while (count_ > 0) hand_over(std::min(count_, kBatch));
+      while (count_ > 0) hand_over(std::min(count_, batch_size));
     }
   };
 
@@ -89,10 +90,10 @@ class NodePool {
       shared().batches.pop_back();
       return;
     }
-    count_ = kBatch;
-    shared().blocks.push_back(::operator new(kBatch* kBytes));
+    count_ = batch_size;
+    shared().blocks.push_back(::operator new(batch_size* node_bytes));
     auto* block = static_cast<std::byte*>(shared().blocks.back());
-    for (std::size_t i = 0; i < kBatch; ++i) free_[i] = block + (kBatch - 1 - i) * kBytes;
+    for (std::size_t i = 0; i < batch_size; ++i) free_[i] = block + (batch_size - 1 - i) * node_bytes;
   }
 
   // Those that were freed first: they have left the cache.
@@ -107,7 +108,7 @@ class NodePool {
     shared().batches.push_back(batch);
   }
 
-  static thread_local inline std::array<void*, 2 * kBatch> free_{};
+  static thread_local inline std::array<void*, 2 * batch_size> free_{};
   static thread_local inline std::size_t count_ = 0;
 };
 

@@ -19,7 +19,7 @@ class CompactLandmark {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< m, world
   using Factors = std::array<float, 6>;            // D, L10, L20, L21
   /// What is left of a variance after cancellation is not known better than to this part of it.
-  static constexpr double kLeastPart = 1e-12;
+  static constexpr double least_part = 1e-12;
 
   CompactLandmark() = default;
   CompactLandmark(const Eigen::Vector3d& mean_, const Factors& factors) : mean(mean_), factors_(factors) {}
@@ -27,7 +27,7 @@ class CompactLandmark {
       : CompactLandmark(g.mean, g.covariance) {}  // NOLINT: same meaning
   /// `P`: m^2, world, symmetric and positive definite.
   CompactLandmark(const Eigen::Vector3d& mean_, const Eigen::Matrix3d& P) : mean(mean_) {
-    constexpr double least = kLeastPart;
+    constexpr double least = least_part;
     const double d0 = P(0, 0), l10 = P(1, 0) / d0, l20 = P(2, 0) / d0;
     const double d1 = std::max(P(1, 1) - l10 * P(1, 0), least * P(1, 1));
     const double m21 = P(2, 1) - l20 * P(1, 0), l21 = m21 / d1;

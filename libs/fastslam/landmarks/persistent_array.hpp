@@ -29,7 +29,7 @@ class PersistentArray {
     const Node* node = root_.get();
     for (int level = depth_; node && level > 0; --level)
       node = static_cast<const Inner*>(node)->children[digit(index, level)].get();
-    return node ? &static_cast<const Leaf*>(node)->values[index % kLeaf] : nullptr;
+    return node ? &static_cast<const Leaf*>(node)->values[index % leaf_size] : nullptr;
   }
 
   /// As find(), and has the memory fetched that reading and edit() will need.
@@ -38,7 +38,7 @@ class PersistentArray {
     if (!value) return value;
     fetch(value);
     fetch(reinterpret_cast<const char*>(value + 1) - 1);
-    fetch(reinterpret_cast<const char*>(value - index % kLeaf) - 1);  // the leaf's count of owners
+    fetch(reinterpret_cast<const char*>(value - index % leaf_size) - 1);  // the leaf's count of owners
     return value;
   }
 
@@ -47,7 +47,7 @@ class PersistentArray {
     while (index >= capacity(depth_)) grow();
     Pointer* node = &root_;
     for (int level = depth_; level > 0; --level) node = &own<Inner>(*node)->children[digit(index, level)];
-    return own<Leaf>(*node)->values[index % kLeaf];
+    return own<Leaf>(*node)->values[index % leaf_size];
   }
 
   /// Many elements for writing, as edit(): those that share a leaf find it once. Meanwhile nobody else may
@@ -56,11 +56,11 @@ class PersistentArray {
    public:
     explicit Editor(PersistentArray& array) : array_(array) {}
     Value& operator[](std::size_t index) {
-      if (index / kLeaf != leaf_) {
-        leaf_ = index / kLeaf;
-        first_ = &array_.edit(leaf_ * kLeaf);
+      if (index / leaf_size != leaf_) {
+        leaf_ = index / leaf_size;
+        first_ = &array_.edit(leaf_ * leaf_size);
       }
-      return first_[index % kLeaf];
+      return first_[index % leaf_size];
     }
 
    private:
@@ -90,7 +90,7 @@ class PersistentArray {
   }
 
  private:
-  static constexpr std::size_t kLeaf = 8, kInner = 16;
+  static constexpr std::size_t leaf_size = 8, child_count = 16;
 
   static void fetch(const void* address) {
 #ifdef __GNUC__
@@ -143,7 +143,7 @@ class PersistentArray {
     Leaf(const Leaf& other) : Node(true), values(other.values) {}
     static void* operator new(std::size_t) { return Pool<Leaf>::take(); }
     static void operator delete(void* leaf) { Pool<Leaf>::give_back(leaf); }
-    std::array<Value, kLeaf> values{};
+    std::array<Value, leaf_size> values{};
   };
   struct Inner : Node {
     Inner() : Node(false) {}
@@ -156,14 +156,14 @@ class PersistentArray {
       for (const Pointer& child : children)
         if (child) fetch(child.get());
     }
-    std::array<Pointer, kInner> children;
+    std::array<Pointer, child_count> children;
   };
 
   static constexpr std::size_t capacity(int depth) {
-    return kLeaf << (4 * depth);
+    return leaf_size << (4 * depth);
   }
   static std::size_t digit(std::size_t index, int level) {
-    return (index / (kLeaf << (4 * (level - 1)))) % kInner;
+    return (index / (leaf_size << (4 * (level - 1)))) % child_count;
   }
 
   void grow() {
@@ -193,7 +193,7 @@ class PersistentArray {
       difference(part, depth_before - 1, after, depth_after, first, visit);
     } else if (depth_after > 0) {
       const bool same_depth = depth_before == depth_after;
-      for (std::size_t c = 0; c < kInner; ++c) {
+      for (std::size_t c = 0; c < child_count; ++c) {
         const Node* part = nullptr;
         if (before && same_depth) part = static_cast<const Inner*>(before)->children[c].get();
         if (before && !same_depth && c == 0) part = before;
@@ -203,7 +203,7 @@ class PersistentArray {
       }
     } else {
       const Leaf* old_leaf = static_cast<const Leaf*>(before);
-      for (std::size_t i = 0; i < kLeaf; ++i)
+      for (std::size_t i = 0; i < leaf_size; ++i)
         visit(first + i, old_leaf ? &old_leaf->values[i] : nullptr,
               static_cast<const Leaf*>(after)->values[i]);
     }

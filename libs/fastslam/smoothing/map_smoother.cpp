@@ -10,8 +10,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr double kKeyframeWay = 0.05, kKeyframeTurn = 0.05;  // m, rad
-constexpr int kIterations = 15;
+constexpr double keyframe_distance = 0.05, keyframe_rotation = 0.05;  // m, rad
+constexpr int maximum_iterations = 15;
 
 using Vector6 = std::array<double, 6>;
 
@@ -103,7 +103,7 @@ void MapSmoother::add(Utime utime, const Eigen::Isometry3d& T_world_robot,
     motion_.reset();  // for good until the next keyframe
   if (!keyframes_.empty()) {
     const Eigen::Isometry3d way = keyframes_.back().T_world_robot.inverse() * T_world_robot;
-    if (way.translation().norm() < kKeyframeWay && rotation_angle(way) < kKeyframeTurn) return;
+    if (way.translation().norm() < keyframe_distance && rotation_angle(way) < keyframe_rotation) return;
   }
   if (seen.empty()) return;
   keyframes_.push_back({utime, T_world_robot, motion_, seen, loop_closed_});
@@ -187,7 +187,7 @@ std::optional<MapSmoothing> MapSmoother::solve() const {
   options.num_threads = 1;  // the same result everywhere
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  options.max_num_iterations = kIterations;
+  options.max_num_iterations = maximum_iterations;
   options.function_tolerance = 1e-4;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

@@ -108,7 +108,7 @@ PathSample PathSmoother::Graph::draw(const Posterior& p, Random* random) const {
     const Eigen::Vector2d shift = -given_path * pull.segment<2>(column);
     LandmarkGaussian& gaussian = sample.landmarks[id];
     gaussian.mean = T * Eigen::Vector3d(landmark[0] + shift.x(), landmark[1] + shift.y(), 0);
-    gaussian.covariance = kPlaneVariance * Eigen::Matrix3d::Identity();
+    gaussian.covariance = plane_variance * Eigen::Matrix3d::Identity();
     const Eigen::Matrix2d turned = R * given_path * R.transpose();
     gaussian.covariance.topLeftCorner<2, 2>() = 0.5 * (turned + turned.transpose());
     column += 2;

@@ -18,7 +18,7 @@ using synthetic::make_planar_drive;
 using synthetic::PlanarDrive;
 using synthetic::PlanarWorldSettings;
 
-constexpr std::size_t kSettled = 100;  // frames
+constexpr std::size_t settled_frames = 100;  // frames
 
 struct Outcome {
   double rmse = 0, worst = 0;  // m, of the pose
@@ -60,7 +60,8 @@ Outcome run(const PlanarDrive& drive, const FastSlamSettings& settings) {
     const Eigen::Vector3d e = PoseSpace<3>::reduce(se3_log(T.inverse() * drive.steps[i].T_start_robot));
     const double nees = e.dot(PoseSpace<3>::reduce(results[i].covariance).inverse() * e);
     outcome.nees += nees;
-    if (i >= kSettled) outcome.nees_settled += nees / static_cast<double>(results.size() - kSettled);
+    if (i >= settled_frames)
+      outcome.nees_settled += nees / static_cast<double>(results.size() - settled_frames);
     const Eigen::Vector3d d =
         PoseSpace<3>::reduce(se3_log(results[i].T_world_robot.inverse() * drive.steps[i].T_start_robot));
     outcome.nees_from_start += d.dot(PoseSpace<3>::reduce(results[i].covariance).inverse() * d);

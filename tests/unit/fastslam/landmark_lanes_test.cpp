@@ -55,9 +55,9 @@ struct Scene {
   }
 
   Random random;
-  Eigen::Isometry3d poses[kLanes];
+  Eigen::Isometry3d poses[lane_count];
   std::vector<Measurement> measurements;
-  std::vector<CompactLandmark> compact;  // kLanes for each measurement
+  std::vector<CompactLandmark> compact;  // lane_count for each measurement
   std::vector<const CompactLandmark*> stored;
   std::vector<LandmarkLanes> landmarks;
 };
@@ -77,10 +77,10 @@ TEST(LandmarkLanes, LearnAsOneParticleDoes) {
     learn_points(scene.measurements, scene.landmarks, scene.poses, added, learned);
     ASSERT_EQ(learned.size(), scene.measurements.size());
     for (std::size_t i = 0; i < learned.size(); ++i)
-      for (int lane = 0; lane < kLanes; ++lane) {
+      for (int lane = 0; lane < lane_count; ++lane) {
         const Measurement& z = scene.measurements[i];
         const Eigen::Isometry3d& T = scene.poses[lane];
-        const LandmarkGaussian landmark = *scene.stored[kLanes * i + static_cast<std::size_t>(lane)];
+        const LandmarkGaussian landmark = *scene.stored[lane_count * i + static_cast<std::size_t>(lane)];
         EXPECT_EQ(scene.landmarks[i].gaussian(lane).mean, landmark.mean);
         EXPECT_EQ(scene.landmarks[i].gaussian(lane).covariance, landmark.covariance);
         const Innovation innovation = innovate(landmark, z, T);
@@ -99,7 +99,7 @@ TEST(LandmarkLanes, MakeAsOneParticleDoes) {
     make_points(scene.measurements, scene.poses, made);
     ASSERT_EQ(made.size(), scene.measurements.size());
     for (std::size_t i = 0; i < made.size(); ++i)
-      for (int lane = 0; lane < kLanes; ++lane)
+      for (int lane = 0; lane < lane_count; ++lane)
         expect_near(made[i].landmark(lane), make_landmark(scene.measurements[i], scene.poses[lane]));
   }
 }
@@ -117,25 +117,25 @@ TEST(LandmarkLanes, NeitherNeighboursNorProcessorChangeABit) {
       ObservedLanes observed;
       observed.measurements = scene.measurements;
       observed.landmarks = scene.landmarks;
-      Random streams[kLanes] = {Random(seed, 0), Random(seed, 1), Random(seed, 2), Random(seed, 3)};
-      ProposedPose together[kLanes];
-      proposal->propose(scene.poses, observed, streams, kLanes, together);
+      Random streams[lane_count] = {Random(seed, 0), Random(seed, 1), Random(seed, 2), Random(seed, 3)};
+      ProposedPose together[lane_count];
+      proposal->propose(scene.poses, observed, streams, lane_count, together);
       std::vector<LearnedLanes> learned;
       learn_points(scene.measurements, scene.landmarks, scene.poses, 1e-6, learned);
       const InstructionSet former = limit_instruction_set(InstructionSet::portable);
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      for (std::size_t lane = 0; lane < lane_count; ++lane) {
         std::vector<ObservedLandmark> observations;
         std::vector<const CompactLandmark*> same;
         for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
-          observations.push_back({scene.measurements[i], *scene.stored[kLanes * i + lane]});
-          same.insert(same.end(), kLanes, scene.stored[kLanes * i + lane]);
+          observations.push_back({scene.measurements[i], *scene.stored[lane_count * i + lane]});
+          same.insert(same.end(), lane_count, scene.stored[lane_count * i + lane]);
         }
         Random stream(seed, lane);
         const ProposedPose alone = proposal->propose(scene.poses[lane], observations, stream);
         EXPECT_EQ(alone.T_world_robot.matrix(), together[lane].T_world_robot.matrix());
         EXPECT_EQ(alone.log_weight, together[lane].log_weight);
         const Eigen::Isometry3d& T = scene.poses[lane];
-        const Eigen::Isometry3d poses[kLanes] = {T, T, T, T};
+        const Eigen::Isometry3d poses[lane_count] = {T, T, T, T};
         std::vector<LandmarkLanes> landmarks;
         load_landmarks(same, landmarks);
         std::vector<LearnedLanes> repeated;
@@ -162,7 +162,7 @@ void check_normal_equations() {
   weigh_points(scene.measurements, scene.landmarks, scene.poses, weights);
   ProposalEquations<D> normal{};
   add_points(scene.measurements, scene.landmarks, weights, scene.poses, huber, normal);
-  for (int lane = 0; lane < kLanes; ++lane) {
+  for (int lane = 0; lane < lane_count; ++lane) {
     typename Space::Matrix information = Space::Matrix::Zero();
     typename Space::Vector gradient = Space::Vector::Zero();
     int beyond = 0;

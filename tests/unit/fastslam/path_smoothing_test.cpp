@@ -16,7 +16,7 @@ using synthetic::make_planar_drive;
 using synthetic::PlanarDrive;
 using synthetic::PlanarStep;
 
-constexpr double kTimePerPose = 100e-6;  // s, that the solver has
+constexpr double time_per_pose = 100e-6;  // s, that the solver has
 
 FastSlamSettings settings_with(double share) {
   FastSlamSettings s;
@@ -39,7 +39,7 @@ Smoothings count_smoothings(const PlanarDrive& drive, double share) {
   for (const PlanarStep& step : drive.steps) {
     if (slam.step(step.motion, step.frame).rejuvenated) {
       ++smoothings.count;
-      smoothings.time += kTimePerPose * (1 + sights);
+      smoothings.time += time_per_pose * (1 + sights);
     }
     sights += !step.frame.features.empty();
   }
@@ -50,7 +50,7 @@ TEST(PathSmoothing, TakesItsShareOfTheTime) {
   const PlanarDrive drive = make_planar_drive({}, 1);
   const double duration =
       1e-6 * static_cast<double>(drive.steps.back().frame.utime - drive.steps.front().frame.utime);
-  const double longest = kTimePerPose * static_cast<double>(drive.steps.size());
+  const double longest = time_per_pose * static_cast<double>(drive.steps.size());
   int before = 0;
   for (const double share : {0.002, 0.01, 0.05}) {
     const Smoothings smoothings = count_smoothings(drive, share);

@@ -9,7 +9,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr int kConsensus = 8;
+constexpr int minimum_consensus = 8;
 
 class SharedErrorTest : public ::testing::Test {
  protected:
@@ -20,7 +20,7 @@ class SharedErrorTest : public ::testing::Test {
     return made;
   }
   void see(const std::vector<LandmarkMatch>& landmarks, const Eigen::Isometry3d& T_world_robot) {
-    error_.observe(landmarks, kConsensus, T_world_robot, spread_);
+    error_.observe(landmarks, minimum_consensus, T_world_robot, spread_);
   }
   double variance() const { return error_.at(Eigen::Isometry3d::Identity())(0, 0); }
 
@@ -31,7 +31,7 @@ class SharedErrorTest : public ::testing::Test {
 };
 
 TEST_F(SharedErrorTest, IsNoneBeforeTheFirstLandmark) {
-  error_.observe({}, kConsensus, here_, spread_);
+  error_.observe({}, minimum_consensus, here_, spread_);
   EXPECT_EQ(error_.at(here_), Matrix6d::Zero());
 }
 
