@@ -3,28 +3,22 @@
 // file, the line and the nearest valid key; so is a value of the wrong kind or out of range.
 //
 //   ConfigNode config = ConfigNode::load("config/modern.yaml");
-//   ConfigNode icp = config.section("icp");
-//   settings.iterations = icp.get("iterations", settings.iterations, Range{1, 1000});
+//   const auto settings = read_settings<SurfSettings>(config.section("surf"));   // read_settings.hpp
 //   config.finish();   // throws for keys that nobody asked for, here and in all sections
 
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <lcmslam/settings/range.hpp>
 
 namespace lcmslam {
 
 class ConfigError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-};
-
-/// Closed interval that a number must lie in.
-struct Range {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
 };
 
 /// A mapping of a YAML file. Copies share the record of which keys were asked for.

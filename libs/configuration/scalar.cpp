@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <sstream>
 
 namespace lcmslam {
 namespace {
@@ -21,29 +20,17 @@ std::optional<T> parse_all(const YamlValue& value) {
   return number;
 }
 
-bool inside(double number, const Range& range) {
-  return number >= range.low && number <= range.high;
-}
-
-std::string short_number(double number) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(10);
-  text << number;
-  return text.str();
-}
-
 }  // namespace
 
 std::optional<double> read_number(const YamlValue& value, const Range& range) {
   const std::optional<double> number = parse_all<double>(value);
-  if (!number || !std::isfinite(*number) || !inside(*number, range)) return {};
+  if (!number || !std::isfinite(*number) || !range.holds(*number)) return {};
   return number;
 }
 
 std::optional<int> read_whole_number(const YamlValue& value, const Range& range) {
   const std::optional<int> number = parse_all<int>(value);
-  if (!number || !inside(*number, range)) return {};
+  if (!number || !range.holds(*number)) return {};
   return number;
 }
 
@@ -57,14 +44,6 @@ std::optional<bool> read_bool(const YamlValue& value) {
 std::optional<std::string> read_text(const YamlValue& value) {
   if (value.kind != YamlValue::Kind::scalar) return {};
   return value.text;
-}
-
-std::string describe(const std::string& kind, const Range& range) {
-  const bool low = std::isfinite(range.low), high = std::isfinite(range.high);
-  if (low && high) return kind + " from " + short_number(range.low) + " to " + short_number(range.high);
-  if (low) return kind + " of at least " + short_number(range.low);
-  if (high) return kind + " of at most " + short_number(range.high);
-  return kind;
 }
 
 namespace {

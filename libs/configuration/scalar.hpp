@@ -16,9 +16,6 @@ std::optional<int> read_whole_number(const YamlValue& value, const Range& range)
 std::optional<bool> read_bool(const YamlValue& value);
 std::optional<std::string> read_text(const YamlValue& value);
 
-/// "a number from 0 to 1", "a whole number of at least 1", ...
-std::string describe(const std::string& kind, const Range& range);
-
 /// The candidate with the smallest edit distance (insertions, deletions, replacements and swaps of
 /// neighbours) of at most `farthest`; the first of equals, empty when there is none.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates,
