@@ -92,9 +92,9 @@ function(lcmslam_precompile_tests)
                      <filesystem> <fstream> <limits> <map> <memory> <optional> <set> <sstream> <string> <vector>)
 endfunction()
 
-# lcmslam_test(surf DEPENDS ... [FOLDER folder]): every .cpp of tests/unit/surf -> test_surf, known to ctest.
+# lcmslam_test(surf DEPENDS ... [FOLDER folder] [LABELS ...]): every .cpp of tests/unit/surf -> test_surf, known to ctest.
 function(lcmslam_test name)
-  cmake_parse_arguments(ARG "" "FOLDER" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "FOLDER" "DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_FOLDER)
     set(ARG_FOLDER ${CMAKE_CURRENT_SOURCE_DIR}/${name})
   endif()
@@ -109,6 +109,6 @@ function(lcmslam_test name)
   lcmslam_precompile(test_${name} REUSE_FROM lcmslam_precompiled_tests)
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR})
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
-                       PROPERTIES TIMEOUT 300)
+                       PROPERTIES TIMEOUT 300 LABELS "${ARG_LABELS}")
 endfunction()
 include(GoogleTest)

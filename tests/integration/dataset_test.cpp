@@ -14,6 +14,7 @@
 #include <lcmslam/messages/motion_messages.hpp>
 #include "tests/integration/support/environment.hpp"
 #include "tests/integration/support/program.hpp"
+#include "tests/support/recordings.hpp"
 
 namespace lcmslam::integration {
 namespace {
@@ -54,8 +55,8 @@ struct Recording {
 class Import : public testing::TestWithParam<Recording> {};
 
 TEST_P(Import, WritesEveryFrameWithItsTruth) {
-  const auto folder = data_folder() / GetParam().folder;
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  const auto folder = lcmslam::testing::recording(GetParam().folder);
+  LCMSLAM_SKIP_WITHOUT(GetParam().folder);
   const TemporaryFolder out;
   const Result result = run({"lcmslam", "import", folder, out / "run.lcmlog"}, 120);
   ASSERT_EQ(result.exit_code, 0) << result.output;
@@ -81,8 +82,8 @@ void expect_maps(const std::filesystem::path& folder, std::size_t least_landmark
 }
 
 TEST(DemoOfRecording, FiveFramesGiveMaps) {
-  const auto folder = data_folder() / "rgbd_slambook2";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  const auto folder = lcmslam::testing::recording("rgbd_slambook2");
+  LCMSLAM_SKIP_WITHOUT("rgbd_slambook2");
   const TemporaryFolder out;
   const Result result = run({"lcmslam", "demo", "--data", folder, "--headless", "--out", out.path()}, 180);
   ASSERT_EQ(result.exit_code, 0) << result.output;
@@ -90,8 +91,8 @@ TEST(DemoOfRecording, FiveFramesGiveMaps) {
 }
 
 TEST(DemoOfRecording, ThreeSecondsOfAHandHeldCameraGiveMaps) {
-  const auto folder = data_folder() / "tum_fr1_rpy";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  const auto folder = lcmslam::testing::recording("tum_fr1_rpy");
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
   const TemporaryFolder out;
   const Result result =
       run({"lcmslam", "demo", "--data", folder, "--headless", "--seconds", "3", "--out", out.path()}, 180);

@@ -15,9 +15,10 @@
 namespace lcmslam::integration {
 namespace {
 
-constexpr double seconds = 6;           // of the simulated drive
-constexpr double largest_error = 0.06;  // m, ATE
-constexpr double frame_rate = 10;       // Hz, of the ToF head
+constexpr double seconds = 12;  // of the simulated drive; the robot rests for 2 s
+constexpr double largest_share =
+    0.3;  // of odometry's ATE, which has noise: wheels alone fail, standing still, too
+constexpr double frame_rate = 10;  // Hz, of the ToF head
 
 /// One run serves all tests.
 class Graph : public testing::Test {
@@ -26,7 +27,8 @@ class Graph : public testing::Test {
     folder_ = new TemporaryFolder;
     const double waits = 100 * patience_factor;  // for the other processes to come up on a loaded machine
     result_ = run({"lcmslam", "demo", "--headless", "--seconds", std::to_string(seconds), "--out",
-                   folder_->path(), "--set", "camera.wait_at_most=" + std::to_string(waits)},
+                   folder_->path(), "--set", "camera.wait_at_most=" + std::to_string(waits), "--set",
+                   "odometry.noise.mode=random_walk", "--set", "odometry.noise.sigma=0.02"},
                   240);
     std::ifstream file(*folder_ / "summary.json");
     if (result_.exit_code == 0) summary_ = nlohmann::json::parse(file);
@@ -45,15 +47,19 @@ Result Graph::result_;
 nlohmann::json Graph::summary_;
 
 TEST_F(Graph, BothMappersFollowTheTruth) {
+  const auto ate_of = [](const std::string& name) {
+    return summary_.at("paths").at(name).at("ate").at("translation_rmse_m").get<double>();
+  };
+  const double odometry = ate_of("odometry");
+  EXPECT_GT(odometry, 0.1);
   for (const std::string mapper : {"fastslam", "icp"}) {
     SCOPED_TRACE(mapper);
     const auto& path = summary_.at("paths").at(mapper);
     EXPECT_GT(path.at("matched").get<double>(), 0.5 * seconds * frame_rate);
-    EXPECT_LT(path.at("ate").at("translation_rmse_m").get<double>(), largest_error);
+    EXPECT_LT(ate_of(mapper), largest_share * odometry);
     EXPECT_EQ(path.at("lost"), 0);
     EXPECT_EQ(path.at("restarts"), 0);
-    RecordProperty(mapper + "_ate_mm",
-                   static_cast<int>(1e3 * path.at("ate").at("translation_rmse_m").get<double>()));
+    RecordProperty(mapper + "_ate_mm", static_cast<int>(1e3 * ate_of(mapper)));
   }
 }
 

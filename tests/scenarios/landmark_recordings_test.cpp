@@ -19,6 +19,7 @@
 #include <lcmslam/messages/origin.hpp>
 #include "procs/fastslam/fastslam_node.hpp"
 #include "procs/odometry/odometry_node.hpp"
+#include "tests/support/recordings.hpp"
 #include "tests/support/test_bus.hpp"
 #include "tools/study/batch_solution.hpp"
 
@@ -26,11 +27,6 @@ namespace lcmslam {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path data_folder() {
-  const char* root = std::getenv("LCMSLAM_DATA");
-  return root != nullptr ? fs::path(root) : fs::path(LCMSLAM_SOURCE_DIR) / "../shared/data";
-}
 
 struct Event {
   Utime utime;
@@ -85,9 +81,8 @@ Result run(const LandmarkRecording& recording, const std::string& config_file, i
 class MrclamRobot : public ::testing::TestWithParam<int> {};
 
 TEST_P(MrclamRobot, OnlineEstimateAndMapAreNearTheTruth) {
-  if (!fs::exists(data_folder() / "mrclam_dataset6"))
-    GTEST_SKIP() << data_folder() << " is not there (LCMSLAM_DATA)";
-  const auto recording = open_landmark_dataset(data_folder() / "mrclam_dataset6", GetParam());
+  LCMSLAM_SKIP_WITHOUT("mrclam_dataset6");
+  const auto recording = open_landmark_dataset(testing::recording("mrclam_dataset6"), GetParam());
   ASSERT_TRUE(recording);
   const Result result = run(*recording, "mrclam.yaml", 11);
   EvaluationSettings settings;
@@ -114,9 +109,8 @@ INSTANTIATE_TEST_SUITE_P(Robots, MrclamRobot, ::testing::Values(1, 3));
 
 // Against the batch solution of tools/study, a few filter seeds (all ten: lcmslam study --only landmarks).
 TEST(VictoriaPark, OnlineEstimateIsNearTheBatchSolution) {
-  if (!fs::exists(data_folder() / "victoria_park"))
-    GTEST_SKIP() << data_folder() << " is not there (LCMSLAM_DATA)";
-  const auto recording = open_landmark_dataset(data_folder() / "victoria_park");
+  LCMSLAM_SKIP_WITHOUT("victoria_park");
+  const auto recording = open_landmark_dataset(testing::recording("victoria_park"));
   ASSERT_TRUE(recording);
   const BatchSolution batch = solve_batch(*recording);
   std::cout << "batch solution: cost " << batch.cost << " of " << batch.residuals

@@ -23,20 +23,26 @@ using testing::value_of;
 
 constexpr int frames = 40;
 
+/// Else following the wheels were good enough for so short a way.
+constexpr const char* noisy_wheels = "{noise: {mode: random_walk, sigma: 0.02, seed: 3}}";
+
 /// The graph between camera and map server.
 struct Graph {
   TestBus bus;
-  OdometryNode& odometry = bus.add<OdometryNode>();
+  OdometryNode& odometry;  // made first
   SurfNode& surf = bus.add<SurfNode>(ConfigNode::parse("{max_features: 400}"));
   FastSlamNode& fastslam = bus.add<FastSlamNode>(ConfigNode::parse("{particles: 40}"));
   IcpNode& icp = bus.add<IcpNode>();
+
+  explicit Graph(const char* odometry_settings = "{}")
+      : odometry(bus.add<OdometryNode>(ConfigNode::parse(odometry_settings))) {}
 
   void play(int count = frames) { SimulatedKitchen::instance().play(bus, count); }
 };
 
 const Graph& whole_run() {
   static const auto graph = [] {
-    auto made = std::make_unique<Graph>();
+    auto made = std::make_unique<Graph>(noisy_wheels);
     made->play();
     made->bus.finish();
     return made;
@@ -54,12 +60,17 @@ class BothMappers : public ::testing::TestWithParam<const char*> {
   std::string channel() const { return GetParam(); }
 };
 
-TEST_P(BothMappers, StayWithinThreeCentimetresOfTheTruth) {
+TEST_P(BothMappers, StayWithinThreeCentimetresWhereOdometryErrsByManyMore) {
   const auto poses = whole_run().bus.on<pose_estimate_t>(channel());
   ASSERT_EQ(poses.size(), static_cast<std::size_t>(frames));
   const double error = largest_error(poses);
   RecordProperty("largest_error_mm", static_cast<int>(std::lround(1000 * error)));
   EXPECT_LT(error, 0.03);
+  std::vector<pose_estimate_t> by_odometry = poses;
+  for (pose_estimate_t& m : by_odometry)
+    for (const odometry_t& sample : whole_run().bus.on<odometry_t>("ODOMETRY"))
+      if (sample.utime <= m.utime) m.T_map_robot = sample.T_odom_robot;
+  EXPECT_GT(largest_error(by_odometry), 0.12);
   // The robot did move, so that standing still would not do.
   const auto& first = poses.front().T_map_robot.trans;
   const auto& last = poses.back().T_map_robot.trans;

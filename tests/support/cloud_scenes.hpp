@@ -71,9 +71,4 @@ inline Vector6d twist(double x, double y, double z, double rx, double ry, double
   return v;
 }
 
-inline std::filesystem::path data_folder() {
-  const char* given = std::getenv("LCMSLAM_DATA");
-  return given ? std::filesystem::path(given) : std::filesystem::path(LCMSLAM_SOURCE_DIR) / "../shared/data";
-}
-
 }  // namespace lcmslam

@@ -14,11 +14,6 @@
 
 namespace lcmslam {
 
-inline std::filesystem::path data_folder() {
-  const char* data = std::getenv("LCMSLAM_DATA");
-  return std::filesystem::path(data ? data : LCMSLAM_SOURCE_DIR "/../shared/data");
-}
-
 /// At most `budget` features of every `step`-th image of a folder; empty without the folder.
 inline std::vector<std::vector<Feature>> recorded_features(const std::filesystem::path& images,
                                                            std::size_t step, int budget = 1000) {

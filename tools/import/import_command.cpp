@@ -62,8 +62,8 @@ int import_command(int argc, char** argv) {
 
 int simulate_command(int argc, char** argv) {
   std::string scene, log, head = "tof", base = "differential";
-  int seed = 1;
-  double seconds = 0;
+  int seed = 1, jpeg_quality = 90;
+  double seconds = 0, rate = 0;
   CLI::App app{"Renders a simulated run into an .lcmlog.", "lcmslam simulate"};
   app.add_option("scene", scene, "scene (YAML), e.g. config/scenes/kitchen.yaml")
       ->required()
@@ -73,6 +73,10 @@ int simulate_command(int argc, char** argv) {
   app.add_option("--base", base, "differential, steered or mecanum");
   app.add_option("--seed", seed, "of the sensors' errors");
   app.add_option("--seconds", seconds, "only the first so many seconds");
+  app.add_option("--rate", rate, "frames a second (default: 10 for tof, 30 for rgbd)")
+      ->check(CLI::Range(0, 1000));
+  app.add_option("--jpeg-quality", jpeg_quality, "of the colour images; less makes smaller logs")
+      ->check(CLI::Range(1, 100));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   ConfigNode config;
   config.set("scene", std::filesystem::absolute(scene).lexically_normal());
@@ -80,6 +84,8 @@ int simulate_command(int argc, char** argv) {
   config.set("base", base);
   config.set("seed", std::to_string(seed));
   config.set("seconds", std::to_string(seconds));
+  config.set("frame_rate", std::to_string(rate));
+  config.set("jpeg_quality", std::to_string(jpeg_quality));
   config.set("threads", "2");
   return write(*make_live_simulation(config), log);
 }

@@ -27,11 +27,6 @@ std::filesystem::path source_folder() {
   return LCMSLAM_SOURCE_DIR;
 }
 
-std::filesystem::path data_folder() {
-  const char* folder = std::getenv("LCMSLAM_DATA");
-  return folder != nullptr ? std::filesystem::path(folder) : source_folder() / "../shared/data";
-}
-
 TemporaryFolder::TemporaryFolder() {
   std::string name = std::filesystem::temp_directory_path() / "lcmslam-test-XXXXXX";
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot be made");

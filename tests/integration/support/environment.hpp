@@ -16,9 +16,6 @@ int run_tests(int argc, char** argv);
 std::filesystem::path program_folder();
 std::filesystem::path source_folder();
 
-/// Recordings of others: $LCMSLAM_DATA or ../shared/data.
-std::filesystem::path data_folder();
-
 /// A folder that is removed at the end, unless the test failed: then its path is printed.
 class TemporaryFolder {
  public:

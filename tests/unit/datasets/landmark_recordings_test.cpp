@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include <lcmslam/datasets/landmark_recording.hpp>
+#include "tests/support/recordings.hpp"
 #include "tests/unit/datasets/scratch_folder.hpp"
 
 namespace lcmslam {
@@ -163,9 +164,8 @@ TEST(VictoriaPark, ErrorsNameFileLineAndValue) {
 }
 
 TEST(LandmarkRecordings, TheRealOnes) {
-  const char* root = std::getenv("LCMSLAM_DATA");
-  const fs::path data = root != nullptr ? fs::path(root) : fs::path(LCMSLAM_SOURCE_DIR) / "../shared/data";
-  if (!fs::exists(data / "mrclam_dataset6")) GTEST_SKIP() << data << " is not there (LCMSLAM_DATA)";
+  LCMSLAM_SKIP_WITHOUT("mrclam_dataset6");
+  const fs::path data = testing::recordings();
   const auto mrclam = open_landmark_dataset(data / "mrclam_dataset6", 3);
   ASSERT_TRUE(mrclam);
   EXPECT_TRUE(mrclam->problems.empty());

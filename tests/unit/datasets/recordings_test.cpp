@@ -1,4 +1,4 @@
-// The real recordings, which lie beside the checkout or at $LCMSLAM_DATA.
+// The real recordings.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +8,7 @@
 #include <lcmslam/datasets/dataset.hpp>
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
+#include "tests/support/recordings.hpp"
 
 namespace lcmslam {
 namespace {
@@ -16,14 +17,9 @@ namespace fs = std::filesystem;
 using testing::Contains;
 using testing::HasSubstr;
 
-fs::path data_folder(const std::string& name) {
-  const char* root = std::getenv("LCMSLAM_DATA");
-  return (root != nullptr ? fs::path(root) : fs::path(LCMSLAM_SOURCE_DIR) / "../shared/data") / name;
-}
-
-#define OPEN_OR_SKIP(source, name)                                                                         \
-  if (!fs::exists(data_folder(name))) GTEST_SKIP() << data_folder(name) << " is not there (LCMSLAM_DATA)"; \
-  const std::unique_ptr<RgbdSource> source = open_dataset(data_folder(name))
+#define OPEN_OR_SKIP(source, name) \
+  LCMSLAM_SKIP_WITHOUT(name);      \
+  const std::unique_ptr<RgbdSource> source = open_dataset(testing::recording(name))
 
 // Median |z - measured| in m when frame a's points are moved into frame b by the true poses: only right
 // poses, intrinsics, depth scale and pairing of files make it small. `still`: the poses left out.
@@ -74,7 +70,8 @@ TEST(Recordings, TumFreiburg1Rpy) {
   const auto frame = source->frame(0);
   ASSERT_TRUE(frame.has_value());
   EXPECT_EQ(frame->colour.coding, ImageCoding::jpeg);
-  EXPECT_EQ(frame->colour.bytes.size(), fs::file_size(data_folder("tum_fr1_rpy/rgb/1305031229.528748.jpg")));
+  EXPECT_EQ(frame->colour.bytes.size(),
+            fs::file_size(testing::recording("tum_fr1_rpy/rgb/1305031229.528748.jpg")));
   EXPECT_LT(reprojection_error(*source, 100, 115), 0.04);
   EXPECT_LT(reprojection_error(*source, 400, 410), 0.04);
 }

@@ -7,6 +7,7 @@
 #include <lcmslam/dense_mapper/icp_mapper.hpp>
 #include <lcmslam/geometry/rigid_alignment.hpp>
 #include "tests/support/recorded_clouds.hpp"
+#include "tests/support/recordings.hpp"
 
 namespace lcmslam {
 namespace {
@@ -183,7 +184,8 @@ TEST(IcpMapper, GoesOnFromOdometryWhereTheMapEnds) {
 // Against motion capture; the stretch turns fast and comes back.
 TEST(IcpMapper, TracksAHandHeldRecording) {
   const auto recording = Fr1Recording::open();
-  if (!recording) GTEST_SKIP() << "no ../shared/data/tum_fr1_rpy";
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
+  ASSERT_TRUE(recording);
   const std::size_t first = 100;
   const auto run = [&](std::size_t count) {
     IcpMapper mapper;

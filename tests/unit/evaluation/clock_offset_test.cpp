@@ -4,6 +4,7 @@
 
 #include <iostream>
 
+#include "tests/support/recordings.hpp"
 #include "tests/unit/evaluation/path_samples.hpp"
 
 namespace lcmslam {
@@ -105,8 +106,8 @@ TEST(ClockOffset, NeedsPosesWithATruthAllOverTheRange) {
 
 // The publishers of fr1/xyz stamp truth and images by clocks that agree to about 20 ms.
 TEST(ClockOffset, OfARecordingIsSmallAndFoundAgainAfterAShift) {
-  const auto folder = testing::data_folder("trajectories");
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there: set LCMSLAM_DATA";
+  LCMSLAM_SKIP_WITHOUT("trajectories");
+  const auto folder = testing::recording("trajectories");
   const Trajectory truth = read_tum(folder / "freiburg1_xyz-groundtruth.txt");
   const Trajectory estimate = read_tum(folder / "freiburg1_xyz-rgbdslam.txt");
   const ClockOffset found = estimate_clock_offset(truth, estimate);

@@ -47,11 +47,4 @@ inline Trajectory moved(Trajectory trajectory, const Eigen::Isometry3d& T_new_ol
   return trajectory;
 }
 
-inline std::filesystem::path data_folder(const std::string& name) {
-  const char* folder = std::getenv("LCMSLAM_DATA");
-  return (folder ? std::filesystem::path(folder)
-                 : std::filesystem::path(LCMSLAM_SOURCE_DIR) / ".." / "shared" / "data") /
-         name;
-}
-
 }  // namespace lcmslam::testing

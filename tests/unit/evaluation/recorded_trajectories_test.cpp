@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include <lcmslam/evaluation/trajectory_error.hpp>
+#include "tests/support/recordings.hpp"
 #include "tests/unit/evaluation/ate_by_definition.hpp"
 #include "tests/unit/evaluation/path_samples.hpp"
 
@@ -15,10 +16,7 @@ namespace {
 
 class RecordedTrajectories : public ::testing::Test {
  protected:
-  void SetUp() override {
-    if (!std::filesystem::exists(folder_))
-      GTEST_SKIP() << folder_ << " is not there: set LCMSLAM_DATA to the recordings' folder";
-  }
+  void SetUp() override { LCMSLAM_SKIP_WITHOUT("trajectories"); }
 
   /// The error, after it has been compared with the definition's.
   double check(const std::string& truth_name, const std::string& estimate_name,
@@ -41,7 +39,7 @@ class RecordedTrajectories : public ::testing::Test {
     return report.absolute.translation.rmse;
   }
 
-  const std::filesystem::path folder_ = testing::data_folder("trajectories");
+  const std::filesystem::path folder_ = testing::recording("trajectories");
 };
 
 TEST_F(RecordedTrajectories, FreiburgXyzRgbdSlamHasThePublishedError) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include <lcmslam/fastslam/fastslam.hpp>
+#include "tests/support/recordings.hpp"
 #include "tests/unit/fastslam/synthetic_world.hpp"
 #include "tests/unit/fastslam/thesis_filter.hpp"
 #include "tests/unit/odometry/tum_recording.hpp"
@@ -158,10 +159,8 @@ TEST(ThesisFilter, WeightsAreEqualInEveryParticle) {
 
 // Images of a hand-held camera that the planar filter follows badly: much is rejected and made anew.
 TEST(ThesisFilter, EqualOnARecording) {
-  const auto folder = testing::recording_folder("tum_fr1_rpy");
-  if (!std::filesystem::exists(folder))
-    GTEST_SKIP() << folder << " is not there: set LCMSLAM_DATA to the recordings' folder";
-  testing::TumRecording recording(folder);
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
+  testing::TumRecording recording(testing::recording("tum_fr1_rpy"));
   Comparison both(small_thesis(5));
   for (std::size_t i = 0; i < 10; ++i) ASSERT_EQ(both.step(Motion(), recording.features(i)), "");
   EXPECT_GT(both.accepted, 10 * both.frames);

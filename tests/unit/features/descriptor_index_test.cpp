@@ -11,6 +11,7 @@
 #include <lcmslam/geometry/random.hpp>
 #include "tests/support/heap_allocations.hpp"
 #include "tests/support/recorded_features.hpp"
+#include "tests/support/recordings.hpp"
 
 namespace lcmslam {
 namespace {
@@ -261,8 +262,8 @@ TEST(DescriptorSearch, AllocatesNothingOnceWarm) {
 }
 
 TEST(DescriptorSearch, FindsNearlyAllNeighboursAmongRecordedDescriptors) {
-  const auto frames = recorded_features(data_folder() / "tum_fr1_rpy" / "rgb", 9);
-  if (frames.empty()) GTEST_SKIP() << "no recording in " << data_folder() / "tum_fr1_rpy";
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
+  const auto frames = recorded_features(testing::recording("tum_fr1_rpy/rgb"), 9);
   const auto map = merged_map(frames, 20000);
   ASSERT_GT(map.size(), 8000u);
   DescriptorIndex index;

@@ -8,6 +8,7 @@
 #include <lcmslam/features/descriptor_search.hpp>
 #include <lcmslam/features/guided_matching.hpp>
 #include "tests/support/recorded_features.hpp"
+#include "tests/support/recordings.hpp"
 #include "tests/unit/features/guided_scene.hpp"
 
 namespace lcmslam {
@@ -21,7 +22,7 @@ struct RecordedRoom {
   std::vector<Eigen::Isometry3d> T_world_camera;
 
   RecordedRoom() {
-    const auto folder = data_folder() / "livingroom1";
+    const auto folder = testing::recording("livingroom1");
     std::ifstream log(folder / "test_scene" / "trajectory.log");
     std::vector<Eigen::Isometry3d> poses;
     for (int a, b, c; log >> a >> b >> c;) {
@@ -53,8 +54,9 @@ struct RecordedRoom {
 };
 
 TEST(GuidedMatching, FindsMoreInRecordedImagesToo) {
+  LCMSLAM_SKIP_WITHOUT("livingroom1");
   const RecordedRoom room;
-  if (room.frames.size() < 40) GTEST_SKIP() << "no livingroom1 in " << data_folder();
+  ASSERT_GE(room.frames.size(), 40U);
   DescriptorIndex index;
   std::vector<MapPoint> landmarks;
   GuidedMatcher matcher;

@@ -11,6 +11,7 @@
 
 #include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/log/log_writer.hpp>
+#include "tests/support/recordings.hpp"
 #include "tests/unit/log/sample_log.hpp"
 
 namespace lcmslam {
@@ -226,11 +227,9 @@ class Recording : public ::testing::TestWithParam<std::pair<const char*, std::ma
 
 /// Counts from the recordings' ORIGIN.md, order and content as stock LCM reads them.
 TEST_P(Recording, ReadsLikeStockLcm) {
-  const char* folder = std::getenv("LCMSLAM_DATA");
   const auto [name, expected] = GetParam();
-  const std::string file =
-      (folder ? std::string(folder) : std::string(LCMSLAM_SOURCE_DIR "/../shared/data")) + "/" + name;
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
+  LCMSLAM_SKIP_WITHOUT(name);
+  const std::string file = testing::recording(name);
   LogReader reader(file);
   lcm::LogFile stock(file, "r");
   std::map<std::string, int> counts;

@@ -17,13 +17,6 @@
 
 namespace lcmslam::testing {
 
-inline std::filesystem::path recording_folder(const std::string& name) {
-  const char* folder = std::getenv("LCMSLAM_DATA");
-  return (folder ? std::filesystem::path(folder)
-                 : std::filesystem::path(LCMSLAM_SOURCE_DIR) / ".." / "shared" / "data") /
-         name;
-}
-
 class TumRecording {
  public:
   explicit TumRecording(const std::filesystem::path& folder) : folder_(folder) {

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include <lcmslam/evaluation/trajectory_error.hpp>
+#include "tests/support/recordings.hpp"
 #include "tests/unit/odometry/tum_recording.hpp"
 
 namespace lcmslam {
@@ -185,11 +186,8 @@ TEST(VisualOdometry, SettingsAreChecked) {
 
 // A real hand-held Kinect, 4 s: tracks every frame, near the truth, the same for each run.
 TEST(VisualOdometry, FollowsARecordedCamera) {
-  const auto folder = testing::recording_folder("tum_fr1_rpy");
-  if (!std::filesystem::exists(folder)) {
-    GTEST_SKIP() << folder << " is not there: set LCMSLAM_DATA to the recordings' folder";
-  }
-  testing::TumRecording recording(folder);
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
+  testing::TumRecording recording(testing::recording("tum_fr1_rpy"));
   constexpr std::size_t frames = 120;
   ASSERT_GE(recording.size(), frames);
   VisualOdometry odometry({}, Random(1)), again({}, Random(1));

@@ -8,6 +8,7 @@
 #include <lcmslam/registration/preparation.hpp>
 #include <lcmslam/registration/registration.hpp>
 #include "tests/support/recorded_clouds.hpp"
+#include "tests/support/recordings.hpp"
 #include "tests/support/targets.hpp"
 
 namespace lcmslam {
@@ -125,7 +126,8 @@ INSTANTIATE_TEST_SUITE_P(Parts, EveryLidarPart, testing::ValuesIn(parts_for_lida
 
 TEST_P(EveryLidarPart, OutdoorLidarPair) {
   static const auto pair = lidar_pair();
-  if (!pair) GTEST_SKIP() << "no ../shared/data/registration/small_gicp";
+  LCMSLAM_SKIP_WITHOUT("registration/small_gicp");
+  ASSERT_TRUE(pair);
   RegistrationSettings settings = GetParam().settings;
   settings.max_distance = 2;
   settings.min_distance = 0.8;
@@ -141,13 +143,15 @@ TEST_P(EveryPart, HandHeldPair) {
                         voxel_filtered(geometry_of(recording->cloud(500)), 0.03),
                         recording->T_world_camera(500).inverse() * recording->T_world_camera(503)};
   }();
-  if (!pair) GTEST_SKIP() << "no ../shared/data/tum_fr1_rpy";
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
+  ASSERT_TRUE(pair);
   check(*pair, GetParam().settings, 0.03, 0.03, 0.05, 2.0);
 }
 
 TEST_P(EveryPart, WideBaselinePair) {
   static const auto pair = slambook2_pair();
-  if (!pair) GTEST_SKIP() << "no ../shared/data/rgbd_slambook2";
+  LCMSLAM_SKIP_WITHOUT("rgbd_slambook2");
+  ASSERT_TRUE(pair);
   check(*pair, GetParam().settings, 0.03, 0.02, 0.10, 3.0);
 }
 

@@ -6,6 +6,7 @@
 
 #include <lcmslam/registration/registration.hpp>
 #include "tests/support/recorded_clouds.hpp"
+#include "tests/support/recordings.hpp"
 #include "tests/support/targets.hpp"
 
 namespace lcmslam {
@@ -100,7 +101,8 @@ INSTANTIATE_TEST_SUITE_P(Parts, EveryLidarCombination, testing::ValuesIn(combina
 
 TEST_P(EveryLidarCombination, OutdoorLidarPair) {
   const auto pair = lidar_pair();
-  if (!pair) GTEST_SKIP() << "no ../shared/data/registration/small_gicp";
+  LCMSLAM_SKIP_WITHOUT("registration/small_gicp");
+  ASSERT_TRUE(pair);
   RegistrationSettings settings = settings_of(GetParam());
   settings.max_distance = 2;
   settings.min_distance = 0.8;
@@ -110,7 +112,8 @@ TEST_P(EveryLidarCombination, OutdoorLidarPair) {
 
 TEST_P(EveryCombination, HandHeldIndoorPairs) {
   const auto recording = Fr1Recording::open();
-  if (!recording) GTEST_SKIP() << "no ../shared/data/tum_fr1_rpy";
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
+  ASSERT_TRUE(recording);
   for (const std::size_t i : {60u, 500u}) {
     SCOPED_TRACE(i);
     RecordedPair pair;

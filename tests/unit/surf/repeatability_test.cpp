@@ -18,17 +18,13 @@
 #include <lcmslam/features/rigid_ransac.hpp>
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/surf/surf.hpp>
+#include "tests/support/recordings.hpp"
 #include "tests/unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
 namespace {
 
 #ifdef LCMSLAM_HAS_DLIB
-
-std::filesystem::path recording() {
-  const char* data = std::getenv("LCMSLAM_DATA");
-  return std::filesystem::path(data ? data : LCMSLAM_SOURCE_DIR "/../shared/data") / "tum_fr1_rpy";
-}
 
 struct View {
   double time;
@@ -179,8 +175,8 @@ void add(Score& score, const std::vector<Keypoint>& from, const std::vector<Keyp
 }
 
 TEST(SurfRepeatability, IsNoWorseThanDlibs) {
-  const auto folder = recording();
-  if (!std::filesystem::exists(folder / "associations.txt")) GTEST_SKIP() << "no recording in " << folder;
+  const auto folder = testing::recording("tum_fr1_rpy");
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
   std::vector<std::string> associations;
   std::ifstream file(folder / "associations.txt");
   for (std::string line; std::getline(file, line);)

@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "tests/support/recordings.hpp"
 #include "tests/unit/evaluation/ate_by_definition.hpp"
 #include "tests/unit/tools/evaluate_fixture.hpp"
 #include "tools/evaluate/pose_log.hpp"
@@ -19,8 +20,8 @@ using ::testing::StartsWith;
 using testing::truth_message;
 
 TEST_F(Evaluate, PublishedTrajectoryAgreesWithTheDefinition) {
-  const auto folder = testing::data_folder("trajectories");
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there: set LCMSLAM_DATA";
+  LCMSLAM_SKIP_WITHOUT("trajectories");
+  const auto folder = testing::recording("trajectories");
   const auto truth = folder / "freiburg1_xyz-groundtruth.txt",
              estimate = folder / "freiburg1_xyz-rgbdslam.txt";
   ASSERT_EQ(run({"--truth", truth, estimate, "--json", path("r.json")}), 0) << output_;

@@ -1,6 +1,7 @@
 // The feature study's evaluation on matches whose truth is known, and the study in small on a recording.
 
 #include "tools/study/feature_study.hpp"
+#include "tests/support/recordings.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -262,11 +263,8 @@ TEST(FeatureStudy, RefusesSettingsThatMeanNothing) {
 }
 
 TEST(FeatureStudy, TwoPairsOfARecording) {
-  const char* data = std::getenv("LCMSLAM_DATA");
-  const auto folder =
-      std::filesystem::path(data ? data : LCMSLAM_SOURCE_DIR "/../shared/data") / "tum_fr1_rpy";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there (LCMSLAM_DATA)";
-  const auto source = open_dataset(folder);
+  LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
+  const auto source = open_dataset(testing::recording("tum_fr1_rpy"));
   FeatureStudySettings settings;
   settings.apart = {5};
   settings.starts = 2;

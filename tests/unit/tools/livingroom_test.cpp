@@ -8,6 +8,7 @@
 
 #include <lcmslam/evaluation/trajectory_error.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include "tests/support/recordings.hpp"
 #include "tests/unit/evaluation/path_samples.hpp"
 #include "tests/unit/tools/joint_alignment.hpp"
 #include "tests/unit/tools/scratch.hpp"
@@ -34,8 +35,8 @@ PoseLog map(const std::filesystem::path& recording, const ScratchFolder& scratch
 }
 
 TEST(LivingRoom, MapperAgreesWithAJointAlignmentOfTheDepthImages) {
-  const auto recording = testing::data_folder("livingroom1");
-  if (!std::filesystem::exists(recording)) GTEST_SKIP() << recording << " is absent";
+  const auto recording = testing::recording("livingroom1");
+  LCMSLAM_SKIP_WITHOUT("livingroom1");
   const ScratchFolder scratch;
   const PoseLog estimates = map(recording, scratch);
   const PoseLog log = read_pose_log(scratch.path() / "livingroom1.lcmlog");

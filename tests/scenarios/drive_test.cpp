@@ -1,0 +1,75 @@
+// Each preset maps a drive through the simulated kitchen, from the end of the rest on: better than the
+// wheels, and better still than wheels with noise. Errors as shares of odometry's in the same run.
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/icp_report_t.hpp>
+#include "procs/fastslam/fastslam_node.hpp"
+#include "procs/icp/icp_node.hpp"
+#include "tests/support/recorded_drive.hpp"
+
+namespace lcmslam {
+namespace {
+
+using testing::RecordedDrive;
+using testing::TestBus;
+
+struct Preset {
+  const char* name;
+  const char* file;     // of config/
+  const char* variant;  // of icp, nothing: the preset's
+  bool noisy;
+  double fastslam, icp;  // largest share of odometry's error
+};
+
+void PrintTo(const Preset& preset, std::ostream* out) {
+  *out << preset.name;
+}
+
+ConfigNode preset_config(const Preset& preset, const std::string& section) {
+  ConfigNode config = ConfigNode::load(std::filesystem::path(LCMSLAM_SOURCE_DIR) / "config" / preset.file);
+  if (*preset.variant != '\0') config.set("icp.variant", preset.variant);
+  return config.section(section);
+}
+
+class Presets : public ::testing::TestWithParam<Preset> {};
+INSTANTIATE_TEST_SUITE_P(
+    Each, Presets,
+    ::testing::Values(Preset{"modern", "modern.yaml", "", false, 0.15, 0.15},
+                      Preset{"modern_noisy", "modern.yaml", "", true, 0.15, 0.15},
+                      Preset{"thesis_plain", "thesis.yaml", "plain", false, 0.7, 0.7},
+                      Preset{"thesis_alternating", "thesis.yaml", "alternating", false, 0.7, 0.7},
+                      Preset{"thesis_frustum", "thesis.yaml", "frustum", false, 0.7, 0.7}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST_P(Presets, MapTheDriveBetterThanTheWheels) {
+  const Preset& preset = GetParam();
+  TestBus bus;
+  bus.add<OdometryNode>(ConfigNode::parse(preset.noisy ? testing::noisy_odometry : "{}"));
+  bus.add<FastSlamNode>(preset_config(preset, "fastslam"));
+  const IcpNode& icp = bus.add<IcpNode>(preset_config(preset, "icp"));
+  RecordedDrive& drive = RecordedDrive::instance();
+  RecordedDrive::Part part;
+  part.with_features = true;
+  drive.play(bus, part);
+  bus.finish();
+
+  EXPECT_EQ(bus.decode_errors(), 0);
+  for (const auto& [channel, share] :
+       {std::pair("FASTSLAM_POSE", preset.fastslam), std::pair("ICP_POSE", preset.icp)}) {
+    const auto poses = bus.on<pose_estimate_t>(channel);
+    ASSERT_EQ(poses.size(), 72U) << channel;
+    for (const pose_estimate_t& m : poses) EXPECT_NE(m.status, pose_estimate_t::LOST) << channel;
+    const double found = drive.share_of_odometry(bus, channel);
+    RecordProperty(std::string(channel) + "_per_mille", static_cast<int>(1000 * found));
+    std::cout << preset.name << " " << channel << ": " << found << " of odometry's error\n";
+    EXPECT_LT(found, share) << channel;
+  }
+  EXPECT_GT(drive.error_of(bus.on<odometry_t>("ODOMETRY")), 0.1);  // else the shares say little
+  EXPECT_EQ(testing::value_of(icp, "restarts"), 0);
+  for (const icp_report_t& report : bus.on<icp_report_t>("ICP_REPORT"))
+    EXPECT_THAT(report.variant, ::testing::StartsWith(preset.variant));
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,135 @@
+#pragma once
+// logs/kitchen_drive.lcmlog for tests of whole processes: 26 s of the simulated kitchen, three frames a
+// second. The robot rests for 2 s, drives a bend of 180 degrees and comes by its own way again after 22 s. An
+// estimate that stands still, or that only follows the wheels, shows in a share of what odometry errs by in
+// the same run.
+
+#include <functional>
+#include <map>
+#include <vector>
+
+#include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/encoders_t.hpp>
+#include <lcmslam/evaluation/trajectory_error.hpp>
+#include <lcmslam/features_t.hpp>
+#include <lcmslam/ground_truth_t.hpp>
+#include <lcmslam/images_t.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/odometry_t.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include "procs/odometry/odometry_node.hpp"
+#include "procs/surf/surf_node.hpp"
+#include "tests/support/recordings.hpp"
+#include "tests/support/test_bus.hpp"
+
+namespace lcmslam::testing {
+
+/// Of the odometry process: Gaussian noise in each of 30 steps a second (thesis, figure 2.10), so that
+/// following the wheels is far from the truth even on a short way.
+constexpr const char* noisy_odometry = "{noise: {mode: random_walk, sigma: 0.02, seed: 3}}";
+
+class RecordedDrive {
+ public:
+  static constexpr double moves = 2, turns = 8, turned = 16, revisits = 22, ends = 26;  // s after the start
+
+  /// The same for every caller.
+  static RecordedDrive& instance() {
+    static RecordedDrive drive;
+    return drive;
+  }
+
+  struct Part {
+    double from = moves, to = ends;  ///< s
+    bool with_features =
+        false;                 ///< those of one SurfNode, made once; else a SurfNode of the bus may make them
+    double features_late = 0;  ///< s behind their image
+    std::function<void(camera_calibration_t&)> change_calibration = [](camera_calibration_t&) {};
+  };
+
+  /// Events of the part in their order.
+  void play(TestBus& bus, const Part& part) {
+    camera_calibration_t calibration = calibration_;
+    part.change_calibration(calibration);
+    bus.deliver("CAMERA_CALIBRATION", calibration);
+    std::multimap<Utime, const features_t*> waiting;
+    for (const Event& event : events_) {
+      if (event.utime < at(part.from) || event.utime > at(part.to)) continue;
+      while (!waiting.empty() && waiting.begin()->first < event.utime) {
+        bus.deliver("FEATURES", *waiting.begin()->second);
+        waiting.erase(waiting.begin());
+      }
+      bus.deliver(event.channel, event.bytes);
+      if (part.with_features && event.channel == "CAMERA")
+        waiting.emplace(event.utime + static_cast<Utime>(1e6 * part.features_late),
+                        &features().at(event.utime));
+    }
+    for (const auto& [utime, message] : waiting) bus.deliver("FEATURES", *message);
+  }
+
+  /// m, RMS of the positions after they have been laid onto the truth (ATE).
+  double error_of(const Trajectory& path) const {
+    EvaluationSettings settings;
+    settings.association = Association::interpolate_truth;
+    return evaluate(truth_, path, settings).absolute.translation.rmse;
+  }
+  double error_of(const std::vector<pose_estimate_t>& poses) const {
+    Trajectory path;
+    for (const auto& m : poses) path.push_back({m.utime, from_message(m.T_map_robot, "T_map_robot")});
+    return error_of(path);
+  }
+  double error_of(const std::vector<odometry_t>& samples) const {
+    Trajectory path;
+    for (const auto& m : samples) path.push_back({m.utime, from_message(m.T_odom_robot, "T_odom_robot")});
+    return error_of(path);
+  }
+  /// What an estimate on `channel` errs by as a share of what odometry does.
+  double share_of_odometry(const TestBus& bus, const std::string& channel) const {
+    return error_of(bus.on<pose_estimate_t>(channel)) / error_of(bus.on<odometry_t>("ODOMETRY"));
+  }
+
+ private:
+  struct Event {
+    Utime utime;
+    std::string channel;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  RecordedDrive() {
+    LogReader log(own_log("kitchen_drive.lcmlog"));
+    bool has_calibration = false;
+    while (const auto event = log.next()) {
+      const auto* data = event->data.data();
+      if (event->channel == "GROUND_TRUTH") {
+        const auto m = decode_message<ground_truth_t>(data, event->data.size());
+        truth_.push_back({m.utime, from_message(m.T_frame_child, "T_frame_child")});
+      } else if (event->channel == "CAMERA_CALIBRATION") {
+        if (!has_calibration) calibration_ = decode_message<camera_calibration_t>(data, event->data.size());
+        has_calibration = true;
+      } else {
+        events_.push_back({event->timestamp, event->channel, event->data});
+      }
+    }
+  }
+
+  Utime at(double seconds) const { return truth_.front().utime + static_cast<Utime>(1e6 * seconds); }
+
+  const std::map<Utime, features_t>& features() {
+    if (!features_.empty()) return features_;
+    TestBus bus;
+    bus.add<OdometryNode>();
+    bus.add<SurfNode>(ConfigNode::parse("{max_features: 600}"), 500);
+    Part everything;
+    everything.from = 0;
+    play(bus, everything);
+    for (const features_t& m : bus.on<features_t>("FEATURES")) features_[m.utime] = m;
+    return features_;
+  }
+
+  camera_calibration_t calibration_;
+  std::vector<Event> events_;
+  Trajectory truth_;
+  std::map<Utime, features_t> features_;
+};
+
+}  // namespace lcmslam::testing
