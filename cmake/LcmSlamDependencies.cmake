@@ -1,32 +1,18 @@
 # Everything comes from Debian 12's packages (tools/packages.txt).
-find_package(Threads REQUIRED)
-find_package(Eigen3 REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d flann calib3d)
-find_package(PCL REQUIRED COMPONENTS common io registration)
-find_package(yaml-cpp REQUIRED)
-find_package(spdlog REQUIRED)
-find_package(CLI11 REQUIRED)
-find_package(embree 3 REQUIRED)
-find_package(Ceres REQUIRED)
-find_package(libjpeg-turbo CONFIG REQUIRED)
-find_package(nlohmann_json REQUIRED)
-find_package(GTest REQUIRED)
-find_package(benchmark REQUIRED)
+list(PREPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
+include(LcmSlamPackages)
 
-# LCM 1.4 and newer bring a CMake package; Debian's 1.3.1 does not.
-find_package(lcm CONFIG QUIET)
-if(NOT TARGET lcm::lcm)
-  find_path(LCM_INCLUDE_DIR lcm/lcm-cpp.hpp REQUIRED)
-  find_library(LCM_LIBRARY lcm REQUIRED)
-  add_library(lcm::lcm INTERFACE IMPORTED)
-  target_include_directories(lcm::lcm SYSTEM INTERFACE ${LCM_INCLUDE_DIR})
-  target_link_libraries(lcm::lcm INTERFACE ${LCM_LIBRARY})
+# lcmslam_require(ITEM...): the packages that bring them, or an error that names the missing.
+function(lcmslam_require)
+  lcmslam_find(missing ${ARGN})
+  if(missing)
+    message(FATAL_ERROR "lcmslam: not found: ${missing}. On Debian 12, ./lcmslam build installs what is missing "
+                        "(tools/packages.txt).")
+  endif()
+endfunction()
+
+lcmslam_require(Eigen3::Eigen opencv_core)  # the precompiled headers'
+if(NOT LCMSLAM_COMPONENTS)  # the programs and the tests; what the libraries link they ask for themselves
+  lcmslam_require(CLI11::CLI11 nlohmann_json::nlohmann_json GTest::gmock benchmark::benchmark opencv_calib3d
+                  opencv_flann pcl_common pcl_io pcl_search pcl_registration)
 endif()
-find_program(LCM_GEN lcm-gen REQUIRED)
-
-# Debian's libdeflate brings no CMake package.
-find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
-find_library(LIBDEFLATE_LIBRARY deflate REQUIRED)
-add_library(lcmslam_libdeflate INTERFACE)
-target_include_directories(lcmslam_libdeflate SYSTEM INTERFACE ${LIBDEFLATE_INCLUDE_DIR})
-target_link_libraries(lcmslam_libdeflate INTERFACE ${LIBDEFLATE_LIBRARY})

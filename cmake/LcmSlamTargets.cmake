@@ -7,6 +7,8 @@ file(CREATE_LINK ${CMAKE_SOURCE_DIR}/libs ${CMAKE_BINARY_DIR}/include/lcmslam SY
 target_compile_options(lcmslam_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror)
 # Identical floating-point results whatever the compiler fuses: batch runs are compared byte for byte.
 target_compile_options(lcmslam_options INTERFACE -ffp-contract=off)
+# Messages that name a source file name it from the root of the tree, wherever that stood.
+target_compile_options(lcmslam_options INTERFACE -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/=)
 # A static library names everything that one of its files may need; a program loads what it does need.
 target_link_options(lcmslam_options INTERFACE -Wl,--as-needed)
 if(LCMSLAM_SANITIZE)
@@ -43,11 +45,14 @@ lcmslam_precompile(lcmslam_precompiled <Eigen/Dense> <opencv2/core.hpp> <algorit
                    <deque> <filesystem> <fstream> <functional> <future> <iostream> <limits> <map> <memory> <numeric>
                    <optional> <set> <sstream> <stdexcept> <string> <thread> <tuple> <utility> <vector>)
 
-# lcmslam_library(surf DEPENDS lcmslam_parallel opencv_core ... PRIVATE pcl_io ... SUBFOLDERS landmarks ...)
-# makes lcmslam_surf from every .cpp of the current folder and of SUBFOLDERS. PRIVATE: libraries that only its .cpp
-# files see (PCL's compile flags and headers are heavy).
+# lcmslam_library(surf DEPENDS lcmslam_parallel opencv_core ... PRIVATE pcl_io ... HEADERS Eigen3::Eigen
+#                 SUBFOLDERS landmarks ... [INTERNAL])
+# makes lcmslam_surf from every .cpp of the current folder and of SUBFOLDERS; installed, it is lcmslam::surf. PRIVATE:
+# libraries that only its .cpp files see (PCL's compile flags and headers are heavy). HEADERS: the same, but nothing to
+# link, so that who uses the library need not have them. INTERNAL: not installed.
 function(lcmslam_library name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE;SUBFOLDERS" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "" "DEPENDS;PRIVATE;HEADERS;SUBFOLDERS" ${ARGN})
+  lcmslam_require(${ARG_DEPENDS} ${ARG_PRIVATE} ${ARG_HEADERS})
   set(patterns ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   foreach(folder ${ARG_SUBFOLDERS})
     list(APPEND patterns ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
@@ -55,9 +60,16 @@ function(lcmslam_library name)
   file(GLOB sources CONFIGURE_DEPENDS ${patterns})
   list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp)
   add_library(lcmslam_${name} STATIC ${sources})
-  target_include_directories(lcmslam_${name} PUBLIC ${CMAKE_BINARY_DIR}/include)
-  target_link_libraries(lcmslam_${name} PUBLIC ${ARG_DEPENDS} PRIVATE lcmslam_options ${ARG_PRIVATE})
+  target_include_directories(lcmslam_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/include>
+                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(lcmslam_${name} PUBLIC ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:lcmslam_options> ${ARG_PRIVATE})
+  foreach(item ${ARG_HEADERS})
+    target_link_libraries(lcmslam_${name} PRIVATE $<BUILD_INTERFACE:${item}>)
+  endforeach()
   lcmslam_precompile(lcmslam_${name} REUSE_FROM lcmslam_precompiled)
+  if(NOT ARG_INTERNAL)
+    lcmslam_install_library(${name} LINKS ${ARG_DEPENDS} ${ARG_PRIVATE})
+  endif()
 endfunction()
 
 # lcmslam_vectorise(FILE... [OPTIONS -f...]): row loops that the compiler vectorises at -O3; the sanitizer and debug
@@ -76,10 +88,11 @@ endfunction()
 # lcmslam_process(surf DEPENDS ...): procs/surf/{*_node.cpp,main.cpp} -> library lcmslam_surf_node, program lcmslam-surf.
 function(lcmslam_process name)
   cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
-  lcmslam_library(${name}_node DEPENDS lcmslam_messages lcmslam_runtime ${ARG_DEPENDS})
+  lcmslam_library(${name}_node INTERNAL DEPENDS lcmslam_messages lcmslam_runtime ${ARG_DEPENDS})
   target_include_directories(lcmslam_${name}_node PUBLIC ${CMAKE_SOURCE_DIR})
   add_executable(lcmslam-${name} main.cpp)
   target_link_libraries(lcmslam-${name} PRIVATE lcmslam_options lcmslam_${name}_node)
+  install(TARGETS lcmslam-${name} COMPONENT runtime)
 endfunction()
 
 # The same for tests.

@@ -4,7 +4,7 @@
 #include <exception>
 #include <iostream>
 
-#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/version.hpp>
 #include "tools/commands.hpp"
 
 namespace {
@@ -47,12 +47,12 @@ int main(int argc, char** argv) {
     std::cout << "lcmslam " << lcmslam_version << "\n";
     return 0;
   }
-  if (std::strcmp(name, "--help") == 0) {
+  if (std::strcmp(name, "--help") == 0 || std::strcmp(name, "help") == 0) {
     std::cout << "usage: lcmslam COMMAND [options]; lcmslam COMMAND --help for its options. Commands:";
     for (const Command& command : commands) std::cout << " " << command.name;
     std::cout << "\n";
     return 0;
   }
-  std::cerr << "lcmslam: unknown command '" << name << "'; ./lcmslam help lists them\n";
+  std::cerr << "lcmslam: unknown command '" << name << "'; lcmslam help lists them\n";
   return 2;
 }

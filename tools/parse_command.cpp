@@ -1,6 +1,6 @@
 #include "tools/parse_command.hpp"
 
-#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/version.hpp>
 
 namespace lcmslam {
 

@@ -60,7 +60,7 @@ class RgbdSource {
 struct DatasetOptions {
   std::filesystem::path calibration;    ///< overrides the data set's own; empty: look for it
   std::filesystem::path description;    ///< dataset YAML (keys: config/datasets/*.yaml); empty: look for it
-  std::filesystem::path config_folder;  ///< holds datasets/ and calibration/; empty: the source tree's
+  std::filesystem::path config_folder;  ///< holds datasets/ and calibration/; empty: share_path("config")
   int jpeg_quality = 90;                ///< for colour images that are not JPEG yet
 };
 

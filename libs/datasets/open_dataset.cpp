@@ -1,5 +1,6 @@
 #include <set>
 
+#include <lcmslam/configuration/share.hpp>
 #include <lcmslam/datasets/dataset.hpp>
 #include <lcmslam/datasets/description.hpp>
 #include <lcmslam/datasets/image_file.hpp>
@@ -98,7 +99,7 @@ std::string settle_truth(const std::string& truth_of, const RgbdCalibration& cal
 
 std::unique_ptr<RgbdSource> open_dataset(const fs::path& folder, const DatasetOptions& options) {
   if (!fs::is_directory(folder)) throw DatasetError(folder.string() + ": no such folder");
-  const fs::path config_folder = options.config_folder.empty() ? LCMSLAM_CONFIG_DIR : options.config_folder;
+  const fs::path config_folder = options.config_folder.empty() ? share_path("config") : options.config_folder;
   const Description description = find_description(folder, options, config_folder);
   Recording recording = read_recording(folder, description);
   if (recording.frames.empty()) {

@@ -1,3 +1,4 @@
+#include <lcmslam/configuration/share.hpp>
 #include <lcmslam/datasets/description.hpp>
 #include <lcmslam/datasets/landmark_recording.hpp>
 
@@ -7,7 +8,7 @@ namespace {
 namespace fs = std::filesystem;
 
 ConfigNode load_description(const std::string& format, const DatasetOptions& options) {
-  const fs::path folder = options.config_folder.empty() ? LCMSLAM_CONFIG_DIR : options.config_folder;
+  const fs::path folder = options.config_folder.empty() ? share_path("config") : options.config_folder;
   const ConfigNode config = ConfigNode::load(
       options.description.empty() ? folder / "datasets" / (format + ".yaml") : options.description);
   if (config.choice("format", format, {"mrclam", "victoria_park"}) != format)

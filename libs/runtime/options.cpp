@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <iostream>
 
+#include <lcmslam/runtime/version.hpp>
+
 namespace lcmslam {
 
 bool parse_options(int argc, char** argv, const std::string& process, const std::string& description,

@@ -11,8 +11,6 @@ namespace lcmslam {
 /// Asks for a receive buffer that big messages need and keeps traffic on this machine (LCM.md).
 constexpr const char* default_lcm_url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
 
-constexpr const char* lcmslam_version = "0.1.0";
-
 struct ProcessOptions {
   std::string config;
   std::string lcm_url;  ///< from --lcm-url, else LCM_DEFAULT_URL, else default_lcm_url

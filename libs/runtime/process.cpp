@@ -9,6 +9,7 @@
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/status_reporter.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
+#include <lcmslam/runtime/version.hpp>
 
 namespace lcmslam {
 namespace {
@@ -35,7 +36,7 @@ class Process {
     inputs_.subscribe<command_t>("COMMAND", 100, [this](const command_t& c) { on_command(c); });
     Receiver receiver(lcm_, inputs_);
     yield_to_receivers();  // after the receivers' threads have started
-    spdlog::info("{} runs", name_);
+    spdlog::info("{} {} runs", name_, lcmslam_version);
 
     Clock::time_point next_status = Clock::now();
     Clock::duration wait{0};

@@ -2,6 +2,7 @@
 #include <unistd.h>
 #include <iostream>
 
+#include <lcmslam/configuration/share.hpp>
 #include <lcmslam/map_request_t.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/options.hpp>
@@ -59,7 +60,7 @@ std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
 /// Options become overrides of the configuration. Throws ConfigError for a graph without a source.
 void complete(DemoOptions& o) {
   if (o.config.empty())
-    o.config = source_folder() / "config" / (o.data.empty() ? "demo.yaml" : "dataset.yaml");
+    o.config = share_path(o.data.empty() ? "config/demo.yaml" : "config/dataset.yaml");
   o.config = std::filesystem::absolute(o.config).lexically_normal();
   if (o.lcm_url.empty()) o.lcm_url = lcm_url_from_environment();
 

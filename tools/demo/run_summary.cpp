@@ -7,6 +7,7 @@
 
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/evaluation/trajectory_plot.hpp>
+#include <lcmslam/runtime/version.hpp>
 
 namespace lcmslam {
 namespace {
@@ -137,7 +138,8 @@ std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
 }
 
 void write_run_files(const std::filesystem::path& folder, const RunRecorder& run, const RunFacts& facts) {
-  nlohmann::json json = {{"title", facts.title},
+  nlohmann::json json = {{"version", lcmslam_version},
+                         {"title", facts.title},
                          {"config", facts.config},
                          {"wall_seconds", facts.seconds},
                          {"frames", status_value(status_of(run, "camera"), "frames")},

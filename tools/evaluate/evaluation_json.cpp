@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <lcmslam/runtime/version.hpp>
 #include "tools/evaluate/evaluation_report.hpp"
 
 namespace lcmslam {
@@ -73,9 +74,13 @@ nlohmann::json estimate_json(const EvaluatedEstimate& e) {
 
 nlohmann::json evaluation_json(const Evaluation& evaluation) {
   const EvaluationSettings& s = evaluation.settings;
-  nlohmann::json json = {{"truth", path_json(evaluation.truth)},  {"alignment", name_of(s.alignment)},
-                         {"association", name_of(s.association)}, {"max_difference_s", s.max_time_difference},
-                         {"clock_offset_s", s.clock_offset},      {"notes", evaluation.notes},
+  nlohmann::json json = {{"version", lcmslam_version},
+                         {"truth", path_json(evaluation.truth)},
+                         {"alignment", name_of(s.alignment)},
+                         {"association", name_of(s.association)},
+                         {"max_difference_s", s.max_time_difference},
+                         {"clock_offset_s", s.clock_offset},
+                         {"notes", evaluation.notes},
                          {"estimates", nlohmann::json::array()}};
   for (const EvaluatedEstimate& e : evaluation.estimates) json["estimates"].push_back(estimate_json(e));
   return json;

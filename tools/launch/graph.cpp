@@ -45,8 +45,4 @@ std::filesystem::path program_folder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
-std::filesystem::path source_folder() {
-  return LCMSLAM_SOURCE_DIR;
-}
-
 }  // namespace lcmslam

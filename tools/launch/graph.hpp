@@ -20,7 +20,5 @@ std::vector<ProcessSpec> read_graph(const GraphOptions& options);
 
 /// Folder of this program, where the processes' programs are too.
 std::filesystem::path program_folder();
-/// Root of the source tree, for config/ and out/.
-std::filesystem::path source_folder();
 
 }  // namespace lcmslam

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <iostream>
 
+#include <lcmslam/configuration/share.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "tools/commands.hpp"
 #include "tools/lcm-spy/spy_launch.hpp"
@@ -38,7 +39,7 @@ int lcm_spy_command(int argc, char** argv) {
 
   const SpyParts parts =
       find_spy_parts(from_environment("PATH"), {"/usr/share/java", "/usr/local/share/java"},
-                     std::filesystem::canonical("/proc/self/exe").parent_path(), from_environment("DISPLAY"));
+                     share_folder() / "java", from_environment("DISPLAY"));
   const std::string obstacle = spy_obstacle(parts);
   if (!obstacle.empty()) throw std::runtime_error(obstacle);
   std::vector<std::string> arguments = spy_arguments(parts, lcm_url, app.remaining());

@@ -54,7 +54,7 @@ bool display_answers(const std::string& display) {
 }
 
 SpyParts find_spy_parts(const std::string& search_path, const std::vector<fs::path>& libraries,
-                        const fs::path& programs, const std::string& display) {
+                        const fs::path& own, const std::string& display) {
   SpyParts parts;
   std::istringstream folders(search_path);
   for (std::string folder; parts.java.empty() && std::getline(folders, folder, ':');)
@@ -63,8 +63,8 @@ SpyParts find_spy_parts(const std::string& search_path, const std::vector<fs::pa
   parts.java_draws = !parts.java.empty() && has_windows(parts.java);
   parts.lcm_jar = find_file(libraries, "lcm.jar");
   parts.chart_jar = find_file(libraries, "jchart2d.jar");
-  parts.types_jar = find_file({programs}, "lcmslam_types.jar");
-  parts.plugin_jar = find_file({programs}, "lcmslam_spy.jar");
+  parts.types_jar = find_file({own}, "lcmslam_types.jar");
+  parts.plugin_jar = find_file({own}, "lcmslam_spy.jar");
   parts.display = display;
   return parts;
 }

@@ -19,10 +19,10 @@ struct SpyParts {
 /// Whether an X server of this machine (":0") takes connections; true for those of others, unasked.
 bool display_answers(const std::string& display);
 
-/// Looks in PATH (`search_path`: folders with ':' between), among installed Java libraries and beside our
-/// programs.
+/// Looks in PATH (`search_path`: folders with ':' between), among installed Java libraries and in the
+/// folder of our own.
 SpyParts find_spy_parts(const std::string& search_path, const std::vector<std::filesystem::path>& libraries,
-                        const std::filesystem::path& programs, const std::string& display);
+                        const std::filesystem::path& own, const std::string& display);
 
 /// What is missing and the line that mends it; empty when nothing is.
 std::string spy_obstacle(const SpyParts& parts);

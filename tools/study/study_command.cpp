@@ -7,8 +7,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include <lcmslam/configuration/share.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/version.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 #include "procs/camera/camera_log.hpp"
 #include "tools/commands.hpp"
@@ -46,8 +48,8 @@ double ate(const nlohmann::json& summary, const std::string& path) {
 }
 
 /// report.json of a study of its own, and its table on the screen.
-void write_report(const std::filesystem::path& folder, const nlohmann::json& report,
-                  const std::string& table) {
+void write_report(const std::filesystem::path& folder, nlohmann::json report, const std::string& table) {
+  report["version"] = lcmslam_version;
   std::ofstream file(folder / "report.json");
   file << report.dump(2) << "\n";
   if (!file) throw std::runtime_error((folder / "report.json").string() + " cannot be written");
@@ -81,8 +83,7 @@ int run_landmark_study(const std::string& data, int robot, std::string config, c
   const auto recording = open_landmark_dataset(data, robot, options);
   if (!recording) throw std::invalid_argument(data + " is neither an MRCLAM folder nor Victoria Park");
   if (config.empty())
-    config = std::string(LCMSLAM_SOURCE_DIR) +
-             (recording->twists.empty() ? "/config/victoria_park.yaml" : "/config/mrclam.yaml");
+    config = share_path(recording->twists.empty() ? "config/victoria_park.yaml" : "config/mrclam.yaml");
   const LandmarkStudyResult result = study_landmarks(*recording, load_config(config, overrides), seeds);
   nlohmann::json report = landmark_json(result);
   report["data"] = data;
@@ -97,11 +98,11 @@ int run_filter_study(const std::vector<std::string>& logs, const std::string& sc
   SurfaceDistance surface;
   if (!scene.empty()) {
     SimulationSettings settings;
-    settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/" + scene + ".yaml";
+    settings.scene = share_path("config/scenes/" + scene + ".yaml");
     simulation = std::make_unique<Simulation>(settings);
     surface = [&](const Eigen::Vector3d& point) { return simulation->distance_to_surface(point); };
   }
-  if (config.empty()) config = std::string(LCMSLAM_SOURCE_DIR) + "/config/replay.yaml";
+  if (config.empty()) config = share_path("config/replay.yaml");
   const auto scores = study_filter(logs, load_config(config, overrides), seeds, surface);
   nlohmann::json report = filter_json(scores);
   report["set"] = overrides;
@@ -112,8 +113,8 @@ int run_filter_study(const std::vector<std::string>& logs, const std::string& sc
 int run_depth_filter_study(const std::vector<int>& seeds) {
   DepthFilterStudySettings settings;
   settings.seed = static_cast<std::uint64_t>(seeds.front());
-  for (const char* scene : {"kitchen", "table", "office"})
-    settings.scenes.push_back((source_folder() / "config/scenes" / scene).string() + ".yaml");
+  for (const char* scene : {"kitchen.yaml", "table.yaml", "office.yaml"})
+    settings.scenes.push_back(share_path("config/scenes") / scene);
   const DepthFilterStudyResult result = study_depth_filter(depth_filter_methods(), settings);
   write_report(new_run_folder("study-depth-filter"), depth_filter_json(result, settings),
                depth_filter_table(result));
@@ -129,6 +130,7 @@ int run_feature_study(const std::string& data, const FeatureStudySettings& setti
   std::ofstream(folder / "features.csv") << feature_csv(result);
   nlohmann::json report = feature_json(result, settings);
   report["data"] = data;
+  report["version"] = lcmslam_version;
   std::ofstream json_file(folder / "features.json");
   json_file << report.dump(2) << "\n";
   if (!json_file) throw std::runtime_error((folder / "features.json").string() + " cannot be written");
@@ -216,7 +218,7 @@ int study_command(int argc, char** argv) {
   if (only == "depth-filter") return run_depth_filter_study(seeds);
   if (only == "resampling") {
     if (data.empty()) throw std::invalid_argument("--only resampling needs --data LOG with GROUND_TRUTH");
-    if (config.empty()) config = LCMSLAM_SOURCE_DIR "/config/replay.yaml";
+    if (config.empty()) config = share_path("config/replay.yaml");
     return run_resampling_study({data, config, overrides, seeds});
   }
   if (only == "features") {

@@ -1,4 +1,5 @@
 #include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/version.hpp>
 
 #include <gmock/gmock.h>
 

@@ -23,7 +23,7 @@ class LcmSpy : public ::testing::Test {
   }
   SpyParts find(const std::string& display = ":0") const {
     const std::string search = (folder_ / "nowhere").string() + ":" + (folder_ / "usr/bin").string();
-    return find_spy_parts(search, {folder_ / "jars"}, folder_ / "programs", display);
+    return find_spy_parts(search, {folder_ / "jars"}, folder_ / "own", display);
   }
   std::string obstacle(const std::string& display = ":0") const { return spy_obstacle(find(display)); }
 
@@ -46,9 +46,9 @@ TEST_F(LcmSpy, EachMissingPartIsNamedWithItsCure) {
   EXPECT_THAT(obstacle(), HasSubstr("apt-get install libjchart2d-java"));
   put("jars/jchart2d.jar");
   EXPECT_THAT(obstacle(), HasSubstr("lcmslam_types.jar was not built"));
-  put("programs/lcmslam_types.jar");
+  put("own/lcmslam_types.jar");
   EXPECT_THAT(obstacle(), HasSubstr("lcmslam_spy.jar was not built"));
-  put("programs/lcmslam_spy.jar");
+  put("own/lcmslam_spy.jar");
   EXPECT_THAT(obstacle(""), HasSubstr("DISPLAY is not set"));
   EXPECT_THAT(obstacle(":98765"), HasSubstr("no X server answers at DISPLAY=:98765"));
   EXPECT_EQ(obstacle("desk.example:0.0"), "") << "displays of other machines are not asked";

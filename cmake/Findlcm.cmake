@@ -1,0 +1,13 @@
+# LCM 1.4 and newer bring a CMake package; Debian's 1.3.1 does not. Makes lcm::lcm.
+include(FindPackageHandleStandardArgs)
+find_package(lcm CONFIG QUIET)
+if(NOT TARGET lcm::lcm)
+  find_path(LCM_INCLUDE_DIR lcm/lcm-cpp.hpp)
+  find_library(LCM_LIBRARY lcm)
+  find_package_handle_standard_args(lcm REQUIRED_VARS LCM_LIBRARY LCM_INCLUDE_DIR)
+  if(lcm_FOUND)
+    add_library(lcm::lcm INTERFACE IMPORTED)
+    target_include_directories(lcm::lcm SYSTEM INTERFACE ${LCM_INCLUDE_DIR})
+    target_link_libraries(lcm::lcm INTERFACE ${LCM_LIBRARY})
+  endif()
+endif()

@@ -1,0 +1,10 @@
+# Debian's libdeflate brings no CMake package. Makes libdeflate::libdeflate.
+include(FindPackageHandleStandardArgs)
+find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h)
+find_library(LIBDEFLATE_LIBRARY deflate)
+find_package_handle_standard_args(libdeflate REQUIRED_VARS LIBDEFLATE_LIBRARY LIBDEFLATE_INCLUDE_DIR)
+if(libdeflate_FOUND AND NOT TARGET libdeflate::libdeflate)
+  add_library(libdeflate::libdeflate INTERFACE IMPORTED)
+  target_include_directories(libdeflate::libdeflate SYSTEM INTERFACE ${LIBDEFLATE_INCLUDE_DIR})
+  target_link_libraries(libdeflate::libdeflate INTERFACE ${LIBDEFLATE_LIBRARY})
+endif()
