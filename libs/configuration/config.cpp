@@ -251,6 +251,7 @@ std::vector<ConfigNode> ConfigNode::sections(const std::string& key) const {
           std::make_shared<Data>(*item, data_->below(key) + "[" + std::to_string(made.size()) + "]"));
     }
   std::vector<ConfigNode> nodes;
+  nodes.reserve(made.size());
   for (const std::shared_ptr<Data>& item : made) nodes.push_back(ConfigNode(item));
   return nodes;
 }

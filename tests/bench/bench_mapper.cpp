@@ -43,7 +43,7 @@ struct BenchMessage {
 const std::vector<std::vector<BenchMessage>>& recording() {
   static const std::vector<std::vector<BenchMessage>> frames = [] {
     std::vector<std::vector<BenchMessage>> all;
-    const std::string folder = testing::recording("tum_fr1_rpy");
+    const std::string folder = recording_path("tum_fr1_rpy");
     if (!std::filesystem::exists(folder)) return all;
     const auto source = open_dataset(folder);
     testing::TestBus front;
@@ -67,7 +67,7 @@ const std::vector<std::vector<BenchMessage>>& recording() {
 
 void icp_frame(benchmark::State& state) {
   if (recording().empty()) return state.SkipWithError("no ../shared/data/tum_fr1_rpy");
-  const auto source = open_dataset(testing::recording("tum_fr1_rpy"));
+  const auto source = open_dataset(recording_path("tum_fr1_rpy"));
   keep_freed_memory();  // as processes do
   std::vector<double> whole, after_odometry;
   for (auto _ : state) {

@@ -39,9 +39,9 @@ struct Recorded {
 
   Recorded() {
     cv::setNumThreads(1);
-    auto frames = recorded_features(testing::recording("livingroom1/image"), 5);
+    auto frames = recorded_features(recording_path("livingroom1/image"), 5);
     const std::size_t first = frames.size();
-    for (auto& frame : recorded_features(testing::recording("tum_fr1_rpy/rgb"), 5)) frames.push_back(frame);
+    for (auto& frame : recorded_features(recording_path("tum_fr1_rpy/rgb"), 5)) frames.push_back(frame);
     if (first == 0 || frames.size() < first + 100) return;
     a = frames[first + 20];
     b = frames[first + 21];

@@ -55,7 +55,7 @@ struct Recording {
 class Import : public testing::TestWithParam<Recording> {};
 
 TEST_P(Import, WritesEveryFrameWithItsTruth) {
-  const auto folder = lcmslam::testing::recording(GetParam().folder);
+  const auto folder = ::lcmslam::recording_path(GetParam().folder);
   LCMSLAM_SKIP_WITHOUT(GetParam().folder);
   const TemporaryFolder out;
   const Result result = run({"lcmslam", "import", folder, out / "run.lcmlog"}, 120);
@@ -82,7 +82,7 @@ void expect_maps(const std::filesystem::path& folder, std::size_t least_landmark
 }
 
 TEST(DemoOfRecording, FiveFramesGiveMaps) {
-  const auto folder = lcmslam::testing::recording("rgbd_slambook2");
+  const auto folder = ::lcmslam::recording_path("rgbd_slambook2");
   LCMSLAM_SKIP_WITHOUT("rgbd_slambook2");
   const TemporaryFolder out;
   const Result result = run({"lcmslam", "demo", "--data", folder, "--headless", "--out", out.path()}, 180);
@@ -91,7 +91,7 @@ TEST(DemoOfRecording, FiveFramesGiveMaps) {
 }
 
 TEST(DemoOfRecording, ThreeSecondsOfAHandHeldCameraGiveMaps) {
-  const auto folder = lcmslam::testing::recording("tum_fr1_rpy");
+  const auto folder = ::lcmslam::recording_path("tum_fr1_rpy");
   LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
   const TemporaryFolder out;
   const Result result =

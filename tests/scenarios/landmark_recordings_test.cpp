@@ -82,7 +82,7 @@ class MrclamRobot : public ::testing::TestWithParam<int> {};
 
 TEST_P(MrclamRobot, OnlineEstimateAndMapAreNearTheTruth) {
   LCMSLAM_SKIP_WITHOUT("mrclam_dataset6");
-  const auto recording = open_landmark_dataset(testing::recording("mrclam_dataset6"), GetParam());
+  const auto recording = open_landmark_dataset(recording_path("mrclam_dataset6"), GetParam());
   ASSERT_TRUE(recording);
   const Result result = run(*recording, "mrclam.yaml", 11);
   EvaluationSettings settings;
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Robots, MrclamRobot, ::testing::Values(1, 3));
 // Against the batch solution of tools/study, a few filter seeds (all ten: lcmslam study --only landmarks).
 TEST(VictoriaPark, OnlineEstimateIsNearTheBatchSolution) {
   LCMSLAM_SKIP_WITHOUT("victoria_park");
-  const auto recording = open_landmark_dataset(testing::recording("victoria_park"));
+  const auto recording = open_landmark_dataset(recording_path("victoria_park"));
   ASSERT_TRUE(recording);
   const BatchSolution batch = solve_batch(*recording);
   std::cout << "batch solution: cost " << batch.cost << " of " << batch.residuals

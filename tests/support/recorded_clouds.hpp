@@ -45,7 +45,7 @@ inline std::vector<Eigen::Vector3f> read_ply(const std::filesystem::path& file) 
 
 /// An outdoor LiDAR pair (small_gicp) at 0.4 m.
 inline std::optional<RecordedPair> lidar_pair() {
-  const auto folder = testing::recording("registration/small_gicp/data");
+  const auto folder = recording_path("registration/small_gicp/data");
   if (!std::filesystem::exists(folder / "source.ply")) return std::nullopt;
   RecordedPair pair;
   pair.source.points = read_ply(folder / "source.ply");
@@ -61,7 +61,7 @@ inline std::optional<RecordedPair> lidar_pair() {
 
 /// Images 4 and 5 of slambook2's five, the book's poses: 0.4 m apart, approximate (3 cm).
 inline std::optional<RecordedPair> slambook2_pair() {
-  const auto folder = testing::recording("rgbd_slambook2");
+  const auto folder = recording_path("rgbd_slambook2");
   if (!std::filesystem::exists(folder / "pose.txt")) return std::nullopt;
   RgbdCalibration calibration;
   calibration.depth_registered = true;
@@ -89,7 +89,7 @@ inline std::optional<RecordedPair> slambook2_pair() {
 class Fr1Recording {
  public:
   static std::optional<Fr1Recording> open() {
-    const auto folder = testing::recording("tum_fr1_rpy");
+    const auto folder = recording_path("tum_fr1_rpy");
     if (!std::filesystem::exists(folder / "associations.txt")) return std::nullopt;
     return Fr1Recording(folder);
   }

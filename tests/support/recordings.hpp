@@ -6,17 +6,17 @@
 #include <filesystem>
 #include <string>
 
-namespace lcmslam::testing {
+namespace lcmslam {
 
-inline std::filesystem::path recordings() {
+inline std::filesystem::path recordings_folder() {
   const char* folder = std::getenv("LCMSLAM_DATA");
   return folder != nullptr ? std::filesystem::path(folder)
                            : std::filesystem::path(LCMSLAM_SOURCE_DIR) / ".." / "shared" / "data";
 }
 
 /// A file or a folder of them.
-inline std::filesystem::path recording(const std::string& name) {
-  return recordings() / name;
+inline std::filesystem::path recording_path(const std::string& name) {
+  return recordings_folder() / name;
 }
 
 /// One of logs/.
@@ -24,10 +24,10 @@ inline std::filesystem::path own_log(const std::string& name) {
   return std::filesystem::path(LCMSLAM_SOURCE_DIR) / "logs" / name;
 }
 
-}  // namespace lcmslam::testing
+}  // namespace lcmslam
 
 /// For tests of GoogleTest.
-#define LCMSLAM_SKIP_WITHOUT(name)                                   \
-  if (!std::filesystem::exists(::lcmslam::testing::recording(name))) \
-  GTEST_SKIP() << ::lcmslam::testing::recording(name)                \
+#define LCMSLAM_SKIP_WITHOUT(name)                               \
+  if (!std::filesystem::exists(::lcmslam::recording_path(name))) \
+  GTEST_SKIP() << ::lcmslam::recording_path(name)                \
                << " is not there: set LCMSLAM_DATA to the recordings' folder"

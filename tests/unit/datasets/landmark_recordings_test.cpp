@@ -165,7 +165,7 @@ TEST(VictoriaPark, ErrorsNameFileLineAndValue) {
 
 TEST(LandmarkRecordings, TheRealOnes) {
   LCMSLAM_SKIP_WITHOUT("mrclam_dataset6");
-  const fs::path data = testing::recordings();
+  const fs::path data = recordings_folder();
   const auto mrclam = open_landmark_dataset(data / "mrclam_dataset6", 3);
   ASSERT_TRUE(mrclam);
   EXPECT_TRUE(mrclam->problems.empty());

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 #define OPEN_OR_SKIP(source, name) \
   LCMSLAM_SKIP_WITHOUT(name);      \
-  const std::unique_ptr<RgbdSource> source = open_dataset(testing::recording(name))
+  const std::unique_ptr<RgbdSource> source = open_dataset(recording_path(name))
 
 // Median |z - measured| in m when frame a's points are moved into frame b by the true poses: only right
 // poses, intrinsics, depth scale and pairing of files make it small. `still`: the poses left out.
@@ -71,7 +71,7 @@ TEST(Recordings, TumFreiburg1Rpy) {
   ASSERT_TRUE(frame.has_value());
   EXPECT_EQ(frame->colour.coding, ImageCoding::jpeg);
   EXPECT_EQ(frame->colour.bytes.size(),
-            fs::file_size(testing::recording("tum_fr1_rpy/rgb/1305031229.528748.jpg")));
+            fs::file_size(recording_path("tum_fr1_rpy/rgb/1305031229.528748.jpg")));
   EXPECT_LT(reprojection_error(*source, 100, 115), 0.04);
   EXPECT_LT(reprojection_error(*source, 400, 410), 0.04);
 }

@@ -107,7 +107,7 @@ TEST(ClockOffset, NeedsPosesWithATruthAllOverTheRange) {
 // The publishers of fr1/xyz stamp truth and images by clocks that agree to about 20 ms.
 TEST(ClockOffset, OfARecordingIsSmallAndFoundAgainAfterAShift) {
   LCMSLAM_SKIP_WITHOUT("trajectories");
-  const auto folder = testing::recording("trajectories");
+  const auto folder = recording_path("trajectories");
   const Trajectory truth = read_tum(folder / "freiburg1_xyz-groundtruth.txt");
   const Trajectory estimate = read_tum(folder / "freiburg1_xyz-rgbdslam.txt");
   const ClockOffset found = estimate_clock_offset(truth, estimate);

@@ -39,7 +39,7 @@ class RecordedTrajectories : public ::testing::Test {
     return report.absolute.translation.rmse;
   }
 
-  const std::filesystem::path folder_ = testing::recording("trajectories");
+  const std::filesystem::path folder_ = recording_path("trajectories");
 };
 
 TEST_F(RecordedTrajectories, FreiburgXyzRgbdSlamHasThePublishedError) {

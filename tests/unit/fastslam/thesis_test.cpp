@@ -160,7 +160,7 @@ TEST(ThesisFilter, WeightsAreEqualInEveryParticle) {
 // Images of a hand-held camera that the planar filter follows badly: much is rejected and made anew.
 TEST(ThesisFilter, EqualOnARecording) {
   LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
-  testing::TumRecording recording(testing::recording("tum_fr1_rpy"));
+  testing::TumRecording recording(recording_path("tum_fr1_rpy"));
   Comparison both(small_thesis(5));
   for (std::size_t i = 0; i < 10; ++i) ASSERT_EQ(both.step(Motion(), recording.features(i)), "");
   EXPECT_GT(both.accepted, 10 * both.frames);

@@ -263,7 +263,7 @@ TEST(DescriptorSearch, AllocatesNothingOnceWarm) {
 
 TEST(DescriptorSearch, FindsNearlyAllNeighboursAmongRecordedDescriptors) {
   LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
-  const auto frames = recorded_features(testing::recording("tum_fr1_rpy/rgb"), 9);
+  const auto frames = recorded_features(recording_path("tum_fr1_rpy/rgb"), 9);
   const auto map = merged_map(frames, 20000);
   ASSERT_GT(map.size(), 8000u);
   DescriptorIndex index;

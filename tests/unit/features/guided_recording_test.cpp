@@ -22,7 +22,7 @@ struct RecordedRoom {
   std::vector<Eigen::Isometry3d> T_world_camera;
 
   RecordedRoom() {
-    const auto folder = testing::recording("livingroom1");
+    const auto folder = recording_path("livingroom1");
     std::ifstream log(folder / "test_scene" / "trajectory.log");
     std::vector<Eigen::Isometry3d> poses;
     for (int a, b, c; log >> a >> b >> c;) {

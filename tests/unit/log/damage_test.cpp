@@ -199,6 +199,24 @@ TEST(DamageCount, NumbersAroundItTellHowManyEventsItTook) {
   EXPECT_EQ(result.damages[1].lost, 1);
 }
 
+TEST(DamageCount, OneStretchIsOneDamage) {
+  Random random(3);
+  const SampleLog log = make_sample_log(random, 6);
+  // Two sync words with nothing behind them, where event 3 stood.
+  const SampleEvent &lost = log.events[3], &next = log.events[4];
+  Bytes nothing(lost.end - lost.begin, 0);
+  for (const std::size_t at : {std::size_t{0}, nothing.size() / 2}) {
+    const std::uint8_t sync[] = {0xED, 0xA1, 0xDA, 0x01};
+    std::copy(std::begin(sync), std::end(sync), nothing.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+  const Read result = read(replace(log, lost.begin, lost.end, nothing).bytes, testing::check_sum);
+  EXPECT_EQ(result.events.size(), 5U);
+  ASSERT_EQ(result.damages.size(), 1U);
+  EXPECT_EQ(result.damages[0].begin, lost.begin);
+  EXPECT_EQ(result.damages[0].end, next.begin);
+  EXPECT_EQ(result.damages[0].lost, 1);
+}
+
 TEST(DamageCount, ManyDamagesLeaveTheRest) {
   for (int seed = 0; seed < 200; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));

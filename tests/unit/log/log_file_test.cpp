@@ -229,7 +229,7 @@ class Recording : public ::testing::TestWithParam<std::pair<const char*, std::ma
 TEST_P(Recording, ReadsLikeStockLcm) {
   const auto [name, expected] = GetParam();
   LCMSLAM_SKIP_WITHOUT(name);
-  const std::string file = testing::recording(name);
+  const std::string file = recording_path(name);
   LogReader reader(file);
   lcm::LogFile stock(file, "r");
   std::map<std::string, int> counts;

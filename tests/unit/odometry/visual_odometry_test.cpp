@@ -187,7 +187,7 @@ TEST(VisualOdometry, SettingsAreChecked) {
 // A real hand-held Kinect, 4 s: tracks every frame, near the truth, the same for each run.
 TEST(VisualOdometry, FollowsARecordedCamera) {
   LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
-  testing::TumRecording recording(testing::recording("tum_fr1_rpy"));
+  testing::TumRecording recording(recording_path("tum_fr1_rpy"));
   constexpr std::size_t frames = 120;
   ASSERT_GE(recording.size(), frames);
   VisualOdometry odometry({}, Random(1)), again({}, Random(1));
@@ -202,7 +202,7 @@ TEST(VisualOdometry, FollowsARecordedCamera) {
     estimate.push_back({sample->utime, sample->T_odom_robot * frame.T_robot_camera});
     tracked += odometry.report().status == VisualStatus::tracking;
   }
-  const TrajectoryReport report = evaluate(read_tum(folder / "groundtruth.txt"), estimate);
+  const TrajectoryReport report = evaluate(read_tum(recording_path("tum_fr1_rpy/groundtruth.txt")), estimate);
   std::cout << "fr1_rpy, " << frames << " frames: ATE " << report.absolute.translation.rmse << " m over "
             << report.truth_length << " m, RPE " << report.per_second.translation.rmse << " m and "
             << report.per_second.rotation.rmse << " rad per second, tracked " << tracked << "\n";
@@ -212,7 +212,7 @@ TEST(VisualOdometry, FollowsARecordedCamera) {
   // The recording turns and hardly moves: its position says little, so that the turning must count.
   Trajectory still = estimate;
   for (StampedPose& pose : still) pose.T_world_body.setIdentity();
-  const TrajectoryReport standing = evaluate(read_tum(folder / "groundtruth.txt"), still);
+  const TrajectoryReport standing = evaluate(read_tum(recording_path("tum_fr1_rpy/groundtruth.txt")), still);
   EXPECT_LT(report.per_second.rotation.rmse, 0.2 * standing.per_second.rotation.rmse);
   std::cout << "standing still would have ATE " << standing.absolute.translation.rmse << " m, RPE "
             << standing.per_second.translation.rmse << " m and " << standing.per_second.rotation.rmse

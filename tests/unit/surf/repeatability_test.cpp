@@ -175,7 +175,7 @@ void add(Score& score, const std::vector<Keypoint>& from, const std::vector<Keyp
 }
 
 TEST(SurfRepeatability, IsNoWorseThanDlibs) {
-  const auto folder = testing::recording("tum_fr1_rpy");
+  const auto folder = recording_path("tum_fr1_rpy");
   LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
   std::vector<std::string> associations;
   std::ifstream file(folder / "associations.txt");

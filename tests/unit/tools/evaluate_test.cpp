@@ -21,7 +21,7 @@ using testing::truth_message;
 
 TEST_F(Evaluate, PublishedTrajectoryAgreesWithTheDefinition) {
   LCMSLAM_SKIP_WITHOUT("trajectories");
-  const auto folder = testing::recording("trajectories");
+  const auto folder = recording_path("trajectories");
   const auto truth = folder / "freiburg1_xyz-groundtruth.txt",
              estimate = folder / "freiburg1_xyz-rgbdslam.txt";
   ASSERT_EQ(run({"--truth", truth, estimate, "--json", path("r.json")}), 0) << output_;

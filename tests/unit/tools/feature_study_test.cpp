@@ -264,7 +264,7 @@ TEST(FeatureStudy, RefusesSettingsThatMeanNothing) {
 
 TEST(FeatureStudy, TwoPairsOfARecording) {
   LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
-  const auto source = open_dataset(testing::recording("tum_fr1_rpy"));
+  const auto source = open_dataset(recording_path("tum_fr1_rpy"));
   FeatureStudySettings settings;
   settings.apart = {5};
   settings.starts = 2;

@@ -35,7 +35,7 @@ PoseLog map(const std::filesystem::path& recording, const ScratchFolder& scratch
 }
 
 TEST(LivingRoom, MapperAgreesWithAJointAlignmentOfTheDepthImages) {
-  const auto recording = testing::recording("livingroom1");
+  const auto recording = recording_path("livingroom1");
   LCMSLAM_SKIP_WITHOUT("livingroom1");
   const ScratchFolder scratch;
   const PoseLog estimates = map(recording, scratch);
