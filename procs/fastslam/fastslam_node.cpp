@@ -47,18 +47,6 @@ std::int8_t wire_outcome(AssociationOutcome outcome) {
   return association_t::REJECTED;
 }
 
-landmark_t to_message(const Landmark& landmark) {
-  MapLandmark m;
-  m.id = landmark.id;
-  m.mean = landmark.mean;
-  m.covariance = landmark.covariance;
-  m.observations = landmark.observations;
-  m.rgb = landmark.colour;
-  m.descriptor = landmark.descriptor;
-  m.laplacian = landmark.laplacian;
-  return to_message(m, landmark.log_odds);
-}
-
 }  // namespace
 
 FastSlamNode::FastSlamNode(const ConfigNode& config, Publisher& publisher)
@@ -163,7 +151,7 @@ void FastSlamNode::publish_particles(Utime utime, const StepResult& result) {
   m.best = result.best;
   const std::vector<double> weights = slam_->weights();
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const rigid_transform_t T = lcmslam::to_message(slam_->particles()[i].T_world_robot);
+    const rigid_transform_t T = to_message(slam_->particles()[i].T_world_robot);
     particle_t p;
     for (int k = 0; k < 3; ++k) p.trans[k] = static_cast<float>(T.trans[k]);
     for (int k = 0; k < 4; ++k) p.quat[k] = static_cast<float>(T.quat[k]);
@@ -196,10 +184,8 @@ void FastSlamNode::publish_associations(const FeatureFrame& frame, const StepRes
 void FastSlamNode::publish_changes(Utime utime) {
   const MapChanges changes = slam_->take_changes();
   if (changes.changed.empty() && changes.removed.empty()) return;
-  std::vector<landmark_t> landmarks;
-  for (const Landmark& landmark : changes.changed) landmarks.push_back(to_message(landmark));
   // A change that needs several tiles goes out as several changes, each on top of the one before.
-  for (landmarks_t& tile : make_landmark_tiles(utime, 0, 0, landmarks, changes.removed)) {
+  for (landmarks_t& tile : make_landmark_tiles(utime, 0, 0, changes.changed, changes.removed)) {
     tile.base_revision = revision_;
     tile.map_revision = ++revision_;
     tile.tile = 0;
@@ -211,9 +197,7 @@ void FastSlamNode::publish_changes(Utime utime) {
 void FastSlamNode::publish_whole_map() {
   if (!slam_ || revision_ == 0) return;
   publish_changes(last_utime_);
-  std::vector<landmark_t> landmarks;
-  for (const Landmark& landmark : slam_->landmarks()) landmarks.push_back(to_message(landmark));
-  for (const landmarks_t& tile : make_landmark_tiles(last_utime_, revision_, 0, landmarks, {})) {
+  for (const landmarks_t& tile : make_landmark_tiles(last_utime_, revision_, 0, slam_->landmarks(), {})) {
     publisher_.publish("FASTSLAM_LANDMARKS", tile);
     std::this_thread::sleep_for(publisher_.pace());
   }
