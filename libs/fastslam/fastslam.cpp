@@ -25,14 +25,6 @@ StepPrior step_prior(const FrameAssociation& association) {
   return prior;
 }
 
-// Identities whose landmark died of contradiction.
-std::vector<std::int32_t> forgotten(const std::vector<int>& contradicted, const LandmarkIndex& index) {
-  std::vector<std::int32_t> identities;
-  for (const int slot : contradicted)
-    if (!index.alive(slot)) identities.push_back(index.record(slot).known_id);
-  return identities;
-}
-
 }  // namespace
 
 FastSlam::FastSlam(const FastSlamSettings& settings)
@@ -47,6 +39,7 @@ FastSlam::FastSlam(const FastSlamSettings& settings)
 }
 
 StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
+  // What was smoothed beside the filter comes first; then the frame, as measurements.
   StepResult result;
   result.rejuvenated = take_over_when_due(frame.utime);
   std::vector<FeaturePoint> measured = usable_features(frame, settings_);
@@ -89,18 +82,11 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   // Deaths and births, alike in all particles. New landmarks last, so that 2.0 is possible: nobody was
   // weighed by a landmark that his own step had made.
   const bool reunited = reunion(observations);
-  result.removed =
-      update_existence(index_, particles_.best().map, frame, points, observations.expected, observations.seen,
-                       observations.contradicted, particles_.best().T_world_robot, settings_);
-  const std::vector<std::int32_t> dead = forgotten(observations.contradicted, index_);
-  std::vector<int> chosen;
-  if (mapping) chosen = choose_new_landmarks(frame, points, observations.seen, index_, settings_);
-  const std::vector<LandmarkMatch> created = create_landmarks(frame, points, chosen);
-  result.created = static_cast<int>(created.size());
-  for (const LandmarkMatch& match : created)
-    result.associations.push_back(report(match, AssociationOutcome::created, points, index_));
+  const std::vector<std::int32_t> dead = remove_landmarks(frame, points, observations, result);
+  std::vector<LandmarkMatch> created;
+  if (mapping) created = create_landmarks(frame, points, observations, result);
 
-  // Smooth beside the filter what comes together.
+  // Remember the step for smoothing, which may begin.
   smooth_beside(
       {frame.utime, odometry, particles_.calibration().jacobian(), std::move(measured), std::move(points),
        observations.observed, created, dead, estimate.T_world_robot, covariance_.in_map(estimate)},
@@ -140,15 +126,32 @@ bool FastSlam::reunion(const StepObservations& observations) const {
          });
 }
 
+// Returns the identities whose landmark died of contradiction.
+std::vector<std::int32_t> FastSlam::remove_landmarks(const FeatureFrame& frame,
+                                                     const std::vector<FeaturePoint>& points,
+                                                     const StepObservations& observations,
+                                                     StepResult& result) {
+  const Particle& best = particles_.best();
+  result.removed = update_existence(index_, best.map, frame, points, observations.expected, observations.seen,
+                                    observations.contradicted, best.T_world_robot, settings_);
+  std::vector<std::int32_t> dead;
+  for (const int slot : observations.contradicted)
+    if (!index_.alive(slot)) dead.push_back(index_.record(slot).known_id);
+  return dead;
+}
+
 std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
                                                       const std::vector<FeaturePoint>& points,
-                                                      const std::vector<int>& chosen) {
+                                                      const StepObservations& observations,
+                                                      StepResult& result) {
   std::vector<LandmarkMatch> created;
-  for (const int p : chosen) {
+  for (const int p : choose_new_landmarks(frame, points, observations.seen, index_, settings_)) {
     const int feature = points[static_cast<std::size_t>(p)].feature;
     const int slot = index_.add(frame.features[static_cast<std::size_t>(feature)], settings_);
     created.push_back({p, slot, 0});
+    result.associations.push_back(report(created.back(), AssociationOutcome::created, points, index_));
   }
+  result.created = static_cast<int>(created.size());
   particles_.make_landmarks(created, points);
   covariance_.create(created);
   const Particle& best = particles_.best();

@@ -72,9 +72,12 @@ class FastSlam {
   TrackStatus status(const FrameAssociation& association, const Verdict& verdict, bool located) const;
   bool may_map(const FrameAssociation& association) const;
   bool reunion(const StepObservations& observations) const;
+  std::vector<std::int32_t> remove_landmarks(const FeatureFrame& frame,
+                                             const std::vector<FeaturePoint>& points,
+                                             const StepObservations& observations, StepResult& result);
   std::vector<LandmarkMatch> create_landmarks(const FeatureFrame& frame,
                                               const std::vector<FeaturePoint>& points,
-                                              const std::vector<int>& chosen);
+                                              const StepObservations& observations, StepResult& result);
 
   // fastslam_smoothing.cpp
   void smooth_beside(StepRecord step, bool reunion, const StepResult& result);
