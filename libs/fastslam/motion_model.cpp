@@ -41,4 +41,12 @@ Motion motion_prior(const Motion& odometry, const FastSlamSettings& s) {
   return prior;
 }
 
+Motion unknown_motion(Utime elapsed) {
+  const double seconds = 1e-6 * static_cast<double>(elapsed);
+  Motion motion;
+  motion.covariance.diagonal().head<3>().setConstant(std::pow(0.5 * seconds, 2));
+  motion.covariance.diagonal().tail<3>().setConstant(std::pow(1.0 * seconds, 2));
+  return motion;
+}
+
 }  // namespace lcmslam

@@ -11,6 +11,9 @@ namespace lcmslam {
 /// A motion that is not finite becomes "no idea": standing still, 0.5 m and 0.5 rad.
 Motion motion_prior(const Motion& odometry, const FastSlamSettings& settings);
 
+/// Without odometry the robot may have gone anywhere that its speed allows: 0.5 m and 1 rad a second, in us.
+Motion unknown_motion(Utime elapsed);
+
 /// Finite, symmetric, and not so wide that numbers fail.
 bool usable(const Motion& motion);
 

@@ -8,7 +8,7 @@ OdometryCalibration::OdometryCalibration(const FastSlamSettings& s) {
   const Eigen::Vector3d sigma(s.way_scale_sigma, s.heading_scale_sigma, s.heading_per_m_sigma);
   covariance_ = sigma.cwiseAbs2().asDiagonal();
   walk_ = (s.calibration_walk * sigma).cwiseAbs2();
-  floor_ = 0.01 * covariance_;
+  least_covariance_ = 0.01 * covariance_;
   on_ = sigma.maxCoeff() > 0;
 }
 

@@ -43,7 +43,7 @@ class OdometryCalibration {
   void end();
 
   /// The calibration is known from elsewhere; never so well that it could not drift.
-  void set_covariance(const Eigen::Matrix3d& covariance) { covariance_ = covariance + floor_; }
+  void set_covariance(const Eigen::Matrix3d& covariance) { covariance_ = covariance + least_covariance_; }
 
   /// J of the step.
   const Eigen::Matrix<double, 6, 3>& jacobian() const { return jacobian_; }
@@ -51,7 +51,7 @@ class OdometryCalibration {
 
  private:
   Eigen::Vector3d walk_;  // variance a metre
-  Eigen::Matrix3d covariance_, floor_;
+  Eigen::Matrix3d covariance_, least_covariance_;
   Vector6d measured_ = Vector6d::Zero();
   Eigen::Matrix<double, 6, 3> jacobian_ = Eigen::Matrix<double, 6, 3>::Zero();
   Eigen::Matrix<double, 3, 6> gain_ = Eigen::Matrix<double, 3, 6>::Zero();

@@ -1,5 +1,5 @@
 #pragma once
-// Systematic errors of a range-bearing sensor, the same for all sights:
+// Systematic errors of a range-bearing sensor, the same for all observations:
 //
 //   measured range = offset + (1 + scale) range,   measured bearing = turn + bearing
 //

@@ -130,12 +130,12 @@ void save_pcd(const fs::path& file, const ColouredCloud& cloud) {
   save(file, points);
 }
 
-void save_pcd(const fs::path& file, const std::vector<MapLandmark>& landmarks) {
+void save_pcd(const fs::path& file, const std::vector<Landmark>& landmarks) {
   pcl::PointCloud<pcl::PointXYZRGBL> points(static_cast<std::uint32_t>(landmarks.size()), 1);
   points.is_dense = true;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const MapLandmark& landmark = landmarks[i];
-    put(points[i], landmark.mean.cast<float>(), landmark.rgb[0], landmark.rgb[1], landmark.rgb[2]);
+    const Landmark& landmark = landmarks[i];
+    put(points[i], landmark.mean.cast<float>(), landmark.colour[0], landmark.colour[1], landmark.colour[2]);
     points[i].label = static_cast<std::uint32_t>(landmark.id);
   }
   save(file, points);

@@ -51,9 +51,9 @@ void save_ply(const std::filesystem::path& file, const ColouredCloud& cloud) {
   write_atomically(file, bytes);
 }
 
-void save_ply(const std::filesystem::path& file, const std::vector<MapLandmark>& landmarks) {
+void save_ply(const std::filesystem::path& file, const std::vector<Landmark>& landmarks) {
   bool wide = false;
-  for (const MapLandmark& landmark : landmarks)
+  for (const Landmark& landmark : landmarks)
     wide = wide || landmark.id > std::numeric_limits<std::int32_t>::max() ||
            landmark.id < std::numeric_limits<std::int32_t>::min();
   std::string properties = position_properties + colour_properties;
@@ -63,9 +63,9 @@ void save_ply(const std::filesystem::path& file, const std::vector<MapLandmark>&
     properties += std::string("property float cov_") + element + "\n";
 
   std::string bytes = header(landmarks.size(), properties);
-  for (const MapLandmark& landmark : landmarks) {
+  for (const Landmark& landmark : landmarks) {
     put(bytes, landmark.mean.cast<float>().eval());
-    for (const std::uint8_t channel : landmark.rgb) put(bytes, channel);
+    for (const std::uint8_t channel : landmark.colour) put(bytes, channel);
     if (wide)
       put(bytes, static_cast<double>(landmark.id));
     else

@@ -14,7 +14,7 @@ constexpr int max_tiles = 100'000;
 void LandmarkMap::put(const LandmarkChange& change) {
   if (change.base_revision == 0) landmarks_.clear();
   for (const std::int64_t id : change.removed) landmarks_.erase(id);
-  for (const MapLandmark& landmark : change.upserted) landmarks_[landmark.id] = landmark;
+  for (const Landmark& landmark : change.upserted) landmarks_[landmark.id] = landmark;
   revision_ = change.revision;
 }
 
@@ -57,7 +57,7 @@ bool LandmarkMap::add_tile(const LandmarkTile& tile) {
 
   landmarks_.clear();
   for (const auto& [index, part] : pending_)
-    for (const MapLandmark& landmark : part) landmarks_[landmark.id] = landmark;
+    for (const Landmark& landmark : part) landmarks_[landmark.id] = landmark;
   revision_ = pending_revision_;
   incomplete_ = false;
   pending_.clear();
@@ -73,13 +73,13 @@ void LandmarkMap::clear() {
   *this = LandmarkMap();
 }
 
-const MapLandmark* LandmarkMap::find(std::int64_t id) const {
+const Landmark* LandmarkMap::find(std::int64_t id) const {
   const auto found = landmarks_.find(id);
   return found == landmarks_.end() ? nullptr : &found->second;
 }
 
-std::vector<MapLandmark> LandmarkMap::landmarks() const {
-  std::vector<MapLandmark> ordered;
+std::vector<Landmark> LandmarkMap::landmarks() const {
+  std::vector<Landmark> ordered;
   ordered.reserve(landmarks_.size());
   for (const auto& [id, landmark] : landmarks_) ordered.push_back(landmark);
   return ordered;

@@ -5,30 +5,20 @@
 // owner asks the mapper for the whole map, which arrives in tiles, in any order, while further
 // changes keep coming.
 
-#include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <vector>
 
-namespace lcmslam {
+#include <lcmslam/features/landmark.hpp>
 
-struct MapLandmark {
-  std::int64_t id = 0;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();            ///< m, world
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2, world axes
-  int observations = 0;
-  std::array<std::uint8_t, 3> rgb{};
-  std::array<std::uint8_t, 64> descriptor{};
-  std::int8_t laplacian = 0;
-};
+namespace lcmslam {
 
 /// base_revision 0 starts from the empty map, whatever was there (a mapper that began anew).
 struct LandmarkChange {
   std::int64_t revision = 0;
   std::int64_t base_revision = 0;
-  std::vector<MapLandmark> upserted;
+  std::vector<Landmark> upserted;
   std::vector<std::int64_t> removed;
 };
 
@@ -37,7 +27,7 @@ struct LandmarkTile {
   std::int64_t revision = 0;
   int tile = 0;
   int tiles = 1;
-  std::vector<MapLandmark> landmarks;
+  std::vector<Landmark> landmarks;
 };
 
 class LandmarkMap {
@@ -59,21 +49,21 @@ class LandmarkMap {
   std::int64_t revision() const { return revision_; }
   std::size_t size() const { return landmarks_.size(); }
   /// nullptr when there is none.
-  const MapLandmark* find(std::int64_t id) const;
+  const Landmark* find(std::int64_t id) const;
   /// Ordered by id.
-  std::vector<MapLandmark> landmarks() const;
+  std::vector<Landmark> landmarks() const;
 
  private:
   void put(const LandmarkChange& change);
   bool contained(const LandmarkChange& change) const;
 
-  std::map<std::int64_t, MapLandmark> landmarks_;
+  std::map<std::int64_t, Landmark> landmarks_;
   std::int64_t revision_ = 0;
   bool incomplete_ = false;
 
   std::int64_t pending_revision_ = 0;
   std::size_t pending_tiles_ = 0;  ///< 0: no replacement under way
-  std::map<int, std::vector<MapLandmark>> pending_;
+  std::map<int, std::vector<Landmark>> pending_;
   std::deque<LandmarkChange> recent_;  ///< the last changes, to follow a replacement that is older
 };
 

@@ -22,10 +22,10 @@ void save_pcd(const std::filesystem::path& file, const ColouredCloud& cloud);
 
 /// x y z red green blue id observations and the upper triangle of the covariance (m^2) as cov_xx cov_xy
 /// cov_xz cov_yy cov_yz cov_zz. `id` is an int, or a double when one of them needs more than 32 bits.
-void save_ply(const std::filesystem::path& file, const std::vector<MapLandmark>& landmarks);
+void save_ply(const std::filesystem::path& file, const std::vector<Landmark>& landmarks);
 
 /// x y z rgb label; label is the id modulo 2^32 (PCD has no wider whole numbers in PCL).
-void save_pcd(const std::filesystem::path& file, const std::vector<MapLandmark>& landmarks);
+void save_pcd(const std::filesystem::path& file, const std::vector<Landmark>& landmarks);
 
 /// Points, colours and normals (empty when the file has none) through PCL. Throw std::runtime_error
 /// when the file is missing or is not such a file.

@@ -30,7 +30,7 @@ bool fits(const Eigen::Vector3f& point, double resolution) {
 
 }  // namespace
 
-landmark_t to_message(const MapLandmark& landmark, double log_odds) {
+landmark_t to_message(const Landmark& landmark) {
   landmark_t m;
   m.id = landmark.id;
   const Eigen::Matrix3d& S = landmark.covariance;
@@ -38,15 +38,15 @@ landmark_t to_message(const MapLandmark& landmark, double log_odds) {
   for (int i = 0; i < 3; ++i) m.mean[i] = landmark.mean(i);
   for (int i = 0; i < 6; ++i) m.covariance[i] = static_cast<float>(upper[i]);
   m.observations = landmark.observations;
-  m.existence = static_cast<float>(log_odds);
+  m.existence = static_cast<float>(landmark.log_odds);
   m.laplacian = landmark.laplacian;
-  std::copy(landmark.rgb.begin(), landmark.rgb.end(), m.colour);
+  std::copy(landmark.colour.begin(), landmark.colour.end(), m.colour);
   std::copy(landmark.descriptor.begin(), landmark.descriptor.end(), m.descriptor);
   return m;
 }
 
 std::vector<landmarks_t> make_landmark_tiles(Utime utime, std::int64_t revision, std::int64_t base_revision,
-                                             const std::vector<landmark_t>& landmarks,
+                                             const std::vector<Landmark>& landmarks,
                                              const std::vector<std::int64_t>& removed) {
   constexpr std::size_t per_tile = tile_bytes / landmark_bytes;
   const std::size_t tiles =
@@ -61,8 +61,8 @@ std::vector<landmarks_t> make_landmark_tiles(Utime utime, std::int64_t revision,
     m.base_revision = base_revision;
     m.tile = static_cast<int32_t>(k);
     m.n_tiles = static_cast<int32_t>(tiles);
-    m.landmarks.assign(landmarks.begin() + static_cast<std::ptrdiff_t>(share(landmarks.size(), k)),
-                       landmarks.begin() + static_cast<std::ptrdiff_t>(share(landmarks.size(), k + 1)));
+    for (std::size_t i = share(landmarks.size(), k); i < share(landmarks.size(), k + 1); ++i)
+      m.landmarks.push_back(to_message(landmarks[i]));
     m.removed.assign(removed.begin() + static_cast<std::ptrdiff_t>(share(removed.size(), k)),
                      removed.begin() + static_cast<std::ptrdiff_t>(share(removed.size(), k + 1)));
     m.n_landmarks = static_cast<int32_t>(m.landmarks.size());
@@ -71,21 +71,23 @@ std::vector<landmarks_t> make_landmark_tiles(Utime utime, std::int64_t revision,
   return messages;
 }
 
-std::vector<MapLandmark> landmarks_of(const landmarks_t& message) {
+std::vector<Landmark> landmarks_of(const landmarks_t& message) {
   check_range(message.n_tiles, 1, most_tiles, "n_tiles");
   check_range(message.tile, 0, message.n_tiles - 1, "tile");
-  std::vector<MapLandmark> landmarks;
+  std::vector<Landmark> landmarks;
   landmarks.reserve(message.landmarks.size());
   for (const landmark_t& m : message.landmarks) {
     for (const double v : m.mean) check_range(v, -largest_coordinate, largest_coordinate, "landmark mean");
     for (const float v : m.covariance) check_range(v, -1e12, 1e12, "landmark covariance");
-    MapLandmark landmark;
+    check_range(m.existence, -1e12, 1e12, "landmark existence");
+    Landmark landmark;
     landmark.id = m.id;
     landmark.mean = Eigen::Vector3d(m.mean[0], m.mean[1], m.mean[2]);
     const float* c = m.covariance;
     landmark.covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
     landmark.observations = m.observations;
-    std::copy(std::begin(m.colour), std::end(m.colour), landmark.rgb.begin());
+    landmark.log_odds = m.existence;
+    std::copy(std::begin(m.colour), std::end(m.colour), landmark.colour.begin());
     std::copy(std::begin(m.descriptor), std::end(m.descriptor), landmark.descriptor.begin());
     landmark.laplacian = m.laplacian;
     landmarks.push_back(landmark);

@@ -12,13 +12,13 @@ namespace lcmslam {
 /// Largest message that needs no special receive buffer (LCM.md C2).
 constexpr std::size_t tile_bytes = 58'000;
 
-landmark_t to_message(const MapLandmark& landmark, double log_odds);
+landmark_t to_message(const Landmark& landmark);
 
 /// One or more tiles; their origin and utime are set by the caller and the publisher.
 std::vector<landmarks_t> make_landmark_tiles(Utime utime, std::int64_t revision, std::int64_t base_revision,
-                                             const std::vector<landmark_t>& landmarks,
+                                             const std::vector<Landmark>& landmarks,
                                              const std::vector<std::int64_t>& removed);
-std::vector<MapLandmark> landmarks_of(const landmarks_t& message);
+std::vector<Landmark> landmarks_of(const landmarks_t& message);
 
 /// Positions in whole millimetres; points further than 32 m from the camera are left out.
 /// `revision` (keyframe_t.map_revision) tells one telling of the keyframe from the next: a mapper counts

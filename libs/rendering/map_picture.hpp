@@ -35,7 +35,7 @@ struct PictureRequest {
   int width = 1600, height = 1200;  ///< pixels, 64 to 8192
   std::string title;
   const ColouredCloud* cloud = nullptr;
-  const std::vector<MapLandmark>* landmarks = nullptr;  ///< dots, larger where more certain
+  const std::vector<Landmark>* landmarks = nullptr;  ///< dots, larger where more certain
   std::vector<PicturePath> paths;
   double resolution = 0.02;  ///< m, spacing of the cloud's points: splats close the surface
   bool dark = false;         ///< dark background instead of light

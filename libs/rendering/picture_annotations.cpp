@@ -184,10 +184,10 @@ void draw_path(cv::Mat& picture, const ViewCamera& camera, const PicturePath& pa
              fraction_bits);
 }
 
-void draw_landmarks(cv::Mat& picture, const ViewCamera& camera, const std::vector<MapLandmark>& landmarks,
+void draw_landmarks(cv::Mat& picture, const ViewCamera& camera, const std::vector<Landmark>& landmarks,
                     const PictureStyle& style) {
-  std::vector<std::pair<double, const MapLandmark*>> ordered;
-  for (const MapLandmark& landmark : landmarks)
+  std::vector<std::pair<double, const Landmark*>> ordered;
+  for (const Landmark& landmark : landmarks)
     if (landmark.mean.allFinite()) ordered.emplace_back(camera.project(landmark.mean).z(), &landmark);
   std::stable_sort(ordered.begin(), ordered.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -199,7 +199,7 @@ void draw_landmarks(cv::Mat& picture, const ViewCamera& camera, const std::vecto
     const double sigma = std::sqrt(std::max(landmark->covariance.trace() / 3, 1e-4));
     const double certainty = std::isfinite(sigma) ? std::clamp(-std::log10(sigma) / 2, 0.0, 1.0) : 0;
     const double radius = (2 + 5 * certainty) * crowd * style.unit;
-    const cv::Scalar colour(landmark->rgb[2], landmark->rgb[1], landmark->rgb[0]);
+    const cv::Scalar colour(landmark->colour[2], landmark->colour[1], landmark->colour[0]);
     const cv::Point centre = sub_pixel(camera.project(landmark->mean));
     const double one = 1 << fraction_bits;
     cv::circle(picture, centre, pixels((radius + crowd * style.unit) * one), style.frame, cv::FILLED,

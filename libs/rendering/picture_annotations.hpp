@@ -32,7 +32,7 @@ void draw_floor(cv::Mat& picture, const ViewCamera& camera, const std::vector<Ei
 void draw_path(cv::Mat& picture, const ViewCamera& camera, const PicturePath& path,
                const PictureStyle& style);
 /// Far ones first; radius by certainty.
-void draw_landmarks(cv::Mat& picture, const ViewCamera& camera, const std::vector<MapLandmark>& landmarks,
+void draw_landmarks(cv::Mat& picture, const ViewCamera& camera, const std::vector<Landmark>& landmarks,
                     const PictureStyle& style);
 
 void draw_title_and_legend(cv::Mat& picture, const PictureRequest& request, const PictureStyle& style);

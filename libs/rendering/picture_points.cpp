@@ -89,7 +89,7 @@ std::vector<Eigen::Vector3d> PicturePoints::extent(const ViewCamera* camera) con
     if (!camera || shown(candidates_[k], *camera, nearest))
       points.push_back(request_.cloud->points[candidates_[k]].cast<double>());
   if (request_.landmarks)
-    for (const MapLandmark& landmark : *request_.landmarks)
+    for (const Landmark& landmark : *request_.landmarks)
       if (landmark.mean.allFinite()) points.push_back(landmark.mean);
   for (const PicturePath& path : request_.paths)
     for (std::size_t i = 0; i < path.points.size(); i += path.points.size() / path_sample + 1)

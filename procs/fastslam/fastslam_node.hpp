@@ -23,8 +23,6 @@ class FastSlamNode : public Node {
   void start(const FeatureFrame& frame);
   Motion motion_to(Utime utime) const;
   void publish(const FeatureFrame& frame, const StepResult& result, double cpu_time);
-  void publish_particles(Utime utime, const StepResult& result);
-  void publish_associations(const FeatureFrame& frame, const StepResult& result);
   void publish_changes(Utime utime);
   void publish_whole_map();
   void publish_smoothed(const std::vector<SmoothedPose>& path);

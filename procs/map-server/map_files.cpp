@@ -43,7 +43,7 @@ void MapFiles::save_points(const std::string& name, const Map& map) {
   if (wants("pcd")) save_pcd(file(name + "_map.pcd"), map);
 }
 
-void MapFiles::save_landmarks(const std::string& name, const std::vector<MapLandmark>& landmarks,
+void MapFiles::save_landmarks(const std::string& name, const std::vector<Landmark>& landmarks,
                               const std::vector<Eigen::Vector3d>& path) {
   save_points(name, landmarks);
   if (!wants("png")) return;

@@ -18,7 +18,7 @@ class MapFiles {
   MapFiles(std::filesystem::path folder, const std::string& formats);
 
   /// NAME_map.ply, NAME_map.pcd, NAME_front.png, NAME_top.png. `path`: the robot's, m.
-  void save_landmarks(const std::string& name, const std::vector<MapLandmark>& landmarks,
+  void save_landmarks(const std::string& name, const std::vector<Landmark>& landmarks,
                       const std::vector<Eigen::Vector3d>& path);
   void save_cloud(const std::string& name, const ColouredCloud& cloud, double resolution,
                   const std::vector<Eigen::Vector3d>& path);

@@ -67,7 +67,7 @@ void MapServerNode::connect(Inputs& inputs) {
 }
 
 void MapServerNode::on_landmarks(const landmarks_t& message) {
-  std::vector<MapLandmark> landmarks = landmarks_of(message);
+  std::vector<Landmark> landmarks = landmarks_of(message);
   LandmarkMap& map = session_map(landmark_maps_, message.sender, fastslam_path_);
   try {
     if (message.base_revision == 0 && message.n_tiles > 1)

@@ -78,8 +78,8 @@ void make_messages(SeedFolder folder) {
   pose_estimate_t pose = make_pose_estimate(0, testing::some_pose(random), testing::some_covariance(random));
   pose.seq = pose.sender = 0;
   add_message(folder, pose);
-  std::vector<landmark_t> landmarks;
-  for (int id = 0; id < 3; ++id) landmarks.push_back(to_message(testing::some_landmark(random, id), 1));
+  std::vector<Landmark> landmarks;
+  for (int id = 0; id < 3; ++id) landmarks.push_back(testing::some_landmark(random, id));
   for (landmarks_t& tile : make_landmark_tiles(0, 2, 1, landmarks, {7})) {
     tile.seq = tile.sender = 0;
     add_message(folder, tile);

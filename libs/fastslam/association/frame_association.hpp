@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include <lcmslam/fastslam/association/association.hpp>
 #include <lcmslam/fastslam/association/consensus.hpp>
+#include <lcmslam/fastslam/association/landmark_matcher.hpp>
 #include <lcmslam/geometry/motion_buffer.hpp>
 
 namespace lcmslam {

@@ -10,8 +10,9 @@
 namespace lcmslam {
 namespace {
 
-constexpr double same_view_cosine = 0.87;  // within 30 degrees of the last sight SURF should find it again
-constexpr double same_scale = 1.5;         // and within this factor of its distance
+constexpr double same_view_cosine =
+    0.87;                           // within 30 degrees of the last observation SURF should find it again
+constexpr double same_scale = 1.5;  // and within this factor of its distance
 
 const Feature& feature_of(const FeatureFrame& frame, const FeaturePoint& point) {
   return frame.features[static_cast<std::size_t>(point.feature)];
@@ -74,7 +75,7 @@ std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vect
     ++occupied[grid.cell(f.x, f.y)];
   }
   std::vector<int> chosen;
-  std::set<std::int32_t> identities;  // one may be told twice in a frame
+  std::set<std::int32_t> identities;  // one may be read twice in a frame
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (const std::int32_t id = points[p].landmark_id; id >= 0) {
       if (index.find(id) < 0 && identities.insert(id).second) chosen.push_back(static_cast<int>(p));

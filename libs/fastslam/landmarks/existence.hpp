@@ -5,15 +5,16 @@
 #include <vector>
 
 #include <lcmslam/fastslam/association/association.hpp>
+#include <lcmslam/fastslam/association/visible_landmarks.hpp>
 
 namespace lcmslam {
 
-/// Counts sights and misses; returns how many landmarks died. `contradicted` are slots of known identity
-/// that the best particle rejected: a misread identity or a landmark that was moved dies by them, and is
-/// made anew where it is now. `matches` were seen (from
-/// `T_world_robot`, the best particle's pose after the step). A landmark counts as missed only where the
-/// frame proves that it should have shown: well inside the image, seen before from about there, and with
-/// a measured point beside it that is not in front of it.
+/// Counts observations and misses; returns how many landmarks died. `contradicted` are slots of known
+/// identity that the best particle rejected: a misread identity or a landmark that was moved dies by them,
+/// and is made anew where it is now. `matches` were seen (from `T_world_robot`, the best particle's pose
+/// after the step). A landmark counts as missed only where the frame proves that it should have shown: well
+/// inside the image, seen before from about there, and with a measured point beside it that is not in front
+/// of it.
 int update_existence(LandmarkIndex& index, const ParticleMap& map, const FeatureFrame& frame,
                      const std::vector<FeaturePoint>& points, const std::vector<VisibleLandmark>& visible,
                      const std::vector<LandmarkMatch>& matches, const std::vector<int>& contradicted,

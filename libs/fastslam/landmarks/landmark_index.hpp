@@ -18,15 +18,15 @@ namespace lcmslam {
 struct LandmarkRecord {
   /// -1: free slot. A known identity keeps its number; others count from first_own_id, never used twice.
   std::int64_t id = -1;
-  std::int32_t known_id = -1;  ///< identity that the sensor told; -1: known by its descriptor
+  std::int32_t known_id = -1;  ///< identity that the sensor reads; -1: known by its descriptor
   std::array<std::uint8_t, 3> colour{};
   std::int8_t laplacian = 0;
   int observations = 0;
-  int seen_step = 0;                                    ///< of the last sight, see unseen_steps()
+  int seen_step = 0;                                    ///< of the last observation, see unseen_steps()
   Utime measured = 0;                                   ///< time of the last measurement used
   double log_odds = 0;                                  ///< of existing
-  Eigen::Vector3d seen_from = Eigen::Vector3d::Zero();  ///< unit, world, landmark to camera, last sight
-  double seen_at = 0;                                   ///< m, range of the last sight
+  Eigen::Vector3d seen_from = Eigen::Vector3d::Zero();  ///< unit, world, landmark to camera, last observation
+  double seen_at = 0;                                   ///< m, range of the last observation
 };
 
 /// Below it ids are known identities, which are 32-bit numbers.
@@ -46,7 +46,7 @@ class LandmarkIndex {
   /// Ages all landmarks by a step; returns how many were forgotten: never well established, long unseen,
   /// and of no known identity. Cost: those that are due, not the map.
   int age(const FastSlamSettings& settings);
-  /// Steps since the last sight.
+  /// Steps since the last observation.
   int unseen_steps(int slot) const { return step_ - record(slot).seen_step; }
 
   /// Slots that were added, seen or set free since the last call, ascending.

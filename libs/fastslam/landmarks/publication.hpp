@@ -7,19 +7,9 @@
 
 #include <lcmslam/fastslam/landmarks/landmark_index.hpp>
 #include <lcmslam/fastslam/landmarks/particle_map.hpp>
+#include <lcmslam/features/landmark.hpp>
 
 namespace lcmslam {
-
-struct Landmark {
-  std::int64_t id = -1;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();            ///< m, world
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2, world
-  int observations = 0;
-  double log_odds = 0;                   ///< of existing
-  std::array<std::uint8_t, 3> colour{};  ///< R, G, B
-  std::int8_t laplacian = 0;
-  Descriptor descriptor{};
-};
 
 struct MapChanges {
   std::int64_t revision = 0;          ///< counts calls that changed something

@@ -59,9 +59,9 @@ class MotionError final : public ceres::SizedCostFunction<6, 6, 6> {
   Matrix6d root_;
 };
 
-class SightError final : public ceres::SizedCostFunction<3, 6, 3> {
+class ObservationError final : public ceres::SizedCostFunction<3, 6, 3> {
  public:
-  SightError(const Eigen::Isometry3d& T, const Measurement& z)
+  ObservationError(const Eigen::Isometry3d& T, const Measurement& z)
       : T_(T), z_(z.value), root_(z.covariance.llt().matrixL().solve(Eigen::Matrix3d::Identity().eval())) {}
 
   bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
@@ -92,7 +92,7 @@ Motion chained(const Motion& first, const Motion& second) {
 }  // namespace
 
 void MapSmoother::add(Utime utime, const Eigen::Isometry3d& T_world_robot,
-                      const std::optional<Motion>& motion, const std::vector<PointSight>& seen,
+                      const std::optional<Motion>& motion, const std::vector<PointObservation>& seen,
                       bool loop_closed) {
   loop_closed_ = loop_closed_ || loop_closed;
   if (keyframes_.empty())
@@ -114,7 +114,7 @@ void MapSmoother::add(Utime utime, const Eigen::Isometry3d& T_world_robot,
 // Where the search starts. A closed loop's error is more than a linearisation bears: it is first shared out
 // over the motions since what is recognised was last seen, to each by its variance, and all between moves by
 // its part of the whole correction (trajectory bending: Dubbelman and Browning 2015).
-std::vector<Eigen::Isometry3d> MapSmoother::bent_path() const {
+std::vector<Eigen::Isometry3d> MapSmoother::deformed_path() const {
   std::vector<Eigen::Isometry3d> path;
   std::map<std::int64_t, std::size_t> last_seen;  // keyframe
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
@@ -122,7 +122,7 @@ std::vector<Eigen::Isometry3d> MapSmoother::bent_path() const {
     path.push_back(k.T_world_robot);
     if (k.loop_closed && k.motion && i > 0) {
       std::size_t from = 0;
-      for (const PointSight& s : k.seen)
+      for (const PointObservation& s : k.seen)
         if (const auto found = last_seen.find(s.landmark); found != last_seen.end())
           from = std::max(from, found->second);
       std::vector<double> share(i + 1, 0);  // summed from there
@@ -133,24 +133,24 @@ std::vector<Eigen::Isometry3d> MapSmoother::bent_path() const {
       for (std::size_t j = from + 1; j < i; ++j)
         path[j] = se3_exp(Vector6d(share[j] / share[i] * correction)) * path[j];
     }
-    for (const PointSight& s : k.seen) last_seen[s.landmark] = i;
+    for (const PointObservation& s : k.seen) last_seen[s.landmark] = i;
   }
   return path;
 }
 
 std::optional<MapSmoothing> MapSmoother::solve() const {
   if (keyframes_.size() < 2) return std::nullopt;
-  std::map<std::int64_t, int> sights;
+  std::map<std::int64_t, int> observations;
   for (const Keyframe& k : keyframes_)
-    for (const PointSight& s : k.seen) ++sights[s.landmark];
+    for (const PointObservation& s : k.seen) ++observations[s.landmark];
 
   MapSmoothing result;
-  const std::vector<Eigen::Isometry3d> start = bent_path();
+  const std::vector<Eigen::Isometry3d> start = deformed_path();
   // Ceres eliminates parameters in the order of their addresses: only arrays give the same bytes in every
   // run.
   std::vector<Vector6> xi(keyframes_.size(), Vector6{});
-  std::vector<Eigen::Vector3d> points;  // by order of first sight; never moves
-  points.reserve(sights.size());
+  std::vector<Eigen::Vector3d> points;  // by order of first observation; never moves
+  points.reserve(observations.size());
   std::map<std::int64_t, double*> point_of;
   ceres::CauchyLoss robust(settings_.huber_width);
   ceres::Problem::Options problem_options;
@@ -168,15 +168,15 @@ std::optional<MapSmoothing> MapSmoother::solve() const {
       problem.AddResidualBlock(new MotionError(start[i - 1], start[i], k.motion->T_from_to, root), nullptr,
                                xi[i - 1].data(), xi[i].data());
     }
-    for (const PointSight& s : k.seen) {
-      if (sights[s.landmark] < 2) continue;
+    for (const PointObservation& s : k.seen) {
+      if (observations[s.landmark] < 2) continue;
       auto [landmark, first] = point_of.try_emplace(s.landmark, nullptr);
       if (first) {
         landmark->second = points.emplace_back(start[i] * s.measurement.value).data();
         problem.AddParameterBlock(landmark->second, 3);
         options.linear_solver_ordering->AddElementToGroup(landmark->second, 0);
       }
-      problem.AddResidualBlock(new SightError(start[i], s.measurement), &robust, xi[i].data(),
+      problem.AddResidualBlock(new ObservationError(start[i], s.measurement), &robust, xi[i].data(),
                                landmark->second);
     }
   }

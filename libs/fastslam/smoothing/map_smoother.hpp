@@ -20,14 +20,14 @@
 
 namespace lcmslam {
 
-struct PointSight {
+struct PointObservation {
   std::int64_t landmark = 0;  ///< id that is never used twice
   Measurement measurement;    ///< of kind point
 };
 
 struct MapSmoothing {
   std::vector<SmoothedPose> path;                     ///< of the keyframes
-  std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< those of two sights or more; m, world
+  std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< those of two observations or more; m, world
   Eigen::Isometry3d T_world_correction = Eigen::Isometry3d::Identity();  ///< T_smoothed = T * T_estimated,
                                                                          ///< at the newest keyframe
   double cost_before = 0, cost_after = 0;                                ///< half the weighted squares
@@ -42,7 +42,7 @@ class MapSmoother {
   /// the noise that the filter gives it; nothing where the robot was put elsewhere. `loop_closed`: the pose
   /// is that of a place recognised, and the motion leads from where drift had put the robot.
   void add(Utime utime, const Eigen::Isometry3d& T_world_robot, const std::optional<Motion>& motion,
-           const std::vector<PointSight>& seen, bool loop_closed = false);
+           const std::vector<PointObservation>& seen, bool loop_closed = false);
 
   /// Minimises over all keyframes. Changes nothing here: a copy may be solved beside the filter. Nothing
   /// with fewer than two keyframes.
@@ -55,10 +55,10 @@ class MapSmoother {
     Utime utime = 0;
     Eigen::Isometry3d T_world_robot;
     std::optional<Motion> motion;  // from the keyframe before
-    std::vector<PointSight> seen;
+    std::vector<PointObservation> seen;
     bool loop_closed = false;
   };
-  std::vector<Eigen::Isometry3d> bent_path() const;
+  std::vector<Eigen::Isometry3d> deformed_path() const;
 
   FastSlamSettings settings_;
   std::vector<Keyframe> keyframes_;

@@ -40,16 +40,16 @@ struct PathSmoother::Graph {
     Eigen::Vector2d from_mean = Eigen::Vector2d::Zero(), to_mean = Eigen::Vector2d::Zero();
     double sum = 0, cosine = 0, sine = 0;
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      from_mean += said[i].weight * from(i);
-      to_mean += said[i].weight * to(i);
-      sum += said[i].weight;
+      from_mean += published[i].weight * from(i);
+      to_mean += published[i].weight * to(i);
+      sum += published[i].weight;
     }
     from_mean /= sum;
     to_mean /= sum;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const Eigen::Vector2d p = from(i) - from_mean, q = to(i) - to_mean;
-      cosine += said[i].weight * p.dot(q);
-      sine += said[i].weight * (p.x() * q.y() - p.y() * q.x());
+      cosine += published[i].weight * p.dot(q);
+      sine += published[i].weight * (p.x() * q.y() - p.y() * q.x());
     }
     const double turn = std::atan2(sine, cosine);
     const Eigen::Vector2d t = to_mean - Eigen::Rotation2Dd(turn) * from_mean;
@@ -70,20 +70,20 @@ struct PathSmoother::Graph {
   Eigen::Vector3d sensor_sigma;
   std::deque<std::array<double, 3>> poses;  // x, y, heading; a deque: addresses stay
   std::vector<Utime> utimes;
-  struct Said {
+  struct Published {
     Eigen::Vector2d position;
     double weight;
   };
-  std::vector<Said> said;  // by the filter, of each pose
+  std::vector<Published> published;  // by the filter, of each pose
   std::map<std::int32_t, std::array<double, 2>> landmarks;
-  std::map<std::int32_t, std::size_t> sights;  // of each landmark
+  std::map<std::int32_t, std::size_t> observations;  // of each landmark
   CalibrationMean calibration = CalibrationMean::Zero();
   Eigen::Vector3d sensor = Eigen::Vector3d::Zero();
-  // Since the newest pose: steps without a sight make one motion.
+  // Since the newest pose: steps without an observation make one motion.
   Eigen::Isometry3d T_pose_now = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();
   Eigen::Matrix<double, 6, 3> jacobian = Eigen::Matrix<double, 6, 3>::Zero();
-  std::size_t residuals = 0;  // of sights
+  std::size_t residuals = 0;  // of observations
   bool solved = false;
 };
 

@@ -23,7 +23,7 @@ PathSmoother::Graph::Graph(const FastSlamSettings& s)
 
 void PathSmoother::Graph::add_pose(Utime utime, const Eigen::Isometry3d& T_world_robot,
                                    const Matrix6d& covariance_then) {
-  said.push_back(
+  published.push_back(
       {T_world_robot.translation().head<2>(), 1 / (1e-9 + covariance_then.topLeftCorner<2, 2>().trace())});
   const Eigen::Vector3d x = planar(T_world_robot);
   poses.push_back({x.x(), x.y(), x.z()});
@@ -32,7 +32,7 @@ void PathSmoother::Graph::add_pose(Utime utime, const Eigen::Isometry3d& T_world
 
 void PathSmoother::Graph::place_world() {
   const Eigen::Isometry3d T =
-      fit([&](std::size_t i) { return position(i); }, [&](std::size_t i) { return said[i].position; });
+      fit([&](std::size_t i) { return position(i); }, [&](std::size_t i) { return published[i].position; });
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Eigen::Vector3d moved = planar(T * pose(i));
     poses[i] = {moved.x(), moved.y(), moved.z()};
@@ -84,7 +84,7 @@ void PathSmoother::add(Utime utime, const Motion& motion,
     g.problem->AddResidualBlock(new ceres::AutoDiffCostFunction<LandmarkError, 2, 3, 2, 3>(error),
                                 g.robust.get(), g.poses.back().data(), landmark->second.data(),
                                 g.sensor.data());
-    ++g.sights[m.landmark_id];
+    ++g.observations[m.landmark_id];
     ++g.residuals;
   }
 }
@@ -93,9 +93,9 @@ void PathSmoother::forget(std::int32_t landmark_id) {
   Graph& g = *graph_;
   const auto landmark = g.landmarks.find(landmark_id);
   if (landmark == g.landmarks.end()) return;
-  g.residuals -= g.sights[landmark_id];
+  g.residuals -= g.observations[landmark_id];
   g.problem->RemoveParameterBlock(landmark->second.data());  // and its residuals
-  g.sights.erase(landmark_id);
+  g.observations.erase(landmark_id);
   g.landmarks.erase(landmark);
 }
 

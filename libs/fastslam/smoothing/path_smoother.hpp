@@ -1,16 +1,16 @@
 #pragma once
-// The whole path and map at once, from the odometry and all sights of landmarks of known identity:
+// The whole path and map at once, from the odometry and all observations of landmarks of known identity:
 //
 //   sum |e_odometry|^2_Q + sum rho(|z - h(pose, landmark, s)|^2_R) + |c|^2_prior + |s|^2_prior
 //
 // (c: the odometry's calibration, s: the sensor's) solved by Ceres with Cauchy's rho, so that a wrong
-// identity does not bend the map. Its Gaussian posterior gives back to the filter what resampling takes away:
-// paths that differ from each other all the way (a move step of resample-move filters, Gilks and Berzuini
-// 2001). It is the smoothed map on request, too. Planar poses (x, y, heading) and planar landmarks.
+// identity does not deform the map. Its Gaussian posterior gives back to the filter what resampling takes
+// away: paths that differ from each other all the way (a move step of resample-move filters, Gilks and
+// Berzuini 2001). It is the smoothed map on request, too. Planar poses (x, y, heading) and planar landmarks.
 //
-// Sights and odometry leave the world's place free. It is chosen so that the path fits best to what the
-// filter said at each time, by its covariance then: what was said stays as right as it can, and the world
-// does not turn under a robot because its first metres are seen in another light.
+// Observations and odometry leave the world's place free. It is chosen so that the path fits best to what the
+// filter published at each time, by its covariance then: what was published stays as right as it can, and the
+// world does not turn under a robot because its first metres are seen in another light.
 
 #include <cstdint>
 #include <map>
@@ -57,7 +57,7 @@ class PathSmoother {
   /// The landmark was no longer there: what was seen of it counts no more.
   void forget(std::int32_t landmark_id);
 
-  /// Poses: of the first step, and of each with a sight.
+  /// Poses: of the first step, and of each with an observation.
   std::size_t size() const;
 
   /// Minimises; the cost per measurement afterwards (0.5 per residual component when consistent), 0 when

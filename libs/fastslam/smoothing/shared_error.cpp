@@ -21,11 +21,11 @@ void SharedError::observe(const std::vector<LandmarkMatch>& accepted, int minimu
   for (const LandmarkMatch& match : accepted) {
     Record& landmark = landmarks_[static_cast<std::size_t>(match.slot)];
     sum += landmark.made_at;
-    shares += 1.0 / landmark.sights++;
+    shares += 1.0 / landmark.observations++;
   }
   const auto count = static_cast<double>(accepted.size());
   const Matrix6d mean = (sum.cast<double>() + shares * carried(adjoint(T_world_robot), spread)) / count;
-  const double part = count / (count + minimum_consensus);  // a few do not tell the whole pose
+  const double part = count / (count + minimum_consensus);  // a few do not fix the whole pose
   covariance_ += part * (mean - covariance_);
 }
 

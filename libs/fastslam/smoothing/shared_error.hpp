@@ -1,13 +1,13 @@
 #pragma once
-// What the particles' spread does not tell: the error that all of them share. A hundred particles forget what
+// What the particles' spread does not show: the error that all of them share. A hundred particles forget what
 // they did not know of their past with every resampling (Bailey, Nieto and Nebot 2006, "Consistency of the
 // FastSLAM algorithm"), but the map remembers it: a robot that stands among landmarks knows no better where
 // it is than the robot knew that mapped them.
 //
 // So each landmark keeps the covariance B of the shared error when it was made, as of a twist of the world
 // (left perturbation exp(xi) T), in which it holds for the landmark and whoever looks at it alike. Each of
-// its n accepted sights so far came from a pose that erred by the spread L besides, independently, and the
-// landmark is their mean. Over the landmarks in sight,
+// its n accepted observations so far came from a pose that erred by the spread L besides, independently, and
+// the landmark is their mean. Over the landmarks in sight,
 //
 //   B = mean(B_landmark + L / n)
 //
@@ -36,7 +36,7 @@ class SharedError {
   Matrix6d covariance_ = Matrix6d::Zero();  // B: of a twist of the world, m, rad
   struct Record {
     Compact made_at = Compact::Zero();
-    int sights = 0;
+    int observations = 0;
   };
   std::vector<Record> landmarks_;  // by slot
 };

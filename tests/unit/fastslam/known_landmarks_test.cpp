@@ -226,7 +226,7 @@ TEST(KnownLandmarks, FewLineagesAreReasonEnoughToDrawAnew) {
   world.frames = 400;
   const PlanarDrive drive = make_planar_drive(world, 5);
   std::vector<double> spread;
-  std::vector<int> drawn_anew;  // also where a sight contradicts its landmark
+  std::vector<int> drawn_anew;  // also where an observation contradicts its landmark
   for (const double lineages : {0.0, 0.25}) {
     std::vector<Eigen::Vector2d> ends;
     int drawn = 0;

@@ -40,16 +40,16 @@ Planted plant(bool planar, std::uint64_t seed, MapSmoother& smoother, double wro
     }
     world.truth.push_back(T);
     world.estimated.push_back(T * T_error);
-    std::vector<PointSight> seen;
+    std::vector<PointObservation> seen;
     for (std::size_t p = 0; p < world.points.size(); ++p) {
       const Eigen::Vector3d local = T.inverse() * world.points[p];
       if (local.x() < 0.3 || local.norm() > 4 || std::abs(local.y()) > local.x()) continue;
-      PointSight sight;
-      sight.landmark = static_cast<std::int64_t>(p);
-      if (random.uniform() < wrong) sight.landmark = static_cast<std::int64_t>(random.below(150));
-      sight.measurement.value = local;
-      sight.measurement.covariance = 1e-4 * Eigen::Matrix3d::Identity();
-      seen.push_back(sight);
+      PointObservation observation;
+      observation.landmark = static_cast<std::int64_t>(p);
+      if (random.uniform() < wrong) observation.landmark = static_cast<std::int64_t>(random.below(150));
+      observation.measurement.value = local;
+      observation.measurement.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+      seen.push_back(observation);
     }
     smoother.add(1'000'000 + i, world.estimated.back(), motion, seen);
   }
@@ -58,7 +58,7 @@ Planted plant(bool planar, std::uint64_t seed, MapSmoother& smoother, double wro
 
 class Planting : public ::testing::TestWithParam<bool> {};
 
-TEST_P(Planting, ExactSightsGiveTheExactPathAndMap) {
+TEST_P(Planting, ExactObservationsGiveTheExactPathAndMap) {
   FastSlamSettings settings;
   settings.planar = GetParam();
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -82,7 +82,7 @@ TEST_P(Planting, ExactSightsGiveTheExactPathAndMap) {
   }
 }
 
-TEST_P(Planting, WrongMatchesDoNotBendIt) {
+TEST_P(Planting, WrongMatchesDoNotDeformIt) {
   FastSlamSettings settings;
   settings.planar = GetParam();
   MapSmoother smoother(settings);
@@ -98,10 +98,10 @@ INSTANTIATE_TEST_SUITE_P(Spaces, Planting, ::testing::Bool(),
 
 TEST(MapSmoother, StandingStillMakesNoKeyframes) {
   MapSmoother smoother(FastSlamSettings{});
-  PointSight sight;
-  sight.measurement.value << 1, 0, 0;
-  sight.measurement.covariance = 1e-4 * Eigen::Matrix3d::Identity();
-  for (int i = 0; i < 100; ++i) smoother.add(i, Eigen::Isometry3d::Identity(), Motion(), {sight});
+  PointObservation observation;
+  observation.measurement.value << 1, 0, 0;
+  observation.measurement.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+  for (int i = 0; i < 100; ++i) smoother.add(i, Eigen::Isometry3d::Identity(), Motion(), {observation});
   EXPECT_EQ(smoother.keyframes(), 1U);
   EXPECT_FALSE(smoother.solve());
 }

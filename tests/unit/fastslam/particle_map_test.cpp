@@ -80,7 +80,7 @@ TEST(CompactLandmark, StaysSymmetricAndPositiveForMillionUpdates) {
   EXPECT_GT(smallest_eigenvalue(P), 0);
 }
 
-// Ten thousand sights of a landmark 4 km from the origin: mean and covariance are those of a filter in
+// Ten thousand observations of a landmark 4 km from the origin: mean and covariance are those of a filter in
 // doubles.
 TEST(CompactLandmark, FiltersAsDoublesDoFarFromTheOrigin) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

@@ -35,13 +35,13 @@ struct Smoothings {
 Smoothings count_smoothings(const PlanarDrive& drive, double share) {
   FastSlam slam(settings_with(share));
   Smoothings smoothings;
-  int sights = 0;
+  int observed = 0;
   for (const PlanarStep& step : drive.steps) {
     if (slam.step(step.motion, step.frame).rejuvenated) {
       ++smoothings.count;
-      smoothings.time += time_per_pose * (1 + sights);
+      smoothings.time += time_per_pose * (1 + observed);
     }
-    sights += !step.frame.features.empty();
+    observed += !step.frame.features.empty();
   }
   return smoothings;
 }

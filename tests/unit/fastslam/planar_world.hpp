@@ -19,7 +19,7 @@ struct PlanarWorldSettings {
   double correlation = 0;  // of the range's error of one beacon from frame to frame
   double translation_sigma = 0.004, rotation_sigma = 0.004;  // of a step, as odometry states them
   double heading_per_m = 0;                                  // rad; systematic, and not stated
-  double wrong_identity = 0;  // probability that a sight carries another beacon's identity
+  double wrong_identity = 0;  // probability that an observation carries another beacon's identity
   double maximum_range = 6;
   bool offsets = false;  // planar offsets with range_sigma on each axis instead of range and bearing
 };

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <lcmslam/fastslam/landmarks/symmetric.hpp>
-#include <lcmslam/fastslam/motion_model.hpp>
 #include <lcmslam/fastslam/pose_space.hpp>
 #include <lcmslam/fastslam/proposal.hpp>
 
@@ -200,35 +199,6 @@ TEST(Proposal, OneWrongMatchHardlyMovesIt) {
   const auto T_wrong =
       measurement_posterior(settings, Q, Eigen::Isometry3d::Identity(), observations).T_world_robot;
   EXPECT_LT((T_clean.translation() - T_wrong.translation()).norm(), 0.005);
-}
-
-TEST(MotionModel, VisualOdometryIsBelievedLess) {
-  FastSlamSettings settings;
-  settings.translation_noise = settings.rotation_noise = 1e-6;
-  settings.translation_noise_per_m = settings.rotation_noise_per_m = settings.rotation_noise_per_rad = 0;
-  Motion motion;
-  motion.covariance = prior_covariance(0.01, 0.01);
-  const Matrix6d wheels = motion_prior(motion, settings).covariance;
-  motion.visual = true;
-  const Matrix6d visual = motion_prior(motion, settings).covariance;
-  EXPECT_NEAR(visual(0, 0) / wheels(0, 0), settings.visual_factor * settings.visual_factor, 1e-3);
-}
-
-TEST(MotionModel, PlanarPriorStaysInThePlaneAndBadMotionIsNoIdea) {
-  FastSlamSettings settings;
-  Motion motion;
-  Vector6d twist;
-  twist << 0.1, 0.02, 0.03, 0.1, -0.1, 0.2;
-  motion.T_from_to = se3_exp(twist);
-  const Motion prior = motion_prior(motion, settings);
-  EXPECT_EQ(prior.T_from_to.translation().z(), 0);
-  EXPECT_EQ(prior.T_from_to(2, 2), 1);
-  EXPECT_NEAR(yaw(prior.T_from_to), yaw(motion.T_from_to), 1e-12);
-  motion.T_from_to.translation().x() = std::nan("");
-  EXPECT_FALSE(usable(motion));
-  const Motion unknown = motion_prior(motion, settings);
-  EXPECT_TRUE(unknown.T_from_to.isApprox(Eigen::Isometry3d::Identity()));
-  EXPECT_GE(unknown.covariance(0, 0), 0.25);
 }
 
 }  // namespace

@@ -102,6 +102,35 @@ TEST(LowVarianceResampling, KeepsWholeCopies) {
     }
 }
 
+// Strata that each lie half in one particle's part and half in the next one's: there the two schemes differ.
+// Where all strata share one offset they all choose the same half, and every inner particle is drawn exactly
+// once; with an offset for each stratum it is drawn 0, 1 or 2 times, with probability 1/4, 1/2 and 1/4.
+TEST(LowVarianceResampling, StratifiedDrawsAnOffsetForEachStratumSystematicOneForAll) {
+  constexpr int n = 40, trials = 2000;
+  std::vector<double> weights(n, 1. / n);
+  weights.front() = 0.5 / n;
+  weights.back() = 1.5 / n;
+  for (const auto scheme : {ResamplingScheme::systematic, ResamplingScheme::stratified}) {
+    Random random(11);
+    std::vector<int> times(4, 0);  // that an inner particle was drawn so often
+    for (int t = 0; t < trials; ++t) {
+      std::vector<int> copies(n);
+      for (const int ancestor : resample(weights, scheme, random))
+        ++copies[static_cast<std::size_t>(ancestor)];
+      for (std::size_t i = 1; i + 1 < n; ++i) ++times.at(static_cast<std::size_t>(copies[i]));
+    }
+    constexpr double all = trials * (n - 2);
+    EXPECT_EQ(times[3], 0);
+    if (scheme == ResamplingScheme::systematic) {
+      EXPECT_EQ(times[1], all);
+    } else {
+      EXPECT_NEAR(times[0] / all, 0.25, 0.01);
+      EXPECT_NEAR(times[1] / all, 0.5, 0.01);
+      EXPECT_NEAR(times[2] / all, 0.25, 0.01);
+    }
+  }
+}
+
 TEST(Weights, EffectiveSampleSize) {
   EXPECT_DOUBLE_EQ(effective_sample_size({0.25, 0.25, 0.25, 0.25}), 4);
   EXPECT_DOUBLE_EQ(effective_sample_size({0, 1, 0}), 1);

@@ -35,15 +35,15 @@ TEST_F(SharedErrorTest, IsNoneBeforeTheFirstLandmark) {
   EXPECT_EQ(error_.at(here_), Matrix6d::Zero());
 }
 
-// The pose's own spread divided by the sights: landmarks are means of theirs.
-TEST_F(SharedErrorTest, FallsWithTheSightsOfTheSameLandmarks) {
+// The pose's own spread divided by the observations: landmarks are means of theirs.
+TEST_F(SharedErrorTest, FallsWithTheObservationsOfTheSameLandmarks) {
   const auto landmarks = make(100);
   for (int i = 0; i < 3; ++i) see(landmarks, here_);
   const double few = variance();
   for (int i = 0; i < 100; ++i) see(landmarks, here_);
-  constexpr double sights = 1 + 3 + 100;
+  constexpr double observations = 1 + 3 + 100;
   EXPECT_LT(variance(), 0.1 * few);
-  EXPECT_NEAR(variance(), 1e-4 / sights, 0.2e-4 / sights);
+  EXPECT_NEAR(variance(), 1e-4 / observations, 0.2e-4 / observations);
 }
 
 // From generation to generation it grows as a random walk; the first landmarks bring it back.

@@ -14,7 +14,7 @@ using testing::ElementsAre;
 
 std::vector<std::int64_t> ids(const LandmarkMap& map) {
   std::vector<std::int64_t> result;
-  for (const MapLandmark& landmark : map.landmarks()) result.push_back(landmark.id);
+  for (const Landmark& landmark : map.landmarks()) result.push_back(landmark.id);
   return result;
 }
 
@@ -142,7 +142,7 @@ TEST(LandmarkMap, RandomLossAndReorderingEndInTheSamePicture) {
     receiver.add_tile({sender.revision(), 0, 1, sender.landmarks()});
     ASSERT_FALSE(receiver.incomplete()) << "seed " << seed;
     ASSERT_EQ(ids(receiver), ids(sender)) << "seed " << seed;
-    for (const MapLandmark& expected : sender.landmarks())
+    for (const Landmark& expected : sender.landmarks())
       ASSERT_EQ(receiver.find(expected.id)->mean, expected.mean) << "seed " << seed;
   }
 }

@@ -72,8 +72,8 @@ TEST(MapExport, EmptyMapsGiveValidFiles) {
   const TemporaryFolder folder;
   save_ply(folder / "cloud.ply", ColouredCloud());
   save_pcd(folder / "cloud.pcd", ColouredCloud());
-  save_ply(folder / "landmarks.ply", std::vector<MapLandmark>());
-  save_pcd(folder / "landmarks.pcd", std::vector<MapLandmark>());
+  save_ply(folder / "landmarks.ply", std::vector<Landmark>());
+  save_pcd(folder / "landmarks.pcd", std::vector<Landmark>());
   for (const char* name : {"cloud.ply", "landmarks.ply"})
     EXPECT_EQ(load_ply(folder / name).size(), 0u) << name;
   for (const char* name : {"cloud.pcd", "landmarks.pcd"})
@@ -90,7 +90,7 @@ Number take(const std::string& bytes, std::size_t& at) {
 
 TEST(MapExport, LandmarkPlyHoldsAllProperties) {
   const TemporaryFolder folder;
-  std::vector<MapLandmark> landmarks = {landmark(5, 1, 2, 3), landmark(-7, -4, 5, 6)};
+  std::vector<Landmark> landmarks = {landmark(5, 1, 2, 3), landmark(-7, -4, 5, 6)};
   landmarks[1].covariance << 1, 2, 3, 2, 4, 5, 3, 5, 6;
   landmarks[1].observations = 42;
   save_ply(folder / "l.ply", landmarks);
@@ -125,7 +125,7 @@ TEST(MapExport, LandmarkPlyHoldsAllProperties) {
 
 TEST(MapExport, LandmarkPcdHoldsPositionColourAndLabel) {
   const TemporaryFolder folder;
-  save_pcd(folder / "l.pcd", std::vector<MapLandmark>{landmark(5, 1, 2, 3)});
+  save_pcd(folder / "l.pcd", std::vector<Landmark>{landmark(5, 1, 2, 3)});
   const ColouredCloud cloud = load_pcd(folder / "l.pcd");
   ASSERT_EQ(cloud.size(), 1u);
   EXPECT_EQ(cloud.points[0], Eigen::Vector3f(1, 2, 3));
@@ -136,7 +136,7 @@ TEST(MapExport, LandmarkPcdHoldsPositionColourAndLabel) {
 /// Every way of saving, by the name of its file.
 std::vector<std::pair<std::string, std::function<void(const fs::path&)>>> all_saves() {
   const ColouredCloud cloud = random_cloud(1, 20000, true);
-  const std::vector<MapLandmark> landmarks(5000, landmark(1));
+  const std::vector<Landmark> landmarks(5000, landmark(1));
   return {{"cloud.ply", [=](const fs::path& file) { save_ply(file, cloud); }},
           {"cloud.pcd", [=](const fs::path& file) { save_pcd(file, cloud); }},
           {"landmarks.ply", [=](const fs::path& file) { save_ply(file, landmarks); }},

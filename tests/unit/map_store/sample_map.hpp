@@ -8,8 +8,8 @@
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/geometry/random.hpp>
-#include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/map_store/landmark_map.hpp>
 
 namespace lcmslam {
 
@@ -38,13 +38,13 @@ inline Eigen::Isometry3d random_pose(Random& random) {
   return se3_exp(twist);
 }
 
-inline MapLandmark landmark(std::int64_t id, double x = 0, double y = 0, double z = 0) {
-  MapLandmark result;
+inline Landmark landmark(std::int64_t id, double x = 0, double y = 0, double z = 0) {
+  Landmark result;
   result.id = id;
   result.mean = {x, y, z};
   result.covariance = 0.01 * Eigen::Matrix3d::Identity();
   result.observations = 3;
-  result.rgb = {10, 200, 30};
+  result.colour = {10, 200, 30};
   return result;
 }
 

@@ -24,17 +24,14 @@ class LandmarkTiles : public ::testing::TestWithParam<LandmarkCase> {};
 
 TEST_P(LandmarkTiles, HoldEveryLandmarkOnceAndStaySmall) {
   Random random(1);
-  std::vector<MapLandmark> landmarks;
-  std::vector<landmark_t> messages;
-  for (std::size_t i = 0; i < GetParam().landmarks; ++i) {
+  std::vector<Landmark> landmarks;
+  for (std::size_t i = 0; i < GetParam().landmarks; ++i)
     landmarks.push_back(testing::some_landmark(random, static_cast<std::int64_t>(3 * i)));
-    messages.push_back(to_message(landmarks.back(), 0.5));
-  }
   std::vector<std::int64_t> removed(GetParam().removed);
   std::iota(removed.begin(), removed.end(), std::int64_t{1} << 40);
 
-  const auto tiles = make_landmark_tiles(99, 7, 6, messages, removed);
-  std::vector<MapLandmark> back;
+  const auto tiles = make_landmark_tiles(99, 7, 6, landmarks, removed);
+  std::vector<Landmark> back;
   std::vector<std::int64_t> removed_back;
   for (std::size_t k = 0; k < tiles.size(); ++k) {
     const auto bytes = encode_message(tiles[k]);
@@ -45,7 +42,7 @@ TEST_P(LandmarkTiles, HoldEveryLandmarkOnceAndStaySmall) {
     EXPECT_EQ(tile.base_revision, 6);
     EXPECT_EQ(tile.tile, static_cast<int>(k));
     EXPECT_EQ(tile.n_tiles, static_cast<int>(tiles.size()));
-    for (const MapLandmark& landmark : landmarks_of(tile)) back.push_back(landmark);
+    for (const Landmark& landmark : landmarks_of(tile)) back.push_back(landmark);
     removed_back.insert(removed_back.end(), tile.removed.begin(), tile.removed.end());
   }
   EXPECT_EQ(removed_back, removed);
@@ -55,9 +52,10 @@ TEST_P(LandmarkTiles, HoldEveryLandmarkOnceAndStaySmall) {
     EXPECT_EQ(back[i].mean, landmarks[i].mean);
     EXPECT_TRUE(back[i].covariance.isApprox(landmarks[i].covariance, 1e-6));
     EXPECT_EQ(back[i].observations, landmarks[i].observations);
-    EXPECT_EQ(back[i].rgb, landmarks[i].rgb);
+    EXPECT_EQ(back[i].colour, landmarks[i].colour);
     EXPECT_EQ(back[i].descriptor, landmarks[i].descriptor);
     EXPECT_EQ(back[i].laplacian, landmarks[i].laplacian);
+    EXPECT_FLOAT_EQ(static_cast<float>(back[i].log_odds), static_cast<float>(landmarks[i].log_odds));
   }
 }
 
@@ -72,8 +70,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, LandmarkTiles,
 
 TEST(LandmarkMessages, ImpossibleTilesAreRefusedByName) {
   Random random(2);
-  const landmarks_t good =
-      make_landmark_tiles(1, 1, 0, {to_message(testing::some_landmark(random, 5), 0)}, {}).front();
+  const landmarks_t good = make_landmark_tiles(1, 1, 0, {testing::some_landmark(random, 5)}, {}).front();
   const auto error_with = [&](auto change) {
     landmarks_t message = good;
     change(message);

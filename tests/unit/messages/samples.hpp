@@ -131,13 +131,14 @@ inline FeatureFrame some_features(Random& random, std::size_t count) {
   return frame;
 }
 
-inline MapLandmark some_landmark(Random& random, std::int64_t id) {
-  MapLandmark m;
+inline Landmark some_landmark(Random& random, std::int64_t id) {
+  Landmark m;
   m.id = id;
   m.mean = Eigen::Vector3d(random.normal(), random.normal(), random.normal());
   m.covariance = some_covariance(random).topLeftCorner<3, 3>();
   m.observations = static_cast<int>(1 + random.below(100));
-  for (auto& c : m.rgb) c = static_cast<std::uint8_t>(random.below(256));
+  m.log_odds = random.normal();
+  for (auto& c : m.colour) c = static_cast<std::uint8_t>(random.below(256));
   m.descriptor = some_descriptor(random);
   m.laplacian = random.below(2) != 0 ? 1 : -1;
   return m;

@@ -24,9 +24,9 @@ class MapServer : public ::testing::Test {
  protected:
   void landmarks(std::int64_t sender, std::int64_t revision, std::int64_t base,
                  const std::vector<std::int64_t>& ids, const std::vector<std::int64_t>& removed = {}) {
-    std::vector<landmark_t> messages;
-    for (const std::int64_t id : ids) messages.push_back(to_message(testing::some_landmark(random_, id), 0));
-    for (landmarks_t& tile : make_landmark_tiles(1, revision, base, messages, removed)) {
+    std::vector<Landmark> upserted;
+    for (const std::int64_t id : ids) upserted.push_back(testing::some_landmark(random_, id));
+    for (landmarks_t& tile : make_landmark_tiles(1, revision, base, upserted, removed)) {
       tile.seq = seq_++;
       tile.sender = sender;
       bus_.deliver("FASTSLAM_LANDMARKS", tile);

@@ -139,9 +139,9 @@ TEST(MapPicture, PathsAndLandmarksAreDrawn) {
   request.width = 400;
   request.height = 300;
   request.paths.push_back({"robot", blue, {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}}});
-  MapLandmark dot = landmark(1, 1, 1, 0);
-  dot.rgb = {220, 20, 20};
-  const std::vector<MapLandmark> landmarks(1, dot);
+  Landmark dot = landmark(1, 1, 1, 0);
+  dot.colour = {220, 20, 20};
+  const std::vector<Landmark> landmarks(1, dot);
   request.landmarks = &landmarks;
   for (const MapView view : {MapView::top, MapView::front}) {
     request.view = view;
@@ -154,7 +154,7 @@ TEST(MapPicture, PathsAndLandmarksAreDrawn) {
 TEST(MapPicture, EmptyAndUselessMapsGiveAPicture) {
   PictureRequest request;
   ColouredCloud cloud;
-  const std::vector<MapLandmark> none;
+  const std::vector<Landmark> none;
   request.landmarks = &none;
   for (const MapView view : {MapView::top, MapView::front})
     for (const std::size_t points : {0, 1, 2}) {

@@ -1,0 +1,101 @@
+#pragma once
+// FastSLAM's particles: hypotheses of the path, each with its own map, weighed by how well their maps predict
+// what is observed. With what they share of the odometry's calibration they are the filter's whole posterior;
+// which feature shows which landmark is decided outside.
+//
+// Each particle has a random stream of its own, so that results do not depend on how many threads compute.
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <lcmslam/fastslam/association/association.hpp>
+#include <lcmslam/fastslam/odometry_calibration.hpp>
+#include <lcmslam/fastslam/particle.hpp>
+#include <lcmslam/fastslam/settings.hpp>
+#include <lcmslam/fastslam/smoothing/path_smoother.hpp>
+#include <lcmslam/geometry/random.hpp>
+
+namespace lcmslam {
+
+/// Where a step leads the particles before they look. Without poses: each goes as predict()'s odometry says,
+/// by its own calibration, and learns that.
+struct StepPrior {
+  Matrix6d covariance = Matrix6d::Zero();          ///< right perturbation
+  std::optional<Eigen::Isometry3d> T_from_to;      ///< the observations agree on another motion
+  std::optional<Eigen::Isometry3d> T_world_robot;  ///< or on a pose: the robot was found again
+
+  bool corrected() const { return T_from_to || T_world_robot; }
+};
+
+class ParticleSet {
+ public:
+  explicit ParticleSet(const FastSlamSettings& settings);
+
+  const std::vector<Particle>& particles() const { return particles_; }
+  std::size_t size() const { return particles_.size(); }
+  const Particle& best() const { return particles_[static_cast<std::size_t>(best_)]; }
+  int best_index() const { return best_; }
+  /// Normalised.
+  std::vector<double> weights() const;
+  /// What all particles share of the odometry's calibration.
+  const OdometryCalibration& calibration() const { return calibration_; }
+
+  /// Begins a step; `odometry` as motion_prior() gives it. Returns the motion that the best particle's
+  /// calibration makes of it, with its covariance.
+  Motion predict(const Motion& odometry);
+  /// Every particle draws its new pose, weighs it and updates its landmarks. `observed` are of the map, by
+  /// index in `points`. Returns the verdict of the particle that is the heaviest now.
+  Verdict propose_weigh_update(const StepPrior& prior, const std::vector<LandmarkMatch>& observed,
+                               const std::vector<FeaturePoint>& points);
+  /// Landmarks are made in all particles alike, where each one sees them.
+  void make_landmarks(const std::vector<LandmarkMatch>& created, const std::vector<FeaturePoint>& points);
+
+  /// The particle of highest weight becomes the best. Returns weights().
+  std::vector<double> choose_best();
+  struct Estimate {
+    Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();  ///< that the settings name
+    Matrix6d spread = Matrix6d::Zero();  ///< of the particles about it, body frame
+  };
+  Estimate estimate(const std::vector<double>& weights) const;
+  /// Mean square of the particles' poses as seen from their paths' beginnings about `T_world_robot`, body
+  /// frame.
+  Matrix6d mean_square_from_start(const std::vector<double>& weights,
+                                  const Eigen::Isometry3d& T_world_robot) const;
+
+  /// Draws the particles by their weights when the settings want it. Returns whether it did.
+  bool resample_when_due(const std::vector<double>& weights);
+  /// Resampling has made few ancestors' paths the past of all particles.
+  bool coalesced() const;
+
+  /// As many samples as particles; the first, the posterior's mode, becomes the best. `slot_of`: of a
+  /// landmark's identity, -1 when it has none.
+  void draw_anew(const std::vector<PathSample>& samples, const Eigen::Matrix3d& calibration_covariance,
+                 const std::function<int(std::int32_t)>& slot_of);
+  /// The particles were drawn anew, and differ in where their paths began.
+  bool start_known() const { return start_known_; }
+  /// Where the paths began is no longer kept up.
+  void forget_start() { start_known_ = false; }
+
+  /// The world was deformed: landmarks (by slot) stand at `placed` in all particles; those of `carried` and
+  /// the robot move by `T_world_correction`.
+  void deform(const Eigen::Isometry3d& T_world_correction, const std::map<int, Eigen::Vector3d>& placed,
+              const std::vector<int>& carried);
+
+ private:
+  template <class Work>
+  void for_particles(std::size_t each, const Work& work);
+  Eigen::Isometry3d T_world_prior(const Particle& particle, const StepPrior& prior) const;
+  void resample(const std::vector<double>& weights);
+
+  FastSlamSettings settings_;
+  std::vector<Particle> particles_;
+  std::vector<Random> streams_;  // one a particle slot
+  Random resampling_stream_;
+  OdometryCalibration calibration_;
+  int best_ = 0;
+  bool start_known_ = false;
+};
+
+}  // namespace lcmslam
