@@ -166,7 +166,7 @@ YamlPointer parse_yaml(const std::string& text, const std::string& name) {
       nothing->place = {file, 0};
       return nothing;
     }
-    YamlPointer root = builder.root();
+    const YamlPointer root = builder.root();
     if (parser.HandleNextDocument(builder)) fail({file, 0}, "has more than one YAML document");
     return root;
   } catch (const ConfigError&) {

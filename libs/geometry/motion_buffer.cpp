@@ -13,7 +13,7 @@ Matrix6d nearest_covariance(const Matrix6d& Q) {
   if (!symmetric.allFinite() || symmetric.isZero(0)) return symmetric;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(symmetric);
   if (eigen.eigenvalues().minCoeff() >= 0) return symmetric;
-  const Matrix6d V = eigen.eigenvectors();
+  const Matrix6d& V = eigen.eigenvectors();
   const Matrix6d P = V * eigen.eigenvalues().cwiseMax(0).asDiagonal() * V.transpose();
   return 0.5 * (P + P.transpose());
 }

@@ -217,6 +217,20 @@ TEST(DamageCount, OneStretchIsOneDamage) {
   EXPECT_EQ(result.damages[0].lost, 1);
 }
 
+TEST(DamageCount, ANumberThatFitsNeitherNeighbourIsDamage) {
+  Random random(5);
+  const SampleLog log = make_sample_log(random, 9);
+  Bytes bytes = log.bytes;
+  bytes[log.events[4].begin + 4 + 2] ^= 0x10;  // of its number
+  const Read result = read(bytes, {});         // nobody knows the messages
+  EXPECT_EQ(result.events.size(), 8U);
+  ASSERT_EQ(result.damages.size(), 1U);
+  EXPECT_EQ(result.damages[0].begin, log.events[4].begin);
+  EXPECT_EQ(result.damages[0].end, log.events[5].begin);
+  EXPECT_NE(result.damages[0].reason.find("fits neither neighbour"), std::string::npos)
+      << result.damages[0].reason;
+}
+
 TEST(DamageCount, ManyDamagesLeaveTheRest) {
   for (int seed = 0; seed < 200; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));

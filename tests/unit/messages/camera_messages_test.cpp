@@ -124,6 +124,13 @@ TEST(CameraMessages, ImpossibleImagesAreRefusedByName) {
   EXPECT_THAT(error_with([](images_t& m) { m.images[0].pixelformat = 42; }), HasSubstr("pixelformat 42"));
   EXPECT_THAT(error_with([](images_t& m) { m.images[0].pixelformat = image_t::PIXEL_FORMAT_BGR; }),
               HasSubstr("are needed"));
+  for (const int more : {-1, 1})
+    EXPECT_THAT(
+        error_with([&](images_t& m) {
+          m.images[0].pixelformat = image_t::PIXEL_FORMAT_GRAY;
+          m.images[0].data.resize(static_cast<std::size_t>(m.images[0].width * m.images[0].height + more));
+        }),
+        HasSubstr("are needed"));
   EXPECT_THAT(error_with([](images_t& m) { m.image_types[0] = images_t::RIGHT; }),
               HasSubstr("no colour image"));
   EXPECT_THAT(error_with([](images_t& m) { m.image_types[1] = images_t::DISPARITY; }),

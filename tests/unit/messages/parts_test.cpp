@@ -76,6 +76,16 @@ TEST(Parts, AMissingPieceCostsItsMessageAndIsCounted) {
   EXPECT_EQ(assembler.incomplete(), 10);
 }
 
+TEST(Parts, SendersThatGoAwayLeaveNoMoreThanEightMessages) {
+  PartAssembler assembler;
+  for (int sender = 1; sender <= 20; ++sender) {
+    part_t first = split_message("X", some_bytes(250, 1), 1, 0, 100).front();
+    first.sender = sender;
+    EXPECT_FALSE(assembler.add(first));
+  }
+  EXPECT_EQ(assembler.incomplete(), 12);
+}
+
 TEST(Parts, MoreBytesThanTheMessageHasAreNotKept) {
   auto parts = split_message("X", some_bytes(250, 1), 1, 0, 100);
   PartAssembler assembler;

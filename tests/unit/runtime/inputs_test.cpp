@@ -190,6 +190,20 @@ TEST(Inputs, BadMessagesAreCountedAndTheNextOneIsHandled) {
   EXPECT_EQ(input.senders.at(7).lost, 0);
 }
 
+TEST(Inputs, TimesThatAreNoneAreRefused) {
+  Inputs inputs;
+  int handled = 0;
+  Input& input = inputs.subscribe<encoders_t>("ENCODERS", 10, [&](const encoders_t&) { ++handled; });
+  constexpr Utime far = 100'000'000'000'000'000;  // us
+  for (const Utime utime : {far, -far, far + 1, -far - 1, std::numeric_limits<Utime>::min()}) {
+    const auto bytes = message(0, 7, utime);
+    inputs.deliver("ENCODERS", bytes.data(), bytes.size());
+  }
+  EXPECT_EQ(handled, 2);
+  EXPECT_EQ(input.decode_errors, 3);
+  EXPECT_THAT(input.last_error, HasSubstr("is no time"));
+}
+
 TEST(Inputs, EveryHandlerOfAChannelHearsTheMessageAndNobodyElse) {
   Inputs inputs;
   int first = 0, second = 0, other = 0;
