@@ -1,0 +1,94 @@
+// What of a frame the filter can use.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <lcmslam/fastslam/association/usable_features.hpp>
+#include "tests/unit/fastslam/association_scene.hpp"
+
+namespace lcmslam {
+namespace {
+
+using Scene = AssociationScene;
+
+TEST(UsableFeatures, UnusableFeaturesAreLeftOut) {
+  Scene scene(1);
+  scene.settings.use_bearings = false;
+  const std::size_t before = usable_features(scene.frame, scene.settings).size();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  scene.frame.features[0].point.x() = nan;
+  scene.frame.features[1].depth_sigma = nan;
+  scene.frame.features[2].kind = MeasurementKind::bearing;
+  scene.frame.features[3].depth_sigma = -1;
+  scene.frame.features[4].point *= 100.f;
+  scene.frame.features[5].point.z() *= -1;
+  scene.frame.features[6].x = std::numeric_limits<float>::infinity();
+  const auto usable = usable_features(scene.frame, scene.settings);
+  EXPECT_EQ(usable.size(), before - 7);
+  for (const FeaturePoint& point : usable) EXPECT_GT(point.feature, 6);
+  scene.frame.fx = 0;
+  EXPECT_TRUE(usable_features(scene.frame, scene.settings).empty());
+}
+
+TEST(UsableFeatures, PlanarMeasurementsNeedASigmaAndAnIdentity) {
+  FeatureFrame frame;
+  frame.width = frame.height = 1;
+  frame.fx = frame.fy = 1;
+  frame.pixel_sigma = 0.02f;
+  Feature sound;
+  sound.kind = MeasurementKind::range_bearing;
+  sound.landmark_id = 3;
+  sound.point = {2, 0.5f, 0};
+  sound.depth_sigma = 0.1f;
+  const float inf = std::numeric_limits<float>::infinity();
+  for (const MeasurementKind kind : {MeasurementKind::range_bearing, MeasurementKind::planar}) {
+    sound.kind = kind;
+    frame.features.assign(8, sound);
+    frame.features[1].depth_sigma = inf;
+    frame.features[2].depth_sigma = std::numeric_limits<float>::quiet_NaN();
+    frame.features[3].depth_sigma = 0;
+    frame.features[4].point.x() = inf;
+    frame.features[5].point.y() = std::numeric_limits<float>::quiet_NaN();
+    frame.features[6].point.x() = 1e30f;
+    frame.features[7].landmark_id = -1;
+    const auto usable = usable_features(frame, {});
+    ASSERT_EQ(usable.size(), 1u);
+    EXPECT_EQ(usable[0].feature, 0);
+  }
+}
+
+TEST(UsableFeatures, FeaturesWithoutDepthAreBearings) {
+  Scene scene(1);
+  const auto points = usable_features(scene.frame, scene.settings);
+  for (std::size_t i = 0; i < scene.frame.features.size(); i += 2) {
+    scene.frame.features[i].kind = MeasurementKind::bearing;
+    scene.frame.features[i].point.setConstant(std::numeric_limits<float>::quiet_NaN());
+    scene.frame.features[i].depth_sigma = std::numeric_limits<float>::quiet_NaN();
+  }
+  const auto usable = usable_features(scene.frame, scene.settings);
+  EXPECT_EQ(usable.size(), points.size()) << "in range, all of them";
+  int bearings = 0, right = 0;
+  for (const FeaturePoint& p : usable) {
+    const Feature& f = scene.frame.features[static_cast<std::size_t>(p.feature)];
+    EXPECT_EQ(p.is_bearing(), f.kind == MeasurementKind::bearing);
+    bearings += p.is_bearing();
+    const int slot = scene.truth[static_cast<std::size_t>(p.feature)];
+    if (!p.is_bearing() || slot < 0) continue;
+    const LandmarkGaussian& landmark = *scene.map.find(static_cast<std::size_t>(slot));
+    right += innovate(landmark, p.measurement, scene.T_world_robot).distance2 < 13.8;  // chi-square, 99.9 %
+  }
+  EXPECT_NEAR(bearings, static_cast<double>(usable.size()) / 2, 1);
+  EXPECT_GT(right, 0.75 * bearings) << "the others show other landmarks, or none";
+  const auto matches = scene.match(usable);
+  const auto of_bearings = std::count_if(matches.begin(), matches.end(), [&](const LandmarkMatch& m) {
+    return usable[static_cast<std::size_t>(m.point)].is_bearing();
+  });
+  EXPECT_GT(of_bearings, 0.6 * bearings);
+  EXPECT_LE(static_cast<int>(matches.size()) - scene.right(usable, matches), 2);
+}
+
+}  // namespace
+}  // namespace lcmslam
