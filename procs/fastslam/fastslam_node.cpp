@@ -3,13 +3,13 @@
 #include <thread>
 
 #include <lcmslam/associations_t.hpp>
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/particles_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
-#include "procs/fastslam/read_settings.hpp"
 
 namespace lcmslam {
 namespace {
@@ -61,12 +61,23 @@ landmark_t to_message(const Landmark& landmark) {
 
 }  // namespace
 
+FastSlamNodeSettings FastSlamNode::read(const ConfigNode& config) {
+  FastSlamNodeSettings settings;
+  SettingsReader preset(config);
+  settings.describe_preset(preset);
+  if (settings.preset == "thesis") settings.filter = thesis_preset();
+  return read_settings(config, settings);
+}
+
 FastSlamNode::FastSlamNode(const ConfigNode& config, Publisher& publisher)
+    : FastSlamNode(read(config), publisher) {}
+
+FastSlamNode::FastSlamNode(const FastSlamNodeSettings& settings, Publisher& publisher)
     : publisher_(publisher),
-      settings_(read_fastslam_settings(config)),
-      pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
-      frame_queue_(frame_queue(config, 3)),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
+      settings_(settings.filter),
+      pose_(settings.pose),
+      frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
+      join_(settings.max_wait, std::max<std::size_t>(6, frame_queue_),
             [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
 
 void FastSlamNode::connect(Inputs& inputs) {
