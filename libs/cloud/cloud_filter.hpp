@@ -4,14 +4,24 @@
 
 #include <lcmslam/cloud/cloud.hpp>
 #include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct CloudFilterSettings {
-  double min_range = 0.3;      ///< m, distance from the camera
-  double max_range = 6.0;      ///< m
-  double max_incidence = 1.4;  ///< rad between the viewing ray and the normal
-  double max_sigma = 0.15;     ///< m
+  double min_range = 0.3;
+  double max_range = 6.0;
+  double max_incidence = 1.4;
+  double max_sigma = 0.15;
+
+  void describe(SettingsVisitor& s) {
+    s.number("min_range", min_range, "m", {0, 1000}, "nearest distance from the camera that is used");
+    s.number("max_range", max_range, "m", {0, 1000}, "farthest distance from the camera that is used");
+    s.number("max_incidence", max_incidence, "rad", {0, 3.1416},
+             "widest angle between the viewing ray and the normal that is used");
+    s.number("max_sigma", max_sigma, "m", {0, 1000}, "largest standard deviation of a point that is used");
+    s.require(min_range <= max_range, "max_range", "must not be below min_range");
+  }
 };
 
 /// Points of a cloud in its camera's frame that are finite, have a normal, and keep the limits.

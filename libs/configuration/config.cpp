@@ -157,7 +157,7 @@ int ConfigNode::get(const std::string& key, int fallback, Range range) const {
   const Data::Entry* entry = data_->ask(key);
   if (!entry) return fallback;
   const auto value = read_whole_number(*entry->value, range);
-  if (!value) data_->wrong(*entry, *entry->value, describe("a whole number", range));
+  if (!value) data_->wrong(*entry, *entry->value, range_text("a whole number", range));
   return *value;
 }
 
@@ -210,7 +210,7 @@ std::string ConfigNode::choice(const std::string& key, const std::string& fallba
 double ConfigNode::number(const std::string& key, Range range) const {
   const Data::Entry& entry = data_->require(key);
   const auto value = read_number(*entry.value, range);
-  if (!value) data_->wrong(entry, *entry.value, describe("a number", range));
+  if (!value) data_->wrong(entry, *entry.value, range_text("a number", range));
   return *value;
 }
 

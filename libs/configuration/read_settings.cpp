@@ -40,7 +40,7 @@ std::vector<double> SettingsReader::on_numbers(const Setting& setting, const std
   for (const double value : read)
     if (!setting.range.holds(value))
       nodes_.back().fail(setting.key, "'" + std::string(setting.key) + "' must be a list, each " +
-                                          describe("a number", setting.range) + ", got " +
+                                          range_text("a number", setting.range) + ", got " +
                                           number_text(value));
   return read;
 }

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include <lcmslam/configuration/config.hpp>
 #include <lcmslam/datasets/dataset.hpp>
 #include <lcmslam/features/feature.hpp>
 #include <lcmslam/geometry/motion_buffer.hpp>
 #include <lcmslam/odometry/twist_odometry.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -31,17 +31,29 @@ struct LandmarkRecording {
 
 /// How the Create robots' camera measures (config/datasets/mrclam.yaml says where the numbers are from).
 struct MrclamSensor {
-  bool range_along_axis = false;  ///< "range" is measured along the optical axis, not along the ray
-  double range_offset = 0;        ///< m; measured = offset + scale * true, after that
+  bool range_along_axis = false;
+  double range_offset = 0;
   double range_scale = 1;
-  double range_sigma = 0.1;       ///< m
-  double range_sigma_per_m2 = 0;  ///< 1/m: sigma grows by this times range^2
-  double bearing_sigma = 0.02;    ///< rad
-  double frame_period = 0.5;      ///< s; where no landmark is seen, frames without features come so often
+  double range_sigma = 0.1;
+  double range_sigma_per_m2 = 0;
+  double bearing_sigma = 0.02;
+  double frame_period = 0.5;
+
+  void describe(SettingsVisitor& s) {
+    s.flag("range_along_axis", range_along_axis,
+           "ranges are measured along the optical axis, not along the ray");
+    s.number("range_offset", range_offset, "m", {-1, 1}, "measured = offset + scale * true, after that");
+    s.number("range_scale", range_scale, "", {0.5, 2}, "measured = offset + scale * true, after that");
+    s.number("range_sigma", range_sigma, "m", {1e-4, 10}, "standard deviation of a range");
+    s.number("range_sigma_per_m2", range_sigma_per_m2, "1/m", {0, 1}, "sigma grows by this times range^2");
+    s.number("bearing_sigma", bearing_sigma, "rad", {1e-3, 1}, "standard deviation of a bearing");
+    s.number("frame_period", frame_period, "s", {0.01, 4},
+             "frames without features come so often where no landmark is seen");
+  }
 };
 
-/// Section of a description (format: mrclam). Throws ConfigError.
-MrclamSensor read_mrclam_sensor(const ConfigNode& config);
+/// Of a description with the format mrclam. Throws ConfigError.
+MrclamSensor load_mrclam_sensor(const std::filesystem::path& description);
 
 /// Robots whose three files are in the folder, ascending; empty when it is no MRCLAM folder.
 std::vector<int> mrclam_robots(const std::filesystem::path& folder);
@@ -53,10 +65,16 @@ std::vector<int> mrclam_robots(const std::filesystem::path& folder);
 LandmarkRecording read_mrclam(const std::filesystem::path& folder, int robot, const MrclamSensor& sensor);
 
 struct VictoriaParkSettings {
-  Utime start = 1'000'000'000'000'000;  ///< us, of the first pose
-  double period = 0.2;                  ///< s between poses: the file has no stamps
+  Utime start = 1'000'000'000'000'000;  ///< us, of the first pose; no key
+  double period = 0.2;
+
+  void describe(SettingsVisitor& s) {
+    s.number("period", period, "s", {1e-3, 4}, "between poses: the file has no stamps");
+  }
 };
-VictoriaParkSettings read_victoria_park_settings(const ConfigNode& config);
+
+/// Of a description with the format victoria_park. Throws ConfigError.
+VictoriaParkSettings load_victoria_park_settings(const std::filesystem::path& description);
 
 /// Whether the file begins with a row ODOMETRY or LANDMARK.
 bool is_victoria_park(const std::filesystem::path& file);

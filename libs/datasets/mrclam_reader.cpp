@@ -131,18 +131,6 @@ void read_measurements(const fs::path& file, const std::map<int, int>& subject_o
 
 }  // namespace
 
-MrclamSensor read_mrclam_sensor(const ConfigNode& c) {
-  MrclamSensor s;
-  s.range_along_axis = c.get("range_along_axis", s.range_along_axis);
-  s.range_offset = c.get("range_offset", s.range_offset, Range{-1, 1});
-  s.range_scale = c.get("range_scale", s.range_scale, Range{0.5, 2});
-  s.range_sigma = c.get("range_sigma", s.range_sigma, Range{1e-4, 10});
-  s.range_sigma_per_m2 = c.get("range_sigma_per_m2", s.range_sigma_per_m2, Range{0, 1});
-  s.bearing_sigma = c.get("bearing_sigma", s.bearing_sigma, Range{1e-3, 1});
-  s.frame_period = c.get("frame_period", s.frame_period, Range{0.01, 4});
-  return s;
-}
-
 std::vector<int> mrclam_robots(const fs::path& folder) {
   std::vector<int> robots;
   if (!fs::exists(folder / "Barcodes.dat")) return robots;

@@ -107,12 +107,6 @@ class Reader {
 
 }  // namespace
 
-VictoriaParkSettings read_victoria_park_settings(const ConfigNode& c) {
-  VictoriaParkSettings s;
-  s.period = c.get("period", s.period, Range{1e-3, 4});
-  return s;
-}
-
 bool is_victoria_park(const fs::path& file) {
   if (!fs::is_regular_file(file)) return false;
   const auto rows = read_rows(file);

@@ -10,21 +10,37 @@
 #include <lcmslam/features/matching.hpp>
 #include <lcmslam/features/rigid_ransac.hpp>
 #include <lcmslam/registration/solver.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct FeatureAnchorSettings {
   bool enabled = true;
-  int keyframes = 2;          ///< nearest ones that are asked
-  double max_distance = 1.0;  ///< m between a keyframe's camera and this one's, and
-  double max_angle = 0.7;     ///< rad: beyond, SURF does not find things again
+  int keyframes = 2;
+  double max_distance = 1.0;
+  double max_angle = 0.7;
   int min_inliers = 20;
-  int searched_keyframes = 5;  ///< asked in each frame while lost
-  // Added (squared) to the alignment's covariance: errors that all of a frame's features share, as between
-  // two keyframes (LoopFinderSettings).
-  double floor_translation = 0.005;  ///< m
-  double floor_rotation = 0.003;     ///< rad
-  double max_disagreement = 5;       ///< Mahalanobis distance from odometry; beyond, the map judges
+  int searched_keyframes = 5;
+  double floor_translation = 0.005;
+  double floor_rotation = 0.003;
+  double max_disagreement = 5;
+
+  void describe(SettingsVisitor& s) {
+    s.flag("enabled", enabled, "features place the robot against the keyframes around");
+    s.number("keyframes", keyframes, "", {1, 20}, "nearest ones that are asked");
+    s.number("max_distance", max_distance, "m", {0, 1000},
+             "between a keyframe's camera and this one's, beyond which SURF does not find things again");
+    s.number("max_angle", max_angle, "rad", {0, 3.1416},
+             "between a keyframe's camera and this one's, beyond which SURF does not find things again");
+    s.number("min_inliers", min_inliers, "", {3, 1000}, "matches that must agree on a place");
+    s.number("searched_keyframes", searched_keyframes, "", {0, 1000}, "asked in each frame while lost");
+    s.number("floor_translation", floor_translation, "m", {0, 1000},
+             "noise floor of the alignment, added (squared): errors that all of a frame's features share");
+    s.number("floor_rotation", floor_rotation, "rad", {0, 3.1416},
+             "noise floor of the alignment, added (squared)");
+    s.number("max_disagreement", max_disagreement, "", {0, 1e6},
+             "Mahalanobis distance from odometry, beyond which the map judges");
+  }
 };
 
 /// Mahalanobis distance between two places.

@@ -7,15 +7,28 @@
 #include <vector>
 
 #include <lcmslam/cloud/cloud.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct FreeSpaceSettings {
   bool enabled = true;
-  double sigmas = 4;        ///< of the depth noise, and
-  double tolerance = 0.05;  ///< m across the surface that a point must lie before what is measured
-  double lateral = 0.03;    ///< m around the point that must be free, too: from one cell to four
-  int rotation = 7;         ///< each frame follows one of so many rays in each row and column
+  double sigmas = 4;
+  double tolerance = 0.05;
+  double lateral = 0.03;
+  int rotation = 7;
+
+  void describe(SettingsVisitor& s) {
+    s.flag("enabled", enabled, "what a depth image sees through leaves the map");
+    s.number("sigmas", sigmas, "", {0, 1000},
+             "of the depth noise that a point must lie before what is measured, besides tolerance");
+    s.number("tolerance", tolerance, "m", {0, 1000},
+             "across the surface that a point must lie before what is measured, besides sigmas");
+    s.number("lateral", lateral, "m", {0, 1000},
+             "around the point that must be free, too: from one cell to four");
+    s.number("rotation", rotation, "", {1, 100},
+             "each frame follows one of so many rays in each row and column");
+  }
 };
 
 enum class Sight { unknown, supported, seen_through };

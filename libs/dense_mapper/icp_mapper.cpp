@@ -5,6 +5,7 @@
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/dense_mapper/start_hypotheses.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
@@ -73,6 +74,7 @@ IcpMapper::IcpMapper(const IcpMapperSettings& settings)
       last_view_(settings.coarse.frustum || settings.fine.frustum, settings.compares_images(),
                  settings.overlap),
       graph_(settings.graph) {
+  check(settings, "icp");
   if (settings.variant != VariantKind::modern) thesis_.emplace(settings.variant, settings.thesis);
 }
 

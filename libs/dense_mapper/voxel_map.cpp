@@ -4,6 +4,7 @@
 #include <string>
 
 #include <lcmslam/registration/tangent_gradient.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
@@ -25,10 +26,7 @@ std::int8_t cell_of(const Eigen::Vector3i& voxel) {
 
 VoxelMap::VoxelMap(const VoxelMapSettings& settings)
     : settings_(settings), inverse_size_(static_cast<float>(1.0 / settings.voxel_size)) {
-  if (!(settings.voxel_size > 0) || settings.max_blocks <= 0)
-    throw std::invalid_argument("voxel map: voxel size " + std::to_string(settings.voxel_size) +
-                                " m and max_blocks " + std::to_string(settings.max_blocks) +
-                                " must be positive");
+  check(settings, "voxel map");
 }
 
 VoxelMap::Block& VoxelMap::block_at(const Eigen::Vector3i& position) {

@@ -13,19 +13,37 @@
 #include <lcmslam/cloud/voxel_index.hpp>
 #include <lcmslam/dense_mapper/free_space.hpp>
 #include <lcmslam/registration/target.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct VoxelMapSettings {
-  double voxel_size = 0.04;       ///< m
-  double normal_agreement = 0.5;  ///< cosine; points with another normal make a second surfel
-  double max_weight = 60;         ///< observations that a surfel remembers (then a running mean)
-  int min_observations = 1;       ///< surfels seen less often are not found (one frame counts once)
+  double voxel_size = 0.04;
+  double normal_agreement = 0.5;
+  double max_weight = 60;
+  int min_observations = 1;
   // Evidence that a surfel is still there: 1 when it is new; a view that supports it adds one.
-  int max_evidence = 6;     ///< so that what has long been there can go, too
-  int miss = 2;             ///< taken off by a view that sees through it
-  int dropped_at = -3;      ///< it goes
-  int max_blocks = 160000;  ///< about 1.2 kB each where surfaces fill them: 200 MB, 2.5 million voxels
+  int max_evidence = 6;
+  int miss = 2;
+  int dropped_at = -3;
+  int max_blocks = 160000;
+
+  void describe(SettingsVisitor& s) {
+    s.number("voxel_size", voxel_size, "m", {0.001, 10}, "of the map that frames are registered to");
+    s.number("normal_agreement", normal_agreement, "", {-1, 1},
+             "cosine; points in a voxel whose normals differ by more make a second surfel");
+    s.number("max_weight", max_weight, "", {1, 1e6},
+             "observations that a surfel remembers; then it is a running mean");
+    s.number("min_observations", min_observations, "", {1, 30000},
+             "surfels seen less often are not found (one frame counts once)");
+    s.number("max_evidence", max_evidence, "", {1, 100},
+             "that a surfel is still there; bounded, so that what has long been there can go, too");
+    s.number("miss", miss, "", {1, 100}, "evidence that a view takes off what it sees through");
+    s.number("dropped_at", dropped_at, "", {-100, -1}, "evidence at which a surfel goes");
+    s.number(
+        "max_blocks", max_blocks, "", {100, 1e8},
+        "of 4x4x4 voxels, the farthest are forgotten first (about 1.2 kB each where surfaces fill them)");
+  }
 };
 
 class VoxelMap : public Target {

@@ -1,22 +1,10 @@
 #include <lcmslam/fastslam/settings.hpp>
 
-#include <cmath>
 #include <limits>
-#include <sstream>
-#include <stdexcept>
+
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
-namespace {
-
-void require(const char* name, double value, double low, double high) {
-  if (std::isfinite(value) && value >= low && value <= high) return;
-  std::ostringstream text;
-  text << "FastSlamSettings." << name << " = " << value << ": must lie in [" << low << ", " << high << "]";
-  throw std::invalid_argument(text.str());
-}
-
-}  // namespace
-
 FastSlamSettings thesis_preset() {
   FastSlamSettings s;
   s.planar = true;
@@ -49,58 +37,125 @@ FastSlamSettings thesis_preset() {
   return s;
 }
 
-void check(const FastSlamSettings& s) {
-  require("particles", s.particles, 1, 100000);
-  require("proposal_iterations", s.proposal_iterations, 1, 20);
-  require("huber_width", s.huber_width, 0.1, 1e6);
-  require("resample_fraction", s.resample_fraction, 0, 1e6);
-  require("shared_translation_sigma", s.shared_translation_sigma, 0, 10);
-  require("shared_rotation_sigma", s.shared_rotation_sigma, 0, 10);
-  require("translation_noise", s.translation_noise, 1e-6, 10);
-  require("rotation_noise", s.rotation_noise, 1e-6, 10);
-  require("translation_noise_per_m", s.translation_noise_per_m, 0, 10);
-  require("rotation_noise_per_rad", s.rotation_noise_per_rad, 0, 10);
-  require("rotation_noise_per_m", s.rotation_noise_per_m, 0, 10);
-  require("visual_factor", s.visual_factor, 1, 1e3);
-  require("way_scale_sigma", s.way_scale_sigma, 0, 1);
-  require("heading_scale_sigma", s.heading_scale_sigma, 0, 1);
-  require("heading_per_m_sigma", s.heading_per_m_sigma, 0, 1);
-  require("calibration_walk", s.calibration_walk, 0, 10);
-  require("range_offset_sigma", s.range_offset_sigma, 0, 10);
-  require("range_scale_sigma", s.range_scale_sigma, 0, 1);
-  require("bearing_offset_sigma", s.bearing_offset_sigma, 0, 1);
-  require("slip_gate", s.slip_gate, 0.1, 1e6);
-  require("minimum_range", s.minimum_range, 0, 1e6);
-  require("maximum_range", s.maximum_range, s.minimum_range, 1e6);
-  require("measurement_inflation", s.measurement_inflation, 0.01, 1e4);
-  require("correlation_time", s.correlation_time, 0, 1e4);
-  require("minimum_landmark_sigma", s.minimum_landmark_sigma, 0, 10);
-  require("maximum_observations", s.maximum_observations, 1, std::numeric_limits<int>::max());
-  require("gate", s.gate, 1e-12, 1);
-  require("p0", s.p0, 1e-300, 1e300);
-  require("descriptor_ratio", s.descriptor_ratio, 0, 1);
-  require("descriptor_distance", s.descriptor_distance, 0, 2);
-  require("same_place", s.same_place, 0, 100);
-  require("search_radius", s.search_radius, 0, 10);
-  require("visibility_margin", s.visibility_margin, 0, 1);
-  require("descriptor_blend", s.descriptor_blend, 0, 1);
-  require("minimum_consensus", s.minimum_consensus, 3, 1e6);
-  require("loop_steps", s.loop_steps, 1, 1e6);
-  require("relocalise_after", s.relocalise_after, 1, 1e9);
-  require("rejuvenation_share", s.rejuvenation_share, 1e-6, 1);
-  require("rejuvenation_lineages", s.rejuvenation_lineages, 0, 1);
-  require("reunion_steps", s.reunion_steps, 0, 1e9);
-  require("maximum_new_landmarks", s.maximum_new_landmarks, 0, std::numeric_limits<int>::max());
-  require("cell_capacity", s.cell_capacity, 1, std::numeric_limits<int>::max());
-  require("odds_hit", s.odds_hit, 0, 100);
-  require("odds_miss", s.odds_miss, -100, 0);
-  require("odds_maximum", s.odds_maximum, 0, 1e6);
-  require("odds_remove", s.odds_remove, -1e6, s.odds_new);
-  require("odds_new", s.odds_new, s.odds_remove, s.odds_maximum);
-  require("minimum_observations", s.minimum_observations, 1, 1e6);
-  require("tentative_steps", s.tentative_steps, 1, 1e9);
-  if (!s.guided && s.verify_by_consensus)
-    throw std::invalid_argument("FastSlamSettings.guided = false: needs verify_by_consensus = false");
+void check(const FastSlamSettings& settings) {
+  check<FastSlamSettings>(settings, "fastslam");
+}
+
+void FastSlamSettings::describe(SettingsVisitor& s) {
+  constexpr double any = std::numeric_limits<int>::max();
+
+  s.number("particles", particles, "", {1, 100000}, "of the filter");
+  s.number("seed", seed, "", {0, any}, "of the draws");
+  s.choice("proposal", proposal, proposal_names,
+           "where particles are drawn from: odometry (FastSLAM 1.0), or that and the observations (2.0)");
+  s.number("proposal_iterations", proposal_iterations, "", {1, 20}, "Gauss-Newton steps of the 2.0 proposal");
+  s.number("huber_width", huber_width, "sigmas", {0.1, 1e6},
+           "residuals beyond lose influence on the proposal");
+  s.choice("resampling", resampling, resampling_names, "scheme by which particles survive");
+  s.number("resample_fraction", resample_fraction, "", {0, 1},
+           "resamples when the effective sample size is below this share of the particles; 1: every step");
+  s.choice("estimate", estimate, estimate_names, "which pose is reported: the best particle's or their mean");
+  s.number("shared_translation_sigma", shared_translation_sigma, "m", {0, 10},
+           "added in variance to the reported covariance: what no particle knows of");
+  s.number("shared_rotation_sigma", shared_rotation_sigma, "rad", {0, 10},
+           "added in variance to the reported covariance: what no particle knows of");
+
+  s.flag("use_motion_covariance", use_motion_covariance,
+         "odometry's own covariance is used; false: the noise is only what the next keys say");
+  s.number("translation_noise", translation_noise, "m", {1e-6, 10}, "of a step, added in variance");
+  s.number("rotation_noise", rotation_noise, "rad", {1e-6, 10}, "of a step, added in variance");
+  s.number("translation_noise_per_m", translation_noise_per_m, "m per m", {0, 10}, "by the way driven");
+  s.number("rotation_noise_per_rad", rotation_noise_per_rad, "rad per rad", {0, 10}, "by the angle turned");
+  s.number("rotation_noise_per_m", rotation_noise_per_m, "rad per m", {0, 10}, "by the way driven");
+  s.number("visual_factor", visual_factor, "", {1, 1000},
+           "on sigma of visual odometry, which was made from the same features");
+
+  s.number("way_scale_sigma", way_scale_sigma, "", {0, 1},
+           "systematic error of the way that wheels tell, ratio; it is learned while driving");
+  s.number("heading_scale_sigma", heading_scale_sigma, "", {0, 1},
+           "systematic error of the angle that wheels tell, ratio; learned");
+  s.number("heading_per_m_sigma", heading_per_m_sigma, "rad per m", {0, 1},
+           "systematic drift of the heading by the way driven; learned");
+  s.number("calibration_walk", calibration_walk, "per root metre", {0, 10},
+           "of these sigmas: how fast the errors may change");
+
+  s.number("range_offset_sigma", range_offset_sigma, "m", {0, 10},
+           "what a range-bearing sensor's ranges may be off, all alike; learned with the smoothed path");
+  s.number("range_scale_sigma", range_scale_sigma, "", {0, 1},
+           "what a range-bearing sensor's ranges may be off, ratio; learned with the smoothed path");
+  s.number("bearing_offset_sigma", bearing_offset_sigma, "rad", {0, 1},
+           "what a range-bearing sensor's mount may be off; learned with the smoothed path");
+
+  s.flag("detect_slips", detect_slips, "many observations may agree on a motion that odometry excludes");
+  s.number("slip_gate", slip_gate, "", {0.1, 1e6},
+           "squared Mahalanobis distance of that motion from the odometry's");
+
+  s.number("minimum_range", minimum_range, "m", {0, 1000}, "nearest 3-D points that are used");
+  s.number("maximum_range", maximum_range, "m", {0, 1000}, "farthest 3-D points that are used");
+  s.require(minimum_range <= maximum_range, "maximum_range", "must not be below minimum_range");
+  s.number("measurement_inflation", measurement_inflation, "", {0.01, 1e4},
+           "factor on each measurement covariance: errors of one feature are correlated in time");
+  s.number("correlation_time", correlation_time, "s", {0, 1e4},
+           "over which a sensor's errors on one landmark stay alike (fall to 1/e); 0: independent");
+  s.number("minimum_landmark_sigma", minimum_landmark_sigma, "m", {0, 10},
+           "added in variance after an update: a landmark is never certain");
+  s.number("maximum_observations", maximum_observations, "", {1, any},
+           "used a step, spread over the image, best known first");
+
+  s.number("gate", gate, "", {1e-12, 1},
+           "an observation belongs to its landmark when exp(-d^2/2) is no less (thesis, 2.5)");
+  s.choice("rejection", rejection, rejection_names,
+           "what a rejected observation does to a weight: factor p0, or the landmark's density at the gate");
+  s.number("p0", p0, "1/m^3", {1e-300, 1e9}, "density for the rejection `constant`");
+  s.number("descriptor_ratio", descriptor_ratio, "", {0, 1},
+           "of the best and second best descriptor's distance; 1: the nearest counts");
+  s.number("descriptor_distance", descriptor_distance, "", {0, 2}, "largest distance of unit descriptors");
+  s.number("same_place", same_place, "m", {0, 100}, "nearer landmarks are no rivals in the ratio test");
+  s.number("search_radius", search_radius, "image widths", {0, 2},
+           "around the predicted pixel, after a slip");
+  s.flag("guided", guided,
+         "landmarks are sought where they should be seen; false: by descriptor, in the whole map");
+  s.flag("use_bearings", use_bearings, "features without depth measure known landmarks");
+  s.number("visibility_margin", visibility_margin, "image widths", {0, 1},
+           "beyond the border in which landmarks may still be seen");
+  s.number("descriptor_blend", descriptor_blend, "", {0, 1},
+           "of the newest descriptor in the landmark's; 0: the first one stays");
+  s.flag("verify_by_consensus", verify_by_consensus, "drops matches that no common pose explains");
+  s.require(guided || !verify_by_consensus, "guided", "needs verify_by_consensus: false where it is false");
+  s.number("minimum_consensus", minimum_consensus, "", {3, 100000},
+           "matches that must agree for a pose to be believed");
+  s.flag("close_loops", close_loops, "by place recognition in the whole map");
+  s.number("loop_steps", loop_steps, "", {1, 1e6},
+           "in a row that must recognise a place before the pose jumps there");
+  s.number("relocalise_after", relocalise_after, "", {1, 1e6},
+           "steps without consensus after which the whole map is searched");
+
+  s.flag("rejuvenate", rejuvenate,
+         "with known landmarks in the plane: smooths the path where it pays and draws the particles anew");
+  s.number("rejuvenation_share", rejuvenation_share, "", {1e-6, 1},
+           "of a core's time for the solver; twice that at few lineages");
+  s.number("rejuvenation_lineages", rejuvenation_lineages, "", {0, 1},
+           "of the particles: distinct ancestors since they were drawn anew; fewer are few");
+  s.number("reunion_steps", reunion_steps, "", {0, 1e9}, "unseen for so many steps is long");
+
+  s.flag("smooth_map", smooth_map, "keeps keyframes of 3-D landmarks, so that path and map can be smoothed");
+  s.flag("bend_closed_loops", bend_closed_loops, "smooths them unasked, too, when a loop was closed");
+
+  s.number("maximum_new_landmarks", maximum_new_landmarks, "", {1, any}, "a step");
+  s.number("cell_capacity", cell_capacity, "", {1, any},
+           "landmarks seen in one of 16 x 12 image cells before no more are made");
+  s.flag("remove_landmarks", remove_landmarks, "landmarks that should be seen and are not go");
+  s.number("odds_hit", odds_hit, "", {0, 100}, "log-odds that an observation adds to a landmark's existence");
+  s.number("odds_miss", odds_miss, "", {-100, 0}, "log-odds that an observation that fails to come adds");
+  s.number("odds_new", odds_new, "", {-1e6, 1e6}, "log-odds of a new landmark");
+  s.number("odds_remove", odds_remove, "", {-1e6, 1e6}, "log-odds below which a landmark goes");
+  s.number("odds_maximum", odds_maximum, "", {0, 1e6},
+           "log-odds that a landmark's existence does not exceed");
+  s.require(odds_remove <= odds_new && odds_new <= odds_maximum, "odds_new",
+            "must lie between odds_remove and odds_maximum");
+  s.number("minimum_observations", minimum_observations, "", {1, 100000}, "before a landmark is given out");
+  s.number("tentative_steps", tentative_steps, "", {1, 1e9},
+           "a landmark not given out and not seen for so many steps is forgotten");
 }
 
 }  // namespace lcmslam

@@ -7,6 +7,7 @@
 
 #include <lcmslam/features/descriptor_distance.hpp>
 #include <lcmslam/features/feature.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -16,11 +17,16 @@ struct Match {
 };
 
 struct MatchingSettings {
-  /// Lowe's ratio: a match is kept when its distance (not squared) is below this times the distance to
-  /// the second nearest of b. 1: only the mutual test.
   double ratio = 0.8;
-  /// Blobs match only blobs of the same Laplacian sign (Bay et al. 2008, section 4.3).
   bool same_laplacian = true;
+
+  void describe(SettingsVisitor& s) {
+    s.number(
+        "ratio", ratio, "", {0.01, 1},
+        "of the distances to the nearest and the second nearest descriptor (Lowe); 1: only the mutual test");
+    s.flag("same_laplacian", same_laplacian,
+           "blobs match only blobs of the same Laplacian sign (Bay et al. 2008, section 4.3)");
+  }
 };
 
 /// Keeps its buffers: matching sets no larger than earlier ones allocates nothing. One instance a

@@ -8,23 +8,10 @@
 #include <stdexcept>
 
 #include <lcmslam/geometry/rigid_alignment.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
-
-void check(const RigidRansacSettings& s) {
-  const auto require = [](bool condition, const std::string& what) {
-    if (!condition) throw std::invalid_argument("rigid RANSAC: " + what);
-  };
-  require(s.min_inliers >= 3, "min_inliers is " + std::to_string(s.min_inliers) + ", must be 3 or more");
-  require(s.max_iterations >= 1,
-          "max_iterations is " + std::to_string(s.max_iterations) + ", must be 1 or more");
-  require(s.confidence > 0 && s.confidence < 1,
-          "confidence is " + std::to_string(s.confidence) + ", must lie between 0 and 1");
-  require(s.chi_square > 0, "chi_square is " + std::to_string(s.chi_square) + ", must be positive");
-  require(s.max_refinements >= 1,
-          "max_refinements is " + std::to_string(s.max_refinements) + ", must be 1 or more");
-}
 
 bool is_covariance(const Eigen::Matrix3d& matrix) {
   return matrix.allFinite() && matrix.llt().info() == Eigen::Success;
@@ -198,7 +185,7 @@ bool refine_rigid(const std::vector<PointPair>& pairs, const std::vector<int>& i
 
 RigidRansacResult align_ransac(const std::vector<PointPair>& pairs, const RigidRansacSettings& settings,
                                Random& random) {
-  check(settings);
+  check(settings, "rigid RANSAC");
   RigidRansacResult result;
   std::vector<int> candidates;
   for (std::size_t i = 0; i < pairs.size(); ++i)

@@ -10,15 +10,26 @@
 #include <lcmslam/features/matching.hpp>
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct RigidRansacSettings {
-  int min_inliers = 12;        ///< fewer is a failure; at least 3
-  int max_iterations = 2000;   ///< upper limit of hypotheses; fewer when many matches agree
-  double confidence = 0.999;   ///< of having drawn one sample without outliers
-  double chi_square = 11.345;  ///< inlier: squared Mahalanobis distance below this (3 DoF, 99 %)
-  int max_refinements = 10;    ///< rounds of least squares and new inliers
+  int min_inliers = 12;
+  int max_iterations = 2000;
+  double confidence = 0.999;
+  double chi_square = 11.345;
+  int max_refinements = 10;
+
+  void describe(SettingsVisitor& s) {
+    s.number("min_inliers", min_inliers, "", {3, 1e6}, "fewer are a failure");
+    s.number("max_iterations", max_iterations, "", {1, 1e9},
+             "upper limit of hypotheses; fewer when many matches agree");
+    s.number("confidence", confidence, "", {0.01, 0.999999}, "of having drawn one sample without outliers");
+    s.number("chi_square", chi_square, "", {0.01, 1e6},
+             "inliers have a squared Mahalanobis distance below this (3 DoF, 99 %)");
+    s.number("max_refinements", max_refinements, "", {1, 1000}, "rounds of least squares and new inliers");
+  }
 };
 
 /// One match: the same point measured in frames a and b, with 3x3 covariances, metres.

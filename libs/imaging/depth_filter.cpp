@@ -6,6 +6,7 @@
 
 #include <lcmslam/imaging/depth_filter_parts.hpp>
 #include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
@@ -14,8 +15,7 @@ std::unique_ptr<DepthFilterPart> make_part(const std::string& name, const DepthF
   if (name == "amplitude") return make_amplitude_filter(settings.amplitude);
   if (name == "jump_edges") return make_jump_edge_filter(settings.jump_edges);
   if (name == "speckle") return make_speckle_filter(settings.speckle);
-  if (name == "bilateral") return make_bilateral_filter(settings.bilateral);
-  throw std::invalid_argument("depth filter: part '" + name + "' is not known");
+  return make_bilateral_filter(settings.bilateral);
 }
 
 // d(1/z) = dz / z^2.
@@ -45,13 +45,9 @@ LCMSLAM_VECTORISED(add_amplitude_noise,
 
 }  // namespace
 
-const std::vector<std::string>& depth_filter_parts() {
-  static const std::vector<std::string> names = {"amplitude", "jump_edges", "speckle", "bilateral"};
-  return names;
-}
-
 DepthFilter::DepthFilter(const RgbdCalibration& calibration, const DepthFilterSettings& settings)
     : noise_(calibration.depth_noise) {
+  check(settings, "depth filter");
   const CameraModel& camera = calibration.depth_registered ? calibration.colour : calibration.depth;
   image_.independent = noise_.amplitude > 0;
   image_.pitch_x = static_cast<float>(1 / camera.fx);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -41,7 +42,12 @@ class DepthFilterPart {
 };
 
 struct AmplitudeFilterSettings {
-  double min_amplitude = 0.02;  ///< of 1; darker pixels go. No effect without an amplitude image.
+  double min_amplitude = 0.02;
+
+  void describe(SettingsVisitor& s) {
+    s.number("min_amplitude", min_amplitude, "", {0, 1},
+             "of the brightest; darker pixels go (no effect without an amplitude image)");
+  }
 };
 
 /// A surface goes on from a pixel to its neighbour when their inverse depths differ by no more than the noise
@@ -51,13 +57,25 @@ struct AmplitudeFilterSettings {
 /// A pixel stays when its surface goes on to the left or right and also up or down: a mixed pixel may find
 /// others like itself along the edge, but not across it.
 struct JumpEdgeFilterSettings {
-  double noise_sigmas = 1.35;    ///< of a difference
-  double free_incidence = 0.46;  ///< rad between the viewing ray and the normal
-  double max_incidence = 1.4;    ///< rad
+  double noise_sigmas = 1.35;
+  double free_incidence = 0.46;
+  double max_incidence = 1.4;
+
+  void describe(SettingsVisitor& s) {
+    s.number("noise_sigmas", noise_sigmas, "", {0, 1000}, "of a difference that noise may explain");
+    s.number("free_incidence", free_incidence, "rad", {0, 1.57},
+             "slope that is granted without being seen, from the viewing ray to the normal");
+    s.number("max_incidence", max_incidence, "rad", {0, 1.57}, "steepest slope that is granted");
+  }
 };
 
 struct SpeckleFilterSettings {
-  double min_solid_angle = 1e-4;  ///< sr; connected valid pixels that cover less go (at 2 m: 4 cm^2)
+  double min_solid_angle = 1e-4;
+
+  void describe(SettingsVisitor& s) {
+    s.number("min_solid_angle", min_solid_angle, "sr", {0, 1},
+             "connected valid pixels that cover less go (1e-4 sr: 4 cm^2 at 2 m)");
+  }
 };
 
 /// Weighted mean over 5 x 5 pixels (rows, then columns), weights falling with the difference over the noise.
@@ -65,24 +83,33 @@ struct SpeckleFilterSettings {
 /// itself (depth_noise.amplitude > 0): structured light matches windows of pixels, so neighbours share their
 /// errors, a mean takes nothing away, and small shapes suffer.
 struct BilateralFilterSettings {
-  double range_sigmas = 3;  ///< of a difference; farther ones have no weight
+  double range_sigmas = 3;
+
+  void describe(SettingsVisitor& s) {
+    s.number("range_sigmas", range_sigmas, "", {0.1, 1000}, "of a difference; farther ones have no weight");
+  }
 };
 
-/// "amplitude", "jump_edges", "speckle", "bilateral".
-const std::vector<std::string>& depth_filter_parts();
-
 struct DepthFilterSettings {
-  /// Any of depth_filter_parts(), in order; empty: no filter.
   std::vector<std::string> parts = {"amplitude", "jump_edges", "speckle", "bilateral"};
   AmplitudeFilterSettings amplitude;
   JumpEdgeFilterSettings jump_edges;
   SpeckleFilterSettings speckle;
   BilateralFilterSettings bilateral;
+
+  void describe(SettingsVisitor& s) {
+    s.texts("parts", parts, "what is done to a depth image, in this order; [] is no filter",
+            {"amplitude", "jump_edges", "speckle", "bilateral"});
+    s.section("amplitude", amplitude, "takes out pixels too dark to be believed");
+    s.section("jump_edges", jump_edges, "takes out mixed pixels at depth edges");
+    s.section("speckle", speckle, "takes out specks");
+    s.section("bilateral", bilateral, "smooths what edges leave (only cameras with amplitude noise)");
+  }
 };
 
 class DepthFilter {
  public:
-  /// Throws std::invalid_argument for a part that is not known.
+  /// Throws std::invalid_argument for settings that are wrong.
   explicit DepthFilter(const RgbdCalibration& calibration, const DepthFilterSettings& settings = {});
 
   /// Filters in place. `depth` CV_16UC1 mm of any size, `amplitude` CV_8UC1 of the same size or empty; throws

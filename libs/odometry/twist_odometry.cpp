@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include <lcmslam/settings/check.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -13,21 +15,8 @@ constexpr double max_turn_per_step = 0.05;  // rad: a longer arc is cut for its 
 
 }  // namespace
 
-void TwistOdometrySettings::check() const {
-  noise.check();
-  const std::pair<const char*, double> not_negative[] = {
-      {"curve_noise", curve_noise}, {"timeout", timeout}, {"max_speed", max_speed}};
-  for (const auto& [name, value] : not_negative)
-    if (!(std::isfinite(value) && value >= 0))
-      throw std::invalid_argument("twist odometry: " + std::string(name) + " is " + std::to_string(value) +
-                                  "; expected a number of at least 0");
-  if (!(std::abs(delay) <= 10))
-    throw std::invalid_argument("twist odometry: delay is " + std::to_string(delay) +
-                                "; expected s in [-10, 10]");
-}
-
 TwistOdometry::TwistOdometry(const TwistOdometrySettings& settings) : settings_(settings) {
-  settings_.check();
+  check(settings_, "twist odometry");
 }
 
 std::optional<MotionSample> TwistOdometry::update(const Twist& twist) {

@@ -5,6 +5,7 @@
 
 #include <lcmslam/geometry/motion_buffer.hpp>
 #include <lcmslam/odometry/wheel_noise.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -17,12 +18,21 @@ struct Twist {
 
 struct TwistOdometrySettings {
   WheelNoise noise;
-  double curve_noise = 0;  ///< m per root radian turned, each axis: velocities of curves are not kept
-  double delay = 0;        ///< s from a twist's stamp until the base moves so (commands, filters)
-  double timeout = 1;      ///< s that a twist holds without a successor; then the base may do anything
-  double max_speed = 2;    ///< m/s and rad/s that it may do then
+  double curve_noise = 0;
+  double delay = 0;
+  double timeout = 1;
+  double max_speed = 2;
 
-  void check() const;  ///< throws std::invalid_argument that names the wrong value
+  void describe(SettingsVisitor& s) {
+    noise.describe(s);
+    s.number("curve_noise", curve_noise, "m per root radian", {0, 1},
+             "on each axis, by the angle turned: velocities of curves are not kept");
+    s.number("delay", delay, "s", {-10, 10},
+             "from a twist's stamp until the base moves so (commands, filters)");
+    s.number("timeout", timeout, "s", {0, 3600},
+             "that a twist holds without a successor; then the base may do anything");
+    s.number("max_speed", max_speed, "m/s and rad/s", {0, 100}, "that it may do then");
+  }
 };
 
 class TwistOdometry {

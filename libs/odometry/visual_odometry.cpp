@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <lcmslam/settings/check.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -27,39 +29,9 @@ Matrix6d diagonal(double translation_sigma, double rotation_sigma) {
 
 }  // namespace
 
-void VisualOdometrySettings::check() const {
-  const std::pair<const char*, double> positive[] = {
-      {"keyframe_inlier_ratio", keyframe_inlier_ratio},
-      {"keyframe_translation", keyframe_translation},
-      {"keyframe_rotation", keyframe_rotation},
-      {"max_speed", max_speed},
-      {"max_turn_rate", max_turn_rate},
-      {"covariance_factor", covariance_factor},
-      {"stamp_sigma", stamp_sigma},
-      {"translation_floor", translation_floor},
-      {"rotation_floor", rotation_floor},
-      {"max_prediction", max_prediction},
-      {"prediction_acceleration", prediction_acceleration},
-      {"prediction_turn_acceleration", prediction_turn_acceleration}};
-  for (const auto& [name, value] : positive) {
-    if (!(std::isfinite(value) && value > 0)) {
-      throw std::invalid_argument("visual odometry: " + std::string(name) + " is " + std::to_string(value) +
-                                  "; expected a number above 0");
-    }
-  }
-  if (keyframes < 1 || keyframes > 100) {
-    throw std::invalid_argument("visual odometry: keyframes is " + std::to_string(keyframes) +
-                                "; expected 1 to 100");
-  }
-  if (keyframe_inlier_ratio >= 1) {
-    throw std::invalid_argument("visual odometry: keyframe_inlier_ratio is " +
-                                std::to_string(keyframe_inlier_ratio) + "; expected a ratio below 1");
-  }
-}
-
 VisualOdometry::VisualOdometry(const VisualOdometrySettings& settings, Random random)
     : settings_(settings), random_(random) {
-  settings_.check();
+  check(settings_, "visual odometry");
 }
 
 std::optional<MotionSample> VisualOdometry::update(const FeatureFrame& all_features) {

@@ -12,6 +12,7 @@
 #include <lcmslam/features/rigid_ransac.hpp>
 #include <lcmslam/geometry/motion_buffer.hpp>
 #include <lcmslam/geometry/random.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -19,30 +20,55 @@ struct VisualOdometrySettings {
   MatchingSettings matching;
   RigidRansacSettings ransac;
 
-  int keyframes = 4;  ///< that a frame is aligned to, at once: 1 drifts more, 10 cost more
+  int keyframes = 4;
 
   // The current frame becomes a keyframe when it is aligned well and one of these is passed.
-  double keyframe_inlier_ratio = 0.5;  ///< of the inliers that the newest keyframe had at first
-  double keyframe_translation = 0.3;   ///< m from the newest keyframe
-  double keyframe_rotation = 0.35;     ///< rad
+  double keyframe_inlier_ratio = 0.5;
+  double keyframe_translation = 0.3;
+  double keyframe_rotation = 0.35;
 
   // Faster motion is a wrong alignment.
-  double max_speed = 3;      ///< m/s
-  double max_turn_rate = 6;  ///< rad/s
+  double max_speed = 3;
+  double max_turn_rate = 6;
 
   // Least squares takes the errors of all features as independent; what they share enters here.
-  double covariance_factor = 4;       ///< on the alignment's covariance
-  double stamp_sigma = 0.005;         ///< s: stamp and rolling shutter, an error along the motion
-  double translation_floor = 0.5e-3;  ///< m, standard deviation added to each step
-  double rotation_floor = 0.5e-3;     ///< rad
+  double covariance_factor = 4;
+  double stamp_sigma = 0.005;
+  double translation_floor = 0.5e-3;
+  double rotation_floor = 0.5e-3;
 
   // Without an alignment the last velocity goes on for a while. Its error is that of an unknown
   // acceleration: sigma = a t^2 / 2.
-  double max_prediction = 0.5;              ///< s; after that the pose stays
-  double prediction_acceleration = 3;       ///< m/s^2
-  double prediction_turn_acceleration = 6;  ///< rad/s^2
+  double max_prediction = 0.5;
+  double prediction_acceleration = 3;
+  double prediction_turn_acceleration = 6;
 
-  void check() const;  ///< throws std::invalid_argument that names the wrong value
+  void describe(SettingsVisitor& s) {
+    s.section("matching", matching, "of a frame's features with a keyframe's");
+    s.section("ransac", ransac, "which matches agree on one rigid motion");
+    s.number("keyframes", keyframes, "", {1, 100},
+             "that a frame is aligned to, at once: 1 drifts more, 10 cost more");
+    s.number("keyframe_inlier_ratio", keyframe_inlier_ratio, "", {1e-3, 0.999},
+             "a new keyframe is due below this share of the inliers that the newest one had at first");
+    s.number("keyframe_translation", keyframe_translation, "m", {1e-3, 100},
+             "from the newest keyframe, beyond which a new one is due");
+    s.number("keyframe_rotation", keyframe_rotation, "rad", {1e-3, 3.2},
+             "from the newest keyframe, beyond which a new one is due");
+    s.number("max_speed", max_speed, "m/s", {0.01, 100}, "faster motion is a wrong alignment");
+    s.number("max_turn_rate", max_turn_rate, "rad/s", {0.01, 100}, "faster turning is a wrong alignment");
+    s.number("covariance_factor", covariance_factor, "", {1e-3, 1e6},
+             "on the alignment's covariance: features share errors that least squares takes as independent");
+    s.number("stamp_sigma", stamp_sigma, "s", {1e-9, 1},
+             "of stamps and rolling shutter, an error along the motion");
+    s.number("translation_floor", translation_floor, "m", {1e-9, 1}, "standard deviation added to each step");
+    s.number("rotation_floor", rotation_floor, "rad", {1e-9, 1}, "standard deviation added to each step");
+    s.number("max_prediction", max_prediction, "s", {1e-3, 3600},
+             "that the last velocity goes on without an alignment; after that the pose stays");
+    s.number("prediction_acceleration", prediction_acceleration, "m/s^2", {1e-3, 1000},
+             "unknown one, from which a prediction's error comes");
+    s.number("prediction_turn_acceleration", prediction_turn_acceleration, "rad/s^2", {1e-3, 1000},
+             "unknown one, from which a prediction's error comes");
+  }
 };
 
 enum class VisualStatus {

@@ -1,9 +1,6 @@
 #include <lcmslam/odometry/wheel_noise.hpp>
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
-#include <utility>
 
 namespace lcmslam {
 namespace {
@@ -13,32 +10,6 @@ double square(double value) {
 }
 
 }  // namespace
-
-void WheelNoise::check() const {
-  const std::pair<const char*, double> not_negative[] = {{"longitudinal_scale", longitudinal_scale},
-                                                         {"lateral_scale", lateral_scale},
-                                                         {"rotation_scale", rotation_scale},
-                                                         {"scale_length", scale_length},
-                                                         {"scale_angle", scale_angle},
-                                                         {"translation_drift", translation_drift},
-                                                         {"rotation_drift", rotation_drift},
-                                                         {"slip_translation", slip_translation},
-                                                         {"slip_rotation", slip_rotation}};
-  const std::pair<const char*, double> positive[] = {{"slip_distance", slip_distance},
-                                                     {"flatness", flatness},
-                                                     {"rest_translation", rest_translation},
-                                                     {"rest_rotation", rest_rotation}};
-  const auto fail = [](const char* name, double value, const char* right) {
-    throw std::invalid_argument("wheel noise: " + std::string(name) + " is " + std::to_string(value) +
-                                "; expected a number " + right);
-  };
-  for (const auto& [name, value] : not_negative) {
-    if (!(std::isfinite(value) && value >= 0)) fail(name, value, "of at least 0");
-  }
-  for (const auto& [name, value] : positive) {
-    if (!(std::isfinite(value) && value > 0)) fail(name, value, "above 0");
-  }
-}
 
 Matrix6d increment_covariance(const WheelNoise& noise, const PlanarIncrement& increment) {
   const double way = increment.way_rolled;

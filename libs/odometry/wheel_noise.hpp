@@ -8,31 +8,54 @@
 // overstates it on shorter ways and understates it on longer ones, which a map corrects.
 
 #include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 /// Defaults are the errors of the simulated bases (2 and 3 % scale, 1 % and 0.5 degree of drift, a slip
 /// of 2-5 cm and 1-3 degrees every 10 m).
 struct WheelNoise {
-  double longitudinal_scale = 0.02;  ///< standard deviation of the scale along x, ratio
-  double lateral_scale = 0.03;       ///< along y
-  double rotation_scale = 0.03;      ///< of the heading
-  double scale_length = 1.0;         ///< m, see above
-  double scale_angle = 1.0;          ///< rad
+  double longitudinal_scale = 0.02;
+  double lateral_scale = 0.03;
+  double rotation_scale = 0.03;
+  double scale_length = 1.0;
+  double scale_angle = 1.0;
 
-  double translation_drift = 0.01;  ///< m per root metre rolled, each axis
-  double rotation_drift = 0.00873;  ///< rad per root metre rolled (0.5 degree)
+  double translation_drift = 0.01;
+  double rotation_drift = 0.00873;
 
-  double slip_distance = 10;         ///< m rolled between slips
-  double slip_translation = 0.0255;  ///< m, root mean square on each axis of one slip
-  double slip_rotation = 0.0363;     ///< rad, root mean square of one slip (2.08 degrees)
+  double slip_distance = 10;
+  double slip_translation = 0.0255;
+  double slip_rotation = 0.0363;
 
-  double flatness = 1e-3;          ///< m and rad per root metre: height, roll and pitch
-  double rest_translation = 2e-4;  ///< m per root second on each axis, also at rest: quantisation
-  double rest_rotation = 2e-4;     ///< rad per root second on each axis
+  double flatness = 1e-3;
+  double rest_translation = 2e-4;
+  double rest_rotation = 2e-4;
 
-  /// Throws std::invalid_argument that names the wrong value.
-  void check() const;
+  void describe(SettingsVisitor& s) {
+    s.number("longitudinal_scale", longitudinal_scale, "", {0, 1},
+             "standard deviation of the scale along x, ratio");
+    s.number("lateral_scale", lateral_scale, "", {0, 1}, "standard deviation of the scale along y, ratio");
+    s.number("rotation_scale", rotation_scale, "", {0, 1},
+             "standard deviation of the heading's scale, ratio");
+    s.number("scale_length", scale_length, "m", {0, 1000},
+             "way at which the random walk is as large as the scale's error");
+    s.number("scale_angle", scale_angle, "rad", {0, 1000},
+             "turn at which the random walk is as large as the scale's error");
+    s.number("translation_drift", translation_drift, "m per root metre", {0, 1},
+             "random walk of the position on each axis, by the way rolled");
+    s.number("rotation_drift", rotation_drift, "rad per root metre", {0, 1},
+             "random walk of the heading, by the way rolled (0.00873: half a degree)");
+    s.number("slip_distance", slip_distance, "m", {1e-3, 1e9}, "rolled between slips");
+    s.number("slip_translation", slip_translation, "m", {0, 1}, "root mean square on each axis of one slip");
+    s.number("slip_rotation", slip_rotation, "rad", {0, 1}, "root mean square of one slip");
+    s.number("flatness", flatness, "m and rad per root metre", {1e-9, 1},
+             "height, roll and pitch of the ground");
+    s.number("rest_translation", rest_translation, "m per root second", {1e-9, 1},
+             "on each axis, also at rest: quantisation");
+    s.number("rest_rotation", rest_rotation, "rad per root second", {1e-9, 1},
+             "on each axis, also at rest: quantisation");
+  }
 };
 
 /// Motion of the body during one increment, in its own frame.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <lcmslam/odometry/wheel_kinematics.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
@@ -31,20 +32,8 @@ bool impossible(const std::vector<Wheel>& before, const std::vector<Wheel>& afte
 
 }  // namespace
 
-void WheelOdometrySettings::check() const {
-  noise.check();
-  if (!(side_slip_weight > 0 && std::isfinite(side_slip_weight))) {
-    throw std::invalid_argument("wheel odometry: side_slip_weight is " + std::to_string(side_slip_weight) +
-                                "; expected a number above 0");
-  }
-  if (!(max_wheel_speed > 0)) {
-    throw std::invalid_argument("wheel odometry: max_wheel_speed is " + std::to_string(max_wheel_speed) +
-                                "; expected m/s above 0");
-  }
-}
-
 WheelOdometry::WheelOdometry(const WheelOdometrySettings& settings) : settings_(settings) {
-  settings_.check();
+  check(settings_, "wheel odometry");
 }
 
 std::optional<MotionSample> WheelOdometry::update(const Encoders& encoders) {

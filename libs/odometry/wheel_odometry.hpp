@@ -7,15 +7,22 @@
 #include <lcmslam/geometry/motion_buffer.hpp>
 #include <lcmslam/odometry/encoders.hpp>
 #include <lcmslam/odometry/wheel_noise.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct WheelOdometrySettings {
   WheelNoise noise;
-  double side_slip_weight = 1.0;  ///< weight of a tyre's "no side slip" against its rolling
-  double max_wheel_speed = 10;    ///< m/s at the rim; faster is a driver that restarted its counters
+  double side_slip_weight = 1.0;
+  double max_wheel_speed = 10;
 
-  void check() const;  ///< throws std::invalid_argument that names the wrong value
+  void describe(SettingsVisitor& s) {
+    noise.describe(s);
+    s.number("side_slip_weight", side_slip_weight, "", {1e-6, 1e6},
+             "of a tyre's \"no side slip\" against its rolling");
+    s.number("max_wheel_speed", max_wheel_speed, "m/s", {0.01, 1000},
+             "at the rim; faster is a driver that restarted its counters");
+  }
 };
 
 /// Body velocity in the robot frame, mean over the last increment.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include <lcmslam/settings/check.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -44,7 +46,9 @@ std::vector<int> nearest(const PoseGraph& graph, const LoopFinder& finder, int n
 }  // namespace
 
 KeyframeGraph::KeyframeGraph(const KeyframeGraphSettings& settings)
-    : settings_(settings), finder_(settings.loops) {}
+    : settings_(settings), finder_(settings.loops) {
+  check(settings, "keyframe graph");
+}
 
 void KeyframeGraph::set_floor(const std::optional<Eigen::Isometry3d>& T_camera_robot) {
   T_camera_on_floor_ = T_camera_robot;

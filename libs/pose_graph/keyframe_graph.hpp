@@ -15,6 +15,7 @@
 #include <lcmslam/pose_graph/graph_thinning.hpp>
 #include <lcmslam/pose_graph/loop_finder.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -22,21 +23,42 @@ struct KeyframeGraphSettings {
   bool enabled = true;
   PoseGraphSettings optimiser;
   LoopFinderSettings loops;
-  int neighbours = 2;  ///< nearest keyframes that a new node is compared with, besides the one before it
-  double max_distance = 1.0;  ///< m between cameras, and
-  double max_angle = 0.7;     ///< rad: beyond, they are no neighbours
-  // Added (squared) to the motion between two keyframes as tracking has it: the map pulls it along.
-  double floor_translation = 0.01;  ///< m
-  double floor_rotation = 0.005;    ///< rad
-  // Corrections below are not worth bending the map for.
-  double min_translation = 0.004;  ///< m
-  double min_rotation = 0.003;     ///< rad
-  double wait = 0.2;               ///< s of message time that the work waits for a keyframe's features
-  double time = 0.3;               ///< s of message time that the work may take, and
-  double time_per_node = 0.002;    ///< s for each node
+  int neighbours = 2;
+  double max_distance = 1.0;
+  double max_angle = 0.7;
+  double floor_translation = 0.01;
+  double floor_rotation = 0.005;
+  double min_translation = 0.004;
+  double min_rotation = 0.003;
+  double wait = 0.2;
+  double time = 0.3;
+  double time_per_node = 0.002;
   /// Keyframes that are kept, and as many other nodes; a tenth of them goes at a time (about 0.25 MB each).
+  /// Its key is the mapper's.
   int max_keyframes = 600;
-  int max_waiting = 200;  ///< edges that are not believed yet; the newest ones
+  int max_waiting = 200;
+
+  void describe(SettingsVisitor& s) {
+    s.flag("enabled", enabled, "keyframes are compared with each other and their poses optimised");
+    s.section("optimiser", optimiser, "the poses that explain the measurements best");
+    s.section("loops", loops, "whether the camera has been here before");
+    s.number("neighbours", neighbours, "", {0, 100},
+             "nearest keyframes that a new node is compared with, besides the one before it");
+    s.number("max_distance", max_distance, "m", {0, 1000}, "between the cameras of neighbours");
+    s.number("max_angle", max_angle, "rad", {0, 3.1416}, "between the cameras of neighbours");
+    s.number("floor_translation", floor_translation, "m", {0, 1000},
+             "noise floor of the motion between two keyframes, added (squared): the map pulls it along");
+    s.number("floor_rotation", floor_rotation, "rad", {0, 3.1416},
+             "noise floor of the motion between two keyframes, added (squared)");
+    s.number("min_translation", min_translation, "m", {0, 1000},
+             "smaller corrections are not worth deforming the map for");
+    s.number("min_rotation", min_rotation, "rad", {0, 3.1416},
+             "smaller corrections are not worth deforming the map for");
+    s.number("wait", wait, "s", {0, 10}, "of message time that the work waits for a keyframe's features");
+    s.number("time", time, "s", {0, 100}, "of message time that the work may take, and");
+    s.number("time_per_node", time_per_node, "s", {0, 1}, "of message time for each node");
+    s.number("max_waiting", max_waiting, "", {0, 1e6}, "edges that are not believed yet, the newest ones");
+  }
 };
 
 class KeyframeGraph {

@@ -6,6 +6,7 @@
 
 #include <lcmslam/features/strongest_features.hpp>
 #include <lcmslam/registration/kd_tree_target.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
@@ -35,7 +36,9 @@ std::size_t memory_bytes(const KeyframeView& view) {
   return sizeof view + memory_bytes(view.cloud) + view.features.features.capacity() * sizeof(Feature);
 }
 
-LoopFinder::LoopFinder(const LoopFinderSettings& settings) : settings_(settings) {}
+LoopFinder::LoopFinder(const LoopFinderSettings& settings) : settings_(settings) {
+  check(settings, "loop finder");
+}
 
 void LoopFinder::add(std::shared_ptr<const KeyframeView> view) {
   refresh_index();

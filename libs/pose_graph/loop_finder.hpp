@@ -12,24 +12,42 @@
 #include <lcmslam/features/rigid_ransac.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
 #include <lcmslam/registration/registration.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct LoopFinderSettings {
-  int indexed_features = 200;             ///< strongest of each keyframe that can be found again
-  double max_descriptor_distance = 0.35;  ///< between descriptors of unit norm
+  int indexed_features = 200;
+  double max_descriptor_distance = 0.35;
   int min_votes = 12;
-  int candidates = 2;             ///< most voted keyframes that are verified
-  int min_inliers = 15;           ///< of RANSAC
-  double min_overlap = 0.30;      ///< of the clouds, after ICP
-  double min_inlier_share = 0.6;  ///< of the pairs, within three sigmas
-  double max_disagreement = 5;    ///< Mahalanobis distance between ICP and features
-  // Added (squared) to every edge's covariance: what a sensor's points of one view err alike.
-  double floor_translation = 0.005;  ///< m
-  double floor_rotation = 0.003;     ///< rad
+  int candidates = 2;
+  int min_inliers = 15;
+  double min_overlap = 0.30;
+  double min_inlier_share = 0.6;
+  double max_disagreement = 5;
+  double floor_translation = 0.005;
+  double floor_rotation = 0.003;
   RegistrationSettings registration = registration_defaults();
 
   static RegistrationSettings registration_defaults();
+
+  void describe(SettingsVisitor& s) {
+    s.number("indexed_features", indexed_features, "", {10, 10000},
+             "strongest of each keyframe by which it can be found again");
+    s.number("max_descriptor_distance", max_descriptor_distance, "", {0, 2},
+             "between descriptors of unit norm; nearer ones vote");
+    s.number("min_votes", min_votes, "", {1, 10000}, "that make a keyframe a loop candidate");
+    s.number("candidates", candidates, "", {0, 100}, "most voted keyframes that are verified");
+    s.number("min_inliers", min_inliers, "", {3, 1000}, "of RANSAC over the matched features");
+    s.number("min_overlap", min_overlap, "", {0, 1}, "of the clouds, after ICP");
+    s.number("min_inlier_share", min_inlier_share, "", {0, 1}, "of the pairs, within three sigmas");
+    s.number("max_disagreement", max_disagreement, "", {0, 1e6},
+             "Mahalanobis distance between what ICP and what the features say");
+    s.number("floor_translation", floor_translation, "m", {0, 1000},
+             "noise floor of an edge, added (squared): what a sensor's points of one view err alike");
+    s.number("floor_rotation", floor_rotation, "rad", {0, 3.1416}, "noise floor of an edge, added (squared)");
+    s.section("registration", registration, "of the two keyframes' clouds");
+  }
 };
 
 /// What is seen from a keyframe; camera frame.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -37,12 +38,28 @@ struct GraphEdge {
 };
 
 struct PoseGraphSettings {
-  double kernel_width = 3;  ///< standard deviations: Cauchy kernel on all but odometry
-  double max_error = 5.3;   ///< Mahalanobis distance; edges (not odometry) beyond are refused: 6 DoF, 99.99 %
-  int max_iterations = 30;  ///< of each solution
-  double path_gate = 4.74;  ///< a loop this near (6 DoF, 99.9 %) to what the graph expects is believed, and
-  int loop_support = 3;     ///< others when so many from different places agree with each other
-  double plane_height = 0.01, plane_tilt = 0.004;  ///< m and rad: how well the floor is a plane
+  double kernel_width = 3;
+  double max_error = 5.3;
+  int max_iterations = 30;
+  double path_gate = 4.74;
+  int loop_support = 3;
+  double plane_height = 0.01, plane_tilt = 0.004;
+
+  void describe(SettingsVisitor& s) {
+    s.number("kernel_width", kernel_width, "standard deviations", {0.1, 1e6},
+             "of the Cauchy kernel on all edges but odometry's");
+    s.number("max_error", max_error, "", {0.1, 1e6},
+             "Mahalanobis distance beyond which edges but odometry's are refused (6 DoF, 99.99 %)");
+    s.number("max_iterations", max_iterations, "", {1, 10000}, "of each solution");
+    s.number("path_gate", path_gate, "", {0, 1e6},
+             "a loop this near (Mahalanobis; 6 DoF, 99.9 %) to what the graph expects is believed");
+    s.number("loop_support", loop_support, "", {1, 100},
+             "other loops are believed when so many from different places agree with each other");
+    s.number("plane_height", plane_height, "m", {1e-6, 1000},
+             "standard deviation of the ground's height under a robot that drives");
+    s.number("plane_tilt", plane_tilt, "rad", {1e-6, 3.1416},
+             "standard deviation of the ground's tilt under a robot that drives");
+  }
 };
 
 struct PoseGraph {

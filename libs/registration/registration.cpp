@@ -10,6 +10,7 @@
 #include <lcmslam/registration/selection.hpp>
 #include <lcmslam/registration/stop_criterion.hpp>
 #include <lcmslam/registration/weighting.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
@@ -215,6 +216,8 @@ RegistrationResult look(const Cloud& source, const Target& target, const Eigen::
 RegistrationResult register_clouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_start,
                                    const std::vector<RegistrationSettings>& passes) {
   if (passes.empty()) throw std::invalid_argument("registration: no passes");
+  for (const RegistrationSettings& pass : passes)
+    check(pass, "registration", &RegistrationSettings::describe_pass);
   Cloud moving = source, fixed = target;
   for (const RegistrationSettings& pass : passes) {
     moving = prepared_source(std::move(moving), pass, Eigen::Vector3d::Zero());

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <lcmslam/settings/check.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -16,10 +18,7 @@ void check(const cv::Mat& source, const cv::Mat& target, const ColourOverlapSett
   require(source.type() == CV_8UC1 || source.type() == CV_8UC3, "images must be 8-bit with 1 or 3 channels");
   require(!source.empty() && source.size() == target.size() && source.type() == target.type(),
           "both images must be of one size and type");
-  require(s.columns >= 1 && s.rows >= 1, "columns and rows must be positive");
-  require(s.scale > 0 && s.scale <= 1, "scale must be in (0, 1]");
-  require(s.threshold >= -1 && s.threshold <= 1, "threshold must be in [-1, 1]");
-  require(s.search >= 0 && s.min_contrast >= 0, "search and min_contrast must not be negative");
+  lcmslam::check(s, "colour overlap");
 }
 
 cv::Mat reduced_grey(const cv::Mat& image, double scale) {

@@ -6,15 +6,28 @@
 #include <opencv2/core.hpp>
 
 #include <lcmslam/registration/image_overlap.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct ColourOverlapSettings {
-  int columns = 8, rows = 6;  ///< segments
-  double scale = 0.25;        ///< of both images, in which is searched: at full size it takes seconds
-  double threshold = 0.7;     ///< coefficient from which on a segment is found again
-  double min_contrast = 4;    ///< standard deviation in grey values; plainer segments have no coefficient
-  double search = 0;          ///< pixels (full size) around the expected place; 0: everywhere
+  int columns = 8, rows = 6;
+  double scale = 0.25;
+  double threshold = 0.7;
+  double min_contrast = 4;
+  double search = 0;
+
+  void describe(SettingsVisitor& s) {
+    s.number("columns", columns, "", {1, 1000}, "segments of the image from left to right");
+    s.number("rows", rows, "", {1, 1000}, "segments of the image from top to bottom");
+    s.number("scale", scale, "", {0.01, 1},
+             "of both images, in which is searched: at full size it takes seconds");
+    s.number("threshold", threshold, "", {-1, 1}, "coefficient from which on a segment is found again");
+    s.number("min_contrast", min_contrast, "grey values", {0, 255},
+             "standard deviation; plainer segments have no coefficient");
+    s.number("search", search, "pixels", {0, 10000},
+             "at full size, around the expected place; 0: everywhere");
+  }
 };
 
 /// `source` and `target`: CV_8UC1 or CV_8UC3 of one size. Segments are expected where `shift` (pixels) moves

@@ -2,7 +2,13 @@
 
 #include <cmath>
 
+#include <lcmslam/settings/check.hpp>
+
 namespace lcmslam {
+
+DepthClock::DepthClock(const DepthClockSettings& settings) : settings_(settings) {
+  check(settings_, "depth clock");
+}
 
 // The cloud is truly of offset + d: it was moved too little by omega d, and what is seen is
 // exp(omega d) = T_world_features^-1 T_world_cloud.

@@ -5,21 +5,30 @@
 // Kelly and Sukhatme 2014, who align curves of rotation alike).
 
 #include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct DepthClockSettings {
   bool enabled = true;
-  double prior = 0.01;  ///< s, standard deviation of the offset before anything is seen
-  /// rad, of the difference between both orientations in one frame. Frames that follow one another err
-  /// alike, so it is three times what single frames scatter.
+  double prior = 0.01;
+  /// Frames that follow one another err alike, so it is three times what single frames scatter.
   double noise = 0.03;
-  double outlier = 0.1;  ///< rad: a difference beyond is no matter of clocks
+  double outlier = 0.1;
+
+  void describe(SettingsVisitor& s) {
+    s.flag("enabled", enabled,
+           "learns by how much the depth image's stamps are off the colour camera's clock");
+    s.number("prior", prior, "s", {1e-4, 1}, "standard deviation of the offset before anything is seen");
+    s.number("noise", noise, "rad", {1e-4, 1},
+             "standard deviation of the difference between both orientations in one frame");
+    s.number("outlier", outlier, "rad", {0, 3.1416}, "a difference beyond is no matter of clocks");
+  }
 };
 
 class DepthClock {
  public:
-  explicit DepthClock(const DepthClockSettings& settings) : settings_(settings) {}
+  explicit DepthClock(const DepthClockSettings& settings);
 
   /// One frame: where features and where the cloud, moved in time by offset(), place the robot; omega: its
   /// angular velocity (rad/s, robot frame).

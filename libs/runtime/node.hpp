@@ -1,6 +1,9 @@
 #pragma once
 // A node is what a process does, without the process: constructed from its configuration and a
 // publisher, one handler a message. The same class runs live, in batch and in tests.
+//
+// What it can be told stands in a struct of its own that describes itself: N::Settings, and N::read() reads
+// it from the process's section, so that tools know the keys without making a node.
 
 #include <chrono>
 #include <optional>
@@ -18,12 +21,6 @@ struct NodeReport {
   std::string detail;  ///< in words
   std::vector<std::pair<std::string, double>> values;
 };
-
-/// Key `frame_queue`: how many frames may wait before the oldest is skipped. Few keep a live robot's answers
-/// fresh; in a replay more of them let a slow moment pass without a gap.
-inline std::size_t frame_queue(const ConfigNode& config, int live) {
-  return static_cast<std::size_t>(config.get("frame_queue", live, Range{1, 10000}));
-}
 
 class Node {
  public:

@@ -39,6 +39,13 @@ const std::vector<std::string>& process_names() {
   return names;
 }
 
+void LaunchSettings::describe(SettingsVisitor& s) {
+  std::vector<const char*> names;
+  for (const std::string& name : process_names()) names.push_back(name.c_str());
+  s.texts("processes", processes, "that run", names);
+  s.flag("restart", restart, "a process that dies comes back");
+}
+
 ConfigNode load_config(const std::string& file, const std::vector<std::string>& overrides) {
   ConfigNode config = file.empty() ? ConfigNode() : ConfigNode::load(file);
   for (const auto& text : overrides) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <lcmslam/configuration/config.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -27,6 +28,14 @@ std::string lcm_url_from_environment();
 
 /// Names of the processes, which are also the configuration's sections.
 const std::vector<std::string>& process_names();
+
+/// Section `launch`.
+struct LaunchSettings {
+  std::vector<std::string> processes = process_names();
+  bool restart = true;
+
+  void describe(SettingsVisitor& s);
+};
 
 /// The whole configuration file with overrides applied ("section.key=value"); throws ConfigError.
 ConfigNode load_config(const std::string& file, const std::vector<std::string>& overrides);

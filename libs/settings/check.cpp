@@ -30,7 +30,7 @@ bool is_choice(const std::string& text, const std::vector<const char*>& choices)
 }
 
 std::string must_be_number(const Setting& setting) {
-  return "must be " + describe(setting.whole ? "a whole number" : "a number", setting.range);
+  return "must be " + range_text(setting.whole ? "a whole number" : "a number", setting.range);
 }
 
 std::string one_of(const std::vector<const char*>& choices) {
@@ -39,7 +39,7 @@ std::string one_of(const std::vector<const char*>& choices) {
 
 }  // namespace
 
-std::string describe(const std::string& kind, const Range& range) {
+std::string range_text(const std::string& kind, const Range& range) {
   const bool low = std::isfinite(range.low), high = std::isfinite(range.high);
   if (low && high) return kind + " from " + number_text(range.low) + " to " + number_text(range.high);
   if (low) return kind + " of at least " + number_text(range.low);
@@ -66,7 +66,7 @@ std::string allowed(const SettingEntry& entry) {
   if (entry.kind == "list of texts")
     return entry.choices.empty() ? "a list of texts" : "a list, each " + one_of(entry.choices);
   if (!entry.choices.empty()) return one_of(entry.choices);
-  return describe("a " + entry.kind, entry.range);
+  return range_text("a " + entry.kind, entry.range);
 }
 
 // --- lists ---
@@ -154,7 +154,7 @@ std::string SettingsCheck::on_text(const Setting& setting, const std::string& va
 std::vector<double> SettingsCheck::on_numbers(const Setting& setting, const std::vector<double>& values) {
   for (const double value : values)
     if (!(std::isfinite(value) && setting.range.holds(value)))
-      remember(setting.key, "must be a list, each " + describe("a number", setting.range));
+      remember(setting.key, "must be a list, each " + range_text("a number", setting.range));
   return values;
 }
 

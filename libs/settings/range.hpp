@@ -13,6 +13,6 @@ struct Range {
 };
 
 /// "a number from 0 to 1", "a whole number of at least 1", ...
-std::string describe(const std::string& kind, const Range& range);
+std::string range_text(const std::string& kind, const Range& range);
 
 }  // namespace lcmslam

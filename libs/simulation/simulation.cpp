@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <lcmslam/geometry/random.hpp>
+#include <lcmslam/settings/check.hpp>
 #include <lcmslam/simulation/colour_camera.hpp>
 #include <lcmslam/simulation/planar_path.hpp>
 #include <lcmslam/simulation/sensor_head.hpp>
@@ -22,13 +23,7 @@ HeadingSway sway_of(const std::string& base) {
 }
 
 SimulationSettings checked(const SimulationSettings& settings) {
-  make_wheels(settings.base);
-  if (!(settings.seconds >= 0 && settings.seconds < 1e6))
-    throw std::invalid_argument("seconds must be 0 or more");
-  if (!(settings.frame_rate >= 0 && settings.frame_rate <= 200))
-    throw std::invalid_argument("frame_rate must be from 0 to 200 Hz");
-  if (settings.threads < 1 || settings.threads > 64)
-    throw std::invalid_argument("threads must be from 1 to 64");
+  check(settings, "simulation");
   return settings;
 }
 

@@ -12,17 +12,29 @@
 #include <lcmslam/imaging/calibration.hpp>
 #include <lcmslam/imaging/rgbd_frame.hpp>
 #include <lcmslam/odometry/encoders.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 struct SimulationSettings {
-  std::filesystem::path scene;        ///< a file of config/scenes
-  std::string head = "tof";           ///< tof, rgbd
-  std::string base = "differential";  ///< differential, steered, mecanum
-  std::uint64_t seed = 1;             ///< of the sensors' errors; the scene and the path do not depend on it
-  double seconds = 0;                 ///< 0: the whole path
-  double frame_rate = 0;              ///< Hz; 0: 10 for tof, 30 for rgbd
-  int threads = 1;                    ///< for one image
+  std::filesystem::path scene;
+  std::string head = "tof";
+  std::string base = "differential";
+  std::uint64_t seed = 1;
+  double seconds = 0;
+  double frame_rate = 0;
+  int threads = 1;
+
+  void describe(SettingsVisitor& s) {
+    s.required_path("scene", scene, "a file of config/scenes, relative to the file that names it");
+    s.choice("head", head, {"tof", "rgbd"}, "the cameras");
+    s.choice("base", base, {"differential", "steered", "mecanum"}, "the wheels");
+    s.number("seed", seed, "", {0, 2147483647},
+             "of the sensors' errors; the scene and the path do not depend on it");
+    s.number("seconds", seconds, "s", {0, 1e6}, "of the path; 0: the whole of it");
+    s.number("frame_rate", frame_rate, "Hz", {0, 200}, "of the images; 0: 10 for tof, 30 for rgbd");
+    s.number("threads", threads, "", {1, 64}, "for one image");
+  }
 };
 
 class Simulation {

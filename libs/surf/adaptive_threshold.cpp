@@ -3,16 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
+
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 
 AdaptiveThreshold::AdaptiveThreshold(const AdaptiveThresholdSettings& settings)
     : settings_(settings), value_(settings.start) {
   const auto& s = settings_;
-  if (!(s.lowest > 0 && s.lowest <= s.start && s.start <= s.highest && std::isfinite(s.highest)))
-    throw std::invalid_argument(
-        "SURF: of the thresholds, 0 < lowest <= start <= highest must hold, not 0 < " +
-        std::to_string(s.lowest) + " <= " + std::to_string(s.start) + " <= " + std::to_string(s.highest));
+  check(s, "SURF");
+  if (!(s.lowest <= s.start && s.start <= s.highest))
+    throw std::invalid_argument("SURF: of the thresholds, lowest <= start <= highest must hold, not " +
+                                std::to_string(s.lowest) + " <= " + std::to_string(s.start) +
+                                " <= " + std::to_string(s.highest));
   if (s.wanted < 1) throw std::invalid_argument("SURF: the number of blobs wanted must be positive");
 }
 

@@ -2,13 +2,22 @@
 // A detection threshold that follows the scene: a dim corridor still gives features, a bookshelf does not
 // cost ten times their budget.
 
+#include <lcmslam/settings/settings.hpp>
+
 namespace lcmslam {
 
 struct AdaptiveThresholdSettings {
-  double start = 100;  ///< determinant of the Hessian, as SurfSettings::hessian_threshold
-  double lowest = 10;  ///< below it noise begins
+  double start = 100;  ///< determinant of the Hessian; no key of its own: SurfSettings::hessian_threshold
+  double lowest = 10;
   double highest = 1000;
-  int wanted = 1200;  ///< blobs above the threshold, from which the budget chooses
+  int wanted = 1200;  ///< blobs above the threshold, from which the budget chooses; no key: follows from it
+
+  void describe(SettingsVisitor& s) {
+    s.number("lowest_threshold", lowest, "grey values^2", {1e-3, 1e6},
+             "hessian_threshold follows the scene down to this one: below noise begins");
+    s.number("highest_threshold", highest, "grey values^2", {1e-3, 1e6},
+             "hessian_threshold follows the scene up to this one");
+  }
 };
 
 /// Moves from frame to frame, within bounds. Depends on the frames before alone: the same recording gives

@@ -3,16 +3,24 @@
 
 #include <vector>
 
+#include <lcmslam/settings/settings.hpp>
 #include <lcmslam/surf/extrema.hpp>
 
 namespace lcmslam {
 
 struct FeatureBudget {
-  int max_features = 600;     ///< 0: no limit
-  int columns = 8, rows = 6;  ///< cells over which the features are spread
-  /// A cell may take this many times its equal share before the others have chosen; what then remains
-  /// of the budget goes to the strongest left over. At least 1; large values mean no spreading.
+  int max_features = 600;
+  int columns = 8, rows = 6;
   double cell_share = 1.5;
+
+  void describe(SettingsVisitor& s) {
+    s.number("max_features", max_features, "", {0, 1e6},
+             "keypoints that are kept of an image, the strongest, spread over it; 0: all");
+    s.number("cell_columns", columns, "", {1, 1000}, "cells over which they are spread, from left to right");
+    s.number("cell_rows", rows, "", {1, 1000}, "cells from top to bottom");
+    s.number("cell_share", cell_share, "", {1, 1e6},
+             "of its equal share that a cell may take before the others have chosen; large: no spreading");
+  }
 };
 
 /// Keeps at most max_features blobs, strongest first; ties by position, so that the order is defined.

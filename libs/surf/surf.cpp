@@ -7,6 +7,7 @@
 #include <string>
 
 #include <lcmslam/parallel/rows.hpp>
+#include <lcmslam/settings/check.hpp>
 #include <lcmslam/surf/descriptor.hpp>
 
 namespace lcmslam {
@@ -16,28 +17,6 @@ constexpr float degrees = 57.2957795f;
 
 [[noreturn]] void refuse(const std::string& what) {
   throw std::invalid_argument("SURF: " + what);
-}
-
-void require(bool condition, const std::string& what) {
-  if (!condition) refuse(what);
-}
-
-void check(const SurfSettings& s) {
-  require(std::isfinite(s.hessian_threshold) && s.hessian_threshold >= 0,
-          "hessian_threshold is " + std::to_string(s.hessian_threshold) + ", must be 0 or more");
-  require(s.octaves >= 1 && s.octaves <= 6, "octaves is " + std::to_string(s.octaves) + ", must be 1 to 6");
-  require(s.intervals >= 3 && s.intervals <= 8,
-          "intervals is " + std::to_string(s.intervals) + ", must be 3 to 8");
-  require(std::isfinite(s.edge_ratio) && s.edge_ratio >= 1,
-          "edge_ratio is " + std::to_string(s.edge_ratio) + ", must be 1 or more");
-  const FeatureBudget& budget = s.budget;
-  require(budget.max_features >= 0,
-          "max_features is " + std::to_string(budget.max_features) + ", must be 0 (no limit) or more");
-  require(budget.columns >= 1 && budget.columns <= 1000 && budget.rows >= 1 && budget.rows <= 1000,
-          "the grid is " + std::to_string(budget.columns) + " x " + std::to_string(budget.rows) +
-              ", must be 1 to 1000 each way");
-  require(budget.cell_share >= 1,
-          "cell_share is " + std::to_string(budget.cell_share) + ", must be 1 or more");
 }
 
 // The image itself where it is grey already, else its conversion into `buffer`.
@@ -74,13 +53,13 @@ bool masked_out(const Blob& blob, const cv::Mat& mask) {
 }  // namespace
 
 Surf::Surf(const SurfSettings& settings) : settings_(settings) {
-  check(settings_);
+  check(settings_, "SURF");
 }
 
 void Surf::set_hessian_threshold(double threshold) {
   SurfSettings changed = settings_;
   changed.hessian_threshold = threshold;
-  check(changed);
+  check(changed, "SURF");
   settings_ = changed;
 }
 

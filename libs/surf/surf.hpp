@@ -4,6 +4,7 @@
 #include <opencv2/features2d.hpp>
 #include <vector>
 
+#include <lcmslam/settings/settings.hpp>
 #include <lcmslam/surf/extrema.hpp>
 #include <lcmslam/surf/feature_budget.hpp>
 #include <lcmslam/surf/hessian.hpp>
@@ -13,18 +14,30 @@
 namespace lcmslam {
 
 struct SurfSettings {
-  /// Least determinant of the Hessian, in squared grey values (0..255) of box means.
   double hessian_threshold = 100;
-  int octaves = 4;    ///< 1..6; filter sides 9..27, 15..51, 27..99, 51..195
-  int intervals = 4;  ///< filters an octave, 3..8; blobs are found at all but the first and last
-  /// Smooths the image first (sigma 1.41 pixels), which the paper does not: more blobs are found again and
-  /// matched. Thresholds speak of the smoothed image; keypoints' sizes of the given one.
+  int octaves = 4;
+  int intervals = 4;
+  /// The paper does not smooth. Thresholds speak of the smoothed image; keypoints' sizes of the given one.
   bool smooth = true;
-  /// Greatest ratio of the second derivatives across and along; beyond it a blob is an edge. 1 or more.
   double edge_ratio = 8;
-  bool extended = false;  ///< 128-D descriptors, the sums split by the other derivative's sign
-  bool upright = false;   ///< no orientation (angle 0): faster, more distinctive while the camera is level
-  FeatureBudget budget;   ///< how many, and how evenly spread
+  /// 128-D descriptors, the sums split by the other derivative's sign. No key: a message holds 64.
+  bool extended = false;
+  bool upright = false;
+  FeatureBudget budget;
+
+  void describe(SettingsVisitor& s) {
+    s.number("hessian_threshold", hessian_threshold, "grey values^2", {0, 1e6},
+             "least determinant of the Hessian, of box means of grey values from 0 to 255");
+    s.number("octaves", octaves, "", {1, 6}, "of filter sides: 9 to 27, 15 to 51, 27 to 99, 51 to 195, ...");
+    s.number("intervals", intervals, "", {3, 8},
+             "filters an octave; blobs are found at all but the first and the last");
+    s.flag("smooth", smooth,
+           "smooths the image first (sigma 1.41 pixels): more blobs are found again and matched");
+    s.number("edge_ratio", edge_ratio, "", {1, 1e6},
+             "of the second derivatives across and along, beyond which a blob is an edge");
+    s.flag("upright", upright, "no orientation: faster, more distinctive while the camera is level");
+    budget.describe(s);
+  }
 };
 
 /// Detector and descriptor. Keypoints: pt in pixels, size = the blob's diameter (side of the matching

@@ -18,12 +18,14 @@ constexpr std::chrono::seconds calibration_period{1};
 }  // namespace
 
 CameraNode::CameraNode(const ConfigNode& config, Publisher& publisher)
+    : CameraNode(read(config), publisher) {}
+
+CameraNode::CameraNode(const CameraSettings& settings, Publisher& publisher)
     : publisher_(publisher),
-      source_(make_camera_source(config)),
-      speed_(config.get("speed", 1.0, Range{0.01, 100})) {
-  const auto names = config.get("wait_for", std::vector<std::string>{});
-  wait_for_ = {names.begin(), names.end()};
-  const std::chrono::duration<double> patience(config.get("wait_at_most", 30.0, Range{0, 600}));
+      source_(make_camera_source(settings)),
+      speed_(settings.speed),
+      wait_for_(settings.wait_for.begin(), settings.wait_for.end()) {
+  const std::chrono::duration<double> patience(settings.wait_at_most);
   wait_until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(patience);
   for (const auto& note : source_->notes()) spdlog::info("{}", note);
   thread_ = std::thread([this] { prefetch(); });

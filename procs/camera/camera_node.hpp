@@ -14,7 +14,11 @@ namespace lcmslam {
 
 class CameraNode : public Node {
  public:
+  using Settings = CameraSettings;
+  static Settings read(const ConfigNode& config) { return read_camera_settings(config); }
+
   CameraNode(const ConfigNode& config, Publisher& publisher);
+  CameraNode(const Settings& settings, Publisher& publisher);
   ~CameraNode() override;
 
   void connect(Inputs& inputs) override;

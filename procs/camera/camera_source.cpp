@@ -1,7 +1,6 @@
 #include "procs/camera/camera_source.hpp"
 
-#include <map>
-
+#include <lcmslam/configuration/read_settings.hpp>
 #include "procs/camera/camera_log.hpp"
 
 namespace lcmslam {
@@ -10,19 +9,18 @@ Utime event_utime(const CameraEvent& event) {
   return std::visit([](const auto& e) { return e.utime; }, event);
 }
 
-std::unique_ptr<CameraSource> make_camera_source(const ConfigNode& config) {
-  using Factory = std::unique_ptr<CameraSource> (*)(const ConfigNode&);
-  const std::map<std::string, Factory> factories = {
-      {"simulation", make_simulation_source}, {"dataset", make_dataset_source}, {"log", make_log_source}};
-  const std::string source = config.choice("source", "simulation", {"simulation", "dataset", "log"});
-  // The other sources' sections may stand in the file: a run chooses between them.
-  for (const auto& [name, factory] : factories)
-    if (name != source) config.ignore(name);
-  return factories.at(source)(config.section(source));
+CameraSettings read_camera_settings(const ConfigNode& config) {
+  auto settings = read_settings<CameraSettings>(config);
+  std::filesystem::path& scene = settings.simulation.simulation.scene;
+  if (settings.source == "simulation" && scene.is_relative())
+    scene = config.section("simulation").folder() / scene;
+  return settings;
 }
 
-std::unique_ptr<CameraSource> make_log_source(const ConfigNode& config) {
-  return open_log(config.text("file"));
+std::unique_ptr<CameraSource> make_camera_source(const CameraSettings& settings) {
+  if (settings.source == "dataset") return make_dataset_source(settings.dataset);
+  if (settings.source == "log") return open_log(settings.log.file);
+  return make_simulation_source(settings.simulation);
 }
 
 }  // namespace lcmslam

@@ -6,11 +6,11 @@
 #include <string>
 #include <variant>
 
-#include <lcmslam/configuration/config.hpp>
 #include <lcmslam/imaging/calibration.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/imaging/rgbd_frame.hpp>
 #include <lcmslam/odometry/encoders.hpp>
+#include "procs/camera/camera_settings.hpp"
 
 namespace lcmslam {
 
@@ -39,15 +39,13 @@ class CameraSource {
   virtual std::size_t malformed() const { return 0; }
 };
 
-/// Made as the configuration's key `source` says.
-std::unique_ptr<CameraSource> make_camera_source(const ConfigNode& config);
+/// As `source` says.
+std::unique_ptr<CameraSource> make_camera_source(const CameraSettings& settings);
 
-/// Key `render`: live, or cached: rendered once into a log below out/cache, then played from there.
-std::unique_ptr<CameraSource> make_simulation_source(const ConfigNode& config);
+/// Live, or cached: rendered once into a log below out/cache, then played from there.
+std::unique_ptr<CameraSource> make_simulation_source(const SimulationSourceSettings& settings);
 /// Always rendered anew.
-std::unique_ptr<CameraSource> make_live_simulation(const ConfigNode& config);
-/// Key `file`: an .lcmlog with CAMERA, CAMERA_CALIBRATION ...
-std::unique_ptr<CameraSource> make_log_source(const ConfigNode& config);
-std::unique_ptr<CameraSource> make_dataset_source(const ConfigNode& config);
+std::unique_ptr<CameraSource> make_live_simulation(const SimulationSourceSettings& settings);
+std::unique_ptr<CameraSource> make_dataset_source(const DatasetSourceSettings& settings);
 
 }  // namespace lcmslam

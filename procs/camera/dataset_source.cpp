@@ -64,13 +64,12 @@ class DatasetSource : public CameraSource {
 
 }  // namespace
 
-std::unique_ptr<CameraSource> make_dataset_source(const ConfigNode& c) {
+std::unique_ptr<CameraSource> make_dataset_source(const DatasetSourceSettings& settings) {
   DatasetOptions options;
-  const std::string folder = c.text("folder");
-  options.calibration = c.get("calibration", "");
-  options.description = c.get("description", "");
-  options.jpeg_quality = c.get("jpeg_quality", 90, Range{1, 100});
-  return std::make_unique<DatasetSource>(folder, options, c.get("seconds", 0.0, Range{0, 1e9}));
+  options.calibration = settings.calibration;
+  options.description = settings.description;
+  options.jpeg_quality = settings.jpeg_quality;
+  return std::make_unique<DatasetSource>(settings.folder, options, settings.seconds);
 }
 
 }  // namespace lcmslam

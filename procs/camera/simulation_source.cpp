@@ -12,25 +12,12 @@ namespace {
 
 constexpr Utime encoder_period = 20'000;  // us
 
-SimulationSettings read_settings(const ConfigNode& c) {
-  SimulationSettings s;
-  s.scene = c.text("scene");
-  if (s.scene.is_relative()) s.scene = c.folder() / s.scene;
-  s.head = c.choice("head", s.head, {"tof", "rgbd"});
-  s.base = c.choice("base", s.base, {"differential", "steered", "mecanum"});
-  s.seed = static_cast<std::uint64_t>(c.get("seed", 1, Range{0, 2147483647}));
-  s.seconds = c.get("seconds", s.seconds, Range{0, 1e6});
-  s.frame_rate = c.get("frame_rate", s.frame_rate, Range{0, 1000});
-  s.threads = c.get("threads", s.threads, Range{1, 64});
-  return s;
-}
-
 /// Interleaves encoder readings with the truth at their times, and frames, by time.
 class SimulationSource : public CameraSource {
  public:
-  explicit SimulationSource(const ConfigNode& config)
-      : settings_(read_settings(config)),
-        jpeg_quality_(config.get("jpeg_quality", 90, Range{1, 100})),
+  explicit SimulationSource(const SimulationSourceSettings& settings)
+      : settings_(settings.simulation),
+        jpeg_quality_(settings.jpeg_quality),
         simulation_(settings_),
         frame_period_(static_cast<Utime>(1e6 / simulation_.frame_rate())),
         next_encoders_(simulation_.start()),
@@ -92,14 +79,13 @@ std::filesystem::path cache_file(const SimulationSettings& s, int jpeg_quality) 
 
 }  // namespace
 
-std::unique_ptr<CameraSource> make_live_simulation(const ConfigNode& config) {
-  return std::make_unique<SimulationSource>(config);
+std::unique_ptr<CameraSource> make_live_simulation(const SimulationSourceSettings& settings) {
+  return std::make_unique<SimulationSource>(settings);
 }
 
-std::unique_ptr<CameraSource> make_simulation_source(const ConfigNode& config) {
-  const bool cached = config.choice("render", "live", {"live", "cached"}) == "cached";
-  auto simulation = std::make_unique<SimulationSource>(config);
-  if (!cached) return simulation;
+std::unique_ptr<CameraSource> make_simulation_source(const SimulationSourceSettings& settings) {
+  auto simulation = std::make_unique<SimulationSource>(settings);
+  if (settings.render != "cached") return simulation;
   const std::filesystem::path file = cache_file(simulation->settings(), simulation->jpeg_quality());
   if (!std::filesystem::exists(file)) {
     std::filesystem::create_directories(file.parent_path());

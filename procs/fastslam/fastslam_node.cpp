@@ -3,12 +3,12 @@
 #include <cmath>
 #include <thread>
 
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/fastslam/motion_model.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
-#include "procs/fastslam/read_settings.hpp"
 #include "procs/fastslam/step_messages.hpp"
 
 namespace lcmslam {
@@ -19,12 +19,23 @@ constexpr Utime longest_gap = 5'000'000;         // us; beyond it the motion is 
 
 }  // namespace
 
+FastSlamNodeSettings FastSlamNode::read(const ConfigNode& config) {
+  FastSlamNodeSettings settings;
+  SettingsReader preset(config);
+  settings.describe_preset(preset);
+  if (settings.preset == "thesis") settings.filter = thesis_preset();
+  return read_settings(config, settings);
+}
+
 FastSlamNode::FastSlamNode(const ConfigNode& config, Publisher& publisher)
+    : FastSlamNode(read(config), publisher) {}
+
+FastSlamNode::FastSlamNode(const FastSlamNodeSettings& settings, Publisher& publisher)
     : publisher_(publisher),
-      settings_(read_fastslam_settings(config)),
-      pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
-      frame_queue_(frame_queue(config, 3)),
-      join_(config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
+      settings_(settings.filter),
+      pose_(settings.pose),
+      frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
+      join_(settings.max_wait, std::max<std::size_t>(6, frame_queue_),
             [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
 
 void FastSlamNode::connect(Inputs& inputs) {

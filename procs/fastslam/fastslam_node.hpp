@@ -6,12 +6,17 @@
 #include <lcmslam/features/feature.hpp>
 #include <lcmslam/runtime/motion_join.hpp>
 #include <lcmslam/runtime/node.hpp>
+#include "procs/fastslam/fastslam_node_settings.hpp"
 
 namespace lcmslam {
 
 class FastSlamNode : public Node {
  public:
+  using Settings = FastSlamNodeSettings;
+  static Settings read(const ConfigNode& config);
+
   FastSlamNode(const ConfigNode& config, Publisher& publisher);
+  FastSlamNode(const Settings& settings, Publisher& publisher);
 
   void connect(Inputs& inputs) override;
   void command(const command_t& command) override;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
@@ -18,7 +19,6 @@
 #include <lcmslam/rgbd/make_cloud.hpp>
 #include <lcmslam/rgbd/rolling_shutter.hpp>
 #include "procs/icp/icp_messages.hpp"
-#include "procs/icp/read_settings.hpp"
 
 namespace lcmslam {
 namespace {
@@ -26,27 +26,27 @@ namespace {
 constexpr Utime longest_gap = 5'000'000;  // us
 constexpr Utime same_moment = 1000;       // us
 constexpr std::size_t features_kept = 8;  // frames; odometry may lag behind features
-// A frame takes a third of its period: after a short stall of the machine five are soon worked off, and none
-// is missing. Where every frame takes longer, the pose comes so many frames late.
-constexpr int frames_waiting = 5;
 
 }  // namespace
 
-IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher)
+IcpNodeSettings IcpNode::read(const ConfigNode& config) {
+  return read_settings<IcpNodeSettings>(config);
+}
+
+IcpNode::IcpNode(const ConfigNode& config, Publisher& publisher) : IcpNode(read(config), publisher) {}
+
+IcpNode::IcpNode(const IcpNodeSettings& settings, Publisher& publisher)
     : publisher_(publisher),
-      settings_(read_icp_settings(config)),
-      filter_settings_(read_depth_filter_settings(config.section("depth_filter"))),
-      pose_(config.choice("pose", "auto", {"auto", "planar", "6dof"})),
-      cloud_points_(config.get("cloud_points", 12000.0, Range{100, 1e7})),
-      frame_queue_(frame_queue(config, frames_waiting)),
+      settings_(settings.mapper),
+      filter_settings_(settings.depth_filter),
+      pose_(settings.pose),
+      cloud_points_(settings.cloud_points),
+      frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
       join_(
-          config.get("max_wait", 0.15, Range{0, 10}), std::max<std::size_t>(6, frame_queue_),
-          [this](Prepared& prepared) { on_frame(prepared); }, config.get("extrapolation", 0.01, Range{0, 1})),
-      // Kinects of the first kind read their rows during nearly the whole 33 ms of a frame.
-      readout_(config.get("rolling_shutter", 0.03, Range{0, 0.1})),
-      rolling_sensors_(config.get(
-          "rolling_sensors",
-          std::vector<std::string>{"tum_default", "tum_fr1", "tum_fr2", "tum_fr3", "seven_scenes"})),
+          settings.max_wait, std::max<std::size_t>(6, frame_queue_),
+          [this](Prepared& prepared) { on_frame(prepared); }, settings.extrapolation),
+      readout_(settings.rolling_shutter),
+      rolling_sensors_(settings.rolling_sensors),
       depth_clock_(settings_.depth_clock) {}
 
 void IcpNode::connect(Inputs& inputs) {

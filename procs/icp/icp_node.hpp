@@ -16,12 +16,17 @@
 #include <lcmslam/rgbd/depth_view.hpp>
 #include <lcmslam/runtime/motion_join.hpp>
 #include <lcmslam/runtime/node.hpp>
+#include "procs/icp/icp_node_settings.hpp"
 
 namespace lcmslam {
 
 class IcpNode : public Node {
  public:
+  using Settings = IcpNodeSettings;
+  static Settings read(const ConfigNode& config);
+
   IcpNode(const ConfigNode& config, Publisher& publisher);
+  IcpNode(const Settings& settings, Publisher& publisher);
 
   void connect(Inputs& inputs) override;
   std::optional<Duration> work() override;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/map_reply_t.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
@@ -39,10 +40,15 @@ void add_to_path(std::vector<Eigen::Vector3d>& path, const pose_estimate_t& mess
 
 }  // namespace
 
+MapServerSettings MapServerNode::read(const ConfigNode& config) {
+  return read_settings<MapServerSettings>(config);
+}
+
 MapServerNode::MapServerNode(const ConfigNode& config, Publisher& publisher)
-    : publisher_(publisher),
-      folder_(config.get("folder", "out/maps")),
-      resolution_(config.get("resolution", 0.02, Range{0.001, 1})) {}
+    : MapServerNode(read(config), publisher) {}
+
+MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publisher)
+    : publisher_(publisher), folder_(settings.folder), resolution_(settings.resolution) {}
 
 void MapServerNode::connect(Inputs& inputs) {
   inputs.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000,

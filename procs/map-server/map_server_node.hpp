@@ -12,6 +12,7 @@
 #include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/runtime/node.hpp>
+#include "procs/map-server/map_server_settings.hpp"
 
 namespace lcmslam {
 
@@ -24,7 +25,11 @@ struct Session {
 
 class MapServerNode : public Node {
  public:
+  using Settings = MapServerSettings;
+  static Settings read(const ConfigNode& config);
+
   MapServerNode(const ConfigNode& config, Publisher& publisher);
+  MapServerNode(const Settings& settings, Publisher& publisher);
 
   void connect(Inputs& inputs) override;
   void command(const command_t& command) override;

@@ -1,5 +1,6 @@
 #include "procs/odometry/odometry_node.hpp"
 
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
@@ -8,71 +9,33 @@
 namespace lcmslam {
 namespace {
 
-WheelNoise read_wheel_noise(const ConfigNode& c) {
-  WheelNoise n;
-  const Range ratio{0, 1};
-  n.longitudinal_scale = c.get("longitudinal_scale", n.longitudinal_scale, ratio);
-  n.lateral_scale = c.get("lateral_scale", n.lateral_scale, ratio);
-  n.rotation_scale = c.get("rotation_scale", n.rotation_scale, ratio);
-  n.translation_drift = c.get("translation_drift", n.translation_drift, ratio);
-  n.rotation_drift = c.get("rotation_drift", n.rotation_drift, ratio);
-  n.slip_distance = c.get("slip_distance", n.slip_distance, Range{1e-3, 1e9});
-  n.slip_translation = c.get("slip_translation", n.slip_translation, ratio);
-  n.slip_rotation = c.get("slip_rotation", n.slip_rotation, ratio);
-  return n;
-}
-
-WheelOdometrySettings read_wheels(const ConfigNode& c) {
-  WheelOdometrySettings s;
-  s.noise = read_wheel_noise(c);
-  return s;
-}
-
-TwistOdometrySettings read_twist(const ConfigNode& c) {
-  TwistOdometrySettings s;
-  s.noise = read_wheel_noise(c);
-  s.curve_noise = c.get("curve_noise", s.curve_noise, Range{0, 1});
-  s.delay = c.get("delay", s.delay, Range{-10, 10});
-  s.timeout = c.get("timeout", s.timeout, Range{0, 3600});
-  s.max_speed = c.get("max_speed", s.max_speed, Range{0, 100});
-  return s;
-}
-
-VisualOdometrySettings read_visual(const ConfigNode& c) {
-  VisualOdometrySettings s;
-  s.keyframe_inlier_ratio = c.get("keyframe_inlier_ratio", s.keyframe_inlier_ratio, Range{0, 1});
-  s.keyframe_translation = c.get("keyframe_translation", s.keyframe_translation, Range{0, 100});
-  s.keyframe_rotation = c.get("keyframe_rotation", s.keyframe_rotation, Range{0, 3.2});
-  s.max_speed = c.get("max_speed", s.max_speed, Range{0.01, 100});
-  s.max_turn_rate = c.get("max_turn_rate", s.max_turn_rate, Range{0.01, 100});
-  return s;
-}
-
-/// Thesis, figure 2.10: Gaussian noise on the path, to see how much of it the mappers take away.
-std::optional<MotionNoise> read_noise(const ConfigNode& c) {
-  MotionNoiseSettings s;
-  const std::string mode = c.choice("mode", "none", {"none", "random_walk", "white"});
-  const double sigma = c.get("sigma", 0.02, Range{0, 10});
-  s.mode = mode == "white" ? MotionNoiseMode::white : MotionNoiseMode::random_walk;
-  s.sigma = Eigen::Vector3d(sigma, sigma, 0);
-  s.rate = c.get("rate", s.rate, Range{0.01, 1000});
-  const auto seed = static_cast<std::uint64_t>(c.get("seed", 1, Range{0, 2147483647}));
-  if (mode == "none") return std::nullopt;
-  return MotionNoise(s, Random(seed));
+std::optional<MotionNoise> make_noise(const PathNoiseSettings& settings) {
+  if (settings.mode == "none") return std::nullopt;
+  MotionNoiseSettings noise;
+  noise.mode = settings.mode == "white" ? MotionNoiseMode::white : MotionNoiseMode::random_walk;
+  noise.sigma = Eigen::Vector3d(settings.sigma, settings.sigma, 0);
+  noise.rate = settings.rate;
+  return MotionNoise(noise, Random(settings.seed));
 }
 
 }  // namespace
 
+OdometryNodeSettings OdometryNode::read(const ConfigNode& config) {
+  return read_settings<OdometryNodeSettings>(config);
+}
+
 OdometryNode::OdometryNode(const ConfigNode& config, Publisher& publisher)
+    : OdometryNode(read(config), publisher) {}
+
+OdometryNode::OdometryNode(const OdometryNodeSettings& settings, Publisher& publisher)
     : publisher_(publisher),
-      source_(config.choice("source", "wheels", {"wheels", "twist", "visual", "external"})),
-      external_channel_(config.get("external_channel", "POSE_BODY")),
-      frame_queue_(frame_queue(config, 4)),
-      wheels_(read_wheels(config.section("wheels"))),
-      twist_(read_twist(config.section("twist"))),
-      visual_(read_visual(config.section("visual")),
-              Random(static_cast<std::uint64_t>(config.get("seed", 1, Range{0, 2147483647})))),
-      noise_(read_noise(config.section("noise"))) {}
+      source_(settings.source),
+      external_channel_(settings.external_channel),
+      frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
+      wheels_(settings.wheels),
+      twist_(settings.twist),
+      visual_(settings.visual, Random(settings.seed)),
+      noise_(make_noise(settings.noise)) {}
 
 void OdometryNode::connect(Inputs& inputs) {
   if (source_ == "wheels") {

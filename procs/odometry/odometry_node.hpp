@@ -10,12 +10,17 @@
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include <lcmslam/twist_t.hpp>
+#include "procs/odometry/odometry_settings.hpp"
 
 namespace lcmslam {
 
 class OdometryNode : public Node {
  public:
+  using Settings = OdometryNodeSettings;
+  static Settings read(const ConfigNode& config);
+
   OdometryNode(const ConfigNode& config, Publisher& publisher);
+  OdometryNode(const Settings& settings, Publisher& publisher);
 
   void connect(Inputs& inputs) override;
   NodeReport report() const override;

@@ -4,48 +4,32 @@
 #include <algorithm>
 #include <utility>
 
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include "procs/surf/feature_frame.hpp"
 
 namespace lcmslam {
-namespace {
 
-SurfSettings read_settings(const ConfigNode& config) {
-  SurfSettings s;
-  s.hessian_threshold = config.get("hessian_threshold", s.hessian_threshold, Range{1e-3, 1e6});
-  s.octaves = config.get("octaves", s.octaves, Range{1, 6});
-  s.intervals = config.get("intervals", s.intervals, Range{3, 8});
-  s.smooth = config.get("smooth", s.smooth);
-  s.upright = config.get("upright", s.upright);
-  s.budget.max_features = config.get("max_features", s.budget.max_features, Range{1, 5000});
-  return s;
+SurfNodeSettings SurfNode::read(const ConfigNode& config) {
+  auto settings = read_settings<SurfNodeSettings>(config);
+  AdaptiveThresholdSettings& t = settings.threshold;
+  t.start = settings.surf.hessian_threshold;
+  t.lowest = std::min(t.start, t.lowest);
+  t.highest = std::max(t.start, t.highest);
+  t.wanted = 2 * settings.surf.budget.max_features;  // a choice to spread over the image
+  return settings;
 }
 
-AdaptiveThresholdSettings read_threshold(const ConfigNode& config, const SurfSettings& surf) {
-  AdaptiveThresholdSettings s;
-  s.start = surf.hessian_threshold;
-  s.lowest = std::min(s.start, config.get("lowest_threshold", s.lowest, Range{1e-3, 1e6}));
-  s.highest = std::max(s.start, config.get("highest_threshold", s.highest, Range{1e-3, 1e6}));
-  s.wanted = 2 * surf.budget.max_features;  // a choice to spread over the image
-  return s;
-}
+SurfNode::SurfNode(const ConfigNode& config, Publisher& publisher) : SurfNode(read(config), publisher) {}
 
-/// us; 0: every image.
-double read_period(const ConfigNode& config) {
-  const double rate = config.get("rate", 0.0, Range{0, 1000});
-  return rate > 0 ? 1e6 / rate : 0;
-}
-
-}  // namespace
-
-SurfNode::SurfNode(const ConfigNode& config, Publisher& publisher)
+SurfNode::SurfNode(const SurfNodeSettings& settings, Publisher& publisher)
     : publisher_(publisher),
-      surf_(read_settings(config)),
-      threshold_(read_threshold(config, surf_.settings())),
-      period_(read_period(config)),
-      frame_queue_(frame_queue(config, 2)) {}
+      surf_(settings.surf),
+      threshold_(settings.threshold),
+      period_(settings.rate > 0 ? 1e6 / settings.rate : 0),
+      frame_queue_(static_cast<std::size_t>(settings.frame_queue)) {}
 
 void SurfNode::connect(Inputs& inputs) {
   inputs.subscribe<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); }).primary =

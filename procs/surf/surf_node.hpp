@@ -11,12 +11,17 @@
 #include <lcmslam/runtime/node.hpp>
 #include <lcmslam/surf/adaptive_threshold.hpp>
 #include <lcmslam/surf/surf.hpp>
+#include "procs/surf/surf_settings.hpp"
 
 namespace lcmslam {
 
 class SurfNode : public Node {
  public:
+  using Settings = SurfNodeSettings;
+  static Settings read(const ConfigNode& config);
+
   SurfNode(const ConfigNode& config, Publisher& publisher);
+  SurfNode(const Settings& settings, Publisher& publisher);
 
   void connect(Inputs& inputs) override;
   NodeReport report() const override;

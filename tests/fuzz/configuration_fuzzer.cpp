@@ -3,32 +3,52 @@
 
 #include <string>
 
-#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/configuration/read_settings.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
 
-void read_settings(const ConfigNode& config) {
-  config.get("radius", 0.5, Range{0, 10});
-  config.get("iterations", 10, Range{1, 1000});
-  config.get("enabled", true);
-  config.get("name", "none");
-  config.get("numbers", std::vector<double>{1, 2});
-  config.get("names", std::vector<std::string>{"a"});
-  config.choice("solver", "svd", {"svd", "quaternion", "gauss_newton"});
-}
+struct PartSettings {
+  double radius = 0.5;
+  int iterations = 10;
+  std::uint64_t seed = 1;
+  bool enabled = true;
+  std::string name = "none", solver = "svd";
+  std::vector<double> numbers = {1, 2};
+  std::vector<std::string> names = {"a"};
+
+  void describe(SettingsVisitor& s) {
+    s.number("radius", radius, "m", {0, 10}, "of the part");
+    s.number("iterations", iterations, "", {1, 1000}, "of the part");
+    s.number("seed", seed, "", {0, 2147483647}, "of the part");
+    s.flag("enabled", enabled, "whether it works");
+    s.text("name", name, "of the part");
+    s.numbers("numbers", numbers, "m", {-10, 10}, "of the part");
+    s.texts("names", names, "of the part");
+    s.choice("solver", solver, {"svd", "quaternion", "gauss_newton"}, "of the part");
+    s.require(radius < 9 || enabled, "radius", "must be below 9 where it is off");
+  }
+};
+
+struct Settings : PartSettings {
+  PartSettings fine;
+  void describe(SettingsVisitor& s) {
+    PartSettings::describe(s);
+    s.section("fine", fine, "second part");
+  }
+};
 
 void read_all(const ConfigNode& config) {
-  read_settings(config);
+  read_settings<PartSettings>(config);
   for (const char* name : {"camera", "icp", "fastslam"}) {
     const ConfigNode section = config.section(name);
-    read_settings(section);
-    read_settings(section.section("fine"));
+    check(read_settings<Settings>(section), name);  // what was read is right
     section.numbers("translation", 3);
     section.text("frame");
     section.number("height", Range{0, 3});
   }
-  for (const ConfigNode& item : config.sections("rooms")) read_settings(item);
+  for (const ConfigNode& item : config.sections("rooms")) read_settings<PartSettings>(item);
   for (const std::string& key : config.keys()) config.where(key);
   config.ignore("launch");
   config.finish();

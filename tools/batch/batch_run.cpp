@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/log/log_writer.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "tools/log/log_session.hpp"
@@ -13,9 +14,7 @@ namespace {
 
 /// The processes of section `launch`, without the camera: the log stands in its place.
 std::vector<std::string> processes(const ConfigNode& config) {
-  const ConfigNode launch = config.section("launch");
-  auto names = launch.get("processes", process_names());
-  launch.get("restart", true);
+  auto names = read_settings<LaunchSettings>(config.section("launch")).processes;
   names.erase(std::remove(names.begin(), names.end(), "camera"), names.end());
   for (const std::string& name : process_names())  // settings of a preset for processes that do not run
     if (std::find(names.begin(), names.end(), name) == names.end()) config.ignore(name);

@@ -8,6 +8,7 @@
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
+#include "procs/camera/camera_settings.hpp"
 #include "tools/commands.hpp"
 #include "tools/demo/run_recorder.hpp"
 #include "tools/demo/run_summary.hpp"
@@ -28,7 +29,7 @@ constexpr std::chrono::seconds longest_start{60};
 
 struct DemoOptions {
   std::string config, data, calibration, out, lcm_url, log_level = "info";
-  std::string source;  // of the camera, by the configuration
+  CameraSettings camera;  // by the configuration
   std::vector<std::string> overrides;
   double seconds = 0;
   int seed = -1;
@@ -80,10 +81,10 @@ void complete(DemoOptions& o) {
   const ConfigNode config = load_config(o.config, o.overrides);
   if (!config.has("camera"))
     throw ConfigError(o.config + ": has no camera, so the run would never end; use launch");
-  o.source = config.section("camera").get("source", "simulation");
+  o.camera = read_camera_settings(config.section("camera"));
   if (o.seconds > 0) {
-    if (o.source == "log") throw ConfigError("--seconds: a log is played whole; cut it first");
-    o.overrides.push_back("camera." + o.source + ".seconds=" + std::to_string(o.seconds));
+    if (o.camera.source == "log") throw ConfigError("--seconds: a log is played whole; cut it first");
+    o.overrides.push_back("camera." + o.camera.source + ".seconds=" + std::to_string(o.seconds));
   }
 }
 
@@ -214,15 +215,12 @@ class Demo {
   }
 
   std::string title() const {
-    const ConfigNode config = load_config(options_.config, options_.overrides);
-    const ConfigNode camera = config.section("camera");
-    if (options_.source == "dataset") return "recording " + camera.section("dataset").get("folder", "");
-    if (options_.source == "log") return "log " + camera.section("log").get("file", "");
-    const ConfigNode simulation = camera.section("simulation");
-    return fmt::format("simulated {}, head {}, base {}, seed {}",
-                       std::filesystem::path(simulation.get("scene", "kitchen")).stem().string(),
-                       simulation.get("head", "tof"), simulation.get("base", "differential"),
-                       simulation.get("seed", 1));
+    const CameraSettings& camera = options_.camera;
+    if (camera.source == "dataset") return "recording " + camera.dataset.folder;
+    if (camera.source == "log") return "log " + camera.log.file;
+    const SimulationSettings& simulation = camera.simulation.simulation;
+    return fmt::format("simulated {}, head {}, base {}, seed {}", simulation.scene.stem().string(),
+                       simulation.head, simulation.base, simulation.seed);
   }
 
   void show_pictures() const {

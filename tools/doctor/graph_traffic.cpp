@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "procs/camera/camera_source.hpp"
@@ -22,7 +23,7 @@ class Scales : public Publisher {
 };
 
 bool has_camera(const ConfigNode& config) {
-  const auto processes = config.section("launch").get("processes", process_names());
+  const auto processes = read_settings<LaunchSettings>(config.section("launch")).processes;
   return std::find(processes.begin(), processes.end(), "camera") != processes.end();
 }
 
@@ -35,7 +36,8 @@ GraphTraffic graph_traffic(const std::string& config_file, const std::vector<std
   GraphTraffic traffic;
   if (!has_camera(config)) return traffic;
 
-  const auto source = make_camera_source(config.section("camera"));
+  const CameraSettings camera = read_camera_settings(config.section("camera"));
+  const auto source = make_camera_source(camera);
   Scales scales;
   std::vector<Utime> times;
   while (times.size() < images) {
@@ -49,8 +51,7 @@ GraphTraffic graph_traffic(const std::string& config_file, const std::vector<std
   traffic.largest = largest + largest / 2;
   if (times.back() > times.front())
     traffic.rate = 1e6 * static_cast<double>(times.size() - 1) /
-                   static_cast<double>(times.back() - times.front()) *
-                   config.section("camera").get("speed", 1.0);
+                   static_cast<double>(times.back() - times.front()) * camera.speed;
   traffic.origin = "measured: images of " + std::to_string(largest / 1000) + " kB, and half as much again";
   return traffic;
 }

@@ -53,41 +53,34 @@ int import_command(int argc, char** argv) {
   DatasetOptions options;
   options.description = description;
   if (const auto recording = open_landmark_dataset(folder, robot, options)) return write(*recording, log);
-  ConfigNode config;
-  config.set("folder", folder);
-  if (!calibration.empty()) config.set("calibration", calibration);
-  if (!description.empty()) config.set("description", description);
-  return write(*repeat_source([&] { return make_dataset_source(config); }, passes), log);
+  DatasetSourceSettings settings;
+  settings.folder = folder;
+  settings.calibration = calibration;
+  settings.description = description;
+  return write(*repeat_source([&] { return make_dataset_source(settings); }, passes), log);
 }
 
 int simulate_command(int argc, char** argv) {
-  std::string scene, log, head = "tof", base = "differential";
-  int seed = 1, jpeg_quality = 90;
-  double seconds = 0, rate = 0;
+  SimulationSourceSettings source;
+  SimulationSettings& simulation = source.simulation;
+  std::string scene, log;
   CLI::App app{"Renders a simulated run into an .lcmlog.", "lcmslam simulate"};
   app.add_option("scene", scene, "scene (YAML), e.g. config/scenes/kitchen.yaml")
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("log", log, "file to write")->required();
-  app.add_option("--head", head, "tof or rgbd");
-  app.add_option("--base", base, "differential, steered or mecanum");
-  app.add_option("--seed", seed, "of the sensors' errors");
-  app.add_option("--seconds", seconds, "only the first so many seconds");
-  app.add_option("--rate", rate, "frames a second (default: 10 for tof, 30 for rgbd)")
+  app.add_option("--head", simulation.head, "tof or rgbd");
+  app.add_option("--base", simulation.base, "differential, steered or mecanum");
+  app.add_option("--seed", simulation.seed, "of the sensors' errors");
+  app.add_option("--seconds", simulation.seconds, "only the first so many seconds");
+  app.add_option("--rate", simulation.frame_rate, "frames a second (default: 10 for tof, 30 for rgbd)")
       ->check(CLI::Range(0, 1000));
-  app.add_option("--jpeg-quality", jpeg_quality, "of the colour images; less makes smaller logs")
+  app.add_option("--jpeg-quality", source.jpeg_quality, "of the colour images; less makes smaller logs")
       ->check(CLI::Range(1, 100));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
-  ConfigNode config;
-  config.set("scene", std::filesystem::absolute(scene).lexically_normal());
-  config.set("head", head);
-  config.set("base", base);
-  config.set("seed", std::to_string(seed));
-  config.set("seconds", std::to_string(seconds));
-  config.set("frame_rate", std::to_string(rate));
-  config.set("jpeg_quality", std::to_string(jpeg_quality));
-  config.set("threads", "2");
-  return write(*make_live_simulation(config), log);
+  simulation.scene = std::filesystem::absolute(scene).lexically_normal();
+  simulation.threads = 2;
+  return write(*make_live_simulation(source), log);
 }
 
 }  // namespace lcmslam

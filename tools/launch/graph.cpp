@@ -1,7 +1,6 @@
 #include "tools/launch/graph.hpp"
 
-#include <algorithm>
-
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/runtime/options.hpp>
 
 namespace lcmslam {
@@ -9,17 +8,12 @@ namespace lcmslam {
 std::vector<ProcessSpec> read_graph(const GraphOptions& options) {
   const ConfigNode config = load_config(options.config, options.overrides);
   for (const auto& name : process_names()) config.ignore(name);
-  const ConfigNode launch = config.section("launch");
-  const auto names = launch.get("processes", process_names());
-  const bool restart = launch.get("restart", true);
+  const auto launch = read_settings<LaunchSettings>(config.section("launch"));
   config.finish();
 
   std::filesystem::create_directories(options.folder / "logs");
   std::vector<ProcessSpec> specs;
-  for (const auto& name : names) {
-    const auto& known = process_names();
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      launch.fail("processes", "there is no process '" + name + "'");
+  for (const auto& name : launch.processes) {
     ProcessSpec spec;
     spec.name = name;
     spec.arguments = {program_folder() / ("lcmslam-" + name),
@@ -34,7 +28,7 @@ std::vector<ProcessSpec> read_graph(const GraphOptions& options) {
       spec.arguments.push_back(value);
     }
     spec.log = options.folder / "logs" / (name + ".txt");
-    spec.restart = restart;
+    spec.restart = launch.restart;
     spec.stop_last = name == "map-server";  // the mappers' last words belong into the map
     specs.push_back(spec);
   }

@@ -7,11 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/features/matching.hpp>
 #include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
+#include "procs/odometry/odometry_settings.hpp"
 #include "tools/evaluate/pose_log.hpp"
 #include "tools/log/message_reader.hpp"
 #include "tools/study/measures.hpp"
@@ -192,7 +194,7 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
 
 std::vector<FilterScore> study_filter(const std::vector<std::string>& logs, const ConfigNode& config,
                                       const std::vector<int>& seeds, const SurfaceDistance& surface) {
-  const std::string mode = config.section("odometry").section("noise").get("mode", std::string("none"));
+  const std::string mode = read_settings<OdometryNodeSettings>(config.section("odometry")).noise.mode;
   const auto with_noise = [&](const std::string& wanted) {
     ConfigNode changed = config;
     changed.set("odometry.noise.mode", wanted);  // copies share what is set: set it before each run

@@ -59,7 +59,9 @@ void write_report(const std::filesystem::path& folder, nlohmann::json report, co
 /// A recording: a data set's folder or a log.
 std::unique_ptr<CameraSource> open_recording(const std::string& path) {
   if (!std::filesystem::is_directory(path)) return open_log(path);
-  return make_camera_source(ConfigNode::parse("{source: dataset, dataset: {folder: \"" + path + "\"}}"));
+  DatasetSourceSettings settings;
+  settings.folder = path;
+  return make_dataset_source(settings);
 }
 
 int run_pair_study(const std::string& data, const std::string& wanted, const PairStudySettings& settings) {

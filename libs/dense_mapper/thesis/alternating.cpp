@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <lcmslam/registration/kd_tree_target.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
@@ -90,8 +91,7 @@ void check(const FeaturePairs& features, const AlternatingSettings& s) {
     throw std::invalid_argument("alternating ICP: " + std::to_string(features.source.size()) +
                                 " source features, " + std::to_string(features.target.size()) +
                                 " in the target");
-  if (s.cloud_iterations < 1 || s.feature_iterations < 1 || s.max_rounds < 1 || !(s.epsilon_rms >= 0))
-    throw std::invalid_argument("alternating ICP: iterations, rounds and epsilon_rms must be positive");
+  lcmslam::check(s, "alternating ICP");
   if (s.registration.metric != MetricKind::point_to_point)
     throw std::invalid_argument("alternating ICP: the metric must be point to point");
 }

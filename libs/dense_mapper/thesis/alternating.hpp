@@ -12,6 +12,7 @@
 
 #include <lcmslam/dense_mapper/thesis/feature_pairs.hpp>
 #include <lcmslam/registration/registration.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
@@ -20,15 +21,31 @@ enum class FeaturePairing {
   fixed     ///< as the descriptors paired them
 };
 
+inline constexpr Choice<FeaturePairing> pairing_names[] = {{"nearest", FeaturePairing::nearest},
+                                                           {"fixed", FeaturePairing::fixed}};
+
 struct AlternatingSettings {
   AlternatingSettings();
 
-  RegistrationSettings registration;  ///< one iteration of either kind; thesis: point to point, all points
-  int cloud_iterations = 1;           ///< in turn with
-  int feature_iterations = 1;         ///< these: the ratio
+  RegistrationSettings registration;
+  int cloud_iterations = 1;
+  int feature_iterations = 1;
   FeaturePairing pairing = FeaturePairing::nearest;
   int max_rounds = 100;
-  double epsilon_rms = 1e-5;  ///< m; stop when the smaller error changes less in a round
+  double epsilon_rms = 1e-5;
+
+  void describe(SettingsVisitor& s) {
+    s.section("registration", registration,
+              "one iteration of every variant of the thesis: point to point, all points");
+    s.number("cloud_iterations", cloud_iterations, "", {1, 1000},
+             "on the overlapping part of the cloud, in turn with");
+    s.number("feature_iterations", feature_iterations, "", {1, 1000}, "iterations on the SURF points");
+    s.choice("pairing", pairing, pairing_names,
+             "SURF points pair with the nearest one (algorithm 3.2 as printed) or as their descriptors do");
+    s.number("max_rounds", max_rounds, "", {1, 10000}, "of both kinds of iterations");
+    s.number("epsilon_rms", epsilon_rms, "m", {0, 1000},
+             "stops when the smaller error changes less in a round");
+  }
 };
 
 struct AlternatingResult {

@@ -4,16 +4,13 @@
 #include <stdexcept>
 
 #include <lcmslam/registration/view_frustum.hpp>
+#include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 
-std::string to_string(VariantKind kind) {
-  static const char* const names[] = {"modern", "plain", "alternating", "frustum"};
-  return names[static_cast<std::size_t>(kind)];
-}
-
 ThesisVariant::ThesisVariant(VariantKind kind, const ThesisSettings& settings)
     : kind_(kind), settings_(settings), target_(settings.merge_distance) {
+  check(settings, "thesis variant");
   if (kind == VariantKind::modern) throw std::invalid_argument("thesis variant: modern is none of them");
 }
 

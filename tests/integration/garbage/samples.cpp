@@ -101,10 +101,10 @@ void publish_requests(Tape& tape, Utime utime) {
 }  // namespace
 
 std::vector<Sample> record_samples(double seconds) {
-  ConfigNode config;
-  config.set("scene", source_folder() / "config/scenes/kitchen.yaml");
-  config.set("seconds", std::to_string(seconds));
-  const auto source = make_simulation_source(config);
+  SimulationSourceSettings settings;
+  settings.simulation.scene = source_folder() / "config/scenes/kitchen.yaml";
+  settings.simulation.seconds = seconds;
+  const auto source = make_simulation_source(settings);
   Tape tape;
   Graph graph(tape);
   std::vector<Sample> samples;

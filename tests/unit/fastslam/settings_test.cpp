@@ -26,7 +26,7 @@ TEST(FastSlamSettings, PresetsAreValid) {
 TEST(FastSlamSettings, ErrorsNameSettingAndValue) {
   FastSlamSettings settings;
   settings.particles = 0;
-  EXPECT_NE(complaint(settings).find("particles = 0"), std::string::npos);
+  EXPECT_NE(complaint(settings).find("particles is 0, must be"), std::string::npos);
   settings = FastSlamSettings();
   settings.gate = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(complaint(settings).find("gate"), std::string::npos);
@@ -35,7 +35,7 @@ TEST(FastSlamSettings, ErrorsNameSettingAndValue) {
   EXPECT_NE(complaint(settings).find("verify_by_consensus"), std::string::npos);
   settings = FastSlamSettings();
   settings.maximum_range = 0.1;  // below the minimum
-  EXPECT_NE(complaint(settings).find("maximum_range = 0.1"), std::string::npos);
+  EXPECT_NE(complaint(settings).find("maximum_range is 0.1 m"), std::string::npos);
   EXPECT_THROW(FastSlam{settings}, std::invalid_argument);
 }
 

@@ -175,7 +175,7 @@ TEST(DepthFilter, SizesMayChangeAndSameInputGivesSameOutput) {
   RgbdCalibration c = camera_of(64, 0.01);
   c.depth_noise.amplitude = 0.001;
   DepthFilterSettings all;
-  all.parts = depth_filter_parts();
+  all.parts = DepthFilterSettings().parts;
   DepthFilter filter(c, all), other(c, all);
   cv::Mat small = plane(c, 2, 0, 0.05), large = plane(camera_of(96, 0.01), 2, 0, 0.05);
   cv::Mat small_again = small.clone();

@@ -113,7 +113,8 @@ TEST(KeyframeGraph, ALoopThatIsStillWorkedOnAtTheEndCounts) {
 // Done, but so small that the map was not bent for it.
 TEST(KeyframeGraph, ACorrectionTooSmallForTheMapCountsAtTheEnd) {
   KeyframeGraphSettings settings;
-  settings.min_translation = settings.min_rotation = 10;  // m, rad: all of them
+  settings.min_translation = 10;  // m, and rad: all of them
+  settings.min_rotation = 3.1;
   const Visit visit(settings);
   EXPECT_EQ(visit.corrections, 1);
   EXPECT_LT(visit.error_of_the_return(), 0.01);

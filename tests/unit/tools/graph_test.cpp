@@ -58,7 +58,7 @@ TEST_F(Graph, OverridesReachTheLaunchSection) {
 
 TEST_F(Graph, ErrorsNameWhatIsWrong) {
   EXPECT_THAT(error_of("launch: {processes: [camera, slam]}\n"),
-              AllOf(HasSubstr("graph.yaml"), HasSubstr("no process 'slam'")));
+              AllOf(HasSubstr("graph.yaml"), HasSubstr("got 'slam'")));
   EXPECT_THAT(error_of("launch: {process: [camera]}\n"), HasSubstr("process"));
   EXPECT_THAT(error_of("launch: {restart: perhaps}\n"), HasSubstr("restart"));
   EXPECT_THAT(error_of("lunch: {restart: true}\n"), HasSubstr("lunch"));

@@ -1,0 +1,28 @@
+#pragma once
+#include <lcmslam/fastslam/settings.hpp>
+#include <lcmslam/runtime/node_settings.hpp>
+
+namespace lcmslam {
+
+/// Section `fastslam`. The preset gives the defaults of the filter's keys.
+struct FastSlamNodeSettings {
+  std::string preset = "modern";
+  FastSlamSettings filter;
+  std::string pose = "auto";
+  int frame_queue = 3;
+  double max_wait = 0.15;
+
+  void describe_preset(SettingsVisitor& s) {
+    s.choice("preset", preset, {"modern", "thesis"},
+             "defaults of the other keys: the best we know, or the filter as the thesis describes it");
+  }
+  void describe(SettingsVisitor& s) {
+    describe_preset(s);
+    filter.describe(s);
+    describe_pose(s, pose);
+    describe_frame_queue(s, frame_queue);
+    describe_max_wait(s, max_wait);
+  }
+};
+
+}  // namespace lcmslam
