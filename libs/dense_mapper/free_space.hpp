@@ -18,7 +18,7 @@ struct FreeSpaceSettings {
   int rotation = 7;         ///< each frame follows one of so many rays in each row and column
 };
 
-enum class Sight { unknown, supported, seen_through };
+enum class Visibility { unknown, supported, seen_through };
 
 class FreeSpaceView {
  public:
@@ -27,7 +27,7 @@ class FreeSpaceView {
   FreeSpaceView(const Cloud& cloud, const FreeSpaceSettings& settings);
 
   /// Of a point and its normal in the camera frame.
-  Sight judge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
+  Visibility judge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }

@@ -17,8 +17,8 @@ class MapTarget {
  public:
   /// `map` must outlive the view or the next one that is shown. `radius` (m): the part around the camera that
   /// is looked at.
-  /// `prepared_for`: what metric and rejectors ask of that part (icp/preparation.hpp); the map itself knows
-  /// no boundaries.
+  /// `prepared_for`: what metric and rejectors ask of that part (registration/preparation.hpp); the map
+  /// itself knows no boundaries.
   MapTarget(const VoxelMap& map, CorrespondenceKind kind, double radius,
             const RegistrationSettings& prepared_for = {});
 

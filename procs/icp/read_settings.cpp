@@ -106,8 +106,8 @@ ThesisSettings read_thesis(const ConfigNode& c, ThesisSettings s) {
 
 }  // namespace
 
-IcpMapperSettings read_icp_settings(const ConfigNode& c) {
-  IcpMapperSettings s;
+DenseMapperSettings read_icp_settings(const ConfigNode& c) {
+  DenseMapperSettings s;
   s.voxel_size = c.get("voxel_size", s.voxel_size, Range{0.001, 10});
   s.correspondence =
       named_choice<CorrespondenceKind>(c, "correspondence", s.correspondence,

@@ -93,7 +93,7 @@ TEST_P(RegistrationKeys, RegisterTheKitchen) {
 
 // What is chosen arrives; each value differs from its default.
 TEST(RegistrationKeySettings, AreRead) {
-  const IcpMapperSettings s = read_icp_settings(ConfigNode::parse(
+  const DenseMapperSettings s = read_icp_settings(ConfigNode::parse(
       "{coarse: {frustum: true, seed: 9, min_pairs: 11}, fine: {colour_overlap: true, colour_scale: 0.2, "
       "epsilon_rms: 0.001, degenerate_share: 0.05, independent_pairs: 77}, overlap: {columns: 5}, "
       "free_space: {rotation: 5}, map: {miss: 3}}"));
