@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <lcmslam/dense_mapper/by_node.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
 
 namespace lcmslam {
@@ -12,11 +13,9 @@ void FeatureAnchor::add(const Eigen::Isometry3d& T_world_camera, const FeatureFr
   keyframes_.push_back({T_world_camera, features, node});
 }
 
-void FeatureAnchor::bend(const std::vector<Eigen::Isometry3d>& T_new_old) {
+void FeatureAnchor::deform(const std::vector<Eigen::Isometry3d>& T_new_old) {
   for (Keyframe& keyframe : keyframes_)
-    keyframe.T_world_camera =
-        T_new_old[std::min(static_cast<std::size_t>(keyframe.node), T_new_old.size() - 1)] *
-        keyframe.T_world_camera;
+    keyframe.T_world_camera = of_node(T_new_old, keyframe.node) * keyframe.T_world_camera;
 }
 
 void FeatureAnchor::renumber(const std::vector<bool>& gone, const std::vector<int>& number) {

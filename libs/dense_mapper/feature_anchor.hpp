@@ -1,6 +1,6 @@
 #pragma once
 // Where the SURF features of a frame place the robot, against those of the keyframes around: knowledge for
-// directions in which geometry alone slides (a wall, a floor), and without the drift of frame-to-frame
+// directions in which geometry alone slides (a wall, the ground), and without the drift of frame-to-frame
 // odometry.
 
 #include <optional>
@@ -53,7 +53,7 @@ class FeatureAnchor {
   /// A keyframe's features and where its camera stood; `node` of the graph that it moves with.
   void add(const Eigen::Isometry3d& T_world_camera, const FeatureFrame& features, int node = 0);
   /// Keyframes move, each by T_new_old[node], those of later nodes by the last.
-  void bend(const std::vector<Eigen::Isometry3d>& T_new_old);
+  void deform(const std::vector<Eigen::Isometry3d>& T_new_old);
   /// Keyframes of nodes that go (true), and the new numbers of the others.
   void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
   void clear() { keyframes_.clear(); }

@@ -81,21 +81,21 @@ Eigen::Vector3f FreeSpaceView::ray(int column, int row) const {
           top_ + pitch_ * (static_cast<float>(row) + 0.5f), 1};
 }
 
-Sight FreeSpaceView::judge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
-  if (columns_ == 0 || !(point.z() >= nearest_z)) return Sight::unknown;
+Visibility FreeSpaceView::judge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
+  if (columns_ == 0 || !(point.z() >= nearest_z)) return Visibility::unknown;
   const float u = (point.x() / point.z() - left_) / pitch_;
   const float v = (point.y() / point.z() - top_) / pitch_;
-  if (!is_inside(u, v)) return Sight::unknown;
+  if (!is_inside(u, v)) return Visibility::unknown;
   const std::size_t cell = index(static_cast<int>(u), static_cast<int>(v));
   // A surface that errs by the tolerance across it errs by more along a slanting ray.
   const float cosine = std::max(least_cosine, std::abs(normal.dot(point)) / point.norm());
   const float margin = static_cast<float>(settings_.tolerance) / cosine;
   const float radius = static_cast<float>(settings_.lateral) / (point.z() * pitch_);
   const auto& around = around_[radius <= 1 ? 0 : radius <= 2 ? 1 : 2];
-  if (point.z() + margin < around[cell]) return Sight::seen_through;
+  if (point.z() + margin < around[cell]) return Visibility::seen_through;
   const bool supported =
       near_[cell] > 0 && point.z() + margin > near_[cell] && point.z() - margin < far_[cell];
-  return supported ? Sight::supported : Sight::unknown;
+  return supported ? Visibility::supported : Visibility::unknown;
 }
 
 }  // namespace lcmslam

@@ -31,7 +31,7 @@ struct FreeSpaceSettings {
   }
 };
 
-enum class Sight { unknown, supported, seen_through };
+enum class Visibility { unknown, supported, seen_through };
 
 class FreeSpaceView {
  public:
@@ -40,7 +40,7 @@ class FreeSpaceView {
   FreeSpaceView(const Cloud& cloud, const FreeSpaceSettings& settings);
 
   /// Of a point and its normal in the camera frame.
-  Sight judge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
+  Visibility judge(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }

@@ -10,7 +10,7 @@ bool comparable(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-void LastView::compare(const ColourView* now, const Eigen::Isometry3d& T_robot_camera) {
+void LastView::compare(const std::optional<ColourView>& now, const Eigen::Isometry3d& T_robot_camera) {
   frustum_.reset();
   overlap_.reset();
   if (!last_) return;
@@ -19,7 +19,7 @@ void LastView::compare(const ColourView* now, const Eigen::Isometry3d& T_robot_c
     views_.frustum = &*frustum_;
     views_.T_camera_target = (T_world_camera_ * last_->T_camera_depth).inverse();
   }
-  if (overlap_wanted_ && now != nullptr && comparable(now->image, last_->image)) {
+  if (overlap_wanted_ && now && comparable(now->image, last_->image)) {
     overlap_ = colour_overlap(now->image, last_->image, settings_);
     views_.overlap = &*overlap_;
     views_.source_camera = &now->camera;
@@ -33,10 +33,9 @@ RegistrationSettings LastView::possible(RegistrationSettings settings) const {
   return settings;
 }
 
-void LastView::keep(const ColourView* colour, const Eigen::Isometry3d& T_world_camera) {
+void LastView::keep(const std::optional<ColourView>& colour, const Eigen::Isometry3d& T_world_camera) {
   if (!frustum_wanted_ && !overlap_wanted_) return;
-  last_.reset();
-  if (colour != nullptr) last_ = *colour;
+  last_ = colour;
   T_world_camera_ = T_world_camera;
 }
 

@@ -4,11 +4,11 @@
 
 #include <optional>
 
-#include <lcmslam/dense_mapper/thesis/thesis_variant.hpp>
 #include <lcmslam/registration/registration_settings.hpp>
 #include <lcmslam/registration/rejection.hpp>
 #include <lcmslam/registration/view_frustum.hpp>
 #include <lcmslam/rgbd/colour_overlap.hpp>
+#include <lcmslam/rgbd/colour_view.hpp>
 
 namespace lcmslam {
 
@@ -18,15 +18,16 @@ class LastView {
   LastView(bool frustum, bool overlap, const ColourOverlapSettings& settings)
       : frustum_wanted_(frustum), overlap_wanted_(overlap), settings_(settings) {}
 
-  /// Before a frame is registered. `now` may be null, and its image empty; it must outlive the registration.
-  void compare(const ColourView* now, const Eigen::Isometry3d& T_robot_camera);
+  /// Before a frame is registered. There may be no view, and its image may be empty; it must outlive the
+  /// registration.
+  void compare(const std::optional<ColourView>& now, const Eigen::Isometry3d& T_robot_camera);
   const SensorViews* views() const { return &views_; }
   /// The settings without the rejectors that have nothing to go by: there was no frame, or no image of this
   /// size and type.
   RegistrationSettings possible(RegistrationSettings settings) const;
 
   /// A registered frame becomes the last one.
-  void keep(const ColourView* colour, const Eigen::Isometry3d& T_world_camera);
+  void keep(const std::optional<ColourView>& colour, const Eigen::Isometry3d& T_world_camera);
   /// The world moves.
   void move(const Eigen::Isometry3d& T_new_old) { T_world_camera_ = T_new_old * T_world_camera_; }
 

@@ -7,18 +7,24 @@
 
 #include <lcmslam/dense_mapper/voxel_map.hpp>
 #include <lcmslam/registration/registration.hpp>
+#include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
 
 enum class CorrespondenceKind { voxel_map, kd_tree, projective, normal_shooting };
+inline constexpr Choice<CorrespondenceKind> correspondence_names[] = {
+    {"voxel_map", CorrespondenceKind::voxel_map},
+    {"kd_tree", CorrespondenceKind::kd_tree},
+    {"projective", CorrespondenceKind::projective},
+    {"normal_shooting", CorrespondenceKind::normal_shooting}};
 std::string to_string(CorrespondenceKind kind);
 
 class MapTarget {
  public:
   /// `map` must outlive the view or the next one that is shown. `radius` (m): the part around the camera that
   /// is looked at.
-  /// `prepared_for`: what metric and rejectors ask of that part (icp/preparation.hpp); the map itself knows
-  /// no boundaries.
+  /// `prepared_for`: what metric and rejectors ask of that part (registration/preparation.hpp); the map
+  /// itself knows no boundaries.
   MapTarget(const VoxelMap& map, CorrespondenceKind kind, double radius,
             const RegistrationSettings& prepared_for = {});
 

@@ -1,6 +1,7 @@
 #include <lcmslam/dense_mapper/motion_prior.hpp>
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace lcmslam {
 namespace {
@@ -14,7 +15,7 @@ Vector6d squares(double translation, double rotation) {
 
 }  // namespace
 
-Eigen::Isometry3d on_floor(const Eigen::Isometry3d& T_world_robot) {
+Eigen::Isometry3d on_ground(const Eigen::Isometry3d& T_world_robot) {
   return planar_pose(T_world_robot.translation().x(), T_world_robot.translation().y(), yaw(T_world_robot));
 }
 
@@ -35,8 +36,8 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
     return prior;
   }
 
-  // On the floor x, y and heading are what motion tells; height and tilt are known absolutely.
-  prior.T_target_source = on_floor(prior.T_target_source);
+  // On the ground x, y and heading are what motion tells; height and tilt are known absolutely.
+  prior.T_target_source = on_ground(prior.T_target_source);
   const int in_plane[3] = {0, 1, 5};
   Eigen::Matrix3d moving;
   for (int i = 0; i < 3; ++i)
@@ -47,6 +48,19 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
   prior.information(2, 2) = 1 / (settings.plane_height * settings.plane_height);
   prior.information(3, 3) = prior.information(4, 4) = 1 / (settings.plane_tilt * settings.plane_tilt);
   return prior;
+}
+
+Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion) const {
+  const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, 1.0);
+  return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_);
+}
+
+void MotionModel::observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving) {
+  const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
+  velocity_.setZero();
+  if (moving && seconds > 0) velocity_ = se3_log(T_world_last_.inverse() * T_world_robot) / seconds;
+  T_world_last_ = T_world_robot;
+  last_utime_ = utime;
 }
 
 }  // namespace lcmslam

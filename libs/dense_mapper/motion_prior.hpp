@@ -1,6 +1,6 @@
 #pragma once
 // What the mapper knows before it looks: odometry, or that the robot keeps its velocity, and, for
-// wheeled robots, that it stays on the floor.
+// wheeled robots, that it stays on the ground.
 
 #include <optional>
 
@@ -36,12 +36,35 @@ struct MotionPriorSettings {
   }
 };
 
-/// Prior of T_world_robot from the last pose and the motion since: odometry's, or with a velocity
-/// (twist of the last step) when there is none.
+/// Prior of T_world_robot from the last pose and the motion since: odometry's, or `free_motion` (that of a
+/// velocity which goes on) when there is none.
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings);
 
+/// Where the robot was last and how it moved, for the next prediction.
+class MotionModel {
+ public:
+  explicit MotionModel(const MotionPriorSettings& settings) : settings_(settings) {}
+
+  /// Prior of T_world_robot at `utime`, by odometry's `motion` since the last time or, without it, by the
+  /// last step's velocity, which goes on for a second at most.
+  Prior predict(Utime utime, const std::optional<Motion>& motion) const;
+
+  /// Where the robot is; `moving`: it came there from the last place, so that its velocity may go on.
+  void observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving);
+  const Eigen::Isometry3d& T_world_last() const { return T_world_last_; }
+
+  /// The world around the robot moves.
+  void deform(const Eigen::Isometry3d& T_new_old) { T_world_last_ = T_new_old * T_world_last_; }
+
+ private:
+  MotionPriorSettings settings_;
+  Utime last_utime_ = 0;
+  Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
+  Vector6d velocity_ = Vector6d::Zero();  // per second, robot frame
+};
+
 /// The same pose with no height, roll and pitch.
-Eigen::Isometry3d on_floor(const Eigen::Isometry3d& T_world_robot);
+Eigen::Isometry3d on_ground(const Eigen::Isometry3d& T_world_robot);
 
 }  // namespace lcmslam

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include <lcmslam/dense_mapper/by_node.hpp>
 #include <lcmslam/registration/tangent_gradient.hpp>
 #include <lcmslam/settings/check.hpp>
 
@@ -84,11 +85,10 @@ void VoxelMap::merge(const Surfel& seen) {
 
 void VoxelMap::renumber_anchors(const std::vector<int>& number) {
   for (Block& block : blocks_)
-    for (Surfel& s : block.surfels)
-      s.anchor = number[std::min(static_cast<std::size_t>(s.anchor), number.size() - 1)];
+    for (Surfel& s : block.surfels) s.anchor = of_node(number, s.anchor);
 }
 
-VoxelMap VoxelMap::bent(const std::vector<Eigen::Isometry3d>& T_new_old) const {
+VoxelMap VoxelMap::deformed(const std::vector<Eigen::Isometry3d>& T_new_old) const {
   VoxelMap map(settings_);
   map.frame_ = frame_ + 1;
   map.forgotten_ = forgotten_;
@@ -100,7 +100,7 @@ VoxelMap VoxelMap::bent(const std::vector<Eigen::Isometry3d>& T_new_old) const {
   for (const Block& block : blocks_)
     for (Surfel s : block.surfels) {
       if (!moves.empty()) {
-        const Eigen::Isometry3f& T = moves[std::min(static_cast<std::size_t>(s.anchor), moves.size() - 1)];
+        const Eigen::Isometry3f& T = of_node(moves, s.anchor);
         s.point = T * s.point;
         s.normal = T.linear() * s.normal;
       }

@@ -60,7 +60,7 @@ class VoxelMap : public Target {
 
   /// The map after its keyframes have moved: each surfel goes with the one it belongs to, by
   /// T_new_old[anchor], those of later ones with the last. Surfels that meet in a voxel become one.
-  VoxelMap bent(const std::vector<Eigen::Isometry3d>& T_new_old) const;
+  VoxelMap deformed(const std::vector<Eigen::Isometry3d>& T_new_old) const;
 
   struct Gone {
     Eigen::Vector3f point;  ///< m, map
@@ -83,7 +83,7 @@ class VoxelMap : public Target {
   /// Whether something was forgotten since the map began.
   bool has_forgotten() const { return forgotten_; }
 
-  /// Counts insertions, bends and views that took surfels away: the same number, the same surfels.
+  /// Counts insertions, deformations and views that took surfels away: the same number, the same surfels.
   std::int32_t revision() const { return frame_; }
 
   /// All surfels, in an order that depends only on what was inserted.

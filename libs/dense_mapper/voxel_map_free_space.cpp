@@ -39,10 +39,11 @@ std::vector<VoxelMap::Gone> VoxelMap::look_through(const FreeSpaceView& view,
 void VoxelMap::look_at(Block& block, const FreeSpaceView& view, const Eigen::Isometry3f& T_camera_map,
                        std::vector<Gone>& gone) const {
   for (Surfel& s : block.surfels) {
-    const Sight sight = view.judge(T_camera_map * s.point, T_camera_map.linear() * s.normal);
+    const Visibility visibility = view.judge(T_camera_map * s.point, T_camera_map.linear() * s.normal);
     int evidence = s.evidence;
-    if (sight == Sight::supported) evidence = std::min(evidence + 1, settings_.max_evidence);
-    if (sight == Sight::seen_through) evidence = std::max(evidence - settings_.miss, settings_.dropped_at);
+    if (visibility == Visibility::supported) evidence = std::min(evidence + 1, settings_.max_evidence);
+    if (visibility == Visibility::seen_through)
+      evidence = std::max(evidence - settings_.miss, settings_.dropped_at);
     s.evidence = static_cast<std::int8_t>(evidence);
     if (evidence <= settings_.dropped_at) gone.push_back({s.point, s.anchor});
   }

@@ -11,8 +11,8 @@ PoseCovariance::PoseCovariance(const FastSlamSettings& settings)
 
 // Particles drawn from the whole path's posterior know where their paths began: their poses as seen from
 // there lie about the estimate as the truth does. (The mean square about the estimate and not the variance:
-// the smoother holds the world where it was published to be, not at the first pose.) Others have forgotten it, and
-// what they share is added.
+// the smoother holds the world where it was published to be, not at the first pose.) Others have forgotten
+// it, and what they share is added.
 Matrix6d PoseCovariance::from_start(const ParticleSet& particles, const std::vector<double>& weights,
                                     const ParticleSet::Estimate& estimate) const {
   if (particles.start_known())

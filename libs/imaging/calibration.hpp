@@ -30,6 +30,7 @@ struct RgbdCalibration {
   Eigen::Isometry3d T_robot_camera = optical_axes();  ///< colour camera
   double depth_clock_offset = 0;  ///< s, added to a depth stamp gives colour's clock; whoever compares
                                   ///< the two stamps applies it (depth_time), images keep their own
+  double rolling_shutter = 0;     ///< s from an image's first row to its last; 0: all rows at once
   DepthNoise depth_noise;
   double depth_min = 0.3;    ///< m; nearer values are invalid
   double depth_max = 10;     ///< m

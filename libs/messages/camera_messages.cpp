@@ -1,5 +1,8 @@
 #include <lcmslam/messages/camera_messages.hpp>
 
+#include <charconv>
+#include <string_view>
+
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
@@ -98,6 +101,26 @@ CameraModel read_intrinsics(const camera_intrinsics_t& m) {
   return camera;
 }
 
+constexpr std::string_view rolling_shutter_key = ";rolling_shutter=";
+
+std::string sensor_text(const RgbdCalibration& c) {
+  if (c.rolling_shutter == 0) return c.sensor;
+  char digits[32];
+  const auto end = std::to_chars(std::begin(digits), std::end(digits), c.rolling_shutter).ptr;
+  return c.sensor + std::string(rolling_shutter_key) + std::string(digits, end);
+}
+
+void read_sensor_text(const std::string& text, RgbdCalibration& c) {
+  const std::size_t key = text.find(rolling_shutter_key);
+  c.sensor = text.substr(0, key);
+  if (key == std::string::npos) return;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] =
+      std::from_chars(text.data() + key + rolling_shutter_key.size(), end, c.rolling_shutter);
+  if (error != std::errc() || stop != end)
+    throw DecodeError("sensor '" + text + "': rolling_shutter must be a number of seconds");
+}
+
 }  // namespace
 
 images_t to_message(const EncodedFrame& frame) {
@@ -185,7 +208,7 @@ RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibrat
 camera_calibration_t to_message(const RgbdCalibration& c) {
   camera_calibration_t m;
   m.utime = 0;
-  m.sensor = c.sensor;
+  m.sensor = sensor_text(c);
   m.colour = intrinsics_message(c.colour);
   m.depth = intrinsics_message(c.depth);
   m.depth_registered = c.depth_registered;
@@ -205,7 +228,7 @@ camera_calibration_t to_message(const RgbdCalibration& c) {
 
 RgbdCalibration from_message(const camera_calibration_t& m) {
   RgbdCalibration c;
-  c.sensor = m.sensor;
+  read_sensor_text(m.sensor, c);
   c.colour = read_intrinsics(m.colour);
   c.depth = read_intrinsics(m.depth);
   c.depth_registered = m.depth_registered != 0;
@@ -225,6 +248,10 @@ RgbdCalibration from_message(const camera_calibration_t& m) {
     throw DecodeError(error.what());
   }
   return c;
+}
+
+bool tells_rolling_shutter(const camera_calibration_t& message) {
+  return message.sensor.find(rolling_shutter_key) != std::string::npos;
 }
 
 bool same_calibration(camera_calibration_t a, camera_calibration_t b) {

@@ -23,8 +23,13 @@ RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibrat
 EncodedFrame checked_images(const images_t& message, const RgbdCalibration& calibration);
 RgbdFrame decode_images(const EncodedFrame& encoded, const RgbdCalibration& calibration);
 
+/// The message has no field for the rolling shutter, and its fields are frozen; the sensor's name carries it:
+/// "NAME;rolling_shutter=0.03" (s), the name alone where all rows are of one moment. Logs from before that
+/// know the name alone, whatever the camera.
 camera_calibration_t to_message(const RgbdCalibration& calibration);
 RgbdCalibration from_message(const camera_calibration_t& message);
+/// Whether a rolling shutter stands there.
+bool tells_rolling_shutter(const camera_calibration_t& message);
 /// Whether both say the same of the head (stamps, numbers and senders may differ).
 bool same_calibration(camera_calibration_t a, camera_calibration_t b);
 

@@ -18,7 +18,7 @@ DepthView prepared_view(const DepthRegistration& registration, const RgbdFrame& 
 
 /// Every step-th row's and column's points with normals and sigmas in the colour camera's frame, tile by
 /// tile. `T_colour_depth_time` as for DepthRegistration; `row_motion`: the camera's twist from the first row
-/// to the last (icp/rolling_shutter.hpp), zero where all rows are of one moment. Normals follow the shear
+/// to the last (rolling_shutter.hpp), zero where all rows are of one moment. Normals follow the shear
 /// that turning gives a surface.
 Cloud cloud_of(const DepthView& view, const Eigen::Isometry3d& T_colour_depth_time,
                const Vector6d& row_motion);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <lcmslam/geometry/motion_buffer.hpp>
+#include <lcmslam/runtime/arrival.hpp>
 
 namespace lcmslam {
 
@@ -44,11 +45,10 @@ class MotionJoin {
   /// `sender` of odometry: another one's path begins elsewhere, so that the two do not compare. A sample
   /// that comes twice or a little late is left out.
   void add(const MotionSample& sample, std::int64_t sender = 0) {
-    constexpr Utime little = 1'000'000;
     if (sender != sender_) motion_ = MotionBuffer();
     sender_ = sender;
     visual_ = sample.visual;
-    if (sample.utime <= motion_.newest() && motion_.newest() - sample.utime < little) return;
+    if (came_late_or_twice(sample.utime, motion_.newest())) return;
     if (!motion_.add(sample)) drop_all();
     advance(sample.utime);
     release(false);
@@ -65,7 +65,7 @@ class MotionJoin {
 
   void advance(Utime utime) {
     // Time that jumps back far is a log that loops: start anew.
-    if (utime < now_ - 10 * max_wait_ - 1'000'000) {
+    if (utime < now_ - 10 * max_wait_ - late_at_most) {
       now_ = utime;
       drop_all();
       motion_ = MotionBuffer();

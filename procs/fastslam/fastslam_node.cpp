@@ -9,6 +9,7 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/runtime/arrival.hpp>
 #include "procs/fastslam/step_messages.hpp"
 
 namespace lcmslam {
@@ -87,8 +88,9 @@ Motion FastSlamNode::motion_to(Utime utime) const {
 
 void FastSlamNode::on_features(FeatureFrame frame) {
   const double begin = publisher_.cpu_time();
-  const bool jumped = frame.utime <= last_utime_ || frame.utime - last_utime_ > longest_gap;
-  if (slam_ && frame.utime <= last_utime_ && last_utime_ - frame.utime < 1'000'000) return;  // came too late
+  const Arrival arrival = arrival_of(frame.utime, last_utime_, longest_gap);
+  const bool jumped = arrival == Arrival::jumped;
+  if (slam_ && arrival == Arrival::late) return;
   if (slam_ && jumped) ++restarts_;
   // Nothing mapped, and no word on the motion since: the world may as well begin here.
   const bool blank = slam_ && slam_->index().size() == 0 && !join_.motion().covers(last_utime_);

@@ -44,7 +44,7 @@ std::string degenerate_directions(const RegistrationResult& result) {
   return text;
 }
 
-std::string describe(const IcpMapperSettings& settings) {
+std::string describe(const DenseMapperSettings& settings) {
   const RegistrationSettings& s = settings.fine;
   if (settings.variant != VariantKind::modern)
     return to_string(settings.variant) + ", growing cloud, " +
@@ -59,7 +59,7 @@ float sigma(const Eigen::Matrix3d& covariance) {
 
 }  // namespace
 
-pose_estimate_t icp_pose(const IcpMapper::Step& step, Utime depth_utime,
+pose_estimate_t icp_pose(const DenseMapper::Step& step, Utime depth_utime,
                          const Eigen::Isometry3d& T_step_depth) {
   pose_estimate_t pose = make_pose_estimate(depth_utime, step.T_world_robot * T_step_depth, step.covariance);
   pose.status =
@@ -70,7 +70,7 @@ pose_estimate_t icp_pose(const IcpMapper::Step& step, Utime depth_utime,
   return pose;
 }
 
-icp_report_t icp_report(const IcpMapper::Step& step, const IcpMapperSettings& settings,
+icp_report_t icp_report(const DenseMapper::Step& step, const DenseMapperSettings& settings,
                         const std::optional<Eigen::Isometry3d>& correction) {
   const RegistrationResult& registration = step.registration;
   icp_report_t report;

@@ -5,6 +5,7 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
+#include <lcmslam/runtime/arrival.hpp>
 
 namespace lcmslam {
 namespace {
@@ -62,8 +63,7 @@ void OdometryNode::connect(Inputs& inputs) {
 }
 
 bool OdometryNode::is_late(Utime utime) {
-  constexpr Utime little = 1'000'000;
-  if (utime < last_utime_ && last_utime_ - utime < little) return true;
+  if (came_late(utime, last_utime_)) return true;
   last_utime_ = utime;
   return false;
 }

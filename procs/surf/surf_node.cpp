@@ -8,7 +8,9 @@
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
-#include "procs/surf/feature_frame.hpp"
+#include <lcmslam/rgbd/camera_motion.hpp>
+#include <lcmslam/rgbd/describe_frame.hpp>
+#include <lcmslam/runtime/arrival.hpp>
 
 namespace lcmslam {
 
@@ -48,10 +50,8 @@ void SurfNode::on_calibration(const camera_calibration_t& message) {
 
 void SurfNode::on_odometry(const odometry_t& message) {
   if (message.source == "visual") return;
-  constexpr Utime little = 1'000'000;  // us; a sample that comes twice or late is left out
   const MotionSample sample = from_message(message);
-  const bool late = sample.utime <= motion_.newest() && motion_.newest() - sample.utime < little;
-  if (!late) motion_.add(sample);
+  if (!came_late_or_twice(sample.utime, motion_.newest())) motion_.add(sample);
 }
 
 void SurfNode::on_camera(const images_t& message) {
@@ -81,7 +81,7 @@ Eigen::Isometry3d SurfNode::motion_between_shots(const RgbdFrame& frame) const {
   constexpr Utime longest_gap = 60'000;
   const auto motion = motion_.between(frame.utime, c.depth_time(frame.depth_utime), longest_gap);
   if (!motion) return Eigen::Isometry3d::Identity();
-  return c.T_robot_camera.inverse() * motion->T_from_to * c.T_robot_camera;
+  return camera_motion(*motion, c.T_robot_camera);
 }
 
 FeatureFrame SurfNode::describe(const RgbdFrame& frame) {

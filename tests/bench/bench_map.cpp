@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <map>
 
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include <lcmslam/dense_mapper/voxel_map.hpp>
 #include <lcmslam/registration/registration.hpp>
 #include "tests/support/cloud_scenes.hpp"
@@ -34,7 +34,7 @@ const VoxelMap& map_of(int floors, double hall) {
 void registers(benchmark::State& state) {
   const VoxelMap& map = map_of(static_cast<int>(state.range(0)), 40);
   const Cloud source = transformed(room(0.04), se3_exp(twist(0.03, -0.02, 0.02, 0.01, 0, 0.02)).inverse());
-  const RegistrationSettings settings = IcpMapperSettings::fine_defaults();
+  const RegistrationSettings settings = DenseMapperSettings::fine_defaults();
   for (auto _ : state)
     benchmark::DoNotOptimize(register_cloud(source, map, Eigen::Isometry3d::Identity(), settings));
   state.counters["voxels"] = static_cast<double>(map.size());
@@ -74,7 +74,7 @@ BENCHMARK(looks_through)->Arg(0)->Arg(3)->Unit(benchmark::kMillisecond);
 void bends(benchmark::State& state) {
   const VoxelMap& map = map_of(static_cast<int>(state.range(0)), 40);
   const std::vector<Eigen::Isometry3d> moves = {se3_exp(twist(0.01, 0, 0, 0, 0, 0.001))};
-  for (auto _ : state) benchmark::DoNotOptimize(map.bent(moves).size());
+  for (auto _ : state) benchmark::DoNotOptimize(map.deformed(moves).size());
   state.counters["voxels"] = static_cast<double>(map.size());
 }
 BENCHMARK(bends)->Arg(1)->Unit(benchmark::kMillisecond);

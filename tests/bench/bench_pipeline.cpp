@@ -5,15 +5,15 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include <lcmslam/fastslam/fastslam.hpp>
 #include <lcmslam/imaging/depth_filter.hpp>
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/rgbd/describe_frame.hpp>
 #include <lcmslam/rgbd/make_cloud.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 #include <lcmslam/surf/surf.hpp>
-#include "procs/surf/feature_frame.hpp"
 #include "tests/unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
@@ -100,7 +100,7 @@ void icp_step(benchmark::State& state) {
   const DepthRegistration registration(c);
   DepthFilter filter(c);
   frames();
-  IcpMapper mapper;
+  DenseMapper mapper;
   Utime last = frame_time(0);
   int i = 0;
   for (auto _ : state) {
@@ -109,7 +109,8 @@ void icp_step(benchmark::State& state) {
     RgbdFrame frame = frames()[index];
     frame.depth = frame.depth.clone();
     filter(frame.depth, frame.amplitude);
-    mapper.step(now, make_cloud(frame, registration(frame)), c.T_robot_camera, true_motion(last, now));
+    mapper.step(coloured_frame(now, make_cloud(frame, registration(frame)), c.T_robot_camera,
+                               true_motion(last, now)));
     last = now;
   }
 }

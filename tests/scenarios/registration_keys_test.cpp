@@ -133,7 +133,7 @@ TEST_P(RegistrationKeys, RegisterTheKitchen) {
 
 // What is chosen arrives; each value differs from its default.
 TEST(RegistrationKeySettings, AreRead) {
-  const IcpMapperSettings s = read_settings<IcpMapperSettings>(ConfigNode::parse(
+  const DenseMapperSettings s = read_settings<DenseMapperSettings>(ConfigNode::parse(
       "{coarse: {frustum: true, seed: 9, min_pairs: 11}, fine: {colour_overlap: true, colour_scale: 0.2, "
       "epsilon_rms: 0.001, degenerate_share: 0.05, independent_pairs: 77}, overlap: {columns: 5}, "
       "free_space: {rotation: 5}, map: {miss: 3}}"));
@@ -166,7 +166,7 @@ TEST(RegistrationKeySettings, WhatDoesNotExistIsRefused) {
   for (const char* unknown : {"{graph: {loops: {registration: {frustum: true}}}}",
                               "{thesis: {registration: {colour_scale: 1}}}", "{fine: {colour: 1}}"}) {
     const ConfigNode config = ConfigNode::parse(unknown);
-    read_settings<IcpMapperSettings>(config);
+    read_settings<DenseMapperSettings>(config);
     EXPECT_THROW(config.finish(), ConfigError) << unknown;
   }
 }

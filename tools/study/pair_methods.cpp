@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include <lcmslam/dense_mapper/start_hypotheses.hpp>
 #include <lcmslam/dense_mapper/thesis/alternating.hpp>
 #include <lcmslam/features/rigid_ransac.hpp>
@@ -64,9 +64,9 @@ Transform one_start(const PairView& source, const PairView& target) {
   const Transform start = surf_alone(source, target);
   const KdTreeTarget tree(target.cloud);
   const auto coarse = register_cloud(source.cloud, tree, start.value_or(Eigen::Isometry3d::Identity()),
-                                     IcpMapperSettings::coarse_defaults());
+                                     DenseMapperSettings::coarse_defaults());
   const auto fine =
-      register_cloud(source.cloud, tree, coarse.T_target_source, IcpMapperSettings::fine_defaults());
+      register_cloud(source.cloud, tree, coarse.T_target_source, DenseMapperSettings::fine_defaults());
   return fine.ok() ? Transform(fine.T_target_source) : std::nullopt;
 }
 

@@ -16,8 +16,9 @@
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/registration/kd_tree_target.hpp>
+#include <lcmslam/rgbd/describe_frame.hpp>
 #include <lcmslam/rgbd/make_cloud.hpp>
-#include "procs/surf/feature_frame.hpp"
+#include <lcmslam/surf/surf.hpp>
 #include "tools/study/feature_study.hpp"
 #include "tools/study/measures.hpp"
 

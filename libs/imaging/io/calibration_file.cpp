@@ -1,6 +1,7 @@
 #include <lcmslam/imaging/io/calibration_file.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <stdexcept>
 
@@ -86,6 +87,7 @@ RgbdCalibration read_calibration(const ConfigNode& config) {
     calibration.T_robot_camera = read_mount(config.section("mount"));
   }
   calibration.depth_clock_offset = config.get("depth_clock_offset", 0.0, Range{-10, 10});
+  calibration.rolling_shutter = config.get("rolling_shutter", 0.0, Range{0, 0.1});
   if (config.has("depth_noise")) calibration.depth_noise = read_noise(config.section("depth_noise"));
   calibration.depth_min = config.get("depth_min", calibration.depth_min, Range{0, 65});
   calibration.depth_max = config.get("depth_max", calibration.depth_max, Range{0, 65.535});
@@ -103,6 +105,15 @@ RgbdCalibration load_calibration(const std::filesystem::path& file) {
   RgbdCalibration calibration = read_calibration(config);
   config.finish();
   return calibration;
+}
+
+std::optional<RgbdCalibration> find_calibration(const std::string& sensor,
+                                                const std::filesystem::path& folder) {
+  const auto of_a_name = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
+  if (sensor.empty() || !std::all_of(sensor.begin(), sensor.end(), of_a_name)) return std::nullopt;
+  const std::filesystem::path file = folder / (sensor + ".yaml");
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  return load_calibration(file);
 }
 
 }  // namespace lcmslam

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include "tests/support/cloud_scenes.hpp"
 
 namespace lcmslam {
@@ -58,17 +58,19 @@ class Disagreement : public testing::Test {
   }
 
   /// The step after the first, 5 cm ahead, with what odometry and features say of it (m ahead).
-  IcpMapper::Step second_step(double by_odometry, double by_features, double max_disagreement = 5) {
-    IcpMapperSettings settings;
+  DenseMapper::Step second_step(double by_odometry, double by_features, double max_disagreement = 5) {
+    DenseMapperSettings settings;
     settings.features.max_disagreement = max_disagreement;
-    IcpMapper mapper(settings);
-    const FeatureFrame first = features_at(Eigen::Isometry3d::Identity());
-    mapper.step(0, cloud_at(Eigen::Isometry3d::Identity()), looks_ahead_, std::nullopt, &first);
+    DenseMapper mapper(settings);
+    DenseFrame first = coloured_frame(0, cloud_at(Eigen::Isometry3d::Identity()), looks_ahead_);
+    first.features = features_at(Eigen::Isometry3d::Identity());
+    mapper.step(first);
     Motion motion;
     motion.T_from_to = planar_pose(by_odometry, 0, 0);
     motion.covariance = 1e-4 * Matrix6d::Identity();
-    const FeatureFrame second = features_at(planar_pose(by_features, 0, 0));
-    return mapper.step(100'000, cloud_at(planar_pose(0.05, 0, 0)), looks_ahead_, motion, &second);
+    DenseFrame second = coloured_frame(100'000, cloud_at(planar_pose(0.05, 0, 0)), looks_ahead_, motion);
+    second.features = features_at(planar_pose(by_features, 0, 0));
+    return mapper.step(second);
   }
 
   const Cloud scene_ = room(0.03);

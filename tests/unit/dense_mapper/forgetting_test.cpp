@@ -4,7 +4,7 @@
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/cloud/kd_tree.hpp>
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include "tests/support/cloud_scenes.hpp"
 
 namespace lcmslam {
@@ -45,20 +45,20 @@ class Forgetting : public testing::Test {
     return cloud;
   }
 
-  IcpMapper::Step go_to(IcpMapper& mapper, double x) {
+  DenseMapper::Step go_to(DenseMapper& mapper, double x) {
     Motion motion;  // wheels that overrate every metre by two per cent
     motion.T_from_to.translation().x() = 1.02 * (x - x_);
     motion.covariance = 4e-4 * Matrix6d::Identity();
     const bool first = utime_ == 0;
     utime_ += 100'000;
-    const auto step =
-        mapper.step(utime_, seen_at(x), looks_ahead_, first ? std::nullopt : std::make_optional(motion));
+    const auto step = mapper.step(
+        coloured_frame(utime_, seen_at(x), looks_ahead_, first ? std::nullopt : std::make_optional(motion)));
     x_ = x;
     return step;
   }
 
   // Share of the hall's walls between two metres that the map knows.
-  double known(const IcpMapper& mapper, double from, double to) const {
+  double known(const DenseMapper& mapper, double from, double to) const {
     int asked = 0, found = 0;
     TargetPoint point;
     for (const Eigen::Vector3f& p : hall_.points) {
@@ -78,9 +78,9 @@ class Forgetting : public testing::Test {
 };
 
 TEST_F(Forgetting, KeyframesGiveBackWhatTheMapForgot) {
-  IcpMapperSettings settings;
+  DenseMapperSettings settings;
   settings.map.max_blocks = 2200;
-  IcpMapper mapper(settings);
+  DenseMapper mapper(settings);
   double known_first = 0;
   for (double x = 0; x < 9.95; x += 0.1) {
     const auto step = go_to(mapper, x);
@@ -109,9 +109,9 @@ TEST_F(Forgetting, KeyframesGiveBackWhatTheMapForgot) {
 }
 
 TEST_F(Forgetting, KeyframesKeepABoundedNumberOfPoints) {
-  IcpMapperSettings settings;
+  DenseMapperSettings settings;
   settings.keyframe_points = 20000;
-  IcpMapper mapper(settings);
+  DenseMapper mapper(settings);
   const auto points = [&] {
     std::size_t sum = 0;
     for (const auto& keyframe : mapper.keyframes()) sum += keyframe.cloud.size();
@@ -131,11 +131,11 @@ TEST_F(Forgetting, KeyframesKeepABoundedNumberOfPoints) {
 
 // Hours in one building: to and fro, with fewer keyframes than the way would have.
 TEST_F(Forgetting, FewKeyframesStayAndTheFirstPlaceIsKnown) {
-  IcpMapperSettings settings;
+  DenseMapperSettings settings;
   settings.graph.max_keyframes = 20;
   settings.map.max_blocks = 2200;
   settings.keyframe_points = 150'000;
-  IcpMapper mapper(settings);
+  DenseMapper mapper(settings);
   std::vector<std::size_t> bytes;
   std::size_t most = 0, most_nodes = 0;
   bool thinned = false;
@@ -150,7 +150,7 @@ TEST_F(Forgetting, FewKeyframesStayAndTheFirstPlaceIsKnown) {
       most = std::max(most, mapper.keyframes().size());
       most_nodes = std::max(most_nodes, mapper.graph().nodes().size());
       for (const auto& keyframe : mapper.keyframes())
-        ASSERT_LT(static_cast<std::size_t>(keyframe.id), mapper.graph().nodes().size());
+        ASSERT_LT(static_cast<std::size_t>(keyframe.node), mapper.graph().nodes().size());
     }
     bytes.push_back(mapper.memory_bytes());
     std::size_t points = 0;

@@ -1,5 +1,5 @@
 // What a depth image sees through, and what the map makes of it; thin things, edges and noise stay. The whole
-// mapper: test_moving_box.cpp.
+// mapper: moving_box_test.cpp.
 
 #include <gtest/gtest.h>
 
@@ -30,29 +30,29 @@ const Eigen::Vector3f ahead(0, 0, -1);
 
 TEST(FreeSpaceView, SeesThroughWhatIsClearlyBeforeTheMeasured) {
   const FreeSpaceView view(depth_image([](float, float) { return 3.0f; }), {});
-  EXPECT_EQ(view.judge({0, 0, 2.9f}, ahead), Sight::seen_through);
-  EXPECT_EQ(view.judge({0, 0, 2.96f}, ahead), Sight::supported);  // 5 cm and four sigmas
-  EXPECT_EQ(view.judge({0, 0, 3.04f}, ahead), Sight::supported);
-  EXPECT_EQ(view.judge({0, 0, 3.5f}, ahead), Sight::unknown);  // hidden
-  EXPECT_EQ(view.judge({3, 0, 2}, ahead), Sight::unknown);     // beside the image
-  EXPECT_EQ(view.judge({0, 0, -2}, ahead), Sight::unknown);
+  EXPECT_EQ(view.judge({0, 0, 2.9f}, ahead), Visibility::seen_through);
+  EXPECT_EQ(view.judge({0, 0, 2.96f}, ahead), Visibility::supported);  // 5 cm and four sigmas
+  EXPECT_EQ(view.judge({0, 0, 3.04f}, ahead), Visibility::supported);
+  EXPECT_EQ(view.judge({0, 0, 3.5f}, ahead), Visibility::unknown);  // hidden
+  EXPECT_EQ(view.judge({3, 0, 2}, ahead), Visibility::unknown);     // beside the image
+  EXPECT_EQ(view.judge({0, 0, -2}, ahead), Visibility::unknown);
   // A slanting surface may err more along the ray.
-  EXPECT_EQ(view.judge({0, 0, 2.9f}, Eigen::Vector3f(1, 0, -0.5f).normalized()), Sight::supported);
+  EXPECT_EQ(view.judge({0, 0, 2.9f}, Eigen::Vector3f(1, 0, -0.5f).normalized()), Visibility::supported);
 }
 
 TEST(FreeSpaceView, NoiseCounts) {
   const FreeSpaceView view(depth_image([](float, float) { return 3.0f; }, 0.05f), {});
-  EXPECT_EQ(view.judge({0, 0, 2.8f}, ahead), Sight::supported);
-  EXPECT_EQ(view.judge({0, 0, 2.7f}, ahead), Sight::seen_through);
+  EXPECT_EQ(view.judge({0, 0, 2.8f}, ahead), Visibility::supported);
+  EXPECT_EQ(view.judge({0, 0, 2.7f}, ahead), Visibility::seen_through);
 }
 
 TEST(FreeSpaceView, HolesTellNothing) {
   const FreeSpaceView view(depth_image([](float u, float) { return std::abs(u) < 0.1f ? 0.0f : 3.0f; }), {});
-  EXPECT_EQ(view.judge({0, 0, 2}, ahead), Sight::unknown);
-  EXPECT_EQ(view.judge({0.17f, 0, 2}, ahead), Sight::unknown);  // at the hole's edge
-  EXPECT_EQ(view.judge({0.6f, 0, 2}, ahead), Sight::seen_through);
+  EXPECT_EQ(view.judge({0, 0, 2}, ahead), Visibility::unknown);
+  EXPECT_EQ(view.judge({0.17f, 0, 2}, ahead), Visibility::unknown);  // at the hole's edge
+  EXPECT_EQ(view.judge({0.6f, 0, 2}, ahead), Visibility::seen_through);
   const FreeSpaceView nothing(Cloud(), {});
-  EXPECT_EQ(nothing.judge({0, 0, 2}, ahead), Sight::unknown);
+  EXPECT_EQ(nothing.judge({0, 0, 2}, ahead), Visibility::unknown);
 }
 
 // Damaged points, and the last ones that a float holds.
@@ -74,15 +74,15 @@ TEST(FreeSpaceView, PointsFarOutDisturbNothing) {
   for (float x = -1.4f; x < 1.5f; x += 0.1f)
     for (float z = 2; z < 3.5f; z += 0.09f)
       EXPECT_EQ(view.judge({x, 0.3f, z}, ahead), plain.judge({x, 0.3f, z}, ahead)) << x << " " << z;
-  EXPECT_EQ(view.judge({0, 0, 2.9f}, ahead), Sight::seen_through);
+  EXPECT_EQ(view.judge({0, 0, 2.9f}, ahead), Visibility::seen_through);
   // Far along a ray: nothing but what it sees through.
   more = wall;
   more.points.push_back({0, 0, 1e30f}), more.sigmas.push_back(0.005f);
   const FreeSpaceView deep(more, {});
   VoxelMap map;
   EXPECT_TRUE(map.look_through(deep, Eigen::Isometry3d::Identity(), {}, 0).empty());
-  EXPECT_EQ(deep.judge({largest, 0, 0.1f}, ahead), Sight::unknown);
-  EXPECT_EQ(deep.judge({0, 0, 2.9f}, ahead), Sight::seen_through);
+  EXPECT_EQ(deep.judge({largest, 0, 0.1f}, ahead), Visibility::unknown);
+  EXPECT_EQ(deep.judge({0, 0, 2.9f}, ahead), Visibility::seen_through);
 }
 
 TEST(FreeSpaceView, ThinThingsAndEdgesStay) {
@@ -91,10 +91,10 @@ TEST(FreeSpaceView, ThinThingsAndEdgesStay) {
   const FreeSpaceView view(
       depth_image([](float u, float) { return std::abs(u) < 0.0067f || u > 0.2f ? 1.5f : 4.0f; }), {});
   for (float x = -0.025f; x <= 0.025f; x += 0.005f) {
-    EXPECT_NE(view.judge({x, 0.1f, 1.45f}, ahead), Sight::seen_through) << x;
-    EXPECT_NE(view.judge({0.3f + x, 0.1f, 1.45f}, ahead), Sight::seen_through) << x;
+    EXPECT_NE(view.judge({x, 0.1f, 1.45f}, ahead), Visibility::seen_through) << x;
+    EXPECT_NE(view.judge({0.3f + x, 0.1f, 1.45f}, ahead), Visibility::seen_through) << x;
   }
-  EXPECT_EQ(view.judge({0.15f, 0.1f, 1.45f}, ahead), Sight::seen_through);
+  EXPECT_EQ(view.judge({0.15f, 0.1f, 1.45f}, ahead), Visibility::seen_through);
 }
 
 TEST(FreeSpaceView, AGrazingFloorStays) {
@@ -103,9 +103,9 @@ TEST(FreeSpaceView, AGrazingFloorStays) {
   int seen_through = 0, supported = 0;
   for (float z = 2.6f; z < 11; z += 0.1f)
     for (const float error : {-0.04f, 0.0f, 0.04f}) {
-      const Sight sight = view.judge({0, 1.2f + error, z}, {0, -1, 0});
-      seen_through += sight == Sight::seen_through ? 1 : 0;
-      supported += sight == Sight::supported ? 1 : 0;
+      const Visibility visibility = view.judge({0, 1.2f + error, z}, {0, -1, 0});
+      seen_through += visibility == Visibility::seen_through ? 1 : 0;
+      supported += visibility == Visibility::supported ? 1 : 0;
     }
   EXPECT_EQ(seen_through, 0);
   EXPECT_GT(supported, 100);
@@ -209,7 +209,7 @@ TEST(VoxelMapFreeSpace, EmptyBlocksGoFirst) {
   EXPECT_TRUE(map.find({1.9f, 1.9f, 3}, 0.1f, found)) << "farthest from there";
 }
 
-// Two that are doubtful meet in a bent map: still doubtful, and not gone before a view takes them.
+// Two that are doubtful meet in a deformed map: still doubtful, and not gone before a view takes them.
 TEST(VoxelMapFreeSpace, EvidenceStaysInItsRangeWhereSurfelsMerge) {
   VoxelMapSettings map_settings;
   map_settings.miss = 70;
@@ -224,11 +224,11 @@ TEST(VoxelMapFreeSpace, EvidenceStaysInItsRangeWhereSurfelsMerge) {
   settings.rotation = 1;
   const FreeSpaceView empty(depth_image([](float, float) { return 3.0f; }), settings);
   ASSERT_TRUE(map.look_through(empty, Eigen::Isometry3d::Identity(), settings, 0).empty());
-  VoxelMap bent = map.bent({Eigen::Isometry3d::Identity(), aside.inverse()});
+  VoxelMap deformed = map.deformed({Eigen::Isometry3d::Identity(), aside.inverse()});
   TargetPoint found;
-  EXPECT_GT(bent.size(), 100U);
-  EXPECT_FALSE(bent.find({0, 0, 2}, 0.1f, found)) << "both were seen through";
-  EXPECT_GT(bent.look_through(empty, Eigen::Isometry3d::Identity(), settings, 1).size(), 100U);
+  EXPECT_GT(deformed.size(), 100U);
+  EXPECT_FALSE(deformed.find({0, 0, 2}, 0.1f, found)) << "both were seen through";
+  EXPECT_GT(deformed.look_through(empty, Eigen::Isometry3d::Identity(), settings, 1).size(), 100U);
 }
 
 }  // namespace

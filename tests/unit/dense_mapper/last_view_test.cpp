@@ -27,23 +27,23 @@ TEST(LastView, ImagesOfAnotherSizeOrTypeBeginAnew) {
   LastView last(true, true, {});
   EXPECT_FALSE(last.possible(both_views()).colour_overlap);
   const ColourView first = view({80, 60}, CV_8UC3);
-  last.keep(&first, here);
-  last.compare(&first, here);
+  last.keep(first, here);
+  last.compare(first, here);
   EXPECT_TRUE(last.possible(both_views()).colour_overlap);
   for (const ColourView& other : {view({60, 80}, CV_8UC3), view({60, 80}, CV_8UC1)}) {
-    ASSERT_NO_THROW(last.compare(&other, here));
+    ASSERT_NO_THROW(last.compare(other, here));
     EXPECT_FALSE(last.possible(both_views()).colour_overlap);
     EXPECT_TRUE(last.possible(both_views()).frustum);  // compares no images
-    last.keep(&other, here);
-    last.compare(&other, here);
+    last.keep(other, here);
+    last.compare(other, here);
     EXPECT_TRUE(last.possible(both_views()).colour_overlap);
   }
   ColourView nothing = first;
   nothing.image.release();
-  last.compare(&nothing, here);
+  last.compare(nothing, here);
   EXPECT_FALSE(last.possible(both_views()).colour_overlap);
-  last.keep(nullptr, here);
-  last.compare(&first, here);
+  last.keep(std::nullopt, here);
+  last.compare(first, here);
   EXPECT_FALSE(last.possible(both_views()).colour_overlap);
   EXPECT_FALSE(last.possible(both_views()).frustum);
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include <lcmslam/imaging/depth_filter.hpp>
 #include <lcmslam/rgbd/depth_view.hpp>
 #include <lcmslam/simulation/tof_camera.hpp>
@@ -89,9 +89,9 @@ class MovingBox : public testing::Test {
     return clouds;
   }
 
-  static Run run(const std::vector<Cloud>& clouds, bool free_space, IcpMapperSettings settings = {}) {
+  static Run run(const std::vector<Cloud>& clouds, bool free_space, DenseMapperSettings settings = {}) {
     settings.free_space.enabled = free_space;
-    IcpMapper mapper(settings);
+    DenseMapper mapper(settings);
     Run run;
     for (int i = 0; i < frames; ++i) {
       Motion motion;  // wheels that overrate every metre by two per cent
@@ -104,8 +104,8 @@ class MovingBox : public testing::Test {
       coloured.normals = cloud.normals;
       coloured.sigmas = cloud.sigmas;
       coloured.colours.assign(cloud.size(), {10, 20, 30});
-      const auto step = mapper.step(100'000 * (i + 1), coloured, mount(),
-                                    i > 0 ? std::make_optional(motion) : std::nullopt);
+      const auto step = mapper.step(coloured_frame(100'000 * (i + 1), coloured, mount(),
+                                                   i > 0 ? std::make_optional(motion) : std::nullopt));
       run.thinned += step.thinned ? 1 : 0;
       run.error = std::max(
           run.error, (robot(0).inverse() * robot(i) * step.T_world_robot.inverse()).translation().norm());
@@ -159,7 +159,7 @@ TEST_F(MovingBox, LeavesNoTrail) {
 
 // Keyframes that others cover leave their clouds to those, and no more of the box than all would have kept.
 TEST_F(MovingBox, LeavesNoTrailInWhatThinnedKeyframesLeaveBehind) {
-  IcpMapperSettings settings;
+  DenseMapperSettings settings;
   settings.keyframe_distance = settings.keyframe_angle = 0.04;  // many that look at the same
   const Run all = run(with_box(), true, settings);
   settings.graph.max_keyframes = 5;

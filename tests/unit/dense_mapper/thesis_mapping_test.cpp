@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
+#include <lcmslam/dense_mapper/thesis/growing_cloud.hpp>
 #include "tests/support/cloud_scenes.hpp"
 
 namespace lcmslam {
@@ -50,7 +51,6 @@ TEST(GrowingCloud, NearPointsAreOne) {
   EXPECT_FALSE(found.normal.allFinite());
   EXPECT_THROW(GrowingCloud(-1), std::invalid_argument);
   EXPECT_THROW(GrowingCloud{NAN}, std::invalid_argument);
-  EXPECT_THROW(ThesisVariant(VariantKind::modern, {}), std::invalid_argument);
 }
 
 CameraModel camera() {
@@ -105,10 +105,10 @@ INSTANTIATE_TEST_SUITE_P(
                      testing::Values(SolverKind::svd, SolverKind::quaternion, SolverKind::small_angle)));
 
 TEST_P(EveryVariant, FollowsAKnownPath) {
-  IcpMapperSettings settings;
+  DenseMapperSettings settings;
   std::tie(settings.variant, settings.thesis.icp.registration.solver) = GetParam();
   settings.thesis.icp.registration.max_distance = 0.3;
-  IcpMapper mapper(settings);
+  DenseMapper mapper(settings);
   const Eigen::Isometry3d mount = optical_axes();
   const ColourView colour{cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(90)), camera(), camera(),
                           Eigen::Isometry3d::Identity()};  // a plain image: all is unknown
@@ -119,8 +119,11 @@ TEST_P(EveryVariant, FollowsAKnownPath) {
     Motion motion;
     motion.T_from_to = T_last.inverse() * T * se3_exp(twist(0.01, -0.01, 0, 0, 0, 0.01));  // wheels err
     motion.covariance = 1e-4 * Matrix6d::Identity();
-    const auto step = mapper.step(100'000 * i, view.cloud, mount,
-                                  i > 0 ? std::optional(motion) : std::nullopt, &view.features, &colour);
+    DenseFrame frame =
+        coloured_frame(100'000 * i, view.cloud, mount, i > 0 ? std::optional(motion) : std::nullopt);
+    frame.features = view.features;
+    frame.colour = colour;
+    const auto step = mapper.step(frame);
     EXPECT_EQ(to_string(step.status), "tracking");
     const Eigen::Isometry3d error = T.inverse() * step.T_world_robot;
     // Point to point slides, but far less than the wheels, which are 0.15 m off in the end.
@@ -141,13 +144,17 @@ TEST(Alternating, TheMapperFollowsLargeStepsWithoutOdometry) {
   const Eigen::Isometry3d mount = optical_axes();
   const Eigen::Isometry3d T = se3_exp(twist(-0.4, 0.3, 0.1, 0.1, 0, -0.4));
   for (const auto kind : {VariantKind::plain, VariantKind::alternating}) {
-    IcpMapperSettings settings;
+    DenseMapperSettings settings;
     settings.variant = kind;
     settings.thesis.icp.registration.max_distance = 0.3;
-    IcpMapper mapper(settings);
+    DenseMapper mapper(settings);
     const View first = view_from(mount, 1), second = view_from(T * mount, 2);
-    mapper.step(0, first.cloud, mount, std::nullopt, &first.features);
-    const auto step = mapper.step(100'000, second.cloud, mount, std::nullopt, &second.features);
+    DenseFrame frame = coloured_frame(0, first.cloud, mount);
+    frame.features = first.features;
+    mapper.step(frame);
+    frame = coloured_frame(100'000, second.cloud, mount);
+    frame.features = second.features;
+    const auto step = mapper.step(frame);
     const double error = (T.inverse() * step.T_world_robot).translation().norm();
     if (kind == VariantKind::alternating) {
       EXPECT_LT(error, 0.03);
@@ -161,13 +168,13 @@ TEST(Alternating, TheMapperFollowsLargeStepsWithoutOdometry) {
 TEST(Variants, PosesAreRotationsWhateverTheEstimator) {
   for (const auto solver :
        {SolverKind::svd_uncorrected, SolverKind::quaternion_as_printed, SolverKind::small_angle_as_printed}) {
-    IcpMapperSettings settings;
+    DenseMapperSettings settings;
     settings.variant = VariantKind::plain;
     settings.thesis.icp.registration.solver = solver;
-    IcpMapper mapper(settings);
+    DenseMapper mapper(settings);
     for (int i = 0; i < 4; ++i) {
       const Eigen::Isometry3d T = planar_pose(0.05 * i, 0, 0.1 * i) * optical_axes();
-      const auto step = mapper.step(100'000 * i, view_from(T, 1).cloud, optical_axes());
+      const auto step = mapper.step(coloured_frame(100'000 * i, view_from(T, 1).cloud, optical_axes()));
       const Eigen::Matrix3d R = step.T_world_robot.linear();
       EXPECT_TRUE(step.T_world_robot.matrix().allFinite());
       EXPECT_NEAR(R.determinant(), 1, 1e-9);

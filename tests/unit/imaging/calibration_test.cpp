@@ -46,6 +46,29 @@ TEST(Calibration, EveryShippedFileLoads) {
   EXPECT_GE(files, 6);
 }
 
+// Kinects of the first kind and Xtions read their rows one after the other.
+TEST(Calibration, IsFoundByTheSensorsName) {
+  const std::filesystem::path folder = std::string(LCMSLAM_SOURCE_DIR) + "/config/calibration";
+  for (const char* name : {"tum_default", "tum_fr1", "tum_fr2", "tum_fr3", "seven_scenes"}) {
+    const auto found = find_calibration(name, folder);
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->sensor, name);
+    EXPECT_EQ(found->rolling_shutter, 0.03) << name;
+  }
+  EXPECT_EQ(find_calibration("icl_nuim", folder)->rolling_shutter, 0) << "rendered";
+  for (const char* name : {"", "nobody", "../calibration/tum_fr1", "tum_fr1.yaml", "a b"})
+    EXPECT_FALSE(find_calibration(name, folder)) << name;
+}
+
+TEST(Calibration, ReadoutIsCheckedWhereItStands) {
+  EXPECT_EQ(parse(tof + "rolling_shutter: 0.02\n").rolling_shutter, 0.02);
+  EXPECT_EQ(parse(tof).rolling_shutter, 0);
+  EXPECT_THAT(error_of(tof + "rolling_shutter: 0.5\n"), HasSubstr("rolling_shutter"));
+  RgbdCalibration calibration = parse(tof);
+  calibration.rolling_shutter = -0.01;
+  EXPECT_THROW(calibration.check(), std::invalid_argument);
+}
+
 TEST(Calibration, RegisteredHeadTakesTheColourCamerasGeometry) {
   const RgbdCalibration calibration = parse("sensor: kinect\n" + colour + "depth_registered: true\n");
   EXPECT_EQ(calibration.sensor, "kinect");

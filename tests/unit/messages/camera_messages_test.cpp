@@ -173,6 +173,29 @@ TEST(CameraMessages, MutatedFramesAreRefusedOrDecodeButNeverCrash) {
   EXPECT_GT(whole, 100);  // flips inside a JPEG or in the metadata
 }
 
+// It has no field of its own; logs from before it tell the name alone.
+TEST(CameraMessages, TheRollingShutterRidesWithTheSensorsName) {
+  Random random(6);
+  RgbdCalibration c = testing::some_calibration(random);
+  for (const double seconds : {0.03, 1.0 / 30, 0.1}) {
+    c.rolling_shutter = seconds;
+    const camera_calibration_t message = through_the_wire(to_message(c));
+    EXPECT_TRUE(tells_rolling_shutter(message));
+    const RgbdCalibration back = from_message(message);
+    EXPECT_EQ(back.rolling_shutter, seconds);
+    EXPECT_EQ(back.sensor, c.sensor);
+  }
+  c.rolling_shutter = 0;
+  camera_calibration_t message = to_message(c);
+  EXPECT_EQ(message.sensor, c.sensor);
+  EXPECT_FALSE(tells_rolling_shutter(message));
+  EXPECT_EQ(from_message(message).rolling_shutter, 0);
+  for (const char* wrong : {"", "fast", "0.03s", "-1", "0.2", "nan"}) {
+    message.sensor = c.sensor + ";rolling_shutter=" + wrong;
+    EXPECT_THROW(from_message(message), DecodeError) << wrong;
+  }
+}
+
 TEST(CameraMessages, CalibrationComesBackAsItWas) {
   Random random(5);
   const RgbdCalibration c = testing::some_calibration(random);

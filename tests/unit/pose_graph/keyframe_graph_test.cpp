@@ -110,7 +110,7 @@ TEST(KeyframeGraph, ALoopThatIsStillWorkedOnAtTheEndCounts) {
   EXPECT_EQ(visit.graph.edges().back().kind, EdgeKind::loop);
 }
 
-// Done, but so small that the map was not bent for it.
+// Done, but so small that the map was not deformed for it.
 TEST(KeyframeGraph, ACorrectionTooSmallForTheMapCountsAtTheEnd) {
   KeyframeGraphSettings settings;
   settings.min_translation = 10;  // m, and rad: all of them
@@ -199,19 +199,19 @@ TEST(VoxelMap, BendsWithItsKeyframes) {
   map.insert(first, Eigen::Vector3d::Zero(), 0);
   map.insert(second_cloud, Eigen::Vector3d::Zero(), 5);
   const Eigen::Isometry3d moved(Eigen::Translation3d(0, 0, 2));
-  const VoxelMap bent = map.bent({Eigen::Isometry3d::Identity(), moved});  // 5 goes with the last
-  EXPECT_EQ(bent.size(), map.size());
-  EXPECT_NE(bent.revision(), map.revision());
+  const VoxelMap deformed = map.deformed({Eigen::Isometry3d::Identity(), moved});  // 5 goes with the last
+  EXPECT_EQ(deformed.size(), map.size());
+  EXPECT_NE(deformed.revision(), map.revision());
   TargetPoint found;
-  EXPECT_TRUE(bent.find({1, 0.5f, 0.5f}, 0.05f, found));
-  EXPECT_FALSE(bent.find({3, 0.5f, 0.5f}, 0.05f, found));
-  ASSERT_TRUE(bent.find({3, 0.5f, 2.5f}, 0.05f, found));
+  EXPECT_TRUE(deformed.find({1, 0.5f, 0.5f}, 0.05f, found));
+  EXPECT_FALSE(deformed.find({3, 0.5f, 0.5f}, 0.05f, found));
+  ASSERT_TRUE(deformed.find({3, 0.5f, 2.5f}, 0.05f, found));
   EXPECT_NEAR(std::abs(found.normal.x()), 1, 1e-5);
   // A copy that comes to lie on the original becomes one with it.
   VoxelMap twice;
   twice.insert(first, Eigen::Vector3d::Zero(), 0);
   twice.insert(transformed(first, moved), Eigen::Vector3d::Zero(), 1);
-  EXPECT_EQ(twice.bent({Eigen::Isometry3d::Identity(), moved.inverse()}).size(), map.size() / 2);
+  EXPECT_EQ(twice.deformed({Eigen::Isometry3d::Identity(), moved.inverse()}).size(), map.size() / 2);
 }
 
 }  // namespace

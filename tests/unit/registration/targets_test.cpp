@@ -214,8 +214,8 @@ TEST(VoxelMap, PartnersOfColouredCloudsHaveIntensityAndItsGradient) {
   for (int i = 0; i < 3; ++i) map.insert(cloud, Eigen::Vector3d::Zero());
   EXPECT_TRUE(map.has_intensities());
   EXPECT_EQ(map.cloud().intensities.size(), map.size());
-  const VoxelMap bent = map.bent({Eigen::Isometry3d::Identity()});
-  for (const VoxelMap* each : std::initializer_list<const VoxelMap*>{&map, &bent}) {
+  const VoxelMap deformed = map.deformed({Eigen::Isometry3d::Identity()});
+  for (const VoxelMap* each : std::initializer_list<const VoxelMap*>{&map, &deformed}) {
     for (float y = -1; y < 1; y += 0.13f) {
       ASSERT_TRUE(each->find({2, y, 0.2f}, 0.1f, found));
       EXPECT_NEAR(found.intensity, 0.5f + gradient.dot(found.point), 1e-3f);

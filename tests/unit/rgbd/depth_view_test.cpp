@@ -54,7 +54,7 @@ TEST(DepthView, RowsReadWhileTheCameraMovesGiveThePlaneAndItsNormals) {
     Vector6d motion;
     for (int i = 0; i < 3; ++i) motion[i] = random.uniform(-0.02, 0.02);
     for (int i = 3; i < 6; ++i) motion[i] = random.uniform(-0.06, 0.06);
-    motion[3] += 0.06;  // pitching is what bends normals
+    motion[3] += 0.06;  // pitching is what tilts normals
     const DepthView view = view_of_plane(n, 2, motion, 4);
     Vector6d pose;
     pose << 0.1, random.uniform(-0.1, 0.1), 0, random.uniform(-0.1, 0.1), 0.1, 0;
@@ -63,9 +63,9 @@ TEST(DepthView, RowsReadWhileTheCameraMovesGiveThePlaneAndItsNormals) {
     const auto [distance, angle] = errors(cloud_of(view, still, motion), n, 2);
     EXPECT_LT(distance, 1e-4);
     EXPECT_LT(angle, 0.01);
-    const auto [sheared, bent] = errors(cloud_of(view, still, Vector6d::Zero()), n, 2);
+    const auto [sheared, tilted] = errors(cloud_of(view, still, Vector6d::Zero()), n, 2);
     EXPECT_GT(sheared, 50 * distance);
-    EXPECT_GT(bent, 3 * angle);
+    EXPECT_GT(tilted, 3 * angle);
     // Moved in time: the plane seen from there. Rows' motion is told in the moved camera's frame.
     const Vector6d there = adjoint(T) * motion;
     const Eigen::Vector3d n_there = T.linear() * n;

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include <lcmslam/geometry/rigid_alignment.hpp>
 #include "tests/support/recorded_clouds.hpp"
 #include "tests/support/recordings.hpp"
@@ -62,9 +62,9 @@ ColouredCloud in_view(const ColouredCloud& cloud) {
 }
 
 TEST_P(EveryCorrespondence, FollowsAKnownPathWithoutOdometry) {
-  IcpMapperSettings settings;
+  DenseMapperSettings settings;
   settings.correspondence = GetParam();
-  IcpMapper mapper(settings);
+  DenseMapper mapper(settings);
   const Cloud scene = room(0.03);
   Eigen::Isometry3d looks_ahead = Eigen::Isometry3d::Identity();  // camera's z is the robot's x
   looks_ahead.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -72,8 +72,8 @@ TEST_P(EveryCorrespondence, FollowsAKnownPathWithoutOdometry) {
   for (int i = 0; i < 20; ++i) {
     SCOPED_TRACE(i);
     const auto seed = static_cast<std::uint64_t>(i);
-    const auto step =
-        mapper.step(i * frame_time, in_view(seen_from(scene, T * looks_ahead, seed)), looks_ahead);
+    const auto step = mapper.step(
+        coloured_frame(i * frame_time, in_view(seen_from(scene, T * looks_ahead, seed)), looks_ahead));
     EXPECT_EQ(to_string(step.status), "tracking");
     expect_pose(step.T_world_robot, T, 0.01, 0.005);
     T = T * se3_exp(twist(0.02, 0.01, 0, 0, 0.005, 0.02));
@@ -82,39 +82,40 @@ TEST_P(EveryCorrespondence, FollowsAKnownPathWithoutOdometry) {
 }
 
 // A slip that exceeds what odometry states: registration wins where the scene fixes the pose.
-TEST(IcpMapper, OvercomesAWheelSlip) {
-  IcpMapperSettings settings;
+TEST(DenseMapper, OvercomesAWheelSlip) {
+  DenseMapperSettings settings;
   settings.prior.planar = true;
-  IcpMapper mapper(settings);
+  DenseMapper mapper(settings);
   const Cloud scene = room(0.03);
-  mapper.step(0, seen_from(scene, no_mount, 1), no_mount);
+  mapper.step(coloured_frame(0, seen_from(scene, no_mount, 1), no_mount));
   Motion slipped;
   slipped.T_from_to = planar_pose(0.05, 0.03, 0.04);  // in truth it stood still
   slipped.covariance = 1e-8 * Matrix6d::Identity();
-  const auto step = mapper.step(frame_time, seen_from(scene, no_mount, 2), no_mount, slipped);
+  const auto step = mapper.step(coloured_frame(frame_time, seen_from(scene, no_mount, 2), no_mount, slipped));
   EXPECT_EQ(to_string(step.status), "tracking");
   expect_pose(step.T_world_robot, no_mount, 0.006, 0.004);
 }
 
-TEST(IcpMapper, FollowsOdometryAlongABareWall) {
-  IcpMapperSettings settings;
+TEST(DenseMapper, FollowsOdometryAlongABareWall) {
+  DenseMapperSettings settings;
   settings.prior.planar = true;
-  IcpMapper mapper(settings);
+  DenseMapper mapper(settings);
   const Cloud scene = wall(0.03);
-  mapper.step(0, seen_from(scene, no_mount, 1), no_mount);
+  mapper.step(coloured_frame(0, seen_from(scene, no_mount, 1), no_mount));
   Motion motion;
   motion.T_from_to = planar_pose(0, 0.1, 0);
   motion.covariance = 1e-6 * Matrix6d::Identity();
-  const auto step = mapper.step(frame_time, seen_from(scene, motion.T_from_to, 2), no_mount, motion);
+  const auto step =
+      mapper.step(coloured_frame(frame_time, seen_from(scene, motion.T_from_to, 2), no_mount, motion));
   EXPECT_FALSE(step.registration.degenerate.empty());
   expect_pose(step.T_world_robot, motion.T_from_to, 0.01, 0.01);
 }
 
-TEST(IcpMapper, GarbageIsLostAndTheMapIsLeftAlone) {
-  IcpMapper mapper;
+TEST(DenseMapper, GarbageIsLostAndTheMapIsLeftAlone) {
+  DenseMapper mapper;
   const Cloud scene = room(0.03);
-  EXPECT_EQ(to_string(mapper.step(0, {}, no_mount).status), "initialising");
-  mapper.step(frame_time, seen_from(scene, no_mount, 1), no_mount);
+  EXPECT_EQ(to_string(mapper.step(coloured_frame(0, {}, no_mount)).status), "initialising");
+  mapper.step(coloured_frame(frame_time, seen_from(scene, no_mount, 1), no_mount));
   const std::size_t before = mapper.map().size();
 
   ColouredCloud not_finite = seen_from(scene, no_mount, 2);
@@ -126,52 +127,53 @@ TEST(IcpMapper, GarbageIsLostAndTheMapIsLeftAlone) {
   const ColouredCloud elsewhere = seen_from(sphere({3, 2, 2}, 0.5), no_mount, 5);
   Utime utime = 2 * frame_time;
   for (const ColouredCloud& cloud : {ColouredCloud{}, not_finite, coincident, no_normals, elsewhere}) {
-    const auto step = mapper.step(utime += frame_time, cloud, no_mount);
+    const auto step = mapper.step(coloured_frame(utime += frame_time, cloud, no_mount));
     EXPECT_EQ(to_string(step.status), "lost");
     EXPECT_TRUE(step.T_world_robot.matrix().allFinite());
     EXPECT_TRUE(step.covariance.allFinite());
     EXPECT_EQ(mapper.map().size(), before);
   }
   // And it comes back.
-  const auto step = mapper.step(utime + frame_time, seen_from(scene, no_mount, 6), no_mount);
+  const auto step = mapper.step(coloured_frame(utime + frame_time, seen_from(scene, no_mount, 6), no_mount));
   EXPECT_EQ(to_string(step.status), "tracking");
   expect_pose(step.T_world_robot, no_mount, 0.01, 0.005);
 }
 
-TEST(IcpMapper, RecoversAtAKeyframeAfterAJump) {
-  IcpMapper mapper;
+TEST(DenseMapper, RecoversAtAKeyframeAfterAJump) {
+  DenseMapper mapper;
   const Cloud scene = room(0.03);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   Utime utime = 0;
   for (int i = 0; i < 25; ++i) {
-    mapper.step(utime += frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount);
+    mapper.step(
+        coloured_frame(utime += frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount));
     T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.03));
   }
   // Carried back to the start while the camera was covered.
-  for (int i = 0; i < 3; ++i) mapper.step(utime += frame_time, {}, no_mount);
-  IcpMapper::Step step;
+  for (int i = 0; i < 3; ++i) mapper.step(coloured_frame(utime += frame_time, {}, no_mount));
+  DenseMapper::Step step;
   for (int i = 0; i < 5; ++i)
-    step = mapper.step(utime += frame_time, seen_from(scene, no_mount, 77), no_mount);
+    step = mapper.step(coloured_frame(utime += frame_time, seen_from(scene, no_mount, 77), no_mount));
   EXPECT_EQ(to_string(step.status), "tracking");
   expect_pose(step.T_world_robot, no_mount, 0.02, 0.01);
 }
 
 // Another room behind the robot that looks the same: odometry tells them apart, and is believed where the
 // map ends.
-TEST(IcpMapper, GoesOnFromOdometryWhereTheMapEnds) {
-  IcpMapperSettings settings;
+TEST(DenseMapper, GoesOnFromOdometryWhereTheMapEnds) {
+  DenseMapperSettings settings;
   settings.reseed_after = 3;
-  IcpMapper mapper(settings);
-  mapper.step(0, seen_from(room(0.03), no_mount, 1), no_mount);
+  DenseMapper mapper(settings);
+  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
   const Eigen::Isometry3d T = planar_pose(0, 0, 3.0);
   Motion motion;
   motion.T_from_to = T;
   motion.covariance = 1e-4 * Matrix6d::Identity();
   const ColouredCloud behind = seen_from(transformed(room(0.03), T), T, 2);
-  IcpMapper::Step step;
+  DenseMapper::Step step;
   for (int i = 1; i <= 8; ++i) {
     SCOPED_TRACE(i);
-    step = mapper.step(i * frame_time, behind, no_mount, motion);
+    step = mapper.step(coloured_frame(i * frame_time, behind, no_mount, motion));
     const bool waiting = i <= settings.reseed_after;
     EXPECT_EQ(to_string(step.status), waiting                          ? "lost"
                                       : i == settings.reseed_after + 1 ? "degraded"
@@ -182,16 +184,16 @@ TEST(IcpMapper, GoesOnFromOdometryWhereTheMapEnds) {
 }
 
 // Against motion capture; the stretch turns fast and comes back.
-TEST(IcpMapper, TracksAHandHeldRecording) {
+TEST(DenseMapper, TracksAHandHeldRecording) {
   const auto recording = Fr1Recording::open();
   LCMSLAM_SKIP_WITHOUT("tum_fr1_rpy");
   ASSERT_TRUE(recording);
   const std::size_t first = 100;
   const auto run = [&](std::size_t count) {
-    IcpMapper mapper;
-    std::vector<IcpMapper::Step> steps;
+    DenseMapper mapper;
+    std::vector<DenseMapper::Step> steps;
     for (std::size_t i = first; i < first + count; ++i)
-      steps.push_back(mapper.step(recording->utime(i), recording->cloud(i), optical_axes()));
+      steps.push_back(mapper.step(coloured_frame(recording->utime(i), recording->cloud(i), optical_axes())));
     return steps;
   };
   const auto steps = run(60);

@@ -1,8 +1,31 @@
-#include <lcmslam/dense_mapper/icp_mapper.hpp>
+#include <lcmslam/dense_mapper/dense_mapper_settings.hpp>
 
 namespace lcmslam {
 
-void IcpMapperSettings::describe(SettingsVisitor& s) {
+RegistrationSettings DenseMapperSettings::coarse_defaults() {
+  RegistrationSettings s;
+  s.selection = SelectionKind::uniform;
+  s.selected_points = 400;
+  s.max_distance = 0.25;
+  s.min_distance = 0.12;
+  s.max_normal_angle = 0.8;
+  s.max_iterations = 8;
+  s.epsilon_translation = 4e-3;
+  s.epsilon_rotation = 2e-3;
+  return s;
+}
+
+RegistrationSettings DenseMapperSettings::fine_defaults() {
+  RegistrationSettings s;
+  s.selection = SelectionKind::uniform;
+  s.selected_points = 3000;
+  s.max_distance = 0.10;
+  s.min_distance = 0.06;
+  s.max_iterations = 10;
+  return s;
+}
+
+void DenseMapperSettings::describe(SettingsVisitor& s) {
   s.choice(
       "variant", variant, variant_names,
       "modern, or what the thesis registers with instead of both passes (algorithms 3.1, 3.2, section 3.5)");
@@ -59,8 +82,8 @@ void IcpMapperSettings::describe(SettingsVisitor& s) {
            "of all keyframes together (31 bytes each: 190 MB); beyond, the farthest clouds are thinned");
   s.number("max_keyframes", graph.max_keyframes, "", {5, 1e6},
            "that are kept, and as many other nodes of the graph; a tenth goes at a time (0.25 MB each)");
-  s.number("deform_time", bend_time, "s", {0, 10}, "of message time that deforming the map takes, and");
-  s.number("deform_time_per_surfel", bend_time_per_surfel, "s", {0, 1}, "for each of its surfels");
+  s.number("deform_time", deform_time, "s", {0, 10}, "of message time that deforming the map takes, and");
+  s.number("deform_time_per_surfel", deform_time_per_surfel, "s", {0, 1}, "for each of its surfels");
 }
 
 }  // namespace lcmslam

@@ -1,4 +1,4 @@
-#include <lcmslam/dense_mapper/thesis/thesis_variant.hpp>
+#include <lcmslam/dense_mapper/thesis/thesis_tracker.hpp>
 
 #include <cmath>
 #include <stdexcept>
@@ -8,17 +8,27 @@
 
 namespace lcmslam {
 
-ThesisVariant::ThesisVariant(VariantKind kind, const ThesisSettings& settings)
+ThesisTracker::ThesisTracker(VariantKind kind, const ThesisSettings& settings)
     : kind_(kind), settings_(settings), target_(settings.merge_distance) {
-  check(settings, "thesis variant");
-  if (kind == VariantKind::modern) throw std::invalid_argument("thesis variant: modern is none of them");
+  check(settings, "thesis");
+  if (kind == VariantKind::modern)
+    throw std::invalid_argument("thesis: variant modern is none of plain, alternating and frustum");
 }
 
-RegistrationResult ThesisVariant::register_frame(const ThesisFrame& frame,
+Tracked ThesisTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
+  Tracked result;
+  result.prior = expected.prior;
+  result.registration = register_frame(prepared, expected.prior.T_target_source);
+  result.quality = result.registration.overlap * inlier_share(result.registration);
+  if (result.registration.ok()) result.status = MappingStatus::tracking;
+  return result;
+}
+
+RegistrationResult ThesisTracker::register_frame(const PreparedFrame& prepared,
                                                  const Eigen::Isometry3d& T_predicted) const {
-  RegistrationResult result = kind_ == VariantKind::alternating ? register_by_turns(frame, T_predicted)
-                              : kind_ == VariantKind::frustum   ? register_in_view(frame, T_predicted)
-                                                                : register_plain(frame.cloud, T_predicted);
+  RegistrationResult result = kind_ == VariantKind::alternating ? register_by_turns(prepared, T_predicted)
+                              : kind_ == VariantKind::frustum   ? register_in_view(prepared, T_predicted)
+                                                                : register_plain(prepared.cloud, T_predicted);
   const Eigen::Matrix3d R = result.T_target_source.linear();
   if (R.determinant() > 0.1) {
     result.T_target_source.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
@@ -30,7 +40,7 @@ RegistrationResult ThesisVariant::register_frame(const ThesisFrame& frame,
 }
 
 // Algorithm 3.1.
-RegistrationResult ThesisVariant::register_plain(const Cloud& cloud, const Eigen::Isometry3d& T_start) const {
+RegistrationResult ThesisTracker::register_plain(const Cloud& cloud, const Eigen::Isometry3d& T_start) const {
   RegistrationSettings icp = settings_.icp.registration;
   icp.epsilon_rms = settings_.icp.epsilon_rms;
   icp.epsilon_translation = icp.epsilon_rotation = 0;
@@ -38,19 +48,19 @@ RegistrationResult ThesisVariant::register_plain(const Cloud& cloud, const Eigen
 }
 
 // Frustum ICP: the source is moved by odometry, and what the last depth camera could not see is left out.
-RegistrationResult ThesisVariant::register_in_view(const ThesisFrame& frame,
+RegistrationResult ThesisTracker::register_in_view(const PreparedFrame& prepared,
                                                    const Eigen::Isometry3d& T_start) const {
-  if (!colour_) return register_plain(frame.cloud, T_start);
+  if (!colour_) return register_plain(prepared.cloud, T_start);
   const Eigen::Isometry3d T_world_last = T_world_camera_ * colour_->T_camera_depth;
   const ViewFrustum last(colour_->depth_camera);
-  return register_plain(points_inside(frame.cloud, last, T_world_last.inverse() * T_start), T_start);
+  return register_plain(points_inside(prepared.cloud, last, T_world_last.inverse() * T_start), T_start);
 }
 
 // Algorithm 3.2; steps as there.
-RegistrationResult ThesisVariant::register_by_turns(const ThesisFrame& frame,
+RegistrationResult ThesisTracker::register_by_turns(const PreparedFrame& prepared,
                                                     const Eigen::Isometry3d& T_start) const {
-  const Cloud sub = seen_by_both(frame);        // 1
-  const FeaturePairs surf = surf_pairs(frame);  // 2
+  const Cloud sub = seen_by_both(prepared);              // 1
+  const FeaturePairs surf = surf_pairs(prepared.frame);  // 2
   const Eigen::Isometry3d T_initial =
       align_start(surf, settings_.icp.registration).value_or(T_start);                    // 3, 4
   const auto turns = register_alternating(sub, target_, surf, T_initial, settings_.icp);  // 5-10
@@ -61,14 +71,15 @@ RegistrationResult ThesisVariant::register_by_turns(const ThesisFrame& frame,
 }
 
 // S_sub: without images all points.
-Cloud ThesisVariant::seen_by_both(const ThesisFrame& frame) const {
-  if (!frame.colour || !colour_) return frame.cloud;
+Cloud ThesisTracker::seen_by_both(const PreparedFrame& prepared) const {
+  const DenseFrame& frame = prepared.frame;
+  if (!frame.colour || !colour_) return prepared.cloud;
   const ImageOverlap overlap = colour_overlap(frame.colour->image, colour_->image, settings_.overlap);
-  return overlapping_points(frame.cloud, overlap, frame.colour->camera, frame.T_robot_camera.inverse());
+  return overlapping_points(prepared.cloud, overlap, frame.colour->camera, frame.T_robot_camera.inverse());
 }
 
 // S_SURF in the robot's frame, T_SURF in the world's.
-FeaturePairs ThesisVariant::surf_pairs(const ThesisFrame& frame) const {
+FeaturePairs ThesisTracker::surf_pairs(const DenseFrame& frame) const {
   if (!frame.features || !features_) return {};
   FeaturePairs pairs = feature_pairs(*frame.features, *features_, settings_.checked_features);
   for (auto& p : pairs.source) p = (frame.T_robot_camera * p.cast<double>()).cast<float>();
@@ -76,13 +87,14 @@ FeaturePairs ThesisVariant::surf_pairs(const ThesisFrame& frame) const {
   return pairs;
 }
 
-void ThesisVariant::add(const ThesisFrame& frame, const Eigen::Isometry3d& T_world_robot) {
-  target_.add(transformed(frame.cloud, T_world_robot));
+void ThesisTracker::accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot,
+                           bool /*registered*/) {
+  const DenseFrame& frame = prepared.frame;
+  target_.add(transformed(prepared.cloud, T_world_robot));
   T_world_camera_ = T_world_robot * frame.T_robot_camera;
-  features_.reset();
-  if (frame.features) features_ = *frame.features;
+  features_ = frame.features;
   colour_.reset();
-  if (frame.colour && !frame.colour->image.empty()) colour_ = *frame.colour;
+  if (frame.colour && !frame.colour->image.empty()) colour_ = frame.colour;
 }
 
 }  // namespace lcmslam

@@ -1,11 +1,15 @@
-#include "procs/surf/feature_frame.hpp"
+#include <lcmslam/rgbd/describe_frame.hpp>
 
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <tuple>
 
 #include <lcmslam/imaging/sharpness.hpp>
 
 namespace lcmslam {
 namespace {
+
+constexpr int descriptor_length = std::tuple_size_v<Descriptor>;
 
 FeatureFrame frame_of(const RgbdFrame& frame, const RgbdCalibration& calibration) {
   FeatureFrame result;
@@ -47,11 +51,13 @@ Feature feature_of(const cv::KeyPoint& k, const float* descriptor, const DepthAt
 }  // namespace
 
 FeatureFrame describe_frame(const RgbdFrame& frame, const RegisteredDepth& depth,
-                            const RgbdCalibration& calibration, Surf& surf) {
+                            const RgbdCalibration& calibration, cv::Feature2D& detector) {
   cv::Mat grey, descriptors;
   cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
   std::vector<cv::KeyPoint> keypoints;
-  surf.detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
+  detector.detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
+  if (!keypoints.empty() && (descriptors.type() != CV_32FC1 || descriptors.cols != descriptor_length))
+    throw std::invalid_argument("describe_frame: the detector must give 64 floats a feature");
   std::vector<cv::Point2f> pixels;
   for (const auto& keypoint : keypoints) pixels.push_back(keypoint.pt);
   const std::vector<DepthAtPixel> points = depth_at_pixels(depth, calibration, pixels);

@@ -1,0 +1,186 @@
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
+
+#include <lcmslam/features/strongest_features.hpp>
+#include <lcmslam/settings/check.hpp>
+
+namespace lcmslam {
+
+DenseMapper::DenseMapper(const DenseMapperSettings& settings)
+    : settings_(settings),
+      motion_(settings.prior),
+      keyframes_(settings),
+      map_(settings),
+      tracker_(make_tracker(settings, map_, keyframes_)),
+      changed_space_(settings),
+      graph_(settings.graph) {
+  check(settings_, "icp");
+}
+
+DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
+  // Prepare: the points that can be trusted, and the map as the graph has corrected it meanwhile.
+  const PreparedFrame prepared = prepare(frame);
+  Step step;
+  step.deformed = work_on_graph(frame.utime);
+  step.thinned = thin();
+  if (graph_.nodes().empty()) {
+    start_map(prepared, step);
+    return step;
+  }
+
+  // Predict: where odometry, or the velocity so far, leads.
+  const Expectation expected{motion_.predict(frame.utime, frame.motion), motion_.T_world_last(), bad_steps_};
+
+  // Register: where the cloud fits the map.
+  const Tracked tracked = tracker_->track(prepared, expected);
+
+  // Judge: what is believed of it, and whether the frame may join the map.
+  const bool joins = judge(tracked, prepared, step);
+  const bool registered = tracked.status == MappingStatus::tracking;
+
+  // Grow: the frame joins the map, and what it sees through goes.
+  if (joins) {
+    grow(prepared, step);
+    tracker_->accept(prepared, step.T_world_robot, registered);
+  }
+  if (registered)
+    changed_space_.look_through(frame.cloud, step.T_world_robot * frame.T_robot_camera, map_, keyframes_);
+  // A jump to where the robot was found again is no motion that goes on.
+  motion_.observe(frame.utime, step.T_world_robot, registered && !step.relocalised);
+  return step;
+}
+
+PreparedFrame DenseMapper::prepare(const DenseFrame& frame) const {
+  Cloud usable = usable_points(frame.cloud, settings_.filter);
+  move(usable, frame.T_robot_camera);
+  return {frame, voxel_filtered(usable, settings_.voxel_size)};
+}
+
+void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
+  motion_.observe(prepared.frame.utime, step.T_world_robot, false);
+  if (static_cast<int>(prepared.cloud.size()) < settings_.min_points) return;
+  if (settings_.prior.planar) graph_.set_floor(prepared.frame.T_robot_camera.inverse());
+  step.quality = 1;
+  step.status = MappingStatus::tracking;
+  add_node(prepared, true, step);
+  map_.insert(prepared.cloud, Eigen::Vector3d::Zero(), 0);
+  tracker_->accept(prepared, step.T_world_robot, true);
+}
+
+bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step) {
+  const Prior& prior = tracked.prior;
+  const bool tracking = tracked.status == MappingStatus::tracking;
+  const bool believed = tracked.status != MappingStatus::lost;
+  step.registration = tracked.registration;
+  step.status = tracked.status;
+  step.quality = tracked.quality;
+  step.anchored = tracked.anchored;
+  step.T_world_anchor = tracked.T_world_anchor;
+  step.T_world_robot = believed ? tracked.registration.T_target_source : prior.T_target_source;
+  step.covariance = believed ? tracked.registration.covariance
+                             : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+  step.relocalised = bad_steps_ > 0 && tracking &&
+                     (distance_between(step.T_world_robot, prior.T_target_source) > settings_.max_jump ||
+                      angle_between(step.T_world_robot, prior.T_target_source) > settings_.max_turn);
+
+  // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
+  bad_steps_ = tracking ? 0 : bad_steps_ + 1;
+  const bool reseed = prepared.frame.motion && bad_steps_ > settings_.reseed_after &&
+                      static_cast<int>(prepared.cloud.size()) >= settings_.min_points;
+  if (reseed) {
+    step.status = MappingStatus::degraded;
+    bad_steps_ = 0;
+  }
+  return tracking || reseed;
+}
+
+void DenseMapper::grow(const PreparedFrame& prepared, Step& step) {
+  const Eigen::Isometry3d& T = step.T_world_robot;
+  const Eigen::Isometry3d T_world_camera = T * prepared.frame.T_robot_camera;
+  const bool keyframe = keyframes_.is_due(T_world_camera, step.registration.overlap);
+  if (keyframe || keyframes_.is_far(T_world_camera, graph_.nodes().back().T_world_camera))
+    add_node(prepared, keyframe, step);
+  if (distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
+      angle_between(T, T_world_inserted_) >= settings_.insert_angle) {
+    map_.insert(transformed(prepared.cloud, T), T.translation(), static_cast<int>(graph_.nodes().size()) - 1);
+    T_world_inserted_ = T;
+  }
+}
+
+// Where the camera comes by again, a node keeps the path's place in the graph, without another cloud.
+void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& step) {
+  const DenseFrame& frame = prepared.frame;
+  const Eigen::Isometry3d T_world_camera = step.T_world_robot * frame.T_robot_camera;
+  const Matrix6d A = adjoint(frame.T_robot_camera.inverse());  // from the robot's body frame to the camera's
+  KeyframeView view;
+  view.cloud = transformed(prepared.cloud, frame.T_robot_camera.inverse());
+  if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
+  map_.restore(keyframes_.all(), T_world_camera);
+  const int node =
+      graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(), std::move(view), keyframe);
+  step.node = true;
+  step.keyframe = keyframe;
+  if (!keyframe) return;
+  keyframes_.add(node, frame.utime, T_world_camera, usable_points(frame.colouriser(), settings_.filter));
+  if (frame.features)
+    tracker_->add_keyframe(strongest(*frame.features, settings_.keyframe_features), T_world_camera, node);
+}
+
+void DenseMapper::add_features(const FeatureFrame& features, Utime utime) {
+  if (graph_.nodes().empty() || graph_.nodes().back().utime != utime) return;
+  const auto node = static_cast<int>(graph_.nodes().size()) - 1;
+  const FeatureFrame kept = strongest(features, settings_.keyframe_features);
+  if (!graph_.add_features(node, kept)) return;
+  const Keyframe& newest = keyframes_.all().back();
+  if (newest.node == node) tracker_->add_keyframe(kept, newest.T_world_camera, node);
+}
+
+// The graph's correction, the map deformed by it, then all that stands in the map: one after the other, each
+// at its message time.
+bool DenseMapper::work_on_graph(Utime utime) {
+  if (map_.is_due(utime)) {
+    deform(map_.finish_deforming());
+    return true;
+  }
+  if (map_.deforming()) return false;
+  if (auto correction = graph_.work(utime)) map_.begin_deforming(std::move(*correction), utime);
+  return false;
+}
+
+void DenseMapper::deform(const KeyframeGraph::Correction& correction) {
+  keyframes_.deform(correction);
+  changed_space_.deform(correction);
+  tracker_->deform(correction);
+  graph_.apply(correction);
+  motion_.deform(correction.back());
+  T_world_inserted_ = correction.back() * T_world_inserted_;
+}
+
+// Nodes that others cover go from the graph; what belongs to them belongs to the nearest keyframe then.
+bool DenseMapper::thin() {
+  keyframes_.merge_next();
+  if (map_.deforming()) return false;  // it is being read, and the nodes' places are about to change
+  const auto thinned = graph_.thin({settings_.keyframe_distance, settings_.keyframe_angle});
+  if (!thinned) return false;
+  keyframes_.thin(*thinned);
+  changed_space_.renumber(*thinned);
+  tracker_->renumber(*thinned);
+  map_.renumber(thinned->index);
+  return true;
+}
+
+bool DenseMapper::finish() {
+  const bool was_deforming = map_.deforming();
+  if (was_deforming) deform(map_.finish_deforming());
+  auto correction = graph_.finish();
+  if (correction) deform(map_.deform(std::move(*correction)));
+  while (keyframes_.merging()) keyframes_.merge_next();
+  changed_space_.finish(map_.voxels(), keyframes_);
+  return was_deforming || correction.has_value();
+}
+
+std::size_t DenseMapper::memory_bytes() const {
+  return map_.memory_bytes() + tracker_->memory_bytes() + graph_.memory_bytes() + keyframes_.memory_bytes() +
+         changed_space_.memory_bytes();
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,86 @@
+#pragma once
+// 6-D SLAM: registers each coloured cloud to a growing map and keeps keyframes.
+//
+// World is the robot's pose at the first frame (identity). The pose is always finite: while nothing
+// can be registered it follows the prediction and the status says so, and the map is left alone.
+//
+//   DenseMapper mapper;
+//   const DenseMapper::Step step = mapper.step(frame);   // frame: see RgbdFrameMaker
+//
+// step() is the whole algorithm; its parts: MotionModel predicts, a Tracker registers, DeformableMap and
+// KeyframeStore keep what was seen, ChangedSpace takes away what is gone, KeyframeGraph corrects all of them.
+
+#include <memory>
+#include <vector>
+
+#include <lcmslam/dense_mapper/changed_space.hpp>
+#include <lcmslam/dense_mapper/deformable_map.hpp>
+#include <lcmslam/dense_mapper/keyframe_store.hpp>
+#include <lcmslam/dense_mapper/tracker.hpp>
+
+namespace lcmslam {
+
+class DenseMapper {
+ public:
+  using Keyframe = KeyframeStore::Keyframe;
+
+  explicit DenseMapper(const DenseMapperSettings& settings = {});
+
+  struct Step {
+    Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
+    Matrix6d covariance = Matrix6d::Zero();  ///< against the map; right perturbation, robot frame
+    RegistrationResult registration;         ///< of the cloud in the robot frame to the world
+    MappingStatus status = MappingStatus::initialising;
+    bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
+    Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
+    double quality = 0;        ///< 0..1: overlap times share of inliers
+    bool keyframe = false;     ///< keyframes().back() is new
+    bool node = false;         ///< graph().nodes().back() is new
+    bool relocalised = false;  ///< lost before, and found far from the prediction
+    bool thinned = false;      ///< redundant nodes have gone from graph() and keyframes()
+    bool deformed = false;     ///< the graph moved its nodes before this step: older poses are of the old map
+  };
+
+  /// Frames come in order of time.
+  Step step(const DenseFrame& frame);
+
+  /// Features that came after the step of their moment: for keyframes.
+  void add_features(const FeatureFrame& features, Utime utime);
+
+  /// Keyframes (their indices) whose clouds have changed since they were last published, because what moved
+  /// away went or a keyframe that is no more left its points: those that changed notably, or all.
+  std::vector<std::size_t> take_changed(bool all = false) { return keyframes_.take_changed(all); }
+
+  /// All work that is left; whether nodes moved.
+  bool finish();
+
+  const std::vector<Keyframe>& keyframes() const { return keyframes_.all(); }
+  const KeyframeGraph& graph() const { return graph_; }
+  const VoxelMap& map() const { return map_.voxels(); }
+  /// How many keyframes there have been.
+  std::int64_t keyframes_made() const { return keyframes_.made(); }
+  /// Of all that is kept from frame to frame, but for work on the graph under way.
+  std::size_t memory_bytes() const;
+
+ private:
+  PreparedFrame prepare(const DenseFrame& frame) const;
+  void start_map(const PreparedFrame& prepared, Step& step);
+  bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
+  void grow(const PreparedFrame& prepared, Step& step);
+  void add_node(const PreparedFrame& prepared, bool keyframe, Step& step);
+  bool work_on_graph(Utime utime);
+  bool thin();
+  void deform(const KeyframeGraph::Correction& correction);
+
+  DenseMapperSettings settings_;
+  MotionModel motion_;
+  KeyframeStore keyframes_;
+  DeformableMap map_;
+  std::unique_ptr<Tracker> tracker_;  // sees map and keyframes
+  ChangedSpace changed_space_;
+  KeyframeGraph graph_;
+  int bad_steps_ = 0;                                                   // in a row
+  Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();  // robot, at the last insertion
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,160 @@
+#include <lcmslam/dense_mapper/modern_tracker.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <lcmslam/dense_mapper/start_hypotheses.hpp>
+
+namespace lcmslam {
+namespace {
+
+/// What both passes together ask of a target.
+RegistrationSettings asked_of_target(const DenseMapperSettings& settings) {
+  RegistrationSettings s = settings.fine;
+  s.boundary = s.boundary || settings.coarse.boundary;
+  s.colour_scale = std::max(s.colour_scale, settings.coarse.colour_scale);
+  return s;
+}
+
+}  // namespace
+
+ModernTracker::ModernTracker(const DenseMapperSettings& settings, DeformableMap& map,
+                             const KeyframeStore& keyframes)
+    : settings_(settings),
+      map_(map),
+      keyframes_(keyframes),
+      view_(map.voxels(), settings.correspondence, settings.view_radius, asked_of_target(settings)),
+      passes_(settings),
+      anchor_(settings.features),
+      last_view_(settings.coarse.frustum || settings.fine.frustum, settings.compares_images(),
+                 settings.overlap) {}
+
+Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
+  const DenseFrame& frame = prepared.frame;
+  Tracked result;
+  result.prior = expected.prior;
+  const std::optional<Prior> anchor = ask_features(prepared, result);
+  last_view_.compare(frame.colour, frame.T_robot_camera);
+  const auto best = try_starts(prepared, starts(frame, result.prior, anchor, expected), result.prior);
+  result.registration = best.registration;
+  result.status = best.status;
+  result.quality = best.quality;
+  return result;
+}
+
+// Where keyframes' features place the robot, if that is believed; the prior then knows it.
+std::optional<Prior> ModernTracker::ask_features(const PreparedFrame& prepared, Tracked& result) {
+  const DenseFrame& frame = prepared.frame;
+  if (!frame.features || !settings_.features.enabled) return std::nullopt;
+  const Prior odometry = result.prior;
+  const auto anchor =
+      anchor_.locate(*frame.features, odometry.T_target_source * frame.T_robot_camera, frame.T_robot_camera);
+  if (!anchor) return std::nullopt;
+  const bool apart = disagreement(odometry, *anchor) > settings_.features.max_disagreement;
+  result.prior = apart ? judged_by_map(prepared, odometry, *anchor) : fused(odometry, *anchor);
+  result.T_world_anchor = anchor->T_target_source;
+  result.anchored = !apart || result.prior.T_target_source.isApprox(anchor->T_target_source, 0);
+  return result.anchored ? anchor : std::nullopt;
+}
+
+// Odometry slips, and features show things that move: where the two tell different places, the map knows.
+Prior ModernTracker::judged_by_map(const PreparedFrame& prepared, const Prior& odometry,
+                                   const Prior& anchor) {
+  HypothesisSettings hypotheses;
+  hypotheses.coarse = without_views(settings_.coarse);
+  hypotheses.fine = without_views(settings_.fine);
+  const Target& target = view_.from(odometry.T_target_source * prepared.frame.T_robot_camera);
+  const HypothesisResult best =
+      register_hypotheses(prepared.cloud, target, {{odometry, "odometry"}, {anchor, "features"}}, hypotheses);
+  return best.origin == "features" ? anchor : odometry;
+}
+
+std::vector<Eigen::Isometry3d> ModernTracker::starts(const DenseFrame& frame, const Prior& prior,
+                                                     const std::optional<Prior>& anchor,
+                                                     const Expectation& expected) {
+  std::vector<Eigen::Isometry3d> starts = {prior.T_target_source};
+  if (anchor) starts.push_back(anchor->T_target_source);
+  if (expected.bad_steps == 0) return starts;
+
+  starts.push_back(expected.T_world_last);
+  // Wheels slip by centimetres, they do not jump to another place that happens to look alike.
+  if (frame.motion && !frame.motion->visual) return starts;
+  if (!anchor && frame.features && settings_.features.enabled)
+    if (const auto found = anchor_.search(*frame.features, frame.T_robot_camera))
+      starts.push_back(found->T_target_source);
+  const auto& keyframes = keyframes_.all();
+  const Eigen::Isometry3d T_camera_robot = frame.T_robot_camera.inverse();
+  for (int i = 0; i < settings_.recovery_keyframes && !keyframes.empty(); ++i)
+    starts.push_back(keyframes[next_recovery_++ % keyframes.size()].T_world_camera * T_camera_robot);
+  for (const Eigen::Isometry3d& T_world_robot : starts)
+    map_.restore(keyframes, T_world_robot * frame.T_robot_camera);
+  return starts;
+}
+
+// Share of a sample of points that lie on the map, nearer ones counting more.
+double ModernTracker::score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const {
+  constexpr std::size_t samples = 200;
+  constexpr float reach = 0.12f;
+  const Eigen::Isometry3f T = T_world_robot.cast<float>();
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / samples);
+  double sum = 0;
+  std::size_t count = 0;
+  TargetPoint found;
+  for (std::size_t i = 0; i < cloud.size(); i += stride, ++count) {
+    const Eigen::Vector3f p = T * cloud.points[i];
+    if (!map_.voxels().find(p, reach, found)) continue;
+    if (cloud.has_normals() && found.normal.dot(T.linear() * cloud.normals[i]) < 0.7f) continue;
+    sum += 1.0 - static_cast<double>(std::abs(found.normal.dot(p - found.point)) / reach);
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+void ModernTracker::sort_by_score(const Cloud& cloud, std::vector<Eigen::Isometry3d>& starts) const {
+  if (starts.size() < 2) return;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < starts.size(); ++i) order.emplace_back(-score(cloud, starts[i]), i);
+  std::sort(order.begin(), order.end());
+  std::vector<Eigen::Isometry3d> sorted;
+  for (const auto& [negative_score, i] : order) sorted.push_back(starts[i]);
+  starts = std::move(sorted);
+}
+
+// Best-looking starts first; the first one that tracks is taken, otherwise the best of all.
+RegistrationPasses::Attempt ModernTracker::try_starts(const PreparedFrame& prepared,
+                                                      std::vector<Eigen::Isometry3d> starts,
+                                                      const Prior& prior) {
+  RegistrationPasses::Attempt best;
+  best.registration.T_target_source = prior.T_target_source;
+  const Cloud& cloud = prepared.cloud;
+  if (static_cast<int>(cloud.size()) < settings_.min_points) return best;
+  sort_by_score(cloud, starts);
+  for (const Eigen::Isometry3d& T_start : starts) {
+    const Target& target = view_.from(T_start * prepared.frame.T_robot_camera);
+    const auto now = passes_.run(cloud, target, T_start, prior, last_view_);
+    if (now.quality > best.quality || &T_start == &starts.front()) best = now;
+    if (best.status == MappingStatus::tracking) break;
+  }
+  return best;
+}
+
+void ModernTracker::accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot,
+                           bool registered) {
+  if (registered) last_view_.keep(prepared.frame.colour, T_world_robot * prepared.frame.T_robot_camera);
+}
+
+void ModernTracker::add_keyframe(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera,
+                                 int node) {
+  anchor_.add(T_world_camera, features, node);
+}
+
+void ModernTracker::deform(const KeyframeGraph::Correction& correction) {
+  view_.show(map_.voxels());
+  anchor_.deform(correction);
+  last_view_.move(correction.back());
+}
+
+void ModernTracker::renumber(const KeyframeGraph::Thinned& thinned) {
+  anchor_.renumber(thinned.gone, thinned.index);
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,70 @@
+#pragma once
+// Where a frame is taken from: the part of the mapper that registers. The mapper predicts, grows the map and
+// keeps the graph; how a frame is placed in the map is a tracker's business alone.
+
+#include <memory>
+#include <string>
+
+#include <lcmslam/dense_mapper/dense_mapper_settings.hpp>
+#include <lcmslam/rgbd/dense_frame.hpp>
+
+namespace lcmslam {
+
+class DeformableMap;
+class KeyframeStore;
+
+enum class MappingStatus { initialising, tracking, degraded, lost };
+std::string to_string(MappingStatus status);
+
+/// A frame and its trustworthy points, one in each voxel, in the robot's frame.
+struct PreparedFrame {
+  const DenseFrame& frame;
+  Cloud cloud;
+};
+
+/// What the mapper knows before a frame is registered.
+struct Expectation {
+  Prior prior;                                                     ///< of T_world_robot, by the motion
+  Eigen::Isometry3d T_world_last = Eigen::Isometry3d::Identity();  ///< of the frame before
+  int bad_steps = 0;  ///< frames in a row that were not tracked until now
+};
+
+struct Tracked {
+  RegistrationResult registration;  ///< of the cloud in the robot frame to the world
+  MappingStatus status = MappingStatus::lost;
+  double quality = 0;     ///< 0..1: overlap times share of inliers
+  Prior prior;            ///< what was known before registration, by features too
+  bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
+  Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
+};
+
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+
+  virtual Tracked track(const PreparedFrame& prepared, const Expectation& expected) = 0;
+
+  /// The frame, at T_world_robot, becomes part of the map. `registered`: it was placed there by track(), or
+  /// begins the map; else odometry alone did.
+  virtual void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot,
+                      bool registered) = 0;
+
+  /// Features of a keyframe, at a node of the graph.
+  virtual void add_keyframe(const FeatureFrame&, const Eigen::Isometry3d& /*T_world_camera*/, int /*node*/) {}
+
+  /// The map has been deformed; things move with their nodes.
+  virtual void deform(const KeyframeGraph::Correction&) {}
+  /// Nodes have gone from the graph.
+  virtual void renumber(const KeyframeGraph::Thinned&) {}
+
+  virtual std::size_t memory_bytes() const { return 0; }
+};
+
+/// The one that the settings' `variant` names. Map and keyframes must outlive it.
+std::unique_ptr<Tracker> make_tracker(const DenseMapperSettings& settings, DeformableMap& map,
+                                      const KeyframeStore& keyframes);
+
+/// Share of a registration's pairs that are inliers; 0 without pairs.
+double inlier_share(const RegistrationResult& registration);
+
+}  // namespace lcmslam

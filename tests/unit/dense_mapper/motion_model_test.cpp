@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+
+#include <lcmslam/dense_mapper/motion_prior.hpp>
+#include "tests/support/cloud_scenes.hpp"
+
+namespace lcmslam {
+namespace {
+
+const Eigen::Isometry3d start = planar_pose(1, 2, 0.5);
+const Vector6d velocity = twist(0.4, 0.1, 0, 0, 0, 0.6);  // per second
+
+TEST(MotionModel, OdometryLeadsWhereItIsKnown) {
+  MotionModel model({});
+  model.observe(0, start, true);
+  Motion motion;
+  motion.T_from_to = planar_pose(0.2, 0, 0.1);
+  motion.covariance = 1e-4 * Matrix6d::Identity();
+  const Prior prior = model.predict(100'000, motion);
+  EXPECT_TRUE(prior.T_target_source.isApprox(start * motion.T_from_to, 1e-12));
+  const MotionPriorSettings s;
+  EXPECT_NEAR(prior.information(0, 0), 1 / (1e-4 + s.floor_translation * s.floor_translation), 1e-6);
+  EXPECT_NEAR(prior.information(5, 5), 1 / (1e-4 + s.floor_rotation * s.floor_rotation), 1e-6);
+}
+
+TEST(MotionModel, TheLastVelocityGoesOnForASecondAtMost) {
+  MotionModel model({});
+  model.observe(0, start, true);
+  model.observe(200'000, start * se3_exp(0.2 * velocity), true);
+  const Eigen::Isometry3d last = model.T_world_last();
+  EXPECT_TRUE(
+      model.predict(300'000, std::nullopt).T_target_source.isApprox(last * se3_exp(0.1 * velocity), 1e-9));
+  EXPECT_TRUE(
+      model.predict(5'000'000, std::nullopt).T_target_source.isApprox(last * se3_exp(velocity), 1e-9));
+  // A jump is no motion that goes on.
+  model.observe(400'000, planar_pose(9, 9, 0), false);
+  EXPECT_TRUE(model.predict(500'000, std::nullopt).T_target_source.isApprox(planar_pose(9, 9, 0), 1e-12));
+}
+
+TEST(MotionModel, ADeformedWorldTakesTheRobotAlong) {
+  MotionModel model({});
+  model.observe(0, start, true);
+  model.observe(200'000, start * se3_exp(0.2 * velocity), true);
+  const Eigen::Isometry3d before = model.predict(300'000, std::nullopt).T_target_source;
+  const Eigen::Isometry3d T = se3_exp(twist(0.1, -0.2, 0, 0, 0, 0.3));
+  model.deform(T);
+  EXPECT_TRUE(model.predict(300'000, std::nullopt).T_target_source.isApprox(T * before, 1e-9));
+}
+
+TEST(MotionModel, ARobotOnTheGroundStaysThere) {
+  MotionPriorSettings settings;
+  settings.planar = true;
+  MotionModel model(settings);
+  model.observe(0, se3_exp(twist(1, 2, 0.05, 0.02, -0.03, 0.5)), true);
+  const Prior prior = model.predict(100'000, std::nullopt);
+  EXPECT_EQ(prior.T_target_source.translation().z(), 0);
+  EXPECT_TRUE(prior.T_target_source.isApprox(on_ground(prior.T_target_source), 1e-12));
+  EXPECT_NEAR(prior.information(2, 2), 1 / (settings.plane_height * settings.plane_height), 1e-6);
+}
+
+}  // namespace
+}  // namespace lcmslam

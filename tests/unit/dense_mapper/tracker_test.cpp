@@ -1,0 +1,135 @@
+// Both trackers alone: how a frame is placed in a map that is there.
+
+#include <lcmslam/dense_mapper/tracker.hpp>
+
+#include <gtest/gtest.h>
+
+#include <lcmslam/dense_mapper/modern_tracker.hpp>
+#include <lcmslam/dense_mapper/thesis/thesis_tracker.hpp>
+#include "tests/support/cloud_scenes.hpp"
+
+namespace lcmslam {
+namespace {
+
+/// The room, seen by a robot whose camera is its origin.
+Cloud seen_from(const Eigen::Isometry3d& T_world_robot) {
+  Cloud cloud = transformed(room(0.03), T_world_robot.inverse());
+  cloud.sigmas.assign(cloud.size(), 0.003f);
+  return cloud;
+}
+
+Expectation expectation(const Eigen::Isometry3d& T_world_robot, double sigma = 0.1) {
+  Expectation expected;
+  expected.prior.T_target_source = T_world_robot;
+  expected.prior.information = Matrix6d::Identity() / (sigma * sigma);
+  expected.T_world_last = T_world_robot;
+  return expected;
+}
+
+double error(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth) {
+  return distance_between(found, truth) + angle_between(found, truth);
+}
+
+const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+const Eigen::Isometry3d nearby = se3_exp(twist(0.04, -0.03, 0.01, 0.01, 0, 0.03));
+
+class ModernTracking : public testing::Test {
+ protected:
+  ModernTracking() : map_(settings_), keyframes_(settings_), tracker_(settings_, map_, keyframes_) {
+    map_.insert(seen_from(here), {0, 0, 0}, 0);
+  }
+
+  Tracked track(const Cloud& cloud, const Expectation& expected,
+                std::optional<Motion> motion = std::nullopt) {
+    DenseFrame frame;
+    frame.cloud = cloud;
+    frame.motion = std::move(motion);
+    return tracker_.track({frame, cloud}, expected);
+  }
+
+  DenseMapperSettings settings_;
+  DeformableMap map_;
+  KeyframeStore keyframes_;
+  ModernTracker tracker_;
+};
+
+TEST(MakeTracker, TheVariantNamesIt) {
+  DenseMapperSettings settings;
+  DeformableMap map(settings);
+  const KeyframeStore keyframes(settings);
+  EXPECT_NE(dynamic_cast<ModernTracker*>(make_tracker(settings, map, keyframes).get()), nullptr);
+  for (const auto variant : {VariantKind::plain, VariantKind::alternating, VariantKind::frustum}) {
+    settings.variant = variant;
+    EXPECT_NE(dynamic_cast<ThesisTracker*>(make_tracker(settings, map, keyframes).get()), nullptr);
+  }
+  EXPECT_THROW(ThesisTracker(VariantKind::modern, {}), std::invalid_argument);
+}
+
+TEST_F(ModernTracking, CorrectsAPredictionThatErrs) {
+  const Tracked tracked = track(seen_from(nearby), expectation(here));
+  EXPECT_EQ(to_string(tracked.status), "tracking");
+  EXPECT_LT(error(tracked.registration.T_target_source, nearby), 0.1 * error(here, nearby));
+  EXPECT_GT(tracked.quality, 0.8);
+  EXPECT_FALSE(tracked.anchored);
+  EXPECT_TRUE(tracked.prior.T_target_source.isApprox(here));
+}
+
+TEST_F(ModernTracking, TooFewPointsAreLostAtThePrediction) {
+  Cloud few = seen_from(here);
+  few = kept_points(few, [](std::size_t i) { return i < 199; });
+  const Tracked tracked = track(few, expectation(nearby));
+  EXPECT_EQ(to_string(tracked.status), "lost");
+  EXPECT_TRUE(tracked.registration.T_target_source.isApprox(nearby));
+}
+
+// A robot that was carried away: keyframes are starts, unless wheels say that it cannot be there.
+TEST_F(ModernTracking, KeyframesAreStartsWhenTheRobotMayBeAnywhere) {
+  keyframes_.add(0, 0, here, {});
+  Expectation far = expectation(planar_pose(-2, 1.5, 1.2));
+  EXPECT_EQ(to_string(track(seen_from(nearby), far).status), "lost");
+  far.bad_steps = 1;
+  Motion motion;
+  EXPECT_EQ(to_string(track(seen_from(nearby), far, motion).status), "lost");
+  motion.visual = true;
+  const Tracked tracked = track(seen_from(nearby), far, motion);
+  EXPECT_EQ(to_string(tracked.status), "tracking");
+  EXPECT_LT(error(tracked.registration.T_target_source, nearby), 0.01);
+}
+
+// The place before, and no keyframe, is another start.
+TEST_F(ModernTracking, WhereItWasLastIsAStart) {
+  Expectation far = expectation(planar_pose(-2, 1.5, 1.2));
+  far.T_world_last = here;
+  far.bad_steps = 1;
+  EXPECT_EQ(to_string(track(seen_from(nearby), far, Motion()).status), "tracking");
+}
+
+TEST_F(ModernTracking, FollowsTheMapWhenItIsDeformed) {
+  const Eigen::Isometry3d aside = planar_pose(0.5, 2, 0.4);
+  tracker_.deform(map_.deform({aside}));
+  const Tracked tracked = track(seen_from(nearby), expectation(aside * here));
+  EXPECT_EQ(to_string(tracked.status), "tracking");
+  EXPECT_LT(error(tracked.registration.T_target_source, aside * nearby), 0.01);
+}
+
+TEST(ThesisTracking, BelievesWhatConvergesAndGrowsByWhatIsAccepted) {
+  ThesisSettings settings;
+  settings.icp.registration.max_distance = 0.3;
+  ThesisTracker tracker(VariantKind::plain, settings);
+  DenseFrame frame;
+  tracker.accept({frame, seen_from(here)}, here, true);
+  const std::size_t size = tracker.target().size();
+  const Tracked tracked = tracker.track({frame, seen_from(nearby)}, expectation(here));
+  EXPECT_EQ(to_string(tracked.status), "tracking");
+  EXPECT_LT(error(tracked.registration.T_target_source, nearby), 0.5 * error(here, nearby));
+  EXPECT_EQ(tracker.target().size(), size);
+  // No point has a partner: nothing converges.
+  const Tracked lost = tracker.track({frame, seen_from(planar_pose(50, 0, 0))}, expectation(here));
+  EXPECT_EQ(to_string(lost.status), "lost");
+  // Whoever placed it.
+  tracker.accept({frame, seen_from(here)}, planar_pose(0, 9, 0), false);
+  EXPECT_EQ(tracker.target().size(), 2 * size);
+}
+
+}  // namespace
+}  // namespace lcmslam
