@@ -15,10 +15,10 @@
 namespace lcmslam::integration {
 namespace {
 
-constexpr double seconds = 12;  // of the simulated drive; the robot rests for 2 s
-constexpr double largest_share =
-    0.3;  // of odometry's ATE, which has noise: wheels alone fail, standing still, too
+constexpr double seconds = 12;     // of the simulated drive; the robot rests for 2 s
 constexpr double frame_rate = 10;  // Hz, of the ToF head
+// Of odometry's ATE, which has noise: wheels alone fail, standing still too. In batch it is 0.02.
+constexpr double largest_share = 0.2;
 
 /// One run serves all tests.
 class Graph : public testing::Test {

@@ -191,6 +191,20 @@ TEST(RigidRansac, StopsEarlyWhenMostAgree) {
   EXPECT_LT(hard.iterations, settings.max_iterations);
 }
 
+// As many samples as make it likely that one of them held three inliers (Fischler & Bolles 1981).
+TEST(RigidRansac, GoesOnUntilThreeInliersWereLikelyDrawn) {
+  const RigidRansacSettings settings;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Views views = make_views(seed, 60, 30);
+    Random random(seed);
+    const RigidRansacResult result = align_ransac(views.a, views.b, views.matches, settings, random);
+    ASSERT_TRUE(result.success) << "seed " << seed;
+    const double share = static_cast<double>(result.inliers.size()) / 60;
+    const double needed = std::log(1 - settings.confidence) / std::log1p(-share * share * share);
+    EXPECT_GT(result.iterations, 0.9 * needed) << "seed " << seed;
+  }
+}
+
 TEST(RigidRansac, MatchesWithoutDepthAreLeftOut) {
   Views views = make_views(9, 60, 0);
   for (int i = 0; i < 60; i += 2) views.a.features[std::size_t(i)].kind = MeasurementKind::bearing;

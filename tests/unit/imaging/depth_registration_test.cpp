@@ -67,6 +67,19 @@ TEST(Registration, RegisteredDepthKeepsItsPixelsAndRemovesTheLens) {
 
 // The head moved between the two stamps: compensated, the points stand where they are at the colour
 // image's time. True for the ToF head and for a registered depth image with its own stamp.
+TEST(Registration, RegisteredDepthHasTheColourCamerasLensWhateverTheDepthCamerasIs) {
+  const RgbdCalibration head = registered_head();
+  RgbdCalibration other = head;
+  other.depth.fx *= 1.3;
+  other.depth.cy += 9;
+  other.depth.distortion.clear();
+  const cv::Mat depth = render(wall(), head.colour, Eigen::Isometry3d::Identity());
+  const cv::Mat right = register_depth(frame_of(depth), head).points,
+                same = register_depth(frame_of(depth), other).points;
+  for (int v = 0; v < 480; v += 7)
+    for (int u = 0; u < 640; u += 7) ASSERT_EQ(right.at<cv::Vec3f>(v, u), same.at<cv::Vec3f>(v, u));
+}
+
 TEST(Registration, MotionBetweenTheStampsIsCompensated) {
   Eigen::Isometry3d T_now_before = Eigen::Isometry3d::Identity();  // colour camera: then -> now
   T_now_before.translation() << 0.02, -0.01, 0.03;

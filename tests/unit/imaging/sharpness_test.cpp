@@ -47,5 +47,13 @@ TEST(SharpnessWatch, NoticesABlurredImageAndNotASofterScene) {
     EXPECT_FALSE(watch.observe(value));  // a plainer wall comes
 }
 
+TEST(SharpnessWatch, KnowsASharpImageAfterASecondOfBlur) {
+  SharpnessWatch watch;
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(watch.observe(10));
+  for (int i = 0; i < 40; ++i) EXPECT_TRUE(watch.observe(5)) << i;
+  EXPECT_GT(watch.usual(), 8.5);
+  EXPECT_FALSE(watch.observe(10));
+}
+
 }  // namespace
 }  // namespace lcmslam
