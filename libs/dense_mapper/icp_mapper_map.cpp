@@ -13,7 +13,7 @@ void IcpMapper::start_map(Utime utime, const Painter& coloured, const Cloud& clo
   last_utime_ = utime;
   if (static_cast<int>(cloud.size()) < settings_.min_points) return;
   started_ = true;
-  if (settings_.prior.planar) graph_.set_floor(T_robot_camera.inverse());
+  if (settings_.prior.planar) graph_.set_ground(T_robot_camera.inverse());
   step.quality = 1;
   step.status = MappingStatus::tracking;
   add_node(utime, coloured, cloud, T_robot_camera, features, true, step);
