@@ -1,25 +1,48 @@
 #include <lcmslam/cloud/kd_tree.hpp>
 
+#include <flann/algorithms/kdtree_single_index.h>
+
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace lcmslam {
 namespace {
 
-constexpr std::int32_t leaf_size = 12;
+using Neighbour = KdTree::Neighbour;
 
-bool before(const KdTree::Neighbour& a, const KdTree::Neighbour& b) {
+constexpr int leaf_size = 12;
+
+bool before(const Neighbour& a, const Neighbour& b) {
   if (a.squared_distance != b.squared_distance) return a.squared_distance < b.squared_distance;
   return a.index < b.index;
 }
 
-}  // namespace
+/// FLANN asks for points nearer than this: a little more than the worst that is kept, because equals with a
+/// lower index are wanted too, and because it rounds the distances of its cells.
+float bound_above(float squared_distance) {
+  return squared_distance * 1.00001F + 1e-12F;
+}
 
-class KdTree::NearestSearch {
+/// Squared length of the difference, summed in the order of Eigen's squaredNorm().
+struct SquaredDistance {
+  using is_kdtree_distance = bool;
+  using ElementType = float;
+  using ResultType = float;
+  float operator()(const float* a, const float* b, std::size_t, float = -1) const {
+    const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return x * x + (y * y + z * z);
+  }
+  float accum_dist(float a, float b, int) const { return (a - b) * (a - b); }
+};
+
+class NearestSearch : public flann::ResultSet<float> {
  public:
   explicit NearestSearch(float max_distance) { best_.squared_distance = max_distance * max_distance; }
-  float bound() const { return best_.squared_distance; }
-  void offer(const Neighbour& n) {
+  bool full() const override { return true; }
+  float worstDist() const override { return bound_above(best_.squared_distance); }
+  void addPoint(float squared_distance, std::size_t index) override {
+    const Neighbour n{static_cast<std::int32_t>(index), squared_distance};
     if (best_.index < 0 ? n.squared_distance <= best_.squared_distance : before(n, best_)) best_ = n;
   }
   Neighbour best() const { return best_; }
@@ -28,18 +51,19 @@ class KdTree::NearestSearch {
   Neighbour best_;
 };
 
-class KdTree::ManySearch {
+class FewSearch : public flann::ResultSet<float> {
  public:
-  ManySearch(std::size_t count, std::vector<Neighbour>& sorted) : count_(count), sorted_(sorted) {
-    sorted_.clear();
+  FewSearch(std::size_t count, std::vector<Neighbour>& sorted) : count_(count), sorted_(sorted) {
     sorted_.reserve(count);
   }
-  float bound() const {
-    return sorted_.size() < count_ ? std::numeric_limits<float>::infinity() : sorted_.back().squared_distance;
+  bool full() const override { return sorted_.size() == count_; }
+  float worstDist() const override {
+    return full() ? bound_above(sorted_.back().squared_distance) : std::numeric_limits<float>::infinity();
   }
   // Few are asked for: moving them up is cheaper than a heap.
-  void offer(const Neighbour& n) {
-    if (sorted_.size() == count_) {
+  void addPoint(float squared_distance, std::size_t index) override {
+    const Neighbour n{static_cast<std::int32_t>(index), squared_distance};
+    if (full()) {
       if (!before(n, sorted_.back())) return;
       sorted_.pop_back();
     }
@@ -53,68 +77,62 @@ class KdTree::ManySearch {
   std::vector<Neighbour>& sorted_;
 };
 
-KdTree::KdTree(const std::vector<Eigen::Vector3f>& points) : points_(points) {
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (points[i].allFinite()) order_.push_back(static_cast<std::int32_t>(i));
-  if (!order_.empty()) build(0, static_cast<std::int32_t>(order_.size()));
-  points_.resize(order_.size());
-  for (std::size_t i = 0; i < order_.size(); ++i) points_[i] = points[static_cast<std::size_t>(order_[i])];
+}  // namespace
+
+class KdTree::Tree {
+ public:
+  /// The finite points, and which of all points they are.
+  Tree(std::vector<Eigen::Vector3f> points, std::vector<std::int32_t> indices)
+      : indices_(std::move(indices)),
+        index_(flann::Matrix<float>(points.front().data(), points.size(), 3),
+               flann::KDTreeSingleIndexParams(leaf_size)) {
+    index_.buildIndex();  // copies the points in the order of its leaves
+  }
+
+  std::size_t size() const { return indices_.size(); }
+
+  void search(const Eigen::Vector3f& query, flann::ResultSet<float>& found) const {
+    index_.findNeighbors(found, query.data(), exact_);
+  }
+
+  /// The neighbour with its index into all points.
+  Neighbour among_all(const Neighbour& n) const {
+    return {indices_[static_cast<std::size_t>(n.index)], n.squared_distance};
+  }
+
+ private:
+  std::vector<std::int32_t> indices_;
+  flann::KDTreeSingleIndex<SquaredDistance> index_;
+  flann::SearchParams exact_{flann::FLANN_CHECKS_UNLIMITED, 0};
+};
+
+KdTree::KdTree(const std::vector<Eigen::Vector3f>& points) {
+  std::vector<Eigen::Vector3f> finite;
+  std::vector<std::int32_t> indices;
+  finite.reserve(points.size());
+  indices.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) continue;
+    finite.push_back(points[i]);
+    indices.push_back(static_cast<std::int32_t>(i));
+  }
+  if (!finite.empty()) tree_ = std::make_unique<const Tree>(std::move(finite), std::move(indices));
 }
 
-// Splits the longest side at its median.
-std::int32_t KdTree::build(std::int32_t begin, std::int32_t end) {
-  const auto id = static_cast<std::int32_t>(nodes_.size());
-  nodes_.push_back({0, -1, begin, end});
-  if (end - begin <= leaf_size) return id;
+KdTree::~KdTree() = default;
+KdTree::KdTree(KdTree&&) noexcept = default;
+KdTree& KdTree::operator=(KdTree&&) noexcept = default;
 
-  const auto point = [&](std::int32_t i) -> const Eigen::Vector3f& {
-    return points_[static_cast<std::size_t>(i)];
-  };
-  Eigen::Vector3f low = point(order_[static_cast<std::size_t>(begin)]);
-  Eigen::Vector3f high = low;
-  for (std::int32_t i = begin; i < end; ++i) {
-    low = low.cwiseMin(point(order_[static_cast<std::size_t>(i)]));
-    high = high.cwiseMax(point(order_[static_cast<std::size_t>(i)]));
-  }
-  std::int32_t axis = 0;
-  (high - low).maxCoeff(&axis);
-  if (high(axis) == low(axis)) return id;  // all the same: a leaf of any size
-
-  const std::int32_t middle = begin + (end - begin) / 2;
-  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                   [&](std::int32_t a, std::int32_t b) {
-                     return std::make_pair(point(a)(axis), a) < std::make_pair(point(b)(axis), b);
-                   });
-  const float split = point(order_[static_cast<std::size_t>(middle)])(axis);
-  const std::int32_t left = build(begin, middle);
-  const std::int32_t right = build(middle, end);
-  nodes_[static_cast<std::size_t>(id)] = {split, axis, left, right};
-  return id;
-}
-
-// `offset` holds, for each axis, the distance from the query to the cell (Arya and Mount 1993).
-template <typename Search>
-void KdTree::descend(std::int32_t id, const Eigen::Vector3f& query, Eigen::Vector3f offset,
-                     Search& search) const {
-  const Node& node = nodes_[static_cast<std::size_t>(id)];
-  if (node.axis < 0) {
-    for (auto i = static_cast<std::size_t>(node.left); i < static_cast<std::size_t>(node.right); ++i)
-      if (const float d = (points_[i] - query).squaredNorm(); d <= search.bound())
-        search.offer({order_[i], d});
-    return;
-  }
-  const float side = query(node.axis) - node.split;
-  descend(side < 0 ? node.left : node.right, query, offset, search);
-  offset(node.axis) = side;
-  if (offset.squaredNorm() <= search.bound())
-    descend(side < 0 ? node.right : node.left, query, offset, search);
+std::size_t KdTree::size() const {
+  return tree_ ? tree_->size() : 0;
 }
 
 KdTree::Neighbour KdTree::nearest(const Eigen::Vector3f& query, float max_distance) const {
-  if (order_.empty() || !query.allFinite() || !(max_distance >= 0)) return {};
+  if (!tree_ || !query.allFinite() || !(max_distance >= 0)) return {};
   NearestSearch search(max_distance);
-  descend(0, query, Eigen::Vector3f::Zero(), search);
-  return search.best();
+  tree_->search(query, search);
+  const Neighbour best = search.best();
+  return best.index < 0 ? best : tree_->among_all(best);
 }
 
 std::vector<KdTree::Neighbour> KdTree::nearest_few(const Eigen::Vector3f& query, std::size_t count) const {
@@ -126,9 +144,10 @@ std::vector<KdTree::Neighbour> KdTree::nearest_few(const Eigen::Vector3f& query,
 void KdTree::nearest_few(const Eigen::Vector3f& query, std::size_t count,
                          std::vector<Neighbour>& found) const {
   found.clear();
-  if (order_.empty() || !query.allFinite() || count == 0) return;
-  ManySearch search(std::min(count, order_.size()), found);
-  descend(0, query, Eigen::Vector3f::Zero(), search);
+  if (!tree_ || !query.allFinite() || count == 0) return;
+  FewSearch search(std::min(count, tree_->size()), found);
+  tree_->search(query, search);
+  for (Neighbour& n : found) n = tree_->among_all(n);
 }
 
 }  // namespace lcmslam

@@ -1,11 +1,12 @@
 #pragma once
-// Exact nearest neighbours by a k-d tree (Friedman, Bentley, Finkel 1977), the thesis's choice.
-// Ties go to the lower index, so that the answer does not depend on the tree's shape.
+// Exact nearest neighbours by a k-d tree (Friedman, Bentley, Finkel 1977), the thesis's choice. The tree is
+// FLANN's, kept out of this header because FLANN's headers clash with OpenCV's. Ties go to the lower index,
+// so that the answer does not depend on the tree's shape. tests/bench/bench_kd_tree.cpp has figures.
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
-
-#include <lcmslam/cloud/cloud.hpp>
 
 namespace lcmslam {
 
@@ -18,6 +19,9 @@ class KdTree {
 
   /// Copies the points; those that are not finite are never found.
   explicit KdTree(const std::vector<Eigen::Vector3f>& points);
+  ~KdTree();
+  KdTree(KdTree&&) noexcept;
+  KdTree& operator=(KdTree&&) noexcept;
 
   /// Nearest point at most max_distance away.
   Neighbour nearest(const Eigen::Vector3f& query, float max_distance) const;
@@ -27,24 +31,11 @@ class KdTree {
   /// The same into a vector whose memory is used again.
   void nearest_few(const Eigen::Vector3f& query, std::size_t count, std::vector<Neighbour>& found) const;
 
-  std::size_t size() const { return order_.size(); }
+  std::size_t size() const;
 
  private:
-  struct Node {
-    float split = 0;
-    std::int32_t axis = -1;              // -1: leaf
-    std::int32_t left = -1, right = -1;  // children, or the range of a leaf
-  };
-  class NearestSearch;
-  class ManySearch;
-
-  std::int32_t build(std::int32_t begin, std::int32_t end);
-  template <typename Search>
-  void descend(std::int32_t node, const Eigen::Vector3f& query, Eigen::Vector3f offset, Search& search) const;
-
-  std::vector<Node> nodes_;
-  std::vector<std::int32_t> order_;      // indices as the leaves hold them
-  std::vector<Eigen::Vector3f> points_;  // in that order
+  class Tree;
+  std::unique_ptr<const Tree> tree_;  // null without points
 };
 
 }  // namespace lcmslam

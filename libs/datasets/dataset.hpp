@@ -64,7 +64,7 @@ struct DatasetOptions {
   int jpeg_quality = 90;                ///< for colour images that are not JPEG yet
 };
 
-/// Opens a folder. How it is laid out is told by, in this order: options.description, lcmslam.yaml in
+/// Opens a folder. How it is laid out is said by, in this order: options.description, lcmslam.yaml in
 /// the folder, the first of config/datasets/*.yaml (by name) whose files are there. Intrinsics come from
 /// options.calibration, calibration.yaml in the folder, or the description. Throws DatasetError or
 /// ConfigError.

@@ -59,7 +59,7 @@ MrclamSensor load_mrclam_sensor(const std::filesystem::path& description);
 std::vector<int> mrclam_robots(const std::filesystem::path& folder);
 
 /// One robot's run of a UTIAS MRCLAM folder (Leung et al., IJRR 2011): RobotN_Odometry, _Measurement and
-/// _Groundtruth.dat, Barcodes.dat, Landmark_Groundtruth.dat. Identities are subject numbers; sights of
+/// _Groundtruth.dat, Barcodes.dat, Landmark_Groundtruth.dat. Identities are subject numbers; observations of
 /// other robots (subjects 1 to 5) and of barcodes that nobody wears are left out and counted in notes.
 /// Throws DatasetError.
 LandmarkRecording read_mrclam(const std::filesystem::path& folder, int robot, const MrclamSensor& sensor);

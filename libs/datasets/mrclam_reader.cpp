@@ -124,9 +124,11 @@ void read_measurements(const fs::path& file, const std::map<int, int>& subject_o
     recording.frames.push_back(make_frame(utime, 0, name, sensor.bearing_sigma));
     recording.frames.back().features = std::move(features);
   }
-  if (robots > 0) recording.notes.push_back(std::to_string(robots) + " sights of other robots left out");
+  if (robots > 0)
+    recording.notes.push_back(std::to_string(robots) + " observations of other robots left out");
   if (unknown > 0)
-    recording.notes.push_back(std::to_string(unknown) + " sights of barcodes that nobody wears left out");
+    recording.notes.push_back(std::to_string(unknown) +
+                              " observations of barcodes that nobody wears left out");
 }
 
 }  // namespace

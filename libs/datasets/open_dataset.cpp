@@ -85,7 +85,7 @@ RgbdCalibration find_calibration(const fs::path& folder, const DatasetOptions& o
   return load_calibration(description.calibration);
 }
 
-// Poses of the depth camera are told of the colour camera instead.
+// Poses of the depth camera become those of the colour camera.
 std::string settle_truth(const std::string& truth_of, const RgbdCalibration& calibration,
                          Recording& recording) {
   sort_trajectory(recording.truth);

@@ -18,7 +18,7 @@ struct ClockOffset {
   double ate = 0;       ///< m, RMSE at that offset, over the compared poses
   double ate_zero = 0;  ///< m, RMSE of the same poses without an offset
   std::size_t compared_poses = 0;
-  /// Offsets around it at which the RMSE is at most 5 % above the least: how well this motion tells it.
+  /// Offsets around it at which the RMSE is at most 5 % above the least: how well this motion determines it.
   double low = 0, high = 0;  ///< s
   bool determined = false;   ///< neither of them lies at an end of the range
 };

@@ -8,7 +8,7 @@ namespace lcmslam {
 namespace {
 
 // 95 % quantiles of chi square with 2, 3 and 6 degrees of freedom.
-constexpr double kInside2 = 5.991, kInside3 = 7.815, kInside6 = 12.592;
+constexpr double inside_2 = 5.991, inside_3 = 7.815, inside_6 = 12.592;
 
 using Components = std::vector<int>;  // of a twist
 
@@ -29,8 +29,8 @@ double nees(const Eigen::VectorXd& e, const Eigen::MatrixXd& P) {
   return e.dot(P.llt().solve(e));
 }
 
-// Gauss-Newton on the sum of NEES over a motion of the estimate's world, told in the frame of its first pose:
-// T_i <- T_0 exp(xi) T_0^-1 T_i, e_i <- e_i - Ad((T_0^-1 T_i)^-1) xi.
+// Gauss-Newton on the sum of NEES over a motion of the estimate's world, expressed in the frame of its first
+// pose: T_i <- T_0 exp(xi) T_0^-1 T_i, e_i <- e_i - Ad((T_0^-1 T_i)^-1) xi.
 void fit_world(std::vector<MatchedPose>& matches, const Components& rows) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   for (int iteration = 0; iteration < 5; ++iteration) {
@@ -74,9 +74,9 @@ std::optional<Consistency> consistency(std::vector<MatchedPose> matches, bool fi
     const Eigen::VectorXd e = error_of(match, rows);
     const Eigen::MatrixXd P = (*match.covariance)(rows, rows);
     values.push_back(nees(e, P));
-    result.inside += (values.back() < (planar ? kInside3 : kInside6)) / n;
+    result.inside += (values.back() < (planar ? inside_3 : inside_6)) / n;
     const double off = nees(e.head(position), P.topLeftCorner(position, position));
-    result.position_inside += (off < (planar ? kInside2 : kInside3)) / n;
+    result.position_inside += (off < (planar ? inside_2 : inside_3)) / n;
   }
   result.nees = statistics(std::move(values));
   return result;

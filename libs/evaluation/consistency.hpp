@@ -1,7 +1,8 @@
 #pragma once
 // Whether an estimate errs as much as it says: the normalised estimation error squared
 //
-//   NEES = e^T P^-1 e,   e = log(T_estimate^-1 T_truth),   P: told with the estimate, of T_estimate exp(e)
+//   NEES = e^T P^-1 e,   e = log(T_estimate^-1 T_truth),   P: published with the estimate, of T_estimate
+//   exp(e)
 //
 // averages to the number of e's components when P is honest (Bar-Shalom, Li and Kirubarajan, "Estimation with
 // Applications to Tracking and Navigation", 2001, 5.4); above, the estimate is overconfident. A path in the
@@ -14,7 +15,7 @@
 namespace lcmslam {
 
 /// `fit`: where the estimate's world lies in the truth's is not known, and is fitted by the covariances
-/// (least sum of NEES). A fit of the paths would not do: the first pose is told to a millimetre in its own
+/// (least sum of NEES). A fit of the paths would not do: the first pose is known to a millimetre in its own
 /// world, and stands some centimetres beside the truth then. Nothing when no pose brings a positive definite
 /// covariance.
 std::optional<Consistency> consistency(std::vector<MatchedPose> matches, bool fit);

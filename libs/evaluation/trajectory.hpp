@@ -15,7 +15,7 @@ namespace lcmslam {
 struct StampedPose {
   Utime utime = 0;
   Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();
-  /// Of T_world_body exp(xi): translation (m), rotation (rad), body frame; where it was told.
+  /// Of T_world_body exp(xi): translation (m), rotation (rad), body frame; where it is known.
   std::optional<Matrix6d> covariance = std::nullopt;
 };
 
@@ -44,7 +44,7 @@ Trajectory read_tum(std::istream& text, const std::string& name);
 void write_tum(const std::filesystem::path& file, const Trajectory& trajectory);
 void write_tum(std::ostream& text, const Trajectory& trajectory);
 
-/// The same motion, told of another frame that is fixed to the body: T_world_body * T_body_other.
+/// The same motion, of another frame that is fixed to the body: T_world_body * T_body_other.
 Trajectory in_other_frame(const Trajectory& trajectory, const Eigen::Isometry3d& T_body_other);
 
 /// Pose at a time between two poses at most `max_gap` seconds apart; nothing outside.

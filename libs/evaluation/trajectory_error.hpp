@@ -25,7 +25,7 @@ enum class Association {
 enum class Alignment {
   none,        ///< both are in the same world frame
   first_pose,  ///< the first matched pose is made to agree
-  se2,         ///< heading, x and y: worlds that share the floor
+  se2,         ///< heading, x and y: worlds that share the ground plane
   se3,         ///< TUM's
   sim3         ///< with scale: monocular estimates (Umeyama 1991)
 };
@@ -82,7 +82,7 @@ struct TrajectoryReport {
   WorldAlignment alignment;
   PoseErrors absolute;                          ///< ATE, and the rotation left after alignment
   PoseErrors per_frame, per_second, per_metre;  ///< RPE over 1 frame, 1 s and 1 m of path
-  std::optional<Consistency> consistency;       ///< where the estimate tells covariances
+  std::optional<Consistency> consistency;       ///< where the estimate has covariances
   std::vector<MatchedPose> matches;             ///< aligned
 };
 

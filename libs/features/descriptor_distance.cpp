@@ -141,7 +141,7 @@ std::int32_t squared_norm(const Descriptor& descriptor) {
   return sum;
 }
 
-DistanceKernel distance_kernel(InstructionSet set) {
+DistanceFunction distance_function(InstructionSet set) {
   if (!has(set)) throw std::invalid_argument("matching: this processor lacks the instruction set asked for");
 #if defined(__x86_64__)
   if (set == InstructionSet::avx2) return distances_avx2;
@@ -150,7 +150,7 @@ DistanceKernel distance_kernel(InstructionSet set) {
   return distances_portable;
 }
 
-LoneDistanceKernel lone_distance_kernel(InstructionSet set) {
+LoneDistanceFunction lone_distance_function(InstructionSet set) {
   if (!has(set)) throw std::invalid_argument("matching: this processor lacks the instruction set asked for");
 #if defined(__x86_64__)
   if (set == InstructionSet::avx2) return lone_distances_avx2;

@@ -25,18 +25,18 @@ std::int32_t squared_norm(const Descriptor& descriptor);
 
 /// Writes distances[t][q] = |queries[q] - targets[t]|^2 for t = 0..count-1, q = 0..3; norms2[t] is
 /// |targets[t]|^2. A query may stand several times, where there are less than four.
-using DistanceKernel = void (*)(const WideDescriptor* const queries[4], const Descriptor* targets,
-                                const std::int32_t* norms2, int count, Int4* distances);
+using DistanceFunction = void (*)(const WideDescriptor* const queries[4], const Descriptor* targets,
+                                  const std::int32_t* norms2, int count, Int4* distances);
 
 /// Throws std::invalid_argument when the processor lacks the instructions.
-DistanceKernel distance_kernel(InstructionSet set = best_instruction_set());
+DistanceFunction distance_function(InstructionSet set = best_instruction_set());
 
 /// Writes distances[t] = |query - targets[t]|^2 for t = 0..count-1: for a query that comes alone.
-using LoneDistanceKernel = void (*)(const WideDescriptor& query, const Descriptor* targets,
-                                    const std::int32_t* norms2, int count, std::int32_t* distances);
+using LoneDistanceFunction = void (*)(const WideDescriptor& query, const Descriptor* targets,
+                                      const std::int32_t* norms2, int count, std::int32_t* distances);
 
 /// Throws std::invalid_argument when the processor lacks the instructions.
-LoneDistanceKernel lone_distance_kernel(InstructionSet set = best_instruction_set());
+LoneDistanceFunction lone_distance_function(InstructionSet set = best_instruction_set());
 
 /// Whether any of the four comparisons (0 or -1 each) holds.
 inline bool any(Int4 comparison) {

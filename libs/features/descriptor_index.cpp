@@ -18,13 +18,14 @@ constexpr std::size_t smallest_part = capacity / 8;  // of a split; below it a l
 }
 
 // Distances of all members to two centres.
-void distances_to(DistanceKernel kernel, const Descriptor& first, const Descriptor& second,
+void distances_to(DistanceFunction distances_of, const Descriptor& first, const Descriptor& second,
                   const DescriptorIndex::List& list, Int4* distances) {
   WideDescriptor wide[2];
   wide[0].assign(first);
   wide[1].assign(second);
   const WideDescriptor* const queries[4] = {&wide[0], &wide[1], &wide[0], &wide[1]};
-  kernel(queries, list.descriptors.data(), list.norms2.data(), static_cast<int>(list.ids.size()), distances);
+  distances_of(queries, list.descriptors.data(), list.norms2.data(), static_cast<int>(list.ids.size()),
+               distances);
 }
 
 Descriptor mean_of(const DescriptorIndex::List& list, const std::vector<bool>& second, bool which) {
@@ -49,18 +50,18 @@ std::size_t farthest(const Int4* distances, std::size_t count) {
 
 // Two-means from the pair of members that is about the farthest apart. Whatever the data (twins, a lone
 // stranger) no part is small.
-std::vector<bool> halves(DistanceKernel kernel, const DescriptorIndex::List& list) {
+std::vector<bool> halves(DistanceFunction distances_of, const DescriptorIndex::List& list) {
   const std::size_t count = list.ids.size();
   Int4 distances[capacity];
   std::vector<bool> second(count, false);
   const Descriptor middle = mean_of(list, second, false);
-  distances_to(kernel, middle, middle, list, distances);
+  distances_to(distances_of, middle, middle, list, distances);
   Descriptor centre_a = list.descriptors[farthest(distances, count)];
-  distances_to(kernel, centre_a, centre_a, list, distances);
+  distances_to(distances_of, centre_a, centre_a, list, distances);
   Descriptor centre_b = list.descriptors[farthest(distances, count)];
   constexpr int rounds = 4;
   for (int round = 0; round < rounds; ++round) {
-    distances_to(kernel, centre_a, centre_b, list, distances);
+    distances_to(distances_of, centre_a, centre_b, list, distances);
     for (std::size_t i = 0; i < count; ++i) second[i] = distances[i][1] < distances[i][0];
     centre_a = mean_of(list, second, false);
     centre_b = mean_of(list, second, true);

@@ -80,8 +80,8 @@ class DescriptorIndex {
 
   Lists by_sign_[2];           // bright, dark
   std::vector<Place> places_;  // by id
-  DistanceKernel distances_ = distance_kernel();
-  LoneDistanceKernel lone_distances_ = lone_distance_kernel();
+  DistanceFunction distances_ = distance_function();
+  LoneDistanceFunction lone_distances_ = lone_distance_function();
 };
 
 }  // namespace lcmslam

@@ -34,7 +34,7 @@ void fetch(const void* begin, std::size_t bytes) {
 }  // namespace
 
 DescriptorSearch::DescriptorSearch(const SearchSettings& settings, InstructionSet set)
-    : settings_(settings), distances_(distance_kernel(set)) {
+    : settings_(settings), distances_(distance_function(set)) {
   if (!(settings.share > 0 && settings.share <= 1))
     throw std::invalid_argument("descriptor search: share is " + std::to_string(settings.share) +
                                 ", must be in (0, 1]");

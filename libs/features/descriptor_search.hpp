@@ -82,7 +82,7 @@ class DescriptorSearch {
                                    double ratio);
 
   SearchSettings settings_;
-  DistanceKernel distances_;
+  DistanceFunction distances_;
   std::vector<int> query_index_;  // of the sign at work, into the caller's queries
   std::vector<WideDescriptor> wide_;
   std::vector<Distances> centre_distances_;

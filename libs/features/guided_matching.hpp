@@ -110,7 +110,7 @@ class GuidedMatcher {
   std::vector<int> cell_begin_;
   std::vector<Sought> sought_;
   std::vector<WideDescriptor> wide_;  // theirs
-  DistanceKernel distances_ = distance_kernel();
+  DistanceFunction distances_ = distance_function();
   std::vector<std::size_t> inside_;  // of the gate at work, in sought_
   std::vector<Pair> pairs_;          // inside gates, similar enough to count
   std::vector<Nearest> of_feature_, of_gate_;

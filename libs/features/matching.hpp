@@ -34,7 +34,7 @@ struct MatchingSettings {
 class Matcher {
  public:
   /// All instruction sets give the same matches. Throws std::invalid_argument without that set.
-  explicit Matcher(InstructionSet set = best_instruction_set()) : distances_(distance_kernel(set)) {}
+  explicit Matcher(InstructionSet set = best_instruction_set()) : distances_(distance_function(set)) {}
 
   /// Matches ordered by a. a and b must be each other's nearest; of equally near ones the first counts.
   /// The ratio is taken among those that the Laplacian admits; with just one candidate it holds.
@@ -70,7 +70,7 @@ class Matcher {
   void fill_tables();
   int nearest_query(const Column& column) const;
 
-  DistanceKernel distances_;
+  DistanceFunction distances_;
   Queries a_;
   Targets b_;
   std::vector<Row> rows_;

@@ -16,7 +16,7 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-// What a row kernel needs to know.
+// What a vectorised loop over a row needs to know.
 struct RowGeometry {
   float nearest, farthest;            // mm
   float constant, quadratic, offset;  // of the depth noise

@@ -37,7 +37,7 @@ class EventJudge {
   /// before it, if that one is whole.
   Verdict judge(const log_format::Header& header, std::optional<std::int64_t> previous) const;
 
-  /// To be told of each event that was found whole.
+  /// To be called for each event that was found whole.
   void accepted(const LogEventView& event) { history_.add(event); }
 
  private:

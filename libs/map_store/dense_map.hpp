@@ -1,6 +1,6 @@
 #pragma once
 // The dense map: coloured clouds on keyframes. The clouds stay in their camera's frame, so when the
-// pose graph is corrected the map bends with it.
+// pose graph is corrected the map deforms with it.
 
 #include <cstdint>
 #include <map>
@@ -17,7 +17,7 @@ struct DenseKeyframe {
   Utime utime = 0;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   ColouredCloud cloud;        ///< camera frame; sigmas are not kept
-  std::int64_t revision = 0;  ///< of its cloud as it was told: tiles of one telling agree, others differ
+  std::int64_t revision = 0;  ///< of its cloud as published: tiles of one publication agree, others differ
 };
 
 /// Part `tile` (from 0) of `tiles` of a keyframe's cloud; every tile carries the pose.

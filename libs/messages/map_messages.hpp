@@ -21,7 +21,7 @@ std::vector<landmarks_t> make_landmark_tiles(Utime utime, std::int64_t revision,
 std::vector<Landmark> landmarks_of(const landmarks_t& message);
 
 /// Positions in whole millimetres; points further than 32 m from the camera are left out.
-/// `revision` (keyframe_t.map_revision) tells one telling of the keyframe from the next: a mapper counts
+/// `revision` (keyframe_t.map_revision) tells one publication of the keyframe from the next: a mapper counts
 /// them.
 std::vector<keyframe_t> make_keyframe_tiles(const DenseKeyframe& keyframe,
                                             const Eigen::Isometry3d& T_robot_camera, std::int64_t revision);

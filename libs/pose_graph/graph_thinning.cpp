@@ -119,16 +119,16 @@ std::vector<bool> covered_nodes(const std::vector<ThinningNode>& nodes, std::siz
   return gone;
 }
 
-std::vector<int> heirs(const std::vector<ThinningNode>& nodes, const std::vector<bool>& gone,
-                       const Covering& covering) {
-  std::vector<int> heir;
+std::vector<int> successors(const std::vector<ThinningNode>& nodes, const std::vector<bool>& gone,
+                            const Covering& covering) {
+  std::vector<int> successor;
   int staying = 0;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     if (!gone[k]) staying = static_cast<int>(k);
     const int nearest_keyframe = gone[k] ? nearest(nodes, gone, k, covering).first : staying;
-    heir.push_back(nearest_keyframe >= 0 ? nearest_keyframe : staying);
+    successor.push_back(nearest_keyframe >= 0 ? nearest_keyframe : staying);
   }
-  return heir;
+  return successor;
 }
 
 GraphEdge merged(const GraphEdge& a, const GraphEdge& b) {
@@ -143,7 +143,7 @@ GraphEdge merged(const GraphEdge& a, const GraphEdge& b) {
   return edge;
 }
 
-void take_out(int node, std::vector<GraphEdge>& edges, std::vector<GraphEdge>& waiting) {
+void marginalise(int node, std::vector<GraphEdge>& edges, std::vector<GraphEdge>& waiting) {
   const std::vector<GraphEdge> its = taken(node, edges), its_waiting = taken(node, waiting);
   const GraphEdge* link = nullptr;
   for (const GraphEdge& e : its)

@@ -1,6 +1,6 @@
 #pragma once
-// Keeps a pose graph bounded: nodes whose surroundings other nodes cover best leave it, and what was measured
-// from them is kept as measurements between the others.
+// Keeps a pose graph bounded: nodes whose surroundings other nodes cover best are marginalised, so that what
+// was measured from them is kept as measurements between the others.
 
 #include <vector>
 
@@ -26,18 +26,18 @@ struct Covering {
 std::vector<bool> covered_nodes(const std::vector<ThinningNode>& nodes, std::size_t keyframes,
                                 std::size_t others, const Covering& covering = {});
 
-/// The node of each that takes its things: itself, or the nearest keyframe that stays (a node that stays
-/// where there is none).
-std::vector<int> heirs(const std::vector<ThinningNode>& nodes, const std::vector<bool>& gone,
-                       const Covering& covering = {});
+/// The successor of each node, which takes what belonged to it: itself, or the nearest keyframe that stays (a
+/// node that stays where there is none).
+std::vector<int> successors(const std::vector<ThinningNode>& nodes, const std::vector<bool>& gone,
+                            const Covering& covering = {});
 
-/// Takes a node out: each of its edges is continued by the edge to the neighbour on the path whose odometry
-/// is surest, with the covariances of both. Of all trees that connect its neighbours this is the one that
-/// keeps most of what they know of each other (Kretzschmar and Stachniss 2012: the Chow-Liu tree), if that
-/// edge is the surest; that the new edges share its error is neglected. Edges beside it sharpen it. Two edges
-/// between the same nodes become one, but for odometry, which is never refused and keeps the path in one
-/// piece. Node numbers stay. `waiting`: other edges, which are continued alike.
-void take_out(int node, std::vector<GraphEdge>& edges, std::vector<GraphEdge>& waiting);
+/// Marginalises a node: each of its edges is continued by the edge to the neighbour on the path whose
+/// odometry is surest, with the covariances of both. Of all trees that connect its neighbours this is the one
+/// that keeps most of what they know of each other (Kretzschmar and Stachniss 2012: the Chow-Liu tree), if
+/// that edge is the surest; that the new edges share its error is neglected. Edges beside it sharpen it. Two
+/// edges between the same nodes become one, but for odometry, which is never refused and keeps the path in
+/// one piece. Node numbers stay. `waiting`: other edges, which are continued alike.
+void marginalise(int node, std::vector<GraphEdge>& edges, std::vector<GraphEdge>& waiting);
 
 /// One edge for two of the same nodes: the mean by their information (first order about a).
 GraphEdge merged(const GraphEdge& a, const GraphEdge& b);

@@ -50,8 +50,8 @@ KeyframeGraph::KeyframeGraph(const KeyframeGraphSettings& settings)
   check(settings, "keyframe graph");
 }
 
-void KeyframeGraph::set_floor(const std::optional<Eigen::Isometry3d>& T_camera_robot) {
-  T_camera_on_floor_ = T_camera_robot;
+void KeyframeGraph::set_ground(const std::optional<Eigen::Isometry3d>& T_camera_robot) {
+  T_camera_on_ground_ = T_camera_robot;
 }
 
 int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance,
@@ -84,7 +84,7 @@ void KeyframeGraph::begin(Utime now, Optimise when) {
   PoseGraph graph;
   for (const Node& node : nodes_) graph.poses.push_back(node.T_world_camera);
   graph.edges = edges_;
-  graph.T_camera_on_floor = T_camera_on_floor_;
+  graph.T_camera_on_ground = T_camera_on_ground_;
   edges_begun_ = edges_.size();
   const double seconds = settings_.time + settings_.time_per_node * static_cast<double>(nodes_.size());
   due_ = now + static_cast<Utime>(1e6 * seconds);
@@ -102,11 +102,11 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
   bool circles = false;
   for (const NewNode& added : fresh) {
     const KeyframeView& view = *added.view;
-    // Compare with the last one, with those near, with those that look alike.
+    // Compare with the last one, with those near, with loop candidates.
     std::vector<int> near = nearest(graph, finder, view.node, settings);
     if (finder.view(view.node - 1) != nullptr) near.push_back(view.node - 1);
     std::vector<int> known = near;
-    for (const int alike : finder.alike(view.features, known)) known.push_back(alike);
+    for (const int candidate : finder.candidates(view.features, known)) known.push_back(candidate);
     for (const int other : known) {
       const bool is_near = std::find(near.begin(), near.end(), other) != near.end();
       const Eigen::Isometry3d T_from_to = graph.poses[static_cast<std::size_t>(other)].inverse() *
@@ -192,15 +192,15 @@ std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& coveri
   thinned.gone = covered_nodes(nodes, limit(keyframes), limit(nodes_.size() - keyframes), covering);
 
   for (std::size_t i = 0; i < nodes_.size(); ++i)
-    if (thinned.gone[i]) take_out(static_cast<int>(i), edges_, waiting_);
+    if (thinned.gone[i]) marginalise(static_cast<int>(i), edges_, waiting_);
   std::vector<int> place(nodes_.size(), 0);
   std::vector<Node> kept;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     place[i] = static_cast<int>(kept.size());
     if (!thinned.gone[i]) kept.push_back(nodes_[i]);
   }
-  for (const int heir : heirs(nodes, thinned.gone, covering))
-    thinned.index.push_back(place[static_cast<std::size_t>(heir)]);
+  for (const int successor : successors(nodes, thinned.gone, covering))
+    thinned.index.push_back(place[static_cast<std::size_t>(successor)]);
   nodes_ = std::move(kept);
   for (auto* edges : {&edges_, &waiting_})
     for (GraphEdge& e : *edges) {

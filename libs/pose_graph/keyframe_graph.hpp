@@ -1,6 +1,6 @@
 #pragma once
 // The keyframes' pose graph, kept beside the frames: a new keyframe is compared with the one before it, with
-// those near it and with those that look alike; what geometry and the graph's own expectation believe
+// those near it and with loop candidates. A measurement that geometry and the graph's own expectation confirm
 // becomes an edge, and the poses are optimised anew.
 //
 // The work runs in a thread of its own on what was known when it began, and its result is taken over at a
@@ -75,8 +75,8 @@ class KeyframeGraph {
   /// Where each node goes: T_world_new = by_node[id] * T_world_old. Things of newer nodes go with the last.
   using Correction = std::vector<Eigen::Isometry3d>;
 
-  /// For robots on the floor; nothing for cameras in the hand.
-  void set_floor(const std::optional<Eigen::Isometry3d>& T_camera_robot);
+  /// For robots on the ground; nothing for cameras in the hand.
+  void set_ground(const std::optional<Eigen::Isometry3d>& T_camera_robot);
 
   /// A new node, numbered from 0. `covariance` of tracking there, against the map (camera's body frame).
   /// `keyframe`: later ones are compared with it.
@@ -85,21 +85,21 @@ class KeyframeGraph {
   /// What was seen from the newest node, when it comes later than its cloud. False when it is too late.
   bool add_features(int node, const FeatureFrame& features);
 
-  /// Once a frame: begins work that is due and tells when work that is done moves poses notably. They move
-  /// with apply().
+  /// Once a frame: begins work that is due, and gives the correction when work that is done moves poses
+  /// notably. They move with apply().
   std::optional<Correction> work(Utime now);
   /// All that is left to do, on the poses as they stand: work under way whose result was not taken over, and
   /// corrections too small until now, count too.
   std::optional<Correction> finish();
   void apply(const Correction& correction);
 
-  /// Nodes that went, and the new index of each old one; of those that went, of the one that takes their
-  /// things.
+  /// Nodes that went, and the new index of each old one; of those that went, of their
+  /// successor.
   struct Thinned {
     std::vector<bool> gone;
     std::vector<int> index;
   };
-  /// Takes redundant nodes out when there are too many and no work is under way (which waits for work()).
+  /// Marginalises redundant nodes when there are too many and no work is under way (which waits for work()).
   std::optional<Thinned> thin(const Covering& covering);
 
   /// Of all that is kept, but for work under way.
@@ -131,7 +131,7 @@ class KeyframeGraph {
   std::vector<Node> nodes_;
   int next_id_ = 0;
   std::vector<GraphEdge> edges_, waiting_;  // waiting: measured, not believed yet
-  std::optional<Eigen::Isometry3d> T_camera_on_floor_;
+  std::optional<Eigen::Isometry3d> T_camera_on_ground_;
   std::vector<NewNode> fresh_;
   LoopFinder finder_;  // only the work touches it
   std::size_t edges_begun_ = 0;

@@ -91,7 +91,7 @@ const KeyframeView* LoopFinder::view(int node) const {
                                                         : nullptr;
 }
 
-std::vector<int> LoopFinder::alike(const FeatureFrame& features, const std::vector<int>& without) {
+std::vector<int> LoopFinder::candidates(const FeatureFrame& features, const std::vector<int>& without) {
   refresh_index();
   if (index_.size() == 0) return {};
   std::vector<Feature> queries;
@@ -129,12 +129,12 @@ std::optional<UncertainTransform> LoopFinder::verify(const KeyframeView& from, c
   const auto& matches = matcher_.match(from.features.features, to.features.features);
   const RigidRansacResult aligned = align_ransac(from.features, to.features, matches, ransac, random);
   if (!aligned.success && !guess) return std::nullopt;
-  const Matrix6d floor = squares(settings_.floor_translation, settings_.floor_rotation);
+  const Matrix6d noise_floor = squares(settings_.floor_translation, settings_.floor_rotation);
 
   Prior prior;
   if (aligned.success) {
     prior.T_target_source = aligned.T_a_b;
-    prior.information = (aligned.covariance + floor).inverse();
+    prior.information = (aligned.covariance + noise_floor).inverse();
   }
   const KdTreeTarget target(from.cloud);
   const RegistrationResult result =
@@ -143,10 +143,11 @@ std::optional<UncertainTransform> LoopFinder::verify(const KeyframeView& from, c
   const bool fits = result.ok() && result.overlap >= settings_.min_overlap &&
                     result.inliers >= settings_.min_inlier_share * result.pairs;
   if (!fits) return std::nullopt;
-  if (aligned.success && distance_from_identity({aligned.T_a_b.inverse() * result.T_target_source,
-                                                 aligned.covariance + floor}) > settings_.max_disagreement)
+  if (aligned.success &&
+      distance_from_identity({aligned.T_a_b.inverse() * result.T_target_source,
+                              aligned.covariance + noise_floor}) > settings_.max_disagreement)
     return std::nullopt;
-  return UncertainTransform{result.T_target_source, result.covariance + floor};
+  return UncertainTransform{result.T_target_source, result.covariance + noise_floor};
 }
 
 }  // namespace lcmslam

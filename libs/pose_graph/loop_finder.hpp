@@ -1,7 +1,7 @@
 #pragma once
-// Has the camera been here before? Keyframes that look alike are named by their SURF descriptors (each
-// feature votes for the keyframes of its nearest neighbours), and pairs of keyframes are verified by
-// geometry: RANSAC over matched features, then ICP of the two clouds, with every direction's certainty.
+// Has the camera been here before? Keyframes whose SURF descriptors look alike are loop candidates (each
+// feature votes for the keyframes of its nearest neighbours). A candidate is verified by geometry: RANSAC
+// over matched features, then ICP of the two clouds, with every direction's certainty.
 
 #include <memory>
 #include <optional>
@@ -67,14 +67,15 @@ class LoopFinder {
   void add(std::shared_ptr<const KeyframeView> view);
   const KeyframeView* view(int node) const;
 
-  /// Nodes that most features vote for, most voted first; `without`: nodes that are known to be near.
-  std::vector<int> alike(const FeatureFrame& features, const std::vector<int>& without);
+  /// Loop candidates: nodes that most features vote for, most voted first; `without`: nodes that are known to
+  /// be near.
+  std::vector<int> candidates(const FeatureFrame& features, const std::vector<int>& without);
 
   /// Nodes that go (true), and the new numbers of the others; the index is made anew when it is used next.
   void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
   std::size_t memory_bytes() const;
 
-  /// T_from_to by geometry; nothing when it does not hold. `guess` is tried when features do not tell.
+  /// T_from_to by geometry; nothing when it does not hold. `guess` is tried when features give no transform.
   std::optional<UncertainTransform> verify(const KeyframeView& from, const KeyframeView& to,
                                            const std::optional<Eigen::Isometry3d>& guess);
 

@@ -53,7 +53,7 @@ struct RelativePoseError {
   }
 };
 
-struct FloorError {
+struct GroundError {
   Eigen::Isometry3d T_camera_robot;
   double height, tilt;  // sigmas
 
@@ -94,9 +94,9 @@ void solve(PoseGraph& graph, const PoseGraphSettings& settings) {
       problem.SetManifold(pose.data(), new Manifold);
       if (&pose == &poses.front()) {
         problem.SetParameterBlockConstant(pose.data());
-      } else if (graph.T_camera_on_floor) {
-        auto* error = new FloorError{*graph.T_camera_on_floor, settings.plane_height, settings.plane_tilt};
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FloorError, 3, 7>(error), nullptr,
+      } else if (graph.T_camera_on_ground) {
+        auto* error = new GroundError{*graph.T_camera_on_ground, settings.plane_height, settings.plane_tilt};
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundError, 3, 7>(error), nullptr,
                                  pose.data());
       }
     }

@@ -65,8 +65,8 @@ struct PoseGraphSettings {
 struct PoseGraph {
   std::vector<Eigen::Isometry3d> poses;  ///< T_world_camera by node; the first one stays
   std::vector<GraphEdge> edges;
-  /// For robots on the floor: each pose times this, T_camera_robot, lies on z = 0 without tilt.
-  std::optional<Eigen::Isometry3d> T_camera_on_floor;
+  /// For robots on the ground: each pose times this, T_camera_robot, lies on z = 0 without tilt.
+  std::optional<Eigen::Isometry3d> T_camera_on_ground;
 };
 
 /// e of an edge at the poses, over its sigmas.

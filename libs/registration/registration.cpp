@@ -98,7 +98,7 @@ double next_limit(const std::vector<Pair>& pairs, double limit, const Registrati
   return std::clamp(settings.distance_sigmas * spread, std::min(settings.min_distance, limit), limit);
 }
 
-// What the last pairs tell about the result.
+// What the last pairs say about the result.
 void report(const std::vector<Pair>& pairs, std::size_t selected, const Metric& metric,
             const RegistrationSettings& settings, const Prior* prior, RegistrationResult& result) {
   result.pairs = static_cast<int>(pairs.size());

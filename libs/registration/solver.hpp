@@ -35,7 +35,7 @@ class ClosedFormSolver : public Solver {
   std::unique_ptr<RigidEstimator> estimator_;
 };
 
-/// What the pairs tell about T_target_source at a point, direction by direction.
+/// What the pairs say about T_target_source at a point, direction by direction.
 ///
 /// The six coordinates y are taken about the centroid of the source points, rotations times their
 /// RMS spread: xi = basis * y. That makes translations and rotations comparable. A direction whose

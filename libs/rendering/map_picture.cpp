@@ -72,7 +72,7 @@ cv::Mat draw_map(const PictureRequest& request) {
   if (request.view == MapView::top) draw_top_grid(picture, camera, frame, style);
   const std::vector<SplatPoint> splats = points.visible(camera);
   if (request.view == MapView::front && splats.empty())
-    draw_floor(picture, camera, points.extent(nullptr), style);
+    draw_ground(picture, camera, points.extent(nullptr), style);
   draw_splats(picture, camera, splats, request.resolution);
   if (request.landmarks) draw_landmarks(picture, camera, *request.landmarks, style);
   for (const PicturePath& path : request.paths) draw_path(picture, camera, path, style);

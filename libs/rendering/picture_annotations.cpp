@@ -143,8 +143,8 @@ void draw_top_axes(cv::Mat& picture, const ViewCamera& camera, const ViewFrame& 
   draw_text(picture, metres(bar, bar) + " m", {(left + right) / 2, height - gap}, 0.7, style);
 }
 
-void draw_floor(cv::Mat& picture, const ViewCamera& camera, const std::vector<Eigen::Vector3d>& points,
-                const PictureStyle& style) {
+void draw_ground(cv::Mat& picture, const ViewCamera& camera, const std::vector<Eigen::Vector3d>& points,
+                 const PictureStyle& style) {
   std::vector<double> coordinates[3];
   for (const Eigen::Vector3d& point : points)
     for (int axis = 0; axis < 3; ++axis) coordinates[axis].push_back(point[axis]);

@@ -25,9 +25,9 @@ void draw_top_grid(cv::Mat& picture, const ViewCamera& camera, const ViewFrame& 
 /// Blanks what lies outside the frame, then tick labels in m, frame and scale bar (top view).
 void draw_top_axes(cv::Mat& picture, const ViewCamera& camera, const ViewFrame& frame,
                    const PictureStyle& style);
-/// Floor tiles of 1 m under a sparse map (front view).
-void draw_floor(cv::Mat& picture, const ViewCamera& camera, const std::vector<Eigen::Vector3d>& points,
-                const PictureStyle& style);
+/// Tiles of 1 m on the ground under a sparse map (front view).
+void draw_ground(cv::Mat& picture, const ViewCamera& camera, const std::vector<Eigen::Vector3d>& points,
+                 const PictureStyle& style);
 
 void draw_path(cv::Mat& picture, const ViewCamera& camera, const PicturePath& path,
                const PictureStyle& style);

@@ -15,7 +15,7 @@
 
 namespace lcmslam {
 
-/// What a node tells of itself in STATUS.
+/// What a node reports of itself in STATUS.
 struct NodeReport {
   int state = 1;       ///< status_t's: RUNNING, FINISHED, FAILED ...
   std::string detail;  ///< in words

@@ -41,7 +41,7 @@ struct SceneLight {
 /// How the sensor head sits on the robot (colour camera).
 struct HeadMount {
   double forward = 0.1;   ///< m, of the robot's centre
-  double height = 1.3;    ///< m above the floor
+  double height = 1.3;    ///< m above the ground
   double tilt = 0.34907;  ///< rad, downwards (20 degrees)
   double pan = 0;         ///< rad, to the left
 };

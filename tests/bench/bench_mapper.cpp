@@ -5,8 +5,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <time.h>
-#include <algorithm>
 #include <filesystem>
 
 #include <lcmslam/datasets/dataset.hpp>
@@ -15,6 +13,7 @@
 #include "procs/icp/icp_node.hpp"
 #include "procs/odometry/odometry_node.hpp"
 #include "procs/surf/surf_node.hpp"
+#include "tests/bench/cpu_time.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/test_bus.hpp"
 
@@ -22,17 +21,6 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t frames_used = 300;
-
-double milliseconds(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
 
 struct BenchMessage {
   std::string channel;
@@ -78,15 +66,15 @@ void icp_frame(benchmark::State& state) {
     const auto calibration = encode_message(to_message(source->calibration()));
     inputs.deliver("CAMERA_CALIBRATION", calibration.data(), calibration.size());
     for (const auto& frame : recording()) {
-      const double process = milliseconds(CLOCK_PROCESS_CPUTIME_ID);
+      const double process = cpu_milliseconds(CLOCK_PROCESS_CPUTIME_ID);
       double answer = 0;
       for (const BenchMessage& message : frame) {
-        const double thread = milliseconds(CLOCK_THREAD_CPUTIME_ID);
+        const double thread = cpu_milliseconds();
         inputs.deliver(message.channel, message.bytes.data(), message.bytes.size());
-        if (message.channel == "ODOMETRY") answer = milliseconds(CLOCK_THREAD_CPUTIME_ID) - thread;
+        if (message.channel == "ODOMETRY") answer = cpu_milliseconds() - thread;
       }
       node.work();
-      whole.push_back(milliseconds(CLOCK_PROCESS_CPUTIME_ID) - process);
+      whole.push_back(cpu_milliseconds(CLOCK_PROCESS_CPUTIME_ID) - process);
       after_odometry.push_back(answer);
     }
     node.finish();

@@ -8,7 +8,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <time.h>
 #include <algorithm>
 #include <flann/flann.hpp>  // before OpenCV's: the other order breaks its serialisation
 #include <opencv2/features2d.hpp>
@@ -17,6 +16,7 @@
 #include <lcmslam/features/matching.hpp>
 #include <lcmslam/features/rigid_ransac.hpp>
 #include <lcmslam/geometry/random.hpp>
+#include "tests/bench/cpu_time.hpp"
 #include "tests/support/recorded_features.hpp"
 #include "tests/support/recordings.hpp"
 
@@ -24,12 +24,6 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t map_size = 20'000, queries_a_frame = 500;
-
-double thread_milliseconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
 
 struct Recorded {
   std::vector<Feature> a, b;  // of two frames
@@ -239,11 +233,11 @@ void growth(benchmark::State& state) {
   for (auto _ : state) {
     DescriptorIndex index;
     for (std::size_t first = 0; first < map_size; first += 100) {
-      const double start = thread_milliseconds();
+      const double start = cpu_milliseconds();
       double last = start;
       for (std::size_t i = first; i < first + 100; ++i) {
         index.insert(static_cast<int>(i), data->map[i].descriptor, data->map[i].laplacian);
-        const double now = thread_milliseconds();
+        const double now = cpu_milliseconds();
         slowest_insertion = std::max(slowest_insertion, now - last);
         last = now;
       }
@@ -264,7 +258,7 @@ void growth_flann(benchmark::State& state) {
     Forest forests[2] = {{data->map, false}, {data->map, true}};
     std::size_t done[2] = {0, 0};
     for (int first = 0; first < static_cast<int>(map_size); first += 100) {
-      const double start = thread_milliseconds();
+      const double start = cpu_milliseconds();
       for (int sign = 0; sign < 2; ++sign) {
         Forest& forest = forests[sign];
         const auto end = std::lower_bound(forest.ids.begin(), forest.ids.end(), first + 100);
@@ -277,7 +271,7 @@ void growth_flann(benchmark::State& state) {
           forest.trees.addPoints(part, 2);
         done[sign] = next;
       }
-      batches.push_back(thread_milliseconds() - start);
+      batches.push_back(cpu_milliseconds() - start);
     }
   }
   report_batches(state, batches);

@@ -7,12 +7,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include <time.h>
-#include <algorithm>
 #include <functional>
 
-#include <lcmslam/cloud/kd_tree.hpp>
 #include <lcmslam/registration/registration.hpp>
+#include "tests/bench/cpu_time.hpp"
 #include "tests/bench/pcl_peer.hpp"
 #include "tests/support/recorded_clouds.hpp"
 
@@ -57,9 +55,9 @@ const std::vector<BenchPair>& pairs_at(int millimetres) {
 class Score {
  public:
   void run(const BenchPair& pair, const std::function<Eigen::Isometry3d(const BenchPair&)>& method) {
-    const double before = milliseconds();
+    const double before = cpu_milliseconds();
     const Eigen::Isometry3d T = method(pair);
-    times_.push_back(milliseconds() - before);
+    times_.push_back(cpu_milliseconds() - before);
     const Eigen::Isometry3d error = pair.T_target_source.inverse() * T;
     metres_.push_back(error.translation().norm());
     degrees_.push_back(rotation_angle(error) * 180 / 3.14159265358979);
@@ -75,15 +73,6 @@ class Score {
   }
 
  private:
-  static double milliseconds() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-  }
-  static double quantile(std::vector<double> values, double share) {
-    std::sort(values.begin(), values.end());
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-  }
   std::vector<double> times_, metres_, degrees_;
 };
 

@@ -1,5 +1,6 @@
 #include "tests/bench/pcl_peer.hpp"
 
+#include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/gicp.h>
@@ -56,6 +57,34 @@ Eigen::Isometry3d PclPair::gicp(const PclSettings& settings) const {
   gicp.setTransformationEpsilon(settings.epsilon_translation);
   gicp.setRotationEpsilon(settings.epsilon_rotation);
   return align(gicp, clouds_->source, clouds_->target, settings);
+}
+
+struct PclTree::Tree {
+  pcl::KdTreeFLANN<pcl::PointXYZ> tree;
+  pcl::Indices indices;  // used again, as PCL's own registration does
+  std::vector<float> squared;
+};
+
+PclTree::PclTree(const std::vector<Eigen::Vector3f>& points) : tree_(new Tree) {
+  tree_->tree.setInputCloud(pcl_cloud(points));
+}
+PclTree::~PclTree() = default;
+
+KdTree::Neighbour PclTree::nearest(const Eigen::Vector3f& query, float max_distance) const {
+  Tree& t = *tree_;
+  const pcl::PointXYZ point(query.x(), query.y(), query.z());
+  if (t.tree.radiusSearch(point, max_distance, t.indices, t.squared, 1) == 0) return {};
+  return {t.indices[0], t.squared[0]};
+}
+
+void PclTree::nearest_few(const Eigen::Vector3f& query, std::size_t count,
+                          std::vector<KdTree::Neighbour>& found) const {
+  Tree& t = *tree_;
+  const pcl::PointXYZ point(query.x(), query.y(), query.z());
+  const int n = t.tree.nearestKSearch(point, static_cast<unsigned>(count), t.indices, t.squared);
+  found.clear();
+  for (int i = 0; i < n; ++i)
+    found.push_back({t.indices[static_cast<std::size_t>(i)], t.squared[static_cast<std::size_t>(i)]});
 }
 
 }  // namespace lcmslam

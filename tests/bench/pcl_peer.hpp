@@ -1,9 +1,11 @@
 #pragma once
-// PCL's registrations behind a header without PCL, whose own take 15 s to compile and clash with OpenCV's.
+// PCL's registrations and k-d tree behind a header without PCL, whose own take 15 s to compile and clash with
+// OpenCV's.
 
 #include <memory>
 #include <vector>
 
+#include <lcmslam/cloud/kd_tree.hpp>
 #include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
@@ -29,6 +31,20 @@ class PclPair {
  private:
   struct Clouds;
   std::unique_ptr<Clouds> clouds_;
+};
+
+/// pcl::KdTreeFLANN with the verbs of our KdTree.
+class PclTree {
+ public:
+  explicit PclTree(const std::vector<Eigen::Vector3f>& points);
+  ~PclTree();
+  KdTree::Neighbour nearest(const Eigen::Vector3f& query, float max_distance) const;
+  void nearest_few(const Eigen::Vector3f& query, std::size_t count,
+                   std::vector<KdTree::Neighbour>& found) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
 };
 
 }  // namespace lcmslam

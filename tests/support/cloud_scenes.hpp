@@ -31,7 +31,7 @@ inline Cloud wall(double spacing = 0.05) {
   return cloud;
 }
 
-/// Two long walls and a floor along x.
+/// Two long walls and the ground along x.
 inline Cloud corridor() {
   Cloud cloud;
   add_rectangle(cloud, {0, 1, -1}, {6, 0, 0}, {0, 0, 2});

@@ -124,7 +124,7 @@ const EvaluatedEstimate& map_estimate(const std::string& option, const Evaluatio
   const EvaluatedEstimate* placed = nullptr;
   for (const EvaluatedEstimate& e : evaluation.estimates)
     if (e.report && e.path.channel != "ODOMETRY") placed = &e;
-  if (placed == nullptr) throw std::runtime_error(option + ": no estimate tells where the map lies");
+  if (placed == nullptr) throw std::runtime_error(option + ": no estimate says where the map lies");
   return *placed;
 }
 
@@ -205,12 +205,12 @@ int evaluate_command(int argc, char** argv) {
   const Evaluation evaluation = evaluate_all(std::move(inputs), r.settings, r.find_clock_offset, r.search);
   std::cout << format_evaluation(evaluation);
   nlohmann::json json = evaluation_json(evaluation);
-  const auto tell = [&json](const char* name, Figures figures) {
+  const auto add = [&json](const char* name, Figures figures) {
     std::cout << figures.text;
     json[name] = std::move(figures.json);
   };
-  if (!r.map.empty()) tell("map", map_figures(r, evaluation));
-  if (!r.walls.empty()) tell("walls", wall_figures(r, evaluation));
+  if (!r.map.empty()) add("map", map_figures(r, evaluation));
+  if (!r.walls.empty()) add("walls", wall_figures(r, evaluation));
   for (const std::string& file : r.plots) write_plot(file, evaluation_plot(evaluation));
   if (!r.json.empty()) {
     std::ofstream text(r.json);

@@ -62,7 +62,7 @@ std::string clock_text(const EvaluatedEstimate& e) {
       e.path.name, 1e3 * c.offset, c.compared_poses, 1e3 * c.low, 1e3 * c.high,
       e.report->absolute.translation.rmse, e.clocked->absolute.translation.rmse);
   text += c.determined ? fmt::format("  not applied above; --clock-offset {:.4f} applies it\n", c.offset)
-                       : "  this motion does not tell the offset: do not use it\n";
+                       : "  this motion does not determine the offset: do not use it\n";
   return text;
 }
 

@@ -32,7 +32,7 @@ Utime checked(Utime utime) {
 }
 
 // A covariance that is none spoils no pose.
-std::optional<Matrix6d> told_covariance(const pose_estimate_t& m) {
+std::optional<Matrix6d> published_covariance(const pose_estimate_t& m) {
   try {
     return covariance_from_message(m.covariance, "covariance");
   } catch (const DecodeError&) {
@@ -58,10 +58,11 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
       channels_[channel].source = m.source;
     } else if (name == "pose_estimate_t") {
       const auto m = decode_message<pose_estimate_t>(data, size);
-      add_pose(channel, {checked(m.utime), from_message(m.T_map_robot, "T_map_robot"), told_covariance(m)},
+      add_pose(channel,
+               {checked(m.utime), from_message(m.T_map_robot, "T_map_robot"), published_covariance(m)},
                m.sender, m.status, m.map_revision);
       channels_[channel].body = m.child_frame;
-      add_sight(channel, channels_[channel].trajectory.back(), m.sender);
+      add_relative_pose(channel, channels_[channel].trajectory.back(), m.sender);
     } else if (name == "graph_t") {
       const auto m = decode_message<graph_t>(data, size);
       Nodes nodes;
@@ -94,7 +95,7 @@ void PoseLog::add_pose(const std::string& channel, const StampedPose& pose, std:
   if (restarted || rewound) {  // another map, another frame: earlier poses do not compare
     path.left_out += static_cast<std::int64_t>(path.trajectory.size());
     path.trajectory.clear();
-    path.sights.clear();
+    path.relative_poses.clear();
     ++path.restarts;
   }
   mapper = {sender, map_revision};
@@ -112,46 +113,47 @@ void PoseLog::add_graph(std::int64_t sender, Nodes nodes) {
       const double distance = (T_map_other.translation() - T_map_gone.translation()).norm();
       if (nodes.count(other) == 0 || distance >= least) continue;
       least = distance;
-      heirs_[sender][id] = {other, T_map_other.inverse() * T_map_gone};
+      successors_[sender][id] = {other, T_map_other.inverse() * T_map_gone};
     }
   }
-  for (const auto& [id, pose] : nodes) heirs_[sender].erase(id);
+  for (const auto& [id, pose] : nodes) successors_[sender].erase(id);
   graphs_[sender] = std::move(nodes);
 }
 
 std::optional<Eigen::Isometry3d> PoseLog::final_pose(std::int64_t sender, std::int32_t node) const {
   const Nodes& nodes = graphs_.at(sender);
   Eigen::Isometry3d T_node_asked = Eigen::Isometry3d::Identity();
-  const auto heirs = heirs_.find(sender);
+  const auto successors = successors_.find(sender);
   for (std::size_t steps = 0; nodes.count(node) == 0; ++steps) {
-    if (heirs == heirs_.end() || heirs->second.count(node) == 0 || steps > heirs->second.size())
+    if (successors == successors_.end() || successors->second.count(node) == 0 ||
+        steps > successors->second.size())
       return std::nullopt;
-    const Heir& heir = heirs->second.at(node);
-    T_node_asked = heir.T_heir_gone * T_node_asked;
-    node = heir.node;
+    const Successor& successor = successors->second.at(node);
+    T_node_asked = successor.T_successor_gone * T_node_asked;
+    node = successor.node;
   }
   return nodes.at(node) * T_node_asked;
 }
 
-void PoseLog::add_sight(const std::string& channel, const StampedPose& pose, std::int64_t sender) {
+void PoseLog::add_relative_pose(const std::string& channel, const StampedPose& pose, std::int64_t sender) {
   const auto graph = graphs_.find(sender);
   if (graph == graphs_.end() || graph->second.empty()) return;
   const auto& [node, T_map_camera] = *graph->second.rbegin();
-  channels_[channel].sights.push_back({pose.utime, node, T_map_camera.inverse() * pose.T_world_body});
+  channels_[channel].relative_poses.push_back({pose.utime, node, T_map_camera.inverse() * pose.T_world_body});
 }
 
 void PoseLog::add_final_paths() {
   std::map<std::string, PoseChannel> finals;
   for (const auto& [name, channel] : channels_) {
     const auto graph = graphs_.find(mappers_[name].sender);
-    if (channel.sights.empty() || graph == graphs_.end()) continue;
+    if (channel.relative_poses.empty() || graph == graphs_.end()) continue;
     PoseChannel path;
     path.type = channel.type;
     path.body = channel.body;
     path.lost = channel.lost;
-    for (const PoseChannel::Sight& sight : channel.sights)
-      if (const auto T_map_camera = final_pose(graph->first, sight.node))
-        path.trajectory.push_back({sight.utime, *T_map_camera * sight.T_node_robot});
+    for (const PoseChannel::RelativePose& relative : channel.relative_poses)
+      if (const auto T_map_camera = final_pose(graph->first, relative.node))
+        path.trajectory.push_back({relative.utime, *T_map_camera * relative.T_node_robot});
     finals[name.substr(0, name.rfind("_POSE")) + "_FINAL"] = std::move(path);
   }
   channels_.merge(finals);

@@ -21,12 +21,12 @@ struct PoseChannel {
   std::int64_t left_out = 0;     ///< poses of earlier maps
   std::int64_t undecodable = 0;  ///< messages that were no poses
   /// Newest graph node before each pose, and the pose as seen from it (utime stands in the trajectory).
-  struct Sight {
+  struct RelativePose {
     Utime utime = 0;
     std::int32_t node = 0;
     Eigen::Isometry3d T_node_robot = Eigen::Isometry3d::Identity();
   };
-  std::vector<Sight> sights;
+  std::vector<RelativePose> relative_poses;
   bool is_ground_truth() const { return type == "ground_truth_t"; }
 };
 
@@ -52,7 +52,7 @@ class PoseLog {
   struct Mapper {
     std::int64_t sender = 0, map_revision = 0;
   };
-  void add_sight(const std::string& channel, const StampedPose& pose, std::int64_t sender);
+  void add_relative_pose(const std::string& channel, const StampedPose& pose, std::int64_t sender);
   void add_final_paths();
   void add_pose(const std::string& channel, const StampedPose& pose, std::int64_t sender, int status,
                 std::int64_t map_revision);
@@ -62,11 +62,11 @@ class PoseLog {
   using Nodes = std::map<std::int32_t, Eigen::Isometry3d>;  // T_map_camera
   std::map<std::int64_t, Nodes> graphs_;                    // the newest of each sender
   /// A node that a graph has given up, as seen from the nearest one that stayed.
-  struct Heir {
+  struct Successor {
     std::int32_t node = 0;
-    Eigen::Isometry3d T_heir_gone = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_successor_gone = Eigen::Isometry3d::Identity();
   };
-  std::map<std::int64_t, std::map<std::int32_t, Heir>> heirs_;  // by sender and node
+  std::map<std::int64_t, std::map<std::int32_t, Successor>> successors_;  // by sender and node
   void add_graph(std::int64_t sender, Nodes nodes);
   std::optional<Eigen::Isometry3d> final_pose(std::int64_t sender, std::int32_t node) const;
   std::map<std::string, std::string> others_;  // what the other channels carry

@@ -147,7 +147,7 @@ class InputReader {
       } else if (path->body == "camera" && wanted == "robot") {
         const auto [calibration, file] = find_calibration(*path);
         path->trajectory = in_other_frame(path->trajectory, calibration->T_robot_camera.inverse());
-        note(label(*path) + " speaks of the camera: told of the robot, with T_robot_camera of " + file +
+        note(label(*path) + " speaks of the camera: converted to the robot, with T_robot_camera of " + file +
              ":CAMERA_CALIBRATION");
       } else {
         throw std::runtime_error(label(*path) + " speaks of the frame '" + path->body +

@@ -1,5 +1,5 @@
 #pragma once
-// The truth and the estimates that `evaluate` compares, told of the same body frame.
+// The truth and the estimates that `evaluate` compares, converted to the same body frame.
 
 #include <string>
 #include <vector>

@@ -25,9 +25,9 @@ int write(const LandmarkRecording& recording, const std::string& log) {
   for (const auto& note : recording.notes) std::cout << "  " << note << "\n";
   for (const auto& problem : recording.problems) std::cout << "  " << problem << "\n";
   const LandmarkLogCounts counts = write_landmark_log(recording, log);
-  std::cout << fmt::format("  {}: {} frames with {} landmark sights, {} motions, {} true poses, {:.1f} MB\n",
-                           log, counts.frames, counts.features, counts.motions, counts.truths,
-                           static_cast<double>(counts.bytes) / 1e6);
+  std::cout << fmt::format(
+      "  {}: {} frames with {} landmark observations, {} motions, {} true poses, {:.1f} MB\n", log,
+      counts.frames, counts.features, counts.motions, counts.truths, static_cast<double>(counts.bytes) / 1e6);
   return counts.frames > 0 ? 0 : 1;
 }
 

@@ -46,7 +46,7 @@ class Supervisor {
 
   const std::vector<State>& processes() const { return processes_; }
 
-  /// True when a process does not accept its configuration; poll() has told which and why.
+  /// True when a process does not accept its configuration; poll() has reported which and why.
   bool refused() const;
 
  private:

@@ -33,7 +33,7 @@ void add_files(CLI::App& app, std::string& input, LogOutput& output) {
 int log_repair_command(int argc, char** argv) {
   std::string input;
   LogOutput output;
-  CLI::App app{"Writes a new log with every whole event of a damaged one, and tells what is lost.",
+  CLI::App app{"Writes a new log with every whole event of a damaged one, and says what is lost.",
                "lcmslam log repair"};
   add_files(app, input, output);
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;

@@ -25,7 +25,7 @@ class Checker {
  public:
   explicit Checker(LogCheck& check) : check_(check) {}
 
-  /// `after_damage`: events may be missing before this one; that has been told.
+  /// `after_damage`: events may be missing before this one; that has been reported.
   void add(const LogEventView& event, bool after_damage) {
     ++check_.events;
     if (sessions_.begins(event)) {
@@ -106,17 +106,17 @@ LogCheck check_log(const std::string& file) {
   LogReader reader(file, check_message);
   LogCheck check;
   Checker checker(check);
-  std::size_t told = 0;
+  std::size_t reported = 0;
   const auto tell_damages = [&] {
-    for (; told < reader.damages().size(); ++told) {
-      const LogDamage& damage = reader.damages()[told];
+    for (; reported < reader.damages().size(); ++reported) {
+      const LogDamage& damage = reader.damages()[reported];
       std::string text = fmt::format("{} bytes are damaged: {}", damage.end - damage.begin, damage.reason);
       if (damage.lost > 0) text += fmt::format(" ({} events lost)", damage.lost);
       check.findings.push_back({-1, damage.begin, "", text});
     }
   };
   while (const auto event = reader.next_view()) {
-    const bool after_damage = told < reader.damages().size();
+    const bool after_damage = reported < reader.damages().size();
     tell_damages();
     checker.add(*event, after_damage);
   }

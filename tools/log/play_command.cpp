@@ -134,7 +134,7 @@ int log_play_command(int argc, char** argv) {
   settings.speed = options.speed.value_or(options.lockstep ? 0 : 1);
   settings.selection = options.selection.selection();
   if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
-  scan_log(options.file);  // a log that cannot be played is told before anything is waited for
+  scan_log(options.file);  // a log that cannot be played is reported before anything is waited for
 
   install_stop_signals(0);
   LcmPlayBus bus(options.lcm_url, candidates(options));

@@ -21,8 +21,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr double kNearView = 0.6, kNearTurn = 0.5;  // m, rad: views that may show the same features
-constexpr double kSameThing = 0.05;                 // m, by the true poses
+constexpr double near_view = 0.6, near_turn = 0.5;  // m, rad: views that may show the same features
+constexpr double same_thing = 0.05;                 // m, by the true poses
 const double nothing = std::nan("");
 
 double ate(const Trajectory& truth, const Trajectory& path, TrajectoryReport* report = nullptr) {
@@ -56,7 +56,7 @@ const FeatureFrame* earlier_view(const std::vector<FeatureFrame>& frames, const 
     const Eigen::Isometry3d between =
         (*T_early * frames[i].T_robot_camera).inverse() * (*T_late * late.T_robot_camera);
     const double unlike =
-        std::max(between.translation().norm() / kNearView, rotation_angle(between) / kNearTurn);
+        std::max(between.translation().norm() / near_view, rotation_angle(between) / near_turn);
     if (unlike >= least) continue;
     least = unlike;
     best = &frames[i];
@@ -161,7 +161,7 @@ std::vector<double> reunion_distances(const std::vector<FeatureFrame>& frames, c
                             true_late = *pose_at(truth, late.utime);
     for (const Match& m : matcher.match(early->features, late.features)) {
       const double apart = (place(true_early, *early, m.a) - place(true_late, late, m.b)).norm();
-      if (!(apart < kSameThing)) continue;  // a wrong match, or no depth
+      if (!(apart < same_thing)) continue;  // a wrong match, or no depth
       distances.push_back((place(*T_early, *early, m.a) - place(*T_late, late, m.b)).norm());
     }
   }

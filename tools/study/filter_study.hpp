@@ -33,8 +33,8 @@ struct FilterRun {
 FilterRun run_filter(const PreparedLog& log, const ConfigNode& config, int seed);
 
 /// How far features seen early and seen again late from about the same place lie from each other when each
-/// is placed by the path's pose of its own time, m. Which are the same is told by descriptors and checked by
-/// the true poses. Empty when the path does not come back.
+/// is placed by the path's pose of its own time, m. Which are the same is decided by descriptors and checked
+/// by the true poses. Empty when the path does not come back.
 std::vector<double> reunion_distances(const std::vector<FeatureFrame>& frames, const Trajectory& truth,
                                       const Trajectory& path);
 
@@ -53,7 +53,7 @@ struct FilterScore {
   int reunions = 0, lost = 0;
 };
 
-/// `clean`: ATE of the odometry without added noise, or NaN. NaN in what cannot be told.
+/// `clean`: ATE of the odometry without added noise, or NaN. NaN in what cannot be known.
 FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double clean,
                          const SurfaceDistance& surface);
 

@@ -65,8 +65,8 @@ TEST_F(Mrclam, IsReadWithIdentitiesInsteadOfBarcodes) {
   EXPECT_NEAR(yaw(r.truth[0].T_world_body), 0.5, 1e-12);
   EXPECT_EQ(r.landmark_truth.at(6), Eigen::Vector2d(3.5, -1));
   EXPECT_TRUE(r.problems.empty());
-  EXPECT_THAT(r.notes, Contains(HasSubstr("1 sights of other robots")));
-  EXPECT_THAT(r.notes, Contains(HasSubstr("1 sights of barcodes that nobody wears")));
+  EXPECT_THAT(r.notes, Contains(HasSubstr("1 observations of other robots")));
+  EXPECT_THAT(r.notes, Contains(HasSubstr("1 observations of barcodes that nobody wears")));
 }
 
 TEST_F(Mrclam, FramesWithoutFeaturesFillTheTimeInBetween) {
@@ -174,9 +174,9 @@ TEST(LandmarkRecordings, TheRealOnes) {
   const auto park = open_landmark_dataset(data / "victoria_park");
   ASSERT_TRUE(park);
   EXPECT_EQ(park->frames.size(), 6969U);
-  std::size_t sights = 0;
-  for (const FeatureFrame& frame : park->frames) sights += frame.features.size();
-  EXPECT_EQ(sights, 3640U);
+  std::size_t observations = 0;
+  for (const FeatureFrame& frame : park->frames) observations += frame.features.size();
+  EXPECT_EQ(observations, 3640U);
 }
 
 }  // namespace

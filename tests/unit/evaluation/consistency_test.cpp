@@ -15,18 +15,19 @@ Vector6d normal_twist(Random& random, const Vector6d& sigma) {
   return xi;
 }
 
-// Errs by `sigma` and says so, times `told`.
-Trajectory estimate_of(const Trajectory& truth, std::uint64_t seed, const Vector6d& sigma, double told = 1) {
+// Errs by `sigma` and says so, times `claimed`.
+Trajectory estimate_of(const Trajectory& truth, std::uint64_t seed, const Vector6d& sigma,
+                       double claimed = 1) {
   Random random(seed);
   Trajectory estimate = truth;
   for (StampedPose& pose : estimate) {
     pose.T_world_body = pose.T_world_body * se3_exp(normal_twist(random, sigma));
-    pose.covariance = Matrix6d((told * sigma).cwiseAbs2().asDiagonal());
+    pose.covariance = Matrix6d((claimed * sigma).cwiseAbs2().asDiagonal());
   }
   return estimate;
 }
 
-const Vector6d kSigma = (Vector6d() << 0.03, 0.01, 0.02, 0.004, 0.006, 0.01).finished();
+const Vector6d typical_sigma = (Vector6d() << 0.03, 0.01, 0.02, 0.004, 0.006, 0.01).finished();
 
 Consistency of(const Trajectory& truth, const Trajectory& estimate, Alignment alignment = Alignment::none) {
   EvaluationSettings settings;
@@ -38,7 +39,7 @@ Consistency of(const Trajectory& truth, const Trajectory& estimate, Alignment al
 TEST(Consistency, OfHonestCovariancesIsTheNumberOfComponents) {
   const Trajectory truth = testing::curved_path(2000);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const Consistency c = of(truth, estimate_of(truth, seed, kSigma));
+    const Consistency c = of(truth, estimate_of(truth, seed, typical_sigma));
     EXPECT_EQ(c.components, 6);
     EXPECT_NEAR(c.nees.mean, 6, 0.25) << "seed " << seed;
     EXPECT_NEAR(c.nees.median, 5.35, 0.3) << "seed " << seed;
@@ -49,7 +50,7 @@ TEST(Consistency, OfHonestCovariancesIsTheNumberOfComponents) {
 
 TEST(Consistency, ShowsOverconfidence) {
   const Trajectory truth = testing::curved_path(2000);
-  const Consistency c = of(truth, estimate_of(truth, 1, kSigma, 0.5));
+  const Consistency c = of(truth, estimate_of(truth, 1, typical_sigma, 0.5));
   EXPECT_NEAR(c.nees.mean, 24, 1);
   EXPECT_LT(c.inside, 0.5);
   EXPECT_LT(c.position_inside, 0.7);
@@ -60,7 +61,7 @@ TEST(Consistency, OfAPathInThePlaneIsJudgedByThreeComponents) {
   for (int i = 0; i < 2000; ++i)
     truth.push_back({1'000'000 + 100'000 * static_cast<Utime>(i),
                      planar_pose(std::cos(0.01 * i), std::sin(0.01 * i), 0.01 * i)});
-  Vector6d sigma = kSigma;
+  Vector6d sigma = typical_sigma;
   sigma.segment<3>(2).setZero();
   const Consistency c = of(truth, estimate_of(truth, 1, sigma));
   EXPECT_EQ(c.components, 3);
@@ -69,15 +70,15 @@ TEST(Consistency, OfAPathInThePlaneIsJudgedByThreeComponents) {
   EXPECT_NEAR(c.position_inside, 0.95, 0.015);
 }
 
-// The estimate stands in a world of its own. Its first poses are told much better than the others: a fit by
+// The estimate stands in a world of its own. Its first poses are known much better than the others: a fit by
 // paths alone would make them many sigma wrong.
 TEST(Consistency, FitsTheWorldByTheCovariances) {
   const Trajectory truth = testing::curved_path(2000);
   Random random(3);
-  Trajectory estimate = estimate_of(truth, 3, kSigma);
+  Trajectory estimate = estimate_of(truth, 3, typical_sigma);
   for (std::size_t i = 0; i < 20; ++i) {
-    estimate[i].T_world_body = truth[i].T_world_body * se3_exp(normal_twist(random, 1e-3 * kSigma));
-    estimate[i].covariance = Matrix6d((1e-3 * kSigma).cwiseAbs2().asDiagonal());
+    estimate[i].T_world_body = truth[i].T_world_body * se3_exp(normal_twist(random, 1e-3 * typical_sigma));
+    estimate[i].covariance = Matrix6d((1e-3 * typical_sigma).cwiseAbs2().asDiagonal());
   }
   const Consistency c = of(truth, testing::moved(estimate, testing::random_pose(random)), Alignment::se3);
   EXPECT_NEAR(c.nees.mean, 6, 0.25);
@@ -85,7 +86,7 @@ TEST(Consistency, FitsTheWorldByTheCovariances) {
 
 TEST(Consistency, IsTheSameOfAnotherFrameOfTheBody) {
   const Trajectory truth = testing::curved_path(300);
-  const Trajectory estimate = estimate_of(truth, 4, 0.1 * kSigma);
+  const Trajectory estimate = estimate_of(truth, 4, 0.1 * typical_sigma);
   Random random(4);
   const Eigen::Isometry3d T_body_other = testing::random_pose(random, 0.3);
   const Consistency a = of(truth, estimate);

@@ -41,7 +41,7 @@ inline Trajectory with_noise(Trajectory trajectory, Random& random, double metre
   return trajectory;
 }
 
-/// The same path told in another world.
+/// The same path in another world.
 inline Trajectory moved(Trajectory trajectory, const Eigen::Isometry3d& T_new_old) {
   for (StampedPose& pose : trajectory) pose.T_world_body = T_new_old * pose.T_world_body;
   return trajectory;

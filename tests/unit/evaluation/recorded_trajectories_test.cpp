@@ -46,7 +46,7 @@ TEST_F(RecordedTrajectories, FreiburgXyzRgbdSlamHasThePublishedError) {
   EXPECT_NEAR(check("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-rgbdslam.txt"), 0.013473, 1e-6);
 }
 
-// The same path told in another world.
+// The same path in another world.
 TEST_F(RecordedTrajectories, FreiburgXyzRgbdSlamWithDrift) {
   EXPECT_NEAR(check("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-rgbdslam_drift.txt"), 0.013473, 1e-6);
 }

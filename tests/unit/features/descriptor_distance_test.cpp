@@ -24,7 +24,7 @@ Descriptor any_descriptor(Random& random) {
 TEST(DescriptorDistance, EveryInstructionSetEqualsDirectSummation) {
   for (const InstructionSet set : all_sets) {
     if (!has(set)) continue;
-    const DistanceKernel kernel = distance_kernel(set);
+    const DistanceFunction distances_of = distance_function(set);
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
       Random random(seed);
       Descriptor queries[4];
@@ -35,13 +35,13 @@ TEST(DescriptorDistance, EveryInstructionSetEqualsDirectSummation) {
       for (auto& target : targets) norms2.push_back(squared_norm(target = any_descriptor(random)));
       Int4 distances[40];
       const WideDescriptor* const group[4] = {&wide[0], &wide[1], &wide[2], &wide[3]};
-      kernel(group, targets.data(), norms2.data(), int(targets.size()), distances);
+      distances_of(group, targets.data(), norms2.data(), int(targets.size()), distances);
       for (std::size_t t = 0; t < targets.size(); ++t)
         for (int q = 0; q < 4; ++q)
           ASSERT_EQ(distances[t][q], squared_distance(queries[q], targets[t]))
               << "seed " << seed << ", set " << int(set);
       std::int32_t lone[40];
-      lone_distance_kernel(set)(wide[0], targets.data(), norms2.data(), int(targets.size()), lone);
+      lone_distance_function(set)(wide[0], targets.data(), norms2.data(), int(targets.size()), lone);
       for (std::size_t t = 0; t < targets.size(); ++t) ASSERT_EQ(lone[t], distances[t][0]) << "seed " << seed;
     }
   }
@@ -51,8 +51,8 @@ TEST(DescriptorDistance, TheBestSetIsThere) {
   EXPECT_TRUE(has(InstructionSet::portable));
   EXPECT_TRUE(has(best_instruction_set()));
   if (!has(InstructionSet::avx2)) {
-    EXPECT_THROW(distance_kernel(InstructionSet::avx2), std::invalid_argument);
-    EXPECT_THROW(lone_distance_kernel(InstructionSet::avx2), std::invalid_argument);
+    EXPECT_THROW(distance_function(InstructionSet::avx2), std::invalid_argument);
+    EXPECT_THROW(lone_distance_function(InstructionSet::avx2), std::invalid_argument);
   }
 }
 

@@ -218,7 +218,7 @@ TEST(DescriptorSearch, MatchesAreThoseOfTheMatcher) {
   Random random(5);
   const auto landmarks = clustered_features(3, 900);
   auto queries = clustered_features(4, 300);
-  for (std::size_t q = 0; q < queries.size(); q += 2) {  // sights of landmarks, some twice
+  for (std::size_t q = 0; q < queries.size(); q += 2) {  // observations of landmarks, some twice
     queries[q] = landmarks[random.below(150)];
     for (auto& byte : queries[q].descriptor) byte = std::uint8_t(byte + random.below(7));
   }

@@ -94,7 +94,7 @@ TEST(Calibration, HeadOfTwoCameras) {
   EXPECT_EQ(calibration.pixel_sigma, 0.7);
 }
 
-// Positive pitch looks down: the optical axis of a head inclined by 30 degrees meets the floor.
+// Positive pitch looks down: the optical axis of a head inclined by 30 degrees meets the ground.
 TEST(Calibration, MountByAngles) {
   const RgbdCalibration calibration =
       parse(tof + "mount: {translation: [0.1, 0.2, 1.3], rpy: [0, 0.5235987755982988, 0]}\n");

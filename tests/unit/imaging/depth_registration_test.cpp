@@ -173,15 +173,15 @@ INSTANTIATE_TEST_SUITE_P(Depth, OcclusionTest,
                                          OcclusionCase{"Thinned", false, 4}),
                          [](const auto& test) { return std::string(test.param.name); });
 
-// The floor under an inclined head, seen at a grazing angle, recedes by decimetres from one ToF pixel to
+// The ground under an inclined head, seen at a grazing angle, recedes by decimetres from one ToF pixel to
 // the next: it must not hide itself, noise or not.
-TEST(Registration, AGrazingFloorDoesNotHideItself) {
+TEST(Registration, AGrazingGroundDoesNotHideItself) {
   const RgbdCalibration head = tof_head();
-  Scene floor;
-  floor.planes.push_back({Eigen::Vector3d(0, std::cos(0.2), std::sin(0.2)), 1.3});
+  Scene ground;
+  ground.planes.push_back({Eigen::Vector3d(0, std::cos(0.2), std::sin(0.2)), 1.3});
   Random random(4);
   for (bool noisy : {false, true}) {
-    const auto registered = register_depth(frame_of(render(floor, head.depth, head.T_colour_depth,
+    const auto registered = register_depth(frame_of(render(ground, head.depth, head.T_colour_depth,
                                                            noisy ? &head.depth_noise : nullptr, &random)),
                                            head);
     int inside = 0;

@@ -63,31 +63,31 @@ TEST(DenseMap, AnotherVersionOfAKeyframeReplacesItWhenItIsWhole) {
   EXPECT_TRUE(map.incomplete().empty()) << "a tile of what is here already is not missed";
 }
 
-// A cloud that has changed is told again, of the same utime and in as many tiles; some are lost.
+// A cloud that has changed is published again, of the same utime and in as many tiles; some are lost.
 TEST(DenseMap, TilesOfTwoTellingsDoNotMix) {
-  const auto told = [](std::int64_t revision, int index) {
+  const auto published = [](std::int64_t revision, int index) {
     KeyframeTile part = tile(1, index, 3, static_cast<std::uint64_t>(10 * revision + index));
     part.part.revision = revision;
     return part;
   };
   DenseMap map;
-  EXPECT_FALSE(map.add(told(1, 0)));
-  EXPECT_FALSE(map.add(told(1, 2)));  // 1 is lost
-  EXPECT_FALSE(map.add(told(2, 1))) << "of another cloud";
-  EXPECT_FALSE(map.add(told(2, 0)));
-  EXPECT_TRUE(map.add(told(2, 2)));
+  EXPECT_FALSE(map.add(published(1, 0)));
+  EXPECT_FALSE(map.add(published(1, 2)));  // 1 is lost
+  EXPECT_FALSE(map.add(published(2, 1))) << "of another cloud";
+  EXPECT_FALSE(map.add(published(2, 0)));
+  EXPECT_TRUE(map.add(published(2, 2)));
   const auto has = [&](std::int64_t revision) {
     const ColouredCloud& cloud = map.keyframes().at(1).cloud;
     ASSERT_EQ(cloud.size(), 150U);
     EXPECT_EQ(map.keyframes().at(1).revision, revision);
     for (int i = 0; i < 3; ++i)
-      EXPECT_EQ(cloud.points[static_cast<std::size_t>(50 * i)], told(revision, i).part.cloud.points[0]);
+      EXPECT_EQ(cloud.points[static_cast<std::size_t>(50 * i)], published(revision, i).part.cloud.points[0]);
   };
   has(2);
-  for (const int index : {0, 1}) EXPECT_FALSE(map.add(told(3, index)));
+  for (const int index : {0, 1}) EXPECT_FALSE(map.add(published(3, index)));
   has(2);
-  EXPECT_THAT(map.incomplete(), ElementsAre(1)) << "what is here is older than what was told";
-  for (const int index : {2, 1, 0}) EXPECT_EQ(map.add(told(4, index)), index == 0);
+  EXPECT_THAT(map.incomplete(), ElementsAre(1)) << "what is here is older than what was published";
+  for (const int index : {2, 1, 0}) EXPECT_EQ(map.add(published(4, index)), index == 0);
   has(4);
   EXPECT_TRUE(map.incomplete().empty());
 }

@@ -5,7 +5,6 @@
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/origin.hpp>
-#include <lcmslam/pose_t.hpp>
 #include "tests/unit/messages/error_of.hpp"
 #include "tests/unit/messages/samples.hpp"
 
@@ -105,30 +104,6 @@ TEST(MotionMessages, PoseEstimateCarriesPoseAndCovariance) {
   EXPECT_TRUE(from_message(m.T_map_robot, "T_map_robot").isApprox(T, 1e-12));
   EXPECT_EQ(m.covariance[1 * 6 + 4], covariance(1, 4));  // row-major
   EXPECT_TRUE(covariance_from_message(m.covariance, "covariance").isApprox(covariance, 1e-12));
-}
-
-TEST(GeometryMessages, QuaternionOfNearlyUnitLengthIsNormalised) {
-  rigid_transform_t m = to_message(Eigen::Isometry3d::Identity());
-  m.quat[0] = 1.0003;
-  const Eigen::Isometry3d T = from_message(m, "T");
-  EXPECT_NEAR(T.linear().determinant(), 1, 1e-12);
-}
-
-TEST(GeometryMessages, ReadsBotCoresPose) {
-  pose_t m{};
-  m.pos[1] = 2;
-  m.orientation[0] = m.orientation[3] = std::sqrt(0.5);  // w, z: a quarter turn to the left
-  const Eigen::Isometry3d T = from_message(m);
-  EXPECT_TRUE((T * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d(0, 3, 0), 1e-12));
-  m.orientation[0] = 3;
-  EXPECT_THAT(error_of([&] { from_message(m); }), HasSubstr("pose_t"));
-}
-
-TEST(GeometryMessages, RangeCheckNamesFieldValueAndLimits) {
-  EXPECT_NO_THROW(check_range(1, 1, 1, "x"));
-  EXPECT_THAT(error_of([] { check_range(2.5, -1, 2, "speed"); }),
-              ::testing::AllOf(HasSubstr("speed"), HasSubstr("2.5"), HasSubstr("-1.0"), HasSubstr("2.0")));
-  EXPECT_THAT(error_of([] { check_range(nan, -1, 2, "speed"); }), HasSubstr("nan"));
 }
 
 }  // namespace

@@ -29,14 +29,14 @@ GraphEdge edge(int from, int to, EdgeKind kind, const UncertainTransform& T) {
   return {from, to, kind, T, 0};
 }
 
-TEST(TakeOut, ComposesThePathAndContinuesLoops) {
+TEST(Marginalise, ComposesThePathAndContinuesLoops) {
   Random random(3);
   const UncertainTransform a{some_pose(random), diagonal(0.02, 0.01)},
       b{some_pose(random), diagonal(0.01, 0.01)}, loop{some_pose(random), diagonal(0.005, 0.002)};
   std::vector<GraphEdge> edges = {edge(3, 4, EdgeKind::odometry, a), edge(4, 5, EdgeKind::odometry, b),
                                   edge(0, 4, EdgeKind::loop, loop), edge(0, 1, EdgeKind::odometry, a)};
   std::vector<GraphEdge> waiting = {edge(1, 4, EdgeKind::loop, loop)};
-  take_out(4, edges, waiting);
+  marginalise(4, edges, waiting);
   ASSERT_EQ(edges.size(), 3U);
   for (const GraphEdge& e : edges) EXPECT_LT(e.from, e.to);
   const GraphEdge& untouched = edges[0];
@@ -58,7 +58,7 @@ TEST(TakeOut, ComposesThePathAndContinuesLoops) {
   EXPECT_TRUE(waiting[0].T_from_to.T.isApprox(loop_b.T, 1e-9));
 }
 
-TEST(TakeOut, ParallelEdgesBecomeOne) {
+TEST(Marginalise, ParallelEdgesBecomeOne) {
   Random random(4);
   const Eigen::Isometry3d T = some_pose(random);
   const GraphEdge a = edge(0, 1, EdgeKind::loop, {T, diagonal(0.01, 0.01)});
@@ -72,7 +72,7 @@ TEST(TakeOut, ParallelEdgesBecomeOne) {
   std::vector<GraphEdge> edges, waiting;
   for (int i = 0; i < 8; ++i) edges.push_back(edge(i, i + 1, EdgeKind::odometry, step));
   for (int i = 4; i < 8; ++i) edges.push_back(edge(0, i, EdgeKind::loop, step));
-  for (const int gone : {4, 5, 6}) take_out(gone, edges, waiting);
+  for (const int gone : {4, 5, 6}) marginalise(gone, edges, waiting);
   int loops = 0, odometry = 0;
   for (const GraphEdge& e : edges) (e.kind == EdgeKind::odometry ? odometry : loops) += 1;
   EXPECT_EQ(odometry, 5);  // 0 1 2 3 7 8 in one piece
@@ -80,7 +80,7 @@ TEST(TakeOut, ParallelEdgesBecomeOne) {
   EXPECT_GE(loops, 1);
 }
 
-/// Three laps around a square with noisy odometry and noisy sights of the lap before.
+/// Three laps around a square with noisy odometry and noisy observations of the lap before.
 PoseGraph laps(std::uint64_t seed, std::vector<Eigen::Isometry3d>& truth) {
   Random random(seed);
   const auto noisy = [&](const Eigen::Isometry3d& T, double m, double rad) {
@@ -139,7 +139,7 @@ double spread(const PoseGraph& graph, int node) {
   return std::sqrt(covariance.block<3, 3>(6 * node, 6 * node).trace());
 }
 
-TEST(TakeOut, KeepsWhatTheGraphKnows) {
+TEST(Marginalise, KeepsWhatTheGraphKnows) {
   double full = 0, thin = 0, start = 0, overconfidence = 0;
   constexpr int seeds = 10;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
@@ -149,7 +149,7 @@ TEST(TakeOut, KeepsWhatTheGraphKnows) {
     std::vector<int> kept;
     for (int i = 0; i < static_cast<int>(truth.size()); ++i)
       if (i % 3 == 1 && i > 0)
-        take_out(i, thinned.edges, waiting);
+        marginalise(i, thinned.edges, waiting);
       else
         kept.push_back(i);
     EXPECT_LT(thinned.edges.size(), graph.edges.size());
@@ -185,11 +185,11 @@ TEST(CoveredNodes, TheMostRedundantGo) {
   for (std::size_t i = 0; i < gone.size(); ++i)
     if (gone[i]) which.push_back(static_cast<int>(i));
   EXPECT_THAT(which, testing::ElementsAre(1, 8, 10));
-  const auto heir = heirs(nodes, gone);
-  EXPECT_EQ(heir[1], 0);
-  EXPECT_EQ(heir[8], 4);
-  EXPECT_EQ(heir[10], 5);
-  EXPECT_EQ(heir[7], 7);
+  const auto successor = successors(nodes, gone);
+  EXPECT_EQ(successor[1], 0);
+  EXPECT_EQ(successor[8], 4);
+  EXPECT_EQ(successor[10], 5);
+  EXPECT_EQ(successor[7], 7);
   // Fixed ones stay, whatever the limit.
   for (ThinningNode& n : nodes) n.fixed = true;
   for (const bool g : covered_nodes(nodes, 0, 0)) EXPECT_FALSE(g);

@@ -1,6 +1,6 @@
 #include <lcmslam/pose_graph/keyframe_graph.hpp>
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <lcmslam/dense_mapper/voxel_map.hpp>
 #include "tests/unit/dense_mapper/gallery.hpp"
@@ -146,49 +146,6 @@ TEST(KeyframeGraph, FeaturesMayComeLater) {
   EXPECT_FALSE(graph.work(second + 2000));  // begins
   EXPECT_FALSE(graph.add_features(id, features));
   EXPECT_FALSE(graph.add_features(7, features));
-}
-
-TEST(LoopFinder, NamesTheKeyframeThatLooksAlikeAndMeasuresIt) {
-  Gallery gallery(9);
-  LoopFinder finder({});
-  for (int i = 0; i < 5; ++i) {
-    auto view = std::make_shared<KeyframeView>(
-        gallery.seen_from(Eigen::Isometry3d(Eigen::Translation3d(1.5 * i, 0, 0))));
-    view->node = i;
-    finder.add(view);
-  }
-  const Eigen::Isometry3d T = se3_exp(twist(4.6, 0.05, -0.05, 0, 0, 0)) * se3_exp(twist(0, 0, 0, 0, 0.05, 0));
-  const KeyframeView view = gallery.seen_from(T);
-  const auto alike = finder.alike(view.features, {});
-  ASSERT_FALSE(alike.empty());
-  EXPECT_EQ(alike.front(), 3);
-  EXPECT_THAT(finder.alike(view.features, {3}), testing::Not(testing::Contains(3)));
-  const auto measured = finder.verify(*finder.view(3), view, std::nullopt);
-  ASSERT_TRUE(measured);
-  const UncertainTransform error{
-      measured->T.inverse() * Eigen::Isometry3d(Eigen::Translation3d(-4.5, 0, 0)) * T, measured->covariance};
-  EXPECT_LT(error.T.translation().norm(), 0.01);
-  EXPECT_LT(rotation_angle(error.T), 0.005);
-  EXPECT_LT(distance_from_identity(error), 4.7);  // no surer than it is
-}
-
-TEST(LoopFinder, RefusesAnotherPlace) {
-  Gallery here(1), elsewhere(2);
-  LoopFinder finder({});
-  auto view = std::make_shared<KeyframeView>(here.seen_from(Eigen::Isometry3d::Identity()));
-  finder.add(view);
-  const KeyframeView other = elsewhere.seen_from(Eigen::Isometry3d::Identity());
-  EXPECT_TRUE(finder.alike(other.features, {}).empty());
-  EXPECT_FALSE(finder.verify(*view, other, std::nullopt));
-  EXPECT_FALSE(finder.verify(*view, {}, Eigen::Isometry3d::Identity()));
-  // The same things in another order in space: descriptors agree, geometry does not.
-  KeyframeView shuffled = here.seen_from(Eigen::Isometry3d::Identity());
-  auto& features = shuffled.features.features;
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    const auto& from = view->features.features[(7 * i + 3) % features.size()];
-    features[i].point = from.point;
-  }
-  EXPECT_FALSE(finder.verify(*view, shuffled, std::nullopt));
 }
 
 TEST(VoxelMap, BendsWithItsKeyframes) {

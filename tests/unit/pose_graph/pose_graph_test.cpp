@@ -132,9 +132,9 @@ TEST(PoseGraph, AnUnlikelyLoopWaitsForOthersThatAgreeWithIt) {
   EXPECT_EQ(waiting.front().to, 43);
 }
 
-TEST(PoseGraph, TheFloorHoldsHeightAndTilt) {
+TEST(PoseGraph, TheGroundHoldsHeightAndTilt) {
   Walk walk(5);
-  walk.graph.T_camera_on_floor = Eigen::Isometry3d::Identity();
+  walk.graph.T_camera_on_ground = Eigen::Isometry3d::Identity();
   optimise(walk.graph, {});
   for (const Eigen::Isometry3d& T : walk.graph.poses) {
     EXPECT_LT(std::abs(T.translation().z()), 0.03);

@@ -1,8 +1,9 @@
-// Every combination of parts through one check on recorded pairs; degeneracy; garbage.
+// Every combination of parts through one check on recorded pairs; garbage.
 
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <thread>
 
 #include <lcmslam/registration/registration.hpp>
 #include "tests/support/recorded_clouds.hpp"
@@ -130,53 +131,6 @@ RegistrationResult register_to_itself(const Cloud& cloud, const Eigen::Isometry3
   return register_cloud(cloud, *make_target(cloud, CorrespondenceKind::kd_tree), start, settings, prior);
 }
 
-// Degenerate directions are those whose motion leaves all residuals at zero.
-void expect_degenerate(const Cloud& cloud, std::size_t directions) {
-  const RegistrationResult r = register_to_itself(cloud, Eigen::Isometry3d::Identity());
-  ASSERT_EQ(r.degenerate.size(), directions);
-  for (const Vector6d& xi : r.degenerate) {
-    double sum = 0;
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const Eigen::Vector3d p = cloud.points[i].cast<double>();
-      const double slide = cloud.normals[i].cast<double>().dot(xi.head<3>() + xi.tail<3>().cross(p));
-      sum += slide * slide;
-    }
-    EXPECT_LT(std::sqrt(sum / static_cast<double>(cloud.size())), 1e-3);
-  }
-  EXPECT_GT(r.covariance.diagonal().maxCoeff(), 0.01);
-}
-
-TEST(Degeneracy, AWallLeavesThreeDirections) {
-  expect_degenerate(wall(), 3);
-}
-TEST(Degeneracy, ACorridorLeavesOne) {
-  expect_degenerate(corridor(), 1);
-}
-TEST(Degeneracy, ASphereLeavesItsRotations) {
-  expect_degenerate(sphere({2, 0.5, 0.3}, 0.7), 3);
-}
-TEST(Degeneracy, ARoomLeavesNone) {
-  const RegistrationResult r = register_to_itself(room(), Eigen::Isometry3d::Identity());
-  EXPECT_TRUE(r.degenerate.empty());
-  EXPECT_LT(r.covariance.diagonal().maxCoeff(), 0.01);
-}
-
-// In front of a bare wall the distance is measured and the rest is the prediction.
-TEST(Degeneracy, TheWallsOwnDirectionsFollowThePrior) {
-  Prior prior;
-  prior.T_target_source = se3_exp(twist(0.03, 0.08, -0.05, 0.02, 0.01, -0.01));
-  prior.information = Matrix6d::Identity() * 1e4;
-  const RegistrationResult r = register_to_itself(wall(0.02), prior.T_target_source, &prior);
-  ASSERT_TRUE(r.ok());
-  const Eigen::Vector3d t = r.T_target_source.translation();
-  EXPECT_NEAR(t.y(), 0.08, 0.01);
-  EXPECT_NEAR(t.z(), -0.05, 0.01);
-  EXPECT_NEAR((r.T_target_source * Eigen::Vector3d(2, 0, 0)).x(), 2, 0.002);
-  const Vector6d sigma = r.covariance.diagonal().cwiseSqrt();
-  EXPECT_LT(sigma(0), 0.005);
-  EXPECT_NEAR(sigma(1), 0.01, 0.003);  // the prior's
-}
-
 TEST(Registration, WithoutPriorDegenerateDirectionsStay) {
   const Eigen::Isometry3d start = se3_exp(twist(0.03, 0.04, -0.02, 0, 0, 0));
   const RegistrationResult r = register_to_itself(wall(0.02), start);
@@ -234,6 +188,53 @@ TEST(Registration, RepeatsExactly) {
   settings.seed = 2;
   const RegistrationResult c = register_cloud(room(), *target, start, settings);
   EXPECT_FALSE(a.T_target_source.matrix() == c.T_target_source.matrix());
+}
+
+TEST(Registration, TwoCloudsFromFarThroughTheFacade) {
+  Random random(5);
+  for (const auto metric :
+       {MetricKind::point_to_point, MetricKind::point_to_plane, MetricKind::plane_to_plane}) {
+    const Eigen::Isometry3d T = se3_exp(twist(0.1, -0.1, 0.05, 0.05, 0.05, 0.1));
+    const Cloud source(transformed(room(0.037), T.inverse()).points), target(room(0.03).points);
+    const auto result = register_clouds(source, target, Eigen::Isometry3d::Identity(), wide_passes(metric));
+    EXPECT_TRUE(result.ok()) << to_string(result.stop);
+    const Eigen::Isometry3d error = T.inverse() * result.T_target_source;
+    EXPECT_LT(error.translation().norm(), 0.01);
+    EXPECT_LT(rotation_angle(error), 0.005);
+  }
+  EXPECT_THROW(register_clouds(room(), room(), Eigen::Isometry3d::Identity(), {}), std::invalid_argument);
+}
+
+TEST(Registration, ALookMovesNothingAndAgreesWithTheRun) {
+  const KdTreeTarget target(room(0.03));
+  const auto run = register_cloud(room(0.037), target, Eigen::Isometry3d::Identity(), {});
+  RegistrationSettings settings;
+  settings.max_distance = 0.06;
+  const auto seen = look(room(0.037), target, run.T_target_source, settings);
+  EXPECT_TRUE(seen.T_target_source.matrix() == run.T_target_source.matrix());
+  EXPECT_NEAR(seen.overlap, run.overlap, 0.02);
+  EXPECT_NEAR(seen.rms.at(0), run.rms.back(), 1e-3);
+  EXPECT_EQ(look({}, target, Eigen::Isometry3d::Identity(), settings).stop, StopReason::too_few_pairs);
+}
+
+TEST(Registration, IsTheSameInEveryThread) {
+  RegistrationSettings settings;
+  settings.metric = MetricKind::plane_to_plane;
+  settings.selection = SelectionKind::stable;
+  settings.selected_points = 500;
+  settings.mutual = true;
+  const KdTreeTarget target(room(0.04));
+  const Eigen::Isometry3d start = se3_exp(twist(0.02, 0.02, 0, 0.01, 0, 0.02));
+  std::vector<RegistrationResult> results(8);
+  std::vector<std::thread> threads;
+  for (auto& result : results)
+    threads.emplace_back([&] { result = register_cloud(room(), target, start, settings); });
+  for (auto& thread : threads) thread.join();
+  for (const auto& result : results) {
+    EXPECT_TRUE(result.T_target_source.matrix() == results[0].T_target_source.matrix());
+    EXPECT_TRUE(result.covariance == results[0].covariance);
+    EXPECT_EQ(result.rms, results[0].rms);
+  }
 }
 
 class Garbage : public testing::TestWithParam<Combination> {};

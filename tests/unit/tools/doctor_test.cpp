@@ -120,7 +120,7 @@ TEST(GraphTraffic, IsMeasuredOnTheImagesThatTheConfigurationWouldSend) {
 }
 
 /// What is found while a STATUS of that age is on the bus; `processes`: those to be launched. One that stops
-/// says so after its first tellings.
+/// says so after its first messages.
 Finding senders_beside(std::chrono::system_clock::duration age, std::vector<std::string> processes = {},
                        bool stops = false) {
   static const std::string bus = own_bus(url);
@@ -131,8 +131,8 @@ Finding senders_beside(std::chrono::system_clock::duration age, std::vector<std:
     status_t status{};
     status.process = "surf";
     status.pid = 4711;
-    for (int telling = 0; !stop; ++telling) {
-      status.state = stops && telling > 20 ? status_t::STOPPING : status_t::RUNNING;
+    for (int message = 0; !stop; ++message) {
+      status.state = stops && message > 20 ? status_t::STOPPING : status_t::RUNNING;
       const auto time = (std::chrono::system_clock::now() - age).time_since_epoch();
       status.utime = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
       publisher.publish("STATUS", status);

@@ -34,7 +34,7 @@ TEST_F(Evaluate, PublishedTrajectoryAgreesWithTheDefinition) {
 TEST_F(Evaluate, LogAloneComparesItsPosesWithItsTruthInTheRobotsFrame) {
   write_log("run.lcmlog");
   ASSERT_EQ(run({path("run.lcmlog"), "--json", path("r.json")}), 0) << output_;
-  EXPECT_THAT(output_, AllOf(HasSubstr("speaks of the camera: told of the robot"),
+  EXPECT_THAT(output_, AllOf(HasSubstr("speaks of the camera: converted to the robot"),
                              HasSubstr("CAMERA_CALIBRATION"), HasSubstr("association interpolate")));
   const auto estimates = json("r.json").at("estimates");
   ASSERT_EQ(estimates.size(), 3U);
@@ -60,9 +60,9 @@ TEST_F(Evaluate, TextTruthOfTheCameraIsConvertedWhenSaidSo) {
   ASSERT_EQ(run(arguments), 0);
   EXPECT_THAT(output_, HasSubstr("does not say whose pose it is: taken as the robot's"));
   EXPECT_GT(ate(json("r.json").at("estimates").at(0)), 0.1);
-  auto told = arguments;
-  told.insert(told.end(), {"--truth-frame", "camera"});
-  ASSERT_EQ(run(told), 0);
+  auto with_frame = arguments;
+  with_frame.insert(with_frame.end(), {"--truth-frame", "camera"});
+  ASSERT_EQ(run(with_frame), 0);
   EXPECT_LT(ate(json("r.json").at("estimates").at(0)), 1e-6);
 }
 

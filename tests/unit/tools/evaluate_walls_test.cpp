@@ -28,7 +28,7 @@ class EvaluateWalls : public testing::Evaluate {
         "path: [0, 0, 1, 0]\nambient: 1\n");
   }
 
-  /// The wall at x = 2, `before` (m) its true place, told by a mapper as keyframe `id`.
+  /// The wall at x = 2, `before` (m) its true place, published by a mapper as keyframe `id`.
   std::vector<keyframe_t> wall(std::int64_t sender, std::int32_t id, double seconds, double before) const {
     DenseKeyframe keyframe;
     keyframe.id = id;

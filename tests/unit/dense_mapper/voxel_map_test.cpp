@@ -1,0 +1,128 @@
+#include <lcmslam/dense_mapper/voxel_map.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+#include "tests/support/cloud_scenes.hpp"
+#include "tests/support/exhaustive_search.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(VoxelMap, FindsTheNearestSurfelAtAnyDistance) {
+  Random random(7);
+  VoxelMapSettings settings;
+  settings.voxel_size = 0.1;
+  VoxelMap map(settings);
+  Cloud cloud;
+  for (int i = 0; i < 2000; ++i) {
+    cloud.points.push_back(random_point(random, 1));
+    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+  }
+  map.insert(cloud, Eigen::Vector3d::Zero());
+  const Cloud surfels = map.cloud();
+  ASSERT_EQ(surfels.size(), map.size());
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3f query = random_point(random, 1.4);
+    const float max_distance = static_cast<float>(random.uniform(0, 0.9));
+    const int expected = nearest_by_exhaustion(surfels.points, query, max_distance);
+    TargetPoint found;
+    ASSERT_EQ(map.find(query, max_distance, found), expected >= 0);
+    if (expected < 0) continue;
+    EXPECT_EQ(found.point, surfels.points[static_cast<std::size_t>(expected)]);
+  }
+}
+
+TEST(VoxelMap, AveragesWhatIsSeenOften) {
+  VoxelMapSettings settings;
+  settings.voxel_size = 0.1;
+  VoxelMap map(settings);
+  Random random(8);
+  const int frames = 50;
+  for (int i = 0; i < frames; ++i) {
+    Cloud cloud;
+    cloud.points.emplace_back(0.05f, 0.05f, static_cast<float>(random.normal(0.05, 0.01)));
+    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    cloud.sigmas.push_back(0.01f);
+    map.insert(cloud, Eigen::Vector3d::Zero());
+  }
+  ASSERT_EQ(map.size(), 1u);
+  const Cloud surfels = map.cloud();
+  EXPECT_NEAR(surfels.points[0].z(), 0.05, 4 * 0.01 / std::sqrt(frames));
+  EXPECT_NEAR(surfels.sigmas[0], 0.01 / std::sqrt(frames), 1e-5);
+}
+
+TEST(VoxelMap, BothSidesOfABoardStayApart) {
+  VoxelMap map;
+  Cloud cloud;
+  cloud.points = {{0.02f, 0.02f, 0.01f}, {0.02f, 0.02f, 0.03f}};
+  cloud.normals = {-Eigen::Vector3f::UnitZ(), Eigen::Vector3f::UnitZ()};
+  map.insert(cloud, Eigen::Vector3d::Zero());
+  EXPECT_EQ(map.size(), 2u);
+}
+
+TEST(VoxelMap, StaysWithinItsBoundAndForgetsTheFarthest) {
+  VoxelMapSettings settings;
+  settings.voxel_size = 0.1;
+  settings.max_blocks = 100;
+  VoxelMap map(settings);
+  for (int i = 0; i < 1000; ++i) {
+    Cloud cloud;
+    cloud.points.emplace_back(0.4f * static_cast<float>(i) + 0.2f, 0.2f, 0.2f);
+    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    map.insert(cloud, cloud.points.back().cast<double>());
+    ASSERT_LE(map.blocks(), 100u);
+  }
+  TargetPoint found;
+  EXPECT_TRUE(map.find({399.8f, 0.2f, 0.2f}, 0.01f, found));
+  EXPECT_TRUE(map.find({390.2f, 0.2f, 0.2f}, 0.21f, found));
+  EXPECT_FALSE(map.find({0.2f, 0.2f, 0.2f}, 0.01f, found));
+}
+
+TEST(VoxelMap, GarbageIsLeftOut) {
+  VoxelMap map;
+  Cloud cloud;
+  cloud.points = {{nan, 0, 0}, {1e30f, 0, 0}, {0, 0, 0}};
+  cloud.normals = {Eigen::Vector3f::UnitZ(), Eigen::Vector3f::UnitZ(), Eigen::Vector3f::Constant(nan)};
+  map.insert(cloud, Eigen::Vector3d::Zero());
+  EXPECT_EQ(map.size(), 0u);
+  TargetPoint found;
+  EXPECT_FALSE(map.find({nan, 0, 0}, 1, found));
+  EXPECT_FALSE(map.find({1e30f, 0, 0}, 1, found));
+  VoxelMapSettings bad;
+  bad.voxel_size = 0;
+  EXPECT_THROW(VoxelMap{bad}, std::invalid_argument);
+}
+
+TEST(VoxelMap, PartnersOfColouredCloudsHaveIntensityAndItsGradient) {
+  Cloud cloud = wall(0.02);
+  VoxelMap map;
+  map.insert(cloud, Eigen::Vector3d::Zero());
+  TargetPoint found;
+  ASSERT_TRUE(map.find({2, 0.1f, 0.2f}, 0.1f, found));
+  EXPECT_TRUE(std::isnan(found.intensity));
+  EXPECT_FALSE(map.has_intensities());
+  // Brighter to the left and upwards.
+  const Eigen::Vector3f gradient(0, 0.2f, 0.1f);
+  for (const Eigen::Vector3f& p : cloud.points) cloud.intensities.push_back(0.5f + gradient.dot(p));
+  map = VoxelMap();
+  for (int i = 0; i < 3; ++i) map.insert(cloud, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(map.has_intensities());
+  EXPECT_EQ(map.cloud().intensities.size(), map.size());
+  const VoxelMap deformed = map.deformed({Eigen::Isometry3d::Identity()});
+  for (const VoxelMap* each : std::initializer_list<const VoxelMap*>{&map, &deformed}) {
+    for (float y = -1; y < 1; y += 0.13f) {
+      ASSERT_TRUE(each->find({2, y, 0.2f}, 0.1f, found));
+      EXPECT_NEAR(found.intensity, 0.5f + gradient.dot(found.point), 1e-3f);
+      EXPECT_LT((found.gradient - gradient).norm(), 5e-3f) << y;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcmslam
