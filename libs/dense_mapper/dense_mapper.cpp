@@ -58,7 +58,7 @@ PreparedFrame DenseMapper::prepare(const DenseFrame& frame) const {
 void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
   motion_.observe(prepared.frame.utime, step.T_world_robot, false);
   if (static_cast<int>(prepared.cloud.size()) < settings_.min_points) return;
-  if (settings_.prior.planar) graph_.set_floor(prepared.frame.T_robot_camera.inverse());
+  if (settings_.prior.planar) graph_.set_ground(prepared.frame.T_robot_camera.inverse());
   step.quality = 1;
   step.status = MappingStatus::tracking;
   add_node(prepared, true, step);
