@@ -1,9 +1,22 @@
 #pragma once
 // The subcommands of `lcmslam`; each parses its own options and gives the exit code.
 
+#include <vector>
+
 namespace lcmslam {
 
+struct Command {
+  const char* name;
+  int (*run)(int, char**);
+  const char* help;
+  std::vector<Command> below = {};  ///< subcommands, each with options of its own
+};
+
+const std::vector<Command>& commands();
+
 int batch_command(int argc, char** argv);
+int completion_command(int argc, char** argv);
+int config_command(int argc, char** argv);
 int demo_command(int argc, char** argv);
 int doctor_command(int argc, char** argv);
 int evaluate_command(int argc, char** argv);

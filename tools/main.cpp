@@ -24,17 +24,8 @@ int check_output(int exit_code) {
 
 int main(int argc, char** argv) {
   using namespace lcmslam;
-  struct Command {
-    const char* name;
-    int (*run)(int, char**);
-  };
-  const Command commands[] = {
-      {"batch", batch_command},       {"demo", demo_command},       {"doctor", doctor_command},
-      {"evaluate", evaluate_command}, {"echo", echo_command},       {"import", import_command},
-      {"launch", launch_command},     {"lcm-spy", lcm_spy_command}, {"log", log_command},
-      {"simulate", simulate_command}, {"spy", spy_command},         {"study", study_command}};
   const char* name = argc > 1 ? argv[1] : "";
-  for (const Command& command : commands) {
+  for (const Command& command : commands()) {
     if (std::strcmp(command.name, name) != 0) continue;
     try {
       return check_output(command.run(argc - 1, argv + 1));
@@ -49,7 +40,7 @@ int main(int argc, char** argv) {
   }
   if (std::strcmp(name, "--help") == 0) {
     std::cout << "usage: lcmslam COMMAND [options]; lcmslam COMMAND --help for its options. Commands:";
-    for (const Command& command : commands) std::cout << " " << command.name;
+    for (const Command& command : commands()) std::cout << " " << command.name;
     std::cout << "\n";
     return 0;
   }
