@@ -1,9 +1,18 @@
 #pragma once
 // The subcommands of `lcmslam`; each parses its own options and gives the exit code.
 
+#include <vector>
+
+#include "tools/run_commands.hpp"
+
 namespace lcmslam {
 
+/// All of them.
+const std::vector<Command>& commands();
+
 int batch_command(int argc, char** argv);
+int completion_command(int argc, char** argv);
+int config_command(int argc, char** argv);
 int demo_command(int argc, char** argv);
 int doctor_command(int argc, char** argv);
 int evaluate_command(int argc, char** argv);

@@ -6,10 +6,12 @@ namespace lcmslam {
 struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
+  const char* help = "";
+  std::vector<Command> below = {};  ///< subcommands, each with options of its own
 };
 
-/// A main(): runs the command that the first argument names and gives the exit code; 1 for exceptions and for output
-/// that could not be written.
+/// A main(): runs the command that the first argument names and gives the exit code; 1 for exceptions and for
+/// output that could not be written.
 int run_commands(const std::vector<Command>& commands, int argc, char** argv);
 
 /// A command whose own program, `program`, lies beside this one and takes over. Does not come back; throws

@@ -44,7 +44,7 @@ void check(const FastSlamSettings& settings) {
 void FastSlamSettings::describe(SettingsVisitor& s) {
   constexpr double any = std::numeric_limits<int>::max();
 
-  s.number("particles", particles, "", {1, 100000}, "of the filter");
+  s.number("particles", particles, "", {1, 100000}, "hypotheses of the robot's path, each with its map");
   s.number("seed", seed, "", {0, any}, "of the draws");
   s.choice("proposal", proposal, proposal_names,
            "where particles are drawn from: odometry (FastSLAM 1.0), or that and the observations (2.0)");
@@ -61,12 +61,15 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "added in variance to the reported covariance: what no particle knows of");
 
   s.flag("use_motion_covariance", use_motion_covariance,
-         "odometry's own covariance is used; false: the noise is only what the next keys say");
+         "odometry's own covariance is used; false: the noise is translation_noise and the like alone");
   s.number("translation_noise", translation_noise, "m", {1e-6, 10}, "of a step, added in variance");
   s.number("rotation_noise", rotation_noise, "rad", {1e-6, 10}, "of a step, added in variance");
-  s.number("translation_noise_per_m", translation_noise_per_m, "m per m", {0, 10}, "by the way driven");
-  s.number("rotation_noise_per_rad", rotation_noise_per_rad, "rad per rad", {0, 10}, "by the angle turned");
-  s.number("rotation_noise_per_m", rotation_noise_per_m, "rad per m", {0, 10}, "by the way driven");
+  s.number("translation_noise_per_m", translation_noise_per_m, "m per m", {0, 10},
+           "noise of a step by the way driven");
+  s.number("rotation_noise_per_rad", rotation_noise_per_rad, "rad per rad", {0, 10},
+           "noise of a step by the angle turned");
+  s.number("rotation_noise_per_m", rotation_noise_per_m, "rad per m", {0, 10},
+           "noise of the heading by the way driven");
   s.number("visual_factor", visual_factor, "", {1, 1000},
            "on sigma of visual odometry, which was made from the same features");
 
@@ -77,7 +80,7 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
   s.number("heading_per_m_sigma", heading_per_m_sigma, "rad per m", {0, 1},
            "systematic drift of the heading by the way driven; learned");
   s.number("calibration_walk", calibration_walk, "per root metre", {0, 10},
-           "of these sigmas: how fast the errors may change");
+           "of the sigmas of way and heading: how fast these errors may change");
 
   s.number("range_offset_sigma", range_offset_sigma, "m", {0, 10},
            "what a range-bearing sensor's ranges may be off, all alike; learned with the smoothed path");
@@ -136,12 +139,13 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "of a core's time for the solver; twice that at few lineages");
   s.number("rejuvenation_lineages", rejuvenation_lineages, "", {0, 1},
            "of the particles: distinct ancestors since they were drawn anew; fewer are few");
-  s.number("reunion_steps", reunion_steps, "", {0, 1e9}, "unseen for so many steps is long");
+  s.number("reunion_steps", reunion_steps, "", {0, 1e9},
+           "a landmark unseen for so many steps makes the path be smoothed when it is seen again");
 
   s.flag("smooth_map", smooth_map, "keeps keyframes of 3-D landmarks, so that path and map can be smoothed");
-  s.flag("bend_closed_loops", bend_closed_loops, "smooths them unasked, too, when a loop was closed");
+  s.flag("bend_closed_loops", bend_closed_loops, "smooths path and map unasked, too, when a loop was closed");
 
-  s.number("maximum_new_landmarks", maximum_new_landmarks, "", {1, any}, "a step");
+  s.number("maximum_new_landmarks", maximum_new_landmarks, "", {1, any}, "landmarks that a step may make");
   s.number("cell_capacity", cell_capacity, "", {1, any},
            "landmarks seen in one of 16 x 12 image cells before no more are made");
   s.flag("remove_landmarks", remove_landmarks, "landmarks that should be seen and are not go");
@@ -153,7 +157,8 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "log-odds that a landmark's existence does not exceed");
   s.require(odds_remove <= odds_new && odds_new <= odds_maximum, "odds_new",
             "must lie between odds_remove and odds_maximum");
-  s.number("minimum_observations", minimum_observations, "", {1, 100000}, "before a landmark is given out");
+  s.number("minimum_observations", minimum_observations, "", {1, 100000},
+           "of a landmark before it is given out");
   s.number("tentative_steps", tentative_steps, "", {1, 1e9},
            "a landmark not given out and not seen for so many steps is forgotten");
 }

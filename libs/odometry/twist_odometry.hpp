@@ -31,7 +31,8 @@ struct TwistOdometrySettings {
              "from a twist's stamp until the base moves so (commands, filters)");
     s.number("timeout", timeout, "s", {0, 3600},
              "that a twist holds without a successor; then the base may do anything");
-    s.number("max_speed", max_speed, "m/s and rad/s", {0, 100}, "that it may do then");
+    s.number("max_speed", max_speed, "m/s and rad/s", {0, 100},
+             "that the base may do when a twist has held for longer than timeout");
   }
 };
 

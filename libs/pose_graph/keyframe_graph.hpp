@@ -55,8 +55,10 @@ struct KeyframeGraphSettings {
     s.number("min_rotation", min_rotation, "rad", {0, 3.1416},
              "smaller corrections are not worth deforming the map for");
     s.number("wait", wait, "s", {0, 10}, "of message time that the work waits for a keyframe's features");
-    s.number("time", time, "s", {0, 100}, "of message time that the work may take, and");
-    s.number("time_per_node", time_per_node, "s", {0, 1}, "of message time for each node");
+    s.number("time", time, "s", {0, 100},
+             "of message time that the graph's work may take, besides time_per_node");
+    s.number("time_per_node", time_per_node, "s", {0, 1},
+             "of message time that the graph's work may take for each node, besides time");
     s.number("max_waiting", max_waiting, "", {0, 1e6}, "edges that are not believed yet, the newest ones");
   }
 };

@@ -50,7 +50,7 @@ struct PoseGraphSettings {
              "of the Cauchy kernel on all edges but odometry's");
     s.number("max_error", max_error, "", {0.1, 1e6},
              "Mahalanobis distance beyond which edges but odometry's are refused (6 DoF, 99.99 %)");
-    s.number("max_iterations", max_iterations, "", {1, 10000}, "of each solution");
+    s.number("max_iterations", max_iterations, "", {1, 10000}, "iterations of each solution");
     s.number("path_gate", path_gate, "", {0, 1e6},
              "a loop this near (Mahalanobis; 6 DoF, 99.9 %) to what the graph expects is believed");
     s.number("loop_support", loop_support, "", {1, 100},

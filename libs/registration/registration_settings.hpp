@@ -92,7 +92,8 @@ struct RegistrationSettings {
   /// What every registration has.
   void describe(SettingsVisitor& s) {
     s.choice("selection", selection, selection_names, "which points of the source take part");
-    s.number("selected_points", selected_points, "", {10, 1e7}, "how many of them, for all kinds but `all`");
+    s.number("selected_points", selected_points, "", {10, 1e7},
+             "points of the source that take part, for all selections but `all`");
     s.number("seed", seed, "", {0, 1e9}, "of the draws, for random, normal_space and stable");
     s.number("max_distance", max_distance, "m", {0, 1000}, "of a pair, in the first iteration");
     s.number("min_distance", min_distance, "m", {0, 1000},
@@ -117,7 +118,7 @@ struct RegistrationSettings {
              "directions with less information than this share of what the pairs could give are degenerate");
     s.number("independent_pairs", independent_pairs, "", {1, 1e9},
              "neighbouring pixels share errors: more pairs than these add no information");
-    s.number("max_iterations", max_iterations, "", {1, 10000}, "after which registration stops");
+    s.number("max_iterations", max_iterations, "", {1, 10000}, "iterations after which registration stops");
     s.number("epsilon_translation", epsilon_translation, "m", {0, 1000},
              "stops when a step moves less, and turns less than epsilon_rotation");
     s.number("epsilon_rotation", epsilon_rotation, "rad", {0, 3.1416},

@@ -42,7 +42,7 @@ const std::vector<std::string>& process_names() {
 void LaunchSettings::describe(SettingsVisitor& s) {
   std::vector<const char*> names;
   for (const std::string& name : process_names()) names.push_back(name.c_str());
-  s.texts("processes", processes, "that run", names);
+  s.texts("processes", processes, "processes that run", names);
   s.flag("restart", restart, "a process that dies comes back");
 }
 

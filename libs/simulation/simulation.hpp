@@ -27,13 +27,13 @@ struct SimulationSettings {
 
   void describe(SettingsVisitor& s) {
     s.required_path("scene", scene, "a file of config/scenes, relative to the file that names it");
-    s.choice("head", head, {"tof", "rgbd"}, "the cameras");
-    s.choice("base", base, {"differential", "steered", "mecanum"}, "the wheels");
+    s.choice("head", head, {"tof", "rgbd"}, "which cameras the robot has");
+    s.choice("base", base, {"differential", "steered", "mecanum"}, "which wheels the robot has");
     s.number("seed", seed, "", {0, 2147483647},
              "of the sensors' errors; the scene and the path do not depend on it");
     s.number("seconds", seconds, "s", {0, 1e6}, "of the path; 0: the whole of it");
     s.number("frame_rate", frame_rate, "Hz", {0, 200}, "of the images; 0: 10 for tof, 30 for rgbd");
-    s.number("threads", threads, "", {1, 64}, "for one image");
+    s.number("threads", threads, "", {1, 64}, "that render one image");
   }
 };
 

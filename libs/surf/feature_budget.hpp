@@ -16,10 +16,12 @@ struct FeatureBudget {
   void describe(SettingsVisitor& s) {
     s.number("max_features", max_features, "", {0, 1e6},
              "keypoints that are kept of an image, the strongest, spread over it; 0: all");
-    s.number("cell_columns", columns, "", {1, 1000}, "cells over which they are spread, from left to right");
-    s.number("cell_rows", rows, "", {1, 1000}, "cells from top to bottom");
+    s.number("cell_columns", columns, "", {1, 1000},
+             "cells over which keypoints are spread, from left to right");
+    s.number("cell_rows", rows, "", {1, 1000}, "cells over which keypoints are spread, from top to bottom");
     s.number("cell_share", cell_share, "", {1, 1e6},
-             "of its equal share that a cell may take before the others have chosen; large: no spreading");
+             "of its equal share of keypoints that a cell may take before the others have chosen; large: no "
+             "spreading");
   }
 };
 

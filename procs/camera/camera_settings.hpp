@@ -59,13 +59,14 @@ struct CameraSettings {
   double wait_at_most = 30;
 
   void describe(SettingsVisitor& s) {
-    s.choice("source", source, {"simulation", "dataset", "log"}, "of the images");
+    s.choice("source", source, {"simulation", "dataset", "log"}, "where the images come from");
     s.alternative(source == "simulation", "simulation", simulation, "a robot that drives through a scene");
     s.alternative(source == "dataset", "dataset", dataset, "a recording of others");
     s.alternative(source == "log", "log", log, "a recording of ours");
     s.number("speed", speed, "", {0.01, 100}, "of playing; 1: as it was measured");
     s.texts("wait_for", wait_for, "processes that must report before the first image goes out");
-    s.number("wait_at_most", wait_at_most, "s", {0, 600}, "for them");
+    s.number("wait_at_most", wait_at_most, "s", {0, 600},
+             "that the first image waits for the processes of wait_for");
   }
 };
 

@@ -1,7 +1,11 @@
 #pragma once
 // The subcommands of `lcmslam log`.
 
+#include "tools/commands.hpp"
+
 namespace lcmslam {
+
+const std::vector<Command>& log_subcommands();
 
 int log_info_command(int argc, char** argv);
 int log_check_command(int argc, char** argv);

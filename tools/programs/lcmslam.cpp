@@ -1,5 +1,5 @@
-// `lcmslam`: what starts the graph. All other commands are in programs of their own, for which a first demo need not
-// wait.
+// `lcmslam`: what starts the graph. All other commands are in programs of their own, for which a first demo
+// need not wait.
 
 #include "tools/commands.hpp"
 #include "tools/run_commands.hpp"
@@ -24,6 +24,8 @@ int main(int argc, char** argv) {
   using namespace lcmslam;
   whole_line = argv;
   return run_commands({{"batch", tools},
+                       {"completion", study},
+                       {"config", tools},
                        {"demo", demo_command},
                        {"doctor", doctor_command},
                        {"evaluate", tools},

@@ -1,8 +1,10 @@
-// `lcmslam-study`: experiments; `lcmslam study` hands over to it.
+// `lcmslam-study`: experiments, and the completion of all commands, which it alone links; `lcmslam` hands
+// over to it.
 
 #include "tools/commands.hpp"
 #include "tools/run_commands.hpp"
 
 int main(int argc, char** argv) {
-  return lcmslam::run_commands({{"study", lcmslam::study_command}}, argc, argv);
+  using namespace lcmslam;
+  return run_commands({{"completion", completion_command}, {"study", study_command}}, argc, argv);
 }

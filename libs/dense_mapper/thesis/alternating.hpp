@@ -38,11 +38,12 @@ struct AlternatingSettings {
     s.section("registration", registration,
               "one iteration of every variant of the thesis: point to point, all points");
     s.number("cloud_iterations", cloud_iterations, "", {1, 1000},
-             "on the overlapping part of the cloud, in turn with");
-    s.number("feature_iterations", feature_iterations, "", {1, 1000}, "iterations on the SURF points");
+             "of a round, on the overlapping part of the cloud");
+    s.number("feature_iterations", feature_iterations, "", {1, 1000}, "of a round, on the SURF points");
     s.choice("pairing", pairing, pairing_names,
              "SURF points pair with the nearest one (algorithm 3.2 as printed) or as their descriptors do");
-    s.number("max_rounds", max_rounds, "", {1, 10000}, "of both kinds of iterations");
+    s.number("max_rounds", max_rounds, "", {1, 10000},
+             "rounds of iterations on the cloud and on the SURF points");
     s.number("epsilon_rms", epsilon_rms, "m", {0, 1000},
              "stops when the smaller error changes less in a round");
   }
