@@ -37,6 +37,16 @@ function(lcmslam_precompile target)
   endif()
 endfunction()
 
+# lcmslam_batch(TARGET [ALONE file.cpp ...]): with LCMSLAM_UNITY the compiler takes eight files at a time, so that what
+# they share is read and made once. Vectorised files have options of their own and stay apart.
+function(lcmslam_batch target)
+  cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
+  if(LCMSLAM_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
+    set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+endfunction()
+
 # What nearly every file of libs and procs reads: once for all of them.
 file(WRITE ${CMAKE_BINARY_DIR}/precompiled.cpp "")
 add_library(lcmslam_precompiled STATIC ${CMAKE_BINARY_DIR}/precompiled.cpp)
@@ -46,12 +56,13 @@ lcmslam_precompile(lcmslam_precompiled <Eigen/Dense> <opencv2/core.hpp> <algorit
                    <optional> <set> <sstream> <stdexcept> <string> <thread> <tuple> <utility> <vector>)
 
 # lcmslam_library(surf DEPENDS lcmslam_parallel opencv_core ... PRIVATE pcl_io ... HEADERS Eigen3::Eigen
-#                 SUBFOLDERS landmarks ... [INTERNAL])
+#                 SUBFOLDERS landmarks ... ALONE landmark_lanes.cpp ... [INTERNAL])
 # makes lcmslam_surf from every .cpp of the current folder and of SUBFOLDERS; installed, it is lcmslam::surf. PRIVATE:
 # libraries that only its .cpp files see (PCL's compile flags and headers are heavy). HEADERS: the same, but nothing to
-# link, so that who uses the library need not have them. INTERNAL: not installed.
+# link, so that who uses the library need not have them. ALONE: files whose local names other files have too, kept out
+# of batches (lcmslam_batch). INTERNAL: not installed.
 function(lcmslam_library name)
-  cmake_parse_arguments(ARG "INTERNAL" "" "DEPENDS;PRIVATE;HEADERS;SUBFOLDERS" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "" "DEPENDS;PRIVATE;HEADERS;SUBFOLDERS;ALONE" ${ARGN})
   lcmslam_require(${ARG_DEPENDS} ${ARG_PRIVATE} ${ARG_HEADERS})
   set(patterns ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   foreach(folder ${ARG_SUBFOLDERS})
@@ -67,6 +78,7 @@ function(lcmslam_library name)
     target_link_libraries(lcmslam_${name} PRIVATE $<BUILD_INTERFACE:${item}>)
   endforeach()
   lcmslam_precompile(lcmslam_${name} REUSE_FROM lcmslam_precompiled)
+  lcmslam_batch(lcmslam_${name} ALONE ${ARG_ALONE})
   if(NOT ARG_INTERNAL)
     lcmslam_install_library(${name} LINKS ${ARG_DEPENDS} ${ARG_PRIVATE})
   endif()
@@ -85,10 +97,11 @@ function(lcmslam_vectorise)
   endif()
 endfunction()
 
-# lcmslam_process(surf DEPENDS ...): procs/surf/{*_node.cpp,main.cpp} -> library lcmslam_surf_node, program lcmslam-surf.
+# lcmslam_process(surf DEPENDS ... [ALONE ...]): procs/surf/{*_node.cpp,main.cpp} -> library lcmslam_surf_node, program
+# lcmslam-surf.
 function(lcmslam_process name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
-  lcmslam_library(${name}_node INTERNAL DEPENDS lcmslam_messages lcmslam_runtime ${ARG_DEPENDS})
+  cmake_parse_arguments(ARG "" "" "DEPENDS;ALONE" ${ARGN})
+  lcmslam_library(${name}_node INTERNAL DEPENDS lcmslam_messages lcmslam_runtime ${ARG_DEPENDS} ALONE ${ARG_ALONE})
   target_include_directories(lcmslam_${name}_node PUBLIC ${CMAKE_SOURCE_DIR})
   add_executable(lcmslam-${name} main.cpp)
   target_link_libraries(lcmslam-${name} PRIVATE lcmslam_options lcmslam_${name}_node)

@@ -5,8 +5,9 @@
 
 namespace lcmslam {
 
-/// Root of them: $LCMSLAM_SHARE, or else ../share/lcmslam beside the folder of the running program, in the build
-/// tree (links to the source) as after install. Programs of others that link a library of ours set the variable.
+/// Root of them: $LCMSLAM_SHARE, or else ../share/lcmslam beside the folder of the running program, in the
+/// build tree (links to the source) as after install. Programs of others that link a library of ours set the
+/// variable.
 std::filesystem::path share_folder();
 
 /// share_folder() / `name`, with links resolved, so that messages name the file that one would edit. Throws

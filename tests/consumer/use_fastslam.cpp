@@ -15,8 +15,8 @@ int main() {
   measurement.value << 2.2, 0.1, 0.5;
   measurement.covariance = Eigen::Vector3d::Constant(0.01).asDiagonal();
 
-  const lcmslam::LandmarkGaussian updated =
-      update_landmark(landmark, innovate(landmark, measurement, T_world_robot), measurement, T_world_robot, 0);
+  const lcmslam::LandmarkGaussian updated = update_landmark(
+      landmark, innovate(landmark, measurement, T_world_robot), measurement, T_world_robot, 0);
 
   // Gains along the robot's axes: 0.09 / 0.10, 0.04 / 0.05, 0.01 / 0.02; residual (0.2, 0.1, 0).
   const Eigen::Vector3d mean(1 - 0.8 * 0.1, 4 + 0.9 * 0.2, 0.5);

@@ -4,7 +4,8 @@
 
 #include <lcmslam/registration/registration.hpp>
 
-// Points of a floor and two walls that meet in the origin, `pitch` apart (m), the first half of `shift` from the edge.
+// Points of a floor and two walls that meet in the origin, `pitch` apart (m), the first half of `shift` from
+// the edge.
 std::vector<Eigen::Vector3f> corner(float pitch, float shift) {
   std::vector<Eigen::Vector3f> points;
   for (float a = shift; a < 2; a += pitch)
@@ -22,7 +23,8 @@ int main() {
   T_target_source.rotate(Eigen::AngleAxisd(0.06, Eigen::Vector3d(1, 2, 3).normalized()));
 
   const lcmslam::Cloud target(corner(0.04f, 0.01f));
-  const lcmslam::Cloud source = lcmslam::transformed(lcmslam::Cloud(corner(0.05f, 0.03f)), T_target_source.inverse());
+  const lcmslam::Cloud source =
+      lcmslam::transformed(lcmslam::Cloud(corner(0.05f, 0.03f)), T_target_source.inverse());
   const lcmslam::RegistrationResult result =
       lcmslam::register_clouds(source, target, Eigen::Isometry3d::Identity(), lcmslam::wide_passes());
 

@@ -9,7 +9,8 @@
 int main() {
   const cv::Point discs[] = {{60, 50}, {150, 70}, {250, 60}, {90, 170}, {230, 180}};
   cv::Mat image(240, 320, CV_8UC1, cv::Scalar(40));
-  for (const cv::Point& centre : discs) cv::circle(image, centre, 8, cv::Scalar(220), cv::FILLED, cv::LINE_AA);
+  for (const cv::Point& centre : discs)
+    cv::circle(image, centre, 8, cv::Scalar(220), cv::FILLED, cv::LINE_AA);
 
   lcmslam::Surf surf;
   std::vector<cv::KeyPoint> keypoints;

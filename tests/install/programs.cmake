@@ -2,7 +2,7 @@
 include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
-foreach(name "" -camera -surf -odometry -fastslam -icp -map-server)
+foreach(name "" -tools -study -camera -surf -odometry -fastslam -icp -map-server)
   run(${PREFIX}/bin/lcmslam${name} --version)
   if(NOT output STREQUAL "lcmslam ${VERSION}\n")
     message(FATAL_ERROR "lcmslam${name} --version says ${output}")

@@ -59,8 +59,7 @@ std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
 
 /// Options become overrides of the configuration. Throws ConfigError for a graph without a source.
 void complete(DemoOptions& o) {
-  if (o.config.empty())
-    o.config = share_path(o.data.empty() ? "config/demo.yaml" : "config/dataset.yaml");
+  if (o.config.empty()) o.config = share_path(o.data.empty() ? "config/demo.yaml" : "config/dataset.yaml");
   o.config = std::filesystem::absolute(o.config).lexically_normal();
   if (o.lcm_url.empty()) o.lcm_url = lcm_url_from_environment();
 

@@ -1,12 +1,16 @@
+#include "tools/run_commands.hpp"
+
 #include <poll.h>
 #include <unistd.h>
+#include <cerrno>
 #include <cstring>
 #include <exception>
 #include <iostream>
 
 #include <lcmslam/runtime/version.hpp>
-#include "tools/commands.hpp"
+#include "tools/launch/graph.hpp"
 
+namespace lcmslam {
 namespace {
 
 /// What was printed must have arrived: a full disk behind `> file` is an error, a reader that went away
@@ -20,22 +24,16 @@ int check_output(int exit_code) {
   return exit_code == 0 ? 1 : exit_code;
 }
 
+bool is(const char* name, const char* other) {
+  return std::strcmp(name, other) == 0;
+}
+
 }  // namespace
 
-int main(int argc, char** argv) {
-  using namespace lcmslam;
-  struct Command {
-    const char* name;
-    int (*run)(int, char**);
-  };
-  const Command commands[] = {
-      {"batch", batch_command},       {"demo", demo_command},       {"doctor", doctor_command},
-      {"evaluate", evaluate_command}, {"echo", echo_command},       {"import", import_command},
-      {"launch", launch_command},     {"lcm-spy", lcm_spy_command}, {"log", log_command},
-      {"simulate", simulate_command}, {"spy", spy_command},         {"study", study_command}};
+int run_commands(const std::vector<Command>& commands, int argc, char** argv) {
   const char* name = argc > 1 ? argv[1] : "";
   for (const Command& command : commands) {
-    if (std::strcmp(command.name, name) != 0) continue;
+    if (!is(command.name, name)) continue;
     try {
       return check_output(command.run(argc - 1, argv + 1));
     } catch (const std::exception& error) {
@@ -43,11 +41,11 @@ int main(int argc, char** argv) {
       return 1;
     }
   }
-  if (std::strcmp(name, "--version") == 0) {
+  if (is(name, "--version")) {
     std::cout << "lcmslam " << lcmslam_version << "\n";
     return 0;
   }
-  if (std::strcmp(name, "--help") == 0 || std::strcmp(name, "help") == 0) {
+  if (is(name, "--help") || is(name, "help")) {
     std::cout << "usage: lcmslam COMMAND [options]; lcmslam COMMAND --help for its options. Commands:";
     for (const Command& command : commands) std::cout << " " << command.name;
     std::cout << "\n";
@@ -56,3 +54,12 @@ int main(int argc, char** argv) {
   std::cerr << "lcmslam: unknown command '" << name << "'; lcmslam help lists them\n";
   return 2;
 }
+
+void hand_over(const char* program, char** argv) {
+  const std::string path = program_folder() / program;
+  execv(path.c_str(), argv);
+  throw std::runtime_error(path + ": " + std::strerror(errno) +
+                           "; a whole build makes it: cmake --build build/release --target programs");
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,39 @@
+// `lcmslam`: what starts the graph. All other commands are in programs of their own, for which a first demo
+// need not wait.
+
+#include "tools/commands.hpp"
+#include "tools/run_commands.hpp"
+
+namespace {
+
+char** whole_line;
+
+int tools(int, char**) {
+  lcmslam::hand_over("lcmslam-tools", whole_line);
+  return 1;
+}
+
+int study(int, char**) {
+  lcmslam::hand_over("lcmslam-study", whole_line);
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace lcmslam;
+  whole_line = argv;
+  return run_commands({{"batch", tools},
+                       {"demo", demo_command},
+                       {"doctor", doctor_command},
+                       {"evaluate", tools},
+                       {"echo", tools},
+                       {"import", tools},
+                       {"launch", launch_command},
+                       {"lcm-spy", tools},
+                       {"log", tools},
+                       {"simulate", tools},
+                       {"spy", tools},
+                       {"study", study}},
+                      argc, argv);
+}

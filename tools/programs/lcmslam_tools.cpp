@@ -1,0 +1,17 @@
+// `lcmslam-tools`: commands on logs, recordings and the bus; `lcmslam` hands over to it.
+
+#include "tools/commands.hpp"
+#include "tools/run_commands.hpp"
+
+int main(int argc, char** argv) {
+  using namespace lcmslam;
+  return run_commands({{"batch", batch_command},
+                       {"evaluate", evaluate_command},
+                       {"echo", echo_command},
+                       {"import", import_command},
+                       {"lcm-spy", lcm_spy_command},
+                       {"log", log_command},
+                       {"simulate", simulate_command},
+                       {"spy", spy_command}},
+                      argc, argv);
+}

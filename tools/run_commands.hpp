@@ -1,0 +1,19 @@
+#pragma once
+#include <vector>
+
+namespace lcmslam {
+
+struct Command {
+  const char* name;
+  int (*run)(int argc, char** argv);
+};
+
+/// A main(): runs the command that the first argument names and gives the exit code; 1 for exceptions and for
+/// output that could not be written.
+int run_commands(const std::vector<Command>& commands, int argc, char** argv);
+
+/// A command whose own program, `program`, lies beside this one and takes over. Does not come back; throws
+/// std::runtime_error where the program is not there.
+void hand_over(const char* program, char** argv);
+
+}  // namespace lcmslam
