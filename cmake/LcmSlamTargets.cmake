@@ -37,8 +37,8 @@ function(lcmslam_precompile target)
   endif()
 endfunction()
 
-# lcmslam_batch(TARGET [ALONE file.cpp ...]): the compiler takes eight files at a time, so that templates that they share
-# are made once: half the time of a first build. Vectorised files have options of their own and stay apart.
+# lcmslam_batch(TARGET [ALONE file.cpp ...]): with LCMSLAM_UNITY the compiler takes eight files at a time, so that what
+# they share is read and made once. Vectorised files have options of their own and stay apart.
 function(lcmslam_batch target)
   cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
   if(LCMSLAM_UNITY)
@@ -59,8 +59,8 @@ lcmslam_precompile(lcmslam_precompiled <Eigen/Dense> <opencv2/core.hpp> <algorit
 #                 SUBFOLDERS landmarks ... ALONE landmark_lanes.cpp ... [INTERNAL])
 # makes lcmslam_surf from every .cpp of the current folder and of SUBFOLDERS; installed, it is lcmslam::surf. PRIVATE:
 # libraries that only its .cpp files see (PCL's compile flags and headers are heavy). HEADERS: the same, but nothing to
-# link, so that who uses the library need not have them. ALONE: files whose local names other files have too, kept out of
-# batches (lcmslam_batch). INTERNAL: not installed.
+# link, so that who uses the library need not have them. ALONE: files whose local names other files have too, kept out
+# of batches (lcmslam_batch). INTERNAL: not installed.
 function(lcmslam_library name)
   cmake_parse_arguments(ARG "INTERNAL" "" "DEPENDS;PRIVATE;HEADERS;SUBFOLDERS;ALONE" ${ARGN})
   lcmslam_require(${ARG_DEPENDS} ${ARG_PRIVATE} ${ARG_HEADERS})
@@ -97,7 +97,8 @@ function(lcmslam_vectorise)
   endif()
 endfunction()
 
-# lcmslam_process(surf DEPENDS ... [ALONE ...]): procs/surf/{*_node.cpp,main.cpp} -> library lcmslam_surf_node, program lcmslam-surf.
+# lcmslam_process(surf DEPENDS ... [ALONE ...]): procs/surf/{*_node.cpp,main.cpp} -> library lcmslam_surf_node, program
+# lcmslam-surf.
 function(lcmslam_process name)
   cmake_parse_arguments(ARG "" "" "DEPENDS;ALONE" ${ARGN})
   lcmslam_library(${name}_node INTERNAL DEPENDS lcmslam_messages lcmslam_runtime ${ARG_DEPENDS} ALONE ${ARG_ALONE})

@@ -1,0 +1,10 @@
+# Debian's LZ4 brings no CMake package. Makes lz4::lz4.
+include(FindPackageHandleStandardArgs)
+find_path(LZ4_INCLUDE_DIR lz4.h)
+find_library(LZ4_LIBRARY lz4)
+find_package_handle_standard_args(lz4 REQUIRED_VARS LZ4_LIBRARY LZ4_INCLUDE_DIR)
+if(lz4_FOUND AND NOT TARGET lz4::lz4)
+  add_library(lz4::lz4 INTERFACE IMPORTED)
+  target_include_directories(lz4::lz4 SYSTEM INTERFACE ${LZ4_INCLUDE_DIR})
+  target_link_libraries(lz4::lz4 INTERFACE ${LZ4_LIBRARY})
+endif()
