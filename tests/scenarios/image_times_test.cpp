@@ -134,9 +134,12 @@ TEST_F(Turning, FeaturesStandWhereTheColourCameraWas) {
 
 TEST_F(Turning, RowsThatAreReadOneAfterAnotherAreStraightened) {
   constexpr Utime readout = 100'000;  // us from the first row to the last
-  bus_.add<IcpNode>(ConfigNode::parse("{rolling_shutter: 0.1, rolling_sensors: [" +
-                                      simulation_.calibration().sensor + "]}"));
-  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  bus_.add<IcpNode>();
+  RgbdCalibration calibration = simulation_.calibration();
+  calibration.rolling_shutter = 1e-6 * static_cast<double>(readout);
+  camera_calibration_t message = to_message(calibration);
+  message.utime = kitchen_.calibration().utime;
+  bus_.deliver("CAMERA_CALIBRATION", message);
   Utime told = at(-100'000);
   for (int k = 0; k < 3; ++k) {
     const Utime utime = at(300'000 * k);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include <lcmslam/cloud/cloud.hpp>
 #include <lcmslam/cloud/kd_tree.hpp>
 #include <lcmslam/registration/target.hpp>
 
