@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include <lcmslam/cloud/cloud.hpp>
 #include <lcmslam/cloud/kd_tree.hpp>
 #include <lcmslam/registration/target.hpp>
 

@@ -1,13 +1,13 @@
 // KdTree (FLANN's KDTreeSingleIndex with ties to the lower index) against PCL's KdTreeFLANN (the same FLANN
-// under another interface) in its real uses, building included: what an ICP asks of it (3000 points of the
-// next cloud, ten iterations that come nearer, the nearest within 0.3 m), and the 12 nearest of every point,
-// for normals. Clouds of tum_fr1_rpy; where that is absent, a synthetic room.
+// under another interface) in its real uses, building included: what an ICP asks of it (at most 3000 points
+// of the next cloud, ten iterations that come nearer, the nearest within 0.3 m), and the 12 nearest of every
+// point, for normals. Clouds of tum_fr1_rpy; where that is absent, a synthetic room.
 //   build/release/bin/bench_kd_tree
 // Counters: milliseconds of this thread (median and 95th percentile over clouds and repetitions), ratio =
 // PCL's over ours (medians).
 //
 // KdTree was a tree of our own before. Measured like this (medians, ms, ours -> FLANN's with the same answers
-// to the last of 2.6 million questions; a shared core of 2.3 GHz):
+// to each of about a million questions; one run on a busy 2.3 GHz core; points are the mean over the clouds):
 //   points               2,000          14,600         96,000
 //   ICP                  3.6 -> 4.0     17.6 -> 16.7   48.3 -> 42.5
 //   12 nearest of each   2.8 -> 2.5     23.1 -> 22.0   157 -> 139

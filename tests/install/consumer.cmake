@@ -2,7 +2,7 @@
 include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 set(surf_packages "")
-set(registration_packages Eigen3)
+set(registration_packages Eigen3 flann lz4)
 set(fastslam_packages Eigen3 Ceres)
 foreach(part surf registration fastslam)
   hide_all_but(hidden ${${part}_packages})

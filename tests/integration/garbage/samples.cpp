@@ -32,7 +32,11 @@ class Tape : public Publisher {
 class Graph {
  public:
   explicit Graph(Tape& tape)
-      : tape_(tape), surf_({}, tape), odometry_({}, tape), fastslam_({}, tape), icp_({}, tape) {
+      : tape_(tape),
+        surf_(ConfigNode(), tape),
+        odometry_(ConfigNode(), tape),
+        fastslam_(ConfigNode(), tape),
+        icp_(ConfigNode(), tape) {
     surf_.connect(inputs_);
     odometry_.connect(inputs_);
     fastslam_.connect(inputs_);

@@ -36,9 +36,9 @@ TEST(LogFormat, LengthsAreSignedAndBounded) {
   Bytes bytes;
   testing::append_event(bytes, {3, 4, "CAMERA", {1, 2, 3}});
   for (const std::size_t at : {20U, 24U})
-    for (const std::uint8_t first : {0x7fU, 0x80U, 0xffU}) {
+    for (const int first : {0x7f, 0x80, 0xff}) {
       Bytes changed = bytes;
-      changed[at] = first;
+      changed[at] = static_cast<std::uint8_t>(first);
       EXPECT_FALSE(log_format::header_at({changed.data(), changed.size()}, 0));
     }
 }

@@ -94,7 +94,8 @@ TEST(BashCompletion, OffersWordsAndFiles) {
 TEST(ZshCompletion, HasTheSameTables) {
   const std::string bash = completion_script("bash"), zsh = completion_script("zsh");
   const auto tables = [](const std::string& script) {
-    return script.substr(script.find("_lcmslam_commands"), script.find("\n_lcmslam() {") - 30);
+    const std::size_t begin = script.find("_lcmslam_commands");
+    return script.substr(begin, script.find("\n_lcmslam() {") - begin);
   };
   EXPECT_EQ(tables(bash), tables(zsh));
   EXPECT_THAT(zsh, HasSubstr("compdef _lcmslam lcmslam"));
