@@ -2,7 +2,7 @@
 include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 hide_all_but(hidden Eigen3 flann lz4)
-run(${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER} "-DLCMSLAM_COMPONENTS=surf;registration" ${hidden})
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER} "-DLCMSLAM_COMPONENTS=surf\\;registration" ${hidden})
 run(${CMAKE_COMMAND} --build ${FOLDER} --target help)
 foreach(name surf registration parallel geometry cloud imaging)
   if(NOT output MATCHES "lcmslam_${name}[:\n ]")
