@@ -80,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       });
     }
     refused_or_read([&] { read_all(config); });
-    refused_or_read([&] { read_settings(config); });
+    refused_or_read([&] { read_settings<PartSettings>(config); });
     for (const std::string& key : config.keys()) {
       refused_or_read([&] { config.number(key); });
       refused_or_read([&] { config.get(key, true); });

@@ -9,6 +9,7 @@
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/evaluation/trajectory.hpp>
 #include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/runtime/version.hpp>
 #include "tests/integration/support/environment.hpp"
 #include "tests/integration/support/program.hpp"
 
@@ -82,8 +83,8 @@ TEST_F(Graph, EveryProcessReportedAndNoneDied) {
     ASSERT_TRUE(std::filesystem::exists(log)) << log;
     std::ifstream file(log);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    EXPECT_THAT(
-        text, testing::AllOf(testing::HasSubstr(process + " runs"), testing::HasSubstr(process + " stops")));
+    EXPECT_THAT(text, testing::AllOf(testing::HasSubstr(process + " " + lcmslam_version + " runs"),
+                                     testing::HasSubstr(process + " stops")));
   }
 }
 
