@@ -9,7 +9,7 @@
 
 namespace lcmslam {
 
-/// Largest message that needs no special receive buffer (LCM.md C2).
+/// Largest message that needs no special receive buffer (docs/LCM.md).
 constexpr std::size_t tile_bytes = 58'000;
 
 landmark_t to_message(const Landmark& landmark);

@@ -9,7 +9,7 @@
 
 namespace lcmslam {
 
-/// Asks for a receive buffer that big messages need and keeps traffic on this machine (LCM.md).
+/// Asks for a receive buffer that big messages need and keeps traffic on this machine (docs/LCM.md).
 constexpr const char* default_lcm_url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
 
 struct ProcessOptions {

@@ -17,8 +17,7 @@ struct DepthFilterMethod {
   std::function<std::function<void(cv::Mat& depth, const cv::Mat& amplitude)>(const RgbdCalibration&)> make;
 };
 
-/// Ours; a threshold on the gradient (OpenCV's dilation and erosion); a fixed angle between neighbours; the
-/// test of neighbours in libs/icp that judges a point image by noise and slope.
+/// Ours; a threshold on the gradient (OpenCV's dilation and erosion); a fixed angle between neighbours.
 std::vector<DepthFilterMethod> depth_filter_methods(const DepthFilterSettings& settings = {});
 
 struct DepthFilterStudySettings {

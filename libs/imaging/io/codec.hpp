@@ -9,7 +9,7 @@ namespace lcmslam {
 
 /// CV_8UC3 BGR. The encoders throw std::invalid_argument for an image of another type.
 EncodedImage encode_colour(const cv::Mat& bgr, Utime utime, int jpeg_quality = 90);
-/// Level 1: measured best for the price (LCM.md C3).
+/// Level 1: measured best for the price (640x480: 5 to 9 ms, 88 to 209 kB).
 EncodedImage encode_depth(const cv::Mat& millimetres, Utime utime, int zlib_level = 1);
 EncodedImage encode_amplitude(const cv::Mat& gray, Utime utime, int zlib_level = 1);
 

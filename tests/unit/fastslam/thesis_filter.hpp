@@ -1,5 +1,5 @@
 #pragma once
-// FastSLAM 1.0 as the thesis writes it (section 2.3.2, equations as ../shared/THESIS.md corrects them), in
+// FastSLAM 1.0 as the thesis writes it (section 2.3.2, equations as docs/THESIS.md corrects them), in
 // plain numbers: every particle owns its landmarks with their descriptors, in kd-trees of its own that are
 // copied when it is drawn. Nothing is shared and no landmark has an id beyond its particle. What FastSlam
 // with thesis_preset() must equal.
