@@ -10,7 +10,8 @@ namespace {
 
 constexpr Utime second = 1'000'000;
 
-/// Along the gallery and back, 0.4 m a node, with tracking that slides off to the side and turns.
+/// Along the gallery and back, 0.4 m a node, with tracking that slides off to the side and turns. The map's
+/// frame has nothing to do with the gallery's.
 struct Visit {
   std::vector<Eigen::Isometry3d> truth;
   KeyframeGraph graph;
@@ -18,7 +19,7 @@ struct Visit {
 
   explicit Visit(const KeyframeGraphSettings& settings = {}, bool neighbours_found = true) : graph(settings) {
     Gallery gallery(4);
-    Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_world_map = se3_exp(twist(5, -3, 1, 0.4, 0.3, 2));
     Utime now = second;
     for (int i = 0; i <= 20; ++i, now += second) {
       truth.push_back(Eigen::Isometry3d(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0)));

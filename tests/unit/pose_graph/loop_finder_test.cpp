@@ -50,5 +50,17 @@ TEST(LoopFinder, RefusesAnotherPlace) {
   EXPECT_FALSE(finder.verify(*view, shuffled, std::nullopt));
 }
 
+// A poster that hangs in two rooms: its features and its points are the same, all around it is not.
+TEST(LoopFinder, RefusesWhereTheFeaturesAgreeAndTheCloudsDoNot) {
+  Gallery here(1);
+  LoopFinder finder({});
+  const KeyframeView view = here.seen_from(Eigen::Isometry3d::Identity());
+  KeyframeView other_room = here.seen_from(Eigen::Isometry3d::Identity());
+  ASSERT_TRUE(finder.verify(view, other_room, std::nullopt));
+  for (std::size_t i = 0; i < other_room.cloud.size(); ++i)
+    if (i % 5 != 0) other_room.cloud.points[i].z() += 2;
+  EXPECT_FALSE(finder.verify(view, other_room, std::nullopt));
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -148,6 +148,10 @@ TEST(PoseGraph, ExpectsWithTheCovarianceOfTheSurestWay) {
   ASSERT_TRUE(far);
   EXPECT_TRUE(far->T.isApprox(walk.graph.poses[0].inverse() * walk.graph.poses[29], 1e-9));
   Random random(1);
+  GraphEdge unsure = walk.loop(0, 29, random);  // one step, but less is known of it than of all the others
+  unsure.T_from_to.covariance = covariance(5, 2);
+  walk.graph.edges.push_back(unsure);
+  EXPECT_EQ(expected(walk.graph, 0, 29)->covariance, far->covariance);
   walk.graph.edges.push_back(walk.loop(0, 29, random));
   const auto near = expected(walk.graph, 0, 29);
   EXPECT_LT(near->covariance.trace(), 0.1 * far->covariance.trace());
