@@ -20,8 +20,9 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "iproute2, liblcm-bin")  # lcm-logger and its like
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "lcmslam-spy")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "maps from colour, depth and wheels with two SLAM methods
- FastSLAM over SURF landmarks and 6-D SLAM by registration run side by side on LCM
- messages. `lcmslam demo` drives a simulated robot through a kitchen and shows both maps.")
+FastSLAM over SURF landmarks and 6-D SLAM by registration run side by
+side on LCM messages. `lcmslam demo` drives a simulated robot through a
+kitchen and shows both maps.")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME lcmslam-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
@@ -29,9 +30,9 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libopencv-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libceres-dev, libcli11-dev, libdeflate-dev, libembree-dev, liblcm-dev, \
 libpcl-dev, libspdlog-dev, libturbojpeg0-dev, libyaml-cpp-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "libraries of lcmslam to link
- SURF, registration, FastSLAM's landmark filters and more as static libraries with
- headers: find_package(lcmslam COMPONENTS surf). The suggested packages are each needed
- by some of the components only.")
+SURF, registration, FastSLAM's landmark filters and more as static
+libraries with headers: find_package(lcmslam COMPONENTS surf). The
+suggested packages are each needed by some of the components only.")
 
 set(CPACK_DEBIAN_SPY_PACKAGE_NAME lcmslam-spy)
 set(CPACK_DEBIAN_SPY_PACKAGE_SECTION science)
@@ -39,8 +40,8 @@ set(CPACK_DEBIAN_SPY_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_SPY_PACKAGE_DEPENDS
     "lcmslam (>= ${PROJECT_VERSION}), default-jre, liblcm-java, libjchart2d-java")
 set(CPACK_COMPONENT_SPY_DESCRIPTION "views of lcmslam's messages for lcm-spy
- `lcmslam lcm-spy` starts the stock program with the message types, the camera's images
- and the paths of both mappers.")
+`lcmslam lcm-spy` starts the stock program with the message types, the
+camera's images and the paths of both mappers.")
 
 # What every Debian package has: copyright and changelog.
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
