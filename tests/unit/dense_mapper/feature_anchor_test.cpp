@@ -107,6 +107,32 @@ TEST_F(AnchorTest, SearchAsksAllKeyframesInTurn) {
   EXPECT_LT(error.translation().norm(), 0.02);
 }
 
+TEST_F(AnchorTest, TellsTheCovarianceOfTheRobotNotOfTheCamera) {
+  FeatureAnchor anchor({});
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  anchor.add(here, frame(here));
+  const FeatureFrame seen = frame(here);
+  const auto of_camera = anchor.locate(seen, here, Eigen::Isometry3d::Identity());
+  const auto of_robot = anchor.locate(seen, here, T_robot_camera_);
+  ASSERT_TRUE(of_camera && of_robot);
+  const Matrix6d A = adjoint(T_robot_camera_);
+  const Matrix6d expected = A * of_camera->information.inverse() * A.transpose();
+  EXPECT_TRUE(of_robot->information.inverse().isApprox(expected, 1e-6));
+}
+
+TEST_F(AnchorTest, MovesWithTheGraphsNodes) {
+  FeatureAnchor anchor({});
+  const Eigen::Isometry3d T_old = se3_exp(twist(1, 0, 0, 0, 0, 0.5)),
+                          moved = se3_exp(twist(2, 5, 1, 0.2, 0, 1));
+  anchor.add(Eigen::Isometry3d::Identity(), frame(Eigen::Isometry3d::Identity(), 200), 0);
+  anchor.add(T_old, frame(Eigen::Isometry3d::Identity()), 1);
+  anchor.deform({Eigen::Isometry3d::Identity(), moved});
+  const FeatureFrame seen = frame(Eigen::Isometry3d::Identity());
+  const auto found = anchor.locate(seen, moved * T_old, Eigen::Isometry3d::Identity());
+  ASSERT_TRUE(found);
+  EXPECT_LT(se3_log((moved * T_old).inverse() * found->T_target_source).norm(), 0.01);
+}
+
 TEST(Fused, LiesBetweenByInformation) {
   Prior a, b;
   a.information = Matrix6d::Identity() * 3;

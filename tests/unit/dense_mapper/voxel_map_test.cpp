@@ -57,6 +57,23 @@ TEST(VoxelMap, AveragesWhatIsSeenOften) {
   EXPECT_NEAR(surfels.sigmas[0], 0.01 / std::sqrt(frames), 1e-5);
 }
 
+TEST(VoxelMap, AnOldSurfaceThatMovedIsFollowed) {
+  VoxelMapSettings settings;
+  settings.voxel_size = 0.1;
+  settings.max_weight = 10;
+  VoxelMap map(settings);
+  const auto insert = [&](float z, int frames) {
+    Cloud cloud;
+    cloud.points.emplace_back(0.05f, 0.05f, z);
+    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    cloud.sigmas.push_back(0.01f);
+    for (int i = 0; i < frames; ++i) map.insert(cloud, Eigen::Vector3d::Zero());
+  };
+  insert(0.04f, 100);
+  insert(0.08f, 30);
+  EXPECT_NEAR(map.cloud().points[0].z(), 0.08, 0.004);
+}
+
 TEST(VoxelMap, BothSidesOfABoardStayApart) {
   VoxelMap map;
   Cloud cloud;
@@ -122,6 +139,33 @@ TEST(VoxelMap, PartnersOfColouredCloudsHaveIntensityAndItsGradient) {
       EXPECT_LT((found.gradient - gradient).norm(), 5e-3f) << y;
     }
   }
+}
+
+TEST(VoxelMap, BendsWithItsKeyframes) {
+  Cloud first, second_cloud;
+  add_rectangle(first, {1.01, 0.013, 0.017}, {0, 1, 0}, {0, 0, 1});
+  add_rectangle(second_cloud, {3.01, 0.013, 0.017}, {0, 1, 0}, {0, 0, 1});
+  VoxelMap map;
+  map.insert(first, Eigen::Vector3d::Zero(), 0);
+  map.insert(second_cloud, Eigen::Vector3d::Zero(), 5);
+  const Eigen::Isometry3d moved(Eigen::Translation3d(0, 0, 2));
+  const VoxelMap deformed = map.deformed({Eigen::Isometry3d::Identity(), moved});  // 5 goes with the last
+  EXPECT_EQ(deformed.size(), map.size());
+  EXPECT_NE(deformed.revision(), map.revision());
+  TargetPoint found;
+  EXPECT_TRUE(deformed.find({1, 0.5f, 0.5f}, 0.05f, found));
+  EXPECT_FALSE(deformed.find({3, 0.5f, 0.5f}, 0.05f, found));
+  ASSERT_TRUE(deformed.find({3, 0.5f, 2.5f}, 0.05f, found));
+  EXPECT_NEAR(std::abs(found.normal.x()), 1, 1e-5);
+  // What turns with its keyframe shows another side.
+  const Eigen::Isometry3d turned(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
+  ASSERT_TRUE(map.deformed({turned, moved}).find({-0.5f, 1, 0.5f}, 0.05f, found));
+  EXPECT_NEAR(std::abs(found.normal.y()), 1, 1e-5);
+  // A copy that comes to lie on the original becomes one with it.
+  VoxelMap twice;
+  twice.insert(first, Eigen::Vector3d::Zero(), 0);
+  twice.insert(transformed(first, moved), Eigen::Vector3d::Zero(), 1);
+  EXPECT_EQ(twice.deformed({Eigen::Isometry3d::Identity(), moved.inverse()}).size(), map.size() / 2);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <lcmslam/dense_mapper/voxel_map.hpp>
 #include "tests/unit/dense_mapper/gallery.hpp"
 
 namespace lcmslam {
@@ -147,29 +146,6 @@ TEST(KeyframeGraph, FeaturesMayComeLater) {
   EXPECT_FALSE(graph.work(second + 2000));  // begins
   EXPECT_FALSE(graph.add_features(id, features));
   EXPECT_FALSE(graph.add_features(7, features));
-}
-
-TEST(VoxelMap, BendsWithItsKeyframes) {
-  Cloud first, second_cloud;
-  add_rectangle(first, {1.01, 0.013, 0.017}, {0, 1, 0}, {0, 0, 1});
-  add_rectangle(second_cloud, {3.01, 0.013, 0.017}, {0, 1, 0}, {0, 0, 1});
-  VoxelMap map;
-  map.insert(first, Eigen::Vector3d::Zero(), 0);
-  map.insert(second_cloud, Eigen::Vector3d::Zero(), 5);
-  const Eigen::Isometry3d moved(Eigen::Translation3d(0, 0, 2));
-  const VoxelMap deformed = map.deformed({Eigen::Isometry3d::Identity(), moved});  // 5 goes with the last
-  EXPECT_EQ(deformed.size(), map.size());
-  EXPECT_NE(deformed.revision(), map.revision());
-  TargetPoint found;
-  EXPECT_TRUE(deformed.find({1, 0.5f, 0.5f}, 0.05f, found));
-  EXPECT_FALSE(deformed.find({3, 0.5f, 0.5f}, 0.05f, found));
-  ASSERT_TRUE(deformed.find({3, 0.5f, 2.5f}, 0.05f, found));
-  EXPECT_NEAR(std::abs(found.normal.x()), 1, 1e-5);
-  // A copy that comes to lie on the original becomes one with it.
-  VoxelMap twice;
-  twice.insert(first, Eigen::Vector3d::Zero(), 0);
-  twice.insert(transformed(first, moved), Eigen::Vector3d::Zero(), 1);
-  EXPECT_EQ(twice.deformed({Eigen::Isometry3d::Identity(), moved.inverse()}).size(), map.size() / 2);
 }
 
 }  // namespace
