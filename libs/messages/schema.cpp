@@ -58,6 +58,24 @@ class LayoutWalker {
   WireReader& reader_;
 };
 
+/// A type's fingerprint from before some of its members were renamed, which changed nothing else: old logs
+/// have it.
+struct FormerFingerprint {
+  std::uint64_t fingerprint;
+  const char* type;
+};
+constexpr FormerFingerprint former_fingerprints[] = {
+    {0x440ef967ce91c74a, "graph_t"},  // its edges' members were keywords of languages that lcm-gen writes
+};
+
+bool is_of(std::uint64_t fingerprint, const MessageType& type) {
+  if (fingerprint == type.fingerprint) return true;
+  for (const FormerFingerprint& former : former_fingerprints)
+    if (fingerprint == former.fingerprint && type.package == "lcmslam" && type.name == former.type)
+      return true;
+  return false;
+}
+
 template <class Predicate>
 const MessageType* find_if(Predicate predicate) {
   for (const auto* types : {&MessageType::all(), &MessageType::foreign()})
@@ -88,13 +106,13 @@ const MessageType* MessageType::find(const std::string& name) {
 }
 
 const MessageType* MessageType::find(std::uint64_t fingerprint) {
-  return find_if([&](const MessageType& type) { return type.fingerprint == fingerprint; });
+  return find_if([&](const MessageType& type) { return is_of(fingerprint, type); });
 }
 
 void check_layout(const MessageType& type, const std::uint8_t* data, std::size_t size) {
   WireReader reader(data, size);
   const auto fingerprint = static_cast<std::uint64_t>(reader.integer(8, "fingerprint"));
-  if (fingerprint != type.fingerprint) {
+  if (!is_of(fingerprint, type)) {
     const MessageType* other = MessageType::find(fingerprint);
     throw DecodeError("is not a " + type.name + (other ? " but a " + other->name : ": unknown fingerprint"));
   }

@@ -53,11 +53,12 @@ struct MessageType {
   static const std::vector<const MessageType*>& foreign();
   /// By name: ours before bot_core's (both have a rigid_transform_t).
   static const MessageType* find(const std::string& name);
+  /// Also by the fingerprint from before a member was renamed: such messages have the same layout.
   static const MessageType* find(std::uint64_t fingerprint);
 };
 
 /// Throws DecodeError unless the bytes (fingerprint included) are exactly one message of this type:
-/// right fingerprint, every length within the message and not negative, no byte left over.
+/// right fingerprint (or a former one), every length within the message and not negative, no byte left over.
 void check_layout(const MessageType& type, const std::uint8_t* data, std::size_t size);
 
 /// Parses definitions in LCM's language (for tests and tools); throws std::invalid_argument.

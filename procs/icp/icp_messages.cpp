@@ -103,8 +103,8 @@ graph_t icp_graph(const KeyframeGraph& graph) {
   message.n_nodes = static_cast<int32_t>(message.nodes.size());
   for (const GraphEdge& e : graph.edges()) {
     graph_edge_t edge;
-    edge.from = graph.nodes()[static_cast<std::size_t>(e.from)].id;
-    edge.to = graph.nodes()[static_cast<std::size_t>(e.to)].id;
+    edge.from_node = graph.nodes()[static_cast<std::size_t>(e.from)].id;
+    edge.to_node = graph.nodes()[static_cast<std::size_t>(e.to)].id;
     edge.kind = static_cast<std::int8_t>(e.kind);
     edge.T_from_to = to_message(e.T_from_to.T);
     edge.sigma_trans = sigma(e.T_from_to.covariance.topLeftCorner<3, 3>());

@@ -54,7 +54,7 @@ int circles(const TestBus& bus) {
   std::map<int, int> place;
   for (const graph_node_t& node : graph.nodes) place[node.keyframe] = static_cast<int>(place.size());
   return static_cast<int>(std::count_if(graph.edges.begin(), graph.edges.end(), [&](const graph_edge_t& e) {
-    return std::abs(place.at(e.to) - place.at(e.from)) > 1;
+    return std::abs(place.at(e.to_node) - place.at(e.from_node)) > 1;
   }));
 }
 

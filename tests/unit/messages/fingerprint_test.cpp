@@ -22,9 +22,9 @@ const std::map<std::string, std::uint64_t>& frozen() {
       {"encoders_t", 0x5a96f5030cc7692f},
       {"feature_t", 0x9c5f47cc9d12a4ce},
       {"features_t", 0x6262ce5329c8f825},
-      {"graph_edge_t", 0x73ff0009ea33f960},
+      {"graph_edge_t", 0x711c0ff514f3c5a9},
       {"graph_node_t", 0x9d48cc4afa702729},
-      {"graph_t", 0x440ef967ce91c74a},
+      {"graph_t", 0x3e49193e24115fdc},
       {"ground_truth_t", 0xd0523560a83871d7},
       {"icp_report_t", 0x2d6935c79d4c0626},
       {"image_metadata_t", 0x9a4b634d0577fb8e},
@@ -83,6 +83,27 @@ TYPED_TEST(Fingerprint, OfTheDefinitionEqualsTheGeneratedOne) {
 TEST(Fingerprints, TableHoldsEveryDefinition) {
   EXPECT_EQ(MessageType::all().size(), frozen().size());
   for (const MessageType* type : MessageType::all()) EXPECT_EQ(frozen().count(type->name), 1U) << type->name;
+}
+
+TEST(Fingerprints, GraphsOfOldLogsAreRead) {
+  graph_t graph{};
+  graph.utime = 17;
+  graph.frame = "map";
+  graph.n_edges = 1;
+  graph.edges.resize(1);
+  graph.edges[0].from_node = 3;
+  graph.edges[0].to_node = 8;
+  std::vector<std::uint8_t> bytes = encode_message(graph);
+  const std::uint64_t former = 0x440ef967ce91c74a;  // when they were called from and to
+  ASSERT_NE(static_cast<std::uint64_t>(graph_t::getHash()), former);
+  for (int i = 0; i < 8; ++i)
+    bytes[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(former >> (56 - 8 * i));
+  EXPECT_EQ(MessageType::find(former), MessageType::find("graph_t"));
+  const auto read = decode_message<graph_t>(bytes.data(), bytes.size());
+  EXPECT_EQ(read.utime, 17);
+  EXPECT_EQ(read.edges.at(0).from_node, 3);
+  EXPECT_EQ(read.edges.at(0).to_node, 8);
+  EXPECT_THROW(decode_message<pose_t>(bytes.data(), bytes.size()), DecodeError);
 }
 
 TEST(Fingerprints, AreThoseOfBotCoreWhereWeClaimIt) {
