@@ -1,0 +1,82 @@
+#include <lcmslam/dense_mapper/registration_passes.hpp>
+
+#include <gtest/gtest.h>
+
+#include <lcmslam/registration/kd_tree_target.hpp>
+#include "tests/support/cloud_scenes.hpp"
+
+namespace lcmslam {
+namespace {
+
+const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+
+class Passes : public testing::Test {
+ protected:
+  /// Every n-th point of the room from there; the others are somewhere in the air.
+  static Cloud seen_from(const Eigen::Isometry3d& T_world_robot, std::size_t n = 1) {
+    Cloud cloud = transformed(room(0.03), T_world_robot.inverse());
+    cloud.sigmas.assign(cloud.size(), 0.003f);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (i % n != 0) cloud.points[i] += 10 * Eigen::Vector3f::UnitX();
+    return cloud;
+  }
+  RegistrationPasses::Attempt run(const Cloud& cloud, const Eigen::Isometry3d& T_start,
+                                  const Eigen::Isometry3d& T_expected, double sigma = 0.1) const {
+    const Prior prior{T_expected, Matrix6d::Identity() / (sigma * sigma)};
+    return passes_.run(cloud, target_, T_start, prior, LastView(false, false, {}));
+  }
+  double error(const RegistrationPasses::Attempt& attempt, const Eigen::Isometry3d& truth) const {
+    const Eigen::Isometry3d& T = attempt.registration.T_target_source;
+    return distance_between(T, truth) + angle_between(T, truth);
+  }
+
+  const Cloud room_ = room();
+  const KdTreeTarget target_{room_};
+  const RegistrationPasses passes_{DenseMapperSettings()};
+};
+
+TEST_F(Passes, TracksFromAStartNearby) {
+  const Eigen::Isometry3d truth = se3_exp(twist(0.06, -0.05, 0.02, 0.01, 0.02, 0.04));
+  const auto attempt = run(seen_from(truth), here, here);
+  EXPECT_EQ(attempt.status, MappingStatus::tracking);
+  EXPECT_LT(error(attempt, truth), 0.005);
+  EXPECT_GT(attempt.quality, 0.9);
+}
+
+// A third of the points lies on the map: enough to go on by, too little to be sure.
+TEST_F(Passes, WhatHalfFitsIsDegradedWhereItIsExpectedAndLostElsewhere) {
+  const auto expected = run(seen_from(here, 3), here, here);
+  EXPECT_EQ(expected.status, MappingStatus::degraded);
+  EXPECT_LT(expected.quality, 0.4);
+  const Eigen::Isometry3d elsewhere = se3_exp(twist(2, 1, 0, 0, 0, 1));
+  const auto recovered = run(seen_from(here, 3), here, elsewhere);
+  EXPECT_EQ(recovered.status, MappingStatus::lost);
+  EXPECT_LT(error(recovered, here), 0.01) << "the same registration";
+}
+
+TEST_F(Passes, WhatHardlyFitsIsLost) {
+  EXPECT_EQ(run(seen_from(here, 6), here, here).status, MappingStatus::lost);
+}
+
+// What was expected is no knowledge for a start far from it.
+TEST_F(Passes, ARecoveryIsNotDrawnToWhatWasExpected) {
+  const Eigen::Isometry3d elsewhere = se3_exp(twist(0.4, 0.2, 0, 0, 0, 0.1));
+  const auto recovered = run(seen_from(here), here, elsewhere, 1e-4);
+  EXPECT_EQ(recovered.status, MappingStatus::tracking);
+  EXPECT_LT(error(recovered, here), 0.005);
+}
+
+// The cloud draws the pose farther away than the robot can have gone.
+TEST_F(Passes, AResultBeyondAJumpIsLost) {
+  DenseMapperSettings settings;
+  settings.max_jump = 0.03;
+  const Eigen::Isometry3d truth = se3_exp(twist(0.06, -0.05, 0.02, 0.01, 0.02, 0.04));
+  const Prior prior{here, 100 * Matrix6d::Identity()};
+  const auto attempt =
+      RegistrationPasses(settings).run(seen_from(truth), target_, here, prior, LastView(false, false, {}));
+  EXPECT_LT(error(attempt, truth), 0.01);
+  EXPECT_EQ(attempt.status, MappingStatus::lost);
+}
+
+}  // namespace
+}  // namespace lcmslam
