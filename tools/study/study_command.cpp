@@ -10,6 +10,7 @@
 #include <lcmslam/configuration/share.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/private_bus.hpp>
 #include <lcmslam/runtime/version.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 #include "procs/camera/camera_log.hpp"
@@ -18,6 +19,7 @@
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
 #include "tools/study/depth_filter_study.hpp"
+#include "tools/study/faults/faults_study.hpp"
 #include "tools/study/feature_study.hpp"
 #include "tools/study/filter_study.hpp"
 #include "tools/study/landmark_study.hpp"
@@ -149,6 +151,19 @@ int run_resampling_study(const ResamplingStudySettings& settings) {
   return 0;
 }
 
+/// On a bus and a disk of its own.
+int run_faults_study(FaultsStudySettings settings, const std::vector<int>& seeds) {
+  settings.seed = static_cast<std::uint64_t>(seeds.front());
+  settings.lcm_url = lcm_url_from_environment();
+  if (!enter_private_bus()) throw std::runtime_error("--only faults needs a network namespace of its own");
+  const std::filesystem::path folder = new_run_folder("study-faults");
+  const std::filesystem::path disk = folder / "runs";
+  std::filesystem::create_directories(disk);
+  const std::vector<FaultsStudyRun> runs = study_faults(settings, disk);
+  write_report(folder, faults_json(runs), faults_table(runs));
+  return 0;
+}
+
 }  // namespace
 
 int study_command(int argc, char** argv) {
@@ -165,7 +180,10 @@ int study_command(int argc, char** argv) {
       "--only landmarks: MRCLAM or Victoria Park in batch, once for each seed. --only filter: logs with "
       "images and truth through odometry and fastslam in batch, each with each seed. "
       "--only depth-filter: mixed pixels removed and good points lost in simulated depth images. "
-      "--only resampling: FastSLAM's four schemes on a log.",
+      "--only resampling: FastSLAM's four schemes on a log. "
+      "--only faults: the live graph while stamps jump, processes die, the camera is covered, strangers send "
+      "and the "
+      "disk fills.",
       "lcmslam study"};
   app.add_option("--seeds", seeds, "of sensors and particles")->delimiter(',');
   app.add_option("--config", config, "as for the demo")->check(CLI::ExistingFile);
@@ -173,8 +191,8 @@ int study_command(int argc, char** argv) {
       ->check(CLI::ExistingPath);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
-  const std::vector<std::string> studies = {"features", "pairs",        "landmarks",
-                                            "filter",   "depth-filter", "resampling"};
+  const std::vector<std::string> studies = {"features",     "pairs",      "landmarks", "filter",
+                                            "depth-filter", "resampling", "faults"};
   const auto only_option =
       app.add_option("--only", only, "one study of its own: " + CLI::detail::join(studies, ", "))
           ->check(CLI::IsMember(studies));
@@ -210,7 +228,15 @@ int study_command(int argc, char** argv) {
                  "pairs: s, added to images' stamps for the truth's clock")
       ->needs(only_option)
       ->capture_default_str();
+  FaultsStudySettings faults;
+  app.add_option("--minutes", faults.minutes, "faults: that the runs take together")
+      ->needs(only_option)
+      ->capture_default_str();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  if (only == "faults") {
+    faults.recording = data;
+    return run_faults_study(faults, seeds);
+  }
   if (only == "pairs") {
     if (data.empty()) throw std::invalid_argument("--only pairs needs --data, a folder or a log");
     if (app.count("--apart") > 0) pairs.apart = features.apart;

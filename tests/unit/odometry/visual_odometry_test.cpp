@@ -102,6 +102,42 @@ TEST(VisualOdometry, FollowsTheRobotFrameWhateverTheMount) {
   }
 }
 
+// The same camera on another arm: what it does not know is the same, seen from the robot.
+TEST(VisualOdometry, TheCovarianceIsTheRobotsWhateverTheMount) {
+  const Room room(1500);
+  VisualOdometrySettings settings;
+  settings.stamp_sigma = 1e-9;
+  settings.translation_floor = settings.rotation_floor = 1e-6;
+  const auto covariance = [&](const Eigen::Isometry3d& T_robot_camera) {
+    VisualOdometry odometry(settings, Random(1));
+    Matrix6d result = Matrix6d::Zero();
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::Isometry3d T_world_robot = pose_of(i) * optical_axes() * T_robot_camera.inverse();
+      result = odometry.update(room.see(T_world_robot, time_of(i), T_robot_camera))->covariance;
+    }
+    return result;
+  };
+  const Matrix6d of_camera = covariance(Eigen::Isometry3d::Identity());
+  const Eigen::Isometry3d T_robot_camera = se3_exp((Vector6d() << 0.1, -0.5, 1.2, 0.5, 1.2, -0.4).finished());
+  const Matrix6d A = adjoint(T_robot_camera);
+  EXPECT_GT(of_camera(0, 0), 1e-9);
+  EXPECT_TRUE(covariance(T_robot_camera).isApprox(A * of_camera * A.transpose(), 1e-3));
+}
+
+TEST(VisualOdometry, AnImagesTimeThatMayBeWrongMakesTheWayUncertain) {
+  const Room room(1500);
+  const auto covariance = [&](double stamp_sigma) {
+    VisualOdometrySettings settings;
+    settings.stamp_sigma = stamp_sigma;
+    VisualOdometry odometry(settings, Random(1));
+    odometry.update(room.see(pose_of(0), time_of(0), optical_axes()));
+    return odometry.update(room.see(pose_of(1), time_of(1), optical_axes()))->covariance;
+  };
+  const double seconds = 1e-6 * static_cast<double>(time_of(1) - time_of(0));
+  const Vector6d shift = 0.1 / seconds * se3_log(pose_of(0).inverse() * pose_of(1));
+  EXPECT_TRUE((covariance(0.1) - covariance(1e-9)).isApprox(shift * shift.transpose(), 0.01));
+}
+
 TEST(VisualOdometry, PredictsThroughBlindFramesAndSaysSo) {
   const Room room(1500);
   VisualOdometry odometry({}, Random(1));

@@ -126,6 +126,15 @@ TEST(WheelNoise, DoesNotDependOnHowTheWayIsCut) {
   EXPECT_TRUE((2 * increment_covariance(noise, half)).isApprox(increment_covariance(noise, whole), 1e-12));
 }
 
+TEST(WheelNoise, TheDistanceOfASlipHoldsOneSlip) {
+  WheelNoise noise;
+  noise.longitudinal_scale = noise.translation_drift = noise.rotation_drift = 0;
+  const Matrix6d slip = increment_covariance(noise, {noise.slip_distance, 0, 0, noise.slip_distance, 0});
+  EXPECT_NEAR(std::sqrt(slip(0, 0)), noise.slip_translation, 1e-12);
+  EXPECT_NEAR(std::sqrt(slip(1, 1)), noise.slip_translation, 1e-12);
+  EXPECT_NEAR(std::sqrt(slip(5, 5)), noise.slip_rotation, 1e-12);
+}
+
 TEST(WheelNoise, OneMetreOfScaleErrorIsTheScale) {
   WheelNoise noise;
   noise.translation_drift = noise.rotation_drift = noise.slip_translation = noise.slip_rotation = 0;

@@ -106,12 +106,17 @@ TEST(WheelOdometry, ResidualShowsASlippingWheelAndWidensTheCovariance) {
   testing::drive(base, {0.5, 0, 0}, 0.02);
   const MotionSample without = *undisturbed.update(base.encoders);
   base.encoders.wheels[0].angle += 0.05 / base.encoders.wheels[0].radius;
+  const WheelFit fit = fit_motion(testing::steered_base().encoders.wheels, base.encoders.wheels);
   const MotionSample with = *odometry.update(base.encoders);
   EXPECT_GT(odometry.residual(), 0.005);
   EXPECT_LT(undisturbed.residual(), 1e-12);
   for (const int axis : {0, 1, 5}) {
     EXPECT_GT(with.covariance(axis, axis), 2 * without.covariance(axis, axis)) << "axis " << axis;
   }
+  // Not only by the longer way: what the wheels contradict each other stands in it.
+  EXPECT_GT(fit.covariance(0, 0), 1e-6);
+  EXPECT_GE(with.covariance(0, 0), fit.covariance(0, 0));
+  EXPECT_GE(with.covariance(5, 5), fit.covariance(2, 2));
 }
 
 TEST(WheelOdometry, EveryIncrementHasAPositiveDefiniteCovariance) {

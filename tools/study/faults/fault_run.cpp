@@ -1,0 +1,202 @@
+#include "tools/study/faults/fault_run.hpp"
+
+#include <sched.h>
+#include <sys/mount.h>
+#include <csignal>
+#include <fstream>
+#include <optional>
+#include <thread>
+
+#include <lcmslam/features_t.hpp>
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/keyframe_t.hpp>
+#include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/map_reply_t.hpp>
+#include <lcmslam/map_request_t.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/odometry_t.hpp>
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include "tools/launch/graph.hpp"
+#include "tools/launch/status_table.hpp"
+#include "tools/study/faults/disturbed_source.hpp"
+#include "tools/study/faults/kept_share.hpp"
+#include "tools/study/faults/stranger.hpp"
+
+namespace lcmslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double limit = 0.15;  // m off is no tracking
+constexpr std::chrono::seconds longest_start{60}, longest_export{20}, last_frames{3};
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+class FaultRun {
+ public:
+  FaultRun(CameraSource& source, const FaultRunSettings& settings)
+      : settings_(settings),
+        lcm_(settings.lcm_url),
+        publisher_(lcm_, draw_sender(), largest_whole_message(settings.lcm_url)),
+        other_(lcm_, draw_sender(), largest_whole_message(settings.lcm_url)),
+        stranger_(lcm_, settings.seed),
+        source_(source, publisher_, other_) {
+    subscribe();
+    receiver_.emplace(lcm_, inputs_);
+  }
+
+  FaultRunResult run() {
+    start_graph();
+    const Clock::time_point start = Clock::now();
+    while (step(seconds_since(start))) listen(std::chrono::milliseconds(5));
+    end_fault();
+    const Clock::time_point end = Clock::now();
+    while (Clock::now() - end < last_frames) listen(std::chrono::milliseconds(20));
+    export_maps("final");
+    const Clock::time_point stop = Clock::now();
+    for (const std::string& event : supervisor_.stop()) result_.events.push_back(event);
+    result_.stop_seconds = seconds_since(stop);
+    judge();
+    return result_;
+  }
+
+ private:
+  void subscribe() {
+    inputs_.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000, [this](const auto& m) { fastslam_.add(m); });
+    inputs_.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const auto& m) { icp_.add(m); });
+    inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { board_[m.process] = m; });
+    inputs_.subscribe<map_reply_t>("MAP_REPLY", 100, [this](const auto& m) { replied_ = m.request_id; });
+    stranger_.listen<features_t>(inputs_, "FEATURES");
+    stranger_.listen<odometry_t>(inputs_, "ODOMETRY");
+    stranger_.listen<landmarks_t>(inputs_, "FASTSLAM_LANDMARKS");
+    stranger_.listen<keyframe_t>(inputs_, "ICP_KEYFRAME");
+    stranger_.listen<graph_t>(inputs_, "ICP_GRAPH");
+  }
+
+  void start_graph() {
+    GraphOptions options{settings_.config, settings_.lcm_url, "info", settings_.overrides, settings_.folder};
+    options.overrides.push_back("map-server.folder=" + settings_.folder.string());
+    for (const ProcessSpec& spec : read_graph(options))
+      if (spec.name != "camera") supervisor_.start(spec);
+    const Clock::time_point begin = Clock::now();
+    while (board_.size() < supervisor_.processes().size()) {
+      listen(std::chrono::milliseconds(50));
+      if (Clock::now() - begin > longest_start || supervisor_.refused())
+        throw std::runtime_error("the graph did not start; see " + (settings_.folder / "logs").string());
+    }
+  }
+
+  void listen(Clock::duration wait) {
+    Arrival arrival;
+    if (receiver_->take(arrival, wait)) arrival.deliver();
+    for (const std::string& event : supervisor_.poll()) result_.events.push_back(event);
+  }
+
+  /// False at the end of the recording.
+  bool step(double elapsed) {
+    if (active_ && elapsed > active_->at + active_->seconds) end_fault();
+    if (!active_ && next_fault_ < settings_.faults.size() && elapsed > settings_.faults[next_fault_].at)
+      begin_fault(settings_.faults[next_fault_++]);
+    if (active_ && elapsed >= next_message_) {
+      if (active_->kind == FaultKind::stranger) stranger_.pretend();
+      if (active_->kind == FaultKind::garbage) stranger_.babble();
+      next_message_ = elapsed + 0.05;
+    }
+    return source_.publish_until(elapsed, active_ ? &*active_ : nullptr);
+  }
+
+  void begin_fault(const Fault& fault) {
+    export_maps("before-" + std::to_string(next_fault_));
+    active_ = fault;
+    source_.begin(fault);
+    if (fault.kind == FaultKind::killed) signal_process(SIGKILL);
+    if (fault.kind == FaultKind::paused) signal_process(SIGSTOP);
+    if (fault.kind == FaultKind::disk_full) fill_disk();
+  }
+
+  void end_fault() {
+    if (!active_) return;
+    if (active_->kind == FaultKind::paused) signal_process(SIGCONT);
+    if (active_->kind == FaultKind::disk_full) std::filesystem::remove(ballast());
+    active_.reset();
+  }
+
+  void signal_process(int signal) {
+    for (const Supervisor::State& state : supervisor_.processes())
+      if (state.spec.name == active_->process && state.pid > 0) kill(state.pid, signal);
+  }
+
+  std::filesystem::path ballast() const { return settings_.folder / "ballast"; }
+  void fill_disk() const {
+    std::ofstream file(ballast(), std::ios::binary);
+    const std::string megabyte(1 << 20, 'x');
+    while (file) file << megabyte << std::flush;
+  }
+
+  /// Into a folder of the run's; the graph goes on meanwhile.
+  void export_maps(const std::string& name) {
+    map_request_t request{};
+    request.request_id = ++requests_;
+    request.kind = map_request_t::EXPORT;
+    request.argument = name;
+    request.format = "pcd";
+    publisher_.publish("MAP_REQUEST", request);
+    const Clock::time_point begin = Clock::now();
+    while (replied_ != requests_ && Clock::now() - begin < longest_export)
+      listen(std::chrono::milliseconds(5));
+  }
+
+  void judge() {
+    Utime undisturbed = std::numeric_limits<Utime>::max();
+    if (!settings_.faults.empty() && source_.begun())
+      undisturbed = *source_.begun() + static_cast<Utime>(1e6 * settings_.faults.front().at);
+    const Trajectory truth = source_.truth();
+    for (const auto& [watch, outcome, map] : {std::tuple(&fastslam_, &result_.fastslam, "fastslam_map.pcd"),
+                                              std::tuple(&icp_, &result_.icp, "icp_map.pcd")}) {
+      outcome->ate = watch->ate(truth);
+      outcome->poses = watch->poses();
+      outcome->sessions = watch->sessions();
+      outcome->false_tracking = watch->longest_false_tracking(truth, undisturbed, limit);
+      for (std::size_t i = 0; i < settings_.faults.size(); ++i) {
+        const std::filesystem::path before = settings_.folder / ("before-" + std::to_string(i + 1)) / map;
+        const double kept = kept_share(before, settings_.folder / "final", map);
+        if (kept >= outcome->kept) continue;
+        outcome->kept = kept;
+        outcome->lost_after =
+            to_string(settings_.faults[i].kind) + std::string(" ") + settings_.faults[i].process;
+      }
+    }
+  }
+
+  FaultRunSettings settings_;
+  lcm::LCM lcm_;
+  LcmPublisher publisher_, other_;
+  Stranger stranger_;
+  DisturbedSource source_;
+  Inputs inputs_;
+  std::optional<Receiver> receiver_;
+  Supervisor supervisor_;
+  StatusBoard board_;
+  MapperWatch fastslam_, icp_;
+  FaultRunResult result_;
+  std::optional<Fault> active_;
+  std::size_t next_fault_ = 0;
+  double next_message_ = 0;
+  std::int64_t requests_ = 0, replied_ = 0;
+};
+
+}  // namespace
+
+FaultRunResult run_with_faults(CameraSource& source, const FaultRunSettings& settings) {
+  return FaultRun(source, settings).run();
+}
+
+bool mount_small_disk(const std::filesystem::path& folder, int megabytes) {
+  const std::string size = "size=" + std::to_string(megabytes) + "m";
+  return unshare(CLONE_NEWNS) == 0 && mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         mount("tmpfs", folder.c_str(), "tmpfs", MS_NOSUID | MS_NODEV, size.c_str()) == 0;
+}
+
+}  // namespace lcmslam

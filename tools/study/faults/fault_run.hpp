@@ -1,0 +1,46 @@
+#pragma once
+// The whole graph live, on a camera that the study plays, while things go wrong; what that did to poses and
+// maps.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "procs/camera/camera_source.hpp"
+#include "tools/study/faults/fault.hpp"
+#include "tools/study/faults/mapper_watch.hpp"
+
+namespace lcmslam {
+
+struct FaultRunSettings {
+  std::string config;                  ///< of the graph; its camera is left out
+  std::vector<std::string> overrides;  ///< section.key=value
+  std::string lcm_url;
+  std::filesystem::path folder;  ///< of the results
+  std::vector<Fault> faults;     ///< by time
+  std::uint64_t seed = 1;
+};
+
+/// A mapper's part in a run.
+struct MapperOutcome {
+  double ate = 0;  ///< m
+  std::size_t poses = 0, sessions = 0;
+  MapperWatch::FalseTracking false_tracking;
+  double kept = 1;  ///< least share of the points mapped before a fault that are in the files after the run
+  std::string lost_after;  ///< the fault before which those were mapped
+};
+
+struct FaultRunResult {
+  MapperOutcome fastslam, icp;
+  double stop_seconds = 0;          ///< from the request to stop to the end of the last process
+  std::vector<std::string> events;  ///< processes that ended or restarted
+};
+
+/// Throws std::runtime_error when the graph does not start.
+FaultRunResult run_with_faults(CameraSource& source, const FaultRunSettings& settings);
+
+/// A folder in memory that holds `megabytes`, seen by this process and those it starts alone. Before any
+/// thread. False where that is forbidden.
+bool mount_small_disk(const std::filesystem::path& folder, int megabytes);
+
+}  // namespace lcmslam

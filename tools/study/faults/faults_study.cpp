@@ -1,0 +1,129 @@
+#include "tools/study/faults/faults_study.hpp"
+
+#include <fmt/format.h>
+#include <chrono>
+#include <iostream>
+#include <stdexcept>
+
+#include <lcmslam/configuration/share.hpp>
+#include <lcmslam/evaluation/table.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr int disk_megabytes = 300;
+
+struct Scene {
+  std::string name, config;
+  std::unique_ptr<CameraSource> (*open)(const FaultsStudySettings& settings);
+  double seconds = 0;  // of its faults
+};
+
+std::unique_ptr<CameraSource> open_kitchen(const FaultsStudySettings&) {
+  SimulationSourceSettings settings;
+  settings.simulation.scene = share_path("config/scenes/kitchen.yaml");
+  return make_simulation_source(settings);
+}
+
+std::unique_ptr<CameraSource> open_data_set(const FaultsStudySettings& study) {
+  DatasetSourceSettings settings;
+  settings.folder = study.recording;
+  return make_dataset_source(settings);
+}
+
+FaultsStudyRun run_scene(const Scene& scene, std::uint64_t seed, std::vector<Fault> faults,
+                         const FaultsStudySettings& settings, const std::filesystem::path& folder) {
+  FaultsStudyRun run{scene.name, seed, std::move(faults), {}};
+  FaultRunSettings graph;
+  graph.config = share_path(scene.config);
+  graph.lcm_url = settings.lcm_url;
+  graph.folder = folder / (scene.name + "-" + (run.faults.empty() ? "undisturbed" : std::to_string(seed)));
+  graph.faults = run.faults;
+  graph.seed = seed;
+  std::filesystem::create_directories(graph.folder);
+  std::cout << "lcmslam study: " << graph.folder.filename().string() << std::endl;
+  run.result = run_with_faults(*scene.open(settings), graph);
+  return run;
+}
+
+nlohmann::json mapper_json(const MapperOutcome& outcome) {
+  return {{"ate_m", outcome.ate},
+          {"poses", outcome.poses},
+          {"sessions", outcome.sessions},
+          {"false_tracking_s", outcome.false_tracking.seconds},
+          {"false_tracking_m", outcome.false_tracking.error},
+          {"map_kept", outcome.kept},
+          {"map_kept_least_after", outcome.lost_after}};
+}
+
+std::string words(const std::vector<Fault>& faults) {
+  std::string text;
+  for (const Fault& fault : faults) {
+    text += text.empty() ? "" : ", ";
+    text += to_string(fault.kind) + (fault.process.empty() ? "" : " " + fault.process);
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
+                                         const std::filesystem::path& folder) {
+  if (!mount_small_disk(folder, disk_megabytes))
+    throw std::runtime_error("--only faults fills a small disk of its own, which needs root");
+  std::vector<Scene> scenes = {{"kitchen", "config/demo.yaml", open_kitchen, 40}};
+  if (!settings.recording.empty()) scenes.push_back({"recording", "config/dataset.yaml", open_data_set, 26});
+  const auto begin = std::chrono::steady_clock::now();
+  const auto minutes = [&] {
+    return std::chrono::duration<double, std::ratio<60>>(std::chrono::steady_clock::now() - begin).count();
+  };
+  std::vector<FaultsStudyRun> runs;
+  for (const Scene& scene : scenes) runs.push_back(run_scene(scene, settings.seed, {}, settings, folder));
+  for (std::uint64_t i = 0; minutes() < settings.minutes; ++i) {
+    const Scene& scene = scenes[i % scenes.size()];
+    const std::uint64_t seed = settings.seed + i / scenes.size();
+    runs.push_back(run_scene(scene, seed, fault_schedule(seed, scene.seconds), settings, folder));
+  }
+  return runs;
+}
+
+std::string faults_table(const std::vector<FaultsStudyRun>& runs) {
+  Table table({"run", "mapper", "ATE m", "maps", "false TRACKING s", "m", "map kept", "stop s"});
+  std::string faults;
+  for (const FaultsStudyRun& run : runs) {
+    const std::string name =
+        run.scene + (run.faults.empty() ? " undisturbed" : " " + std::to_string(run.seed));
+    for (const auto& [mapper, outcome] :
+         {std::pair("fastslam", &run.result.fastslam), std::pair("icp", &run.result.icp)})
+      table.add({name, mapper, fixed_number(outcome->ate, 4), std::to_string(outcome->sessions),
+                 fixed_number(outcome->false_tracking.seconds, 1),
+                 fixed_number(outcome->false_tracking.error, 2),
+                 fmt::format("{:.0f} %{}", 100 * outcome->kept,
+                             outcome->lost_after.empty() ? "" : " (" + outcome->lost_after + ")"),
+                 fixed_number(run.result.stop_seconds, 1)});
+    faults += name + ": " + words(run.faults) + "\n";
+  }
+  return table.text() + "\n" + faults;
+}
+
+nlohmann::json faults_json(const std::vector<FaultsStudyRun>& runs) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const FaultsStudyRun& run : runs) {
+    nlohmann::json faults = nlohmann::json::array();
+    for (const Fault& fault : run.faults)
+      faults.push_back({{"kind", to_string(fault.kind)},
+                        {"at_s", fault.at},
+                        {"seconds", fault.seconds},
+                        {"process", fault.process}});
+    list.push_back({{"scene", run.scene},
+                    {"seed", run.seed},
+                    {"faults", faults},
+                    {"fastslam", mapper_json(run.result.fastslam)},
+                    {"icp", mapper_json(run.result.icp)},
+                    {"stop_s", run.result.stop_seconds},
+                    {"events", run.result.events}});
+  }
+  return {{"runs", list}};
+}
+
+}  // namespace lcmslam
