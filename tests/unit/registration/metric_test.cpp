@@ -69,5 +69,25 @@ TEST_P(MetricJacobian, HessianIsExactAtZeroResidual) {
   }
 }
 
+// The variance of one residual is the squared error by the weight: covariances stand on it.
+TEST(Metric, SquaredErrorByWeightIsTheNoisesVariance) {
+  constexpr double sigma = 0.02;
+  constexpr int pairs = 20000;
+  for (const MetricKind kind : {MetricKind::point_to_point, MetricKind::point_to_plane}) {
+    RegistrationSettings settings;
+    settings.metric = kind;
+    const auto metric = make_metric(settings);
+    Random random(3);
+    const Eigen::Isometry3d T = random_transform(random);
+    NormalEquations equations;
+    for (int i = 0; i < pairs; ++i) {
+      Pair pair = random_pair(random, T);
+      pair.target = pair.moved + sigma * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+      metric->add(pair, T.linear(), equations);
+    }
+    EXPECT_NEAR(equations.squared_error / equations.weight, sigma * sigma, 0.05 * sigma * sigma);
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam
