@@ -161,9 +161,11 @@ class FaultRun {
       outcome->false_tracking = watch->longest_false_tracking(truth, undisturbed, limit);
       for (std::size_t i = 0; i < settings_.faults.size(); ++i) {
         const std::filesystem::path before = settings_.folder / ("before-" + std::to_string(i + 1)) / map;
-        const double kept = kept_share(before, settings_.folder / "final", map);
-        if (kept >= outcome->kept) continue;
-        outcome->kept = kept;
+        const auto kept = kept_share(before, settings_.folder / "final", map);
+        if (!kept) continue;
+        ++outcome->maps_before;
+        if (*kept >= outcome->kept) continue;
+        outcome->kept = *kept;
         outcome->lost_after =
             to_string(settings_.faults[i].kind) + std::string(" ") + settings_.faults[i].process;
       }

@@ -26,7 +26,8 @@ struct MapperOutcome {
   double ate = 0;  ///< m
   std::size_t poses = 0, sessions = 0;
   MapperWatch::FalseTracking false_tracking;
-  double kept = 1;  ///< least share of the points mapped before a fault that are in the files after the run
+  int maps_before = 0;     ///< saved before faults, to be found again in the files after the run
+  double kept = 1;         ///< least share of the points of one of them that are
   std::string lost_after;  ///< the fault before which those were mapped
 };
 

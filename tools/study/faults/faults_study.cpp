@@ -52,8 +52,16 @@ nlohmann::json mapper_json(const MapperOutcome& outcome) {
           {"sessions", outcome.sessions},
           {"false_tracking_s", outcome.false_tracking.seconds},
           {"false_tracking_m", outcome.false_tracking.error},
+          {"maps_before", outcome.maps_before},
           {"map_kept", outcome.kept},
           {"map_kept_least_after", outcome.lost_after}};
+}
+
+/// "97 % of 3 (killed icp)": least share, of how many maps, and what had gone wrong.
+std::string kept_words(const MapperOutcome& outcome) {
+  if (outcome.maps_before == 0) return "-";
+  const std::string cause = outcome.lost_after.empty() ? "" : " (" + outcome.lost_after + ")";
+  return fmt::format("{:.0f} % of {}{}", 100 * outcome.kept, outcome.maps_before, cause);
 }
 
 std::string words(const std::vector<Fault>& faults) {
@@ -97,9 +105,7 @@ std::string faults_table(const std::vector<FaultsStudyRun>& runs) {
          {std::pair("fastslam", &run.result.fastslam), std::pair("icp", &run.result.icp)})
       table.add({name, mapper, fixed_number(outcome->ate, 4), std::to_string(outcome->sessions),
                  fixed_number(outcome->false_tracking.seconds, 1),
-                 fixed_number(outcome->false_tracking.error, 2),
-                 fmt::format("{:.0f} %{}", 100 * outcome->kept,
-                             outcome->lost_after.empty() ? "" : " (" + outcome->lost_after + ")"),
+                 fixed_number(outcome->false_tracking.error, 2), kept_words(*outcome),
                  fixed_number(run.result.stop_seconds, 1)});
     faults += name + ": " + words(run.faults) + "\n";
   }

@@ -7,11 +7,11 @@
 
 namespace lcmslam {
 
-double kept_share(const std::filesystem::path& before, const std::filesystem::path& folder,
-                  const std::string& map) {
-  if (!std::filesystem::exists(before)) return 1;
+std::optional<double> kept_share(const std::filesystem::path& before, const std::filesystem::path& folder,
+                                 const std::string& map) {
+  if (!std::filesystem::exists(before)) return std::nullopt;
   const ColouredCloud old = load_pcd(before);
-  if (old.points.empty()) return 1;
+  if (old.points.empty()) return std::nullopt;
   double best = 0;
   const std::string stem = map.substr(0, map.find('_'));
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace lcmslam {
@@ -7,7 +8,7 @@ namespace lcmslam {
 /// Share of the points of `before` (PCD) that have a neighbour within 0.1 m in one of the maps called like
 /// `map` in `folder` or below it (each session has its own); 1 when nothing was mapped before, 0 without any
 /// file after.
-double kept_share(const std::filesystem::path& before, const std::filesystem::path& folder,
-                  const std::string& map);
+std::optional<double> kept_share(const std::filesystem::path& before, const std::filesystem::path& folder,
+                                 const std::string& map);
 
 }  // namespace lcmslam
