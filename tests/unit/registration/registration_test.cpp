@@ -282,5 +282,28 @@ TEST(Registration, CombinationsThatDoNotExistAreNamed) {
                std::invalid_argument);
 }
 
+// 3 cm apart is much for an exact source alone, and little for a target that errs by 5 cm.
+TEST(Look, InliersAreJudgedByTheNoiseOfBothClouds) {
+  Cloud source = wall(), target = wall();
+  for (Eigen::Vector3f& p : source.points) p.x() -= 0.03f;
+  source.sigmas.assign(source.size(), 0.001f);
+  const auto inliers = [&](float target_sigma) {
+    target.sigmas.assign(target.size(), target_sigma);
+    RegistrationSettings settings;
+    settings.noise_floor = 0.001;
+    return look(source, KdTreeTarget(target), Eigen::Isometry3d::Identity(), settings).inliers;
+  };
+  EXPECT_EQ(inliers(0.001f), 0);
+  EXPECT_GT(inliers(0.05f), 300);
+}
+
+TEST(Look, NormalsTurnWithTheCloud) {
+  const Eigen::Isometry3d T = se3_exp(twist(0.5, -1, 0.3, 0.4, 1.2, 1.5));
+  const Cloud source = transformed(room(), T.inverse());
+  RegistrationSettings settings;
+  settings.max_normal_angle = 0.2;
+  EXPECT_GT(look(source, KdTreeTarget(room()), T, settings).overlap, 0.95);
+}
+
 }  // namespace
 }  // namespace lcmslam
