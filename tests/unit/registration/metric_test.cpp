@@ -89,5 +89,21 @@ TEST(Metric, SquaredErrorByWeightIsTheNoisesVariance) {
   }
 }
 
+// What lies off either surface counts, what slides along both does not.
+TEST(Metric, PlaneToPlaneKnowsBothSurfaces) {
+  RegistrationSettings settings;
+  settings.metric = MetricKind::plane_to_plane;
+  const auto metric = make_metric(settings);
+  Pair pair;
+  pair.target_normal = Eigen::Vector3d::UnitX();
+  pair.moved_normal = Eigen::Vector3d::UnitY();
+  const auto error = [&](const Eigen::Vector3d& apart) {
+    pair.target = pair.moved + apart;
+    return metric->squared_error(pair);
+  };
+  EXPECT_NEAR(error(Eigen::Vector3d::UnitX()), error(Eigen::Vector3d::UnitY()), 1e-9);
+  EXPECT_LT(error(Eigen::Vector3d::UnitZ()), 0.6 * error(Eigen::Vector3d::UnitX()));
+}
+
 }  // namespace
 }  // namespace lcmslam

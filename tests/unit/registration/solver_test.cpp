@@ -49,5 +49,52 @@ TEST_P(ClosedForm, PairsCountByTheirWeights) {
   EXPECT_TRUE(solver()->solve(pairs, T)->isApprox(T_true, 1e-6));
 }
 
+std::vector<Pair> random_pairs(Random& random, const Eigen::Isometry3d& T, int count) {
+  std::vector<Pair> pairs;
+  for (int i = 0; i < count; ++i) pairs.push_back(random_pair(random, T));
+  return pairs;
+}
+
+// Pairs that contradict each other, far from the minimum: there a full step may lead uphill.
+TEST(LevenbergMarquardt, NoStepMakesTheErrorLarger) {
+  RegistrationSettings settings;
+  const auto metric = make_metric(settings);
+  const auto cost = [&](std::vector<Pair> pairs, const Eigen::Isometry3d& T) {
+    double sum = 0;
+    for (Pair& p : pairs) {
+      p.moved = T * p.source;
+      sum += p.weight * metric->squared_error(p);
+    }
+    return sum;
+  };
+  int uphill = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Random random(seed);
+    const Eigen::Isometry3d T = random_transform(random);
+    std::vector<Pair> pairs = random_pairs(random, T, 8);
+    for (Pair& p : pairs) p.target = random_vector(random, 2);
+    const auto full = GaussNewtonSolver(settings, nullptr).solve(pairs, T);
+    uphill += full && cost(pairs, *full) > cost(pairs, T) ? 1 : 0;
+    const auto damped = LevenbergMarquardtSolver(settings, nullptr).solve(pairs, T);
+    ASSERT_TRUE(damped);
+    EXPECT_LE(cost(pairs, *damped), cost(pairs, T) * (1 + 1e-9)) << seed;
+  }
+  EXPECT_GT(uphill, 5) << "else this tests nothing";
+}
+
+// Neighbouring points err alike: beyond independent_pairs more of them tell no more.
+TEST(Observability, MorePairsThanAreIndependentTellNothingNew) {
+  RegistrationSettings settings;
+  settings.independent_pairs = 100;
+  const auto metric = make_metric(settings);
+  Random random(9);
+  const Eigen::Isometry3d T = random_transform(random);
+  const std::vector<Pair> some = random_pairs(random, T, 200);
+  std::vector<Pair> twice = some;
+  twice.insert(twice.end(), some.begin(), some.end());
+  const Matrix6d covariance = observe(some, *metric, T, settings).covariance(nullptr);
+  EXPECT_TRUE(observe(twice, *metric, T, settings).covariance(nullptr).isApprox(covariance, 1e-9));
+}
+
 }  // namespace
 }  // namespace lcmslam
