@@ -23,10 +23,10 @@ constexpr unsigned longest_stop = 60;             // s, above a supervisor's own
 
 class Process {
  public:
-  Process(std::string name, lcm::LCM& lcm, std::size_t largest_whole)
+  Process(std::string name, LcmBus& bus, std::size_t largest_whole)
       : name_(std::move(name)),
-        lcm_(lcm),
-        publisher_(lcm, draw_sender(), largest_whole),
+        bus_(bus),
+        publisher_(bus.lcm(), draw_sender(), largest_whole),
         reporter_(name_, publisher_) {}
 
   void run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
@@ -34,7 +34,7 @@ class Process {
     configured();
     node_->connect(inputs_);
     inputs_.subscribe<command_t>("COMMAND", 100, [this](const command_t& c) { on_command(c); });
-    Receiver receiver(lcm_, inputs_);
+    Receiver receiver(bus_, inputs_);
     yield_to_receivers();  // after the receivers' threads have started
     spdlog::info("{} {} runs", name_, lcmslam_version);
 
@@ -99,7 +99,7 @@ class Process {
   }
 
   std::string name_;
-  lcm::LCM& lcm_;
+  LcmBus& bus_;
   LcmPublisher publisher_;
   StatusReporter reporter_;
   Inputs inputs_;
@@ -119,13 +119,13 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
   install_stop_signals(longest_stop);
   try {
     const ProcessConfig config = process_config(options, name);
-    lcm::LCM lcm(options.lcm_url);
-    if (!is_usable(lcm)) {
+    LcmBus bus(options.lcm_url);
+    if (!bus.usable()) {
       spdlog::error("LCM cannot use {}: no multicast route? Try: ip route add 224.0.0.0/4 dev lo",
                     options.lcm_url);
       return 1;
     }
-    Process(name, lcm, largest_whole_message(options.lcm_url)).run(config.section, make_node, [&] {
+    Process(name, bus, largest_whole_message(options.lcm_url)).run(config.section, make_node, [&] {
       config.file.finish();
     });
     return 0;

@@ -89,11 +89,11 @@ void complete(DemoOptions& o) {
 
 class Demo {
  public:
-  Demo(const DemoOptions& options, lcm::LCM& lcm)
+  Demo(const DemoOptions& options, LcmBus& bus)
       : options_(options),
-        publisher_(lcm, draw_sender(), largest_whole_message(options.lcm_url)),
+        publisher_(bus.lcm(), draw_sender(), largest_whole_message(options.lcm_url)),
         recorder_(inputs_),
-        receiver_(lcm, inputs_),
+        receiver_(bus, inputs_),
         terminal_(isatty(STDOUT_FILENO) != 0 && !options.headless) {}
 
   int run() {
@@ -242,23 +242,23 @@ class Demo {
 
 /// The user's bus, or a private one where there is none or another graph has it. Nothing where neither can be
 /// had.
-std::unique_ptr<lcm::LCM> open_bus(const DemoOptions& options) {
+std::unique_ptr<LcmBus> open_bus(const DemoOptions& options) {
   DoctorOptions doctor;
   doctor.lcm_url = options.lcm_url;
   doctor.processes = process_names();
   std::string reason = "no multicast route on this machine";
   std::string cure = "LCM cannot use " + options.lcm_url + "; try: sudo ip route add 224.0.0.0/4 dev lo";
-  auto lcm = std::make_unique<lcm::LCM>(options.lcm_url);
-  if (lcm->good()) {
+  auto bus = std::make_unique<LcmBus>(options.lcm_url);
+  if (bus->usable()) {
     const Finding senders = check_senders(doctor);
-    if (!is_rival_graph(senders)) return lcm;
+    if (!is_rival_graph(senders)) return bus;
     reason = cure = senders.text;
   }
-  lcm.reset();
+  bus.reset();
   if (enter_private_bus()) {
     std::cout << "lcmslam demo: " << reason << "; runs on a private bus (lcm-spy cannot see it)\n";
-    lcm = std::make_unique<lcm::LCM>(options.lcm_url);
-    if (lcm->good()) return lcm;
+    bus = std::make_unique<LcmBus>(options.lcm_url);
+    if (bus->usable()) return bus;
   }
   std::cerr << "lcmslam demo: " << cure << "\n";
   return nullptr;
@@ -277,8 +277,8 @@ int demo_command(int argc, char** argv) {
   complete(options);
   install_stop_signals(0);
 
-  const auto lcm = open_bus(options);
-  return lcm ? Demo(options, *lcm).run() : 1;
+  const auto bus = open_bus(options);
+  return bus ? Demo(options, *bus).run() : 1;
 }
 
 }  // namespace lcmslam

@@ -64,8 +64,8 @@ int launch_command(int argc, char** argv) {
   options.overrides.insert(options.overrides.begin(),
                            "map-server.folder=" + std::filesystem::absolute(options.folder).string());
   install_stop_signals(0);
-  lcm::LCM lcm(options.lcm_url);
-  if (!is_usable(lcm)) {
+  LcmBus bus(options.lcm_url);
+  if (!bus.usable()) {
     std::cerr << "lcmslam launch: LCM cannot use " << options.lcm_url << "\n"
               << format_findings({check_route(options.lcm_url)}, true);
     return 1;
@@ -93,7 +93,7 @@ int launch_command(int argc, char** argv) {
   Inputs inputs;
   inputs.subscribe<status_t>("STATUS", 1000,
                              [&](const status_t& s) { take_status(board, s, supervisor.processes()); });
-  Receiver receiver(lcm, inputs);
+  Receiver receiver(bus, inputs);
   Screen screen;
   while (!stop_requested() && !supervisor.refused()) {
     Arrival arrival;
