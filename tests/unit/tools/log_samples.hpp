@@ -47,7 +47,10 @@ inline Bytes encoders_message(Utime utime, std::int64_t seq, std::int64_t sender
   m.utime = utime;
   m.seq = seq;
   m.sender = sender;
-  m.n_wheels = 0;
+  wheel_t wheel{};
+  wheel.radius = 0.1;
+  m.wheels = {wheel, wheel};
+  m.n_wheels = 2;
   return encode_message(m);
 }
 
