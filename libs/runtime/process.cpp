@@ -31,8 +31,8 @@ class Process {
         publisher_(lcm, draw_sender(), largest_whole),
         reporter_(name_, publisher_) {}
 
-  /// Throws std::runtime_error at the end when the node has failed.
-  void run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
+  /// Gives what the node has failed at; empty: nothing.
+  std::string run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
     make(config, make_node);
     configured();
     node_->connect(inputs_);
@@ -63,8 +63,8 @@ class Process {
     const bool failed = report.state == status_t::FAILED;
     if (!failed) report.state = status_t::STOPPING;
     publish_status(report, receiver);
-    if (failed) throw std::runtime_error(report.detail);
     spdlog::info("{} stops", name_);
+    return failed ? report.detail : "";
   }
 
  private:
@@ -145,10 +145,10 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
                     options.lcm_url);
       return 1;
     }
-    Process(name, lcm, largest_whole_message(options.lcm_url)).run(config.section, make_node, [&] {
-      config.file.finish();
-    });
-    return 0;
+    const std::string failure = Process(name, lcm, largest_whole_message(options.lcm_url))
+                                    .run(config.section, make_node, [&] { config.file.finish(); });
+    if (!failure.empty()) spdlog::error("{}", failure);
+    return failure.empty() ? 0 : 1;
   } catch (const ConfigError& error) {
     spdlog::error("{}", error.what());
     return 2;

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
+#include <numeric>
 
 #include <lcmslam/map_reply_t.hpp>
 #include <lcmslam/map_store/map_export.hpp>
@@ -346,6 +348,29 @@ TEST_F(MapServerSnapshots, NothingIsWrittenWhenNothingChanged) {
   while (std::chrono::steady_clock::now() < until) often_.work();
   EXPECT_EQ(value_of(often_, "saved"), 1);
   EXPECT_FALSE(std::filesystem::exists(scratch_.path() / "often"));
+}
+
+// The kitchen's map has 31 keyframes with 380,000 points and 2,300 landmarks.
+TEST_F(MapServerSnapshots, MessagesDoNotWaitForThem) {
+  for (std::int32_t id = 0; id < 31; ++id) keyframe(2, id, 12'000);
+  std::vector<std::int64_t> ids(2'300);
+  std::iota(ids.begin(), ids.end(), 1);
+  landmarks(1, 1, 0, ids);
+  double shortest = INFINITY;  // of several: the machine may have other things to do
+  for (int snapshot = 1; snapshot <= 4; ++snapshot) {
+    double longest = 0;
+    landmarks(1, snapshot + 1, snapshot, {5'000 + snapshot});
+    ASSERT_TRUE(testing::wait_for([&] {
+      const auto begin = std::chrono::steady_clock::now();
+      often_.work();
+      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+      longest = std::max(longest, took.count());
+      return value_of(often_, "saved") >= snapshot;
+    }));
+    shortest = std::min(shortest, longest);
+  }
+  RecordProperty("stall_us", static_cast<int>(1e6 * shortest));
+  EXPECT_LT(shortest, 0.05);
 }
 
 TEST_F(MapServer, ImpossibleMessagesAreCounted) {
