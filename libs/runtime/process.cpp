@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 #include <iostream>
 
+#include <lcmslam/messages/print_message.hpp>
+#include <lcmslam/runtime/confirmation.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/options.hpp>
@@ -29,7 +31,8 @@ class Process {
         publisher_(bus.lcm(), draw_sender(), largest_whole),
         reporter_(name_, publisher_) {}
 
-  void run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
+  /// Gives what the node has failed at; empty: nothing.
+  std::string run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
     make(config, make_node);
     configured();
     node_->connect(inputs_);
@@ -57,9 +60,11 @@ class Process {
     drain(receiver);
     node_->finish();
     NodeReport report = node_->report();
-    report.state = status_t::STOPPING;
+    const bool failed = report.state == status_t::FAILED;
+    if (!failed) report.state = status_t::STOPPING;
     publish_status(report, receiver);
     spdlog::info("{} stops", name_);
+    return failed ? report.detail : "";
   }
 
  private:
@@ -87,14 +92,28 @@ class Process {
   }
 
   void on_command(const command_t& command) {
-    if (!command.target.empty() && command.target != name_) return;
-    if (command.name == "stop")
-      request_stop();
-    else
-      node_->command(command);
+    const bool meant = command.target.empty() || command.target == name_;
+    if (meant && needs_confirmation(command) && !is_confirmed(command, name_, publisher_.sender()))
+      refuse(command);
+    else if (meant && command.name == "stop")
+      return request_stop();
+    else if (meant)
+      return node_->command(command);
+    node_->overhear(command);
   }
 
-  void publish_status(const NodeReport& report, Receiver& receiver) {
+  void refuse(const command_t& command) {
+    ++commands_refused_;
+    const bool shown = (commands_refused_ & (commands_refused_ - 1)) == 0;  // the 1st, 2nd, 4th, 8th ...
+    if (shown)
+      spdlog::warn("COMMAND '{}' of {:08x} is refused, its keys and values do not confirm it ({} so far)",
+                   printable(command.name.substr(0, 20)), static_cast<std::uint32_t>(command.sender),
+                   commands_refused_);
+  }
+
+  void publish_status(NodeReport report, Receiver& receiver) {
+    if (commands_refused_ > 0)
+      report.values.emplace_back("commands_refused", static_cast<double>(commands_refused_));
     publisher_.publish("STATUS", reporter_.gather(report, inputs_, receiver));
   }
 
@@ -104,6 +123,7 @@ class Process {
   StatusReporter reporter_;
   Inputs inputs_;
   std::unique_ptr<Node> node_;
+  std::int64_t commands_refused_ = 0;
 };
 
 }  // namespace
@@ -125,10 +145,10 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
                     options.lcm_url);
       return 1;
     }
-    Process(name, bus, largest_whole_message(options.lcm_url)).run(config.section, make_node, [&] {
-      config.file.finish();
-    });
-    return 0;
+    const std::string failure = Process(name, bus, largest_whole_message(options.lcm_url))
+                                    .run(config.section, make_node, [&] { config.file.finish(); });
+    if (!failure.empty()) spdlog::error("{}", failure);
+    return failure.empty() ? 0 : 1;
   } catch (const ConfigError& error) {
     spdlog::error("{}", error.what());
     return 2;

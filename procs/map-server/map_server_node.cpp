@@ -7,7 +7,8 @@
 #include <lcmslam/map_reply_t.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
-#include "procs/map-server/map_files.hpp"
+#include <lcmslam/runtime/confirmation.hpp>
+#include <lcmslam/status_t.hpp>
 
 namespace lcmslam {
 namespace {
@@ -48,7 +49,11 @@ MapServerNode::MapServerNode(const ConfigNode& config, Publisher& publisher)
     : MapServerNode(read(config), publisher) {}
 
 MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publisher)
-    : publisher_(publisher), folder_(settings.folder), resolution_(settings.resolution) {}
+    : publisher_(publisher),
+      folder_(settings.folder),
+      resolution_(settings.resolution),
+      snapshot_period_(settings.snapshot_period),
+      most_export_folders_(static_cast<std::size_t>(settings.export_folders)) {}
 
 void MapServerNode::connect(Inputs& inputs) {
   inputs.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000,
@@ -135,16 +140,15 @@ void MapServerNode::on_request(const map_request_t& request) {
   reply.n_tiles = 1;
   try {
     if (request.kind == map_request_t::EXPORT) {
-      for (const auto& file : export_maps(
-               request.argument.empty() ? folder_ : std::filesystem::path(request.argument), request.format))
-        reply.message += file + "\n";
+      for (const auto& file : export_maps(request)) reply.message += file + "\n";
     } else if (request.kind != map_request_t::INFO) {
       throw std::runtime_error(fmt::format("there is no request of kind {}", request.kind));
     }
   } catch (const std::exception& error) {
     reply.status = 1;
     reply.message = error.what();
-    spdlog::error("{}", error.what());
+    ++requests_refused_;
+    spdlog::error("request refused: {}", error.what());
   }
   const std::string info = describe();
   reply.content = "application/json";
@@ -161,48 +165,106 @@ std::string MapServerNode::describe() const {
                      keyframes, points, resolution_);
 }
 
-std::vector<std::string> MapServerNode::export_maps(const std::filesystem::path& folder,
-                                                    const std::string& formats) const {
-  std::filesystem::create_directories(folder);
-  MapFiles files(folder, formats);
+std::vector<std::string> MapServerNode::export_maps(const map_request_t& request) {
+  note_saving(true);  // both write files of the same names
+  return save_maps(maps_to_save(), export_folder(request.argument), request.format);
+}
+
+/// The run's own folder, or the one below it that a request names.
+HeldFolder MapServerNode::export_folder(const std::string& name) {
+  std::filesystem::create_directories(folder_);
+  const HeldFolder own(folder_);
+  if (name.empty()) return own;
+  if (export_folders_.count(name) == 0 && export_folders_.size() >= most_export_folders_)
+    throw std::runtime_error(
+        fmt::format("requests have made {} folders already, as many as export_folders lets them",
+                    export_folders_.size()));
+  HeldFolder folder = own.below(name);
+  export_folders_.insert(name);
+  return folder;
+}
+
+MapsToSave MapServerNode::maps_to_save() const {
+  MapsToSave maps;
+  maps.resolution = resolution_;
   // Older sessions carry a number, the newest of each mapper has the plain name.
   for (std::size_t i = 0; i < landmark_maps_.size(); ++i) {
     const bool newest = i + 1 == landmark_maps_.size();
-    files.save_landmarks(newest ? "fastslam" : fmt::format("fastslam-session{}", i + 1),
-                         landmark_maps_[i].map.landmarks(), newest ? fastslam_path_ : Path());
+    maps.landmarks.push_back({newest ? "fastslam" : fmt::format("fastslam-session{}", i + 1),
+                              landmark_maps_[i].map.landmarks(), newest ? fastslam_path_ : Path()});
   }
   for (std::size_t i = 0; i < dense_maps_.size(); ++i) {
     const bool newest = i + 1 == dense_maps_.size();
-    files.save_cloud(newest ? "icp" : fmt::format("icp-session{}", i + 1),
-                     dense_maps_[i].map.merge(resolution_), resolution_, newest ? icp_path_ : Path());
+    maps.dense.push_back({newest ? "icp" : fmt::format("icp-session{}", i + 1), dense_maps_[i].map,
+                          newest ? icp_path_ : Path()});
   }
-  return files.written();
+  return maps;
 }
 
 void MapServerNode::command(const command_t& command) {
-  if (command.name == "save") finish();
+  if (command.name == "save") save_beside();
+  keep_what_is_reset(command);
+}
+
+/// A mapper is told to forget its map: as it is now it stays on disk, in a folder of its own.
+void MapServerNode::keep_what_is_reset(const command_t& command) {
+  const auto forgets = [&](const char* process, const auto& sessions) {
+    return !sessions.empty() && is_confirmed(command, process, sessions.back().sender);
+  };
+  if (command.name != "reset" || !(forgets("fastslam", landmark_maps_) || forgets("icp", dense_maps_)))
+    return;
+  note_saving(true);
+  int number = 1;
+  const auto folder = [&] { return folder_ / fmt::format("before-reset-{}", number); };
+  while (std::filesystem::exists(folder())) ++number;
+  spdlog::info("reset: the maps so far are kept in {}", folder().string());
+  saver_.begin(maps_to_save(), folder(), saved_changes_);
+}
+
+std::optional<Node::Duration> MapServerNode::work() {
+  note_saving(false);
+  const auto now = std::chrono::steady_clock::now();
+  if (snapshot_period_ > 0 && now - last_snapshot_ >= std::chrono::duration<double>(snapshot_period_)) {
+    last_snapshot_ = now;
+    save_beside();
+  }
+  return std::nullopt;
+}
+
+/// What changed since it was saved is copied here and written by another thread.
+void MapServerNode::save_beside() {
+  note_saving(false);
+  if (changes_ != saved_changes_ && !saver_.busy()) saver_.begin(maps_to_save(), folder_, changes_);
+}
+
+void MapServerNode::note_saving(bool wait) {
+  const auto outcome = saver_.take_outcome(wait);
+  if (!outcome) return;
+  failure_ = outcome->error;
+  if (!failure_.empty()) return spdlog::error("maps are not saved: {}", failure_);
+  saved_changes_ = outcome->revision;
+  ++saved_;
+  spdlog::info("maps saved in {}", folder_.string());
 }
 
 void MapServerNode::finish() {
-  if (changes_ == saved_changes_) return;
-  try {
-    export_maps(folder_, "ply,pcd");
-    saved_changes_ = changes_;
-    ++exports_;
-    spdlog::info("maps saved in {}", folder_.string());
-  } catch (const std::exception& error) {
-    spdlog::error("maps are not saved: {}", error.what());
-  }
+  note_saving(true);
+  save_beside();
+  note_saving(true);
 }
 
 NodeReport MapServerNode::report() const {
   NodeReport report;
+  if (!failure_.empty()) report.detail = "maps are not saved: " + failure_;
+  if (!failure_.empty() && changes_ != saved_changes_) report.state = status_t::FAILED;
   report.values = {
       {"landmarks", landmark_maps_.empty() ? 0 : static_cast<double>(landmark_maps_.back().map.size())},
       {"keyframes", dense_maps_.empty() ? 0 : static_cast<double>(dense_maps_.back().map.keyframes().size())},
       {"map_points", dense_maps_.empty() ? 0 : static_cast<double>(dense_maps_.back().map.point_count())},
       {"sessions", static_cast<double>(std::max(landmark_maps_.size(), dense_maps_.size()))},
-      {"resends_asked", static_cast<double>(resends_)}};
+      {"resends_asked", static_cast<double>(resends_)},
+      {"saved", static_cast<double>(saved_)},
+      {"requests_refused", static_cast<double>(requests_refused_)}};
   return report;
 }
 

@@ -164,6 +164,8 @@ std::vector<BatchGraph::Summary> BatchGraph::summary() const {
     summary.process = member->name;
     for (const auto& input : member->inputs.all()) {
       summary.decode_errors += input->decode_errors;
+      if (input->decode_errors > 0)
+        summary.refused[input->channel()] = {input->decode_errors, input->last_error};
       for (const auto& [sender, count] : input->senders) summary.received += count.received;
     }
     for (const auto& [channel, count] : member->outbox.counts()) summary.published += count.sent;
