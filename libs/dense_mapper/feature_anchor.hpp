@@ -58,6 +58,7 @@ class FeatureAnchor {
   void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
   void clear() { keyframes_.clear(); }
   std::size_t memory_bytes() const;
+  bool empty() const { return keyframes_.empty(); }
 
   /// Where the robot is, wherever that be: each call asks the next few keyframes. For a robot that is lost.
   std::optional<Prior> search(const FeatureFrame& features, const Eigen::Isometry3d& T_robot_camera);
