@@ -1,6 +1,5 @@
 #include <lcmslam/runtime/stamp_judge.hpp>
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cstdlib>
 
@@ -78,7 +77,9 @@ StampVerdict StampJudge::take(Voice& voice, std::int64_t sender, Utime utime) {
 
 StampVerdict StampJudge::doubt(Voice& voice, std::int64_t sender, Utime utime) {
   const Run& run = run_of(voice, sender, utime);
-  if (is_believed(run, voice)) return follow(voice, run);
+  const bool begins_anew = run.newest < now() - tolerance(voice);
+  const bool ahead = !voice.speaks || run.newest > voice.newest;
+  if ((begins_anew || ahead) && is_believed(run, voice)) return follow(voice, run, begins_anew);
   if (voice.speaks && sender != voice.sender) {
     ++foreign_, ++voice.foreign;
     voice.last_foreign = sender;
@@ -126,9 +127,8 @@ bool StampJudge::is_believed(const Run& run, const Voice& own) const {
   });
 }
 
-StampVerdict StampJudge::follow(Voice& voice, const Run& believed) {
+StampVerdict StampJudge::follow(Voice& voice, const Run& believed, bool anew) {
   const Run run = believed;
-  const bool anew = run.newest < now() - tolerance(voice);
   if (anew) {
     for (auto& [channel, other] : voices_) other = Voice{};
     ++sessions_;
@@ -152,9 +152,9 @@ std::string StampJudge::trouble() const {
   const auto add = [&](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
   for (const auto& [channel, voice] : voices_) {
     if (voice.foreign > 0)
-      add(fmt::format("{}: {} messages of another sender ({}) left out, {} is kept", channel, voice.foreign,
-                      voice.last_foreign, voice.sender));
-    if (voice.refused > 0) add(fmt::format("{}: {} stamps refused", channel, voice.refused));
+      add(channel + ": " + std::to_string(voice.foreign) + " messages of another sender (" +
+          std::to_string(voice.last_foreign) + ") left out, " + std::to_string(voice.sender) + " is kept");
+    if (voice.refused > 0) add(channel + ": " + std::to_string(voice.refused) + " stamps refused");
   }
   return text;
 }

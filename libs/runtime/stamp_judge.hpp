@@ -84,7 +84,7 @@ class StampJudge {
   StampVerdict doubt(Voice& voice, std::int64_t sender, Utime utime);
   const Run& run_of(Voice& voice, std::int64_t sender, Utime utime) const;
   bool is_believed(const Run& run, const Voice& own) const;
-  StampVerdict follow(Voice& voice, const Run& believed);
+  StampVerdict follow(Voice& voice, const Run& believed, bool anew);
 
   StampJudgeSettings settings_;
   std::map<std::string, Voice> voices_;  // by channel

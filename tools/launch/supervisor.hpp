@@ -16,6 +16,7 @@ struct ProcessSpec {
   std::filesystem::path log;           ///< its standard output and error are appended there
   bool restart = true;                 ///< when it ends by itself
   bool stop_last = false;              ///< only when the others have stopped: it keeps what they make
+  std::string on_restart{};            ///< argument that a restart adds, with its number behind it
 };
 
 class Supervisor {
