@@ -97,7 +97,8 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
   return tracking || reseed;
 }
 
-// After a gap: the cloud fits the map where features say so too, or in so many frames in a row.
+// After a gap: the cloud fits the map where features say so too or, without features, in many frames in a
+// row.
 bool DenseMapper::is_found(const Tracked& tracked) {
   placed_in_a_row_ = tracked.status == MappingStatus::tracking ? placed_in_a_row_ + 1 : 0;
   if (placed_in_a_row_ == 0 || (!tracked.anchored && placed_in_a_row_ <= settings_.reseed_after))

@@ -43,19 +43,25 @@ Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& e
   return result;
 }
 
-// Walls look alike: whoever may be anywhere has found his place where the features say so, too.
+// Walls look alike: whoever may be anywhere has found his place where the features say so, too. Where there
+// are none to ask, the mapper waits for more frames that fit.
 void ModernTracker::confirm(const DenseFrame& frame, Tracked& result) {
   constexpr double same_place = 0.1;  // m and rad
   result.anchored = false;
-  if (result.status == MappingStatus::degraded) result.status = MappingStatus::lost;
-  if (result.status != MappingStatus::tracking || !frame.features || !settings_.features.enabled) return;
+  if (result.status != MappingStatus::tracking) {
+    result.status = MappingStatus::lost;
+    return;
+  }
+  if (!frame.features || !settings_.features.enabled || anchor_.empty()) return;
   const Eigen::Isometry3d& T_world_robot = result.registration.T_target_source;
-  const auto anchor =
-      anchor_.locate(*frame.features, T_world_robot * frame.T_robot_camera, frame.T_robot_camera);
-  if (!anchor) return;
-  result.T_world_anchor = anchor->T_target_source;
-  result.anchored = distance_between(T_world_robot, anchor->T_target_source) < same_place &&
-                    angle_between(T_world_robot, anchor->T_target_source) < same_place;
+  const auto place =
+      anchor_.recognise(*frame.features, T_world_robot * frame.T_robot_camera, frame.T_robot_camera);
+  result.anchored = place && distance_between(T_world_robot, place->T_target_source) < same_place &&
+                    angle_between(T_world_robot, place->T_target_source) < same_place;
+  if (result.anchored)
+    result.T_world_anchor = place->T_target_source;
+  else
+    result.status = MappingStatus::lost;
 }
 
 // Where keyframes' features place the robot, if that is believed; the prior then knows it.
