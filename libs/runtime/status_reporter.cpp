@@ -37,6 +37,16 @@ std::string trouble_of(const Input& input, const Receiver::QueueCount& queue) {
 
 }  // namespace
 
+NodeReport with_stamps(NodeReport report, const StampJudge& stamps) {
+  const std::string trouble = stamps.trouble();
+  if (!trouble.empty()) report.detail += (report.detail.empty() ? "" : "; ") + trouble;
+  if (stamps.refused() > 0)
+    report.values.emplace_back("stamps_refused", static_cast<double>(stamps.refused()));
+  if (stamps.foreign() > 0)
+    report.values.emplace_back("of_other_senders", static_cast<double>(stamps.foreign()));
+  return report;
+}
+
 StatusReporter::StatusReporter(std::string process, Publisher& publisher)
     : process_(std::move(process)), publisher_(publisher) {
   publisher_.on_answer = [this](Utime utime) { answered(utime); };
@@ -65,7 +75,8 @@ double StatusReporter::rate(const std::string& key, std::int64_t now_value, doub
   return result;
 }
 
-status_t StatusReporter::gather(const NodeReport& node, const Inputs& inputs, Receiver& receiver) {
+status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs, Receiver& receiver) {
+  const NodeReport node = with_stamps(of_node, inputs.stamps());
   const SteadyTime now = std::chrono::steady_clock::now();
   const double seconds = std::chrono::duration<double>(now - last_).count();
   const SocketState socket = receiver.socket();

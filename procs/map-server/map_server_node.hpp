@@ -15,15 +15,9 @@
 #include <lcmslam/runtime/node.hpp>
 #include "procs/map-server/map_files.hpp"
 #include "procs/map-server/map_server_settings.hpp"
+#include "procs/map-server/session_table.hpp"
 
 namespace lcmslam {
-
-/// What one run of a mapper made. A mapper that restarts begins a new map; the old one stays.
-template <class Map>
-struct Session {
-  std::int64_t sender = 0;
-  Map map;
-};
 
 class MapServerNode : public Node {
  public:
@@ -46,6 +40,9 @@ class MapServerNode : public Node {
   void on_landmarks(const landmarks_t& message);
   void on_keyframe(const keyframe_t& message);
   void on_graph(const graph_t& message);
+  void on_fastslam_pose(const pose_estimate_t& message);
+  void on_icp_pose(const pose_estimate_t& message);
+  void add_to_path(Path& path, const pose_estimate_t& message) const;
   void on_request(const map_request_t& request);
   void follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision);
   std::vector<std::string> export_maps(const map_request_t& request);
@@ -59,15 +56,15 @@ class MapServerNode : public Node {
   Publisher& publisher_;
   std::filesystem::path folder_;
   double resolution_;
-  std::vector<Session<LandmarkMap>> landmark_maps_;  // the newest last
-  std::vector<Session<DenseMap>> dense_maps_;
+  SessionTable<LandmarkMap> landmark_maps_;
+  SessionTable<DenseMap> dense_maps_;
+  std::size_t max_path_;
   Path fastslam_path_, icp_path_;
   struct Progress {
     Utime up_to_date = 0;  // message time at which the map was last complete
     Utime asked = 0;       // message time of the last request
   };
-  std::map<std::string, Progress> progress_;             // by mapper
-  std::int64_t graph_sender_ = 0, graph_keyframes_ = 0;  // of the newest ICP_GRAPH
+  std::map<std::string, Progress> progress_;  // by mapper
   std::int64_t changes_ = 0, saved_changes_ = 0;
   std::int64_t resends_ = 0;
 

@@ -101,6 +101,19 @@ void make_parts(SeedFolder folder) {
   }
 }
 
+/// Two mappers that speak by turns, with steps of a tenth of a second.
+void make_sessions(SeedFolder folder) {
+  for (int sender = 0; sender < 3; ++sender) {
+    Bytes bytes;
+    for (int i = 0; i < 100; ++i) {
+      const int what = (i & 1) + 2 * sender + 8;
+      bytes.push_back(static_cast<std::uint8_t>(i % 5 == 4 ? 128 + what : what));
+      bytes.push_back(static_cast<std::uint8_t>(i % 5 == 4 ? i : 100));
+    }
+    folder.add(bytes);
+  }
+}
+
 void make_configurations(SeedFolder folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(fs::path(LCMSLAM_SOURCE_DIR) / "config"))
@@ -193,6 +206,7 @@ int main(int argc, char** argv) {
   const fs::path folder = argv[1];
   make_messages(SeedFolder(folder / "message"));
   make_parts(SeedFolder(folder / "parts"));
+  make_sessions(SeedFolder(folder / "sessions"));
   make_configurations(SeedFolder(folder / "configuration"));
   make_trajectories(SeedFolder(folder / "trajectory"));
   make_logs(SeedFolder(folder / "log_reader"));

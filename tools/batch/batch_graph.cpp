@@ -6,6 +6,8 @@
 #include <map>
 #include <stdexcept>
 
+#include <lcmslam/runtime/status_reporter.hpp>
+
 #include "procs/fastslam/fastslam_node.hpp"
 #include "procs/icp/icp_node.hpp"
 #include "procs/map-server/map_server_node.hpp"
@@ -169,7 +171,7 @@ std::vector<BatchGraph::Summary> BatchGraph::summary() const {
       for (const auto& [sender, count] : input->senders) summary.received += count.received;
     }
     for (const auto& [channel, count] : member->outbox.counts()) summary.published += count.sent;
-    summary.report = member->node->report();
+    summary.report = with_stamps(member->node->report(), member->inputs.stamps());
     all.push_back(std::move(summary));
   }
   return all;

@@ -71,6 +71,8 @@ void Supervisor::spawn(State& state) {
   if (log < 0) throw std::runtime_error(state.spec.log.string() + ": " + std::strerror(errno));
   std::vector<char*> argv;
   for (auto& argument : state.spec.arguments) argv.push_back(argument.data());
+  std::string on_restart = state.spec.on_restart + std::to_string(state.starts);
+  if (state.starts > 0 && !state.spec.on_restart.empty()) argv.push_back(on_restart.data());
   argv.push_back(nullptr);
 
   const pid_t parent = getpid();

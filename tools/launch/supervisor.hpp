@@ -17,6 +17,7 @@ struct ProcessSpec {
   std::filesystem::path log;           ///< its standard output and error are appended there
   bool restart = true;                 ///< when it ends and was not asked to (its exit code is not 0)
   bool stop_last = false;              ///< only when the others have stopped: it keeps what they make
+  std::string on_restart{};            ///< argument that a restart adds, with its number behind it
 };
 
 class Supervisor {

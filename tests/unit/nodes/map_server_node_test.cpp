@@ -27,12 +27,14 @@ using testing::value_of;
 class MapServer : public ::testing::Test {
  protected:
   void landmarks(std::int64_t sender, std::int64_t revision, std::int64_t base,
-                 const std::vector<std::int64_t>& ids, const std::vector<std::int64_t>& removed = {}) {
+                 const std::vector<std::int64_t>& ids, const std::vector<std::int64_t>& removed = {},
+                 const std::string& frame = "map") {
     std::vector<Landmark> upserted;
     for (const std::int64_t id : ids) upserted.push_back(testing::some_landmark(random_, id));
     for (landmarks_t& tile : make_landmark_tiles(1, revision, base, upserted, removed)) {
       tile.seq = seq_++;
       tile.sender = sender;
+      tile.frame = frame;
       bus_.deliver("FASTSLAM_LANDMARKS", tile);
     }
   }
@@ -48,6 +50,7 @@ class MapServer : public ::testing::Test {
   void graph(std::int64_t sender, const std::vector<std::int32_t>& ids, std::int64_t keyframes = 1) {
     graph_t m;
     m.utime = 1;
+    m.frame = "map";
     m.map_revision = keyframes;
     m.seq = seq_++;
     m.sender = sender;
@@ -63,12 +66,14 @@ class MapServer : public ::testing::Test {
     bus_.deliver("ICP_GRAPH", m);
   }
   /// A mapper's pose at `seconds`, measured against this revision of its map.
-  void pose(const std::string& channel, std::int64_t sender, std::int64_t revision, double seconds) {
+  void pose(const std::string& channel, std::int64_t sender, std::int64_t revision, double seconds,
+            const std::string& frame = "map") {
     pose_estimate_t m = make_pose_estimate(static_cast<Utime>(1e6 * seconds), Eigen::Isometry3d::Identity(),
                                            Matrix6d::Identity());
     m.seq = seq_++;
     m.sender = sender;
     m.map_revision = revision;
+    m.frame = frame;
     bus_.deliver(channel, m);
   }
   map_reply_t request(std::int8_t kind, const std::string& argument = "", const std::string& format = "") {
@@ -208,15 +213,37 @@ TEST_F(MapServer, KeyframesThatTheMapperGaveUpAreForgotten) {
   for (int id = 0; id < 4; ++id) keyframe(2, id, 10);
   graph(2, {0, 1, 2, 3});
   EXPECT_EQ(value_of(node_, "keyframes"), 4);
-  graph(2, {0});  // it began anew
-  keyframe(2, 0, 20);
-  EXPECT_EQ(value_of(node_, "keyframes"), 1);
+  graph(2, {0, 3});
+  EXPECT_EQ(value_of(node_, "keyframes"), 2);
   EXPECT_EQ(value_of(node_, "map_points"), 20);
+  EXPECT_EQ(value_of(node_, "sessions"), 1);
+}
+
+TEST_F(MapServer, WhoeverTakesTheMostOfAMapAwayLeavesItBeside) {
+  for (int id = 0; id < 5; ++id) keyframe(2, id, 10);
+  graph(2, {}, 0);
+  EXPECT_EQ(value_of(node_, "keyframes"), 0);
+  landmarks(1, 1, 0, {10, 11, 12, 13, 14});
+  landmarks(1, 2, 1, {}, {10, 11, 12, 13, 14});
+  landmarks(1, 3, 2, {20, 21, 22, 23, 24, 25});
+  landmarks(1, 4, 0, {30});
+  EXPECT_EQ(value_of(node_, "landmarks"), 1);
+  EXPECT_EQ(value_of(node_, "sessions"), 3);
+  EXPECT_EQ(request(map_request_t::EXPORT, folder().string(), "ply").status, 0);
+  EXPECT_EQ(load_ply(folder() / "icp-session2_map.ply").size(), 50U);
+  EXPECT_EQ(load_ply(folder() / "fastslam-session2_map.ply").size(), 5U);
+  EXPECT_EQ(load_ply(folder() / "fastslam-session3_map.ply").size(), 6U);
 }
 
 TEST_F(MapServer, NewSenderBeginsANewSessionBesideTheOld) {
+  pose("FASTSLAM_POSE", 1, 0, 10);
+  pose("ICP_POSE", 2, 0, 10);
   landmarks(1, 1, 0, {10, 11});
   keyframe(2, 0, 30);
+  for (double seconds = 15; seconds < 16; seconds += 0.1) {  // both were killed, and come back
+    pose("FASTSLAM_POSE", 3, 0, seconds);
+    pose("ICP_POSE", 4, 0, seconds);
+  }
   landmarks(3, 1, 0, {20});
   keyframe(4, 0, 40);
   EXPECT_EQ(value_of(node_, "sessions"), 2);
@@ -227,6 +254,56 @@ TEST_F(MapServer, NewSenderBeginsANewSessionBesideTheOld) {
   EXPECT_EQ(load_ply(folder() / "fastslam_map.ply").size(), 1U);
   EXPECT_EQ(load_ply(folder() / "icp-session1_map.ply").size(), 30U);
   EXPECT_EQ(load_ply(folder() / "icp_map.ply").size(), 40U);
+}
+
+TEST_F(MapServer, AnotherFrameOfTheSameSenderIsAnotherSession) {
+  pose("FASTSLAM_POSE", 1, 0, 10);
+  landmarks(1, 1, 0, {10, 11, 12});
+  pose("FASTSLAM_POSE", 1, 0, 10.1, "map-2");
+  landmarks(1, 1, 0, {20}, {}, "map-2");
+  EXPECT_EQ(value_of(node_, "sessions"), 2);
+  EXPECT_EQ(value_of(node_, "landmarks"), 1);
+  EXPECT_EQ(request(map_request_t::EXPORT, folder().string(), "ply").status, 0);
+  EXPECT_EQ(load_ply(folder() / "fastslam-session1_map.ply").size(), 3U);
+}
+
+TEST_F(MapServer, InventedSendersDoNotTakeItOver) {
+  for (int sender = 1000; sender < 1100; ++sender) landmarks(sender, 1, 0, {1});  // before any mapper speaks
+  EXPECT_EQ(value_of(node_, "sessions"), 16);
+  pose("FASTSLAM_POSE", 1, 0, 10);
+  pose("ICP_POSE", 2, 0, 10);
+  landmarks(1, 1, 0, {10, 11});
+  keyframe(2, 0, 30);
+  for (int sender = 2000; sender < 5000; ++sender) landmarks(sender, 1, 0, {1});
+  for (int sender = 5000; sender < 6500; ++sender) {
+    keyframe(sender, 0, 3);
+    pose("ICP_POSE", sender, 9, 10.05);
+  }
+  EXPECT_EQ(value_of(node_, "sessions"), 16);
+  EXPECT_EQ(value_of(node_, "sessions_refused"), 84 + 1 + 3000 + 1500);
+  EXPECT_EQ(value_of(node_, "landmarks"), 2) << "the mapper that is alive is told first";
+  EXPECT_EQ(value_of(node_, "map_points"), 30);
+  EXPECT_EQ(bus_.stamps(0).foreign(), 1500);
+  landmarks(1, 2, 1, {12});
+  EXPECT_EQ(value_of(node_, "landmarks"), 3);
+  EXPECT_EQ(request(map_request_t::EXPORT, folder().string(), "ply").status, 0);
+  EXPECT_EQ(load_ply(folder() / "fastslam_map.ply").size(), 3U);
+  EXPECT_FALSE(exists("fastslam-session17_map.ply"));
+  EXPECT_FALSE(exists("icp-session1_map.ply"));
+}
+
+TEST_F(MapServer, IncompleteKeyframesAreBounded) {
+  for (int id = 0; id < 200; ++id) {
+    DenseKeyframe k = testing::some_keyframe(random_, 6000);
+    k.id = id;
+    keyframe_t first = make_keyframe_tiles(k, Eigen::Isometry3d::Identity(), 1).front();
+    ASSERT_GT(first.n_tiles, 1);
+    first.sender = 2;
+    bus_.deliver("ICP_KEYFRAME", first);
+  }
+  EXPECT_EQ(value_of(node_, "keyframes_given_up"), 200 - 32);
+  keyframe(2, 500, 6000);
+  EXPECT_EQ(value_of(node_, "keyframes"), 1);
 }
 
 TEST_F(MapServer, TwoMappersAtOnceDoNotMultiplySessions) {

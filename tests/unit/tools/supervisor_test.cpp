@@ -77,6 +77,19 @@ TEST_F(SupervisorTest, ProgramThatCannotBeStartedIsAnErrorThatNamesIt) {
   EXPECT_THROW(Supervisor().start(spec), std::runtime_error);
 }
 
+TEST_F(SupervisorTest, ProcessIsToldThatItIsNotTheFirst) {
+  ProcessSpec spec = shell("echo \"start $*\"; exit 1", true);
+  spec.arguments.push_back("worker");  // $0
+  spec.on_restart = "--set=worker.map_frame=map-restart-";
+  Supervisor supervisor;
+  supervisor.start(spec);
+  EXPECT_TRUE(wait_for([&] {
+    supervisor.poll();
+    return output().find("restart-1") != std::string::npos;
+  }));
+  EXPECT_THAT(output(), ::testing::StartsWith("start \nstart --set=worker.map_frame=map-restart-1\n"));
+}
+
 TEST_F(SupervisorTest, RestartsWithGrowingPauses) {
   Supervisor supervisor;
   const auto begin = Supervisor::Clock::now();
