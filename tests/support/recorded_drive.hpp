@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <lcmslam/camera_calibration_t.hpp>
@@ -47,6 +48,7 @@ class RecordedDrive {
     bool with_features =
         false;                 ///< those of one SurfNode, made once; else a SurfNode of the bus may make them
     double features_late = 0;  ///< s behind their image
+    std::pair<double, double> covered = {0, 0};  ///< s from, to: frames without features
     std::function<void(camera_calibration_t&)> change_calibration = [](camera_calibration_t&) {};
     /// What is delivered in the place of a message (its channel and bytes) of a time, s.
     std::function<Messages(const Message&, double seconds)> disturb = [](const Message& m, double) {
@@ -71,9 +73,12 @@ class RecordedDrive {
         waiting.erase(waiting.begin());
       }
       deliver(event.utime, {event.channel, event.bytes});
-      if (part.with_features && event.channel == "CAMERA")
+      if (part.with_features && event.channel == "CAMERA") {
+        const features_t& frame = features().at(event.utime);
+        const bool dark = event.utime >= at(part.covered.first) && event.utime < at(part.covered.second);
         waiting.emplace(event.utime + static_cast<Utime>(1e6 * part.features_late),
-                        &features().at(event.utime));
+                        dark ? &emptied(frame) : &frame);
+      }
     }
     for (const auto& [utime, message] : waiting) deliver(utime, {"FEATURES", encode_message(*message)});
   }
@@ -138,10 +143,18 @@ class RecordedDrive {
     return features_;
   }
 
+  const features_t& emptied(const features_t& frame) {
+    features_t& empty = emptied_[frame.utime];
+    empty = frame;
+    empty.features.clear();
+    empty.n_features = 0;
+    return empty;
+  }
+
   camera_calibration_t calibration_;
   std::vector<Event> events_;
   Trajectory truth_;
-  std::map<Utime, features_t> features_;
+  std::map<Utime, features_t> features_, emptied_;
 };
 
 }  // namespace lcmslam::testing
