@@ -131,7 +131,7 @@ int launch_command(int argc, char** argv) {
     screen.show(format_status(board, supervisor.processes()));
   }
   std::cout << "lcmslam launch: stops" << std::endl;
-  save_maps_now(lcm, options.lcm_url);
+  save_maps_now(bus.lcm(), options.lcm_url);
   return stop(supervisor, options.folder);
 }
 
