@@ -1,5 +1,7 @@
 #include <lcmslam/runtime/bus.hpp>
 
+#include <stdexcept>
+
 #include <lcmslam/runtime/lcm_reader.hpp>
 #include <lcmslam/runtime/udpm/udpm_reader.hpp>
 
@@ -13,6 +15,8 @@ bool is_udpm(const std::string& url) {
 }  // namespace
 
 LcmBus::LcmBus(const std::string& lcm_url) : url_(lcm_url), lcm_(lcm_url) {
+  if (lcm_url.rfind("mpudpm:", 0) == 0)
+    throw std::invalid_argument(lcm_url + ": LCM's own reader of multicast is not safe; take udpm://");
   multicast_address(lcm_url);
   udpm::allowed_networks();
 }

@@ -68,6 +68,8 @@ class Strangers : public ::testing::Test {
 TEST_F(Strangers, KillingDatagramsHarmNobodyAndAreCounted) {
   bus_.emplace();
   launch();
+  Program spy({"lcmslam", "spy", "--once", "--json", "--seconds", "600"});
+  ASSERT_TRUE(wait_until([&] { return spy.wrote("listens to ") || !spy.running(); }, 30)) << spy.output();
   const UdpSender stranger;
   for (const char* channel : {"CAMERA", "STATUS", "FEATURES", "ODOMETRY", "COMMAND"})
     for (const Bytes& datagram : killing_datagrams(channel))
@@ -75,8 +77,9 @@ TEST_F(Strangers, KillingDatagramsHarmNobodyAndAreCounted) {
   stranger.send(address_.group, address_.port, bytes_of("no datagram of LCM"));
   expect_all_go_on([](const status_t& s) { return value_of(s, "bus_malformed") >= 6; });
 
-  const Result spy = run({"lcmslam", "spy", "--once", "--seconds", "1"}, 30);
-  EXPECT_EQ(spy.exit_code, 0) << spy.output;
+  spy.send(SIGINT);
+  EXPECT_EQ(spy.wait(30).exit_code, 0) << spy.output();
+  EXPECT_TRUE(spy.wrote("\"refused_malformed\":6")) << spy.output();
   EXPECT_THAT(run({"lcmslam", "doctor", "--seconds", "0.3"}, 60).output,
               ::testing::HasSubstr("refused 6 since its start"));
   expect_clean_stop();

@@ -73,6 +73,10 @@ TEST(Networks, AWrongListIsNoSilentlyOpenBus) {
   unsetenv("LCMSLAM_BUS_ALLOW");
 }
 
+TEST(LcmBus, MulticastIsNeverReadByLcmItself) {
+  EXPECT_THROW(LcmBus("mpudpm://239.255.76.67:7667?ttl=0"), std::invalid_argument);
+}
+
 TEST(SourceFilter, TakesThisMachineAlwaysOthersAsConfigured) {
   const std::uint32_t own = ip(10, 0, 0, 1), friendly = ip(10, 0, 0, 5), other = ip(10, 0, 0, 6);
   const auto takes = [&](int ttl, const char* allowed, std::uint32_t address) {
