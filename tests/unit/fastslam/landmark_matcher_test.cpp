@@ -95,5 +95,22 @@ TEST(LandmarkMatcher, GatesKeepTheRatioTestMeaningful) {
             0.02 * static_cast<double>(guided.size()) + 2);
 }
 
+// A heading that may err moves what a camera sees sideways, however the camera looks at the world.
+TEST(LandmarkMatcher, GatesReachAsFarAsTheRobotsHeadingMayErr) {
+  constexpr double error = 0.05;  // rad
+  Scene scene(3);
+  const auto usable = usable_features(scene.frame, scene.settings);
+  const Eigen::Isometry3d T_predicted =
+      scene.T_world_robot * Eigen::AngleAxisd(error, Eigen::Vector3d::UnitZ());
+  Matrix6d Q = 1e-8 * Matrix6d::Identity();
+  Q(5, 5) = error * error;
+  LandmarkMatcher matcher;
+  matcher.begin(scene.frame, usable);
+  const auto visible = visible_landmarks(scene.map, scene.index, T_predicted, scene.frame, scene.settings);
+  const auto matches = matcher.guided(visible, scene.map, scene.index, T_predicted, Q, scene.settings);
+  const auto known = std::count_if(scene.truth.begin(), scene.truth.end(), [](int t) { return t >= 0; });
+  EXPECT_GT(scene.right(usable, matches), 0.5 * static_cast<double>(known));
+}
+
 }  // namespace
 }  // namespace lcmslam
