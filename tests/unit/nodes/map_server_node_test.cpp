@@ -167,6 +167,7 @@ TEST_F(MapServer, MissedLandmarkChangeIsAskedForAgainAndRepaired) {
   landmarks(1, 3, 2, {12});  // the change from 1 to 2 is missing
   pose("FASTSLAM_POSE", 1, 3, 10.1);
   EXPECT_EQ(resends("fastslam"), 0U) << "it may still be under way";
+  pose("FASTSLAM_POSE", 1, 3, 10.7);
   pose("FASTSLAM_POSE", 1, 3, 11.2);
   EXPECT_EQ(resends("fastslam"), 1U);
   pose("FASTSLAM_POSE", 1, 3, 11.3);
@@ -175,7 +176,7 @@ TEST_F(MapServer, MissedLandmarkChangeIsAskedForAgainAndRepaired) {
   EXPECT_EQ(value_of(node_, "landmarks"), 4);
   landmarks(1, 5, 4, {14});
   EXPECT_EQ(value_of(node_, "landmarks"), 5);
-  pose("FASTSLAM_POSE", 1, 5, 20.0);
+  for (double seconds = 11.5; seconds < 20; seconds += 0.5) pose("FASTSLAM_POSE", 1, 5, seconds);
   EXPECT_EQ(value_of(node_, "resends_asked"), 1);
 }
 
@@ -204,8 +205,7 @@ TEST_F(MapServer, RedundantKeyframesThatWentAreNotAskedFor) {
 }
 
 TEST_F(MapServer, ServerThatStartsLateAsksForTheWholeMap) {
-  pose("ICP_POSE", 2, 7, 100.0);
-  pose("ICP_POSE", 2, 7, 101.5);
+  for (const double seconds : {100.0, 100.5, 101.0, 101.5}) pose("ICP_POSE", 2, 7, seconds);
   EXPECT_EQ(resends("icp"), 1U);
 }
 
