@@ -6,10 +6,9 @@
 //   StepResult r = slam.step(motion since the last frame, features of this frame);
 //   r.T_world_robot; slam.landmarks(); slam.take_changes();
 //
-// The world is the robot's frame at the first step (or at a later one, if it was lost before a landmark was
-// given out). Same inputs, settings and seed give the same
-// result to the last bit, however many threads cv::setNumThreads allows; the order of a frame's features does
-// not matter.
+// The world is the robot's frame at the first step, or at a later one if it was lost before a landmark was
+// given out. Same inputs, settings and seed give the same result to the last bit, however many threads
+// cv::setNumThreads allows; the order of a frame's features does not matter.
 // One deviation of thesis_preset() from the thesis: descriptors stand in one index that all particles share
 // (LandmarkIndex), and a particle finds a landmark by its slot there, not in a kd-tree of its own. Landmarks
 // are made in all particles alike and keep their descriptors, so every such tree would hold the same ones and

@@ -86,6 +86,10 @@ TEST(CoveredCamera, StandsLostMapsNothingAndFindsBack) {
         worst_nees = std::max(worst_nees, nees(r, step));
       } else if (i >= uncovered) {
         EXPECT_TRUE(found || r.status != TrackStatus::tracking) << i;
+        if (found) {
+          EXPECT_EQ(r.status, TrackStatus::tracking) << i;
+          EXPECT_LT(r.covariance.trace(), 0.01) << i;
+        }
         found |= r.status == TrackStatus::relocalised;
         if (r.status == TrackStatus::tracking || r.status == TrackStatus::relocalised) {
           EXPECT_LT(error_of(r, step).head<3>().norm(), 0.1) << i;
