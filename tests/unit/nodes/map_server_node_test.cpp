@@ -229,7 +229,7 @@ TEST_F(MapServer, WhoeverTakesTheMostOfAMapAwayLeavesItBeside) {
   landmarks(1, 4, 0, {30});
   EXPECT_EQ(value_of(node_, "landmarks"), 1);
   EXPECT_EQ(value_of(node_, "sessions"), 3);
-  EXPECT_EQ(request(map_request_t::EXPORT, folder().string(), "ply").status, 0);
+  EXPECT_EQ(request(map_request_t::EXPORT, "maps", "ply").status, 0);
   EXPECT_EQ(load_ply(folder() / "icp-session2_map.ply").size(), 50U);
   EXPECT_EQ(load_ply(folder() / "fastslam-session2_map.ply").size(), 5U);
   EXPECT_EQ(load_ply(folder() / "fastslam-session3_map.ply").size(), 6U);
@@ -263,7 +263,7 @@ TEST_F(MapServer, AnotherFrameOfTheSameSenderIsAnotherSession) {
   landmarks(1, 1, 0, {20}, {}, "map-2");
   EXPECT_EQ(value_of(node_, "sessions"), 2);
   EXPECT_EQ(value_of(node_, "landmarks"), 1);
-  EXPECT_EQ(request(map_request_t::EXPORT, folder().string(), "ply").status, 0);
+  EXPECT_EQ(request(map_request_t::EXPORT, "maps", "ply").status, 0);
   EXPECT_EQ(load_ply(folder() / "fastslam-session1_map.ply").size(), 3U);
 }
 
@@ -286,7 +286,7 @@ TEST_F(MapServer, InventedSendersDoNotTakeItOver) {
   EXPECT_EQ(bus_.stamps(0).foreign(), 1500);
   landmarks(1, 2, 1, {12});
   EXPECT_EQ(value_of(node_, "landmarks"), 3);
-  EXPECT_EQ(request(map_request_t::EXPORT, folder().string(), "ply").status, 0);
+  EXPECT_EQ(request(map_request_t::EXPORT, "maps", "ply").status, 0);
   EXPECT_EQ(load_ply(folder() / "fastslam_map.ply").size(), 3U);
   EXPECT_FALSE(exists("fastslam-session17_map.ply"));
   EXPECT_FALSE(exists("icp-session1_map.ply"));
