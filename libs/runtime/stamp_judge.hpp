@@ -33,7 +33,7 @@ enum class StampVerdict {
 };
 
 struct StampJudgeSettings {
-  double tolerance = 1;  ///< s; a stamp that is off by more is no matter of latency
+  double tolerance = 2;  ///< s; recordings pause for a second now and then, and no stamp is late by two
   double patience = 3;   ///< usual periods after which a voice would have spoken
   int agreeing = 3;      ///< messages of a run at least, where they come as regularly as the channel's did
   int agreeing_irregular = 10;  ///< the same for others
