@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::size_t most_runs = 4;                 // of a channel: several strangers at once
 constexpr Utime far_away = 100'000'000'000'000'000;  // us, 3000 years: differences do not overflow
+constexpr Utime latest = 1'000'000;                  // us that a message may be behind its channel
 constexpr Utime longest_latency = 10'000'000;        // us that a channel's first message may be behind others
 constexpr Utime longest_step = 10'000'000;           // us between two messages of a run
 
@@ -52,7 +53,7 @@ bool StampJudge::goes_on(const Voice& voice, Utime utime) const {
   const bool vouched = others && utime <= *others + tolerance(voice);
   if (!voice.speaks) return !others || (vouched && utime >= *others - longest_latency);
   const Utime ahead = utime - voice.newest;
-  return ahead > -tolerance(voice) && (ahead <= tolerance(voice) || vouched);
+  return ahead > -std::max(latest, usual_silence(voice)) && (ahead <= tolerance(voice) || vouched);
 }
 
 bool StampJudge::is_silent(const Voice& voice) const {
@@ -77,7 +78,7 @@ StampVerdict StampJudge::take(Voice& voice, std::int64_t sender, Utime utime) {
 
 StampVerdict StampJudge::doubt(Voice& voice, std::int64_t sender, Utime utime) {
   const Run& run = run_of(voice, sender, utime);
-  const bool begins_anew = run.newest < now() - tolerance(voice);
+  const bool begins_anew = run.newest < now() - std::max(latest, usual_silence(voice));
   const bool ahead = !voice.speaks || run.newest > voice.newest;
   if ((begins_anew || ahead) && is_believed(run, voice)) return follow(voice, run, begins_anew);
   if (voice.speaks && sender != voice.sender) {
