@@ -39,9 +39,6 @@ std::string footer(const SpyReport& report) {
       report.socket.kernel_drops);
   if (report.socket.kernel_drops > 0)
     text += "  these datagrams were on the bus: gaps above may be spy's own (./lcmslam doctor says why)\n";
-  if (report.dropped > 0)
-    text += fmt::format("  {} messages came too fast for spy: gaps above may be its own\n", report.dropped);
-  if (report.refusals.any()) text += fmt::format("refused: {}\n", report.refusals.text());
   if (report.left_out > 0)
     text += fmt::format("  {} messages on further channels are not shown\n", report.left_out);
   if (report.channels.empty())
@@ -97,11 +94,7 @@ std::string spy_json(const SpyReport& report) {
                      {"channels", channels},
                      {"left_out", report.left_out},
                      {"receive_buffer", report.socket.receive_buffer},
-                     {"kernel_drops", report.socket.kernel_drops},
-                     {"dropped", report.dropped},
-                     {"refused_foreign", report.refusals.foreign()},
-                     {"refused_malformed", report.refusals.malformed()},
-                     {"incomplete", report.refusals.incomplete()}};
+                     {"kernel_drops", report.socket.kernel_drops}};
   return json.dump() + "\n";
 }
 

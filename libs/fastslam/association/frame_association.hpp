@@ -32,11 +32,10 @@ class FrameAssociator {
  public:
   explicit FrameAssociator(const FastSlamSettings& settings);
 
-  /// `T_world_robot` and `map`: the best particle before the motion `prior` (from motion_prior()). `lost`:
-  /// the prior says nothing, and landmarks are sought in the whole map at once.
+  /// `T_world_robot` and `map`: the best particle before the motion `prior` (from motion_prior()).
   FrameAssociation associate(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
                              const Eigen::Isometry3d& T_world_robot, const Motion& prior,
-                             const ParticleMap& map, const LandmarkIndex& index, bool lost = false);
+                             const ParticleMap& map, const LandmarkIndex& index);
 
   /// Steps in a row whose features agreed on no pose.
   int steps_without_agreement() const { return steps_without_agreement_; }

@@ -5,7 +5,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <lcmslam/runtime/options.hpp>
 #include "tests/integration/support/environment.hpp"
 
 namespace lcmslam::integration {
@@ -29,13 +28,11 @@ unsigned long waiting_bytes() {
 
 }  // namespace
 
-Bus::Bus() : bus_(lcm_url_from_environment()) {
-  if (!bus_.usable()) throw std::runtime_error("the test cannot use LCM");
-  reader_ = bus_.listen(ChannelSet::matching(".*"));
+Bus::Bus() {
+  if (!lcm_.good()) throw std::runtime_error("the test cannot use LCM");
+  lcm_.subscribe(".*", &Bus::on_message, this)->setQueueCapacity(10'000);
   thread_ = std::thread([this] {
-    BusMessage message;
-    while (!stop_)
-      if (reader_->read(message, std::chrono::milliseconds(50))) on_message(message);
+    while (!stop_) lcm_.handleTimeout(50);
   });
 }
 
@@ -45,17 +42,18 @@ Bus::~Bus() {
 }
 
 void Bus::publish(const std::string& channel, const Bytes& bytes) {
-  if (bus_.lcm().publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
+  if (lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
     throw std::runtime_error(channel + ": cannot be sent");
 }
 
-void Bus::on_message(const BusMessage& message) {
+void Bus::on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+  const auto* data = static_cast<const std::uint8_t*>(buffer->data);
   const std::lock_guard<std::mutex> lock(mutex_);
-  ++counts_[message.channel];
-  newest_[message.channel] = message.bytes;
-  if (message.channel != "STATUS") return;
+  ++counts_[channel];
+  newest_[channel].assign(data, data + buffer->data_size);
+  if (channel != "STATUS") return;
   try {
-    on_status(decode_message<status_t>(message.bytes.data(), message.bytes.size()));
+    on_status(decode_message<status_t>(data, buffer->data_size));
   } catch (const DecodeError&) {
     // our own garbage
   }

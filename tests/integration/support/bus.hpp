@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <functional>
+#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -11,7 +12,6 @@
 #include <vector>
 
 #include <lcmslam/messages/decode.hpp>
-#include <lcmslam/runtime/bus.hpp>
 #include <lcmslam/status_t.hpp>
 
 namespace lcmslam::integration {
@@ -55,11 +55,10 @@ class Bus {
   void wait_until_taken() const;
 
  private:
-  void on_message(const BusMessage& message);
+  void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_status(const status_t& status);
 
-  LcmBus bus_;
-  std::unique_ptr<BusReader> reader_;
+  lcm::LCM lcm_;
   mutable std::mutex mutex_;
   std::map<std::string, std::size_t> counts_;
   std::map<std::string, Bytes> newest_;
