@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
+#include <algorithm>
 #include <map>
 #include <sstream>
 
@@ -158,6 +159,12 @@ std::string YamlValue::phrase() const {
 YamlPointer parse_yaml(const std::string& text, const std::string& name) {
   const auto file = std::make_shared<const std::string>(name);
   TreeBuilder builder(file);
+  const std::size_t zero = text.find('\0');  // the parser would take it for the end
+  if (zero != std::string::npos)
+    fail({file,
+          static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n')) +
+              1},
+         "a byte of value 0: must be text in UTF-8");
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);

@@ -28,14 +28,16 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   }
 
   // Predict: where odometry, or the velocity so far, leads.
-  const Expectation expected{motion_.predict(frame.utime, frame.motion), motion_.T_world_last(), bad_steps_};
+  motion_.look_for_gap(frame.utime, frame.motion);
+  const Expectation expected{motion_.predict(frame.utime, frame.motion), motion_.T_world_last(), bad_steps_,
+                             motion_.adrift()};
 
   // Register: where the cloud fits the map.
   const Tracked tracked = tracker_->track(prepared, expected);
 
   // Judge: what is believed of it, and whether the frame may join the map.
   const bool joins = judge(tracked, prepared, step);
-  const bool registered = tracked.status == MappingStatus::tracking;
+  const bool registered = step.status == MappingStatus::tracking;
 
   // Grow: the frame joins the map, and what it sees through goes.
   if (joins) {
@@ -68,29 +70,42 @@ void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
 
 bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step) {
   const Prior& prior = tracked.prior;
-  const bool tracking = tracked.status == MappingStatus::tracking;
+  const bool was_adrift = motion_.adrift();
+  step.adrift = was_adrift && !is_found(tracked);
+  const bool tracking = tracked.status == MappingStatus::tracking && !step.adrift;
   const bool believed = tracked.status != MappingStatus::lost;
   step.registration = tracked.registration;
-  step.status = tracked.status;
+  step.status = step.adrift ? MappingStatus::lost : tracked.status;
   step.quality = tracked.quality;
   step.anchored = tracked.anchored;
   step.T_world_anchor = tracked.T_world_anchor;
   step.T_world_robot = believed ? tracked.registration.T_target_source : prior.T_target_source;
   step.covariance = believed ? tracked.registration.covariance
                              : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
-  step.relocalised = bad_steps_ > 0 && tracking &&
+  step.relocalised = (bad_steps_ > 0 || was_adrift) && tracking &&
                      (distance_between(step.T_world_robot, prior.T_target_source) > settings_.max_jump ||
                       angle_between(step.T_world_robot, prior.T_target_source) > settings_.max_turn);
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
   bad_steps_ = tracking ? 0 : bad_steps_ + 1;
-  const bool reseed = prepared.frame.motion && bad_steps_ > settings_.reseed_after &&
+  const bool reseed = prepared.frame.motion && !step.adrift && bad_steps_ > settings_.reseed_after &&
                       static_cast<int>(prepared.cloud.size()) >= settings_.min_points;
   if (reseed) {
     step.status = MappingStatus::degraded;
     bad_steps_ = 0;
   }
   return tracking || reseed;
+}
+
+// After a gap: the cloud fits the map where features say so too or, without features, in many frames in a
+// row.
+bool DenseMapper::is_found(const Tracked& tracked) {
+  placed_in_a_row_ = tracked.status == MappingStatus::tracking ? placed_in_a_row_ + 1 : 0;
+  if (placed_in_a_row_ == 0 || (!tracked.anchored && placed_in_a_row_ <= settings_.reseed_after))
+    return false;
+  motion_.found();
+  placed_in_a_row_ = 0;
+  return true;
 }
 
 void DenseMapper::grow(const PreparedFrame& prepared, Step& step) {

@@ -37,6 +37,7 @@ class DenseMapper {
     bool keyframe = false;     ///< keyframes().back() is new
     bool node = false;         ///< graph().nodes().back() is new
     bool relocalised = false;  ///< lost before, and found far from the prediction
+    bool adrift = false;       ///< after a gap without odometry, not found again yet
     bool thinned = false;      ///< redundant nodes have gone from graph() and keyframes()
     bool deformed = false;     ///< the graph moved its nodes before this step: older poses are of the old map
   };
@@ -66,6 +67,7 @@ class DenseMapper {
   PreparedFrame prepare(const DenseFrame& frame) const;
   void start_map(const PreparedFrame& prepared, Step& step);
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
+  bool is_found(const Tracked& tracked);
   void grow(const PreparedFrame& prepared, Step& step);
   void add_node(const PreparedFrame& prepared, bool keyframe, Step& step);
   bool work_on_graph(Utime utime);
@@ -80,6 +82,7 @@ class DenseMapper {
   ChangedSpace changed_space_;
   KeyframeGraph graph_;
   int bad_steps_ = 0;                                                   // in a row
+  int placed_in_a_row_ = 0;                                             // frames, while adrift
   Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();  // robot, at the last insertion
 };
 

@@ -51,14 +51,22 @@ std::vector<const FeatureAnchor::Keyframe*> FeatureAnchor::around(
 std::optional<Prior> FeatureAnchor::locate(const FeatureFrame& features,
                                            const Eigen::Isometry3d& T_world_camera,
                                            const Eigen::Isometry3d& T_robot_camera) {
-  return locate_by(around(T_world_camera), features, T_robot_camera);
+  return locate_by(around(T_world_camera), features, T_robot_camera, settings_.min_inliers);
+}
+
+std::optional<Prior> FeatureAnchor::recognise(const FeatureFrame& features,
+                                              const Eigen::Isometry3d& T_world_camera,
+                                              const Eigen::Isometry3d& T_robot_camera) {
+  return locate_by(around(T_world_camera), features, T_robot_camera, 2 * settings_.min_inliers,
+                   settings_.recognised_share);
 }
 
 std::optional<Prior> FeatureAnchor::search(const FeatureFrame& features,
                                            const Eigen::Isometry3d& T_robot_camera) {
   for (int i = 0; i < settings_.searched_keyframes && !keyframes_.empty(); ++i) {
     const Keyframe& keyframe = keyframes_[next_search_++ % keyframes_.size()];
-    if (const auto found = locate_by({&keyframe}, features, T_robot_camera)) return found;
+    if (const auto found = locate_by({&keyframe}, features, T_robot_camera, settings_.min_inliers))
+      return found;
   }
   return std::nullopt;
 }
@@ -66,7 +74,8 @@ std::optional<Prior> FeatureAnchor::search(const FeatureFrame& features,
 // All keyframes' matches at once, in the world: where one keyframe gives way to the next, nothing jumps.
 std::optional<Prior> FeatureAnchor::locate_by(const std::vector<const Keyframe*>& keyframes,
                                               const FeatureFrame& features,
-                                              const Eigen::Isometry3d& T_robot_camera) {
+                                              const Eigen::Isometry3d& T_robot_camera, int min_inliers,
+                                              double min_share) {
   std::vector<PointPair> pairs;
   for (const Keyframe* keyframe : keyframes) {
     const Eigen::Matrix3d R = keyframe->T_world_camera.linear();
@@ -80,10 +89,12 @@ std::optional<Prior> FeatureAnchor::locate_by(const std::vector<const Keyframe*>
     }
   }
   RigidRansacSettings ransac;
-  ransac.min_inliers = settings_.min_inliers;
+  ransac.min_inliers = min_inliers;
   Random random(1);
   const RigidRansacResult aligned = align_ransac(pairs, ransac, random);
-  if (!aligned.success) return std::nullopt;
+  if (!aligned.success ||
+      static_cast<double>(aligned.inliers.size()) < min_share * static_cast<double>(pairs.size()))
+    return std::nullopt;
   Matrix6d covariance = aligned.covariance;
   covariance.diagonal().head<3>().array() += settings_.floor_translation * settings_.floor_translation;
   covariance.diagonal().tail<3>().array() += settings_.floor_rotation * settings_.floor_rotation;

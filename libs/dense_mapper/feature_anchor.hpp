@@ -23,6 +23,7 @@ struct FeatureAnchorSettings {
   int searched_keyframes = 5;
   double floor_translation = 0.005;
   double floor_rotation = 0.003;
+  double recognised_share = 0.75;
   double max_disagreement = 5;
 
   void describe(SettingsVisitor& s) {
@@ -34,6 +35,10 @@ struct FeatureAnchorSettings {
              "between a keyframe's camera and this one's, beyond which SURF does not find things again");
     s.number("min_inliers", min_inliers, "", {3, 1000}, "matches that must agree on a place");
     s.number("searched_keyframes", searched_keyframes, "", {0, 1000}, "asked in each frame while lost");
+    s.number(
+        "recognised_share", recognised_share, "", {0, 1},
+        "of the matches that must agree on a place after a gap: things that look alike agree on one, too, "
+        "but what stands around them does not");
     s.number("floor_translation", floor_translation, "m", {0, 1000},
              "noise floor of the alignment, added (squared): errors that all of a frame's features share");
     s.number("floor_rotation", floor_rotation, "rad", {0, 3.1416},
@@ -58,6 +63,7 @@ class FeatureAnchor {
   void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
   void clear() { keyframes_.clear(); }
   std::size_t memory_bytes() const;
+  bool empty() const { return keyframes_.empty(); }
 
   /// Where the robot is, wherever that be: each call asks the next few keyframes. For a robot that is lost.
   std::optional<Prior> search(const FeatureFrame& features, const Eigen::Isometry3d& T_robot_camera);
@@ -67,6 +73,10 @@ class FeatureAnchor {
   std::optional<Prior> locate(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera,
                               const Eigen::Isometry3d& T_robot_camera);
 
+  /// The same for a robot that may be anywhere: twice the matches must agree, and the most of all.
+  std::optional<Prior> recognise(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera,
+                                 const Eigen::Isometry3d& T_robot_camera);
+
  private:
   struct Keyframe {
     Eigen::Isometry3d T_world_camera;
@@ -74,7 +84,8 @@ class FeatureAnchor {
     int node = 0;
   };
   std::optional<Prior> locate_by(const std::vector<const Keyframe*>& keyframes, const FeatureFrame& features,
-                                 const Eigen::Isometry3d& T_robot_camera);
+                                 const Eigen::Isometry3d& T_robot_camera, int min_inliers,
+                                 double min_share = 0);
   std::vector<const Keyframe*> around(const Eigen::Isometry3d& T_world_camera) const;
 
   FeatureAnchorSettings settings_;

@@ -39,7 +39,29 @@ Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& e
   result.registration = best.registration;
   result.status = best.status;
   result.quality = best.quality;
+  if (expected.adrift) confirm(frame, result);
   return result;
+}
+
+// Walls look alike: whoever may be anywhere has found his place where the features say so, too. Where there
+// are none to ask, the mapper waits for more frames that fit.
+void ModernTracker::confirm(const DenseFrame& frame, Tracked& result) {
+  constexpr double same_place = 0.1;  // m and rad
+  result.anchored = false;
+  if (result.status != MappingStatus::tracking) {
+    result.status = MappingStatus::lost;
+    return;
+  }
+  if (!frame.features || !settings_.features.enabled || anchor_.empty()) return;
+  const Eigen::Isometry3d& T_world_robot = result.registration.T_target_source;
+  const auto place =
+      anchor_.recognise(*frame.features, T_world_robot * frame.T_robot_camera, frame.T_robot_camera);
+  result.anchored = place && distance_between(T_world_robot, place->T_target_source) < same_place &&
+                    angle_between(T_world_robot, place->T_target_source) < same_place;
+  if (result.anchored)
+    result.T_world_anchor = place->T_target_source;
+  else
+    result.status = MappingStatus::lost;
 }
 
 // Where keyframes' features place the robot, if that is believed; the prior then knows it.
@@ -74,11 +96,11 @@ std::vector<Eigen::Isometry3d> ModernTracker::starts(const DenseFrame& frame, co
                                                      const Expectation& expected) {
   std::vector<Eigen::Isometry3d> starts = {prior.T_target_source};
   if (anchor) starts.push_back(anchor->T_target_source);
-  if (expected.bad_steps == 0) return starts;
+  if (expected.bad_steps == 0 && !expected.adrift) return starts;
 
   starts.push_back(expected.T_world_last);
   // Wheels slip by centimetres, they do not jump to another place that happens to look alike.
-  if (frame.motion && !frame.motion->visual) return starts;
+  if (frame.motion && !frame.motion->visual && !expected.adrift) return starts;
   if (!anchor && frame.features && settings_.features.enabled)
     if (const auto found = anchor_.search(*frame.features, frame.T_robot_camera))
       starts.push_back(found->T_target_source);

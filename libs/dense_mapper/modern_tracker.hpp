@@ -31,6 +31,7 @@ class ModernTracker : public Tracker {
   Prior judged_by_map(const PreparedFrame& prepared, const Prior& odometry, const Prior& anchor);
   std::vector<Eigen::Isometry3d> starts(const DenseFrame& frame, const Prior& prior,
                                         const std::optional<Prior>& anchor, const Expectation& expected);
+  void confirm(const DenseFrame& frame, Tracked& result);
   double score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const;
   void sort_by_score(const Cloud& cloud, std::vector<Eigen::Isometry3d>& starts) const;
   RegistrationPasses::Attempt try_starts(const PreparedFrame& prepared, std::vector<Eigen::Isometry3d> starts,

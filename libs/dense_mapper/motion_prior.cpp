@@ -6,6 +6,9 @@
 namespace lcmslam {
 namespace {
 
+constexpr double longest_velocity = 1;  // s that a velocity goes on
+constexpr double drift_speed = 0.5;     // m/s and rad/s of a robot that nobody watches
+
 Vector6d squares(double translation, double rotation) {
   Vector6d v;
   v.head<3>().setConstant(translation * translation);
@@ -20,7 +23,7 @@ Eigen::Isometry3d on_ground(const Eigen::Isometry3d& T_world_robot) {
 }
 
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
-              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings) {
+              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift) {
   Prior prior;
   Matrix6d covariance = Matrix6d::Zero();
   if (motion && motion->T_from_to.matrix().allFinite() && motion->covariance.allFinite()) {
@@ -31,6 +34,7 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
     prior.T_target_source = T_world_last * free_motion;
     covariance.diagonal() = squares(settings.free_translation, settings.free_rotation);
   }
+  covariance.diagonal() += squares(drift_speed * adrift, std::min(drift_speed * adrift, 3.0));
   if (!settings.planar) {
     prior.information = covariance.inverse();
     return prior;
@@ -51,8 +55,13 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
 }
 
 Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion) const {
-  const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, 1.0);
-  return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_);
+  const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, longest_velocity);
+  return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_, adrift_);
+}
+
+void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion) {
+  const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
+  if (adrift() || (!motion && seconds > longest_velocity)) adrift_ += seconds;
 }
 
 void MotionModel::observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving) {

@@ -37,9 +37,9 @@ struct MotionPriorSettings {
 };
 
 /// Prior of T_world_robot from the last pose and the motion since: odometry's, or `free_motion` (that of a
-/// velocity which goes on) when there is none.
+/// velocity which goes on) when there is none. `adrift`: s during which nobody knew the motion.
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
-              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings);
+              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift = 0);
 
 /// Where the robot was last and how it moved, for the next prediction.
 class MotionModel {
@@ -49,6 +49,12 @@ class MotionModel {
   /// Prior of T_world_robot at `utime`, by odometry's `motion` since the last time or, without it, by the
   /// last step's velocity, which goes on for a second at most.
   Prior predict(Utime utime, const std::optional<Motion>& motion) const;
+
+  /// Before predict(): without odometry and longer than a velocity goes on, the robot is adrift until it is
+  /// found: the prediction is where it was last, and its covariance grows.
+  void look_for_gap(Utime utime, const std::optional<Motion>& motion);
+  bool adrift() const { return adrift_ > 0; }
+  void found() { adrift_ = 0; }
 
   /// Where the robot is; `moving`: it came there from the last place, so that its velocity may go on.
   void observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving);
@@ -62,6 +68,7 @@ class MotionModel {
   Utime last_utime_ = 0;
   Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
   Vector6d velocity_ = Vector6d::Zero();  // per second, robot frame
+  double adrift_ = 0;                     // s of unknown motion since the robot was found
 };
 
 /// The same pose with no height, roll and pitch.

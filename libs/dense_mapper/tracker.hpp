@@ -26,7 +26,8 @@ struct PreparedFrame {
 struct Expectation {
   Prior prior;                                                     ///< of T_world_robot, by the motion
   Eigen::Isometry3d T_world_last = Eigen::Isometry3d::Identity();  ///< of the frame before
-  int bad_steps = 0;  ///< frames in a row that were not tracked until now
+  int bad_steps = 0;    ///< frames in a row that were not tracked until now
+  bool adrift = false;  ///< nobody knows how the robot moved since it was tracked: it may be anywhere
 };
 
 struct Tracked {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <lcmslam/fastslam/landmarks/existence.hpp>
-#include <lcmslam/fastslam/motion_model.hpp>
 #include <lcmslam/fastslam/resampling.hpp>
 
 namespace lcmslam {
@@ -29,6 +28,7 @@ StepPrior step_prior(const FrameAssociation& association) {
 
 FastSlam::FastSlam(const FastSlamSettings& settings)
     : settings_(checked(settings)),
+      unknown_(settings),
       particles_(settings),
       associator_(settings),
       covariance_(settings),
@@ -46,26 +46,35 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   std::vector<FeaturePoint> points = corrected(measured, sensor_);
   result.offered = static_cast<int>(
       std::count_if(points.begin(), points.end(), [](const FeaturePoint& p) { return !p.is_bearing(); }));
-  const Motion odometry = motion_prior(motion, settings_);
+  const Motion odometry = unknown_.prior(motion, frame.utime);
   StepObservations observations;
-  bool mapping = true;
+  bool mapping = true, blind = false;
 
   if (std::exchange(started_, true)) {
     // Associate: which feature shows which landmark, as the best particle sees it.
     result.motion_usable = usable(motion);
     const Motion predicted = particles_.predict(odometry);
-    FrameAssociation association = associator_.associate(frame, points, particles_.best().T_world_robot,
-                                                         predicted, particles_.best().map, index_);
+    FrameAssociation association =
+        associator_.associate(frame, points, particles_.best().T_world_robot, predicted,
+                              particles_.best().map, index_, unknown_.lost());
+    if (nothing_to_find_back(association, points)) return begin_anew(motion, frame);
     observations = select_observations(association, frame, points, particles_.best().map, settings_);
     widen_for_correlation(observations.observed, frame.utime, settings_.correlation_time, index_, points);
 
     // Propose, weigh, update: each particle draws its pose, is weighed by what it observes from there, and
-    // its landmarks learn from it (particle_update.cpp).
-    const Verdict verdict =
-        particles_.propose_weigh_update(step_prior(association), observations.observed, points);
-    const bool located = judge(verdict, association, points, index_, observations, result);
-    result.status = status(association, verdict, located);
+    // its landmarks learn from it (particle_update.cpp). Where it observes nothing and may map nothing, no
+    // particle is better than another.
     mapping = may_map(association);
+    blind = observations.seen.empty() && (points.empty() || !mapping);
+    Verdict verdict;
+    if (blind)
+      particles_.go_blindly(step_prior(association));
+    else
+      verdict = particles_.propose_weigh_update(step_prior(association), observations.observed, points);
+    const bool located = judge(verdict, association, points, index_, observations, result);
+    const bool agreed = agree(association, verdict, located);
+    if (agreed) unknown_.end();
+    result.status = status(association, agreed);
     if (result.status == TrackStatus::tracking || result.status == TrackStatus::relocalised)
       observations.expected = std::move(association.visible);  // a robot that may be elsewhere misses nobody
   }
@@ -82,14 +91,15 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   // Deaths and births, alike in all particles. New landmarks last, so that 2.0 is possible: nobody was
   // weighed by a landmark that his own step had made.
   const bool reunited = reunion(observations);
-  const std::vector<std::int32_t> dead = remove_landmarks(frame, points, observations, result);
+  std::vector<std::int32_t> dead;
+  if (!blind) dead = remove_landmarks(frame, points, observations, result);
   std::vector<LandmarkMatch> created;
-  if (mapping) created = create_landmarks(frame, points, observations, result);
+  if (mapping && !blind) created = create_landmarks(frame, points, observations, result);
 
   // Remember the step for smoothing, which may begin.
   smooth_beside(
       {frame.utime, odometry, particles_.calibration().jacobian(), std::move(measured), std::move(points),
-       observations.observed, created, dead, estimate.T_world_robot, covariance_.in_map(estimate)},
+       observations.observed, created, blind, dead, estimate.T_world_robot, covariance_.in_map(estimate)},
       reunited, result);
 
   // Resample.
@@ -99,20 +109,42 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   return result;
 }
 
-TrackStatus FastSlam::status(const FrameAssociation& association, const Verdict& verdict,
-                             bool located) const {
-  if (association.T_world_found) return TrackStatus::relocalised;
-  const bool agreed =
-      settings_.verify_by_consensus ? association.agreed : verdict.count >= settings_.minimum_consensus;
-  if (located || agreed) return TrackStatus::tracking;
-  if (index_.size() == 0) return TrackStatus::initialising;
-  return associator_.steps_without_agreement() > settings_.relocalise_after ? TrackStatus::lost
-                                                                            : TrackStatus::predicting;
+// A lost robot before it has mapped anything that anybody was told of.
+bool FastSlam::nothing_to_find_back(const FrameAssociation& association,
+                                    const std::vector<FeaturePoint>& points) const {
+  if (!unknown_.lost() || association.agreed || !association.known.empty()) return false;
+  if (static_cast<int>(points.size()) < settings_.minimum_consensus) return false;
+  for (int slot = 0; slot < index_.slots(); ++slot)
+    if (index_.alive(slot) && index_.record(slot).observations >= settings_.minimum_observations)
+      return false;
+  return true;
 }
 
-// Where known landmarks should be and none is, the robot is elsewhere: do not map that. After a long
-// time without finding back, the world has changed: go on.
+// The world may as well begin here.
+StepResult FastSlam::begin_anew(const Motion& motion, const FeatureFrame& frame) {
+  *this = FastSlam(settings_);
+  return step(motion, frame);
+}
+
+// Whether this step's measurements tell where the robot is in its map.
+bool FastSlam::agree(const FrameAssociation& association, const Verdict& verdict, bool located) const {
+  return located ||
+         (settings_.verify_by_consensus ? association.agreed : verdict.count >= settings_.minimum_consensus);
+}
+
+TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed) const {
+  if (association.T_world_found) return TrackStatus::relocalised;
+  if (agreed) return TrackStatus::tracking;
+  if (index_.size() == 0) return TrackStatus::initialising;
+  const bool lost = unknown_.lost() || associator_.steps_without_agreement() > settings_.relocalise_after;
+  return lost ? TrackStatus::lost : TrackStatus::predicting;
+}
+
+// A robot that may be anywhere in its map would map what it knows at a wrong place. Where known landmarks
+// should be and none is, it is elsewhere: do not map that. After a long time without finding back although
+// the odometry knows the way, the world has changed: go on.
 bool FastSlam::may_map(const FrameAssociation& association) const {
+  if (unknown_.lost() && !association.agreed && association.known.empty()) return false;
   if (association.contradicted)
     return associator_.steps_without_agreement() > 10 * settings_.relocalise_after;
   return !association.doubtful;

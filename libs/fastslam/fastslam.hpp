@@ -6,9 +6,9 @@
 //   StepResult r = slam.step(motion since the last frame, features of this frame);
 //   r.T_world_robot; slam.landmarks(); slam.take_changes();
 //
-// The world is the robot's frame at the first step. Same inputs, settings and seed give the same
-// result to the last bit, however many threads cv::setNumThreads allows; the order of a frame's features does
-// not matter.
+// The world is the robot's frame at the first step, or at a later one if it was lost before a landmark was
+// given out. Same inputs, settings and seed give the same result to the last bit, however many threads
+// cv::setNumThreads allows; the order of a frame's features does not matter.
 // One deviation of thesis_preset() from the thesis: descriptors stand in one index that all particles share
 // (LandmarkIndex), and a particle finds a landmark by its slot there, not in a kd-tree of its own. Landmarks
 // are made in all particles alike and keep their descriptors, so every such tree would hold the same ones and
@@ -21,6 +21,7 @@
 
 #include <lcmslam/fastslam/association/frame_association.hpp>
 #include <lcmslam/fastslam/landmarks/publication.hpp>
+#include <lcmslam/fastslam/motion_model.hpp>
 #include <lcmslam/fastslam/particle_set.hpp>
 #include <lcmslam/fastslam/pose_covariance.hpp>
 #include <lcmslam/fastslam/settings.hpp>
@@ -37,7 +38,7 @@ class FastSlam {
   explicit FastSlam(const FastSlamSettings& settings);
 
   /// `motion`: from the last step's time to this frame's (ignored in the first step). A frame without
-  /// usable features moves the particles by odometry.
+  /// usable features moves the particles by the odometry, and one that is lost is none: they stand.
   StepResult step(const Motion& motion, const FeatureFrame& frame);
 
   const std::vector<Particle>& particles() const { return particles_.particles(); }
@@ -69,7 +70,11 @@ class FastSlam {
   std::vector<SmoothedPose> take_smoothed() { return std::exchange(taken_over_, {}); }
 
  private:
-  TrackStatus status(const FrameAssociation& association, const Verdict& verdict, bool located) const;
+  bool nothing_to_find_back(const FrameAssociation& association,
+                            const std::vector<FeaturePoint>& points) const;
+  StepResult begin_anew(const Motion& motion, const FeatureFrame& frame);
+  bool agree(const FrameAssociation& association, const Verdict& verdict, bool located) const;
+  TrackStatus status(const FrameAssociation& association, bool agreed) const;
   bool may_map(const FrameAssociation& association) const;
   bool reunion(const StepObservations& observations) const;
   std::vector<std::int32_t> remove_landmarks(const FeatureFrame& frame,
@@ -88,6 +93,7 @@ class FastSlam {
 
   FastSlamSettings settings_;
   LandmarkIndex index_;
+  UnknownMotion unknown_;
   ParticleSet particles_;
   FrameAssociator associator_;
   PoseCovariance covariance_;

@@ -96,6 +96,7 @@ void FastSlam::repeat(const StepRecord& step, std::set<int>& unborn) {
   std::vector<LandmarkMatch> observed;
   for (const LandmarkMatch& match : step.observed)
     if (index_.alive(match.slot) && unborn.count(match.slot) == 0) observed.push_back(match);
+  if (step.blind) return particles_.go_blindly(prior);
   particles_.propose_weigh_update(prior, observed, points);
   particles_.make_landmarks(step.created, points);
   for (const LandmarkMatch& match : step.created) unborn.erase(match.slot);

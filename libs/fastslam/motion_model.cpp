@@ -1,5 +1,6 @@
 #include <lcmslam/fastslam/motion_model.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <lcmslam/fastslam/pose_space.hpp>
@@ -7,8 +8,15 @@
 namespace lcmslam {
 namespace {
 
+constexpr double any_turn = 3;  // rad, sigma about each axis: every orientation is as likely
+
 double squared(double x) {
   return x * x;
+}
+
+// Whether the stated error of a block of the motion exceeds both the motion and what the speed bounds anyway.
+bool knows_nothing(const Eigen::Vector3d& variances, double moved, double bound2) {
+  return variances.maxCoeff() >= 0.99 * std::max(bound2, squared(moved));
 }
 
 }  // namespace
@@ -45,8 +53,31 @@ Motion unknown_motion(Utime elapsed) {
   const double seconds = 1e-6 * static_cast<double>(elapsed);
   Motion motion;
   motion.covariance.diagonal().head<3>().setConstant(std::pow(0.5 * seconds, 2));
-  motion.covariance.diagonal().tail<3>().setConstant(std::pow(1.0 * seconds, 2));
+  motion.covariance.diagonal().tail<3>().setConstant(std::pow(std::min(1.0 * seconds, any_turn), 2));
   return motion;
+}
+
+bool UnknownMotion::knows(const Motion& odometry, Utime step) const {
+  if (!usable(odometry)) return false;
+  if (step == 0) return true;
+  const Matrix6d bound = unknown_motion(step).covariance;
+  const Vector6d told = odometry.covariance.diagonal();
+  const bool no_way = knows_nothing(told.head<3>(), odometry.T_from_to.translation().norm(), bound(0, 0));
+  const bool no_turn = knows_nothing(told.tail<3>(), rotation_angle(odometry.T_from_to), bound(5, 5));
+  // A visual odometry in the dark states no more error of its turn once that may be any: what it still knows
+  // of one is no news.
+  return elapsed_ > 0 ? !no_way && !no_turn : !no_way || !no_turn;
+}
+
+Motion UnknownMotion::prior(const Motion& odometry, Utime utime) {
+  const Utime step = last_ ? std::max<Utime>(0, utime - *last_) : 0;
+  last_ = utime;
+  if (knows(odometry, step)) return motion_prior(odometry, settings_);
+  const Matrix6d before = unknown_motion(elapsed_).covariance;
+  elapsed_ += step;
+  Motion standing = motion_prior(Motion(), settings_);
+  standing.covariance += unknown_motion(elapsed_).covariance - before;
+  return standing;
 }
 
 }  // namespace lcmslam

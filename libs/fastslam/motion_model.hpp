@@ -1,6 +1,8 @@
 #pragma once
 // The prior of a step: how far the robot moved, and how well that is known.
 
+#include <optional>
+
 #include <lcmslam/fastslam/settings.hpp>
 #include <lcmslam/geometry/motion_buffer.hpp>
 
@@ -11,10 +13,35 @@ namespace lcmslam {
 /// A motion that is not finite becomes "no idea": standing still, 0.5 m and 0.5 rad.
 Motion motion_prior(const Motion& odometry, const FastSlamSettings& settings);
 
-/// Without odometry the robot may have gone anywhere that its speed allows: 0.5 m and 1 rad a second, in us.
+/// Without odometry the robot may have gone anywhere that its speed allows: 0.5 m and 1 rad a second, in us;
+/// at last it may be turned anyhow.
 Motion unknown_motion(Utime elapsed);
 
 /// Finite, symmetric, and not so wide that numbers fail.
 bool usable(const Motion& motion);
+
+/// Since when nothing tells how the robot moves. An odometry that is lost (a visual one in the dark, a gap)
+/// states an error beyond its motion and beyond what the robot's speed allows: it is none, and standing still
+/// is the better guess.
+class UnknownMotion {
+ public:
+  explicit UnknownMotion(const FastSlamSettings& settings) : settings_(settings) {}
+
+  /// The motion to `utime` from the call before, as motion_prior() gives it where the odometry knows it.
+  /// Otherwise standing still: its error goes the same way from step to step, so that sigma and not the
+  /// variance grows with the time that nothing is known.
+  Motion prior(const Motion& odometry, Utime utime);
+  /// Measurements have told where the robot is.
+  void end() { elapsed_ = 0; }
+  /// Long enough that it may be anywhere in its map.
+  bool lost() const { return 1e-6 * static_cast<double>(elapsed_) > settings_.lost_after; }
+
+ private:
+  bool knows(const Motion& odometry, Utime step) const;
+
+  FastSlamSettings settings_;
+  std::optional<Utime> last_;
+  Utime elapsed_ = 0;  // us, of unknown motion since end()
+};
 
 }  // namespace lcmslam

@@ -53,7 +53,7 @@ ParticleSet::Estimate ParticleSet::estimate(const std::vector<double>& weights) 
     mean += weights[k] * offsets[k];
   }
   if (settings_.estimate == PoseEstimate::best) mean.setZero();
-  return {best().T_world_robot * se3_exp(mean), scatter(offsets, weights, mean)};
+  return {best().T_world_robot * se3_exp(mean), scatter(offsets, weights, mean) + undrawn_};
 }
 
 Matrix6d ParticleSet::mean_square_from_start(const std::vector<double>& weights,
@@ -62,7 +62,7 @@ Matrix6d ParticleSet::mean_square_from_start(const std::vector<double>& weights,
   std::vector<Vector6d> offsets;
   for (const Particle& particle : particles_)
     offsets.push_back(se3_log(T_robot_world * particle.T_world_start.inverse() * particle.T_world_robot));
-  return scatter(offsets, weights, Vector6d::Zero());
+  return scatter(offsets, weights, Vector6d::Zero()) + undrawn_;
 }
 
 bool ParticleSet::resample_when_due(const std::vector<double>& weights) {
@@ -114,6 +114,7 @@ void ParticleSet::draw_anew(const std::vector<PathSample>& samples,
         particle.map.edit(static_cast<std::size_t>(slot)) = landmark;
   }
   start_known_ = true;
+  undrawn_.setZero();
   best_ = 0;  // the mode
 }
 

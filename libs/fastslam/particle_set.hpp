@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <lcmslam/fastslam/association/association.hpp>
@@ -43,8 +44,15 @@ class ParticleSet {
   const OdometryCalibration& calibration() const { return calibration_; }
 
   /// Begins a step; `odometry` as motion_prior() gives it. Returns the motion that the best particle's
-  /// calibration makes of it, with its covariance.
+  /// calibration makes of it, with its covariance and that of the blind steps before.
   Motion predict(const Motion& odometry);
+  /// A blind step: nothing is observed, and nothing is mapped. No observation will ever weigh what would be
+  /// drawn now, so all particles go as predicted, and the covariance is kept for the next draw.
+  void go_blindly(const StepPrior& prior);
+  /// Of the robot's pose, body frame: what the blind steps have added since the particles were drawn last.
+  const Matrix6d& undrawn() const { return undrawn_; }
+  /// It becomes an error that all particles share. Returns it.
+  Matrix6d share_undrawn() { return std::exchange(undrawn_, Matrix6d::Zero()); }
   /// Every particle draws its new pose, weighs it and updates its landmarks. `observed` are of the map, by
   /// index in `points`. Returns the verdict of the particle that is the heaviest now.
   Verdict propose_weigh_update(const StepPrior& prior, const std::vector<LandmarkMatch>& observed,
@@ -56,7 +64,7 @@ class ParticleSet {
   std::vector<double> choose_best();
   struct Estimate {
     Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();  ///< that the settings name
-    Matrix6d spread = Matrix6d::Zero();  ///< of the particles about it, body frame
+    Matrix6d spread = Matrix6d::Zero();  ///< of the particles about it, drawn or not, body frame
   };
   Estimate estimate(const std::vector<double>& weights) const;
   /// Mean square of the particles' poses as seen from their paths' beginnings about `T_world_robot`, body
@@ -94,6 +102,7 @@ class ParticleSet {
   std::vector<Random> streams_;  // one a particle slot
   Random resampling_stream_;
   OdometryCalibration calibration_;
+  Matrix6d undrawn_ = Matrix6d::Zero();
   int best_ = 0;
   bool start_known_ = false;
 };

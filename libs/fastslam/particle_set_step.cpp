@@ -5,6 +5,7 @@
 
 #include <lcmslam/fastslam/particle_set.hpp>
 #include <lcmslam/fastslam/particle_update.hpp>
+#include <lcmslam/fastslam/pose_space.hpp>
 #include <lcmslam/parallel/rows.hpp>
 
 namespace lcmslam {
@@ -31,10 +32,21 @@ void ParticleSet::for_particles(std::size_t each, const Work& work) {
 Motion ParticleSet::predict(const Motion& odometry) {
   Motion prior = odometry;
   calibration_.begin(prior);
-  calibration_.prepare_gain(prior.covariance);
   prior.T_from_to = calibration_.apply(best().calibration);
+  if (!undrawn_.isZero(0)) {
+    const Matrix6d A = adjoint(prior.T_from_to.inverse());
+    prior.covariance += A * undrawn_ * A.transpose();
+  }
+  calibration_.prepare_gain(prior.covariance);
   prior.covariance += calibration_.added_covariance();
   return prior;
+}
+
+void ParticleSet::go_blindly(const StepPrior& prior) {
+  for (Particle& particle : particles_)
+    particle.T_world_robot = renormalised(T_world_prior(particle, prior), settings_.planar);
+  const Matrix6d symmetric = 0.5 * (prior.covariance + prior.covariance.transpose());
+  undrawn_ = settings_.planar ? PoseSpace<3>::expand(PoseSpace<3>::reduce(symmetric)) : symmetric;
 }
 
 Eigen::Isometry3d ParticleSet::T_world_prior(const Particle& particle, const StepPrior& prior) const {
@@ -61,6 +73,7 @@ Verdict ParticleSet::propose_weigh_update(const StepPrior& prior, const std::vec
     }
   });
   if (!prior.corrected()) calibration_.end();
+  undrawn_.setZero();
   std::size_t heaviest = 0;
   for (std::size_t k = 1; k < particles_.size(); ++k)
     if (particles_[heaviest].log_weight < particles_[k].log_weight) heaviest = k;

@@ -132,6 +132,9 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "in a row that must recognise a place before the pose jumps there");
   s.number("relocalise_after", relocalise_after, "", {1, 1e6},
            "steps without consensus after which the whole map is searched");
+  s.number(
+      "lost_after", lost_after, "s", {0, 3600},
+      "of motion that no odometry knows, nothing being recognised: the robot may be anywhere in its map");
 
   s.flag("rejuvenate", rejuvenate,
          "with known landmarks in the plane: smooths the path where it pays and draws the particles anew");

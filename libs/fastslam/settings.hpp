@@ -107,6 +107,7 @@ struct FastSlamSettings {
   bool close_loops = true;
   int loop_steps = 3;
   int relocalise_after = 5;
+  double lost_after = 0.25;
 
   // Landmarks of known identity in the plane: the path so far is smoothed when a landmark comes into sight
   // again after long or is contradicted, or few lineages are left, and the particles are drawn anew from its

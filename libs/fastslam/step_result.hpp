@@ -12,8 +12,8 @@ enum class TrackStatus {
   initialising,  ///< first landmarks: the pose is the world's origin
   tracking,      ///< observations agree on the pose
   predicting,    ///< too few observations: the pose rests on odometry
-  lost,          ///< there are features, but none fit the map for several steps
-  relocalised    ///< found back in this step: the pose may have jumped
+  lost,        ///< nothing tells where in the map: the odometry is lost, or no features fit for several steps
+  relocalised  ///< found back in this step: the pose may have jumped
 };
 
 struct ObservationReport {

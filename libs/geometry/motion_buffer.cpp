@@ -65,9 +65,21 @@ std::optional<Motion> MotionBuffer::between(Utime from, Utime to, Utime extrapol
   }
   const auto a = at(from, extrapolation);
   const auto b = at(to, extrapolation);
-  if (!a || !b) return std::nullopt;
+  if (!a || !b || has_gap(from, to)) return std::nullopt;
   return Motion{a->T_odom_robot.inverse() * b->T_odom_robot, increment_covariance(*a, *b),
                 a->visual || b->visual};
+}
+
+bool MotionBuffer::has_gap(Utime from, Utime to) const {
+  const auto first = std::lower_bound(samples_.begin(), samples_.end(), from,
+                                      [](const MotionSample& s, Utime t) { return s.utime < t; });
+  Utime last = from;
+  for (auto sample = first; sample != samples_.end() && last < to; ++sample) {
+    const Utime before = sample == samples_.begin() ? sample->utime : std::prev(sample)->utime;
+    if (sample->utime - before > longest_step && sample->utime > from) return true;
+    last = sample->utime;
+  }
+  return false;
 }
 
 }  // namespace lcmslam

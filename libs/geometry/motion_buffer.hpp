@@ -29,6 +29,8 @@ struct Motion {
 
 class MotionBuffer {
  public:
+  static constexpr Utime longest_step = 2'000'000;  ///< us
+
   /// Keeps this much history.
   explicit MotionBuffer(Utime span_us = 10'000'000) : span_us_(span_us) {}
 
@@ -44,11 +46,14 @@ class MotionBuffer {
   /// the newest sample the last velocity goes on.
   std::optional<MotionSample> at(Utime utime, Utime extrapolation = 0) const;
 
-  /// Motion between two covered times, nothing otherwise. `from` may be later than `to`: then the
+  /// Motion between two covered times, nothing otherwise, and nothing over a gap in the samples of more than
+  /// `longest_step`: nobody knows which way the robot took meanwhile. `from` may be later than `to`: then the
   /// transform is the inverse motion, the covariance its magnitude.
   std::optional<Motion> between(Utime from, Utime to, Utime extrapolation = 0) const;
 
  private:
+  bool has_gap(Utime from, Utime to) const;
+
   Utime span_us_;
   std::deque<MotionSample> samples_;
 };

@@ -1,6 +1,6 @@
 #include <lcmslam/log/log_writer.hpp>
 
-#include <unistd.h>
+#include <fcntl.h>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -10,17 +10,19 @@
 
 namespace lcmslam {
 
-LogWriter::LogWriter(const std::string& file)
-    : file_(file), part_(file + ".part" + std::to_string(getpid())) {
-  stream_ = std::fopen(part_.c_str(), "wbe");
+LogWriter::LogWriter(const std::string& file) : file_(file) {
+  try {
+    part_ = std::make_unique<PartFile>(FilePlace(file));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file_ + ": cannot be written: " + error.what());
+  }
+  stream_ = fdopen(fcntl(part_->descriptor(), F_DUPFD_CLOEXEC, 0), "wb");
   if (stream_ == nullptr) fail();
   std::setvbuf(stream_, nullptr, _IOFBF, 1 << 20);
 }
 
 LogWriter::~LogWriter() {
-  if (stream_ == nullptr) return;
-  std::fclose(stream_);
-  std::remove(part_.c_str());
+  if (stream_ != nullptr) std::fclose(stream_);
 }
 
 void LogWriter::write(Utime timestamp, std::string_view channel, const std::uint8_t* data, std::size_t size) {
@@ -39,11 +41,11 @@ void LogWriter::write(Utime timestamp, std::string_view channel, const std::uint
 }
 
 void LogWriter::close() {
-  if (std::fclose(std::exchange(stream_, nullptr)) != 0 || std::rename(part_.c_str(), file_.c_str()) != 0) {
-    const int error = errno;
-    std::remove(part_.c_str());
-    errno = error;
-    fail();
+  if (std::fclose(std::exchange(stream_, nullptr)) != 0) fail();
+  try {
+    part_->take_name();
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file_ + ": cannot be written: " + error.what());
   }
 }
 

@@ -2,14 +2,16 @@
 // Writes .lcmlog files that stock LCM reads.
 
 #include <cstdio>
+#include <memory>
 
+#include <lcmslam/files/part_file.hpp>
 #include <lcmslam/log/log_event.hpp>
 
 namespace lcmslam {
 
-/// Writes FILE.partPID, which becomes FILE when closed, so that FILE is whole whatever happens. Without
-/// close() nothing stays. All functions throw std::runtime_error, naming the file, when a byte cannot be
-/// written.
+/// Writes a part file (files/part_file.hpp), which becomes FILE when closed, so that FILE is whole whatever
+/// happens. Without close() nothing stays. All functions throw std::runtime_error, naming the file, when a
+/// byte cannot be written.
 class LogWriter {
  public:
   explicit LogWriter(const std::string& file);
@@ -34,7 +36,8 @@ class LogWriter {
   void write_bytes(const void* data, std::size_t size);
   [[noreturn]] void fail();
 
-  std::string file_, part_;
+  std::string file_;
+  std::unique_ptr<PartFile> part_;
   std::FILE* stream_ = nullptr;
   std::int64_t events_ = 0;
   std::int64_t bytes_ = 0;

@@ -1,5 +1,6 @@
 #include <lcmslam/map_store/dense_map.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 #include <stdexcept>
@@ -50,13 +51,45 @@ std::size_t bytes(const ColouredCloud& cloud) {
 
 }  // namespace
 
+std::size_t DenseMap::points_of(std::int32_t id) const {
+  const auto keyframe = keyframes_.find(id);
+  return keyframe != keyframes_.end() ? keyframe->second.cloud.size() : 0;
+}
+
+void DenseMap::check_limits(const DenseKeyframe& part) const {
+  require(keyframes_.count(part.id) > 0 || keyframes_.size() < limits_.keyframes, part.id,
+          "the map has as many keyframes as it may, " + std::to_string(limits_.keyframes));
+  std::size_t points = points_ - points_of(part.id) + part.cloud.size();
+  const auto pending = pending_.find(part.id);
+  if (pending != pending_.end())
+    for (const auto& [tile, cloud] : pending->second.clouds) points += cloud.size();
+  require(points <= limits_.points, part.id,
+          "the map has as many points as it may, " + std::to_string(limits_.points));
+}
+
+DenseMap::Pending& DenseMap::pending_for(const KeyframeTile& tile) {
+  const DenseKeyframe& part = tile.part;
+  const auto tiles = static_cast<std::size_t>(tile.tiles);
+  if (pending_.count(part.id) == 0 && pending_.size() >= std::max<std::size_t>(1, limits_.incomplete)) {
+    pending_.erase(std::min_element(pending_.begin(), pending_.end(), [](const auto& a, const auto& b) {
+      return a.second.begun < b.second.begun;
+    }));
+    ++given_up_;
+  }
+  Pending& pending = pending_[part.id];
+  if (pending.tiles != tiles || pending.utime != part.utime || pending.revision != part.revision) {
+    pending = Pending{};
+    pending.begun = ++begun_;
+  }
+  return pending;
+}
+
 bool DenseMap::add(const KeyframeTile& tile) {
   check(tile);
   const DenseKeyframe& part = tile.part;
-  Pending& pending = pending_[part.id];
+  check_limits(part);
+  Pending& pending = pending_for(tile);
   const auto tiles = static_cast<std::size_t>(tile.tiles);
-  if (pending.tiles != tiles || pending.utime != part.utime || pending.revision != part.revision)
-    pending = Pending{};
   pending.utime = part.utime;
   pending.revision = part.revision;
   pending.tiles = tiles;
@@ -72,6 +105,7 @@ bool DenseMap::add(const KeyframeTile& tile) {
   complete.cloud.colours.reserve(points);
   for (const auto& [index, cloud] : pending.clouds) append(complete.cloud, cloud);
   pending_.erase(part.id);
+  points_ += points - points_of(complete.id);
   keyframes_[complete.id] = std::move(complete);
   ++revision_;
   return true;
@@ -103,12 +137,14 @@ void DenseMap::follow(const std::vector<KeyframePose>& graph) {
 
 void DenseMap::remove(std::int32_t id) {
   pending_.erase(id);
+  points_ -= points_of(id);
   if (keyframes_.erase(id) > 0) ++revision_;
 }
 
 void DenseMap::clear() {
   pending_.clear();
   keyframes_.clear();
+  points_ = 0;
   ++revision_;
 }
 
@@ -140,12 +176,6 @@ std::vector<std::int32_t> DenseMap::incomplete() const {
     if (!only_repeated) ids.push_back(id);
   }
   return ids;
-}
-
-std::size_t DenseMap::point_count() const {
-  std::size_t count = 0;
-  for (const auto& [id, keyframe] : keyframes_) count += keyframe.cloud.size();
-  return count;
 }
 
 std::size_t DenseMap::memory_bytes() const {

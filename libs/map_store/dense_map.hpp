@@ -32,12 +32,21 @@ struct KeyframePose {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
 };
 
+/// What messages may make of a map at most.
+struct DenseMapLimits {
+  std::size_t keyframes = 10'000;
+  std::size_t points = 20'000'000;
+  std::size_t incomplete = 32;  ///< keyframes of which tiles are missing; then the oldest goes
+};
+
 class DenseMap {
  public:
+  explicit DenseMap(const DenseMapLimits& limits = {}) : limits_(limits) {}
+
   /// Keeps the tile; the last missing one adds the keyframe or replaces it. Tiles come in any order
   /// and repeatedly; another revision, utime or number of tiles starts the keyframe anew. Returns whether
   /// the keyframe became complete. Throws std::invalid_argument for impossible tile numbers, a pose
-  /// that is not finite, or colours or normals that do not match the points.
+  /// that is not finite, colours or normals that do not match the points, and beyond the limits.
   bool add(const KeyframeTile& tile);
 
   /// Moves keyframes; the pose that arrived last counts. Returns the ids of keyframes that are not
@@ -60,7 +69,9 @@ class DenseMap {
   const std::map<std::int32_t, DenseKeyframe>& keyframes() const { return keyframes_; }
   /// Ids of keyframes of which tiles are missing.
   std::vector<std::int32_t> incomplete() const;
-  std::size_t point_count() const;
+  std::size_t point_count() const { return points_; }
+  /// Incomplete keyframes that went because others came.
+  std::int64_t given_up() const { return given_up_; }
   /// Bytes that clouds occupy, of incomplete keyframes too.
   std::size_t memory_bytes() const;
   /// Counts every visible change, so that viewers know when to redraw.
@@ -72,10 +83,18 @@ class DenseMap {
     std::int64_t revision = 0;
     Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
     std::size_t tiles = 0;
+    std::int64_t begun = 0;
     std::map<int, ColouredCloud> clouds;
   };
 
+  Pending& pending_for(const KeyframeTile& tile);
+  void check_limits(const DenseKeyframe& part) const;
+  std::size_t points_of(std::int32_t id) const;
+
+  DenseMapLimits limits_;
   std::map<std::int32_t, DenseKeyframe> keyframes_;
+  std::size_t points_ = 0;  // of all keyframes
+  std::int64_t begun_ = 0, given_up_ = 0;
   std::map<std::int32_t, Pending> pending_;
   std::int64_t revision_ = 0;
 };

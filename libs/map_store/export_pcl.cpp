@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
-#include <lcmslam/map_store/atomic_file.hpp>
+#include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 
 namespace lcmslam {
@@ -35,14 +35,14 @@ const char* const empty_pcd =
     "COUNT 1 1 1 1\nWIDTH 0\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 0\nDATA ascii\n";
 
 template <class Point>
-void save(const fs::path& file, const pcl::PointCloud<Point>& cloud) {
+void save(const FilePlace& file, const pcl::PointCloud<Point>& cloud) {
   if (cloud.empty()) {
     write_atomically(file, std::string(empty_pcd));
     return;
   }
-  write_atomically(file, [&](const fs::path& temporary) {
+  write_atomically(file, [&](const fs::path& part) {
     // The writer for the point type: the one for PCLPointCloud2 miscounts padding between fields.
-    if (pcl::PCDWriter().writeBinary(temporary.string(), cloud) < 0)
+    if (pcl::PCDWriter().writeBinary(part.string(), cloud) < 0)
       throw std::runtime_error("PCL could not write it (disk full?)");
   });
 }
@@ -117,7 +117,7 @@ ColouredCloud load(const fs::path& file) {
 
 }  // namespace
 
-void save_pcd(const fs::path& file, const ColouredCloud& cloud) {
+void save_pcd(const FilePlace& file, const ColouredCloud& cloud) {
   if (cloud.normals.empty() || cloud.normals.size() != cloud.size()) {
     save(file, positions_and_colours<pcl::PointXYZRGB>(cloud));
     return;
@@ -130,7 +130,7 @@ void save_pcd(const fs::path& file, const ColouredCloud& cloud) {
   save(file, points);
 }
 
-void save_pcd(const fs::path& file, const std::vector<Landmark>& landmarks) {
+void save_pcd(const FilePlace& file, const std::vector<Landmark>& landmarks) {
   pcl::PointCloud<pcl::PointXYZRGBL> points(static_cast<std::uint32_t>(landmarks.size()), 1);
   points.is_dense = true;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {

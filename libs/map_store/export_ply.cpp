@@ -7,7 +7,7 @@
 #include <string>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
-#include <lcmslam/map_store/atomic_file.hpp>
+#include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the PLY writer copies little-endian numbers");
@@ -35,7 +35,7 @@ const std::string colour_properties = "property uchar red\nproperty uchar green\
 
 }  // namespace
 
-void save_ply(const std::filesystem::path& file, const ColouredCloud& cloud) {
+void save_ply(const FilePlace& file, const ColouredCloud& cloud) {
   const bool has_normals = cloud.size() > 0 && cloud.normals.size() == cloud.size();
   std::string bytes =
       header(cloud.size(), position_properties + (has_normals ? normal_properties : "") + colour_properties);
@@ -51,7 +51,7 @@ void save_ply(const std::filesystem::path& file, const ColouredCloud& cloud) {
   write_atomically(file, bytes);
 }
 
-void save_ply(const std::filesystem::path& file, const std::vector<Landmark>& landmarks) {
+void save_ply(const FilePlace& file, const std::vector<Landmark>& landmarks) {
   bool wide = false;
   for (const Landmark& landmark : landmarks)
     wide = wide || landmark.id > std::numeric_limits<std::int32_t>::max() ||

@@ -1,5 +1,6 @@
 #include <lcmslam/map_store/landmark_map.hpp>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -22,9 +23,18 @@ bool LandmarkMap::contained(const LandmarkChange& change) const {
   return !incomplete_ && change.revision == revision_;
 }
 
+void LandmarkMap::check_room(std::size_t landmarks) const {
+  if (landmarks > most_landmarks_)
+    throw std::invalid_argument("the map has as many landmarks as it may, " +
+                                std::to_string(most_landmarks_));
+}
+
 bool LandmarkMap::apply(const LandmarkChange& change) {
   if (contained(change)) return true;
   const bool anew = change.base_revision == 0;
+  const auto is_new = [&](const Landmark& l) { return anew || landmarks_.count(l.id) == 0; };
+  check_room((anew ? 0 : landmarks_.size()) +
+             static_cast<std::size_t>(std::count_if(change.upserted.begin(), change.upserted.end(), is_new)));
   const bool follows = change.base_revision == revision_;
   const bool late = !anew && !follows && change.revision <= revision_;
   if (anew) {
@@ -52,6 +62,9 @@ bool LandmarkMap::add_tile(const LandmarkTile& tile) {
     pending_revision_ = tile.revision;
     pending_tiles_ = tiles;
   }
+  std::size_t coming = tile.landmarks.size();
+  for (const auto& [index, part] : pending_) coming += index != tile.tile ? part.size() : 0;
+  check_room(coming);
   pending_[tile.tile] = tile.landmarks;
   if (pending_.size() < pending_tiles_) return false;
 
@@ -70,7 +83,7 @@ bool LandmarkMap::add_tile(const LandmarkTile& tile) {
 }
 
 void LandmarkMap::clear() {
-  *this = LandmarkMap();
+  *this = LandmarkMap(most_landmarks_);
 }
 
 const Landmark* LandmarkMap::find(std::int64_t id) const {

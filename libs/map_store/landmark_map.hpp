@@ -32,8 +32,12 @@ struct LandmarkTile {
 
 class LandmarkMap {
  public:
+  /// At most so many landmarks: messages may not make more.
+  explicit LandmarkMap(std::size_t most_landmarks = 300'000) : most_landmarks_(most_landmarks) {}
+
   /// Applies the change; one that is already contained is left out. A change on another base is
-  /// applied as far as it goes and leaves the map incomplete. Returns !incomplete().
+  /// applied as far as it goes and leaves the map incomplete. Returns !incomplete(). Throws
+  /// std::invalid_argument where the map would hold too many landmarks.
   bool apply(const LandmarkChange& change);
 
   /// Keeps the tile; the last missing one replaces the whole map, then changes that came meanwhile
@@ -57,6 +61,9 @@ class LandmarkMap {
   void put(const LandmarkChange& change);
   bool contained(const LandmarkChange& change) const;
 
+  void check_room(std::size_t landmarks) const;
+
+  std::size_t most_landmarks_;
   std::map<std::int64_t, Landmark> landmarks_;
   std::int64_t revision_ = 0;
   bool incomplete_ = false;

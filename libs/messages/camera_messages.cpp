@@ -181,7 +181,12 @@ EncodedFrame from_message(const images_t& message) {
 }
 
 EncodedFrame checked_images(const images_t& message, const RgbdCalibration& calibration) {
+  constexpr Utime longest_apart = 1'000'000;  // us between the images of one shot
   EncodedFrame encoded = from_message(message);
+  const Utime apart = calibration.depth_time(encoded.depth.utime) - encoded.utime;
+  if (apart < -longest_apart || apart > longest_apart)
+    throw DecodeError("the depth image is " + std::to_string(1e-6 * static_cast<double>(apart)) +
+                      " s from the colour image: they are no shot of one moment");
   check_declared_size("colour", encoded.colour, calibration.colour);
   check_declared_size("depth", encoded.depth, calibration.depth);
   if (encoded.amplitude.coding != ImageCoding::none)

@@ -8,7 +8,7 @@
 namespace lcmslam {
 
 encoders_t to_message(const Encoders& encoders) {
-  encoders_t m;
+  encoders_t m{};
   m.utime = encoders.utime;
   m.n_wheels = static_cast<int32_t>(encoders.wheels.size());
   for (const Wheel& w : encoders.wheels) {
@@ -40,7 +40,7 @@ Encoders from_message(const encoders_t& m) {
 }
 
 twist_t to_message(const Twist& twist) {
-  twist_t m;
+  twist_t m{};
   m.utime = twist.utime;
   for (int i = 0; i < 3; ++i) {
     m.linear[i] = twist.linear(i);
@@ -62,7 +62,7 @@ Twist from_message(const twist_t& m) {
 }
 
 odometry_t to_message(const MotionSample& sample, const std::string& source) {
-  odometry_t m;
+  odometry_t m{};
   m.utime = sample.utime;
   m.frame = "odom";
   m.child_frame = "robot";
@@ -89,7 +89,7 @@ MotionSample from_message(const odometry_t& m) {
 
 pose_estimate_t make_pose_estimate(Utime utime, const Eigen::Isometry3d& T_map_robot,
                                    const Matrix6d& covariance) {
-  pose_estimate_t m;
+  pose_estimate_t m{};
   m.utime = utime;
   m.frame = "map";
   m.child_frame = "robot";

@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include <lcmslam/map_store/atomic_file.hpp>
+#include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/rendering/front_heading.hpp>
 #include <lcmslam/rendering/picture_annotations.hpp>
 #include <lcmslam/rendering/picture_points.hpp>
@@ -81,10 +81,10 @@ cv::Mat draw_map(const PictureRequest& request) {
   return picture;
 }
 
-void save_picture(const std::filesystem::path& file, const cv::Mat& picture) {
+void save_picture(const FilePlace& file, const cv::Mat& picture) {
   std::vector<uchar> bytes;
   if (picture.empty() || !cv::imencode(".png", picture, bytes))
-    throw std::runtime_error("cannot save " + file.string() + ": not a picture");
+    throw std::runtime_error("cannot save " + file.path().string() + ": not a picture");
   write_atomically(file, std::string(bytes.begin(), bytes.end()));
 }
 

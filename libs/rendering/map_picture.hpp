@@ -5,13 +5,13 @@
 // wall from behind) are left out. That needs normals; points without one are cut by height, and in the
 // front view also those nearest to the viewer.
 
-#include <filesystem>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/files/part_file.hpp>
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
 
@@ -51,6 +51,6 @@ struct PictureRequest {
 cv::Mat draw_map(const PictureRequest& request);
 
 /// Writes a PNG atomically; throws std::runtime_error naming file and reason.
-void save_picture(const std::filesystem::path& file, const cv::Mat& picture);
+void save_picture(const FilePlace& file, const cv::Mat& picture);
 
 }  // namespace lcmslam

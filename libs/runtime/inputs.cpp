@@ -87,4 +87,13 @@ bool Inputs::deliver(const std::string& channel, const std::uint8_t* data, std::
   return found;
 }
 
+bool Inputs::admit(const std::string& channel, std::int64_t sender, Utime utime) {
+  const StampVerdict verdict = stamps_.judge(channel, sender, utime);
+  if (verdict == StampVerdict::new_session) {
+    spdlog::info("{}: time began anew: a new session", channel);
+    if (on_new_session) on_new_session();
+  }
+  return verdict == StampVerdict::take || verdict == StampVerdict::new_session;
+}
+
 }  // namespace lcmslam

@@ -14,6 +14,7 @@
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/origin.hpp>
+#include <lcmslam/runtime/stamp_judge.hpp>
 
 namespace lcmslam {
 
@@ -64,6 +65,8 @@ class Input {
   bool primary = false;
   /// Called with the utime of each message that decoded, before its handler.
   std::function<void(Utime)> on_seen;
+  /// Says whether the handler may see a message that decoded; empty: every one.
+  std::function<bool(std::int64_t sender, Utime utime)> admits;
 
   std::int64_t decode_errors = 0;
   std::string last_error;
@@ -91,6 +94,21 @@ class Inputs {
     return *inputs_.back();
   }
 
+  /// The same for what is measured at its utime: the handler sees one publisher's messages, in order of time
+  /// within a session (see StampJudge). All such channels of a process are judged together.
+  template <class M>
+  Input& subscribe_measured(const std::string& channel, std::size_t capacity,
+                            std::function<void(const M&)> handler) {
+    Input& input = subscribe<M>(channel, capacity, std::move(handler));
+    input.admits = [this, channel](std::int64_t sender, Utime utime) {
+      return admit(channel, sender, utime);
+    };
+    return input;
+  }
+  /// Called before the first message of a new session: time began anew.
+  std::function<void()> on_new_session;
+  const StampJudge& stamps() const { return stamps_; }
+
   const std::vector<std::unique_ptr<Input>>& all() const { return inputs_; }
 
   /// Delivers straight to the channel's handlers (batch, tests); false when nobody listens.
@@ -116,12 +134,15 @@ class Inputs {
     void decode_and_handle(const std::uint8_t* data, std::size_t size) override {
       const M message = decode_message<M>(data, size);
       seen(origin(message), message.utime, size);
-      handler_(message);
+      if (!admits || admits(origin(message).sender, message.utime)) handler_(message);
     }
     std::function<void(const M&)> handler_;
   };
 
+  bool admit(const std::string& channel, std::int64_t sender, Utime utime);
+
   std::vector<std::unique_ptr<Input>> inputs_;
+  StampJudge stamps_;
 };
 
 }  // namespace lcmslam

@@ -1,13 +1,13 @@
 #include <lcmslam/runtime/lcm_bus.hpp>
 
 #include <spdlog/spdlog.h>
-#include <cstdlib>
 #include <ctime>
 #include <limits>
 #include <random>
 #include <utility>
 
 #include <lcmslam/runtime/machine.hpp>
+#include <lcmslam/runtime/udpm/multicast_address.hpp>
 
 namespace lcmslam {
 namespace {
@@ -33,17 +33,10 @@ void LcmPublisher::send(const std::string& channel, const std::vector<std::uint8
   sender_.send(channel, bytes, utime);
 }
 
-bool is_usable(lcm::LCM& lcm) {
-  return lcm.good() && lcm.getFileno() >= 0;
-}
-
 std::size_t largest_whole_message(const std::string& lcm_url) {
-  if (lcm_url.rfind("udpm", 0) != 0) return std::numeric_limits<std::size_t>::max();
-  const std::string key = "recv_buf_size=";
-  const std::size_t at = lcm_url.find(key);
-  const std::int64_t asked =
-      at == std::string::npos ? 0 : std::strtoll(lcm_url.c_str() + at + key.size(), nullptr, 10);
-  return static_cast<std::size_t>(granted_receive_buffer(asked) / 4);
+  const MulticastAddress address = multicast_address(lcm_url);
+  if (address.group.empty()) return std::numeric_limits<std::size_t>::max();
+  return static_cast<std::size_t>(granted_receive_buffer(address.receive_buffer) / 4);
 }
 
 BusSender::BusSender(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole)
@@ -71,16 +64,11 @@ void Arrival::deliver() const {
   input->deliver(bytes.data(), bytes.size(), unreadable);
 }
 
-Receiver::Receiver(lcm::LCM& lcm, const Inputs& inputs) : lcm_(lcm) {
+Receiver::Receiver(LcmBus& bus, const Inputs& inputs) : reader_(bus.listen(ChannelSet(channels_of(inputs)))) {
   for (const auto& input : inputs.all()) {
     auto queue = std::make_unique<Queue>();
     queue->receiver = this;
     queue->input = input.get();
-    // LCM's own queue drops the newest: keep it long, ours decides.
-    queue->subscriptions = {
-        lcm_.subscribe(input->channel(), &Queue::receive, queue.get()),
-        lcm_.subscribe(part_channel(input->channel()), &Queue::receive_part, queue.get())};
-    for (lcm::Subscription* subscription : queue->subscriptions) subscription->setQueueCapacity(1000);
     queues_.push_back(std::move(queue));
   }
   thread_ = std::thread([this] { drain(); });
@@ -89,28 +77,36 @@ Receiver::Receiver(lcm::LCM& lcm, const Inputs& inputs) : lcm_(lcm) {
 Receiver::~Receiver() {
   stop_ = true;
   thread_.join();
-  for (const auto& queue : queues_)
-    for (lcm::Subscription* subscription : queue->subscriptions) lcm_.unsubscribe(subscription);
+}
+
+std::set<std::string> Receiver::channels_of(const Inputs& inputs) {
+  std::set<std::string> channels;
+  for (const auto& input : inputs.all()) channels.insert({input->channel(), part_channel(input->channel())});
+  return channels;
 }
 
 void Receiver::drain() {
-  while (!stop_) {
-    if (lcm_.handleTimeout(50) < 0) {
-      spdlog::error("LCM stopped receiving");
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));  // do not spin while a provider reconnects
+  constexpr std::chrono::milliseconds period{50};  // in which a stop is seen
+  while (!stop_) try {
+      BusMessage message;
+      if (reader_->read(message, period)) hand_over(message);
+    } catch (const std::runtime_error& error) {
+      spdlog::error("{}", error.what());
+      std::this_thread::sleep_for(period);  // do not spin while a provider reconnects
     }
-  }
 }
 
-void Receiver::Queue::receive(const lcm::ReceiveBuffer* buffer, const std::string&) {
-  const auto* data = static_cast<const std::uint8_t*>(buffer->data);
-  push({data, data + buffer->data_size});
+void Receiver::hand_over(const BusMessage& message) {
+  for (const auto& queue : queues_)
+    if (message.channel == queue->input->channel())
+      queue->push(message.bytes);
+    else if (message.channel == part_channel(queue->input->channel()))
+      queue->receive_part(message.bytes);
 }
 
-void Receiver::Queue::receive_part(const lcm::ReceiveBuffer* buffer, const std::string&) {
+void Receiver::Queue::receive_part(const std::vector<std::uint8_t>& bytes) {
   try {
-    const auto part =
-        decode_message<part_t>(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    const auto part = decode_message<part_t>(bytes.data(), bytes.size());
     if (part.channel != input->channel()) throw DecodeError("part_t of another channel");
     auto whole = assembler.add(part);
     {

@@ -9,16 +9,13 @@
 #include <thread>
 
 #include <lcmslam/messages/parts.hpp>
+#include <lcmslam/runtime/bus.hpp>
 #include <lcmslam/runtime/inputs.hpp>
 #include <lcmslam/runtime/publisher.hpp>
 
 namespace lcmslam {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
-
-/// Whether messages can be received. A tcpq bus without its server is "good" but has no descriptor, and LCM
-/// ends the process when it is asked to wait for it.
-bool is_usable(lcm::LCM& lcm);
 
 /// Bytes of the largest message that a receiver on this machine, asking for the buffer that the URL names,
 /// can be trusted to take whole: a quarter of what the kernel grants, because several senders share it and
@@ -79,7 +76,8 @@ struct Arrival {
 /// Messages in pieces are put together here; nodes do not know of them.
 class Receiver {
  public:
-  Receiver(lcm::LCM& lcm, const Inputs& inputs);
+  /// Throws std::runtime_error when the bus cannot be listened to.
+  Receiver(LcmBus& bus, const Inputs& inputs);
   ~Receiver();
   Receiver(const Receiver&) = delete;
   Receiver& operator=(const Receiver&) = delete;
@@ -95,24 +93,28 @@ class Receiver {
   };
   std::map<const Input*, QueueCount> counts();
 
+  /// What came from the network and was not taken, and the state of the socket.
+  Refusals refusals() const { return reader_->refusals(); }
+  SocketState socket() const { return reader_->socket(); }
+
  private:
   struct Queue {
     Receiver* receiver = nullptr;
     Input* input = nullptr;
-    std::vector<lcm::Subscription*> subscriptions;
     PartAssembler assembler;
     std::deque<Arrival> waiting;
     QueueCount count;
     std::vector<MessageIdentity> skipped;  // since the last one was taken
     std::int64_t unreadable = 0;           // the same
-    void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-    void receive_part(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+    void receive_part(const std::vector<std::uint8_t>& bytes);
     void push(std::vector<std::uint8_t> bytes);
     void drop_oldest();
   };
+  static std::set<std::string> channels_of(const Inputs& inputs);
   void drain();
+  void hand_over(const BusMessage& message);
 
-  lcm::LCM& lcm_;
+  std::unique_ptr<BusReader> reader_;
   std::vector<std::unique_ptr<Queue>> queues_;
   std::mutex mutex_;
   std::condition_variable arrived_;

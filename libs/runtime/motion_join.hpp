@@ -10,7 +10,6 @@
 #include <utility>
 
 #include <lcmslam/geometry/motion_buffer.hpp>
-#include <lcmslam/runtime/arrival.hpp>
 
 namespace lcmslam {
 
@@ -43,15 +42,22 @@ class MotionJoin {
   }
 
   /// `sender` of odometry: another one's path begins elsewhere, so that the two do not compare. A sample
-  /// that comes twice or a little late is left out.
+  /// that comes twice or late is left out.
   void add(const MotionSample& sample, std::int64_t sender = 0) {
-    if (sender != sender_) motion_ = MotionBuffer();
+    if (sender != sender_) motion_ = MotionBuffer(history);
     sender_ = sender;
     visual_ = sample.visual;
-    if (came_late_or_twice(sample.utime, motion_.newest())) return;
-    if (!motion_.add(sample)) drop_all();
+    if (!motion_.empty() && sample.utime <= motion_.newest()) return;
+    motion_.add(sample);
     advance(sample.utime);
     release(false);
+  }
+
+  /// Time begins anew: what waits goes on as it is, and nothing is known of the motion.
+  void begin_session() {
+    flush();
+    motion_ = MotionBuffer(history);
+    now_.reset();
   }
 
   /// Everything that waits goes on as it is.
@@ -61,28 +67,16 @@ class MotionJoin {
   std::int64_t dropped() const { return dropped_; }
 
  private:
+  static constexpr Utime history = 120'000'000;  // us: a camera may be away so long, and its motion is known
+
   Utime beyond() const { return visual_ ? extrapolation_ : 0; }
-
-  void advance(Utime utime) {
-    // Time that jumps back far is a log that loops: start anew.
-    if (utime < now_ - 10 * max_wait_ - late_at_most) {
-      now_ = utime;
-      drop_all();
-      motion_ = MotionBuffer();
-    }
-    now_ = std::max(now_, utime);
-  }
-
-  void drop_all() {
-    dropped_ += static_cast<std::int64_t>(waiting_.size());
-    waiting_.clear();
-  }
+  void advance(Utime utime) { now_ = std::max(now_.value_or(utime), utime); }
 
   void release(bool all) {
     while (!waiting_.empty()) {
       const Utime needed = waiting_.front().first;
       const bool covered = !motion_.empty() && motion_.newest() + beyond() >= needed;
-      if (!covered && !all && now_ - needed <= max_wait_) return;
+      if (!covered && !all && *now_ - needed <= max_wait_) return;
       if (!covered) ++without_odometry_;
       Measurement measurement = std::move(waiting_.front().second);
       waiting_.pop_front();
@@ -94,11 +88,11 @@ class MotionJoin {
   Utime extrapolation_;
   std::size_t capacity_;
   Handler handler_;
-  MotionBuffer motion_;
+  MotionBuffer motion_{history};
   std::int64_t sender_ = 0;  // of odometry
   bool visual_ = false;
   std::deque<std::pair<Utime, Measurement>> waiting_;
-  Utime now_ = 0;
+  std::optional<Utime> now_;  // the newest time
   std::int64_t without_odometry_ = 0;
   std::int64_t dropped_ = 0;
 };

@@ -35,8 +35,11 @@ class Node {
   /// wants to be called again, or nothing when it never does.
   virtual std::optional<Duration> work() { return std::nullopt; }
 
-  /// A COMMAND for this process other than "stop".
+  /// A COMMAND for this process other than "stop"; confirmed where that is needed (confirmation.hpp).
   virtual void command(const command_t&) {}
+
+  /// A COMMAND for another process, or one that is not confirmed for this one.
+  virtual void overhear(const command_t&) {}
 
   /// The last call: what waits is finished, what must be kept is saved.
   virtual void finish() {}

@@ -3,10 +3,20 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <iostream>
+#include <set>
 
 #include <lcmslam/runtime/version.hpp>
 
 namespace lcmslam {
+namespace {
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+}  // namespace
 
 bool parse_options(int argc, char** argv, const std::string& process, const std::string& description,
                    ProcessOptions& options, int& exit_code) {
@@ -43,11 +53,17 @@ void LaunchSettings::describe(SettingsVisitor& s) {
   std::vector<const char*> names;
   for (const std::string& name : process_names()) names.push_back(name.c_str());
   s.texts("processes", processes, "processes that run", names);
+  s.require(!processes.empty(), "processes", "must name at least one process, as in [camera, map-server]");
+  const std::set<std::string> different(processes.begin(), processes.end());
+  s.require(different.size() == processes.size(), "processes",
+            ("must name each process once, got [" + joined(processes) + "]").c_str());
   s.flag("restart", restart, "a process that dies comes back");
 }
 
 ConfigNode load_config(const std::string& file, const std::vector<std::string>& overrides) {
   ConfigNode config = file.empty() ? ConfigNode() : ConfigNode::load(file);
+  if (!file.empty() && config.keys().empty())
+    throw ConfigError(file + ": is empty: must hold keys and values, such as 'include: modern.yaml'");
   for (const auto& text : overrides) {
     const std::size_t equal = text.find('=');
     if (equal == std::string::npos || equal == 0)

@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 #include <iostream>
 
+#include <lcmslam/messages/print_message.hpp>
+#include <lcmslam/runtime/confirmation.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/options.hpp>
@@ -23,18 +25,19 @@ constexpr unsigned longest_stop = 60;             // s, above a supervisor's own
 
 class Process {
  public:
-  Process(std::string name, lcm::LCM& lcm, std::size_t largest_whole)
+  Process(std::string name, LcmBus& bus, std::size_t largest_whole)
       : name_(std::move(name)),
-        lcm_(lcm),
-        publisher_(lcm, draw_sender(), largest_whole),
+        bus_(bus),
+        publisher_(bus.lcm(), draw_sender(), largest_whole),
         reporter_(name_, publisher_) {}
 
-  void run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
+  /// Gives what the node has failed at; empty: nothing.
+  std::string run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
     make(config, make_node);
     configured();
     node_->connect(inputs_);
     inputs_.subscribe<command_t>("COMMAND", 100, [this](const command_t& c) { on_command(c); });
-    Receiver receiver(lcm_, inputs_);
+    Receiver receiver(bus_, inputs_);
     yield_to_receivers();  // after the receivers' threads have started
     spdlog::info("{} {} runs", name_, lcmslam_version);
 
@@ -57,9 +60,11 @@ class Process {
     drain(receiver);
     node_->finish();
     NodeReport report = node_->report();
-    report.state = status_t::STOPPING;
+    const bool failed = report.state == status_t::FAILED;
+    if (!failed) report.state = status_t::STOPPING;
     publish_status(report, receiver);
     spdlog::info("{} stops", name_);
+    return failed ? report.detail : "";
   }
 
  private:
@@ -87,23 +92,38 @@ class Process {
   }
 
   void on_command(const command_t& command) {
-    if (!command.target.empty() && command.target != name_) return;
-    if (command.name == "stop")
-      request_stop();
-    else
-      node_->command(command);
+    const bool meant = command.target.empty() || command.target == name_;
+    if (meant && needs_confirmation(command) && !is_confirmed(command, name_, publisher_.sender()))
+      refuse(command);
+    else if (meant && command.name == "stop")
+      return request_stop();
+    else if (meant)
+      return node_->command(command);
+    node_->overhear(command);
   }
 
-  void publish_status(const NodeReport& report, Receiver& receiver) {
+  void refuse(const command_t& command) {
+    ++commands_refused_;
+    const bool shown = (commands_refused_ & (commands_refused_ - 1)) == 0;  // the 1st, 2nd, 4th, 8th ...
+    if (shown)
+      spdlog::warn("COMMAND '{}' of {:08x} is refused, its keys and values do not confirm it ({} so far)",
+                   printable(command.name.substr(0, 20)), static_cast<std::uint32_t>(command.sender),
+                   commands_refused_);
+  }
+
+  void publish_status(NodeReport report, Receiver& receiver) {
+    if (commands_refused_ > 0)
+      report.values.emplace_back("commands_refused", static_cast<double>(commands_refused_));
     publisher_.publish("STATUS", reporter_.gather(report, inputs_, receiver));
   }
 
   std::string name_;
-  lcm::LCM& lcm_;
+  LcmBus& bus_;
   LcmPublisher publisher_;
   StatusReporter reporter_;
   Inputs inputs_;
   std::unique_ptr<Node> node_;
+  std::int64_t commands_refused_ = 0;
 };
 
 }  // namespace
@@ -119,16 +139,16 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
   install_stop_signals(longest_stop);
   try {
     const ProcessConfig config = process_config(options, name);
-    lcm::LCM lcm(options.lcm_url);
-    if (!is_usable(lcm)) {
+    LcmBus bus(options.lcm_url);
+    if (!bus.usable()) {
       spdlog::error("LCM cannot use {}: no multicast route? Try: ip route add 224.0.0.0/4 dev lo",
                     options.lcm_url);
       return 1;
     }
-    Process(name, lcm, largest_whole_message(options.lcm_url)).run(config.section, make_node, [&] {
-      config.file.finish();
-    });
-    return 0;
+    const std::string failure = Process(name, bus, largest_whole_message(options.lcm_url))
+                                    .run(config.section, make_node, [&] { config.file.finish(); });
+    if (!failure.empty()) spdlog::error("{}", failure);
+    return failure.empty() ? 0 : 1;
   } catch (const ConfigError& error) {
     spdlog::error("{}", error.what());
     return 2;

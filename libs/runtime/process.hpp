@@ -11,8 +11,8 @@ namespace lcmslam {
 
 using NodeFactory = std::function<std::unique_ptr<Node>(const ConfigNode&, Publisher&)>;
 
-/// The whole of a process's main(). Exit codes: 0 stopped as asked, 1 failed, 2 wrong options or
-/// configuration.
+/// The whole of a process's main(). Exit codes: 0 stopped as asked and its node has not failed, 1 failed, 2
+/// wrong options or configuration. The last line that it writes tells the cause.
 int run_process(int argc, char** argv, const std::string& name, const std::string& description,
                 const NodeFactory& make_node);
 

@@ -37,6 +37,16 @@ std::string trouble_of(const Input& input, const Receiver::QueueCount& queue) {
 
 }  // namespace
 
+NodeReport with_stamps(NodeReport report, const StampJudge& stamps) {
+  const std::string trouble = stamps.trouble();
+  if (!trouble.empty()) report.detail += (report.detail.empty() ? "" : "; ") + trouble;
+  if (stamps.refused() > 0)
+    report.values.emplace_back("stamps_refused", static_cast<double>(stamps.refused()));
+  if (stamps.foreign() > 0)
+    report.values.emplace_back("of_other_senders", static_cast<double>(stamps.foreign()));
+  return report;
+}
+
 StatusReporter::StatusReporter(std::string process, Publisher& publisher)
     : process_(std::move(process)), publisher_(publisher) {
   publisher_.on_answer = [this](Utime utime) { answered(utime); };
@@ -65,10 +75,11 @@ double StatusReporter::rate(const std::string& key, std::int64_t now_value, doub
   return result;
 }
 
-status_t StatusReporter::gather(const NodeReport& node, const Inputs& inputs, Receiver& receiver) {
+status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs, Receiver& receiver) {
+  const NodeReport node = with_stamps(of_node, inputs.stamps());
   const SteadyTime now = std::chrono::steady_clock::now();
   const double seconds = std::chrono::duration<double>(now - last_).count();
-  const SocketState sockets = socket_state();
+  const SocketState socket = receiver.socket();
 
   status_t s;
   s.utime = wall_clock();
@@ -80,8 +91,8 @@ status_t StatusReporter::gather(const NodeReport& node, const Inputs& inputs, Re
   s.cpu_total = process_cpu_seconds();
   s.cpu = seconds > 0 ? (s.cpu_total - last_cpu_) / seconds : 0;
   s.memory = resident_bytes();
-  s.kernel_drops = sockets.kernel_drops;
-  s.receive_buffer = sockets.receive_buffer;
+  s.kernel_drops = socket.kernel_drops;
+  s.receive_buffer = socket.receive_buffer;
   s.latency_p50 = quantile(latencies_, 0.5);
   s.latency_p95 = quantile(latencies_, 0.95);
 
@@ -122,12 +133,17 @@ status_t StatusReporter::gather(const NodeReport& node, const Inputs& inputs, Re
     out.largest = count.largest;
     s.outputs.push_back(out);
   }
-  for (const auto& [name, value] : node.values) {
+  const auto add_value = [&](const std::string& name, double value) {
     value_t v;
     v.name = name;
     v.value = value;
     s.values.push_back(v);
-  }
+  };
+  for (const auto& [name, value] : node.values) add_value(name, value);
+  const Refusals refusals = receiver.refusals();
+  add_value("bus_foreign", static_cast<double>(refusals.foreign()));
+  add_value("bus_malformed", static_cast<double>(refusals.malformed()));
+  add_value("bus_incomplete", static_cast<double>(refusals.incomplete()));
   s.n_inputs = static_cast<int32_t>(s.inputs.size());
   s.n_outputs = static_cast<int32_t>(s.outputs.size());
   s.n_values = static_cast<int32_t>(s.values.size());

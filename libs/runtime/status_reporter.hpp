@@ -7,6 +7,9 @@
 
 namespace lcmslam {
 
+/// The node's own report, and what its inputs' stamps gave to say.
+NodeReport with_stamps(NodeReport report, const StampJudge& stamps);
+
 class StatusReporter {
  public:
   StatusReporter(std::string process, Publisher& publisher);

@@ -23,6 +23,7 @@ void install_stop_signals(unsigned watchdog) {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing, not the end
 }
 
 bool stop_requested() {

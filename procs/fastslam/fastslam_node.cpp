@@ -9,14 +9,13 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
-#include <lcmslam/runtime/arrival.hpp>
 #include "procs/fastslam/step_messages.hpp"
 
 namespace lcmslam {
 namespace {
 
 constexpr Utime longest_prediction = 1'000'000;  // us that the last velocity goes on without odometry
-constexpr Utime longest_gap = 5'000'000;         // us; beyond it the motion is anybody's guess
+constexpr Utime longest_guess = 60'000'000;      // us: a robot that was away for longer may be anywhere
 
 }  // namespace
 
@@ -35,26 +34,28 @@ FastSlamNode::FastSlamNode(const FastSlamNodeSettings& settings, Publisher& publ
     : publisher_(publisher),
       settings_(settings.filter),
       pose_(settings.pose),
+      first_map_frame_(settings.map_frame),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
       join_(settings.max_wait, std::max<std::size_t>(6, frame_queue_),
             [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
 
 void FastSlamNode::connect(Inputs& inputs) {
+  inputs.on_new_session = [this] { begin_session(); };
   inputs
-      .subscribe<features_t>("FEATURES", frame_queue_,
-                             [this](const features_t& m) {
-                               FeatureFrame frame = from_message(m);
-                               const Utime needed = frame.utime;
-                               join_.add(needed, std::move(frame));
-                             })
+      .subscribe_measured<features_t>("FEATURES", frame_queue_,
+                                      [this](const features_t& m) {
+                                        FeatureFrame frame = from_message(m);
+                                        const Utime needed = frame.utime;
+                                        join_.add(needed, std::move(frame));
+                                      })
       .primary = true;
-  inputs.subscribe<odometry_t>("ODOMETRY", 500,
-                               [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
+  inputs.subscribe_measured<odometry_t>(
+      "ODOMETRY", 500, [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
 }
 
 void FastSlamNode::command(const command_t& command) {
   if (command.name == "resend") publish_whole_map();
-  if (command.name == "reset") slam_.reset();
+  if (command.name == "reset") begin_session();
   if (command.name == "smooth" && slam_ && !slam_->smoothing() && !slam_->begin_smoothing())
     publish_smoothed(slam_->smooth());
 }
@@ -68,10 +69,20 @@ void FastSlamNode::publish_smoothed(const std::vector<SmoothedPose>& path) {
   for (const SmoothedPose& smoothed : path) {
     pose_estimate_t pose =
         make_pose_estimate(smoothed.utime, smoothed.T_world_robot, Matrix6d::Identity() * std::nan(""));
+    pose.frame = map_frame();
     pose.map_revision = revision_;
     publisher_.publish("FASTSLAM_SMOOTHED", pose);
   }
   publish_changes(last_utime_);
+}
+
+// The map that there is stays as it was published, under its own frame.
+void FastSlamNode::begin_session() {
+  join_.begin_session();
+  if (!slam_) return;
+  publish_changes(last_utime_);
+  slam_.reset();
+  ++session_;
 }
 
 void FastSlamNode::start(const FeatureFrame& frame) {
@@ -83,21 +94,20 @@ void FastSlamNode::start(const FeatureFrame& frame) {
 
 Motion FastSlamNode::motion_to(Utime utime) const {
   if (const auto motion = join_.motion().between(last_utime_, utime, longest_prediction)) return *motion;
-  return unknown_motion(utime - last_utime_);
+  return unknown_motion(std::min(utime - last_utime_, longest_guess));
 }
 
 void FastSlamNode::on_features(FeatureFrame frame) {
   const double begin = publisher_.cpu_time();
-  const Arrival arrival = arrival_of(frame.utime, last_utime_, longest_gap);
-  const bool jumped = arrival == Arrival::jumped;
-  if (slam_ && arrival == Arrival::late) return;
-  if (slam_ && jumped) ++restarts_;
+  if (slam_ && frame.utime <= last_utime_) return;
   // Nothing mapped, and no word on the motion since: the world may as well begin here.
-  const bool blank = slam_ && slam_->index().size() == 0 && !join_.motion().covers(last_utime_);
-  if (!slam_ || jumped || blank) {
+  const bool blank =
+      slam_ && revision_ == 0 && slam_->index().size() == 0 && !join_.motion().covers(last_utime_);
+  if (!slam_ || blank) {
     start(frame);
     last_utime_ = frame.utime;
   }
+  gaps_ += frame.utime - last_utime_ > longest_prediction ? 1 : 0;
   last_ = slam_->step(motion_to(frame.utime), frame);
   if (const auto smoothed = slam_->take_smoothed(); !smoothed.empty()) publish_smoothed(smoothed);
   last_utime_ = frame.utime;
@@ -108,10 +118,14 @@ void FastSlamNode::on_features(FeatureFrame frame) {
 
 void FastSlamNode::publish(const FeatureFrame& frame, const StepResult& result, double cpu_time) {
   pose_estimate_t pose = pose_message(frame.utime, result);
+  pose.frame = map_frame();
+  add_detail(pose.detail, unplaced_map(pose.frame));
   pose.map_revision = revision_;
   pose.processing_time = cpu_time;
   publisher_.publish("FASTSLAM_POSE", pose);
-  publisher_.publish("FASTSLAM_PARTICLES", particles_message(frame.utime, result, *slam_));
+  particles_t particles = particles_message(frame.utime, result, *slam_);
+  particles.frame = map_frame();
+  publisher_.publish("FASTSLAM_PARTICLES", particles);
   publisher_.publish("FASTSLAM_ASSOCIATIONS", associations_message(frame, result));
   publish_changes(frame.utime);
 }
@@ -121,6 +135,7 @@ void FastSlamNode::publish_changes(Utime utime) {
   if (changes.changed.empty() && changes.removed.empty()) return;
   // A change that needs several tiles goes out as several changes, each on top of the one before.
   for (landmarks_t& tile : make_landmark_tiles(utime, 0, 0, changes.changed, changes.removed)) {
+    tile.frame = map_frame();
     tile.base_revision = revision_;
     tile.map_revision = ++revision_;
     tile.tile = 0;
@@ -132,7 +147,8 @@ void FastSlamNode::publish_changes(Utime utime) {
 void FastSlamNode::publish_whole_map() {
   if (!slam_ || revision_ == 0) return;
   publish_changes(last_utime_);
-  for (const landmarks_t& tile : make_landmark_tiles(last_utime_, revision_, 0, slam_->landmarks(), {})) {
+  for (landmarks_t& tile : make_landmark_tiles(last_utime_, revision_, 0, slam_->landmarks(), {})) {
+    tile.frame = map_frame();
     publisher_.publish("FASTSLAM_LANDMARKS", tile);
     std::this_thread::sleep_for(publisher_.pace());
   }
@@ -140,11 +156,13 @@ void FastSlamNode::publish_whole_map() {
 
 NodeReport FastSlamNode::report() const {
   NodeReport report;
+  report.detail = unplaced_map(map_frame());
   report.values = {{"steps", static_cast<double>(steps_)},
                    {"without_odometry", static_cast<double>(join_.without_odometry())},
                    {"skipped", static_cast<double>(join_.dropped())},
                    {"lost", static_cast<double>(lost_)},
-                   {"restarts", static_cast<double>(restarts_)},
+                   {"sessions", static_cast<double>(session_)},
+                   {"gaps", static_cast<double>(gaps_)},
                    {"landmarks", slam_ ? static_cast<double>(slam_->index().size()) : 0},
                    {"effective_sample_size", last_.effective_sample_size},
                    {"matched", static_cast<double>(last_.matched)}};

@@ -26,6 +26,8 @@ class FastSlamNode : public Node {
  private:
   void on_features(FeatureFrame frame);
   void start(const FeatureFrame& frame);
+  void begin_session();
+  std::string map_frame() const { return map_frame_of(first_map_frame_, session_); }
   Motion motion_to(Utime utime) const;
   void publish(const FeatureFrame& frame, const StepResult& result, double cpu_time);
   void publish_changes(Utime utime);
@@ -34,14 +36,16 @@ class FastSlamNode : public Node {
 
   Publisher& publisher_;
   FastSlamSettings settings_;
-  std::string pose_;         // "auto": planar when the camera is mounted on a robot
+  std::string pose_;  // "auto": planar when the camera is mounted on a robot
+  std::string first_map_frame_;
   std::size_t frame_queue_;  // frames that may wait
   MotionJoin<FeatureFrame> join_;
   std::optional<FastSlam> slam_;
   Utime last_utime_ = 0;
   std::int64_t revision_ = 0;
   StepResult last_;
-  std::int64_t steps_ = 0, lost_ = 0, restarts_ = 0;
+  std::int64_t session_ = 1;  // maps begun; each has a frame of its own
+  std::int64_t steps_ = 0, lost_ = 0, gaps_ = 0;
 };
 
 }  // namespace lcmslam

@@ -9,6 +9,7 @@ struct FastSlamNodeSettings {
   std::string preset = "modern";
   FastSlamSettings filter;
   std::string pose = "auto";
+  std::string map_frame = "map";
   int frame_queue = 3;
   double max_wait = 0.15;
 
@@ -20,6 +21,7 @@ struct FastSlamNodeSettings {
     describe_preset(s);
     filter.describe(s);
     describe_pose(s, pose);
+    describe_map_frame(s, map_frame);
     describe_frame_queue(s, frame_queue);
     describe_max_wait(s, max_wait);
   }

@@ -13,13 +13,12 @@
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
-#include <lcmslam/runtime/arrival.hpp>
 #include "procs/icp/icp_messages.hpp"
 
 namespace lcmslam {
 namespace {
 
-constexpr Utime longest_gap = 5'000'000;  // us
+constexpr Utime long_pause = 1'000'000;  // us between two frames: a gap
 
 RgbdFrameMakerSettings frame_settings(const IcpNodeSettings& settings) {
   RgbdFrameMakerSettings s;
@@ -56,24 +55,34 @@ IcpNode::IcpNode(const IcpNodeSettings& settings, Publisher& publisher)
     : publisher_(publisher),
       settings_(settings.mapper),
       pose_(settings.pose),
+      first_map_frame_(settings.map_frame),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
+      new_map_after_(settings.new_map_after),
       maker_(frame_settings(settings)),
       join_(
           settings.max_wait, std::max<std::size_t>(6, frame_queue_),
           [this](Prepared& prepared) { on_frame(prepared); }, settings.extrapolation) {}
 
 void IcpNode::connect(Inputs& inputs) {
-  inputs.subscribe<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); }).primary =
-      true;
+  inputs.on_new_session = [this] { begin_session(); };
+  stamps_ = &inputs.stamps();
+  inputs.subscribe_measured<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); })
+      .primary = true;
   inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10,
                                          [this](const camera_calibration_t& m) { on_calibration(m); });
-  inputs.subscribe<features_t>("FEATURES", frame_queue_, [this](const features_t& m) { on_features(m); });
-  inputs.subscribe<odometry_t>("ODOMETRY", 500,
-                               [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
+  inputs.subscribe_measured<features_t>("FEATURES", frame_queue_,
+                                        [this](const features_t& m) { on_features(m); });
+  inputs.subscribe_measured<odometry_t>(
+      "ODOMETRY", 500, [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
 }
 
 void IcpNode::on_calibration(const camera_calibration_t& message) {
-  if (maker_.calibrated() && same_calibration(message, calibration_message_)) return;
+  if (maker_.calibrated() && is_of_another_camera(message.sender, calibration_message_.sender, *stamps_))
+    return;
+  if (maker_.calibrated() && same_calibration(message, calibration_message_)) {
+    calibration_message_.sender = message.sender;
+    return;
+  }
   const RgbdCalibration calibration = calibration_of(message);
   join_.flush();  // frames of the old one
   maker_.calibrate(calibration);
@@ -119,13 +128,14 @@ void IcpNode::on_frame(Prepared& prepared) {
   RgbdFrameMaker::Made made = maker_.make(
       prepared, [this](Utime from, Utime to) { return join_.between(from, to); }, last_utime_);
   DenseFrame& frame = made.frame;
-  const Arrival arrival = arrival_of(frame.utime, last_utime_, longest_gap);
-  if (mapper_ && arrival == Arrival::late) return;
-  if (mapper_ && arrival == Arrival::jumped) ++restarts_;
-  if (!mapper_ || arrival == Arrival::jumped) {
-    restart();
+  if (mapper_ && frame.utime <= last_utime_) return;
+  if (mapper_ && is_elsewhere(frame.utime)) begin_map_beside();
+  if (!mapper_) {
+    mapper_.emplace(settings_);
+    last_ = {};
     last_utime_ = frame.utime;
   }
+  gaps_ += frame.utime - last_utime_ > long_pause ? 1 : 0;
   frame.motion = join_.between(last_utime_, frame.utime);
   with_features_ += frame.features ? 1 : 0;
   T_world_previous_ = last_.T_world_robot;
@@ -138,10 +148,28 @@ void IcpNode::on_frame(Prepared& prepared) {
   publish(prepared.frame.utime, made, publisher_.cpu_time() - begin);
 }
 
-void IcpNode::restart() {
-  mapper_.emplace(settings_);
-  tiles_.clear();
-  last_ = {};
+// The map that there is stays as it was published, under its own frame; what of it still waits goes out.
+void IcpNode::begin_session() {
+  join_.begin_session();
+  if (mapper_) begin_map_beside();
+}
+
+void IcpNode::begin_map_beside() {
+  finish_map();
+  mapper_.reset();
+  ++session_;
+}
+
+// After a gap the robot may have been carried out of its map.
+bool IcpNode::is_elsewhere(Utime utime) {
+  if (!last_.adrift) found_utime_ = last_utime_;
+  return new_map_after_ > 0 && static_cast<double>(utime - found_utime_) > 1e6 * new_map_after_ &&
+         last_.adrift;
+}
+
+void IcpNode::finish_map() {
+  if (mapper_->finish()) publish_graph();
+  queue_changed(true);
 }
 
 void IcpNode::learn_clock(const DenseFrame& frame) {
@@ -157,6 +185,8 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   if (step.thinned) drop_tiles_of_the_gone();
   if (step.node || step.deformed || step.thinned) publish_graph();
   pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth);
+  pose.frame = map_frame();
+  add_detail(pose.detail, unplaced_map(pose.frame));
   pose.map_revision = mapper_->keyframes_made();
   pose.processing_time = cpu_time;
   publisher_.publish("ICP_POSE", pose, image_utime);
@@ -183,13 +213,16 @@ void IcpNode::queue_keyframe(const DenseMapper::Keyframe& keyframe) {
   const int id = mapper_->graph().nodes()[static_cast<std::size_t>(keyframe.node)].id;
   const DenseKeyframe dense{id, keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
   ++keyframes_queued_;
-  for (auto& tile : make_keyframe_tiles(dense, maker_.calibration().T_robot_camera, keyframes_queued_))
+  for (auto& tile : make_keyframe_tiles(dense, maker_.calibration().T_robot_camera, keyframes_queued_)) {
+    tile.frame = map_frame();
     tiles_.push_back(std::move(tile));
+  }
 }
 
 void IcpNode::publish_graph() {
   graph_t graph = icp_graph(mapper_->graph());
   graph.utime = last_utime_;
+  graph.frame = map_frame();
   graph.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
   publisher_.publish("ICP_GRAPH", graph);
 }
@@ -198,7 +231,9 @@ void IcpNode::drop_tiles_of_the_gone() {
   std::set<std::int32_t> ids;
   for (const auto& node : mapper_->graph().nodes()) ids.insert(node.id);
   tiles_.erase(std::remove_if(tiles_.begin(), tiles_.end(),
-                              [&](const keyframe_t& tile) { return ids.count(tile.id) == 0; }),
+                              [&](const keyframe_t& tile) {
+                                return tile.frame == map_frame() && ids.count(tile.id) == 0;
+                              }),
                tiles_.end());
 }
 
@@ -224,13 +259,12 @@ void IcpNode::command(const command_t& command) {
     for (const auto& keyframe : mapper_->keyframes()) queue_keyframe(keyframe);
     publish_graph();
   }
-  if (command.name == "reset") mapper_.reset();
+  if (command.name == "reset") begin_session();
 }
 
 void IcpNode::finish() {
   join_.flush();
-  if (mapper_ && mapper_->finish()) publish_graph();
-  if (mapper_) queue_changed(true);
+  if (mapper_) finish_map();
   while (!tiles_.empty()) {
     send_waiting_tile();
     std::this_thread::sleep_for(publisher_.pace());
@@ -239,7 +273,7 @@ void IcpNode::finish() {
 
 NodeReport IcpNode::report() const {
   NodeReport report;
-  if (!maker_.calibrated()) report.detail = "waits for CAMERA_CALIBRATION";
+  report.detail = maker_.calibrated() ? unplaced_map(map_frame()) : "waits for CAMERA_CALIBRATION";
   report.values = {{"steps", static_cast<double>(steps_)},
                    {"without_odometry", static_cast<double>(join_.without_odometry())},
                    {"with_features", static_cast<double>(with_features_)},
@@ -247,7 +281,8 @@ NodeReport IcpNode::report() const {
                    {"skipped", static_cast<double>(join_.dropped())},
                    {"lost", static_cast<double>(lost_)},
                    {"unpainted", static_cast<double>(uncoloured_)},
-                   {"restarts", static_cast<double>(restarts_)},
+                   {"sessions", static_cast<double>(session_)},
+                   {"gaps", static_cast<double>(gaps_)},
                    {"keyframes", mapper_ ? static_cast<double>(mapper_->keyframes().size()) : 0},
                    {"map_points", mapper_ ? static_cast<double>(mapper_->map().size()) : 0},
                    {"memory_mb", mapper_ ? 1e-6 * static_cast<double>(mapper_->memory_bytes()) : 0},

@@ -38,7 +38,11 @@ class IcpNode : public Node {
   void on_features(const features_t& message);
   void on_frame(Prepared& prepared);
   RgbdFrameMaker::LateColour late(EncodedImage image);
-  void restart();
+  void begin_session();
+  void begin_map_beside();
+  bool is_elsewhere(Utime utime);
+  void finish_map();
+  std::string map_frame() const { return map_frame_of(first_map_frame_, session_); }
   void learn_clock(const DenseFrame& frame);
   void publish(Utime image_utime, const RgbdFrameMaker::Made& made, double cpu_time);
   void publish_graph();
@@ -49,8 +53,10 @@ class IcpNode : public Node {
 
   Publisher& publisher_;
   DenseMapperSettings settings_;
-  std::string pose_;         // "auto": on the ground when the camera is mounted on a robot
+  std::string pose_;  // "auto": on the ground when the camera is mounted on a robot
+  std::string first_map_frame_;
   std::size_t frame_queue_;  // frames that may wait
+  double new_map_after_;     // s
   RgbdFrameMaker maker_;
   MotionJoin<Prepared> join_;
   camera_calibration_t calibration_message_;
@@ -59,10 +65,13 @@ class IcpNode : public Node {
   DenseMapper::Step last_;
   Eigen::Isometry3d T_world_previous_ = Eigen::Isometry3d::Identity();  // of the step before last_
   Utime last_utime_ = 0;
+  Utime found_utime_ = 0;              // of the last step that was not adrift
   std::deque<keyframe_t> tiles_;       // wait for their turn: bursts overrun receive buffers
   std::int64_t keyframes_queued_ = 0;  // over all maps
   std::chrono::steady_clock::time_point next_tile_{};
-  std::int64_t steps_ = 0, lost_ = 0, uncoloured_ = 0, restarts_ = 0, with_features_ = 0, anchored_ = 0;
+  std::int64_t session_ = 1;  // maps begun; each has a frame of its own
+  std::int64_t steps_ = 0, lost_ = 0, uncoloured_ = 0, with_features_ = 0, anchored_ = 0, gaps_ = 0;
+  const StampJudge* stamps_ = nullptr;
 };
 
 }  // namespace lcmslam

@@ -10,15 +10,18 @@ struct IcpNodeSettings {
   DenseMapperSettings mapper;
   DepthFilterSettings depth_filter;
   std::string pose = "auto";
+  std::string map_frame = "map";
   double cloud_points = 12000;
   // A frame takes a third of its period: after a short stall of the machine five are soon worked off, and
   // none is missing. Where every frame takes longer, the pose comes so many frames late.
   int frame_queue = 5;
   double max_wait = 0.15;
   double extrapolation = 0.01;
+  double new_map_after = 30;
 
   void describe(SettingsVisitor& s) {
     describe_pose(s, pose);
+    describe_map_frame(s, map_frame);
     s.number("cloud_points", cloud_points, "", {100, 1e7},
              "pixels of a depth image that are looked at: every second, third, ... row and column");
     describe_frame_queue(s, frame_queue);
@@ -27,6 +30,9 @@ struct IcpNodeSettings {
         "extrapolation", extrapolation, "s", {0, 1},
         "that visual odometry may go on beyond its newest sample: a millisecond more would cost the wait for "
         "the next image");
+    s.number("new_map_after", new_map_after, "s", {0, 1e6},
+             "that the robot may not be found in the map after a gap without odometry; then a new map begins "
+             "beside the old one; 0: never");
     s.section("depth_filter", depth_filter, "takes out of a depth image what no surface gave");
     mapper.describe(s);
   }

@@ -1,9 +1,11 @@
 #include "procs/map-server/map_files.hpp"
 
+#include <set>
 #include <sstream>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/messages/print_message.hpp>
 #include <lcmslam/rendering/map_picture.hpp>
 
 namespace lcmslam {
@@ -11,7 +13,7 @@ namespace {
 
 const cv::Vec3b path_colour(40, 40, 220);  // BGR
 
-PictureRequest request(MapView view, const std::string& title, const std::vector<Eigen::Vector3d>& path) {
+PictureRequest request(MapView view, const std::string& title, const MapsToSave::Path& path) {
   PictureRequest r;
   r.view = view;
   r.title = title;
@@ -19,53 +21,100 @@ PictureRequest request(MapView view, const std::string& title, const std::vector
   return r;
 }
 
-}  // namespace
-
-MapFiles::MapFiles(std::filesystem::path folder, const std::string& formats) : folder_(std::move(folder)) {
+std::set<std::string> read_formats(const std::string& formats) {
   const std::set<std::string> known = {"ply", "pcd", "png"};
+  std::set<std::string> wanted;
   std::istringstream text(formats);
   for (std::string format; std::getline(text, format, ',');) {
     if (known.count(format) == 0)
-      throw std::runtime_error("format '" + format + "' is none of ply, pcd, png");
-    formats_.insert(format);
+      throw std::runtime_error("format '" + printable(format.substr(0, 20)) + "' is none of ply, pcd, png");
+    wanted.insert(format);
   }
-  if (formats_.empty()) formats_ = known;
+  return wanted.empty() ? known : wanted;
 }
 
-std::filesystem::path MapFiles::file(const std::string& name) {
-  written_.push_back((folder_ / name).string());
-  return folder_ / name;
-}
+class MapFiles {
+ public:
+  MapFiles(const HeldFolder& folder, const std::string& formats)
+      : folder_(folder), formats_(read_formats(formats)) {}
 
-template <class Map>
-void MapFiles::save_points(const std::string& name, const Map& map) {
-  if (wants("ply")) save_ply(file(name + "_map.ply"), map);
-  if (wants("pcd")) save_pcd(file(name + "_map.pcd"), map);
-}
-
-void MapFiles::save_landmarks(const std::string& name, const std::vector<Landmark>& landmarks,
-                              const std::vector<Eigen::Vector3d>& path) {
-  save_points(name, landmarks);
-  if (!wants("png")) return;
-  for (const auto& [view, suffix] :
-       {std::pair(MapView::front, "_front.png"), std::pair(MapView::top, "_top.png")}) {
-    PictureRequest r = request(view, "FastSLAM: " + std::to_string(landmarks.size()) + " landmarks", path);
-    r.landmarks = &landmarks;
-    save_picture(file(name + suffix), draw_map(r));
+  void save(const MapsToSave::Landmarks& map) {
+    save_points(map.name, map.landmarks);
+    const std::string title = "FastSLAM: " + std::to_string(map.landmarks.size()) + " landmarks";
+    save_pictures(map.name, title, map.path, [&](PictureRequest& r) { r.landmarks = &map.landmarks; });
   }
+
+  void save(const MapsToSave::Dense& map, double resolution) {
+    const ColouredCloud cloud = map.map.merge(resolution);
+    save_points(map.name, cloud);
+    const std::string title = "6-D SLAM: " + std::to_string(cloud.size()) + " points";
+    save_pictures(map.name, title, map.path, [&](PictureRequest& r) {
+      r.cloud = &cloud;
+      r.resolution = resolution;
+    });
+  }
+
+  const std::vector<std::string>& written() const { return written_; }
+
+ private:
+  bool wants(const std::string& format) const { return formats_.count(format) > 0; }
+
+  FilePlace file(const std::string& name) {
+    const FilePlace place(folder_, name);
+    written_.push_back(place.path().string());
+    return place;
+  }
+
+  template <class Map>
+  void save_points(const std::string& name, const Map& map) {
+    if (wants("ply")) save_ply(file(name + "_map.ply"), map);
+    if (wants("pcd")) save_pcd(file(name + "_map.pcd"), map);
+  }
+
+  template <class Fill>
+  void save_pictures(const std::string& name, const std::string& title, const MapsToSave::Path& path,
+                     const Fill& fill) {
+    if (!wants("png")) return;
+    for (const auto& [view, suffix] :
+         {std::pair(MapView::front, "_front.png"), std::pair(MapView::top, "_top.png")}) {
+      PictureRequest r = request(view, title, path);
+      fill(r);
+      save_picture(file(name + suffix), draw_map(r));
+    }
+  }
+
+  HeldFolder folder_;
+  std::set<std::string> formats_;
+  std::vector<std::string> written_;
+};
+
+}  // namespace
+
+std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& folder,
+                                   const std::string& formats) {
+  MapFiles files(folder, formats);
+  for (const MapsToSave::Landmarks& map : maps.landmarks) files.save(map);
+  for (const MapsToSave::Dense& map : maps.dense) files.save(map, maps.resolution);
+  return files.written();
 }
 
-void MapFiles::save_cloud(const std::string& name, const ColouredCloud& cloud, double resolution,
-                          const std::vector<Eigen::Vector3d>& path) {
-  save_points(name, cloud);
-  if (!wants("png")) return;
-  for (const auto& [view, suffix] :
-       {std::pair(MapView::front, "_front.png"), std::pair(MapView::top, "_top.png")}) {
-    PictureRequest r = request(view, "6-D SLAM: " + std::to_string(cloud.size()) + " points", path);
-    r.cloud = &cloud;
-    r.resolution = resolution;
-    save_picture(file(name + suffix), draw_map(r));
-  }
+void BackgroundSaver::begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision) {
+  saving_ = std::async(std::launch::async, [maps = std::move(maps), folder, revision] {
+    Outcome outcome{revision, ""};
+    try {
+      std::filesystem::create_directories(folder);
+      save_maps(maps, HeldFolder(folder), "ply,pcd");
+    } catch (const std::exception& error) {
+      outcome.error = error.what();
+    }
+    return outcome;
+  });
+}
+
+std::optional<BackgroundSaver::Outcome> BackgroundSaver::take_outcome(bool wait) {
+  if (!busy()) return std::nullopt;
+  if (!wait && saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
+  return saving_.get();
 }
 
 }  // namespace lcmslam

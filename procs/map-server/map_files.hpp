@@ -1,39 +1,57 @@
 #pragma once
-// The files of an export: PLY, PCD and pictures, of landmark maps and dense maps.
+// The files of both maps: PLY, PCD and pictures, of landmark maps and dense maps.
 
-#include <filesystem>
-#include <set>
+#include <future>
 #include <string>
 #include <vector>
 
-#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/files/held_folder.hpp>
+#include <lcmslam/map_store/dense_map.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
 
 namespace lcmslam {
 
-class MapFiles {
+/// All maps as they are at one moment, for whoever has the time to write them.
+struct MapsToSave {
+  using Path = std::vector<Eigen::Vector3d>;  ///< the robot's, m
+  struct Landmarks {
+    std::string name;
+    std::vector<Landmark> landmarks;
+    Path path;
+  };
+  struct Dense {
+    std::string name;
+    DenseMap map;
+    Path path;
+  };
+  std::vector<Landmarks> landmarks;
+  std::vector<Dense> dense;
+  double resolution = 0.02;  ///< m, of merged dense maps
+};
+
+/// NAME_map.ply, NAME_map.pcd, NAME_front.png, NAME_top.png of each map. `formats`: "ply", "pcd", "png",
+/// several separated by commas; empty: all. Gives the files' paths. Throws std::runtime_error for other
+/// formats and for the first file that cannot be written.
+std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& folder,
+                                   const std::string& formats);
+
+/// Writes maps in a thread of its own, so that nothing waits for the disk. Used by one thread.
+class BackgroundSaver {
  public:
-  /// `formats`: "ply", "pcd", "png", several separated by commas; empty: all. Throws std::runtime_error
-  /// for others.
-  MapFiles(std::filesystem::path folder, const std::string& formats);
+  /// How a saving ended.
+  struct Outcome {
+    std::int64_t revision = 0;
+    std::string error;  ///< empty: all was saved
+  };
 
-  /// NAME_map.ply, NAME_map.pcd, NAME_front.png, NAME_top.png. `path`: the robot's, m.
-  void save_landmarks(const std::string& name, const std::vector<Landmark>& landmarks,
-                      const std::vector<Eigen::Vector3d>& path);
-  void save_cloud(const std::string& name, const ColouredCloud& cloud, double resolution,
-                  const std::vector<Eigen::Vector3d>& path);
-
-  const std::vector<std::string>& written() const { return written_; }
+  bool busy() const { return saving_.valid(); }
+  /// Begins to write PLY and PCD into the folder, which is made where it is missing. Not while it is busy.
+  void begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision);
+  /// How what was begun ended; nothing while it goes on (`wait`: only when nothing was begun).
+  std::optional<Outcome> take_outcome(bool wait);
 
  private:
-  template <class Map>
-  void save_points(const std::string& name, const Map& map);
-  bool wants(const std::string& format) const { return formats_.count(format) > 0; }
-  std::filesystem::path file(const std::string& name);
-
-  std::filesystem::path folder_;
-  std::set<std::string> formats_;
-  std::vector<std::string> written_;
+  std::future<Outcome> saving_;  // its destructor waits
 };
 
 }  // namespace lcmslam

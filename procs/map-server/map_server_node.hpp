@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
@@ -12,16 +13,11 @@
 #include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/runtime/node.hpp>
+#include "procs/map-server/map_files.hpp"
 #include "procs/map-server/map_server_settings.hpp"
+#include "procs/map-server/session_table.hpp"
 
 namespace lcmslam {
-
-/// What one run of a mapper made. A mapper that restarts begins a new map; the old one stays.
-template <class Map>
-struct Session {
-  std::int64_t sender = 0;
-  Map map;
-};
 
 class MapServerNode : public Node {
  public:
@@ -32,35 +28,53 @@ class MapServerNode : public Node {
   MapServerNode(const Settings& settings, Publisher& publisher);
 
   void connect(Inputs& inputs) override;
+  std::optional<Duration> work() override;
   void command(const command_t& command) override;
+  void overhear(const command_t& command) override { keep_what_is_reset(command); }
   void finish() override;
   NodeReport report() const override;
 
  private:
-  using Path = std::vector<Eigen::Vector3d>;
+  using Path = MapsToSave::Path;
 
   void on_landmarks(const landmarks_t& message);
   void on_keyframe(const keyframe_t& message);
   void on_graph(const graph_t& message);
+  void on_fastslam_pose(const pose_estimate_t& message);
+  void on_icp_pose(const pose_estimate_t& message);
+  void add_to_path(Path& path, const pose_estimate_t& message) const;
   void on_request(const map_request_t& request);
   void follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision);
-  std::vector<std::string> export_maps(const std::filesystem::path& folder, const std::string& formats) const;
+  std::vector<std::string> export_maps(const map_request_t& request);
+  HeldFolder export_folder(const std::string& name);
+  MapsToSave maps_to_save() const;
+  void save_beside();
+  void keep_what_is_reset(const command_t& command);
+  void note_saving(bool wait);
   std::string describe() const;
 
   Publisher& publisher_;
   std::filesystem::path folder_;
   double resolution_;
-  std::vector<Session<LandmarkMap>> landmark_maps_;  // the newest last
-  std::vector<Session<DenseMap>> dense_maps_;
+  SessionTable<LandmarkMap> landmark_maps_;
+  SessionTable<DenseMap> dense_maps_;
+  std::size_t max_path_;
   Path fastslam_path_, icp_path_;
   struct Progress {
     Utime up_to_date = 0;  // message time at which the map was last complete
     Utime asked = 0;       // message time of the last request
   };
-  std::map<std::string, Progress> progress_;             // by mapper
-  std::int64_t graph_sender_ = 0, graph_keyframes_ = 0;  // of the newest ICP_GRAPH
+  std::map<std::string, Progress> progress_;  // by mapper
   std::int64_t changes_ = 0, saved_changes_ = 0;
-  std::int64_t exports_ = 0, resends_ = 0;
+  std::int64_t resends_ = 0;
+
+  double snapshot_period_;  // s
+  std::chrono::steady_clock::time_point last_snapshot_ = std::chrono::steady_clock::now();
+  std::size_t most_export_folders_;
+  std::set<std::string> export_folders_;  // that requests named
+  std::int64_t saved_ = 0, requests_refused_ = 0;
+  std::string failure_;  // of the last saving; empty: it went well
+  BackgroundSaver saver_;
 };
 
 }  // namespace lcmslam

@@ -9,10 +9,32 @@ namespace lcmslam {
 struct MapServerSettings {
   std::filesystem::path folder = "out/maps";
   double resolution = 0.02;
+  double snapshot_period = 20;
+  int export_folders = 20;
+  int max_sessions = 16;
+  int max_landmarks = 300'000;
+  int max_keyframes = 10'000;
+  int max_points = 20'000'000;
+  int max_incomplete = 32;
+  int max_path = 100'000;
 
   void describe(SettingsVisitor& s) {
     s.path("folder", folder, "that takes the maps");
     s.number("resolution", resolution, "m", {0.001, 1}, "of the merged dense map");
+    s.number("snapshot_period", snapshot_period, "s", {0, 3600},
+             "between two savings of what changed while mapping; 0: only at the end");
+    s.number("export_folders", export_folders, "", {0, 10'000},
+             "below the folder of the maps that requests may make");
+    s.number(
+        "max_sessions", max_sessions, "", {1, 1000},
+        "maps of each mapper that are kept: it begins another when it restarts, is reset, or time begins "
+        "anew");
+    s.number("max_landmarks", max_landmarks, "", {1, 1e8}, "of a map");
+    s.number("max_keyframes", max_keyframes, "", {1, 1e7}, "of a map");
+    s.number("max_points", max_points, "", {1000, 1e9}, "of a map's keyframes together (31 bytes each)");
+    s.number("max_incomplete", max_incomplete, "", {1, 10000},
+             "keyframes of a map that wait for tiles; then the oldest is given up and asked for again");
+    s.number("max_path", max_path, "", {10, 1e8}, "poses of a path; then every second one goes");
   }
 };
 

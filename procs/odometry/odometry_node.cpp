@@ -5,7 +5,6 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
-#include <lcmslam/runtime/arrival.hpp>
 
 namespace lcmslam {
 namespace {
@@ -41,35 +40,29 @@ OdometryNode::OdometryNode(const OdometryNodeSettings& settings, Publisher& publ
 void OdometryNode::connect(Inputs& inputs) {
   if (source_ == "wheels") {
     inputs
-        .subscribe<encoders_t>("ENCODERS", 500, [this](const encoders_t& m) { on_encoders(from_message(m)); })
+        .subscribe_measured<encoders_t>("ENCODERS", 500,
+                                        [this](const encoders_t& m) { on_encoders(from_message(m)); })
         .primary = true;
   } else if (source_ == "twist") {
-    inputs.subscribe<twist_t>("TWIST", 500, [this](const twist_t& m) { on_twist(from_message(m)); }).primary =
-        true;
+    inputs.subscribe_measured<twist_t>("TWIST", 500, [this](const twist_t& m) { on_twist(from_message(m)); })
+        .primary = true;
   } else if (source_ == "visual") {
     inputs
-        .subscribe<features_t>("FEATURES", frame_queue_,
-                               [this](const features_t& m) { on_features(from_message(m)); })
+        .subscribe_measured<features_t>("FEATURES", frame_queue_,
+                                        [this](const features_t& m) { on_features(from_message(m)); })
         .primary = true;
   } else {
     inputs
-        .subscribe<pose_t>(external_channel_, 500,
-                           [this](const pose_t& m) {
-                             const MotionSample sample = external_.update(m.utime, from_message(m));
-                             publish(sample, to_message(sample, source_));
-                           })
+        .subscribe_measured<pose_t>(external_channel_, 500,
+                                    [this](const pose_t& m) {
+                                      const MotionSample sample = external_.update(m.utime, from_message(m));
+                                      publish(sample, to_message(sample, source_));
+                                    })
         .primary = true;
   }
 }
 
-bool OdometryNode::is_late(Utime utime) {
-  if (came_late(utime, last_utime_)) return true;
-  last_utime_ = utime;
-  return false;
-}
-
 void OdometryNode::on_twist(const Twist& twist) {
-  if (is_late(twist.utime)) return;
   const auto sample = twist_.update(twist);
   if (!sample) return;
   odometry_t message = to_message(*sample, source_);
@@ -81,7 +74,6 @@ void OdometryNode::on_twist(const Twist& twist) {
 }
 
 void OdometryNode::on_encoders(const Encoders& encoders) {
-  if (is_late(encoders.utime)) return;
   std::optional<MotionSample> sample;
   try {
     sample = wheels_.update(encoders);

@@ -29,7 +29,6 @@ class OdometryNode : public Node {
   void on_encoders(const Encoders& encoders);
   void on_twist(const Twist& twist);
   void on_features(const FeatureFrame& frame);
-  bool is_late(Utime utime);
   void publish(const MotionSample& sample, odometry_t message);
 
   Publisher& publisher_;
@@ -41,7 +40,6 @@ class OdometryNode : public Node {
   VisualOdometry visual_;
   std::optional<MotionNoise> noise_;
   ExternalOdometry external_;
-  Utime last_utime_ = 0;  // of encoders and twists
   std::int64_t updates_ = 0;
   std::int64_t degraded_ = 0;  // visual updates that went on by prediction
 };

@@ -10,7 +10,6 @@
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/rgbd/camera_motion.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
-#include <lcmslam/runtime/arrival.hpp>
 
 namespace lcmslam {
 
@@ -34,24 +33,32 @@ SurfNode::SurfNode(const SurfNodeSettings& settings, Publisher& publisher)
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)) {}
 
 void SurfNode::connect(Inputs& inputs) {
-  inputs.subscribe<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); }).primary =
-      true;
+  inputs.on_new_session = [this] { motion_ = MotionBuffer(); };
+  stamps_ = &inputs.stamps();
+  inputs.subscribe_measured<images_t>("CAMERA", frame_queue_, [this](const images_t& m) { on_camera(m); })
+      .primary = true;
   inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10,
                                          [this](const camera_calibration_t& m) { on_calibration(m); });
-  inputs.subscribe<odometry_t>("ODOMETRY", 200, [this](const odometry_t& m) { on_odometry(m); });
+  inputs.subscribe_measured<odometry_t>("ODOMETRY", 200, [this](const odometry_t& m) { on_odometry(m); });
 }
 
 void SurfNode::on_calibration(const camera_calibration_t& message) {
-  if (registration_ && same_calibration(message, calibration_message_)) return;
+  if (registration_ && is_of_another_camera(message.sender, calibration_message_.sender, *stamps_)) return;
+  if (registration_ && same_calibration(message, calibration_message_)) {
+    calibration_message_.sender = message.sender;
+    return;
+  }
   registration_.emplace(from_message(message));
   calibration_message_ = message;
   if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
 }
 
+// Another sender's path begins elsewhere.
 void SurfNode::on_odometry(const odometry_t& message) {
   if (message.source == "visual") return;
-  const MotionSample sample = from_message(message);
-  if (!came_late_or_twice(sample.utime, motion_.newest())) motion_.add(sample);
+  if (message.sender != odometry_sender_) motion_ = MotionBuffer();
+  odometry_sender_ = message.sender;
+  motion_.add(from_message(message));
 }
 
 void SurfNode::on_camera(const images_t& message) {

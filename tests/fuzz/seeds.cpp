@@ -14,6 +14,7 @@
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
+#include "tests/support/datagrams.hpp"
 #include "tests/unit/messages/samples.hpp"
 #include "tests/unit/messages/wire_sample.hpp"
 
@@ -100,6 +101,19 @@ void make_parts(SeedFolder folder) {
   }
 }
 
+/// Two mappers that speak by turns, with steps of a tenth of a second.
+void make_sessions(SeedFolder folder) {
+  for (int sender = 0; sender < 3; ++sender) {
+    Bytes bytes;
+    for (int i = 0; i < 100; ++i) {
+      const int what = (i & 1) + 2 * sender + 8;
+      bytes.push_back(static_cast<std::uint8_t>(i % 5 == 4 ? 128 + what : what));
+      bytes.push_back(static_cast<std::uint8_t>(i % 5 == 4 ? i : 100));
+    }
+    folder.add(bytes);
+  }
+}
+
 void make_configurations(SeedFolder folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(fs::path(LCMSLAM_SOURCE_DIR) / "config"))
@@ -148,6 +162,29 @@ void make_logs(SeedFolder folder) {
   folder.add(log);
 }
 
+/// As wire_fuzzer.cpp reads it: source and size before each datagram.
+void make_wire(SeedFolder folder) {
+  const auto datagram = [](Bytes& input, std::uint8_t source, const Bytes& bytes) {
+    input.push_back(source);
+    input.push_back(static_cast<std::uint8_t>(bytes.size() >> 8));
+    input.push_back(static_cast<std::uint8_t>(bytes.size()));
+    input.insert(input.end(), bytes.begin(), bytes.end());
+  };
+  const Bytes first = testing::bytes_of(std::string("CAMERA\0abcd", 11));
+  Bytes whole, fragments, mixed, killing;
+  datagram(whole, 0, testing::whole_datagram("CAMERA", testing::bytes_of("data")));
+  datagram(whole, 1, testing::whole_datagram("UNWANTED", testing::bytes_of("data")));
+  datagram(fragments, 0, testing::fragment_datagram({5, 10, 0, 0, 2}, first));
+  datagram(fragments, 0, testing::fragment_datagram({5, 10, 4, 1, 2}, testing::bytes_of("efghij")));
+  for (std::uint8_t source = 0; source < 6; ++source)
+    datagram(mixed, source, testing::fragment_datagram({5, 12, 10, 2, 3}, testing::bytes_of("kl")));
+  for (std::uint32_t sequence = 0; sequence < 6; ++sequence)
+    datagram(mixed, 0, testing::fragment_datagram({sequence, 12, 4, 1, 3}, testing::bytes_of("efghij")));
+  datagram(mixed, 0, testing::fragment_datagram({5, 12, 0, 0, 3}, first));
+  for (const Bytes& bytes : testing::killing_datagrams("CAMERA")) datagram(killing, 0, bytes);
+  for (const Bytes& input : {whole, fragments, mixed, killing}) folder.add(input);
+}
+
 void make_surf_inputs(SeedFolder folder) {
   Random random(5);
   for (int i = 0; i < 12; ++i) {
@@ -169,9 +206,11 @@ int main(int argc, char** argv) {
   const fs::path folder = argv[1];
   make_messages(SeedFolder(folder / "message"));
   make_parts(SeedFolder(folder / "parts"));
+  make_sessions(SeedFolder(folder / "sessions"));
   make_configurations(SeedFolder(folder / "configuration"));
   make_trajectories(SeedFolder(folder / "trajectory"));
   make_logs(SeedFolder(folder / "log_reader"));
+  make_wire(SeedFolder(folder / "wire"));
   make_surf_inputs(SeedFolder(folder / "surf"));
   return 0;
 }

@@ -70,7 +70,7 @@ TEST_P(Presets, MapTheDriveBetterThanTheWheels) {
     EXPECT_LT(found, share) << channel;
   }
   EXPECT_GT(drive.error_of(bus.on<odometry_t>("ODOMETRY")), 0.04);  // else the shares say little
-  EXPECT_EQ(testing::value_of(icp, "restarts"), 0);
+  EXPECT_EQ(testing::value_of(icp, "sessions"), 1);
   for (const icp_report_t& report : bus.on<icp_report_t>("ICP_REPORT"))
     EXPECT_THAT(report.variant, ::testing::StartsWith(preset.variant));
 }

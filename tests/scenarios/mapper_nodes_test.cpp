@@ -81,7 +81,7 @@ TEST_P(BothMappers, StayWithinThreeCentimetresWhereOdometryErrsByManyMore) {
   }
 }
 
-TEST_P(BothMappers, JumpBackInTimeBeginsANewMap) {
+TEST_P(BothMappers, JumpBackInTimeBeginsANewMapBesideTheOld) {
   Graph graph;
   graph.play(8);
   graph.bus.finish();
@@ -90,7 +90,7 @@ TEST_P(BothMappers, JumpBackInTimeBeginsANewMap) {
   // The same again, an hour earlier.
   auto& kitchen = SimulatedKitchen::instance();
   const Utime hour = 3'600'000'000;
-  for (int k = 0; k < 5; ++k) {
+  for (int k = 0; k < 16; ++k) {
     for (Utime t = kitchen.frame_time(k) - 80'000; t <= kitchen.frame_time(k) + 20'000; t += 20'000) {
       encoders_t encoders = to_message(kitchen.simulation().encoders(t));
       encoders.utime -= hour;
@@ -104,11 +104,12 @@ TEST_P(BothMappers, JumpBackInTimeBeginsANewMap) {
   graph.bus.finish();
   EXPECT_EQ(graph.bus.decode_errors(), 0);
   const auto poses = graph.bus.on<pose_estimate_t>(channel());
-  ASSERT_EQ(poses.size(), 13U);
+  ASSERT_GE(poses.size(), 10U);  // each process believes it after half a second of messages
   EXPECT_LT(poses[8].utime, before.front().utime);
   EXPECT_TRUE(from_message(poses[8].T_map_robot, "").isApprox(from_message(before[0].T_map_robot, ""), 0.01));
-  EXPECT_EQ(value_of(channel() == "ICP_POSE" ? static_cast<Node&>(graph.icp) : graph.fastslam, "restarts"),
-            1);
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(poses[i].frame, i < 8 ? "map" : "map-2");
+  EXPECT_EQ(value_of(channel() == "ICP_POSE" ? static_cast<Node&>(graph.icp) : graph.fastslam, "sessions"),
+            2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Channels, BothMappers, ::testing::Values("FASTSLAM_POSE", "ICP_POSE"));

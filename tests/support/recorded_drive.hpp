@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <lcmslam/camera_calibration_t.hpp>
@@ -39,12 +40,20 @@ class RecordedDrive {
     return drive;
   }
 
+  using Message = std::pair<std::string, std::vector<std::uint8_t>>;
+  using Messages = std::vector<Message>;
+
   struct Part {
     double from = moves, to = ends;  ///< s
     bool with_features =
         false;                 ///< those of one SurfNode, made once; else a SurfNode of the bus may make them
     double features_late = 0;  ///< s behind their image
+    std::pair<double, double> covered = {0, 0};  ///< s from, to: frames without features
     std::function<void(camera_calibration_t&)> change_calibration = [](camera_calibration_t&) {};
+    /// What is delivered in the place of a message (its channel and bytes) of a time, s.
+    std::function<Messages(const Message&, double seconds)> disturb = [](const Message& m, double) {
+      return Messages{m};
+    };
   };
 
   /// Events of the part in their order.
@@ -53,18 +62,25 @@ class RecordedDrive {
     part.change_calibration(calibration);
     bus.deliver("CAMERA_CALIBRATION", calibration);
     std::multimap<Utime, const features_t*> waiting;
+    const auto deliver = [&](Utime utime, const Message& message) {
+      for (const auto& [channel, bytes] : part.disturb(message, seconds_of(utime)))
+        bus.deliver(channel, bytes);
+    };
     for (const Event& event : events_) {
       if (event.utime < at(part.from) || event.utime > at(part.to)) continue;
       while (!waiting.empty() && waiting.begin()->first < event.utime) {
-        bus.deliver("FEATURES", *waiting.begin()->second);
+        deliver(waiting.begin()->first, {"FEATURES", encode_message(*waiting.begin()->second)});
         waiting.erase(waiting.begin());
       }
-      bus.deliver(event.channel, event.bytes);
-      if (part.with_features && event.channel == "CAMERA")
+      deliver(event.utime, {event.channel, event.bytes});
+      if (part.with_features && event.channel == "CAMERA") {
+        const features_t& frame = features().at(event.utime);
+        const bool dark = event.utime >= at(part.covered.first) && event.utime < at(part.covered.second);
         waiting.emplace(event.utime + static_cast<Utime>(1e6 * part.features_late),
-                        &features().at(event.utime));
+                        dark ? &emptied(frame) : &frame);
+      }
     }
-    for (const auto& [utime, message] : waiting) bus.deliver("FEATURES", *message);
+    for (const auto& [utime, message] : waiting) deliver(utime, {"FEATURES", encode_message(*message)});
   }
 
   /// m, RMS of the positions after they have been laid onto the truth (ATE).
@@ -112,6 +128,7 @@ class RecordedDrive {
     }
   }
 
+  double seconds_of(Utime utime) const { return 1e-6 * static_cast<double>(utime - truth_.front().utime); }
   Utime at(double seconds) const { return truth_.front().utime + static_cast<Utime>(1e6 * seconds); }
 
   const std::map<Utime, features_t>& features() {
@@ -126,10 +143,18 @@ class RecordedDrive {
     return features_;
   }
 
+  const features_t& emptied(const features_t& frame) {
+    features_t& empty = emptied_[frame.utime];
+    empty = frame;
+    empty.features.clear();
+    empty.n_features = 0;
+    return empty;
+  }
+
   camera_calibration_t calibration_;
   std::vector<Event> events_;
   Trajectory truth_;
-  std::map<Utime, features_t> features_;
+  std::map<Utime, features_t> features_, emptied_;
 };
 
 }  // namespace lcmslam::testing

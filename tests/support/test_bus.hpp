@@ -81,6 +81,8 @@ class TestBus {
       if (input->channel() == channel) return *input;
     throw std::invalid_argument("nobody listens to " + channel);
   }
+  /// What the node that was added `index`-th thinks of its messages' stamps.
+  const StampJudge& stamps(std::size_t index) const { return members_.at(index)->inputs.stamps(); }
   std::int64_t decode_errors() const {
     std::int64_t sum = 0;
     for (const auto& member : members_)

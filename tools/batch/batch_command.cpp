@@ -94,10 +94,10 @@ int batch_command(int argc, char** argv) {
   const BatchResult result = run_batch(options);
   if (terminal) std::cout << "\r";
   print(result, seconds_since(begin));
-  if (result.frames > 0) return 0;
-  std::cerr << "lcmslam batch: " << log
-            << ": has no CAMERA message within the times asked for (lcmslam log info)\n";
-  return 1;
+  const std::vector<std::string> problems = problems_of(result);
+  for (const auto& problem : problems) std::cerr << "lcmslam batch: " << problem << "\n";
+  if (problems.size() > 1) std::cerr << "lcmslam batch: " << log << ": first: " << problems.front() << "\n";
+  return problems.empty() ? 0 : 1;
 }
 
 }  // namespace lcmslam

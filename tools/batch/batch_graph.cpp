@@ -6,6 +6,8 @@
 #include <map>
 #include <stdexcept>
 
+#include <lcmslam/runtime/status_reporter.hpp>
+
 #include "procs/fastslam/fastslam_node.hpp"
 #include "procs/icp/icp_node.hpp"
 #include "procs/map-server/map_server_node.hpp"
@@ -164,10 +166,12 @@ std::vector<BatchGraph::Summary> BatchGraph::summary() const {
     summary.process = member->name;
     for (const auto& input : member->inputs.all()) {
       summary.decode_errors += input->decode_errors;
+      if (input->decode_errors > 0)
+        summary.refused[input->channel()] = {input->decode_errors, input->last_error};
       for (const auto& [sender, count] : input->senders) summary.received += count.received;
     }
     for (const auto& [channel, count] : member->outbox.counts()) summary.published += count.sent;
-    summary.report = member->node->report();
+    summary.report = with_stamps(member->node->report(), member->inputs.stamps());
     all.push_back(std::move(summary));
   }
   return all;

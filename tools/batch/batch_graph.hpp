@@ -5,6 +5,7 @@
 // on the messages alone and not on the number of threads.
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,8 +40,13 @@ class BatchGraph {
   /// The nodes' last words, in their order.
   void finish();
 
+  struct Refused {
+    std::int64_t messages = 0;
+    std::string last_reason;
+  };
   struct Summary {
     std::string process;
+    std::map<std::string, Refused> refused;  ///< by channel
     std::int64_t received = 0, decode_errors = 0, published = 0;
     NodeReport report;
   };

@@ -1,11 +1,14 @@
 #include "tools/batch/batch_run.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
 #include <lcmslam/configuration/read_settings.hpp>
+#include <lcmslam/configuration/yaml_text.hpp>
 #include <lcmslam/log/log_writer.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include <lcmslam/status_t.hpp>
 #include "tools/log/log_session.hpp"
 #include "tools/log/message_reader.hpp"
 
@@ -21,7 +24,36 @@ std::vector<std::string> processes(const ConfigNode& config) {
   return names;
 }
 
+/// Of the channels of the log: which process refused more than half, and why.
+void add_refusals(const BatchResult& result, std::vector<std::string>& problems) {
+  for (const auto& process : result.processes)
+    for (const auto& [channel, refused] : process.refused) {
+      const auto delivered = result.delivered_on.find(channel);
+      if (delivered == result.delivered_on.end() || 2 * refused.messages <= delivered->second) continue;
+      problems.push_back(fmt::format("{} refused {} of {} {} messages, the last because: {}", process.process,
+                                     refused.messages, delivered->second, channel, refused.last_reason));
+    }
+}
+
+bool maps(const std::string& process) {
+  return process == "fastslam" || process == "icp";
+}
+
 }  // namespace
+
+std::vector<std::string> problems_of(const BatchResult& result) {
+  if (result.frames == 0)
+    return {"the log has no CAMERA and no FEATURES message within the times asked for (lcmslam log info)"};
+  std::vector<std::string> problems;
+  add_refusals(result, problems);
+  for (const auto& process : result.processes)
+    if (maps(process.process) && process.published == 0)
+      problems.push_back(process.process + " mapped nothing" +
+                         (process.report.detail.empty() ? "" : ": it " + process.report.detail));
+  for (const auto& process : result.processes)
+    if (process.report.state == status_t::FAILED) problems.push_back(process.report.detail);
+  return problems;
+}
 
 BatchResult run_batch(const BatchOptions& options) {
   BatchResult result;
@@ -30,7 +62,8 @@ BatchResult run_batch(const BatchOptions& options) {
   MessageReader log(options.log.string());
   LogWriter output(result.output.string());
   ConfigNode config = options.config;
-  config.set("map-server.folder", options.folder.string());
+  config.set("map-server.folder", yaml_quoted(std::filesystem::absolute(options.folder).string()));
+  config.set("map-server.snapshot_period", "0");  // an aborted run leaves nothing
   cv::setNumThreads(options.threads);
 
   Utime now = 0;
@@ -58,6 +91,7 @@ BatchResult run_batch(const BatchOptions& options) {
     begins = false;
     if (calibration) graph.deliver(*std::exchange(calibration, std::nullopt));
     ++result.delivered;
+    ++result.delivered_on[message.channel];
     result.frames += message.channel == "CAMERA" || message.channel == "FEATURES" ? 1 : 0;
     result.log_seconds = seconds - options.from;
     graph.deliver(std::move(message));

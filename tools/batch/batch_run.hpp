@@ -21,12 +21,17 @@ struct BatchOptions {
 
 struct BatchResult {
   std::int64_t events = 0, delivered = 0, frames = 0, published = 0;
-  std::int64_t incomplete = 0;  ///< messages in pieces of which pieces were missing
-  std::size_t damages = 0;      ///< places where the log is damaged
+  std::int64_t incomplete = 0;                       ///< messages in pieces of which pieces were missing
+  std::size_t damages = 0;                           ///< places where the log is damaged
+  std::map<std::string, std::int64_t> delivered_on;  ///< by channel
   double log_seconds = 0;
   std::filesystem::path output;
   std::vector<BatchGraph::Summary> processes;
 };
+
+/// Why the result is not what was asked for, the first cause first: no frame, nothing mapped, most messages
+/// of a channel refused, maps not saved. Empty: it is.
+std::vector<std::string> problems_of(const BatchResult& result);
 
 /// Events are logged with the time of the log's event that they follow from (the latest so far of its
 /// session). Throws ConfigError and std::runtime_error.

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include <lcmslam/configuration/share.hpp>
+#include <lcmslam/configuration/yaml_text.hpp>
 #include <lcmslam/map_request_t.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/options.hpp>
@@ -66,7 +67,7 @@ void complete(DemoOptions& o) {
 
   std::vector<std::string> set;
   const auto absolute = [](const std::string& path) {
-    return std::filesystem::absolute(path).lexically_normal().string();
+    return yaml_quoted(std::filesystem::absolute(path).lexically_normal().string());
   };
   if (!o.data.empty())
     set.insert(set.end(), {"camera.source=dataset", "camera.dataset.folder=" + absolute(o.data)});
@@ -89,11 +90,11 @@ void complete(DemoOptions& o) {
 
 class Demo {
  public:
-  Demo(const DemoOptions& options, lcm::LCM& lcm)
+  Demo(const DemoOptions& options, LcmBus& bus)
       : options_(options),
-        publisher_(lcm, draw_sender(), largest_whole_message(options.lcm_url)),
+        publisher_(bus.lcm(), draw_sender(), largest_whole_message(options.lcm_url)),
         recorder_(inputs_),
-        receiver_(lcm, inputs_),
+        receiver_(bus, inputs_),
         terminal_(isatty(STDOUT_FILENO) != 0 && !options.headless) {}
 
   int run() {
@@ -109,11 +110,25 @@ class Demo {
     facts_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     if (failure != 0) return failure;
 
-    const bool exported = export_maps();
-    for (const auto& event : supervisor_.stop()) facts_.events.push_back(event);
+    std::vector<std::string> problems;
+    const auto tried = [&](const auto& action) {
+      try {
+        action();
+      } catch (const std::exception& error) {
+        problems.emplace_back(error.what());
+      }
+    };
+    tried([&] { export_maps(); });
+    for (const auto& problem : supervisor_.stop()) {
+      facts_.events.push_back(problem);
+      problems.push_back(problem);
+    }
     std::cout << format_summary(recorder_, facts_);
-    write_run_files(options_.out, recorder_, facts_);
-    if (!exported) return 1;
+    tried([&] { write_run_files(options_.out, recorder_, facts_); });
+    if (!problems.empty()) {  // the first cause on the last line
+      say("lcmslam demo: " + problems.front());
+      return 1;
+    }
     std::cout << "\n  maps, pictures, trajectories and summary.json: " << options_.out << "\n";
     show_pictures();
     return 0;
@@ -135,7 +150,10 @@ class Demo {
     Clock::time_point last_change = start;
     std::int64_t last_progress = -1;
     while (true) {
-      if (stop_requested()) return 130;
+      if (stop_requested()) {
+        say("lcmslam demo: stopped by a signal; no summary is written");
+        return 130;
+      }
       listen(std::chrono::milliseconds(50));
       if (supervisor_.refused()) return 2;
       std::string reason;
@@ -183,26 +201,23 @@ class Demo {
     say(line + fmt::format("  {:.0f} s left", left), true);
   }
 
-  bool export_maps() {
+  /// Into the map-server's own folder, which is this run's. Throws std::runtime_error when not all was saved.
+  void export_maps() {
     say("  saving the maps", true);
     map_request_t request;
     request.utime = recorder_.icp().trajectory.empty() ? 0 : recorder_.icp().trajectory.back().utime;
     request.request_id = publisher_.sender();
     request.kind = map_request_t::EXPORT;
-    request.argument = options_.out;
     request.n_numbers = 0;
     publisher_.publish("MAP_REQUEST", request);
     const auto deadline = Clock::now() + longest_export;
     while (!recorder_.reply() || recorder_.reply()->request_id != request.request_id) {
       listen(std::chrono::milliseconds(50));
-      if (Clock::now() > deadline || stop_requested()) {
-        say("lcmslam demo: map-server did not answer; see " + options_.out + "/logs/map-server.txt");
-        return false;
-      }
+      if (Clock::now() > deadline || stop_requested())
+        throw std::runtime_error("map-server did not answer; see " + options_.out + "/logs/map-server.txt");
     }
-    if (recorder_.reply()->status == 0) return true;
-    say("lcmslam demo: the maps were not saved: " + recorder_.reply()->message);
-    return false;
+    if (recorder_.reply()->status != 0)
+      throw std::runtime_error("the maps were not saved: " + recorder_.reply()->message);
   }
 
   /// In a terminal, progress overwrites itself.
@@ -225,8 +240,9 @@ class Demo {
   void show_pictures() const {
     const char* display = std::getenv("DISPLAY");
     if (options_.headless || display == nullptr || *display == '\0') return;
-    const std::string command = "xdg-open '" + options_.out + "/icp_front.png' > /dev/null 2>&1";
-    if (std::system(command.c_str()) != 0) std::cout << "  (no viewer for the pictures found)\n";
+    setenv("LCMSLAM_PICTURE", (options_.out + "/icp_front.png").c_str(), 1);  // the shell reads no name
+    if (std::system("xdg-open \"$LCMSLAM_PICTURE\" > /dev/null 2>&1") != 0)
+      std::cout << "  (no viewer for the pictures found)\n";
   }
 
   const DemoOptions& options_;
@@ -242,23 +258,23 @@ class Demo {
 
 /// The user's bus, or a private one where there is none or another graph has it. Nothing where neither can be
 /// had.
-std::unique_ptr<lcm::LCM> open_bus(const DemoOptions& options) {
+std::unique_ptr<LcmBus> open_bus(const DemoOptions& options) {
   DoctorOptions doctor;
   doctor.lcm_url = options.lcm_url;
   doctor.processes = process_names();
   std::string reason = "no multicast route on this machine";
   std::string cure = "LCM cannot use " + options.lcm_url + "; try: sudo ip route add 224.0.0.0/4 dev lo";
-  auto lcm = std::make_unique<lcm::LCM>(options.lcm_url);
-  if (lcm->good()) {
+  auto bus = std::make_unique<LcmBus>(options.lcm_url);
+  if (bus->usable()) {
     const Finding senders = check_senders(doctor);
-    if (!is_rival_graph(senders)) return lcm;
+    if (!is_rival_graph(senders)) return bus;
     reason = cure = senders.text;
   }
-  lcm.reset();
+  bus.reset();
   if (enter_private_bus()) {
     std::cout << "lcmslam demo: " << reason << "; runs on a private bus (lcm-spy cannot see it)\n";
-    lcm = std::make_unique<lcm::LCM>(options.lcm_url);
-    if (lcm->good()) return lcm;
+    bus = std::make_unique<LcmBus>(options.lcm_url);
+    if (bus->usable()) return bus;
   }
   std::cerr << "lcmslam demo: " << cure << "\n";
   return nullptr;
@@ -277,8 +293,8 @@ int demo_command(int argc, char** argv) {
   complete(options);
   install_stop_signals(0);
 
-  const auto lcm = open_bus(options);
-  return lcm ? Demo(options, *lcm).run() : 1;
+  const auto bus = open_bus(options);
+  return bus ? Demo(options, *bus).run() : 1;
 }
 
 }  // namespace lcmslam

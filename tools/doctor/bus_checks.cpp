@@ -7,8 +7,11 @@
 #include <set>
 
 #include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/udpm/multicast_address.hpp>
+#include <lcmslam/runtime/udpm/source_filter.hpp>
 #include <lcmslam/status_t.hpp>
 #include "tools/doctor/checks.hpp"
+#include "tools/launch/status_table.hpp"
 
 namespace lcmslam {
 namespace {
@@ -40,13 +43,12 @@ Finding no_lcm(const std::string& subject, const std::string& url) {
 /// Everything heard on the bus within a time.
 class Listener {
  public:
-  void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-    if (channel.rfind("LCM_SELF_TEST", 0) == 0) return;
-    channels.insert(channel);
-    if (channel != "STATUS") return;
+  void hear(const BusMessage& message) {
+    if (message.channel.rfind("LCM_SELF_TEST", 0) == 0) return;
+    channels.insert(message.channel);
+    if (message.channel != "STATUS") return;
     try {
-      const auto status =
-          decode_message<status_t>(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+      const auto status = decode_message<status_t>(message.bytes.data(), message.bytes.size());
       const std::string process = fmt::format("{} ({})", status.process, status.pid);
       if (!is_of_now(status)) {
         recorded.insert(process);
@@ -54,13 +56,29 @@ class Listener {
         running.erase(process);  // its last word: a graph that ends while we listen is in nobody's way
       } else {
         running[process] = status.process;
+        refused[process] = status_value(status, "bus_foreign") + status_value(status, "bus_malformed");
       }
     } catch (const DecodeError&) {
     }
   }
   std::set<std::string> channels, recorded;
   std::map<std::string, std::string> running;  // NAME (PID) -> NAME
+  std::map<std::string, double> refused;       // packets, by the same
+  Refusals refusals;                           // here
 };
+
+/// STATUS is at 1 Hz.
+Listener listen(LcmBus& bus, double time) {
+  Listener listener;
+  const auto reader = bus.listen(ChannelSet::matching(".*"));
+  const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds(time));
+  BusMessage message;
+  while (Clock::now() < end)
+    if (reader->read(message, std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now())))
+      listener.hear(message);
+  listener.refusals = reader->refusals();
+  return listener;
+}
 
 std::string joined(const std::set<std::string>& texts, std::size_t most) {
   std::string all;
@@ -72,12 +90,56 @@ std::string joined(const std::set<std::string>& texts, std::size_t most) {
   return all;
 }
 
+/// Who else sends here.
+Finding judge_senders(const Listener& listener, const DoctorOptions& options) {
+  Finding finding{Level::good, "other senders", "nobody else is heard on this bus", ""};
+  if (listener.channels.empty()) return finding;
+  finding.level = Level::note;
+  finding.text = "others send here: " + joined(listener.channels, 8);
+  if (listener.running.empty() && !listener.recorded.empty()) {
+    finding.level = Level::warning;
+    finding.text +=
+        "; STATUS is of another time: a recording of a graph is played (or the clock of its machine is "
+        "wrong): " +
+        joined(listener.recorded, 8);
+  }
+  if (listener.running.empty()) return finding;
+  const std::set<std::string> to_start(options.processes.begin(), options.processes.end());
+  std::set<std::string> processes;
+  finding.level = Level::warning;
+  for (const auto& [process, name] : listener.running) {
+    processes.insert(process);
+    if (to_start.count(name) > 0) finding.level = Level::failure;  // a rival
+  }
+  finding.text =
+      "a graph of lcmslam runs here already: " + joined(processes, 8) +
+      "; a second one needs a port of its own (--lcm-url udpm://239.255.76.67:PORT?ttl=0) or, with "
+      "launch, --private-bus";
+  return finding;
+}
+
+/// What our own readers did not take.
+Finding judge_refusals(const Listener& listener) {
+  Finding finding{Level::good, "refused packets", "none came while listening", ""};
+  finding.text = listener.refusals.text();
+  if (!finding.text.empty()) finding.text = "while listening: " + finding.text;
+  for (const auto& [process, count] : listener.refused)
+    if (count > 0)
+      finding.text += fmt::format("{}{} refused {:.0f} since its start", finding.text.empty() ? "" : "; ",
+                                  process, count);
+  if (finding.text.empty())
+    finding.text = "none came while listening";
+  else
+    finding.level = Level::warning;
+  return finding;
+}
+
 }  // namespace
 
 Finding check_loop_back(const DoctorOptions& options) {
   Finding finding{Level::good, "loop-back test", "", ""};
-  lcm::LCM sending(options.lcm_url), receiving(options.lcm_url);
-  if (!is_usable(sending) || !is_usable(receiving)) return no_lcm(finding.subject, options.lcm_url);
+  LcmBus sending(options.lcm_url), receiving(options.lcm_url);
+  if (!sending.usable() || !receiving.usable()) return no_lcm(finding.subject, options.lcm_url);
   Inputs inputs;
   std::vector<double> latencies;  // s
   const std::string channel = fmt::format("LCMSLAM_DOCTOR_{}", getpid());
@@ -85,7 +147,7 @@ Finding check_loop_back(const DoctorOptions& options) {
     latencies.push_back(1e-6 * static_cast<double>(microseconds_now() - m.utime));
   });
   const std::int64_t sender = draw_sender();
-  LcmPublisher publisher(sending, sender, largest_whole_message(options.lcm_url));
+  LcmPublisher publisher(sending.lcm(), sender, largest_whole_message(options.lcm_url));
   Receiver receiver(receiving, inputs);
   const auto take_until = [&](Clock::time_point end) {
     Arrival arrival;
@@ -128,39 +190,30 @@ Finding check_loop_back(const DoctorOptions& options) {
   return finding;
 }
 
+std::vector<Finding> check_traffic(const DoctorOptions& options) {
+  LcmBus bus(options.lcm_url);
+  if (!bus.usable()) return {no_lcm("other senders", options.lcm_url)};
+  const Listener listener = listen(bus, std::max(1.5, options.seconds));
+  return {judge_senders(listener, options), judge_refusals(listener)};
+}
+
 Finding check_senders(const DoctorOptions& options) {
-  Finding finding{Level::good, "other senders", "nobody else is heard on this bus", ""};
-  lcm::LCM lcm(options.lcm_url);
-  if (!is_usable(lcm)) return no_lcm(finding.subject, options.lcm_url);
-  Listener listener;
-  lcm.subscribe(".*", &Listener::hear, &listener);
-  const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds(
-                                                   std::max(1.5, options.seconds)));  // STATUS is at 1 Hz
-  while (Clock::now() < end)
-    lcm.handleTimeout(static_cast<int>(std::max<std::int64_t>(
-        1, std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count())));
-  if (listener.channels.empty()) return finding;
-  finding.level = Level::note;
-  finding.text = "others send here: " + joined(listener.channels, 8);
-  if (listener.running.empty() && !listener.recorded.empty()) {
-    finding.level = Level::warning;
-    finding.text +=
-        "; STATUS is of another time: a recording of a graph is played (or the clock of its machine is "
-        "wrong): " +
-        joined(listener.recorded, 8);
-  }
-  if (listener.running.empty()) return finding;
-  const std::set<std::string> to_start(options.processes.begin(), options.processes.end());
-  std::set<std::string> processes;
+  return check_traffic(options).front();
+}
+
+Finding check_sources(const std::string& lcm_url) {
+  Finding finding{Level::good, "sources", lcm_url + " has no strangers", ""};
+  const MulticastAddress address = multicast_address(lcm_url);
+  if (address.group.empty()) return finding;
+  const bool listed = !udpm::allowed_networks().empty();
+  finding.text = "packets of this machine alone are taken (ttl=0)";
+  if (listed) finding.text = "packets of this machine and of LCMSLAM_BUS_ALLOW are taken";
+  if (address.ttl == 0 || listed) return finding;
   finding.level = Level::warning;
-  for (const auto& [process, name] : listener.running) {
-    processes.insert(process);
-    if (to_start.count(name) > 0) finding.level = Level::failure;  // a rival
-  }
-  finding.text =
-      "a graph of lcmslam runs here already: " + joined(processes, 8) +
-      "; a second one needs a port of its own (--lcm-url udpm://239.255.76.67:PORT?ttl=0) or, with "
-      "launch, --private-bus";
+  finding.text = fmt::format(
+      "with ttl={} whoever can send to {} can steer the graph; name the machines that may in "
+      "LCMSLAM_BUS_ALLOW, e.g. \"10.0.0.5, 10.0.1.0/24\"",
+      address.ttl, address.group);
   return finding;
 }
 

@@ -15,6 +15,7 @@
 
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/machine.hpp>
+#include <lcmslam/runtime/udpm/multicast_address.hpp>
 
 namespace lcmslam {
 namespace {
@@ -65,31 +66,6 @@ std::string megabytes(double bytes) {
 }
 
 }  // namespace
-
-MulticastAddress multicast_address(const std::string& lcm_url) {
-  const std::string scheme = "udpm://";
-  if (lcm_url.rfind(scheme, 0) != 0) return {};
-  MulticastAddress address;
-  const std::size_t question = std::min(lcm_url.find('?'), lcm_url.size());
-  const std::string place = lcm_url.substr(scheme.size(), question - scheme.size());
-  const std::size_t colon = place.find(':');
-  address.group = place.substr(0, colon);
-  in_addr parsed{};
-  try {
-    if (colon != std::string::npos) address.port = std::stoi(place.substr(colon + 1));
-    const std::size_t ttl = lcm_url.find("ttl=", question);
-    if (ttl != std::string::npos) address.ttl = std::stoi(lcm_url.substr(ttl + 4));
-  } catch (const std::exception&) {
-    address.port = 0;
-  }
-  const bool is_group =
-      inet_pton(AF_INET, address.group.c_str(), &parsed) == 1 && (ntohl(parsed.s_addr) >> 28) == 14;
-  if (!is_group || address.port < 1 || address.port > 65535)
-    throw std::invalid_argument(lcm_url +
-                                ": must be udpm://GROUP:PORT with a multicast group (224.0.0.0 to "
-                                "239.255.255.255), e.g. udpm://239.255.76.67:7667?ttl=0");
-  return address;
-}
 
 Finding check_route(const std::string& lcm_url) {
   Finding finding{Level::good, "multicast route", "", ""};
@@ -179,7 +155,8 @@ std::vector<Finding> examine(const DoctorOptions& options) {
   if (findings.back().level != Level::failure) {
     findings.push_back(check_receive_buffer(options.lcm_url, options.traffic));
     findings.push_back(check_loop_back(options));
-    findings.push_back(check_senders(options));
+    findings.push_back(check_sources(options.lcm_url));
+    for (const Finding& finding : check_traffic(options)) findings.push_back(finding);
   }
   findings.push_back(check_governor());
   findings.push_back(check_disk(options.folder));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <lcmslam/runtime/refusals.hpp>
 #include "tools/doctor/graph_traffic.hpp"
 
 namespace lcmslam {
@@ -25,15 +26,6 @@ struct DoctorOptions {
   std::filesystem::path folder = ".";  ///< where maps and logs go
 };
 
-/// Address of udpm://ADDRESS:PORT?...; other providers give none.
-struct MulticastAddress {
-  std::string group;
-  int port = 0;
-  int ttl = 0;
-};
-/// Throws std::invalid_argument when a udpm URL is not understood; group is empty for other providers.
-MulticastAddress multicast_address(const std::string& lcm_url);
-
 Finding check_route(const std::string& lcm_url);
 Finding check_receive_buffer(const std::string& lcm_url, const GraphTraffic& traffic);
 /// Sends to itself at the graph's size and rate. Needs a route.
@@ -42,6 +34,10 @@ Finding check_loop_back(const DoctorOptions& options);
 /// minute from now is played from a log and no rival, but what comes with it is worth a warning; nor is a
 /// process whose last word was that it stops.
 Finding check_senders(const DoctorOptions& options);
+/// Whose packets the URL and LCMSLAM_BUS_ALLOW let in.
+Finding check_sources(const std::string& lcm_url);
+/// The same as check_senders(), and what was refused meanwhile, here and by a graph that runs.
+std::vector<Finding> check_traffic(const DoctorOptions& options);
 /// `root`: of the file system's tree below which sys/devices/system/cpu is looked for.
 Finding check_governor(const std::filesystem::path& root = "/");
 Finding check_disk(const std::filesystem::path& folder);

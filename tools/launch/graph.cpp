@@ -27,6 +27,8 @@ std::vector<ProcessSpec> read_graph(const GraphOptions& options) {
       spec.arguments.push_back("--set");
       spec.arguments.push_back(value);
     }
+    // A mapper that comes back does not know where it is in the map of the one that ended.
+    if (name == "fastslam" || name == "icp") spec.on_restart = "--set=" + name + ".map_frame=map-restart-";
     spec.log = options.folder / "logs" / (name + ".txt");
     spec.restart = launch.restart;
     spec.stop_last = name == "map-server";  // the mappers' last words belong into the map

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iostream>
 
+#include <lcmslam/command_t.hpp>
+#include <lcmslam/configuration/yaml_text.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
@@ -34,6 +36,28 @@ class Screen {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+/// What the mappers still have to do at their end may take long: what is mapped is saved meanwhile.
+void save_maps_now(lcm::LCM& lcm, const std::string& lcm_url) {
+  command_t command;
+  command.utime = 0;
+  command.target = "map-server";
+  command.name = "save";
+  command.n = 0;
+  LcmPublisher(lcm, draw_sender(), largest_whole_message(lcm_url)).publish("COMMAND", command);
+}
+
+/// Gives the exit code; what went wrong first stands on the last line.
+int stop(Supervisor& supervisor, const std::filesystem::path& folder) {
+  const auto tell = [](const std::string& text) { std::cout << "lcmslam launch: " << text << std::endl; };
+  const std::vector<std::string> problems = supervisor.stop(std::chrono::seconds(20), tell);
+  for (const auto& problem : problems) tell(problem);
+  if (problems.empty())
+    tell("all is saved in " + folder.string());
+  else
+    tell("not all went well, first: " + problems.front());
+  return supervisor.refused() ? 2 : problems.empty() ? 0 : 1;
+}
+
 }  // namespace
 
 int launch_command(int argc, char** argv) {
@@ -61,11 +85,12 @@ int launch_command(int argc, char** argv) {
   }
 
   // Maps go to this run's folder: a new run must not overwrite the last one's. The user's --set wins.
-  options.overrides.insert(options.overrides.begin(),
-                           "map-server.folder=" + std::filesystem::absolute(options.folder).string());
+  options.overrides.insert(
+      options.overrides.begin(),
+      "map-server.folder=" + yaml_quoted(std::filesystem::absolute(options.folder).string()));
   install_stop_signals(0);
-  lcm::LCM lcm(options.lcm_url);
-  if (!is_usable(lcm)) {
+  LcmBus bus(options.lcm_url);
+  if (!bus.usable()) {
     std::cerr << "lcmslam launch: LCM cannot use " << options.lcm_url << "\n"
               << format_findings({check_route(options.lcm_url)}, true);
     return 1;
@@ -79,7 +104,11 @@ int launch_command(int argc, char** argv) {
   for (const auto& spec : specs) doctor.processes.push_back(spec.name);
   const auto findings = examine(doctor);
   std::cout << format_findings(findings, false) << std::flush;
-  if (std::any_of(findings.begin(), findings.end(), is_rival_graph)) return 2;
+  const auto rival = std::find_if(findings.begin(), findings.end(), is_rival_graph);
+  if (rival != findings.end()) {
+    std::cout << "lcmslam launch: " << rival->text << std::endl;
+    return 2;
+  }
   Supervisor supervisor;
   for (const auto& spec : specs) supervisor.start(spec);
   std::cout << "lcmslam launch: " << specs.size() << " processes; maps and logs go to "
@@ -93,19 +122,17 @@ int launch_command(int argc, char** argv) {
   Inputs inputs;
   inputs.subscribe<status_t>("STATUS", 1000,
                              [&](const status_t& s) { take_status(board, s, supervisor.processes()); });
-  Receiver receiver(lcm, inputs);
+  Receiver receiver(bus, inputs);
   Screen screen;
-  while (!stop_requested() && !supervisor.refused()) {
+  while (!stop_requested() && !supervisor.refused() && !supervisor.all_stopped()) {
     Arrival arrival;
     if (receiver.take(arrival, std::chrono::milliseconds(100))) arrival.deliver();
     for (const auto& event : supervisor.poll()) std::cout << "lcmslam launch: " << event << std::endl;
     screen.show(format_status(board, supervisor.processes()));
   }
   std::cout << "lcmslam launch: stops" << std::endl;
-  const auto events = supervisor.stop();
-  for (const auto& event : events) std::cout << "lcmslam launch: " << event << std::endl;
-  if (supervisor.refused()) return 2;
-  return events.empty() ? 0 : 1;
+  save_maps_now(bus.lcm(), options.lcm_url);
+  return stop(supervisor, options.folder);
 }
 
 }  // namespace lcmslam

@@ -26,6 +26,14 @@ std::string rates(const status_t& status) {
 // One line for each channel and sender that did not come through clean.
 std::string trouble(const std::string& process, const status_t& status) {
   std::string text;
+  const double foreign = status_value(status, "bus_foreign");
+  const double malformed = status_value(status, "bus_malformed");
+  const double incomplete = status_value(status, "bus_incomplete");
+  if (foreign + malformed + incomplete > 0)
+    text += fmt::format(
+        "  {} <- bus: {:.0f} packets of strangers, {:.0f} malformed, {:.0f} messages lacked "
+        "fragments\n",
+        process, foreign, malformed, incomplete);
   for (const auto& in : status.inputs) {
     if (in.lost + in.duplicates + in.reordered + in.decode_errors + in.queue_drops == 0 &&
         in.last_error.empty())

@@ -33,8 +33,10 @@ bool check(const std::string& file, std::size_t shown) {
 int log_check_command(int argc, char** argv) {
   std::vector<std::string> files;
   bool all = false;
-  CLI::App app{"Checks framing, order, times and every message of a known type. Exit code 0: all clean.",
-               "lcmslam log check"};
+  CLI::App app{
+      "Checks framing, order, times and every message of a known type, images included. Exit code 0: all "
+      "clean.",
+      "lcmslam log check"};
   app.add_option("logs", files, ".lcmlog files")->required();
   app.add_flag("--all", all, "show all findings (default: the first 30 of a log)");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;

@@ -26,11 +26,12 @@ class LcmPlayBus : public PlayBus {
   std::int64_t split() const { return sender_.split(); }
 
  private:
-  void receive_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-  void receive_answer(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void receive_status(const BusMessage& message);
 
-  lcm::LCM lcm_;
+  LcmBus bus_;
   BusSender sender_;
+  std::set<std::string> answer_channels_;
+  std::unique_ptr<BusReader> reader_;
   std::set<std::string> running_;
 };
 

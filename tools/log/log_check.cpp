@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <lcmslam/messages/print_message.hpp>
+#include "tools/log/content_check.hpp"
 #include "tools/log/log_session.hpp"
 #include "tools/log/message_facts.hpp"
 #include "tools/log/part_joiner.hpp"
@@ -39,6 +40,7 @@ class Checker {
       found(event, "control characters in the channel's name");
     if (message_type(event.data, event.size) == nullptr) ++check_.unknown_types;
     check_utime(event);
+    check_content(event, event.channel, event.data, event.size);
     if (PartJoiner::is_piece(event)) join(event);
   }
 
@@ -82,12 +84,20 @@ class Checker {
       found(event, fmt::format("utime jumps by {:.3f} s against the log's time", seconds(step)));
   }
 
+  void check_content(const LogEventView& event, std::string_view channel, const std::uint8_t* data,
+                     std::size_t size) {
+    const std::string problem = content_.problem(channel, data, size);
+    if (!problem.empty()) found(event, "would be refused: " + problem);
+  }
+
   void join(const LogEventView& piece) {
     try {
       const auto whole = joiner_.add(piece);
-      if (whole &&
-          check_message(whole->channel, whole->data.data(), whole->data.size()) == Wholeness::damaged)
+      if (!whole) return;
+      if (check_message(whole->channel, whole->data.data(), whole->data.size()) == Wholeness::damaged)
         found(piece, "the message of these pieces is not what its type says");
+      else
+        check_content(piece, whole->channel, whole->data.data(), whole->data.size());
     } catch (const DecodeError& error) {
       found(piece, error.what());
     }
@@ -98,6 +108,7 @@ class Checker {
   LogEventView last_;
   std::map<std::string_view, Utime> clocks_;  // utime - log time of a channel's last message
   PartJoiner joiner_;
+  ContentCheck content_;
 };
 
 }  // namespace

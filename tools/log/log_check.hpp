@@ -26,7 +26,8 @@ struct LogCheck {
 };
 
 /// Framing, event numbers, order in time, layout of every message of a known type, utime against log
-/// time, messages in pieces. Throws std::runtime_error when the file is no log.
+/// time, messages in pieces, and whether the nodes would take what they contain (images are decoded). Throws
+/// std::runtime_error when the file is no log.
 LogCheck check_log(const std::string& file);
 
 /// One line.

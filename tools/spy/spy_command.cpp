@@ -49,7 +49,9 @@ class Spy {
   SpyReport report() const {
     SpyReport report;
     report.lcm_url = lcm_url_;
-    report.socket = socket_state();
+    report.socket = listener_.socket();
+    report.refusals = listener_.refusals();
+    report.dropped = listener_.dropped();
     const std::lock_guard<std::mutex> lock(mutex_);
     report.seconds = now();
     report.channels = statistics_.channels(report.seconds);

@@ -39,6 +39,9 @@ std::string footer(const SpyReport& report) {
       report.socket.kernel_drops);
   if (report.socket.kernel_drops > 0)
     text += "  these datagrams were on the bus: gaps above may be spy's own (./lcmslam doctor says why)\n";
+  if (report.dropped > 0)
+    text += fmt::format("  {} messages came too fast for spy: gaps above may be its own\n", report.dropped);
+  if (report.refusals.any()) text += fmt::format("refused: {}\n", report.refusals.text());
   if (report.left_out > 0)
     text += fmt::format("  {} messages on further channels are not shown\n", report.left_out);
   if (report.channels.empty())
@@ -94,7 +97,11 @@ std::string spy_json(const SpyReport& report) {
                      {"channels", channels},
                      {"left_out", report.left_out},
                      {"receive_buffer", report.socket.receive_buffer},
-                     {"kernel_drops", report.socket.kernel_drops}};
+                     {"kernel_drops", report.socket.kernel_drops},
+                     {"dropped", report.dropped},
+                     {"refused_foreign", report.refusals.foreign()},
+                     {"refused_malformed", report.refusals.malformed()},
+                     {"incomplete", report.refusals.incomplete()}};
   return json.dump() + "\n";
 }
 

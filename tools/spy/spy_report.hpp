@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <lcmslam/runtime/machine.hpp>
+#include <lcmslam/runtime/refusals.hpp>
 #include "tools/spy/bus_statistics.hpp"
 
 namespace lcmslam {
@@ -15,6 +16,8 @@ struct SpyReport {
   std::vector<ChannelReport> channels;
   std::int64_t left_out = 0;  ///< messages on channels beyond the most that are counted
   SocketState socket;         ///< of spy itself
+  Refusals refusals;          ///< what came to it and was not taken
+  std::int64_t dropped = 0;   ///< messages that came faster than spy counts
 };
 
 /// A table and the state of spy's own socket below it: what was lost there is not the bus's loss.

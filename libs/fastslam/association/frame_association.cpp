@@ -114,7 +114,7 @@ FrameAssociator::FrameAssociator(const FastSlamSettings& settings)
 FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
                                             const std::vector<FeaturePoint>& points,
                                             const Eigen::Isometry3d& T_world_robot, const Motion& prior,
-                                            const ParticleMap& map, const LandmarkIndex& index) {
+                                            const ParticleMap& map, const LandmarkIndex& index, bool lost) {
   const FastSlamSettings& s = settings_;
   FrameAssociation result;
   result.prior = prior;
@@ -138,6 +138,12 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
       !points.empty())
     return result;
 
+  if (lost) {
+    recognised_ = 0;
+    steps_without_agreement_ += by_descriptor >= s.minimum_consensus && result.known.empty() ? 1 : 0;
+    if (find_back(points, map, index, s.minimum_consensus, result)) steps_without_agreement_ = 0;
+    return result;
+  }
   Attempt found = search(points, result.visible, frame, T_predicted, Q, map, index);
   result.matches = std::move(found.matches);
   const std::optional<Consensus>& consensus = found.consensus;

@@ -32,10 +32,11 @@ class FrameAssociator {
  public:
   explicit FrameAssociator(const FastSlamSettings& settings);
 
-  /// `T_world_robot` and `map`: the best particle before the motion `prior` (from motion_prior()).
+  /// `T_world_robot` and `map`: the best particle before the motion `prior` (from motion_prior()). `lost`:
+  /// the prior says nothing, and landmarks are sought in the whole map at once.
   FrameAssociation associate(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
                              const Eigen::Isometry3d& T_world_robot, const Motion& prior,
-                             const ParticleMap& map, const LandmarkIndex& index);
+                             const ParticleMap& map, const LandmarkIndex& index, bool lost = false);
 
   /// Steps in a row whose features agreed on no pose.
   int steps_without_agreement() const { return steps_without_agreement_; }

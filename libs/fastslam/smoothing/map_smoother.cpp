@@ -1,7 +1,9 @@
 #include <lcmslam/fastslam/smoothing/map_smoother.hpp>
 
 #include <ceres/ceres.h>
+#include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <lcmslam/fastslam/pose_space.hpp>
@@ -10,8 +12,14 @@
 namespace lcmslam {
 namespace {
 
-constexpr double keyframe_distance = 0.05, keyframe_rotation = 0.05;  // m, rad
+constexpr int visits_kept = 2;          // of a place: the second one closes the loop, a third says little new
+constexpr double thinner = 1.41421356;  // a step of the spacing; halves the keyframes of an area
 constexpr int maximum_iterations = 15;
+
+bool near(const Eigen::Isometry3d& A, const Eigen::Isometry3d& B, double spacing) {
+  const Eigen::Isometry3d way = A.inverse() * B;
+  return way.translation().norm() < spacing && rotation_angle(way) < spacing;
+}
 
 using Vector6 = std::array<double, 6>;
 
@@ -35,14 +43,39 @@ void MapSmoother::add(Utime utime, const Eigen::Isometry3d& T_world_robot,
     motion_ = chained(*motion_, *motion);
   else
     motion_.reset();  // for good until the next keyframe
-  if (!keyframes_.empty()) {
-    const Eigen::Isometry3d way = keyframes_.back().T_world_robot.inverse() * T_world_robot;
-    if (way.translation().norm() < keyframe_distance && rotation_angle(way) < keyframe_rotation) return;
-  }
-  if (seen.empty()) return;
+  if (!keyframes_.empty() && near(keyframes_.back().T_world_robot, T_world_robot, spacing_)) return;
+  if (seen.empty() || (!loop_closed_ && known_from(T_world_robot))) return;
   keyframes_.push_back({utime, T_world_robot, motion_, seen, loop_closed_});
   motion_ = Motion();
   loop_closed_ = false;
+  while (keyframes_.size() > maximum_keyframes) thin();
+}
+
+bool MapSmoother::known_from(const Eigen::Isometry3d& T_world_robot) const {
+  return std::count_if(keyframes_.begin(), keyframes_.end(), [&](const Keyframe& k) {
+           return near(k.T_world_robot, T_world_robot, spacing_);
+         }) >= visits_kept;
+}
+
+// Fewer keyframes for the same way: those go that stand nearer to the one before than the wider spacing, or
+// where others stand already. Their motions stay.
+void MapSmoother::thin() {
+  spacing_ *= thinner;
+  std::vector<Keyframe> all = std::exchange(keyframes_, {});
+  std::optional<Motion> motion = Motion();  // since the last one that was kept
+  for (Keyframe& k : all) {
+    motion = motion && k.motion ? std::optional(chained(*motion, *k.motion)) : std::nullopt;
+    const bool first = keyframes_.empty();
+    const bool useless =
+        !first && !k.loop_closed &&
+        (near(keyframes_.back().T_world_robot, k.T_world_robot, spacing_) || known_from(k.T_world_robot));
+    if (useless) continue;
+    k.motion = motion;
+    if (first) k.motion.reset();
+    keyframes_.push_back(std::move(k));
+    motion = Motion();
+  }
+  motion_ = motion && motion_ ? std::optional(chained(*motion, *motion_)) : std::nullopt;
 }
 
 // Where the search starts. A closed loop's error is more than a linearisation bears: it is first shared out

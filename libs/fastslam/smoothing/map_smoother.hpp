@@ -5,8 +5,10 @@
 //
 //   sum |log(Z^-1 T_a^-1 T_b)|^2_Q + sum rho(|z - R^T (m - t)|^2_R),   T = T_estimated exp(xi)
 //
-// Keyframes stand where the robot moved on since the last one, so that cost and memory grow with the way
-// and not with time. The first one is held: the world stays the filter's.
+// Keyframes stand where the robot moved on since the last one, and where it has been no more than once. So
+// they grow with the area that it has seen and not with the time or the way, and where they get too many they
+// stand farther apart: memory and the solver's time are bounded. The first one is held: the world stays the
+// filter's.
 
 #include <cstdint>
 #include <map>
@@ -49,6 +51,7 @@ class MapSmoother {
   std::optional<MapSmoothing> solve() const;
 
   std::size_t keyframes() const { return keyframes_.size(); }
+  static constexpr std::size_t maximum_keyframes = 200;  ///< a second or two for the solver
 
  private:
   struct Keyframe {
@@ -58,9 +61,12 @@ class MapSmoother {
     std::vector<PointObservation> seen;
     bool loop_closed = false;
   };
+  bool known_from(const Eigen::Isometry3d& T_world_robot) const;
+  void thin();
   std::vector<Eigen::Isometry3d> deformed_path() const;
 
   FastSlamSettings settings_;
+  double spacing_ = 0.05;  // m and rad, between keyframes
   std::vector<Keyframe> keyframes_;
   std::optional<Motion> motion_;  // since the newest keyframe
   bool loop_closed_ = false;      // since then

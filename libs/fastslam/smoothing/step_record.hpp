@@ -17,6 +17,7 @@ struct StepRecord {
   std::vector<FeaturePoint> used;                                   ///< corrected and widened
   std::vector<LandmarkMatch> observed;                              ///< the particles were weighed by these
   std::vector<LandmarkMatch> created;                               ///< after them
+  bool blind = false;                                               ///< nothing observed, nothing to be made
   std::vector<std::int32_t> forgotten;                              ///< identities whose landmark died
   Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();  ///< the estimate, as published then
   Matrix6d covariance = Matrix6d::Zero();  ///< in the world that it stands in, body frame

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <lcmslam/runtime/options.hpp>
 #include "tests/integration/support/environment.hpp"
 
 namespace lcmslam::integration {
@@ -28,11 +29,13 @@ unsigned long waiting_bytes() {
 
 }  // namespace
 
-Bus::Bus() {
-  if (!lcm_.good()) throw std::runtime_error("the test cannot use LCM");
-  lcm_.subscribe(".*", &Bus::on_message, this)->setQueueCapacity(10'000);
+Bus::Bus() : bus_(lcm_url_from_environment()) {
+  if (!bus_.usable()) throw std::runtime_error("the test cannot use LCM");
+  reader_ = bus_.listen(ChannelSet::matching(".*"));
   thread_ = std::thread([this] {
-    while (!stop_) lcm_.handleTimeout(50);
+    BusMessage message;
+    while (!stop_)
+      if (reader_->read(message, std::chrono::milliseconds(50))) on_message(message);
   });
 }
 
@@ -42,18 +45,17 @@ Bus::~Bus() {
 }
 
 void Bus::publish(const std::string& channel, const Bytes& bytes) {
-  if (lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
+  if (bus_.lcm().publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
     throw std::runtime_error(channel + ": cannot be sent");
 }
 
-void Bus::on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-  const auto* data = static_cast<const std::uint8_t*>(buffer->data);
+void Bus::on_message(const BusMessage& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  ++counts_[channel];
-  newest_[channel].assign(data, data + buffer->data_size);
-  if (channel != "STATUS") return;
+  ++counts_[message.channel];
+  newest_[message.channel] = message.bytes;
+  if (message.channel != "STATUS") return;
   try {
-    on_status(decode_message<status_t>(data, buffer->data_size));
+    on_status(decode_message<status_t>(message.bytes.data(), message.bytes.size()));
   } catch (const DecodeError&) {
     // our own garbage
   }

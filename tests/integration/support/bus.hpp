@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <functional>
-#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include <lcmslam/messages/decode.hpp>
+#include <lcmslam/runtime/bus.hpp>
 #include <lcmslam/status_t.hpp>
 
 namespace lcmslam::integration {
@@ -55,10 +55,11 @@ class Bus {
   void wait_until_taken() const;
 
  private:
-  void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void on_message(const BusMessage& message);
   void on_status(const status_t& status);
 
-  lcm::LCM lcm_;
+  LcmBus bus_;
+  std::unique_ptr<BusReader> reader_;
   mutable std::mutex mutex_;
   std::map<std::string, std::size_t> counts_;
   std::map<std::string, Bytes> newest_;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include <lcmslam/configuration/config.hpp>
+#include <lcmslam/configuration/yaml_text.hpp>
 #include "tests/unit/configuration/error_of.hpp"
 
 namespace lcmslam {
@@ -52,6 +53,25 @@ TEST(ConfigSyntax, ErrorsNameTheLine) {
   EXPECT_THAT(parse_error("[1, 2]: x\n"), HasSubstr("a key must be a word, got a list"));
   EXPECT_EQ(parse_error(""), "no error");
   EXPECT_EQ(parse_error("# only a comment\n"), "no error");
+}
+
+TEST(ConfigSyntax, AByteOfValueZeroIsNoEndOfFile) {
+  const auto error = [](const std::string& text) { return parse_error(text); };
+  EXPECT_EQ(error(std::string(3, '\0')), "demo.yaml:1: a byte of value 0: must be text in UTF-8");
+  EXPECT_EQ(error(std::string("a: 1\nb: 2\n\0c: 3\n", 16)),
+            "demo.yaml:3: a byte of value 0: must be text in UTF-8");
+}
+
+TEST(ConfigSyntax, QuotedTextReadsBackAsItWas) {
+  std::string all;
+  for (char c = 1; c < 127; ++c) all += c;
+  for (const std::string& text :
+       {all, std::string("/tmp/a\nb"), std::string("/tmp/run #2"), std::string("a: b"),
+        std::string("/tmp/K\u00fcche \"1\"\\"), std::string("[x]"), std::string("\x7f")}) {
+    ConfigNode config;
+    config.set("folder", yaml_quoted(text));
+    EXPECT_EQ(config.text("folder"), text);
+  }
 }
 
 TEST(ConfigSyntax, DuplicateKeysAreFoundAtEveryLevel) {

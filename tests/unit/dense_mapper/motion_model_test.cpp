@@ -36,6 +36,30 @@ TEST(MotionModel, TheLastVelocityGoesOnForASecondAtMost) {
   EXPECT_TRUE(model.predict(500'000, std::nullopt).T_target_source.isApprox(planar_pose(9, 9, 0), 1e-12));
 }
 
+TEST(MotionModel, ARobotThatNobodyWatchesIsAdriftUntilItIsFound) {
+  MotionModel model({});
+  model.observe(0, start, false);
+  model.look_for_gap(900'000, std::nullopt);
+  EXPECT_FALSE(model.adrift());
+  model.look_for_gap(6'000'000, Motion{});
+  EXPECT_FALSE(model.adrift()) << "odometry was there";
+  double last_variance = 0;
+  for (const Utime utime : {6'000'000, 6'100'000, 6'200'000}) {
+    // Odometry that comes back does not know either.
+    const auto motion = utime > 6'000'000 ? std::optional(Motion{}) : std::nullopt;
+    model.look_for_gap(utime, motion);
+    EXPECT_TRUE(model.adrift());
+    const double variance = 1 / model.predict(utime, motion).information(0, 0);
+    EXPECT_GT(variance, 9);  // m^2, after six seconds
+    EXPECT_GT(variance, last_variance);
+    last_variance = variance;
+    model.observe(utime, start, false);
+  }
+  model.found();
+  EXPECT_FALSE(model.adrift());
+  EXPECT_LT(1 / model.predict(6'300'000, std::nullopt).information(0, 0), 0.01);
+}
+
 TEST(MotionModel, ADeformedWorldTakesTheRobotAlong) {
   MotionModel model({});
   model.observe(0, start, true);

@@ -106,6 +106,64 @@ TEST(MapSmoother, StandingStillMakesNoKeyframes) {
   EXPECT_FALSE(smoother.solve());
 }
 
+// A robot that drives its lap again and again, with an odometry that drifts and is put right by the filter.
+// `radius` m, `step` rad of the lap between poses; T_estimated = T exp(drift), which the observations
+// contradict.
+MapSmoother lapping(double radius, double step, int poses, Eigen::Isometry3d* T_last = nullptr) {
+  FastSlamSettings settings;
+  MapSmoother smoother(settings);
+  Random random(3, 5);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 100; ++i) points.emplace_back(random.uniform(-9, 9), random.uniform(-9, 9), 1);
+  Eigen::Isometry3d T_before = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < poses; ++i) {
+    const double t = step * i;
+    const Eigen::Isometry3d T = planar_pose(radius * std::sin(t), radius - radius * std::cos(t), t);
+    const Eigen::Isometry3d T_estimated = i == 0 ? T : T * planar_pose(0.01 * random.normal(), 0, 0);
+    Motion motion;
+    motion.T_from_to = T_before.inverse() * T;
+    motion.covariance = 1e-6 * Matrix6d::Identity();
+    std::vector<PointObservation> seen;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const Eigen::Vector3d local = T.inverse() * points[p];
+      if (local.x() < 0.3 || local.norm() > 4) continue;
+      seen.push_back({static_cast<std::int64_t>(p), {local, 1e-4 * Eigen::Matrix3d::Identity()}});
+    }
+    smoother.add(1'000'000 + i, T_estimated, motion, seen);
+    T_before = T;
+    if (T_last) *T_last = T;
+  }
+  return smoother;
+}
+
+TEST(MapSmoother, APlaceThatIsVisitedAgainKeepsItsKeyframes) {
+  constexpr double step = 0.1;
+  constexpr int lap = 63;
+  const std::size_t once = lapping(2, step, lap).keyframes();
+  const std::size_t twice = lapping(2, step, 2 * lap).keyframes();
+  const std::size_t often = lapping(2, step, 10 * lap).keyframes();
+  EXPECT_EQ(once, lap);
+  EXPECT_GT(2 * twice, 3 * once);  // the second visit closes the loop
+  EXPECT_LE(10 * often, 25 * once);
+}
+
+TEST(MapSmoother, ALongWayIsThinnedAndItsMotionsHold) {
+  constexpr int poses = 700;
+  Eigen::Isometry3d T_last;
+  const MapSmoother smoother = lapping(8, 0.0085, poses, &T_last);  // no place twice
+  EXPECT_LE(smoother.keyframes(), MapSmoother::maximum_keyframes);
+  EXPECT_GT(smoother.keyframes(), MapSmoother::maximum_keyframes / 4);
+  const auto result = smoother.solve();
+  ASSERT_TRUE(result);
+  // Motions and observations fit each other, however many poses a motion spans.
+  EXPECT_LT(result->cost_after, 1e-2 * result->cost_before);
+  for (const SmoothedPose& pose : result->path) {
+    const double t = 0.0085 * static_cast<double>(pose.utime - 1'000'000);
+    const Eigen::Vector3d truth(8 * std::sin(t), 8 - 8 * std::cos(t), 0);
+    EXPECT_LT((pose.T_world_robot.translation() - truth).norm(), 5e-3) << t;
+  }
+}
+
 // m, median distance of the map's landmarks from the nearest true point.
 double map_error(const FastSlam& slam, const synthetic::Drive& drive, const Eigen::Isometry3d& T_start) {
   std::vector<double> errors;

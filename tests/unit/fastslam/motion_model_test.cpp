@@ -48,5 +48,59 @@ TEST(MotionModel, WithoutOdometryItGrowsWithTheTime) {
   EXPECT_TRUE(usable(motion));
 }
 
+constexpr Utime frame_time = 33'000;  // us
+
+Motion stated(double way, double way_sigma, double turn_sigma) {
+  Motion motion;
+  motion.T_from_to.translation().x() = way;
+  motion.covariance.diagonal().head<3>().setConstant(way_sigma * way_sigma);
+  motion.covariance.diagonal().tail<3>().setConstant(turn_sigma * turn_sigma);
+  return motion;
+}
+
+TEST(UnknownMotion, GrowsWithTheTimeAndNotWithItsRoot) {
+  const FastSlamSettings settings;
+  UnknownMotion unknown(settings);
+  unknown.prior(Motion(), 0);
+  Matrix6d sum = Matrix6d::Zero();
+  for (int i = 1; i <= 60; ++i) {
+    const Motion prior = unknown.prior(stated(0, 10, 10), i * frame_time);
+    EXPECT_TRUE(prior.T_from_to.isApprox(Eigen::Isometry3d::Identity()));
+    sum += prior.covariance - motion_prior(Motion(), settings).covariance;
+    EXPECT_EQ(unknown.lost(), 1e-6 * i * frame_time > settings.lost_after) << i;
+  }
+  EXPECT_TRUE(sum.isApprox(unknown_motion(60 * frame_time).covariance, 1e-9));
+  unknown.end();
+  EXPECT_FALSE(unknown.lost());
+}
+
+TEST(UnknownMotion, AnOdometryThatKnowsSomethingIsBelieved) {
+  const FastSlamSettings settings;
+  UnknownMotion unknown(settings);
+  Utime now = 0;
+  const auto believed = [&](const Motion& motion) {
+    unknown.end();
+    unknown.prior(Motion(), now += frame_time);
+    return unknown.prior(motion, now += frame_time)
+        .covariance.isApprox(motion_prior(motion, settings).covariance);
+  };
+  EXPECT_TRUE(believed(stated(0, 0.003, 0.003)));
+  EXPECT_TRUE(believed(stated(0, 1, 0.003)));  // it turned so
+  EXPECT_TRUE(believed(stated(0, 0.003, 1)));
+  EXPECT_TRUE(believed(stated(2, 1, 1)));  // faster than we took it to be, but it moved
+  EXPECT_FALSE(believed(stated(0, 1, 1)));
+  EXPECT_FALSE(believed(stated(std::nan(""), 0.003, 0.003)));
+}
+
+// Its turn may be any by now, so that a visual odometry in the dark adds no more error to it.
+TEST(UnknownMotion, GoesOnUntilBothAreKnown) {
+  UnknownMotion unknown(FastSlamSettings{});
+  unknown.prior(Motion(), 0);
+  unknown.prior(stated(0, 1, 1), 200'000);
+  EXPECT_FALSE(unknown.lost());
+  unknown.prior(stated(0, 1, 0.001), 300'000);
+  EXPECT_TRUE(unknown.lost());
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -118,6 +118,22 @@ TEST(MotionBuffer, ForgetsWhatIsOlderThanItsSpan) {
   EXPECT_EQ(buffer.newest(), 300'000);
 }
 
+// Wheels that were read again after ten seconds tell how far they rolled, not which way the robot took.
+TEST(MotionBuffer, NobodyKnowsTheWayOverAGapInTheSamples) {
+  MotionBuffer buffer;
+  MotionSample s;
+  for (const Utime utime : {0, 1'000'000, 3'000'000, 5'000'001, 6'000'000}) {
+    s.utime = utime;
+    buffer.add(s);
+  }
+  EXPECT_TRUE(buffer.between(0, 3'000'000));
+  EXPECT_TRUE(buffer.between(5'000'001, 6'000'000));
+  EXPECT_FALSE(buffer.between(2'900'000, 5'500'000));
+  EXPECT_FALSE(buffer.between(4'000'000, 4'500'000));
+  EXPECT_FALSE(buffer.between(5'500'000, 2'900'000));
+  EXPECT_FALSE(buffer.between(0, 6'000'000));
+}
+
 TEST(MotionBuffer, AJumpBackInTimeStartsAfresh) {
   MotionBuffer buffer;
   MotionSample s;

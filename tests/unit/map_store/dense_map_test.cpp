@@ -166,6 +166,28 @@ TEST(DenseMap, CountsPointsAndBytes) {
   EXPECT_EQ(map.merge(0.1).size(), 0u);
 }
 
+TEST(DenseMap, MessagesMakeNoMoreThanTheLimits) {
+  DenseMap map({3, 170, 2});
+  for (std::int32_t id = 0; id < 3; ++id) EXPECT_TRUE(map.add(tile(id, 0, 1, 1)));
+  EXPECT_THROW(map.add(tile(3, 0, 1, 1)), std::invalid_argument) << "a fourth keyframe";
+  EXPECT_TRUE(map.add(tile(2, 0, 1, 7))) << "one that is known is replaced";
+  EXPECT_FALSE(map.add(tile(2, 0, 2, 7)));
+  EXPECT_THROW(map.add(tile(2, 1, 2, 7)), std::invalid_argument) << "200 points";
+  EXPECT_EQ(map.point_count(), 150U);
+  map.remove(0);
+  EXPECT_EQ(map.point_count(), 100U);
+  EXPECT_TRUE(map.add(tile(2, 1, 2, 7)));
+  EXPECT_EQ(map.point_count(), 150U);
+}
+
+TEST(DenseMap, OldestIncompleteKeyframeGoesWhenTooManyWait) {
+  DenseMap map({100, 100000, 2});
+  for (std::int32_t id = 0; id < 5; ++id) EXPECT_FALSE(map.add(tile(id, 0, 2, 1)));
+  EXPECT_THAT(map.incomplete(), ElementsAre(3, 4));
+  EXPECT_EQ(map.given_up(), 3);
+  EXPECT_TRUE(map.add(tile(3, 1, 2, 1)));
+}
+
 TEST(DenseMap, DamagedTilesAreRefused) {
   DenseMap map;
   KeyframeTile bad = tile(1, 3, 3, 1);

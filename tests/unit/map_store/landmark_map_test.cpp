@@ -147,6 +147,18 @@ TEST(LandmarkMap, RandomLossAndReorderingEndInTheSamePicture) {
   }
 }
 
+TEST(LandmarkMap, MessagesMakeNoMoreThanTheLimit) {
+  LandmarkMap map(3);
+  EXPECT_TRUE(map.apply({1, 0, {landmark(1, 0), landmark(2, 0), landmark(3, 0)}, {}}));
+  EXPECT_THROW(map.apply({2, 1, {landmark(4, 0)}, {}}), std::invalid_argument);
+  EXPECT_EQ(map.revision(), 1);
+  EXPECT_TRUE(map.apply({2, 1, {landmark(3, 5)}, {}})) << "one that is known";
+  EXPECT_TRUE(map.apply({3, 0, {landmark(7, 0), landmark(8, 0), landmark(9, 0)}, {}})) << "another whole map";
+  EXPECT_FALSE(map.add_tile({4, 0, 2, {landmark(1, 0), landmark(2, 0)}}));
+  EXPECT_THROW(map.add_tile({4, 1, 2, {landmark(3, 0), landmark(4, 0)}}), std::invalid_argument);
+  EXPECT_EQ(map.size(), 3U);
+}
+
 TEST(LandmarkMap, ImpossibleTilesAreRefused) {
   LandmarkMap map;
   for (const auto& [tile, tiles] : {std::pair{-1, 2}, {2, 2}, {0, 0}, {0, -5}, {0, 1 << 30}})

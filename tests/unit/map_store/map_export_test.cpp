@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
-#include <lcmslam/map_store/atomic_file.hpp>
+#include <lcmslam/files/atomic_file.hpp>
 #include "tests/unit/map_store/sample_map.hpp"
 
 namespace lcmslam {
@@ -194,24 +194,6 @@ TEST(AtomicFile, AFullDiskKeepsTheOldFile) {
     EXPECT_GT(fs::file_size(file), 20000u);
   }
   EXPECT_EQ(files_in(folder.path()), 4u) << "no temporary file is left behind";
-}
-
-TEST(AtomicFile, AWriterThatFailsHalfWayKeepsTheOldFile) {
-  const TemporaryFolder folder;
-  const fs::path file = folder / "map.txt";
-  write_atomically(file, "old");
-  const std::string error = error_of([&] {
-    write_atomically(file, [&](const fs::path& temporary) {
-      EXPECT_EQ(temporary.parent_path(), folder.path());
-      std::ofstream(temporary) << "half of the n";
-      throw std::runtime_error("the writer's reason");
-    });
-  });
-  EXPECT_EQ(error, "cannot save " + file.string() + ": the writer's reason");
-  EXPECT_EQ(content(file), "old");
-  write_atomically(file, "new");
-  EXPECT_EQ(content(file), "new");
-  EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
 TEST(MapExport, UnreadableFilesAreNamed) {

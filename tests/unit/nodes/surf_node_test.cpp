@@ -16,6 +16,13 @@ namespace {
 using ::testing::HasSubstr;
 using testing::SimulatedKitchen;
 
+/// The same shot at another time.
+images_t later(images_t message, Utime us) {
+  message.utime += us;
+  for (image_t& image : message.images) image.utime += us;
+  return message;
+}
+
 class SurfNodeTest : public ::testing::Test {
  protected:
   SimulatedKitchen& kitchen_ = SimulatedKitchen::instance();
@@ -38,6 +45,23 @@ TEST_F(SurfNodeTest, FrameWaitsForTheCalibrationAndThenGivesFeatures) {
   EXPECT_EQ(bus_.count("FEATURES"), 1U);
 }
 
+TEST_F(SurfNodeTest, SecondCameraIsLeftOutWithItsCalibration) {
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  bus_.deliver("CAMERA", kitchen_.frame(0));
+  camera_calibration_t calibration = kitchen_.calibration();
+  calibration.sender = 2000;
+  calibration.colour.width /= 2;
+  bus_.deliver("CAMERA_CALIBRATION", calibration);
+  images_t other = kitchen_.frame(1);
+  set_origin(other, {0, 2000});
+  bus_.deliver("CAMERA", other);
+  EXPECT_EQ(bus_.count("FEATURES"), 1U);
+  bus_.deliver("CAMERA", kitchen_.frame(2));
+  EXPECT_EQ(bus_.count("FEATURES"), 2U);
+  EXPECT_EQ(bus_.stamps(0).foreign(), 1);
+  EXPECT_EQ(bus_.decode_errors(), 0);
+}
+
 TEST_F(SurfNodeTest, PointsLieOnTheScene) {
   bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
   bus_.deliver("CAMERA", kitchen_.frame(0));
@@ -58,7 +82,7 @@ TEST_F(SurfNodeTest, BadImageBytesAreCountedAndTheNextFrameIsUsed) {
   bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
   std::int64_t errors = 0;
   const auto expect_refused = [&](auto change) {
-    images_t message = kitchen_.frame(0);
+    images_t message = later(kitchen_.frame(0), 10'000 * errors);
     change(message);
     bus_.deliver("CAMERA", message);
     EXPECT_EQ(bus_.input(0, "CAMERA").decode_errors, ++errors);
@@ -67,6 +91,7 @@ TEST_F(SurfNodeTest, BadImageBytesAreCountedAndTheNextFrameIsUsed) {
   expect_refused([](images_t& m) { m.images[0].data.resize(100), m.images[0].size = 100; });
   expect_refused([](images_t& m) { m.images[1].data.assign(10, 7), m.images[1].size = 10; });
   expect_refused([](images_t& m) { m.images[1].width -= 1; });
+  expect_refused([](images_t& m) { m.images[1].utime += 10'000'000; });  // no shot of one moment
   expect_refused([](images_t& m) {  // sound, but not of the calibration's size
     m.images[1].width = m.images[1].height = 2;
     m.images[1].data = encode_depth(cv::Mat::ones(2, 2, CV_16UC1), 0).bytes;
@@ -97,14 +122,14 @@ TEST_F(SurfNodeTest, TellsOfBlurAndOfLittleTextureAndGoesOn) {
   EXPECT_EQ(testing::value_of(node_, "blurred_frames"), 1);
 
   for (int i = 2; i < 10; ++i)  // fades to a plain wall, so that it does not look like blur
-    bus_.deliver("CAMERA", changed(kitchen_.frame(0), [&](cv::Mat& m) {
+    bus_.deliver("CAMERA", changed(later(kitchen_.frame(0), 100'000 * i), [&](cv::Mat& m) {
                    m.convertTo(m, -1, 0);
                    cv::circle(m, {100, 100}, 8, cv::Scalar::all(8), -1);
                  }));
   EXPECT_EQ(bus_.count("FEATURES"), 10U);
   EXPECT_LT(testing::value_of(node_, "threshold"), 100);
   EXPECT_LT(testing::value_of(node_, "keypoints"), 50);
-  bus_.deliver("CAMERA", kitchen_.frame(3));
+  bus_.deliver("CAMERA", later(kitchen_.frame(3), 1'000'000));
   EXPECT_EQ(node_.report().detail, "");
   EXPECT_GT(testing::value_of(node_, "keypoints"), 100);
 }
@@ -115,9 +140,7 @@ TEST(SurfNode, LeavesImagesOutAboveItsRate) {
   SurfNode& node = bus.add<SurfNode>(ConfigNode::parse("rate: 10", "test"));
   bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
   for (int i = 0; i < 9; ++i) {
-    images_t message = kitchen.frame(0);
-    message.utime += 33'333 * i;
-    bus.deliver("CAMERA", message);
+    bus.deliver("CAMERA", later(kitchen.frame(0), 33'333 * i));
   }
   EXPECT_EQ(bus.count("FEATURES"), 3U);
   EXPECT_EQ(testing::value_of(node, "left_out"), 6);

@@ -218,6 +218,38 @@ TEST(Inputs, EveryHandlerOfAChannelHearsTheMessageAndNobodyElse) {
   EXPECT_EQ(other, 0);
 }
 
+TEST(Inputs, HandlersOfMeasurementsSeeOnePublisherAndTimeThatGoesOn) {
+  Inputs inputs;
+  std::vector<Utime> handled;
+  int sessions = 0;
+  inputs.on_new_session = [&] { ++sessions; };
+  Input& input = inputs.subscribe_measured<encoders_t>(
+      "ENCODERS", 10, [&](const encoders_t& m) { handled.push_back(m.utime); });
+  std::int64_t seq = 0;
+  const auto deliver = [&](Utime utime, std::int64_t sender = 7) {
+    const auto bytes = message(seq++, sender, utime);
+    inputs.deliver("ENCODERS", bytes.data(), bytes.size());
+  };
+  constexpr Utime start = 1'000'000'000, step = 100'000;
+  for (int i = 0; i < 5; ++i) {
+    deliver(start + i * step);
+    deliver(start + i * step);               // twice
+    deliver(start + i * step + 10'000'000);  // wrong
+    deliver(start + i * step + 50'000, 99);  // of another
+  }
+  EXPECT_THAT(handled, ::testing::ElementsAre(start, start + step, start + 2 * step, start + 3 * step,
+                                              start + 4 * step));
+  EXPECT_EQ(inputs.stamps().refused(), 5);
+  EXPECT_EQ(inputs.stamps().foreign(), 5);
+  EXPECT_EQ(input.senders.at(7).received, 15) << "all are counted";
+  EXPECT_EQ(sessions, 0);
+  handled.clear();
+  for (int i = 0; i < 10; ++i) deliver(5'000'000 + i * step);
+  EXPECT_EQ(sessions, 1);
+  ASSERT_GE(handled.size(), 4U);
+  EXPECT_LT(handled.front(), start);
+}
+
 TEST(Inputs, ForeignTypesWithoutNumbersAreReceived) {
   Inputs inputs;
   Input& input = inputs.subscribe<pose_t>("POSE_BODY", 1, [](const pose_t&) {});

@@ -59,14 +59,14 @@ class ReceiverTest : public ::testing::Test {
 };
 
 TEST_F(ReceiverTest, OldestAreDroppedAndCountedSoThatNothingIsTakenForLost) {
-  lcm::LCM lcm("memq://");
-  ASSERT_TRUE(lcm.good());
+  LcmBus bus("memq://");
+  ASSERT_TRUE(bus.usable());
   subscribe("IMAGES", 1);
   subscribe("ODOMETRY", 4);
   inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
-  LcmPublisher publisher(lcm, 5, 1'000'000);
+  LcmPublisher publisher(bus.lcm(), 5, 1'000'000);
   // The first are taken at once, so that the numbering has begun.
-  Receiver receiver(lcm, inputs_);
+  Receiver receiver(bus, inputs_);
   publisher.publish("IMAGES", encoders(0));
   publisher.publish("ODOMETRY", encoders(100));
   drain(receiver, publisher);
@@ -92,17 +92,17 @@ TEST_F(ReceiverTest, OldestAreDroppedAndCountedSoThatNothingIsTakenForLost) {
 
 // A drop of one sender's message explains no gap of another's.
 TEST_F(ReceiverTest, DropsOfTwoSendersAreKeptApart) {
-  lcm::LCM lcm("memq://");
+  LcmBus bus("memq://");
   subscribe("IMAGES", 1);
   inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
-  LcmPublisher publisher(lcm, 5, 1'000'000);
-  Receiver receiver(lcm, inputs_);
+  LcmPublisher publisher(bus.lcm(), 5, 1'000'000);
+  Receiver receiver(bus, inputs_);
   const auto send = [&](std::int64_t sender, std::int64_t seq) {
     encoders_t m = encoders(seq);
     m.sender = sender;
     m.seq = seq;
     const auto bytes = encode_message(m);
-    lcm.publish("IMAGES", bytes.data(), static_cast<unsigned>(bytes.size()));
+    bus.lcm().publish("IMAGES", bytes.data(), static_cast<unsigned>(bytes.size()));
   };
   for (const std::int64_t sender : {1, 2}) {
     send(sender, 0);
@@ -122,26 +122,26 @@ TEST_F(ReceiverTest, DropsOfTwoSendersAreKeptApart) {
 }
 
 TEST_F(ReceiverTest, ABusWithoutItsServerIsNotUsable) {
-  lcm::LCM memory("memq://"), nobody("tcpq://127.0.0.1:1");
-  EXPECT_TRUE(is_usable(memory));
-  EXPECT_FALSE(is_usable(nobody));
+  LcmBus memory("memq://"), nobody("tcpq://127.0.0.1:1");
+  EXPECT_TRUE(memory.usable());
+  EXPECT_FALSE(nobody.usable());
 }
 
 TEST_F(ReceiverTest, NothingToTakeIsSaid) {
-  lcm::LCM lcm("memq://");
+  LcmBus bus("memq://");
   subscribe("IMAGES", 1);
-  Receiver receiver(lcm, inputs_);
+  Receiver receiver(bus, inputs_);
   Arrival arrival;
   EXPECT_FALSE(receiver.take(arrival, std::chrono::milliseconds(1)));
 }
 
 TEST_F(ReceiverTest, AnotherReceiverCanFollowOnTheSameBus) {
-  lcm::LCM lcm("memq://");
+  LcmBus bus("memq://");
   subscribe("IMAGES", 10);
   inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
-  LcmPublisher publisher(lcm, 5, 1'000'000);
+  LcmPublisher publisher(bus.lcm(), 5, 1'000'000);
   for (int round = 0; round < 2; ++round) {
-    Receiver receiver(lcm, inputs_);
+    Receiver receiver(bus, inputs_);
     publisher.publish("IMAGES", encoders(round));
     drain(receiver, publisher);
   }
@@ -150,13 +150,13 @@ TEST_F(ReceiverTest, AnotherReceiverCanFollowOnTheSameBus) {
 
 TEST_F(ReceiverTest, MessagesOfEverySizeCrossAPrivateBus) {
   const std::string url = own_bus("udpm://239.255.76.67:7667?ttl=0");
-  lcm::LCM sending(url), receiving(url);
-  ASSERT_TRUE(sending.good() && receiving.good());
+  LcmBus sending(url), receiving(url);
+  ASSERT_TRUE(sending.usable() && receiving.usable());
   std::vector<std::size_t> sizes;
   inputs_.subscribe<encoders_t>("BIG", 10, [&](const encoders_t& m) { sizes.push_back(m.wheels.size()); });
   inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
   Receiver receiver(receiving, inputs_);
-  LcmPublisher publisher(sending, 6, 1'000'000);
+  LcmPublisher publisher(sending.lcm(), 6, 1'000'000);
   for (const std::size_t wheels : {0U, 20U, 1250U}) {  // up to 60 kB: fragmented
     encoders_t m = encoders(static_cast<Utime>(wheels));
     m.wheels.resize(wheels);
@@ -171,13 +171,13 @@ TEST_F(ReceiverTest, MessagesOfEverySizeCrossAPrivateBus) {
 TEST_F(ReceiverTest, BigMessagesCrossInPieces) {
   // The buffer that every kernel grants holds all pieces of one message, however late they are read.
   const std::string url = own_bus("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=212992");
-  lcm::LCM sending(url), receiving(url);
-  ASSERT_TRUE(sending.good() && receiving.good());
+  LcmBus sending(url), receiving(url);
+  ASSERT_TRUE(sending.usable() && receiving.usable());
   std::vector<std::string> details;
   inputs_.subscribe<status_t>("BIG", 100, [&](const status_t& m) { details.push_back(m.detail); });
   inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
   Receiver receiver(receiving, inputs_);
-  LcmPublisher publisher(sending, 6, 0);
+  LcmPublisher publisher(sending.lcm(), 6, 0);
   std::vector<std::string> sent;
   for (std::size_t i = 0; i < 10; ++i) {
     sent.emplace_back(59'000 + i * 24'000, static_cast<char>('a' + i));
@@ -194,11 +194,11 @@ TEST_F(ReceiverTest, BigMessagesCrossInPieces) {
 // With a receive buffer that cannot hold what comes, messages are lost; each of them is counted.
 TEST_F(ReceiverTest, EveryLostMessageIsCounted) {
   const std::string url = own_bus("udpm://239.255.76.67:7667?ttl=0");
-  lcm::LCM sending(url), receiving(url + "&recv_buf_size=40000");
-  ASSERT_TRUE(sending.good() && receiving.good());
+  LcmBus sending(url), receiving(url + "&recv_buf_size=40000");
+  ASSERT_TRUE(sending.usable() && receiving.usable());
   inputs_.subscribe<encoders_t>("BIG", 1000, [&](const encoders_t& m) { handled_.push_back(m.utime); });
   Receiver receiver(receiving, inputs_);
-  LcmPublisher publisher(sending, 6, 1'000'000);
+  LcmPublisher publisher(sending.lcm(), 6, 1'000'000);
   const Input& big = *inputs_.all()[0];
 
   // The first and the last arrive: they are repeated until one is seen.

@@ -10,7 +10,9 @@
 
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
+#include <lcmslam/runtime/udpm/multicast_address.hpp>
 #include <lcmslam/status_t.hpp>
+#include "tests/support/datagrams.hpp"
 #include "tests/support/own_bus.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/doctor/checks.hpp"
@@ -75,7 +77,53 @@ TEST(Doctor, FindsAPrivateBusWell) {
   EXPECT_EQ(test.level, Level::good) << test.text;
   EXPECT_THAT(test.text, HasSubstr("9 of 9 messages of 300 kB"));
   EXPECT_THAT(test.text, HasSubstr("in pieces"));
-  EXPECT_EQ(check_senders(quick(url)).level, Level::good);
+  for (const Finding& finding : check_traffic(quick(url)))
+    EXPECT_EQ(finding.level, Level::good) << finding.text;
+}
+
+TEST(Doctor, SaysWhoMayBeHeard) {
+  EXPECT_EQ(check_sources("memq://").level, Level::good);
+  EXPECT_THAT(check_sources(url).text, HasSubstr("this machine alone"));
+  const std::string open = "udpm://239.255.76.67:7667?ttl=1";
+  EXPECT_EQ(check_sources(open).level, Level::warning);
+  EXPECT_THAT(check_sources(open).text, HasSubstr("LCMSLAM_BUS_ALLOW"));
+  setenv("LCMSLAM_BUS_ALLOW", "10.0.0.5", 1);
+  EXPECT_EQ(check_sources(open).level, Level::good);
+  unsetenv("LCMSLAM_BUS_ALLOW");
+}
+
+/// While a datagram that is none of LCM's is sent over and over, and a STATUS of a
+/// process that has refused some.
+TEST(Doctor, ShowsWhatWasRefused) {
+  const std::string bus = own_bus(url);
+  std::atomic<bool> stop{false};
+  std::thread stranger([&] {
+    const testing::UdpSender sender;
+    status_t status{};
+    status.process = "surf";
+    status.pid = 4711;
+    status.n_values = 1;
+    status.values.resize(1);
+    status.values[0].name = "bus_foreign";
+    status.values[0].value = 9;
+    while (!stop) {
+      const auto now = std::chrono::system_clock::now().time_since_epoch();
+      status.utime = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+      const MulticastAddress address = multicast_address(bus);
+      sender.send(address.group, address.port, testing::whole_datagram("STATUS", encode_message(status)));
+      sender.send(address.group, address.port, testing::bytes_of("no datagram of LCM"));
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  const auto findings = check_traffic(quick(bus));
+  stop = true;
+  stranger.join();
+  ASSERT_EQ(findings.size(), 2U);
+  EXPECT_EQ(findings[0].subject, "other senders");
+  EXPECT_EQ(findings[1].subject, "refused packets");
+  EXPECT_EQ(findings[1].level, Level::warning);
+  EXPECT_THAT(findings[1].text, HasSubstr("malformed (no datagram of LCM)"));
+  EXPECT_THAT(findings[1].text, HasSubstr("surf (4711) refused 9 since its start"));
 }
 
 TEST(Doctor, NoticesABusThatDoesNotKeepUp) {

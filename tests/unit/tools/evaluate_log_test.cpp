@@ -124,7 +124,7 @@ TEST_F(Evaluate, MapIsComparedWithTheScene) {
                               0.5f + 0.01f * static_cast<float>(i / 20), 0.02f);
     cloud.colours.emplace_back(1, 2, 3);
   }
-  save_ply(path("map.ply"), cloud);
+  save_ply(std::filesystem::path(path("map.ply")), cloud);
   Trajectory same = path_;
   write_tum(path("truth.txt"), same);
   for (StampedPose& pose : same) pose.T_world_body.translation().x() += 1e-7;
@@ -166,7 +166,7 @@ TEST_F(Evaluate, MapIsComparedWithAReferenceLogsImages) {
     cloud.points.push_back((T_world_depth * p).cast<float>());
     cloud.colours.emplace_back(1, 2, 3);
   }
-  save_ply(path("map.ply"), cloud);
+  save_ply(std::filesystem::path(path("map.ply")), cloud);
   EXPECT_NE(run({path("run.lcmlog"), "--map", path("map.ply"), "--reference", path("none.lcmlog")}), 0);
   EXPECT_EQ(run({path("run.lcmlog"), "--map", path("map.ply"), "--reference", path("run.lcmlog")}), 0)
       << output_;

@@ -56,6 +56,16 @@ TEST_F(Graph, OverridesReachTheLaunchSection) {
   EXPECT_EQ(read("icp: {}\n", {"launch.processes=[surf]"}).size(), 1U);
 }
 
+TEST_F(Graph, AGraphOfNothingOrOfTheSameTwiceIsRefused) {
+  EXPECT_THAT(error_of("launch:\n  processes: []\n"),
+              AllOf(HasSubstr("graph.yaml:2"), HasSubstr("at least one process")));
+  EXPECT_THAT(error_of("launch: {processes: [surf, icp, surf]}\n"),
+              AllOf(HasSubstr("graph.yaml:1"), HasSubstr("each process once, got [surf, icp, surf]")));
+  EXPECT_THAT(error_of(""), AllOf(HasSubstr("graph.yaml"), HasSubstr("is empty"), HasSubstr("include:")));
+  EXPECT_THAT(error_of("# nothing\n"), HasSubstr("is empty"));
+  EXPECT_THAT(error_of(std::string(4, '\0')), HasSubstr("graph.yaml:1: a byte of value 0"));
+}
+
 TEST_F(Graph, ErrorsNameWhatIsWrong) {
   EXPECT_THAT(error_of("launch: {processes: [camera, slam]}\n"),
               AllOf(HasSubstr("graph.yaml"), HasSubstr("got 'slam'")));

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
+#include <lcmslam/geometry/random.hpp>
 #include "tests/unit/tools/log_samples.hpp"
 
 namespace lcmslam {
@@ -124,6 +127,52 @@ TEST_F(LogCheckTest, PiecesThatAreMissingOrContradictEachOther) {
   EXPECT_THAT(result.findings[0].text, HasSubstr("part 9 of 2"));
   EXPECT_THAT(result.findings[1].text, HasSubstr("not what its type says"));
   EXPECT_THAT(format_finding(result.findings[2]), HasSubstr("CAMERA: 1 messages in pieces are incomplete"));
+}
+
+TEST_F(LogCheckTest, ContentThatTheNodesWouldRefuseIsFound) {
+  const LogCheck result = check([](LogWriter& log) {
+    log.write(sample_start, "CAMERA_CALIBRATION", calibration_message(sample_start, 0));
+    log.write(sample_start, "CAMERA", camera_message(sample_start, 0));
+    log.write(sample_start, "CAMERA", camera_message(sample_start, 1, 0, 200));  // another camera's
+    images_t colour_only;
+    const Bytes both = camera_message(sample_start, 2);
+    colour_only = decode_message<images_t>(both.data(), both.size());
+    colour_only.images.pop_back();
+    colour_only.image_types.pop_back();
+    colour_only.n_images = 1;
+    log.write(sample_start, "CAMERA", encode_message(colour_only));
+    pose_estimate_t pose{};  // a quaternion of zeros
+    pose.utime = sample_start;
+    log.write(sample_start, "ICP_POSE", encode_message(pose));
+    camera_calibration_t calibration{};
+    calibration.utime = sample_start;
+    log.write(sample_start, "CAMERA_CALIBRATION", encode_message(calibration));
+    write_pieces(log, sample_start, "CAMERA", encode_message(colour_only), 3);
+  });
+  ASSERT_EQ(result.findings.size(), 5U);
+  EXPECT_THAT(format_finding(result.findings[0]), AllOf(HasSubstr("event 2"), HasSubstr("would be refused"),
+                                                        HasSubstr("200x1"), HasSubstr("300x1")));
+  EXPECT_THAT(result.findings[1].text, HasSubstr("no depth image"));
+  EXPECT_THAT(result.findings[2].text, HasSubstr("quaternion"));
+  EXPECT_EQ(result.findings[3].channel, "CAMERA_CALIBRATION");
+  EXPECT_THAT(result.findings[4].text, HasSubstr("no depth image")) << "in pieces, too";
+}
+
+TEST_F(LogCheckTest, FlippedBitsInImagesAreFound) {
+  std::string bytes;
+  {
+    std::ifstream kitchen(LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog", std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(kitchen), {});
+  }
+  EXPECT_TRUE(check_log(folder_.write("sound", bytes).string()).findings.empty());
+  Random random(1);
+  for (int i = 0; i < 300; ++i) bytes[random.below(bytes.size())] ^= static_cast<char>(1 << random.below(8));
+  const LogCheck result = check_log(folder_.write("flipped", bytes).string());
+  std::set<std::string> channels;
+  for (const LogFinding& finding : result.findings)
+    if (finding.text.find("would be refused") != std::string::npos) channels.insert(finding.channel);
+  EXPECT_GT(result.findings.size(), 20U) << "of 40 frames, which hold nearly all of the bytes";
+  EXPECT_THAT(channels, ::testing::Contains("CAMERA"));
 }
 
 TEST_F(LogCheckTest, WhatIsNoLogIsAnError) {

@@ -9,6 +9,7 @@
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/origin.hpp>
 #include <lcmslam/messages/parts.hpp>
@@ -23,13 +24,17 @@ inline Bytes camera_message(Utime utime, std::int64_t seq, Utime depth_after = 0
   images_t m;
   m.utime = utime;
   m.n_images = 2;
-  m.image_types = {images_t::LEFT, images_t::DEPTH_MM_ZIPPED};
+  m.image_types = {images_t::LEFT, images_t::DEPTH_MM};
   m.images.resize(2);
   for (std::size_t i = 0; i < 2; ++i) {
     image_t& image = m.images[i];
     image.utime = utime + (i == 1 ? depth_after : 0);
-    image.width = image.height = image.row_stride = image.nmetadata = 0;
-    image.pixelformat = image_t::PIXEL_FORMAT_MJPEG;
+    image.width = static_cast<std::int32_t>(i == 0 ? size : size / 2);
+    image.height = 1;
+    image.row_stride = static_cast<std::int32_t>(size);
+    image.nmetadata = 0;
+    image.pixelformat = image_t::PIXEL_FORMAT_GRAY;
+    if (i == 1) image.pixelformat = image_t::PIXEL_FORMAT_LE_GRAY16;
     image.data.assign(size, static_cast<std::uint8_t>(seq));
     image.size = static_cast<std::int32_t>(size);
   }
@@ -42,12 +47,18 @@ inline Bytes encoders_message(Utime utime, std::int64_t seq, std::int64_t sender
   m.utime = utime;
   m.seq = seq;
   m.sender = sender;
-  m.n_wheels = 0;
+  wheel_t wheel{};
+  wheel.radius = 0.1;
+  m.wheels = {wheel, wheel};
+  m.n_wheels = 2;
   return encode_message(m);
 }
 
 inline Bytes calibration_message(Utime utime, std::int64_t seq) {
-  camera_calibration_t m{};
+  RgbdCalibration c;  // of the images above
+  c.colour = {300, 1, 300, 300, 150, 0, {}};
+  c.depth = {150, 1, 150, 150, 75, 0, {}};
+  camera_calibration_t m = to_message(c);
   m.utime = utime;
   m.seq = seq;
   m.sender = 77;

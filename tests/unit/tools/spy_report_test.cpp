@@ -68,6 +68,28 @@ TEST(SpyText, NobodyTakesItsOwnLossesForThoseOfTheBus) {
   EXPECT_THAT(spy_text(report), HasSubstr("5 messages on further channels"));
 }
 
+TEST(SpyText, ShowsWhatWasRefused) {
+  SpyReport report = sample();
+  EXPECT_THAT(spy_text(report), Not(HasSubstr("refused")));
+  report.refusals.counts[static_cast<std::size_t>(Refusal::foreign)] = 3;
+  report.refusals.counts[static_cast<std::size_t>(Refusal::not_group)] = 2;
+  report.refusals.last_stranger = "10.0.0.7:4711";
+  report.refusals.counts[static_cast<std::size_t>(Refusal::beyond_end)] = 7;
+  report.refusals.last_malformed = "data beyond the end of their message";
+  report.refusals.counts[static_cast<std::size_t>(Refusal::incomplete)] = 4;
+  report.dropped = 8;
+  EXPECT_THAT(
+      spy_text(report),
+      HasSubstr("refused: 5 packets of strangers (last 10.0.0.7:4711), 7 malformed (data beyond the end of "
+                "their message), 4 messages lacked fragments\n"));
+  EXPECT_THAT(spy_text(report), HasSubstr("8 messages came too fast for spy"));
+  const auto json = nlohmann::json::parse(spy_json(report));
+  EXPECT_EQ(json["refused_foreign"], 5);
+  EXPECT_EQ(json["refused_malformed"], 7);
+  EXPECT_EQ(json["incomplete"], 4);
+  EXPECT_EQ(json["dropped"], 8);
+}
+
 TEST(SpyText, SaysWhenNothingWasHeard) {
   SpyReport report = sample();
   report.channels.clear();

@@ -133,5 +133,19 @@ TEST(StatusTable, LossOfAChannelIsSummedOverItsSenders) {
   EXPECT_EQ(status_value(status(), "none"), 0);
 }
 
+TEST(StatusTable, SaysWhatCameFromTheNetworkAndWasRefused) {
+  status_t s = status();
+  EXPECT_THAT(format_status({{"surf", s}}, {process("surf", 42)}), Not(HasSubstr("<- bus")));
+  for (const auto& [name, count] :
+       {std::pair("bus_foreign", 5.0), std::pair("bus_malformed", 7.0), std::pair("bus_incomplete", 0.0)}) {
+    value_t value;
+    value.name = name;
+    value.value = count;
+    s.values.push_back(value);
+  }
+  EXPECT_THAT(format_status({{"surf", s}}, {process("surf", 42)}),
+              HasSubstr("surf <- bus: 5 packets of strangers, 7 malformed, 0 messages lacked fragments\n"));
+}
+
 }  // namespace
 }  // namespace lcmslam

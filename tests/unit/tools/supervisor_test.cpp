@@ -77,6 +77,19 @@ TEST_F(SupervisorTest, ProgramThatCannotBeStartedIsAnErrorThatNamesIt) {
   EXPECT_THROW(Supervisor().start(spec), std::runtime_error);
 }
 
+TEST_F(SupervisorTest, ProcessIsToldThatItIsNotTheFirst) {
+  ProcessSpec spec = shell("echo \"start $*\"; exit 1", true);
+  spec.arguments.push_back("worker");  // $0
+  spec.on_restart = "--set=worker.map_frame=map-restart-";
+  Supervisor supervisor;
+  supervisor.start(spec);
+  EXPECT_TRUE(wait_for([&] {
+    supervisor.poll();
+    return output().find("restart-1") != std::string::npos;
+  }));
+  EXPECT_THAT(output(), ::testing::StartsWith("start \nstart --set=worker.map_frame=map-restart-1\n"));
+}
+
 TEST_F(SupervisorTest, RestartsWithGrowingPauses) {
   Supervisor supervisor;
   const auto begin = Supervisor::Clock::now();
@@ -110,9 +123,45 @@ TEST_F(SupervisorTest, StopInsistsUntilTheKernelEndsTheProcess) {
   supervisor.start(shell("trap '' INT TERM; echo ready; while :; do sleep 0.02; done", true));
   ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
   EXPECT_THAT(supervisor.stop(std::chrono::seconds(1)),
-              ElementsAre("worker did not stop: Terminated", "worker did not stop: Killed"));
+              ElementsAre("worker did not stop within 2 s and was killed: what it had not yet told is lost"));
   EXPECT_EQ(supervisor.processes()[0].pid, 0);
   EXPECT_THAT(supervisor.processes()[0].last_exit, HasSubstr("signal 9"));
+}
+
+TEST_F(SupervisorTest, AProcessThatFailsAtItsEndIsTheCauseWithItsLastWords) {
+  Supervisor supervisor;
+  supervisor.start(shell(
+      "trap 'echo \"[now] [w] [error] no space\"; exit 1' INT; echo ready; while :; do sleep 0.02; done"));
+  ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
+  EXPECT_THAT(supervisor.stop(), ElementsAre("worker failed: exit 1: no space"));
+  EXPECT_THAT(supervisor.stop(), IsEmpty()) << "told once";
+}
+
+TEST_F(SupervisorTest, AProcessThatDiedBeforeTheStopIsACauseToo) {
+  Supervisor supervisor;
+  supervisor.start(shell("echo 'its last words'; exit 3"));
+  events(supervisor, 1);
+  EXPECT_THAT(supervisor.stop(), ElementsAre("worker was not running any more: exit 3: its last words"));
+}
+
+TEST_F(SupervisorTest, AProcessThatStoppedAsAskedDoesNotComeBack) {
+  Supervisor supervisor;
+  supervisor.start(shell("exit 0", true));
+  EXPECT_FALSE(supervisor.all_stopped());
+  EXPECT_THAT(events(supervisor, 1), ElementsAre("worker ended: exit 0"));
+  EXPECT_TRUE(supervisor.all_stopped());
+  EXPECT_THAT(supervisor.stop(), IsEmpty());
+}
+
+TEST_F(SupervisorTest, WhoLetsTheStopWaitIsNamedMeanwhile) {
+  Supervisor supervisor;
+  supervisor.start(shell("trap '' INT TERM; echo ready; while :; do sleep 0.02; done", true));
+  ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
+  std::vector<std::string> told;
+  supervisor.stop(std::chrono::seconds(3), [&](const std::string& text) { told.push_back(text); });
+  ASSERT_GE(told.size(), 2U);
+  EXPECT_EQ(told[0], "waits for worker");
+  EXPECT_EQ(told[1], "worker has not stopped for 3 s and is told again");
 }
 
 TEST_F(SupervisorTest, ItsEndStopsWhatItStarted) {

@@ -38,13 +38,13 @@ class FaultRun {
  public:
   FaultRun(CameraSource& source, const FaultRunSettings& settings)
       : settings_(settings),
-        lcm_(settings.lcm_url),
-        publisher_(lcm_, draw_sender(), largest_whole_message(settings.lcm_url)),
-        other_(lcm_, draw_sender(), largest_whole_message(settings.lcm_url)),
-        stranger_(lcm_, settings.seed),
+        bus_(settings.lcm_url),
+        publisher_(bus_.lcm(), draw_sender(), largest_whole_message(settings.lcm_url)),
+        other_(bus_.lcm(), draw_sender(), largest_whole_message(settings.lcm_url)),
+        stranger_(bus_.lcm(), settings.seed),
         source_(source, publisher_, other_) {
     subscribe();
-    receiver_.emplace(lcm_, inputs_);
+    receiver_.emplace(bus_, inputs_);
   }
 
   FaultRunResult run() {
@@ -173,7 +173,7 @@ class FaultRun {
   }
 
   FaultRunSettings settings_;
-  lcm::LCM lcm_;
+  LcmBus bus_;
   LcmPublisher publisher_, other_;
   Stranger stranger_;
   DisturbedSource source_;

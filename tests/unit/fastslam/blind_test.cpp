@@ -1,0 +1,216 @@
+// A camera that is covered, or too slow for its odometry: what the robot says while it cannot know where it
+// is, and what it does with its map.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <vector>
+
+#include <lcmslam/fastslam/fastslam.hpp>
+#include "tests/unit/fastslam/synthetic_world.hpp"
+
+namespace lcmslam {
+namespace {
+
+using synthetic::Drive;
+using synthetic::make_drive;
+
+constexpr int lap = 225;  // frames; what was seen first comes into sight again
+
+FastSlamSettings hand_held() {
+  FastSlamSettings settings;
+  settings.planar = false;
+  return settings;
+}
+
+Drive hand_held_drive(int frames, std::uint64_t seed) {
+  synthetic::WorldSettings world = synthetic::short_world(frames);
+  world.full_motion = true;
+  world.slips = false;
+  Drive drive = make_drive(world, seed);
+  for (synthetic::Step& step : drive.steps) step.motion.visual = true;
+  return drive;
+}
+
+/// What a visual odometry says that has seen nothing for `before` s and goes on for `step` s: it stands, and
+/// its error is that of an unknown acceleration, of the turn at most 1 rad.
+Motion in_the_dark(double before, double step) {
+  const auto sigma2 = [](double acceleration, double limit, double t) {
+    return std::pow(std::min(limit, 0.5 * acceleration * t * t), 2);
+  };
+  Motion motion;
+  motion.visual = true;
+  motion.covariance.diagonal().head<3>().setConstant(sigma2(3, 1e9, before + step) - sigma2(3, 1e9, before));
+  motion.covariance.diagonal().tail<3>().setConstant(sigma2(6, 1, before + step) - sigma2(6, 1, before) +
+                                                     1e-7);
+  return motion;
+}
+
+Vector6d error_of(const StepResult& result, const synthetic::Step& step) {
+  return se3_log(result.T_world_robot.inverse() * step.T_start_robot);
+}
+
+double nees(const StepResult& result, const synthetic::Step& step) {
+  const Vector6d error = error_of(result, step);
+  return error.dot(result.covariance.ldlt().solve(error));
+}
+
+TEST(CoveredCamera, StandsLostMapsNothingAndFindsBack) {
+  constexpr std::size_t covered = 120, uncovered = 170;
+  constexpr double dt = 0.1;  // s between frames
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    Drive drive = hand_held_drive(lap + 50, seed);
+    FastSlam slam(hand_held());
+    Eigen::Isometry3d T_last_seen;
+    double worst_nees = 0, sigma = 0;
+    int landmarks = 0;
+    bool found = false;
+    for (std::size_t i = 0; i < drive.steps.size(); ++i) {
+      synthetic::Step& step = drive.steps[i];
+      const bool dark = i >= covered && i < uncovered;
+      if (dark) step.frame.features.clear();
+      const double dark_for = dark ? dt * static_cast<double>(i - covered) : 0;
+      const StepResult r = slam.step(dark ? in_the_dark(dark_for, dt) : step.motion, step.frame);
+      if (i + 1 == covered) {
+        T_last_seen = r.T_world_robot;
+        landmarks = slam.index().size();
+      } else if (dark) {
+        EXPECT_LT((r.T_world_robot.translation() - T_last_seen.translation()).norm(), 0.01) << i;
+        EXPECT_TRUE(r.status == TrackStatus::lost || (dark_for < 0.9 && r.status == TrackStatus::predicting))
+            << i;
+        EXPECT_GE(r.covariance.trace(), sigma) << i;
+        EXPECT_EQ(slam.index().size(), landmarks) << i;
+        sigma = r.covariance.trace();
+        worst_nees = std::max(worst_nees, nees(r, step));
+      } else if (i >= uncovered) {
+        EXPECT_TRUE(found || r.status != TrackStatus::tracking) << i;
+        if (found) {
+          EXPECT_EQ(r.status, TrackStatus::tracking) << i;
+          EXPECT_LT(r.covariance.trace(), 0.01) << i;
+        }
+        found |= r.status == TrackStatus::relocalised;
+        if (r.status == TrackStatus::tracking || r.status == TrackStatus::relocalised) {
+          EXPECT_LT(error_of(r, step).head<3>().norm(), 0.1) << i;
+        } else {
+          EXPECT_EQ(r.created, 0) << i;
+        }
+      }
+    }
+    std::cout << "seed " << seed << ": worst NEES in the dark " << worst_nees << "\n";
+    EXPECT_LT(worst_nees, 12);
+    EXPECT_GT(sigma, 1);
+    EXPECT_TRUE(found);
+  }
+}
+
+// Wheels are an odometry that is there: it is followed, and the pose is known as well as it says.
+TEST(CoveredCamera, FollowsTheWheels) {
+  constexpr std::size_t covered = 60, uncovered = 110;
+  Drive drive = make_drive(synthetic::short_world(130), 2);
+  FastSlam slam({});
+  double worst = 0, worst_nees = 0;
+  for (std::size_t i = 0; i < drive.steps.size(); ++i) {
+    synthetic::Step& step = drive.steps[i];
+    const bool dark = i >= covered && i < uncovered;
+    if (dark) step.frame.features.clear();
+    step.motion.covariance *= 9;  // a scale error goes the same way at each step
+    const StepResult r = slam.step(step.motion, step.frame);
+    if (!dark) continue;
+    EXPECT_EQ(r.status, TrackStatus::predicting) << i;
+    worst = std::max(worst, error_of(r, step).head<3>().norm());
+    // In the plane; the others are held.
+    const Eigen::Vector3d error = PoseSpace<3>::reduce(error_of(r, step));
+    const Eigen::Matrix3d P = PoseSpace<3>::reduce(r.covariance);
+    worst_nees = std::max(worst_nees, error.dot(P.ldlt().solve(error)));
+  }
+  EXPECT_LT(worst, 0.2);
+  EXPECT_LT(worst_nees, 12);
+}
+
+// A gap of a second leaves nobody with an idea of the motion. The map stays as it was.
+TEST(CoveredCamera, AGapIsAGap) {
+  constexpr std::size_t gap = 120, after = 160;
+  const Drive drive = hand_held_drive(lap + 50, 4);
+  FastSlam slam(hand_held());
+  int landmarks = 0;
+  bool found = false;
+  for (std::size_t i = 0; i < drive.steps.size(); ++i) {
+    if (i >= gap && i < after) continue;
+    const bool first = i == after;
+    const StepResult r =
+        slam.step(first ? unknown_motion(4'100'000) : drive.steps[i].motion, drive.steps[i].frame);
+    if (i < gap) landmarks = slam.index().size();
+    if (i >= after) {
+      EXPECT_TRUE(found || r.status == TrackStatus::lost || r.status == TrackStatus::relocalised) << i;
+      if (!found && r.status == TrackStatus::lost) {
+        EXPECT_EQ(slam.index().size(), landmarks);
+      }
+      found |= r.status == TrackStatus::relocalised;
+      if (found) {
+        EXPECT_LT(error_of(r, drive.steps[i]).head<3>().norm(), 0.1) << i;
+      }
+    }
+  }
+  EXPECT_TRUE(found);
+}
+
+// Carried to another place of its room in the dark, time and again: it finds itself, and maps no room beside
+// the room.
+TEST(CoveredCamera, AKnownRoomIsNotMappedAnewAfterEachJump) {
+  constexpr int passes = 6, pass = 190;
+  const Drive drive = hand_held_drive(passes * lap, 5);
+  FastSlam slam(hand_held());
+  std::vector<std::size_t> landmarks;
+  for (int p = 0; p < passes; ++p) {
+    int astray = 0;
+    for (int i = 0; i < (p == 0 ? lap : pass); ++i) {
+      const synthetic::Step& step = drive.steps[static_cast<std::size_t>(p * lap + i)];
+      const bool jumped = p > 0 && i == 0;
+      const StepResult r = slam.step(jumped ? in_the_dark(0, 0.1 * (lap - pass)) : step.motion, step.frame);
+      const bool sure = r.status == TrackStatus::tracking || r.status == TrackStatus::relocalised;
+      astray += sure && error_of(r, step).head<3>().norm() > 0.1;
+    }
+    EXPECT_EQ(astray, 0) << p;
+    landmarks.push_back(slam.landmarks().size());
+  }
+  for (const std::size_t count : landmarks) std::cout << count << " landmarks\n";
+  EXPECT_LT(20 * landmarks.back(), 23 * landmarks[1]);
+}
+
+// Frames a second apart, and an odometry that is lost between the first ones: what was seen only once is no
+// map to find back to. The world begins where the robot can follow its way, and holds from there.
+TEST(SlowCamera, BeginsItsWorldWhereItCanFollow) {
+  constexpr std::size_t lost_frames = 4, apart = 5;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    const Drive drive = hand_held_drive(200, seed);
+    FastSlam slam(hand_held());
+    std::optional<Eigen::Isometry3d> T_start_world;
+    int tracked = 0;
+    for (std::size_t k = 0; k * apart < drive.steps.size(); ++k) {
+      const synthetic::Step& step = drive.steps[k * apart];
+      Motion motion;
+      motion.T_from_to =
+          drive.steps[k == 0 ? 0 : (k - 1) * apart].T_start_robot.inverse() * step.T_start_robot;
+      motion.covariance = 1e-5 * Matrix6d::Identity();
+      motion.visual = true;
+      FeatureFrame frame = step.frame;
+      if (k < lost_frames) frame = drive.steps[k * 40].frame;  // all show another wall
+      frame.utime = step.frame.utime;
+      const StepResult r = slam.step(k <= lost_frames ? in_the_dark(0, 0.5) : motion, frame);
+      if (r.status == TrackStatus::initialising)
+        T_start_world = step.T_start_robot * r.T_world_robot.inverse();
+      if (r.status != TrackStatus::tracking) continue;
+      ++tracked;
+      const Eigen::Isometry3d T = *T_start_world * r.T_world_robot;
+      EXPECT_LT((T.translation() - step.T_start_robot.translation()).norm(), 0.1) << k;
+      EXPECT_LT(rotation_angle(T.inverse() * step.T_start_robot), 0.1) << k;
+    }
+    EXPECT_GT(tracked, 20);
+  }
+}
+
+}  // namespace
+}  // namespace lcmslam
