@@ -87,6 +87,14 @@ TEST_F(Stamps, WrongOnesBetweenRightOnesAreNeverBelieved) {
   EXPECT_EQ(judge_.sessions(), 1);
 }
 
+TEST_F(Stamps, AFewThatRiseByChanceAreNoRun) {
+  drive(0, 5);
+  for (const double wrong : {20.0, 25.0, 31.0, -30.0, -24.0, -20.0})
+    EXPECT_EQ(features(wrong), StampVerdict::refused) << wrong;
+  EXPECT_EQ(drive(5, 6), 0);
+  EXPECT_EQ(judge_.sessions(), 1);
+}
+
 TEST_F(Stamps, FirstOfAChannelMustFitTheOthers) {
   for (const double t : times(0, 2, 0.02)) odometry(t);
   EXPECT_EQ(features(12), StampVerdict::refused);
