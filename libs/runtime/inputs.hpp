@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -95,10 +96,14 @@ class Inputs {
   }
 
   /// The same for what is measured at its utime: the handler sees one publisher's messages, in order of time
-  /// within a session (see StampJudge). All such channels of a process are judged together.
+  /// within a session (see StampJudge). All such channels of a process are judged together. Throws
+  /// std::logic_error for a channel that is measured already: a second handler would see none of it.
   template <class M>
   Input& subscribe_measured(const std::string& channel, std::size_t capacity,
                             std::function<void(const M&)> handler) {
+    for (const auto& other : inputs_)
+      if (other->channel() == channel && other->admits)
+        throw std::logic_error(channel + " is measured by another handler already");
     Input& input = subscribe<M>(channel, capacity, std::move(handler));
     input.admits = [this, channel](std::int64_t sender, Utime utime) {
       return admit(channel, sender, utime);

@@ -37,10 +37,10 @@ class Graph {
         odometry_(ConfigNode(), tape),
         fastslam_(ConfigNode(), tape),
         icp_(ConfigNode(), tape) {
-    surf_.connect(inputs_);
-    odometry_.connect(inputs_);
-    fastslam_.connect(inputs_);
-    icp_.connect(inputs_);
+    surf_.connect(inputs_[0]);
+    odometry_.connect(inputs_[1]);
+    fastslam_.connect(inputs_[2]);
+    icp_.connect(inputs_[3]);
   }
 
   /// Delivers what is fresh until nothing is, and keeps all of it.
@@ -48,7 +48,7 @@ class Graph {
     while (!tape_.fresh.empty()) {
       const Sample sample = std::move(tape_.fresh.front());
       tape_.fresh.pop_front();
-      inputs_.deliver(sample.channel, sample.bytes.data(), sample.bytes.size());
+      for (Inputs& inputs : inputs_) inputs.deliver(sample.channel, sample.bytes.data(), sample.bytes.size());
       samples.push_back(sample);
     }
   }
@@ -63,7 +63,7 @@ class Graph {
   OdometryNode odometry_;
   FastSlamNode fastslam_;
   IcpNode icp_;
-  Inputs inputs_;
+  Inputs inputs_[4];
 };
 
 /// What no node of the graph makes by itself.
@@ -103,6 +103,21 @@ void publish_requests(Tape& tape, Utime utime) {
 }
 
 }  // namespace
+
+Sample later(Sample sample, Utime us) {
+  if (sample.channel == "CAMERA") {
+    auto m = decode_message<images_t>(sample.bytes.data(), sample.bytes.size());
+    m.utime += us;
+    for (image_t& image : m.images) image.utime += us;
+    return {sample.channel, encode_message(m)};
+  }
+  constexpr std::size_t begin = 8;  // behind the fingerprint, big-endian
+  std::uint64_t utime = 0;
+  for (std::size_t i = 0; i < 8; ++i) utime = (utime << 8) | sample.bytes.at(begin + i);
+  utime += static_cast<std::uint64_t>(us);
+  for (std::size_t i = 8; i-- > 0; utime >>= 8) sample.bytes[begin + i] = static_cast<std::uint8_t>(utime);
+  return sample;
+}
 
 std::vector<Sample> record_samples(double seconds) {
   SimulationSourceSettings settings;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <lcmslam/geometry/transform.hpp>
 #include "tests/integration/support/bus.hpp"
 
 namespace lcmslam::integration {
@@ -16,5 +17,8 @@ struct Sample {
 /// In the order in which a running graph would publish them; every channel of a graph occurs, with
 /// `seconds` of the simulated kitchen.
 std::vector<Sample> record_samples(double seconds);
+
+/// The same at another time.
+Sample later(Sample sample, Utime us);
 
 }  // namespace lcmslam::integration
