@@ -41,13 +41,18 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
 
   // Grow: the frame joins the map, and what it sees through goes.
   if (joins) {
+    motion_.found();
     grow(prepared, step);
     tracker_->accept(prepared, step.T_world_robot, registered);
+  } else {
+    motion_.lose(frame.motion);
   }
   if (registered)
     changed_space_.look_through(frame.cloud, step.T_world_robot * frame.T_robot_camera, map_, keyframes_);
   // A jump to where the robot was found again is no motion that goes on.
   motion_.observe(frame.utime, step.T_world_robot, registered && !step.relocalised);
+  step.hangs_on_odometry = hangs_on_odometry();
+  if (registered && step.hangs_on_odometry) step.status = MappingStatus::degraded;
   return step;
 }
 
@@ -92,9 +97,18 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
                       static_cast<int>(prepared.cloud.size()) >= settings_.min_points;
   if (reseed) {
     step.status = MappingStatus::degraded;
+    step.covariance = prior.information.inverse();
     bad_steps_ = 0;
+    if (!hanging_from_ && settings_.graph.enabled) hanging_from_ = graph_.nodes().back().id + 1;
   }
   return tracking || reseed;
+}
+
+// What grows from where odometry led fits itself; whether it lies where it should in the map, the graph tells
+// when it has compared both.
+bool DenseMapper::hangs_on_odometry() {
+  if (hanging_from_ && !map_.deforming() && graph_.ties(*hanging_from_)) hanging_from_.reset();
+  return hanging_from_.has_value();
 }
 
 // After a gap: the cloud fits the map where features say so too or, without features, in many frames in a
@@ -103,7 +117,6 @@ bool DenseMapper::is_found(const Tracked& tracked) {
   placed_in_a_row_ = tracked.status == MappingStatus::tracking ? placed_in_a_row_ + 1 : 0;
   if (placed_in_a_row_ == 0 || (!tracked.anchored && placed_in_a_row_ <= settings_.reseed_after))
     return false;
-  motion_.found();
   placed_in_a_row_ = 0;
   return true;
 }

@@ -11,6 +11,7 @@
 // KeyframeStore keep what was seen, ChangedSpace takes away what is gone, KeyframeGraph corrects all of them.
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <lcmslam/dense_mapper/changed_space.hpp>
@@ -33,13 +34,15 @@ class DenseMapper {
     MappingStatus status = MappingStatus::initialising;
     bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
     Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
-    double quality = 0;        ///< 0..1: overlap times share of inliers
-    bool keyframe = false;     ///< keyframes().back() is new
-    bool node = false;         ///< graph().nodes().back() is new
-    bool relocalised = false;  ///< lost before, and found far from the prediction
-    bool adrift = false;       ///< after a gap without odometry, not found again yet
-    bool thinned = false;      ///< redundant nodes have gone from graph() and keyframes()
-    bool deformed = false;     ///< the graph moved its nodes before this step: older poses are of the old map
+    double quality = 0;              ///< 0..1: overlap times share of inliers
+    bool keyframe = false;           ///< keyframes().back() is new
+    bool node = false;               ///< graph().nodes().back() is new
+    bool relocalised = false;        ///< lost before, and found far from the prediction
+    bool adrift = false;             ///< after a gap without odometry, not found again yet
+    bool hangs_on_odometry = false;  ///< the map around was begun where odometry led, and is tied to the rest
+                                     ///< by nothing else yet
+    bool thinned = false;            ///< redundant nodes have gone from graph() and keyframes()
+    bool deformed = false;  ///< the graph moved its nodes before this step: older poses are of the old map
   };
 
   /// Frames come in order of time.
@@ -68,6 +71,7 @@ class DenseMapper {
   void start_map(const PreparedFrame& prepared, Step& step);
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
+  bool hangs_on_odometry();
   void grow(const PreparedFrame& prepared, Step& step);
   void add_node(const PreparedFrame& prepared, bool keyframe, Step& step);
   bool work_on_graph(Utime utime);
@@ -82,6 +86,7 @@ class DenseMapper {
   ChangedSpace changed_space_;
   KeyframeGraph graph_;
   int bad_steps_ = 0;                                                   // in a row
+  std::optional<int> hanging_from_;                                     // id of the first node of such a part
   int placed_in_a_row_ = 0;                                             // frames, while adrift
   Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();  // robot, at the last insertion
 };

@@ -16,6 +16,16 @@ Vector6d squares(double translation, double rotation) {
   return v;
 }
 
+bool is_usable(const std::optional<Motion>& motion) {
+  return motion && motion->T_from_to.matrix().allFinite() && motion->covariance.allFinite();
+}
+
+// What is uncertain before a motion, as seen from the place after it.
+Matrix6d carried_along(const Matrix6d& covariance, const Motion& motion) {
+  const Matrix6d A = adjoint(motion.T_from_to.inverse());
+  return A * covariance * A.transpose();
+}
+
 }  // namespace
 
 Eigen::Isometry3d on_ground(const Eigen::Isometry3d& T_world_robot) {
@@ -26,7 +36,7 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift) {
   Prior prior;
   Matrix6d covariance = Matrix6d::Zero();
-  if (motion && motion->T_from_to.matrix().allFinite() && motion->covariance.allFinite()) {
+  if (is_usable(motion)) {
     prior.T_target_source = T_world_last * motion->T_from_to;
     covariance = motion->covariance;
     covariance.diagonal() += squares(settings.floor_translation, settings.floor_rotation);
@@ -56,12 +66,23 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
 
 Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion) const {
   const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, longest_velocity);
-  return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_, adrift_);
+  std::optional<Motion> since_found = motion;
+  if (is_usable(motion)) since_found->covariance += carried_along(unseen_, *motion);
+  return lcmslam::predict(T_world_last_, since_found, se3_exp(seconds * velocity_), settings_, adrift_);
 }
 
 void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion) {
   const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
   if (adrift() || (!motion && seconds > longest_velocity)) adrift_ += seconds;
+}
+
+void MotionModel::found() {
+  adrift_ = 0;
+  unseen_.setZero();
+}
+
+void MotionModel::lose(const std::optional<Motion>& motion) {
+  if (is_usable(motion)) unseen_ = carried_along(unseen_, *motion) + motion->covariance;
 }
 
 void MotionModel::observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving) {

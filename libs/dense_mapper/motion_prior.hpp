@@ -54,7 +54,11 @@ class MotionModel {
   /// found: the prediction is where it was last, and its covariance grows.
   void look_for_gap(Utime utime, const std::optional<Motion>& motion);
   bool adrift() const { return adrift_ > 0; }
-  void found() { adrift_ = 0; }
+
+  /// Afterwards, by what became of the step: the map tells where the robot is, or its place is as uncertain
+  /// as it was and by this motion more.
+  void found();
+  void lose(const std::optional<Motion>& motion);
 
   /// Where the robot is; `moving`: it came there from the last place, so that its velocity may go on.
   void observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving);
@@ -69,6 +73,7 @@ class MotionModel {
   Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
   Vector6d velocity_ = Vector6d::Zero();  // per second, robot frame
   double adrift_ = 0;                     // s of unknown motion since the robot was found
+  Matrix6d unseen_ = Matrix6d::Zero();    // covariance of odometry's motion since then, robot frame
 };
 
 /// The same pose with no height, roll and pitch.

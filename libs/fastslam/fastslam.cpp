@@ -8,6 +8,8 @@
 namespace lcmslam {
 namespace {
 
+constexpr Utime longest_unseen = 800'000;  // us without agreement: lost within a second, at a few frames each
+
 FastSlamSettings checked(const FastSlamSettings& settings) {
   check(settings);
   return settings;
@@ -50,7 +52,9 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   StepObservations observations;
   bool mapping = true, blind = false;
 
-  if (std::exchange(started_, true)) {
+  if (!std::exchange(started_, true)) {
+    agreed_utime_ = frame.utime;
+  } else {
     // Associate: which feature shows which landmark, as the best particle sees it.
     result.motion_usable = usable(motion);
     const Motion predicted = particles_.predict(odometry);
@@ -74,7 +78,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     const bool located = judge(verdict, association, points, index_, observations, result);
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();
-    result.status = status(association, agreed);
+    if (agreed) agreed_utime_ = frame.utime;
+    result.status = status(association, agreed, frame.utime);
     if (result.status == TrackStatus::tracking || result.status == TrackStatus::relocalised)
       observations.expected = std::move(association.visible);  // a robot that may be elsewhere misses nobody
   }
@@ -132,11 +137,14 @@ bool FastSlam::agree(const FrameAssociation& association, const Verdict& verdict
          (settings_.verify_by_consensus ? association.agreed : verdict.count >= settings_.minimum_consensus);
 }
 
-TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed) const {
+// A good odometry may know the way for long: whoever reads the status learns that the map says nothing.
+TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed, Utime utime) const {
   if (association.T_world_found) return TrackStatus::relocalised;
   if (agreed) return TrackStatus::tracking;
   if (index_.size() == 0) return TrackStatus::initialising;
-  const bool lost = unknown_.lost() || associator_.steps_without_agreement() > settings_.relocalise_after;
+  const bool contradicted = associator_.steps_without_agreement() > settings_.relocalise_after;
+  const bool unseen = utime - agreed_utime_ > longest_unseen;
+  const bool lost = unknown_.lost() || contradicted || unseen;
   return lost ? TrackStatus::lost : TrackStatus::predicting;
 }
 

@@ -74,7 +74,7 @@ class FastSlam {
                             const std::vector<FeaturePoint>& points) const;
   StepResult begin_anew(const Motion& motion, const FeatureFrame& frame);
   bool agree(const FrameAssociation& association, const Verdict& verdict, bool located) const;
-  TrackStatus status(const FrameAssociation& association, bool agreed) const;
+  TrackStatus status(const FrameAssociation& association, bool agreed, Utime utime) const;
   bool may_map(const FrameAssociation& association) const;
   bool reunion(const StepObservations& observations) const;
   std::vector<std::int32_t> remove_landmarks(const FeatureFrame& frame,
@@ -105,6 +105,7 @@ class FastSlam {
   SensorCalibration sensor_;  // as the smoothed path has it
   double smoothing_cost_ = 0;
   bool started_ = false;
+  Utime agreed_utime_ = 0;  // of the newest step whose measurements agreed with the map
 };
 
 }  // namespace lcmslam

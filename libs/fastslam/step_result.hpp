@@ -12,7 +12,8 @@ enum class TrackStatus {
   initialising,  ///< first landmarks: the pose is the world's origin
   tracking,      ///< observations agree on the pose
   predicting,    ///< too few observations: the pose rests on odometry
-  lost,        ///< nothing tells where in the map: the odometry is lost, or no features fit for several steps
+  lost,        ///< measurements have not told where in the map for most of a second, the odometry is lost, or
+               ///< no features fit for several steps: the pose follows the odometry that there is
   relocalised  ///< found back in this step: the pose may have jumped
 };
 

@@ -220,6 +220,13 @@ std::size_t KeyframeGraph::memory_bytes() const {
   return running_.valid() ? bytes : bytes + finder_.memory_bytes();
 }
 
+bool KeyframeGraph::ties(int id) const {
+  const auto is_before = [&](int node) { return nodes_[static_cast<std::size_t>(node)].id < id; };
+  return std::any_of(edges_.begin(), edges_.end(), [&](const GraphEdge& e) {
+    return e.kind != EdgeKind::odometry && is_before(e.from) != is_before(e.to);
+  });
+}
+
 void KeyframeGraph::apply(const Correction& correction) {
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const Eigen::Isometry3d& C = correction[std::min(i, correction.size() - 1)];

@@ -107,6 +107,9 @@ class KeyframeGraph {
   /// Of all that is kept, but for work under way.
   std::size_t memory_bytes() const;
 
+  /// Whether more than odometry connects the nodes from this id on with those before.
+  bool ties(int id) const;
+
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<GraphEdge>& edges() const { return edges_; }
 

@@ -186,6 +186,7 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   if (step.node || step.deformed || step.thinned) publish_graph();
   pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth);
   pose.frame = map_frame();
+  if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
   add_detail(pose.detail, unplaced_map(pose.frame));
   pose.map_revision = mapper_->keyframes_made();
   pose.processing_time = cpu_time;

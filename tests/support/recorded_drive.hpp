@@ -13,6 +13,7 @@
 #include <lcmslam/encoders_t.hpp>
 #include <lcmslam/evaluation/trajectory_error.hpp>
 #include <lcmslam/features_t.hpp>
+#include <lcmslam/graph_t.hpp>
 #include <lcmslam/ground_truth_t.hpp>
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/log/log_reader.hpp>
@@ -97,6 +98,15 @@ class RecordedDrive {
   double error_of(const std::vector<odometry_t>& samples) const {
     Trajectory path;
     for (const auto& m : samples) path.push_back({m.utime, from_message(m.T_odom_robot, "T_odom_robot")});
+    return error_of(path);
+  }
+  /// The same of the robot's poses at the nodes of a graph.
+  double error_of(const graph_t& graph) const {
+    const Eigen::Isometry3d T_camera_robot =
+        from_message(calibration_.T_robot_camera, "T_robot_camera").inverse();
+    Trajectory path;
+    for (const auto& node : graph.nodes)
+      path.push_back({node.keyframe_utime, from_message(node.T_map_camera, "T_map_camera") * T_camera_robot});
     return error_of(path);
   }
   /// What an estimate on `channel` errs by as a share of what odometry does.

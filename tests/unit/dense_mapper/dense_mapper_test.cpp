@@ -159,7 +159,7 @@ TEST(DenseMapper, RecoversAtAKeyframeAfterAJump) {
 }
 
 // Another room behind the robot that looks the same: odometry tells them apart, and is believed where the
-// map ends.
+// map ends. As long as nothing else ties what is mapped there to the map, nobody claims to track in it.
 TEST(DenseMapper, GoesOnFromOdometryWhereTheMapEnds) {
   DenseMapperSettings settings;
   settings.reseed_after = 3;
@@ -175,12 +175,27 @@ TEST(DenseMapper, GoesOnFromOdometryWhereTheMapEnds) {
     SCOPED_TRACE(i);
     step = mapper.step(coloured_frame(i * frame_time, behind, no_mount, motion));
     const bool waiting = i <= settings.reseed_after;
-    EXPECT_EQ(to_string(step.status), waiting                          ? "lost"
-                                      : i == settings.reseed_after + 1 ? "degraded"
-                                                                       : "tracking");
+    EXPECT_EQ(to_string(step.status), waiting ? "lost" : "degraded");
+    EXPECT_EQ(step.hangs_on_odometry, !waiting);
+    if (i == settings.reseed_after + 1) {
+      const double known = i * 1e-4 + std::pow(settings.prior.floor_translation, 2);
+      EXPECT_NEAR(step.covariance(0, 0), known, 1e-9) << "of all motion since the map was left";
+    }
     motion.T_from_to.setIdentity();
   }
   expect_pose(step.T_world_robot, T, 0.02, 0.02);
+  EXPECT_GT(step.quality, 0.5) << "of what was mapped from there";
+
+  // Back at the start the graph compares both.
+  motion.T_from_to = T.inverse();
+  for (int i = 9; i <= 20; ++i) {
+    const ColouredCloud before = seen_from(room(0.03), no_mount, static_cast<std::uint64_t>(i));
+    step = mapper.step(coloured_frame(i * frame_time, before, no_mount, motion));
+    motion.T_from_to.setIdentity();
+  }
+  EXPECT_EQ(to_string(step.status), "tracking");
+  EXPECT_FALSE(step.hangs_on_odometry);
+  expect_pose(step.T_world_robot, no_mount, 0.02, 0.02);
 }
 
 // Against motion capture; the stretch turns fast and comes back.

@@ -60,6 +60,26 @@ TEST(MotionModel, ARobotThatNobodyWatchesIsAdriftUntilItIsFound) {
   EXPECT_LT(1 / model.predict(6'300'000, std::nullopt).information(0, 0), 0.01);
 }
 
+// A heading that nobody has measured for long swings the place around.
+TEST(MotionModel, OdometryAloneIsTheLessSureTheLongerItLasts) {
+  MotionModel model({});
+  model.observe(0, start, true);
+  Motion motion;
+  motion.T_from_to = planar_pose(1, 0, 0);
+  motion.covariance = 1e-4 * Matrix6d::Identity();
+  const auto variances = [&] { return Vector6d(model.predict(1, motion).information.inverse().diagonal()); };
+  const Vector6d first = variances();
+  model.lose(motion);
+  model.lose(std::nullopt);
+  const Vector6d second = variances();
+  EXPECT_NEAR(second(0) - first(0), 1e-4, 1e-9);
+  EXPECT_NEAR(second(1) - first(1), 1e-4 + 1e-4, 1e-9)
+      << "of the first motion, and of its heading a metre on";
+  EXPECT_NEAR(second(5) - first(5), 1e-4, 1e-9);
+  model.found();
+  EXPECT_TRUE(variances().isApprox(first, 1e-12));
+}
+
 TEST(MotionModel, ADeformedWorldTakesTheRobotAlong) {
   MotionModel model({});
   model.observe(0, start, true);

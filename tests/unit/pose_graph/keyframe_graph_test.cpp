@@ -103,11 +103,15 @@ TEST(KeyframeGraph, ALoopThatIsStillWorkedOnAtTheEndCounts) {
   EXPECT_FALSE(visit.graph.work(visit.now));         // takes what was done before
   EXPECT_FALSE(visit.graph.work(visit.now + 1000));  // begins
   ASSERT_FALSE(visit.graph.add_features(20, visit.last_features)) << "the work has begun";
+  EXPECT_FALSE(visit.graph.ties(20)) << "odometry alone";
   const auto correction = visit.graph.finish();
   ASSERT_TRUE(correction);
   visit.graph.apply(*correction);
   EXPECT_LT(visit.error_of_the_return(), 0.02);
   EXPECT_EQ(visit.graph.edges().back().kind, EdgeKind::loop);
+  EXPECT_TRUE(visit.graph.ties(20));
+  EXPECT_TRUE(visit.graph.ties(10)) << "over the loop";
+  EXPECT_FALSE(visit.graph.ties(21)) << "nobody is there";
 }
 
 // Done, but so small that the map was not deformed for it.
