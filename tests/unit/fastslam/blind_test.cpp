@@ -118,7 +118,13 @@ TEST(CoveredCamera, FollowsTheWheels) {
     step.motion.covariance *= 9;  // a scale error goes the same way at each step
     const StepResult r = slam.step(step.motion, step.frame);
     if (!dark) continue;
-    EXPECT_EQ(r.status, TrackStatus::predicting) << i;
+    const double seconds = 1e-6 * static_cast<double>(step.frame.utime - drive.steps[covered].frame.utime);
+    if (seconds < 0.5) {
+      EXPECT_EQ(r.status, TrackStatus::predicting) << i;
+    }
+    if (seconds > 0.9) {
+      EXPECT_EQ(r.status, TrackStatus::lost) << i << ", whatever the odometry knows";
+    }
     worst = std::max(worst, error_of(r, step).head<3>().norm());
     // In the plane; the others are held.
     const Eigen::Vector3d error = PoseSpace<3>::reduce(error_of(r, step));
