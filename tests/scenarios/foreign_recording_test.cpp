@@ -144,7 +144,8 @@ TEST_F(ForeignRecording, ImagesAndPosesAloneAreMapped) {
   const Trajectory& a = maps.channel("ICP_POSE", "batch").trajectory;
   const Trajectory& b = again.channel("ICP_POSE", "again").trajectory;
   ASSERT_GT(b.size(), 8U);
-  EXPECT_TRUE(b.back().T_world_body.isApprox(a[b.size() - 1].T_world_body, 1e-12));
+  for (std::size_t i = 0; i + 1 < b.size(); ++i)  // the last frame's odometry is cut off
+    EXPECT_TRUE(b[i].T_world_body.isApprox(a[i].T_world_body, 1e-12)) << i << " of " << b.size();
 }
 
 }  // namespace
