@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <fstream>
 #include <lcm/lcm-cpp.hpp>
 
 #include <lcmslam/images_t.hpp>
@@ -179,6 +180,20 @@ TEST_F(Replay, CtrlCEndsBatchAndLeavesNoHalfLog) {
   EXPECT_EQ(batch.wait(30).exit_code, 1) << batch.output();
   EXPECT_TRUE(batch.wrote("stopped by a signal")) << batch.output();
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST_F(Replay, CtrlCEndsASimulationAndLeavesTheOldLog) {
+  const TemporaryFolder folder;
+  const auto log = folder / "old.lcmlog";
+  std::ofstream(log) << "precious";
+  Program simulate({"lcmslam", "simulate", source_folder() / "config/scenes/kitchen.yaml", log, "--force"});
+  const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder.path()), {}); };
+  ASSERT_TRUE(wait_until([&] { return files() == 2; }, 30)) << simulate.output();  // the part file
+  simulate.send(SIGINT);
+  EXPECT_EQ(simulate.wait(30).exit_code, 1) << simulate.output();
+  EXPECT_TRUE(simulate.wrote("stopped by a signal: nothing is written")) << simulate.output();
+  EXPECT_EQ(files(), 1);
+  EXPECT_EQ(std::filesystem::file_size(log), 8U);
 }
 
 TEST_F(Replay, ASecondGraphDoesNotDisturbTheFirst) {

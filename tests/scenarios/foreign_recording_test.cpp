@@ -74,7 +74,7 @@ class ForeignRecording : public ::testing::Test {
           image.metadata.clear();
           image.nmetadata = 0;
         }
-        writer.write(event->timestamp, "CAMERA", encode_message(images));
+        writer.write(event->timestamp, "DRIVER_IMAGES", encode_message(images));
       } else if (event->channel == "ENCODERS") {
         wheels.deliver("ENCODERS", event->data);
         writer.write(event->timestamp, "DRIVER_POSE",

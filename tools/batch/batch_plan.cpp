@@ -24,7 +24,10 @@ std::vector<std::string> processes_of(const ConfigNode& config) {
 class Planner {
  public:
   Planner(const ConfigNode& config, const std::string& log, const LogOffer& offer)
-      : log_(log), offer_(offer), plan_{config, processes_of(config), 0, {}} {}
+      : log_(log), offer_(offer) {
+    plan_.config = config;
+    plan_.processes = processes_of(config);
+  }
 
   BatchPlan plan(bool calibrated) {
     check_frames();
@@ -46,12 +49,22 @@ class Planner {
   }
   bool uses_images() const { return runs("surf") || runs("icp"); }
 
+  /// The only channel of a type; empty: there is none, or several.
+  std::string only_channel_of(const std::string& type) const {
+    const auto found = offer_.by_type.find(type);
+    return found != offer_.by_type.end() && found->second.size() == 1 ? *found->second.begin() : "";
+  }
+
   void check_frames() {
-    const auto count = [&](const char* channel) {
+    const auto count = [&](const std::string& channel) {
       const auto found = offer_.messages.find(channel);
       return found == offer_.messages.end() ? 0 : found->second;
     };
-    plan_.frames = uses_images() ? count("CAMERA") : count("FEATURES");
+    if (uses_images() && !offer_.has("CAMERA") && !only_channel_of("images_t").empty()) {
+      plan_.camera = only_channel_of("images_t");
+      plan_.notes.push_back("images: from " + plan_.camera + ", the log's only images_t");
+    }
+    plan_.frames = count(uses_images() ? plan_.camera : "FEATURES");
     if (plan_.frames > 0) return;
     const std::string wanted = uses_images() ? "CAMERA (images_t)" : "FEATURES (features_t)";
     refuse("has no " + wanted + " within the times asked for, so there is no frame to map; it has " +
@@ -63,9 +76,7 @@ class Planner {
   std::string channel_of(OdometrySource source, const std::string& usual, bool open) const {
     const bool made_here = source == OdometrySource::visual && runs("surf");
     if (made_here || offer_.has(usual)) return usual;
-    const auto poses = offer_.by_type.find("pose_t");
-    const bool only_one = poses != offer_.by_type.end() && poses->second.size() == 1;
-    return open && source == OdometrySource::external && only_one ? *poses->second.begin() : "";
+    return open && source == OdometrySource::external ? only_channel_of("pose_t") : "";
   }
 
   void settle_odometry() {

@@ -13,7 +13,8 @@ namespace lcmslam {
 struct BatchPlan {
   ConfigNode config;                   ///< with a source of odometry in the place of `auto`
   std::vector<std::string> processes;  ///< of section `launch` without the camera, for which the log stands
-  std::int64_t frames = 0;             ///< CAMERA or FEATURES messages within the span
+  std::string camera = "CAMERA";       ///< the log's channel of images
+  std::int64_t frames = 0;             ///< messages there, or of FEATURES, within the span
   std::vector<std::string> notes;      ///< what was chosen and why, a line each
 };
 

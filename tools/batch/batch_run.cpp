@@ -108,7 +108,8 @@ BatchResult run_batch(const BatchOptions& options, const BatchPlan& plan) {
     if (!start) start = event->timestamp;
     begins |= sessions.begins(*event);
     const double seconds = 1e-6 * static_cast<double>(time_between(*start, event->timestamp));
-    BatchMessage message{std::string(event->channel), {}, event->timestamp};
+    BatchMessage message{
+        std::string(event->channel == plan.camera ? "CAMERA" : event->channel), {}, event->timestamp};
     if (!graph.is_input(message.channel)) continue;
     const bool calibrates = message.channel == "CAMERA_CALIBRATION";
     if (calibrates && options.calibration) continue;

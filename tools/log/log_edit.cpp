@@ -6,6 +6,7 @@
 #include <lcmslam/log/log_writer.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
+#include "tools/log/message_facts.hpp"
 #include "tools/log/message_reader.hpp"
 #include "tools/output_file.hpp"
 
@@ -31,6 +32,11 @@ std::string joined(const std::set<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
+}
+
+bool is_images(const LogEventView& event) {
+  const MessageType* type = message_type(event.data, event.size);
+  return type != nullptr && type->name == "images_t";
 }
 
 /// Writes the calibration before the images that want one, and looks whether they fit it.
@@ -109,22 +115,21 @@ LogEdit cut_log(const std::string& input, const LogOutput& output, const LogSele
 
 LogEdit calibrate_log(const std::string& input, const LogOutput& output, const RgbdCalibration& calibration) {
   check_output(input, output);
-  const LogContents contents = scan_log(input);
-  if (contents.channels.count("CAMERA") == 0)
-    throw std::runtime_error(input + ": has no CAMERA, so there is nothing to calibrate; it has " +
-                             joined(contents.channels));
   MessageReader reader(input);
   LogWriter writer(output.file);
   Calibrator calibrator(calibration);
   while (const auto event = reader.next()) {
     throw_when_stopped();
     if (event->channel == calibration_channel) continue;
-    if (event->channel == "CAMERA") calibrator.before_images(*event, writer);
+    if (is_images(*event)) calibrator.before_images(*event, writer);
     writer.write(event->timestamp, event->channel, event->data, event->size);
   }
+  if (!calibrator.fits() && calibrator.misfit().empty())
+    throw std::runtime_error(input + ": has no images (images_t), so there is nothing to calibrate; it has " +
+                             joined(scan_log(input).channels));
   if (!calibrator.fits())
-    throw std::runtime_error(
-        input + ": no CAMERA message fits the calibration, the last because: " + calibrator.misfit());
+    throw std::runtime_error(input +
+                             ": no images fit the calibration, the last because: " + calibrator.misfit());
   return close(reader, writer, input + ": no event in it is whole");
 }
 

@@ -31,9 +31,9 @@ LogEdit repair_log(const std::string& input, const LogOutput& output);
 /// comes first, with the log time of the first event. Damaged events are left out.
 LogEdit cut_log(const std::string& input, const LogOutput& output, const LogSelection& selection);
 
-/// Puts a CAMERA_CALIBRATION before the first CAMERA and again every second, in the place of those that are
-/// there. Throws std::runtime_error, and writes nothing, also when the log has no CAMERA, or none whose
-/// images have the calibration's sizes.
+/// Puts a CAMERA_CALIBRATION before the first images_t and again every second, in the place of those that are
+/// there. Throws std::runtime_error, and writes nothing, also when the log has no images, or none of the
+/// calibration's sizes.
 LogEdit calibrate_log(const std::string& input, const LogOutput& output, const RgbdCalibration& calibration);
 
 }  // namespace lcmslam

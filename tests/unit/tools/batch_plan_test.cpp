@@ -78,6 +78,16 @@ TEST(BatchPlan, ThePoseOfAnyNameIsTakenWhenItIsTheOnlyOne) {
   EXPECT_EQ(odometry(two).source, "visual");
 }
 
+TEST(BatchPlan, ImagesOfAnyNameAreTakenWhenTheyAreTheOnlyOnes) {
+  LogOffer foreign;
+  foreign.messages = {{"MULTISENSE", 30}};
+  foreign.by_type = {{"images_t", {"MULTISENSE"}}};
+  const BatchPlan plan = plan_batch(replay(), "my.lcmlog", foreign, true);
+  EXPECT_EQ(plan.camera, "MULTISENSE");
+  EXPECT_EQ(plan.frames, 30);
+  EXPECT_THAT(plan.notes, ::testing::Contains("images: from MULTISENSE, the log's only images_t"));
+}
+
 TEST(BatchPlan, ANamedSourceThatTheLogLacksIsRefusedWithTheCure) {
   EXPECT_THAT(error_of(replay({"odometry.source=wheels"}), offer({{"POSE_BODY", "pose_t"}})),
               AllOf(HasSubstr("my.lcmlog: has no ENCODERS"), HasSubstr("odometry.source=wheels"),
@@ -98,10 +108,11 @@ TEST(BatchPlan, ImagesWithoutCalibrationAreRefusedWithTheCure) {
 
 TEST(BatchPlan, AForeignLogIsRefusedAndItsChannelsAreNamed) {
   LogOffer foreign;
-  foreign.messages = {{"MY_CAMERA", 3}, {"SCAN", 7}};
-  foreign.by_type = {{"images_t", {"MY_CAMERA"}}};
-  EXPECT_THAT(error_of(replay(), foreign), AllOf(HasSubstr("my.lcmlog: has no CAMERA (images_t)"),
-                                                 HasSubstr("it has MY_CAMERA (images_t), SCAN")));
+  foreign.messages = {{"LEFT_HEAD", 3}, {"RIGHT_HEAD", 3}, {"SCAN", 7}};
+  foreign.by_type = {{"images_t", {"LEFT_HEAD", "RIGHT_HEAD"}}};
+  EXPECT_THAT(error_of(replay(), foreign),
+              AllOf(HasSubstr("my.lcmlog: has no CAMERA (images_t)"),
+                    HasSubstr("it has LEFT_HEAD (images_t), RIGHT_HEAD (images_t), SCAN")));
   LogOffer features = offer({});  // images, where features are asked for
   EXPECT_THAT(error_of(load_config(LCMSLAM_SOURCE_DIR "/config/mrclam.yaml", {}), features),
               HasSubstr("has no FEATURES (features_t)"));

@@ -190,12 +190,12 @@ TEST_F(LogEditTest, CalibrateRefusesACalibrationOfOtherImages) {
   RgbdCalibration other = sample_calibration();
   other.colour.width = 640;
   EXPECT_THAT(error_of([&] { calibrate_log(file, output, other); }),
-              AllOf(HasSubstr("no CAMERA message fits"), HasSubstr("300x1"), HasSubstr("640x1")));
+              AllOf(HasSubstr("no images fit"), HasSubstr("300x1"), HasSubstr("640x1")));
   LogSelection wheels;
   wheels.channels = {"ENCODERS"};
   cut_log(file, {path("wheels"), false}, wheels);
   EXPECT_THAT(error_of([&] { calibrate_log(path("wheels"), output, sample_calibration()); }),
-              AllOf(HasSubstr("has no CAMERA"), HasSubstr("it has ENCODERS")));
+              AllOf(HasSubstr("has no images"), HasSubstr("it has ENCODERS")));
   EXPECT_THAT(error_of([&] {
                 calibrate_log(file, {file, true}, sample_calibration());
               }),
