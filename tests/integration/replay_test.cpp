@@ -47,9 +47,10 @@ class Replay : public testing::Test {
  protected:
   static std::string url() { return lcm_url_from_environment(); }
 
-  void start_graph(const std::string& lcm_url = url()) {
-    graph_.emplace(std::vector<std::string>{"lcmslam", "launch", source_folder() / "config/replay.yaml",
-                                            "--lcm-url", lcm_url, "--out", folder_.path(), "--set",
+  void start_graph(const std::string& lcm_url = url(),
+                   const std::filesystem::path& config = source_folder() / "config/replay.yaml") {
+    graph_.emplace(std::vector<std::string>{"lcmslam", "launch", config, "--lcm-url", lcm_url, "--out",
+                                            folder_.path(), "--set",
                                             "map-server.folder=" + (folder_ / "maps").string()});
     for (const std::string process : {"surf", "odometry", "fastslam", "icp", "map-server"})
       ASSERT_TRUE(bus_.wait_for_status(
@@ -169,6 +170,30 @@ TEST_F(Replay, CtrlCEndsAPlayerWithItsAccount) {
   player.send(SIGINT);
   EXPECT_EQ(player.wait(30).exit_code, 0) << player.output();
   EXPECT_TRUE(player.wrote("times real time")) << player.output();
+}
+
+TEST_F(Replay, DriversWithoutCalibrationAreMappedWithOneFromAFile) {
+  const auto config = folder_ / "robot.yaml";
+  std::ofstream(config) << "include: " << (source_folder() / "config/replay.yaml").string()
+                        << "\nlaunch: {processes: [camera, surf, odometry, fastslam, icp, map-server]}\n"
+                           "camera: {source: calibration, calibration: {file: head.yaml}}\n";
+  std::ofstream(folder_ / "head.yaml")
+      << "sensor: mine\ncolour: {width: 640, height: 480, fx: 554, fy: 554, cx: 319.5, cy: 239.5}\n"
+         "depth: {width: 176, height: 144, fx: 200, fy: 200, cx: 87.5, cy: 71.5}\n"
+         "colour_depth: {translation: [0.08, 0, 0], quaternion: [1, 0, 0, 0]}\n";
+  const std::string log = folder_ / "drivers.lcmlog";
+  ASSERT_EQ(run({"lcmslam", "log", "cut", source_folder() / "logs/kitchen.lcmlog", log, "--channels",
+                 "CAMERA,ENCODERS"},
+                60)
+                .exit_code,
+            0);
+  start_graph(url(), config);
+  ASSERT_TRUE(bus_.wait_for_status(
+      "surf", [](const status_t& s) { return s.detail.find("waits for") == std::string::npos; }, 20));
+  play(log);
+  EXPECT_EQ(bus_.status("odometry")->detail, "source wheels, by what came first");
+  EXPECT_EQ(bus_.status("camera")->state, status_t::RUNNING);
+  stop_and_check_maps();
 }
 
 TEST_F(Replay, CtrlCEndsBatchAndLeavesNoHalfLog) {

@@ -34,8 +34,7 @@ class Planner {
     if (uses_images() && !calibrated && !offer_.calibrated)
       refuse(
           "has no CAMERA_CALIBRATION, so no frame can be mapped: add --calibration FILE, or write it into "
-          "the log: "
-          "lcmslam log calibrate");
+          "the log: lcmslam log calibrate");
     if (runs("odometry")) settle_odometry();
     return plan_;
   }
