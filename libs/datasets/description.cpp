@@ -46,6 +46,19 @@ std::vector<fs::path> shipped_descriptions(const fs::path& folder) {
   return files;
 }
 
+/// Which pattern no file fits; empty: each is fitted, or there is none.
+std::string unfitted_pattern(const Description& description, const fs::path& folder) {
+  if (description.format != "numbered") return "";
+  const std::string colour = why_no_file_fits(folder, description.colour);
+  return colour.empty() ? why_no_file_fits(folder, description.depth) : colour;
+}
+
+Description checked(Description description, const fs::path& folder) {
+  const std::string unfitted = unfitted_pattern(description, folder);
+  if (!unfitted.empty()) throw DatasetError(description.file.string() + ": " + unfitted);
+  return description;
+}
+
 }  // namespace
 
 Description read_description(const fs::path& file) {
@@ -79,13 +92,13 @@ bool matches(const Description& description, const fs::path& folder) {
 Description find_description(const fs::path& folder, const DatasetOptions& options,
                              const fs::path& config_folder) {
   if (!options.description.empty()) {
-    Description description = read_description(options.description);
+    Description description = checked(read_description(options.description), folder);
     if (!matches(description, folder))
       throw DatasetError(folder.string() + ": does not hold the files that " + options.description.string() +
                          " describes");
     return description;
   }
-  if (fs::exists(folder / "lcmslam.yaml")) return read_description(folder / "lcmslam.yaml");
+  if (fs::exists(folder / "lcmslam.yaml")) return checked(read_description(folder / "lcmslam.yaml"), folder);
   for (const fs::path& file : shipped_descriptions(config_folder / "datasets")) {
     Description description = read_description(file);
     if (matches(description, folder)) return description;

@@ -32,6 +32,36 @@ std::optional<Pattern> parse(const std::string& name) {
   return pattern;
 }
 
+/// Names in a folder in their order; none when it cannot be read.
+std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// The first few, for messages.
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.empty() ? "nothing" : text + (names.size() > most ? ", ..." : "");
+}
+
+/// The pattern of a numbered file's name, by the last number in it; nothing for names without one.
+std::optional<std::string> pattern_of(const std::string& name) {
+  const char* const decimal = "0123456789";
+  const std::size_t last = name.find_last_of(decimal, name.rfind('.'));
+  if (last == std::string::npos) return std::nullopt;
+  const std::size_t before = name.find_last_not_of(decimal, last);
+  const std::size_t first = before == std::string::npos ? 0 : before + 1;
+  const std::size_t count = last - first + 1;
+  const std::string padding = count > 1 && name[first] == '0' ? "0" + std::to_string(count) : "";
+  return name.substr(0, first) + "%" + padding + "d" + name.substr(last + 1);
+}
+
 }  // namespace
 
 bool NumberedFiles::is_pattern(const std::string& pattern) {
@@ -67,6 +97,27 @@ fs::path NumberedFiles::path(long number) const {
 
 bool NumberedFiles::has(long number) const {
   return std::binary_search(numbers_.begin(), numbers_.end(), number);
+}
+
+std::string why_no_file_fits(const fs::path& folder, const std::string& pattern) {
+  const NumberedFiles files(folder, pattern);
+  if (!files.numbers().empty()) return "";
+  const fs::path place = files.path(0).parent_path();
+  const std::string problem = "no file fits " + pattern + ": ";
+  if (!fs::is_directory(place))
+    return problem + place.string() + " is no folder; " + folder.string() + " holds " +
+           listed(names_in(folder));
+  const std::string tried =
+      files.path(0).string() + " and " + files.path(1).filename().string() + " are not there, ";
+  std::vector<std::string> names = names_in(place);
+  std::stable_partition(names.begin(), names.end(), [&](const fs::path& name) {
+    return name.extension() == fs::path(pattern).extension();
+  });
+  for (const std::string& name : names)
+    if (const auto fitting = pattern_of(name))
+      return problem + tried + "but " + name + " is, which " +
+             (fs::path(pattern).parent_path() / *fitting).string() + " would fit";
+  return problem + tried + place.string() + " holds " + listed(names);
 }
 
 }  // namespace lcmslam

@@ -28,4 +28,8 @@ class NumberedFiles {
   std::vector<long> numbers_;
 };
 
+/// Where no file fits a pattern: the paths that were tried, what is there in their place, and the pattern
+/// that would fit it. Empty when a file fits.
+std::string why_no_file_fits(const std::filesystem::path& folder, const std::string& pattern);
+
 }  // namespace lcmslam

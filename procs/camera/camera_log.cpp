@@ -89,11 +89,13 @@ std::unique_ptr<CameraSource> open_log(const std::string& file) {
   return std::make_unique<LogSource>(file);
 }
 
-LogCounts write_log(CameraSource& source, const std::string& file) {
+LogCounts write_log(CameraSource& source, const std::string& file,
+                    const std::function<void()>& before_event) {
   LogCounts counts;
   LogPublisher log(file);
   Utime next_calibration = 0;
   while (const auto event = source.next()) {
+    if (before_event) before_event();
     const Utime now = event_utime(*event);
     if (now >= next_calibration) {
       camera_calibration_t calibration = to_message(source.calibration());
@@ -107,6 +109,11 @@ LogCounts write_log(CameraSource& source, const std::string& file) {
     counts.truths += std::holds_alternative<GroundTruth>(*event) ? 1 : 0;
   }
   counts.bytes = log.bytes();
+  if (counts.frames == 0) {
+    const auto warnings = source.warnings();
+    throw std::runtime_error(file + ": is not written, no frame could be read" +
+                             (warnings.empty() ? "" : ": " + warnings.front()));
+  }
   log.close();
   return counts;
 }

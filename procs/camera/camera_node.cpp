@@ -44,6 +44,18 @@ void CameraNode::connect(Inputs& inputs) {
   inputs.subscribe<status_t>("STATUS", 100, [this](const status_t& status) {
     if (status.state == status_t::RUNNING) wait_for_.erase(status.process);
   });
+  if (source_->calibrates_only())
+    inputs.subscribe<images_t>("CAMERA", 1, [this](const images_t& images) { on_foreign_images(images); });
+}
+
+void CameraNode::on_foreign_images(const images_t& images) {
+  last_utime_ = images.utime;
+  misfit_.clear();
+  try {
+    checked_images(images, source_->calibration());
+  } catch (const DecodeError& error) {
+    misfit_ = error.what();
+  }
 }
 
 void CameraNode::prefetch() {
@@ -55,6 +67,7 @@ void CameraNode::prefetch() {
       if (stop_) return;
       ready_frames_ += std::holds_alternative<EncodedFrame>(*event) ? 1 : 0;
       ready_.push_back(std::move(*event));
+      if (malformed_ == 0 && source_->malformed() > 0) warn();
       malformed_ = source_->malformed();
     }
   } catch (const std::exception& error) {
@@ -62,9 +75,14 @@ void CameraNode::prefetch() {
     const std::lock_guard<std::mutex> lock(mutex_);
     failure_ = error.what();
   }
+  warn();
   const std::lock_guard<std::mutex> lock(mutex_);
   malformed_ = source_->malformed();
   source_ended_ = true;
+}
+
+void CameraNode::warn() const {
+  for (const auto& warning : source_->warnings()) spdlog::warn("{}", warning);
 }
 
 std::optional<CameraEvent> CameraNode::pop() {
@@ -139,6 +157,8 @@ NodeReport CameraNode::report() const {
   } else if (!wait_for_.empty()) {
     report.state = status_t::STARTING;
     report.detail = "waits for " + *wait_for_.begin();
+  } else if (source_->calibrates_only()) {
+    report.detail = misfit_.empty() ? "calibration for another driver's CAMERA" : misfit_;
   } else if (source_ended_ && ready_.empty() && !next_) {
     report.state = status_t::FINISHED;
     report.detail = "source is at its end";

@@ -7,6 +7,7 @@
 #include <set>
 #include <thread>
 
+#include <lcmslam/images_t.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include "procs/camera/camera_source.hpp"
 
@@ -29,10 +30,12 @@ class CameraNode : public Node {
   using Clock = std::chrono::steady_clock;
 
   void prefetch();
+  void warn() const;  // the first time something goes wrong, and at the end
   std::optional<CameraEvent> pop();
   bool consumers_ready();
   void publish(const CameraEvent& event);
   void publish_calibration();
+  void on_foreign_images(const images_t& images);
 
   Publisher& publisher_;
   std::unique_ptr<CameraSource> source_;
@@ -56,6 +59,7 @@ class CameraNode : public Node {
   Clock::time_point start_time_;  // when the event of first_utime_ is due
   Utime first_utime_ = 0;
   Utime last_utime_ = 0;
+  std::string misfit_;  // why another driver's images are not of the calibration; empty: they are
   Clock::time_point next_calibration_;
   std::size_t frames_sent_ = 0;
   double slowed_ = 0;  // s by which the source fell behind

@@ -49,20 +49,33 @@ struct LogSourceSettings {
   }
 };
 
+struct CalibrationSourceSettings {
+  std::filesystem::path file;
+
+  void describe(SettingsVisitor& s) {
+    s.required_path("file", file,
+                    "calibration (YAML) of ours, or of ROS (camera_info) or OpenCV (FileStorage)");
+  }
+};
+
 struct CameraSettings {
   std::string source = "simulation";
   SimulationSourceSettings simulation;
   DatasetSourceSettings dataset;
   LogSourceSettings log;
+  CalibrationSourceSettings calibration;
   double speed = 1;
   std::vector<std::string> wait_for;
   double wait_at_most = 30;
 
   void describe(SettingsVisitor& s) {
-    s.choice("source", source, {"simulation", "dataset", "log"}, "where the images come from");
+    s.choice("source", source, {"simulation", "dataset", "log", "calibration"},
+             "where the images come from; calibration: from another driver, which has none");
     s.alternative(source == "simulation", "simulation", simulation, "a robot that drives through a scene");
     s.alternative(source == "dataset", "dataset", dataset, "a recording of others");
     s.alternative(source == "log", "log", log, "a recording of ours");
+    s.alternative(source == "calibration", "calibration", calibration,
+                  "CAMERA_CALIBRATION at 1 Hz beside another driver's CAMERA");
     s.number("speed", speed, "", {0.01, 100}, "of playing; 1: as it was measured");
     s.texts("wait_for", wait_for, "processes that must report before the first image goes out");
     s.number("wait_at_most", wait_at_most, "s", {0, 600},
@@ -70,7 +83,8 @@ struct CameraSettings {
   }
 };
 
-/// Scenes are named relative to the file that names them. Throws ConfigError.
+/// Scenes and calibrations beside a driver are named relative to the file that names them. Throws
+/// ConfigError.
 CameraSettings read_camera_settings(const ConfigNode& config);
 
 }  // namespace lcmslam

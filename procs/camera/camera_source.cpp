@@ -14,12 +14,16 @@ CameraSettings read_camera_settings(const ConfigNode& config) {
   std::filesystem::path& scene = settings.simulation.simulation.scene;
   if (settings.source == "simulation" && scene.is_relative())
     scene = config.section("simulation").folder() / scene;
+  std::filesystem::path& calibration = settings.calibration.file;
+  if (settings.source == "calibration" && calibration.is_relative())
+    calibration = config.section("calibration").folder() / calibration;
   return settings;
 }
 
 std::unique_ptr<CameraSource> make_camera_source(const CameraSettings& settings) {
   if (settings.source == "dataset") return make_dataset_source(settings.dataset);
   if (settings.source == "log") return open_log(settings.log.file);
+  if (settings.source == "calibration") return make_calibration_source(settings.calibration);
   return make_simulation_source(settings.simulation);
 }
 

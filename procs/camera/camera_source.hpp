@@ -1,5 +1,6 @@
 #pragma once
-// Where the camera process gets its data: the simulation, a data set, a device.
+// Where the camera process gets its data: the simulation, a data set, a log; or the calibration of another
+// driver's images alone.
 
 #include <memory>
 #include <optional>
@@ -37,6 +38,10 @@ class CameraSource {
   virtual std::vector<std::string> notes() const { return {}; }
   /// Frames that could not be read so far.
   virtual std::size_t malformed() const { return 0; }
+  /// What went wrong so far, a line for each kind with its count.
+  virtual std::vector<std::string> warnings() const { return {}; }
+  /// Another driver publishes the images, this source only their calibration: it has no events and no end.
+  virtual bool calibrates_only() const { return false; }
 };
 
 /// As `source` says.
@@ -47,5 +52,6 @@ std::unique_ptr<CameraSource> make_simulation_source(const SimulationSourceSetti
 /// Always rendered anew.
 std::unique_ptr<CameraSource> make_live_simulation(const SimulationSourceSettings& settings);
 std::unique_ptr<CameraSource> make_dataset_source(const DatasetSourceSettings& settings);
+std::unique_ptr<CameraSource> make_calibration_source(const CalibrationSourceSettings& settings);
 
 }  // namespace lcmslam

@@ -1,7 +1,7 @@
-#include <spdlog/spdlog.h>
 #include <algorithm>
 
 #include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/datasets/problem_summary.hpp>
 #include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
@@ -28,6 +28,8 @@ class DatasetSource : public CameraSource {
   std::size_t frames() const override { return frames_; }
   std::size_t malformed() const override { return source_->problems().size(); }
 
+  std::vector<std::string> warnings() const override { return summarise_problems(source_->problems()); }
+
   std::vector<std::string> notes() const override {
     std::vector<std::string> notes = {folder_ + ": " + std::to_string(frames_) + " frames"};
     notes.insert(notes.end(), source_->notes().begin(), source_->notes().end());
@@ -43,7 +45,6 @@ class DatasetSource : public CameraSource {
       }
       auto frame = source_->frame(next_frame_++);
       if (frame) return std::move(*frame);
-      spdlog::warn("skipped: {}", source_->problems().back());
     }
     // The truth up to a moment after the last frame, so that its pose can be compared too.
     if (frames_ > 0 && next_truth_ < truth.size() &&

@@ -28,6 +28,7 @@ class RepeatedSource : public CameraSource {
   std::size_t frames() const override { return source_->frames() * static_cast<std::size_t>(passes_); }
   std::vector<std::string> notes() const override { return source_->notes(); }
   std::size_t malformed() const override { return malformed_ + source_->malformed(); }
+  std::vector<std::string> warnings() const override { return source_->warnings(); }
 
   std::optional<CameraEvent> next() override {
     auto event = source_->next();

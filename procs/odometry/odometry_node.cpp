@@ -1,5 +1,7 @@
 #include "procs/odometry/odometry_node.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
@@ -29,43 +31,63 @@ OdometryNode::OdometryNode(const ConfigNode& config, Publisher& publisher)
 
 OdometryNode::OdometryNode(const OdometryNodeSettings& settings, Publisher& publisher)
     : publisher_(publisher),
-      source_(settings.source),
+      choice_(settings.auto_wait),
+      named_(settings.source != "auto"),
       external_channel_(settings.external_channel),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
       wheels_(settings.wheels),
       twist_(settings.twist),
       visual_(settings.visual, Random(settings.seed)),
-      noise_(make_noise(settings.noise)) {}
+      noise_(make_noise(settings.noise)) {
+  for (const auto& [name, source] : odometry_sources)
+    if (settings.source == name) choice_ = SourceChoice(source);
+}
 
 void OdometryNode::connect(Inputs& inputs) {
-  if (source_ == "wheels") {
-    inputs
-        .subscribe_measured<encoders_t>("ENCODERS", 500,
-                                        [this](const encoders_t& m) { on_encoders(from_message(m)); })
-        .primary = true;
-  } else if (source_ == "twist") {
-    inputs.subscribe_measured<twist_t>("TWIST", 500, [this](const twist_t& m) { on_twist(from_message(m)); })
-        .primary = true;
-  } else if (source_ == "visual") {
-    inputs
-        .subscribe_measured<features_t>("FEATURES", frame_queue_,
-                                        [this](const features_t& m) { on_features(from_message(m)); })
-        .primary = true;
-  } else {
-    inputs
-        .subscribe_measured<pose_t>(external_channel_, 500,
-                                    [this](const pose_t& m) {
-                                      const MotionSample sample = external_.update(m.utime, from_message(m));
-                                      publish(sample, to_message(sample, source_));
-                                    })
-        .primary = true;
+  listen<encoders_t>(inputs, OdometrySource::wheels, 500,
+                     [this](const encoders_t& m) { on_encoders(from_message(m)); });
+  listen<twist_t>(inputs, OdometrySource::twist, 500,
+                  [this](const twist_t& m) { on_twist(from_message(m)); });
+  listen<pose_t>(inputs, OdometrySource::external, 500, [this](const pose_t& m) { on_pose(m); });
+  listen<features_t>(inputs, OdometrySource::visual, frame_queue_,
+                     [this](const features_t& m) { on_features(from_message(m)); });
+}
+
+template <class M>
+void OdometryNode::listen(Inputs& inputs, OdometrySource source, std::size_t capacity,
+                          std::function<void(const M&)> handler) {
+  if (named_ && choice_.chosen() != source) return;
+  Input& input =
+      inputs.subscribe_measured<M>(odometry_channel(source, external_channel_), capacity, std::move(handler));
+  input.primary = named_;
+  if (named_) return;
+  // What is not taken is not measured either: its clock may be another one.
+  input.admits = [this, &input, source, judge = input.admits](std::int64_t sender, Utime utime) {
+    input.primary = takes(source, utime);
+    return input.primary && judge(sender, utime);
+  };
+}
+
+bool OdometryNode::takes(OdometrySource source, Utime utime) {
+  if (!choice_.chosen()) {
+    choice_.heard(source, utime);
+    if (choice_.chosen()) spdlog::info("{}", report().detail);
+  } else if (source < *choice_.chosen() && came_later_.empty()) {
+    came_later_ = odometry_channel(source, external_channel_);
+    spdlog::warn("{}", report().detail);
   }
+  return choice_.chosen() == source;
+}
+
+void OdometryNode::on_pose(const pose_t& message) {
+  const MotionSample sample = external_.update(message.utime, from_message(message));
+  publish(sample, to_message(sample, source()));
 }
 
 void OdometryNode::on_twist(const Twist& twist) {
   const auto sample = twist_.update(twist);
   if (!sample) return;
-  odometry_t message = to_message(*sample, source_);
+  odometry_t message = to_message(*sample, source());
   for (int i = 0; i < 3; ++i) {
     message.linear_velocity[i] = twist.linear(i);
     message.angular_velocity[i] = twist.angular(i);
@@ -81,7 +103,7 @@ void OdometryNode::on_encoders(const Encoders& encoders) {
     throw DecodeError(error.what());
   }
   if (!sample) return;
-  odometry_t message = to_message(*sample, source_);
+  odometry_t message = to_message(*sample, source());
   message.linear_velocity[2] = message.angular_velocity[0] = message.angular_velocity[1] = 0;
   message.linear_velocity[0] = wheels_.twist().vx;
   message.linear_velocity[1] = wheels_.twist().vy;
@@ -92,7 +114,7 @@ void OdometryNode::on_encoders(const Encoders& encoders) {
 void OdometryNode::on_features(const FeatureFrame& frame) {
   const auto sample = visual_.update(frame);
   if (!sample) return;
-  odometry_t message = to_message(*sample, source_);
+  odometry_t message = to_message(*sample, source());
   const VisualReport& report = visual_.report();
   if (report.status != VisualStatus::tracking) ++degraded_;
   message.status = report.status == VisualStatus::tracking   ? pose_estimate_t::TRACKING
@@ -115,7 +137,14 @@ void OdometryNode::publish(const MotionSample& sample, odometry_t message) {
 
 NodeReport OdometryNode::report() const {
   NodeReport report;
-  report.detail = "source " + source_ + (noise_ ? ", noise added" : "");
+  if (!choice_.chosen())
+    report.detail = "waits for ENCODERS, TWIST, " + external_channel_ + " or FEATURES";
+  else
+    report.detail = std::string("source ") + source() + (named_ ? "" : ", by what came first") +
+                    (noise_ ? ", noise added" : "");
+  if (!came_later_.empty())
+    report.detail +=
+        "; " + came_later_ + " came later: odometry.source names it, or a longer odometry.auto_wait takes it";
   report.values = {{"updates", static_cast<double>(updates_)}, {"degraded", static_cast<double>(degraded_)}};
   return report;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// ENCODERS, TWIST, FEATURES or another driver's pose_t -> ODOMETRY.
+// ENCODERS, TWIST, FEATURES or another driver's pose_t -> ODOMETRY: of the source that the settings name, or
+// of the best that arrives.
 
 #include <lcmslam/encoders_t.hpp>
 #include <lcmslam/odometry/external_odometry.hpp>
@@ -8,6 +9,7 @@
 #include <lcmslam/odometry/visual_odometry.hpp>
 #include <lcmslam/odometry/wheel_odometry.hpp>
 #include <lcmslam/odometry_t.hpp>
+#include <lcmslam/pose_t.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include <lcmslam/twist_t.hpp>
 #include "procs/odometry/odometry_settings.hpp"
@@ -26,13 +28,21 @@ class OdometryNode : public Node {
   NodeReport report() const override;
 
  private:
+  /// Of one source; while nobody has chosen, each message is a reason to choose it.
+  template <class M>
+  void listen(Inputs& inputs, OdometrySource source, std::size_t capacity,
+              std::function<void(const M&)> handler);
+  bool takes(OdometrySource source, Utime utime);
+  const char* source() const { return name_of(*choice_.chosen(), odometry_sources); }
+  void on_pose(const pose_t& message);
   void on_encoders(const Encoders& encoders);
   void on_twist(const Twist& twist);
   void on_features(const FeatureFrame& frame);
   void publish(const MotionSample& sample, odometry_t message);
 
   Publisher& publisher_;
-  std::string source_;
+  SourceChoice choice_;
+  bool named_;  // by the settings
   std::string external_channel_;
   std::size_t frame_queue_;  // frames that may wait
   WheelOdometry wheels_;
@@ -42,6 +52,7 @@ class OdometryNode : public Node {
   ExternalOdometry external_;
   std::int64_t updates_ = 0;
   std::int64_t degraded_ = 0;  // visual updates that went on by prediction
+  std::string came_later_;     // channel of a better source than the chosen one
 };
 
 }  // namespace lcmslam

@@ -1,4 +1,5 @@
 #pragma once
+#include <lcmslam/odometry/source_choice.hpp>
 #include <lcmslam/odometry/twist_odometry.hpp>
 #include <lcmslam/odometry/visual_odometry.hpp>
 #include <lcmslam/odometry/wheel_odometry.hpp>
@@ -22,9 +23,30 @@ struct PathNoiseSettings {
   }
 };
 
+/// As `source` names them.
+constexpr Choice<OdometrySource> odometry_sources[] = {{"wheels", OdometrySource::wheels},
+                                                       {"twist", OdometrySource::twist},
+                                                       {"external", OdometrySource::external},
+                                                       {"visual", OdometrySource::visual}};
+
+/// The channel that a source comes on; of another driver's pose the settings name it.
+inline std::string odometry_channel(OdometrySource source, const std::string& external_channel) {
+  switch (source) {
+    case OdometrySource::wheels:
+      return "ENCODERS";
+    case OdometrySource::twist:
+      return "TWIST";
+    case OdometrySource::visual:
+      return "FEATURES";
+    default:
+      return external_channel;
+  }
+}
+
 /// Section `odometry`.
 struct OdometryNodeSettings {
-  std::string source = "wheels";
+  std::string source = "auto";
+  double auto_wait = 2;
   std::string external_channel = "POSE_BODY";
   int frame_queue = 4;
   std::uint64_t seed = 1;
@@ -34,8 +56,12 @@ struct OdometryNodeSettings {
   PathNoiseSettings noise;
 
   void describe(SettingsVisitor& s) {
-    s.choice("source", source, {"wheels", "twist", "visual", "external"},
-             "from ENCODERS, TWIST, FEATURES, or another driver's pose");
+    s.choice("source", source, {"auto", "wheels", "twist", "visual", "external"},
+             "from ENCODERS, TWIST, FEATURES or another driver's pose; auto: the first of wheels, twist, "
+             "external and "
+             "visual that is there");
+    s.number("auto_wait", auto_wait, "s", {0, 60},
+             "of message time that auto waits for a better source than has come (wheels are taken at once)");
     s.text("external_channel", external_channel, "of another driver's bot_core.pose_t");
     describe_frame_queue(s, frame_queue);
     s.number("seed", seed, "", {0, 2147483647}, "of visual odometry's RANSAC");

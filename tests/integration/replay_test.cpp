@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <fstream>
 #include <lcm/lcm-cpp.hpp>
 
 #include <lcmslam/images_t.hpp>
@@ -46,9 +47,10 @@ class Replay : public testing::Test {
  protected:
   static std::string url() { return lcm_url_from_environment(); }
 
-  void start_graph(const std::string& lcm_url = url()) {
-    graph_.emplace(std::vector<std::string>{"lcmslam", "launch", source_folder() / "config/replay.yaml",
-                                            "--lcm-url", lcm_url, "--out", folder_.path(), "--set",
+  void start_graph(const std::string& lcm_url = url(),
+                   const std::filesystem::path& config = source_folder() / "config/replay.yaml") {
+    graph_.emplace(std::vector<std::string>{"lcmslam", "launch", config, "--lcm-url", lcm_url, "--out",
+                                            folder_.path(), "--set",
                                             "map-server.folder=" + (folder_ / "maps").string()});
     for (const std::string process : {"surf", "odometry", "fastslam", "icp", "map-server"})
       ASSERT_TRUE(bus_.wait_for_status(
@@ -170,6 +172,30 @@ TEST_F(Replay, CtrlCEndsAPlayerWithItsAccount) {
   EXPECT_TRUE(player.wrote("times real time")) << player.output();
 }
 
+TEST_F(Replay, DriversWithoutCalibrationAreMappedWithOneFromAFile) {
+  const auto config = folder_ / "robot.yaml";
+  std::ofstream(config) << "include: " << (source_folder() / "config/replay.yaml").string()
+                        << "\nlaunch: {processes: [camera, surf, odometry, fastslam, icp, map-server]}\n"
+                           "camera: {source: calibration, calibration: {file: head.yaml}}\n";
+  std::ofstream(folder_ / "head.yaml")
+      << "sensor: mine\ncolour: {width: 640, height: 480, fx: 554, fy: 554, cx: 319.5, cy: 239.5}\n"
+         "depth: {width: 176, height: 144, fx: 200, fy: 200, cx: 87.5, cy: 71.5}\n"
+         "colour_depth: {translation: [0.08, 0, 0], quaternion: [1, 0, 0, 0]}\n";
+  const std::string log = folder_ / "drivers.lcmlog";
+  ASSERT_EQ(run({"lcmslam", "log", "cut", source_folder() / "logs/kitchen.lcmlog", log, "--channels",
+                 "CAMERA,ENCODERS"},
+                60)
+                .exit_code,
+            0);
+  start_graph(url(), config);
+  ASSERT_TRUE(bus_.wait_for_status(
+      "surf", [](const status_t& s) { return s.detail.find("waits for") == std::string::npos; }, 20));
+  play(log);
+  EXPECT_EQ(bus_.status("odometry")->detail, "source wheels, by what came first");
+  EXPECT_EQ(bus_.status("camera")->state, status_t::RUNNING);
+  stop_and_check_maps();
+}
+
 TEST_F(Replay, CtrlCEndsBatchAndLeavesNoHalfLog) {
   const TemporaryFolder folder;
   Program batch({"lcmslam", "batch", source_folder() / "config/replay.yaml",
@@ -179,6 +205,20 @@ TEST_F(Replay, CtrlCEndsBatchAndLeavesNoHalfLog) {
   EXPECT_EQ(batch.wait(30).exit_code, 1) << batch.output();
   EXPECT_TRUE(batch.wrote("stopped by a signal")) << batch.output();
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST_F(Replay, CtrlCEndsASimulationAndLeavesTheOldLog) {
+  const TemporaryFolder folder;
+  const auto log = folder / "old.lcmlog";
+  std::ofstream(log) << "precious";
+  Program simulate({"lcmslam", "simulate", source_folder() / "config/scenes/kitchen.yaml", log, "--force"});
+  const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder.path()), {}); };
+  ASSERT_TRUE(wait_until([&] { return files() == 2; }, 30)) << simulate.output();  // the part file
+  simulate.send(SIGINT);
+  EXPECT_EQ(simulate.wait(30).exit_code, 1) << simulate.output();
+  EXPECT_TRUE(simulate.wrote("stopped by a signal: nothing is written")) << simulate.output();
+  EXPECT_EQ(files(), 1);
+  EXPECT_EQ(std::filesystem::file_size(log), 8U);
 }
 
 TEST_F(Replay, ASecondGraphDoesNotDisturbTheFirst) {

@@ -1,15 +1,19 @@
 #include <fmt/format.h>
 #include <unistd.h>
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <thread>
 
 #include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/batch/batch_progress.hpp"
 #include "tools/batch/batch_run.hpp"
 #include "tools/commands.hpp"
+#include "tools/output_file.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
 
@@ -20,6 +24,15 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// Whether the map server has saved maps.
+bool saved_maps(const BatchResult& result) {
+  return std::any_of(result.processes.begin(), result.processes.end(), [](const auto& process) {
+    const auto& values = process.report.values;
+    return std::any_of(values.begin(), values.end(),
+                       [](const auto& v) { return v.first == "saved" && v.second > 0; });
+  });
 }
 
 void print(const BatchResult& result, double seconds) {
@@ -41,15 +54,37 @@ void print(const BatchResult& result, double seconds) {
   if (result.damages > 0)
     std::cout << "the log is damaged in " << result.damages << " places (lcmslam log check)\n";
   if (result.incomplete > 0) std::cout << result.incomplete << " messages in pieces were incomplete\n";
-  std::cout << "results: " << result.output.string() << " (" << result.published
-            << " messages), maps beside it\n";
+  std::cout << "results: " << result.output.string() << " (" << result.published << " messages), "
+            << (saved_maps(result) ? "maps beside it" : "no map was saved") << "\n";
+}
+
+/// Runs with progress; a stop or an error takes a new folder away again unless something stands in it.
+BatchResult run(const BatchOptions& asked, const BatchPlan& plan, bool new_folder) {
+  BatchOptions options = asked;
+  const Clock::time_point begin = Clock::now();
+  ProgressLine line(std::cout, isatty(STDOUT_FILENO) != 0);
+  options.progress = [&](std::int64_t frame) {
+    throw_when_stopped();
+    line.show(seconds_since(begin), frame, plan.frames);
+  };
+  try {
+    BatchResult result = run_batch(options, plan);
+    line.clear();
+    return result;
+  } catch (...) {
+    line.clear();
+    std::error_code ignored;
+    if (new_folder) std::filesystem::remove(options.folder, ignored);
+    throw;
+  }
 }
 
 }  // namespace
 
 int batch_command(int argc, char** argv) {
   BatchOptions options;
-  std::string config, log, out;
+  std::string config, log, out, calibration;
+  bool force = false;
   std::vector<std::string> overrides;
   options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App app{
@@ -61,10 +96,15 @@ int batch_command(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option(
          "log", log,
-         ".lcmlog with CAMERA, CAMERA_CALIBRATION and, if there are wheels, ENCODERS; or with FEATURES")
+         ".lcmlog with CAMERA, CAMERA_CALIBRATION (or --calibration) and, if there is other odometry than "
+         "the camera's, ENCODERS, TWIST or a pose; or with FEATURES")
       ->required()
       ->check(CLI::ExistingFile);
+  app.add_option("--calibration", calibration,
+                 "calibration (YAML) in the place of the log's: ours, ROS's camera_info or OpenCV's")
+      ->check(CLI::ExistingFile);
   app.add_option("--out", out, "folder for batch.lcmlog and the maps, default out/batch-TIME");
+  app.add_flag("--force", force, "overwrite another run's results in that folder");
   app.add_option("--from", options.from, "s from the log's start")->check(CLI::NonNegativeNumber);
   app.add_option("--to", options.to, "s from the log's start")->check(CLI::NonNegativeNumber);
   app.add_option("--threads", options.threads, "does not change the result")->check(CLI::Range(1, 256));
@@ -76,23 +116,22 @@ int batch_command(int argc, char** argv) {
     return 2;
   }
   keep_freed_memory();
+  install_stop_signals(0);
   options.config = load_config(config, overrides);
   options.log = log;
+  check_run_folder(out, force);
+  if (!calibration.empty()) {
+    options.calibration = load_calibration(calibration);
+    std::cout << "calibration: " << calibration << ": " << describe(*options.calibration) << "\n";
+  }
+  const BatchPlan plan = plan_batch(options);
+  for (const auto& note : plan.notes) std::cout << note << "\n";
+  std::cout << std::flush;
+  const bool new_folder = out.empty() || !std::filesystem::exists(out);
   options.folder = out.empty() ? new_run_folder("batch") : std::filesystem::path(out);
 
   const Clock::time_point begin = Clock::now();
-  const bool terminal = isatty(STDOUT_FILENO) != 0;
-  double shown = 0;
-  install_stop_signals(0);
-  options.progress = [&](double seconds) {
-    if (stop_requested()) throw std::runtime_error("stopped by a signal: nothing is written");
-    const double elapsed = seconds_since(begin);
-    if (!terminal || elapsed - shown < 1) return;
-    shown = elapsed;
-    std::cout << fmt::format("\r  {:.1f} s of log in {:.0f} s ", seconds, elapsed) << std::flush;
-  };
-  const BatchResult result = run_batch(options);
-  if (terminal) std::cout << "\r";
+  const BatchResult result = run(options, plan, new_folder);
   print(result, seconds_since(begin));
   const std::vector<std::string> problems = problems_of(result);
   for (const auto& problem : problems) std::cerr << "lcmslam batch: " << problem << "\n";

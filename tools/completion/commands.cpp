@@ -16,7 +16,7 @@ const std::vector<Command>& commands() {
       {"import", import_command, "turn a data set folder into an .lcmlog"},
       {"launch", launch_command, "start the process graph that a configuration names"},
       {"lcm-spy", lcm_spy_command, "the stock graphical spy with our types"},
-      {"log", log_command, "recordings: info, check, repair, cut, play", log_subcommands()},
+      {"log", log_command, "recordings: info, check, repair, cut, calibrate, play", log_subcommands()},
       {"simulate", simulate_command, "render a simulated run into an .lcmlog"},
       {"spy", spy_command, "live table of the bus"},
       {"study", study_command, "run the demo for several seeds, or one study of its own"}};

@@ -3,6 +3,7 @@
 #include <lcmslam/datasets/description.hpp>
 #include <lcmslam/datasets/landmark_recording.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
+#include <lcmslam/imaging/io/foreign_calibration.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/simulation/scene.hpp>
 #include "tools/config/setting_sections.hpp"
@@ -26,7 +27,11 @@ void check_graph(const std::string& file, const std::vector<std::string>& overri
 }  // namespace
 
 std::string check_file(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  const ConfigNode config = ConfigNode::load(file);
+  const ConfigNode config = load_calibration_yaml(file);
+  if (is_foreign_camera(config)) {
+    load_calibration(file);
+    return "a camera's calibration of ROS or OpenCV";
+  }
   if (config.has("rooms")) {
     load_scene(file);
     return "a scene";

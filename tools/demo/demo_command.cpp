@@ -34,7 +34,7 @@ struct DemoOptions {
   std::vector<std::string> overrides;
   double seconds = 0;
   int seed = -1;
-  bool headless = false;
+  bool headless = false, force = false;
 };
 
 std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
@@ -53,6 +53,7 @@ std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--headless", o.headless, "plain progress lines, and no pictures are opened at the end");
   app.add_option("--out", o.out, "folder for the results (default out/NAME-TIME)");
+  app.add_flag("--force", o.force, "overwrite another run's results in that folder");
   app.add_option("--set", o.overrides, "override of the configuration: section.key=value");
   app.add_option("--lcm-url", o.lcm_url, "LCM provider");
   app.add_option("--log-level", o.log_level, "of the processes");
@@ -82,6 +83,10 @@ void complete(DemoOptions& o) {
   if (!config.has("camera"))
     throw ConfigError(o.config + ": has no camera, so the run would never end; use launch");
   o.camera = read_camera_settings(config.section("camera"));
+  if (o.camera.source == "calibration")
+    throw ConfigError(o.config +
+                      ": its camera only calibrates another driver's images, so the run would never end; "
+                      "use launch");
   if (o.seconds > 0) {
     if (o.camera.source == "log") throw ConfigError("--seconds: a log is played whole; cut it first");
     o.overrides.push_back("camera." + o.camera.source + ".seconds=" + std::to_string(o.seconds));
@@ -287,6 +292,7 @@ int demo_command(int argc, char** argv) {
   if (const auto exit_code = parse(argc, argv, options)) return *exit_code;
   const std::string name =
       options.data.empty() ? "demo" : std::filesystem::path(options.data).filename().string();
+  check_run_folder(options.out, options.force);
   if (options.out.empty()) options.out = new_run_folder(name.empty() ? "data" : name);
   std::filesystem::create_directories(options.out);
   options.out = std::filesystem::absolute(options.out).lexically_normal();

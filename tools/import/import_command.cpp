@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 #include <iostream>
 
+#include <lcmslam/datasets/problem_summary.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
 #include "procs/camera/camera_log.hpp"
 #include "procs/camera/repeated_source.hpp"
 #include "tools/commands.hpp"
 #include "tools/import/landmark_log.hpp"
+#include "tools/output_file.hpp"
 #include "tools/parse_command.hpp"
 
 namespace lcmslam {
@@ -12,37 +15,56 @@ namespace {
 
 int write(CameraSource& source, const std::string& log) {
   for (const auto& note : source.notes()) std::cout << "  " << note << "\n";
-  const LogCounts counts = write_log(source, log);
+  const LogCounts counts = write_log(source, log, throw_when_stopped);
   std::cout << fmt::format("  {}: {} frames, {} encoder readings, {} true poses, {:.1f} MB\n", log,
                            counts.frames, counts.encoders, counts.truths,
                            static_cast<double>(counts.bytes) / 1e6);
   if (source.malformed() > 0)
     std::cout << fmt::format("  {} frames were malformed or missing\n", source.malformed());
-  return counts.frames > 0 ? 0 : 1;
+  for (const auto& warning : source.warnings()) std::cout << "  " << warning << "\n";
+  return 0;
 }
 
 int write(const LandmarkRecording& recording, const std::string& log) {
   for (const auto& note : recording.notes) std::cout << "  " << note << "\n";
-  for (const auto& problem : recording.problems) std::cout << "  " << problem << "\n";
+  for (const auto& problem : summarise_problems(recording.problems)) std::cout << "  " << problem << "\n";
   const LandmarkLogCounts counts = write_landmark_log(recording, log);
   std::cout << fmt::format(
       "  {}: {} frames with {} landmark observations, {} motions, {} true poses, {:.1f} MB\n", log,
       counts.frames, counts.features, counts.motions, counts.truths, static_cast<double>(counts.bytes) / 1e6);
-  return counts.frames > 0 ? 0 : 1;
+  return 0;
 }
+
+/// The log that a command writes.
+struct Output {
+  std::string file;
+  bool force = false;
+
+  void add_to(CLI::App& app) {
+    app.add_option("log", file, "file to write")->required();
+    app.add_flag("--force", force, "overwrite the log if it exists");
+  }
+  void begin() const {
+    check_output_file(file, force);
+    install_stop_signals(0);
+  }
+};
 
 }  // namespace
 
 int import_command(int argc, char** argv) {
-  std::string folder, log, calibration, description;
+  std::string folder, calibration, description;
+  Output output;
   int robot = 0;
   CLI::App app{"Turns a data set folder into an .lcmlog that lcm-logplayer replays.", "lcmslam import"};
   app.add_option("folder", folder,
                  "TUM RGB-D, 7-Scenes, numbered images or UTIAS MRCLAM; or the file victoria_park.txt")
       ->required()
       ->check(CLI::ExistingPath);
-  app.add_option("log", log, "file to write")->required();
-  app.add_option("--calibration", calibration, "camera calibration (YAML)")->check(CLI::ExistingFile);
+  output.add_to(app);
+  app.add_option("--calibration", calibration,
+                 "camera calibration (YAML): ours, ROS's camera_info or OpenCV's")
+      ->check(CLI::ExistingFile);
   app.add_option("--description", description, "layout of the folder (YAML, see config/datasets)")
       ->check(CLI::ExistingFile);
   app.add_option("--robot", robot, "of an MRCLAM folder")->check(CLI::Range(1, 5));
@@ -50,25 +72,28 @@ int import_command(int argc, char** argv) {
   app.add_option("--repeat", passes, "the recording so many times, times shifted on: for endurance tests")
       ->check(CLI::Range(1, 1000));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  output.begin();
   DatasetOptions options;
   options.description = description;
-  if (const auto recording = open_landmark_dataset(folder, robot, options)) return write(*recording, log);
+  if (const auto recording = open_landmark_dataset(folder, robot, options))
+    return write(*recording, output.file);
   DatasetSourceSettings settings;
   settings.folder = folder;
   settings.calibration = calibration;
   settings.description = description;
-  return write(*repeat_source([&] { return make_dataset_source(settings); }, passes), log);
+  return write(*repeat_source([&] { return make_dataset_source(settings); }, passes), output.file);
 }
 
 int simulate_command(int argc, char** argv) {
   SimulationSourceSettings source;
   SimulationSettings& simulation = source.simulation;
-  std::string scene, log;
+  std::string scene;
+  Output output;
   CLI::App app{"Renders a simulated run into an .lcmlog.", "lcmslam simulate"};
   app.add_option("scene", scene, "scene (YAML), e.g. config/scenes/kitchen.yaml")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("log", log, "file to write")->required();
+  output.add_to(app);
   app.add_option("--head", simulation.head, "tof or rgbd");
   app.add_option("--base", simulation.base, "differential, steered or mecanum");
   app.add_option("--seed", simulation.seed, "of the sensors' errors");
@@ -78,9 +103,10 @@ int simulate_command(int argc, char** argv) {
   app.add_option("--jpeg-quality", source.jpeg_quality, "of the colour images; less makes smaller logs")
       ->check(CLI::Range(1, 100));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  output.begin();
   simulation.scene = std::filesystem::absolute(scene).lexically_normal();
   simulation.threads = 2;
-  return write(*make_live_simulation(source), log);
+  return write(*make_live_simulation(source), output.file);
 }
 
 }  // namespace lcmslam

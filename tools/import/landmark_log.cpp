@@ -8,6 +8,7 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/runtime/log_publisher.hpp>
+#include "tools/output_file.hpp"
 
 namespace lcmslam {
 namespace {
@@ -46,6 +47,9 @@ void publish_landmarks(const LandmarkRecording& recording, Publisher& publisher)
 LandmarkLogCounts write_landmark_log(const LandmarkRecording& recording, const std::string& file) {
   LogPublisher log(file);
   publish_landmarks(recording, log);
+  throw_when_stopped();
+  if (recording.frames.empty())
+    throw std::runtime_error(file + ": is not written, the recording has no frame");
   log.close();
   LandmarkLogCounts counts;
   for (const FeatureFrame& frame : recording.frames)

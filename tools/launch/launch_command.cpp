@@ -73,10 +73,13 @@ int launch_command(int argc, char** argv) {
   app.add_option("--set", options.overrides, "override: section.key=value");
   std::string folder;
   app.add_option("--out", folder, "folder for maps and logs (default out/launch-TIME)");
+  bool force = false;
+  app.add_flag("--force", force, "overwrite another run's results in that folder");
   app.add_flag("--private-bus", private_bus,
                "own network namespace: nobody else hears or disturbs the graph");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
+  check_run_folder(folder, force);
   options.folder = folder.empty() ? new_run_folder("launch") : std::filesystem::path(folder);
   const bool as_root = geteuid() == 0;  // asked before: in a user namespace everybody is root
   if (private_bus && !enter_private_bus()) {

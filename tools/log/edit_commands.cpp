@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <iostream>
 
+#include <lcmslam/imaging/io/calibration_file.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
 #include "tools/log/log_commands.hpp"
 #include "tools/log/log_edit.hpp"
 #include "tools/log/selection_options.hpp"
@@ -37,6 +39,7 @@ int log_repair_command(int argc, char** argv) {
                "lcmslam log repair"};
   add_files(app, input, output);
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  install_stop_signals(0);
   print(repair_log(input, output), output.file);
   return 0;
 }
@@ -50,7 +53,25 @@ int log_cut_command(int argc, char** argv) {
   options.add_to(app);
   app.add_option("--without", options.without, "not these channels")->delimiter(',');
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  install_stop_signals(0);
   print(cut_log(input, output, options.selection()), output.file);
+  return 0;
+}
+
+int log_calibrate_command(int argc, char** argv) {
+  std::string input, file;
+  LogOutput output;
+  CLI::App app{"Writes a new log with a calibration from a file, at 1 Hz, in the place of its own.",
+               "lcmslam log calibrate"};
+  add_files(app, input, output);
+  app.add_option("calibration", file, "calibration (YAML): ours, ROS's camera_info or OpenCV's")
+      ->required()
+      ->check(CLI::ExistingFile);
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  install_stop_signals(0);
+  const RgbdCalibration calibration = load_calibration(file);
+  std::cout << file << ": " << describe(calibration) << "\n";
+  print(calibrate_log(input, output, calibration), output.file);
   return 0;
 }
 

@@ -10,8 +10,8 @@ namespace {
 void print_help(std::ostream& stream) {
   stream << "usage: lcmslam log SUBCOMMAND [options]; lcmslam log SUBCOMMAND --help for its options\n";
   for (const Command& subcommand : log_subcommands())
-    stream << "  " << subcommand.name << std::string(8 - std::strlen(subcommand.name), ' ') << subcommand.help
-           << "\n";
+    stream << "  " << subcommand.name << std::string(11 - std::strlen(subcommand.name), ' ')
+           << subcommand.help << "\n";
 }
 
 }  // namespace
@@ -22,6 +22,7 @@ const std::vector<Command>& log_subcommands() {
       {"check", log_check_command, "what is wrong with it; exit code 0 only when nothing is"},
       {"repair", log_repair_command, "a new log with every whole event of a damaged one"},
       {"cut", log_cut_command, "a new log with some of the time or of the channels"},
+      {"calibrate", log_calibrate_command, "a new log with a camera's calibration from a file"},
       {"play", log_play_command, "sends a log's messages, at any speed or in step with the mappers"}};
   return subcommands;
 }

@@ -1,9 +1,10 @@
 #pragma once
-// New logs from old ones: `lcmslam log repair` and `lcmslam log cut`.
+// New logs from old ones: `lcmslam log repair`, `lcmslam log cut` and `lcmslam log calibrate`.
 
 #include <string>
 #include <vector>
 
+#include <lcmslam/imaging/calibration.hpp>
 #include <lcmslam/log/log_reader.hpp>
 #include "tools/log/log_selection.hpp"
 
@@ -23,11 +24,16 @@ struct LogOutput {
 };
 
 /// Keeps every whole event. Throws std::runtime_error, and writes nothing, when the output exists, is the
-/// input, or nothing is whole.
+/// input, nothing is whole, or a signal asks to stop.
 LogEdit repair_log(const std::string& input, const LogOutput& output);
 
 /// Keeps what is selected; the calibration that was valid there (the last CAMERA_CALIBRATION before)
 /// comes first, with the log time of the first event. Damaged events are left out.
 LogEdit cut_log(const std::string& input, const LogOutput& output, const LogSelection& selection);
+
+/// Puts a CAMERA_CALIBRATION before the first images_t and again every second, in the place of those that are
+/// there. Throws std::runtime_error, and writes nothing, also when the log has no images, or none of the
+/// calibration's sizes.
+LogEdit calibrate_log(const std::string& input, const LogOutput& output, const RgbdCalibration& calibration);
 
 }  // namespace lcmslam

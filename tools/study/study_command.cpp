@@ -9,6 +9,7 @@
 
 #include <lcmslam/configuration/share.hpp>
 #include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
 #include <lcmslam/runtime/version.hpp>
@@ -52,9 +53,7 @@ double ate(const nlohmann::json& summary, const std::string& path) {
 /// report.json of a study of its own, and its table on the screen.
 void write_report(const std::filesystem::path& folder, nlohmann::json report, const std::string& table) {
   report["version"] = lcmslam_version;
-  std::ofstream file(folder / "report.json");
-  file << report.dump(2) << "\n";
-  if (!file) throw std::runtime_error((folder / "report.json").string() + " cannot be written");
+  write_atomically(folder / "report.json", report.dump(2) + "\n");
   std::cout << table << "\n" << (folder / "report.json").string() << "\n";
 }
 
@@ -131,13 +130,11 @@ int run_feature_study(const std::string& data, const FeatureStudySettings& setti
   FeatureMethods methods = all_feature_methods(settings.keypoints);
   const FeatureStudyResult result = study_features(*source, methods, settings);
   const std::filesystem::path folder = new_run_folder("study-features");
-  std::ofstream(folder / "features.csv") << feature_csv(result);
+  write_atomically(folder / "features.csv", feature_csv(result));
   nlohmann::json report = feature_json(result, settings);
   report["data"] = data;
   report["version"] = lcmslam_version;
-  std::ofstream json_file(folder / "features.json");
-  json_file << report.dump(2) << "\n";
-  if (!json_file) throw std::runtime_error((folder / "features.json").string() + " cannot be written");
+  write_atomically(folder / "features.json", report.dump(2) + "\n");
   std::cout << feature_table(result) << "\n" << (folder / "features.json").string() << ", features.csv\n";
   return 0;
 }

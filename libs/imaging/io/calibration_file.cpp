@@ -5,10 +5,24 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <lcmslam/imaging/io/foreign_calibration.hpp>
+
 namespace lcmslam {
 namespace {
 
+/// Intrinsics in a file of their own, as ROS and OpenCV write them, beside the file that names it.
+CameraModel load_camera(const ConfigNode& node) {
+  const std::filesystem::path file = node.folder() / node.text("file");
+  if (!std::filesystem::exists(file)) node.fail("file", file.string() + " is not there");
+  const ConfigNode camera = load_calibration_yaml(file);
+  if (!is_foreign_camera(camera))
+    node.fail("file",
+              file.string() + " has no camera_matrix: it must be a camera_info of ROS or a file of OpenCV");
+  return read_foreign_camera(camera);
+}
+
 CameraModel read_camera(const ConfigNode& node) {
+  if (node.has("file")) return load_camera(node);
   CameraModel camera;
   camera.width = static_cast<int>(node.number("width", {1, 8192}));
   camera.height = static_cast<int>(node.number("height", {1, 8192}));
@@ -58,13 +72,33 @@ DepthNoise read_noise(const ConfigNode& node) {
   return noise;
 }
 
+void check(const RgbdCalibration& calibration, const ConfigNode& config) {
+  try {
+    calibration.check();
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError(config.where() + ": " + error.what());
+  }
+}
+
+RgbdCalibration foreign_head(const ConfigNode& config) {
+  RgbdCalibration calibration;
+  calibration.sensor = foreign_camera_name(config, calibration.sensor);
+  calibration.colour = calibration.depth = read_foreign_camera(config);
+  calibration.depth_registered = true;
+  check(calibration, config);
+  return calibration;
+}
+
 }  // namespace
 
 RgbdCalibration read_calibration(const ConfigNode& config) {
   RgbdCalibration calibration;
   calibration.sensor = config.get("sensor", calibration.sensor);
   if (!config.has("colour"))
-    config.fail("colour", "the key colour is missing: give the colour camera's intrinsics");
+    config.fail(
+        "colour",
+        "the key colour is missing: give the colour camera's intrinsics (config/calibration/tum_fr1.yaml "
+        "explains every key), or a file of ROS or OpenCV with camera_matrix");
   calibration.colour = read_camera(config.section("colour"));
   calibration.depth_registered = config.get("depth_registered", false);
   if (calibration.depth_registered) {
@@ -92,19 +126,24 @@ RgbdCalibration read_calibration(const ConfigNode& config) {
   calibration.depth_min = config.get("depth_min", calibration.depth_min, Range{0, 65});
   calibration.depth_max = config.get("depth_max", calibration.depth_max, Range{0, 65.535});
   calibration.pixel_sigma = config.get("pixel_sigma", calibration.pixel_sigma, Range{1e-3, 100});
-  try {
-    calibration.check();
-  } catch (const std::invalid_argument& error) {
-    throw ConfigError(config.where() + ": " + error.what());
-  }
+  check(calibration, config);
   return calibration;
 }
 
 RgbdCalibration load_calibration(const std::filesystem::path& file) {
-  const ConfigNode config = ConfigNode::load(file);
-  RgbdCalibration calibration = read_calibration(config);
+  const ConfigNode config = load_calibration_yaml(file);
+  RgbdCalibration calibration = is_foreign_camera(config) ? foreign_head(config) : read_calibration(config);
   config.finish();
   return calibration;
+}
+
+std::string describe(const RgbdCalibration& calibration) {
+  const auto size = [](const CameraModel& camera) {
+    return std::to_string(camera.width) + "x" + std::to_string(camera.height);
+  };
+  return "sensor " + calibration.sensor + ", colour " + size(calibration.colour) + ", depth " +
+         (calibration.depth_registered ? "registered to it" : size(calibration.depth)) +
+         (calibration.has_mount ? ", mounted on the robot" : ", hand-held (no mount)");
 }
 
 std::optional<RgbdCalibration> find_calibration(const std::string& sensor,

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/log/log_reader.hpp>
@@ -81,6 +83,48 @@ TEST_F(CameraLog, RepeatedPassesGoOnInTime) {
     EXPECT_EQ(thrice[i].colour, like.colour);
     EXPECT_EQ(thrice[i].depth_utime - thrice[i].utime, like.depth_utime - like.utime);
   }
+}
+
+/// Gives the wheels' readings, and no frame.
+class WithoutFrames : public CameraSource {
+ public:
+  explicit WithoutFrames(std::unique_ptr<CameraSource> source) : source_(std::move(source)) {}
+  const RgbdCalibration& calibration() const override { return source_->calibration(); }
+  std::size_t frames() const override { return 0; }
+  std::vector<std::string> warnings() const override { return {"7 times, first rgb/1.png: is missing"}; }
+  std::optional<CameraEvent> next() override {
+    auto event = source_->next();
+    while (event && std::holds_alternative<EncodedFrame>(*event)) event = source_->next();
+    return event;
+  }
+
+ private:
+  std::unique_ptr<CameraSource> source_;
+};
+
+TEST_F(CameraLog, WhatFailsLeavesTheFileAsItWas) {
+  const auto content = [&] {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / "old.lcmlog").rdbuf();
+    return text.str();
+  };
+  std::ofstream(folder_ / "old.lcmlog") << "precious";
+  const std::string file = folder_ / "old.lcmlog";
+  try {
+    WithoutFrames source(open_log(kitchen));
+    write_log(source, file);
+    ADD_FAILURE() << "a log without frames was written";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(),
+                ::testing::AllOf(::testing::HasSubstr(file), ::testing::HasSubstr("rgb/1.png")));
+  }
+  int events = 0;
+  const auto stop = [&] {
+    if (++events == 100) throw std::runtime_error("stopped");
+  };
+  EXPECT_THROW(write_log(*open_log(kitchen), file, stop), std::runtime_error);
+  EXPECT_EQ(content(), "precious");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "a part file stays";
 }
 
 TEST_F(CameraLog, WhatCannotBePlayedIsNamed) {

@@ -149,6 +149,48 @@ TEST_F(OdometryNodeTest, AnotherDriversPoseIsPassedOn) {
   EXPECT_EQ(bus_.count("ODOMETRY"), 3U);
 }
 
+pose_t resting_pose(Utime utime) {
+  pose_t pose{};
+  pose.utime = utime;
+  pose.orientation[0] = 1;
+  return pose;
+}
+
+TEST_F(OdometryNodeTest, WithoutASourceAnotherDriversPoseIsTakenWhenNothingBetterComes) {
+  const OdometryNode& node = bus_.add<OdometryNode>();
+  EXPECT_EQ(node.report().detail, "waits for ENCODERS, TWIST, POSE_BODY or FEATURES");
+  for (const Utime t : {10'000'000, 11'000'000, 11'990'000}) bus_.deliver("POSE_BODY", resting_pose(t));
+  EXPECT_EQ(bus_.count("ODOMETRY"), 0U);
+  bus_.deliver("POSE_BODY", resting_pose(12'000'000));
+  ASSERT_EQ(bus_.count("ODOMETRY"), 1U);
+  EXPECT_EQ(bus_.on<odometry_t>("ODOMETRY").front().source, "external");
+  EXPECT_EQ(node.report().detail, "source external, by what came first");
+}
+
+TEST_F(OdometryNodeTest, WheelsThatComeAfterTheChoiceAreNamedAndNotTaken) {
+  const OdometryNode& node = bus_.add<OdometryNode>(ConfigNode::parse("{auto_wait: 1}"));
+  // Another clock than the wheels': what is not taken must not judge the stamps of what is.
+  for (Utime t = 1'000'000; t <= 3'000'000; t += 100'000) bus_.deliver("POSE_BODY", resting_pose(t));
+  ASSERT_EQ(bus_.count("ODOMETRY"), 11U);
+  bus_.deliver("ENCODERS", encoders(0));
+  EXPECT_EQ(bus_.count("ODOMETRY"), 11U);
+  EXPECT_THAT(node.report().detail, HasSubstr("ENCODERS came later: odometry.source names it"));
+  for (Utime t = 3'100'000; t <= 4'000'000; t += 100'000) bus_.deliver("POSE_BODY", resting_pose(t));
+  EXPECT_EQ(bus_.count("ODOMETRY"), 21U);
+  EXPECT_EQ(bus_.stamps(0).refused(), 0);
+}
+
+TEST_F(OdometryNodeTest, WheelsAreTakenAtOnceWhateverCameBefore) {
+  const OdometryNode& node = bus_.add<OdometryNode>();
+  bus_.deliver("POSE_BODY", resting_pose(1'700'000'000'000'000));
+  for (Utime t = 0; t <= 100'000; t += 20'000) bus_.deliver("ENCODERS", encoders(t));
+  EXPECT_EQ(bus_.count("ODOMETRY"), 6U);
+  bus_.deliver("POSE_BODY", resting_pose(1'700'000'000'100'000));
+  EXPECT_EQ(bus_.count("ODOMETRY"), 6U);
+  EXPECT_EQ(bus_.stamps(0).refused(), 0);
+  EXPECT_EQ(node.report().detail, "source wheels, by what came first");
+}
+
 TEST_F(OdometryNodeTest, NoiseIsAddedWhenAskedFor) {
   bus_.add<OdometryNode>();
   bus_.add<OdometryNode>(ConfigNode::parse("{noise: {mode: white, sigma: 0.05}}"));

@@ -103,6 +103,25 @@ TEST_F(Batch, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
+TEST_F(Batch, TellsHowManyFramesAreDone) {
+  BatchOptions o = options(kitchen, folder("progress"));
+  std::vector<std::int64_t> done;
+  o.progress = [&](std::int64_t frame) { done.push_back(frame); };
+  const BatchPlan plan = plan_batch(o);
+  EXPECT_EQ(plan.frames, frames);
+  run_batch(o, plan);
+  ASSERT_FALSE(done.empty());
+  EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
+  EXPECT_EQ(done.back(), plan.frames);
+}
+
+TEST_F(Batch, TheSourceThatAutoFindsGivesTheSameAsItsName) {
+  BatchOptions o = options(kitchen, folder("named"));
+  o.config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {"odometry.source=wheels"});
+  run_batch(o);
+  EXPECT_THAT(differing(folder("reference"), folder("named")), ::testing::IsEmpty());
+}
+
 TEST_F(Batch, NeverReadsGroundTruth) {
   const auto log = scratch_.path() / "without.lcmlog";
   int truths = 0;
@@ -209,14 +228,30 @@ TEST(BatchProblems, AFewDamagedFramesAreNone) {
   EXPECT_THAT(problems_of(result), ::testing::IsEmpty());
 }
 
-TEST(BatchProblems, ALogWithoutCalibrationMapsNothing) {
+TEST(BatchProblems, CalibrationsThatAllAreRefusedMapNothing) {
   const ScratchFolder scratch;
   const auto log = scratch.path() / "uncalibrated.lcmlog";
   rewrite(kitchen, log, [&](const LogEvent& event, LogWriter& writer) {
-    if (event.channel != "CAMERA_CALIBRATION") writer.write(event.timestamp, event.channel, event.data);
+    const bool calibrates = event.channel == "CAMERA_CALIBRATION";
+    writer.write(event.timestamp, event.channel,
+                 calibrates ? std::vector<std::uint8_t>{1, 2, 3} : event.data);
   });
   const auto problems = problems_of(run_batch(options(log, scratch.path() / "out")));
+  ASSERT_FALSE(problems.empty());
+  EXPECT_THAT(problems.front(), HasSubstr("CAMERA_CALIBRATION messages"));
   EXPECT_THAT(problems, ::testing::Contains("icp mapped nothing: it waits for CAMERA_CALIBRATION"));
+}
+
+TEST(BatchProblems, MostFramesWithoutOdometryAreOne) {
+  const ScratchFolder scratch;
+  const auto log = scratch.path() / "short_of_wheels.lcmlog";
+  int readings = 0;
+  rewrite(kitchen, log, [&](const LogEvent& event, LogWriter& writer) {
+    if (event.channel != "ENCODERS" || ++readings < 10)
+      writer.write(event.timestamp, event.channel, event.data);
+  });
+  const auto problems = problems_of(run_batch(options(log, scratch.path() / "out")));
+  EXPECT_THAT(problems, ::testing::Contains(HasSubstr("icp had no odometry for")));
 }
 
 TEST(BatchProblems, MapsThatCannotBeSavedAreNamedAndTheLogIsKept) {

@@ -152,6 +152,57 @@ TEST_F(LogEditTest, CutOfNothingNamesWhatIsWrong) {
               HasSubstr("no channel 'CAMARA'"));
 }
 
+/// Of the sample's images.
+RgbdCalibration sample_calibration() {
+  RgbdCalibration c;
+  c.sensor = "new";
+  c.colour = {300, 1, 250, 250, 150, 0, {}};
+  c.depth = {150, 1, 125, 125, 75, 0, {}};
+  return c;
+}
+
+TEST_F(LogEditTest, CalibratePutsTheFilesCalibrationInThePlaceOfTheLogs) {
+  const std::string file = sample_log(folder_, 5);
+  const LogEdit edit = calibrate_log(file, {path("b"), false}, sample_calibration());
+  const auto events = read_log(path("b"));
+  EXPECT_EQ(edit.written, static_cast<std::int64_t>(events.size()));
+  EXPECT_EQ(count(events, "CAMERA_CALIBRATION"), 5U);
+  EXPECT_EQ(count(events, "CAMERA"), 50U);
+  EXPECT_EQ(count(events, "ENCODERS"), 250U);
+  bool calibrated = false;
+  std::int64_t seq = 0;
+  for (const LogEvent& event : events) {
+    EXPECT_TRUE(calibrated || event.channel != "CAMERA") << "images before the first calibration";
+    if (event.channel != "CAMERA_CALIBRATION") continue;
+    calibrated = true;
+    const auto message = decode_message<camera_calibration_t>(event.data.data(), event.data.size());
+    EXPECT_EQ(message.sensor, "new");
+    EXPECT_EQ(message.colour.fx, 250);
+    EXPECT_EQ(message.seq, seq++);
+    EXPECT_EQ(message.utime, event.timestamp);
+  }
+  EXPECT_TRUE(check_log(path("b")).findings.empty());
+}
+
+TEST_F(LogEditTest, CalibrateRefusesACalibrationOfOtherImages) {
+  const std::string file = sample_log(folder_, 2);
+  const LogOutput output{path("b"), false};
+  RgbdCalibration other = sample_calibration();
+  other.colour.width = 640;
+  EXPECT_THAT(error_of([&] { calibrate_log(file, output, other); }),
+              AllOf(HasSubstr("no images fit"), HasSubstr("300x1"), HasSubstr("640x1")));
+  LogSelection wheels;
+  wheels.channels = {"ENCODERS"};
+  cut_log(file, {path("wheels"), false}, wheels);
+  EXPECT_THAT(error_of([&] { calibrate_log(path("wheels"), output, sample_calibration()); }),
+              AllOf(HasSubstr("has no images"), HasSubstr("it has ENCODERS")));
+  EXPECT_THAT(error_of([&] {
+                calibrate_log(file, {file, true}, sample_calibration());
+              }),
+              HasSubstr("is the input"));
+  EXPECT_FALSE(std::filesystem::exists(path("b")));
+}
+
 TEST_F(LogEditTest, MessagesInPiecesBecomeWhole) {
   const std::string file = path("pieces");
   LogWriter log(file);
