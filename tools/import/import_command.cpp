@@ -5,6 +5,7 @@
 #include "procs/camera/repeated_source.hpp"
 #include "tools/commands.hpp"
 #include "tools/import/landmark_log.hpp"
+#include "tools/log/log_plausibility.hpp"
 #include "tools/parse_command.hpp"
 
 namespace lcmslam {
@@ -18,6 +19,7 @@ int write(CameraSource& source, const std::string& log) {
                            static_cast<double>(counts.bytes) / 1e6);
   if (source.malformed() > 0)
     std::cout << fmt::format("  {} frames were malformed or missing\n", source.malformed());
+  if (counts.frames > 0) std::cout << format_plausibility(plausibility_of_log(log));
   return counts.frames > 0 ? 0 : 1;
 }
 
