@@ -10,6 +10,7 @@
 #include <lcmslam/runtime/stop_signal.hpp>
 #include "tools/batch/batch_run.hpp"
 #include "tools/commands.hpp"
+#include "tools/demo/run_summary.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
 
@@ -36,6 +37,7 @@ void print(const BatchResult& result, double seconds) {
     for (const auto& [name, value] : process.report.values)
       std::cout << fmt::format("  {} {:g}", name, value);
     std::cout << "\n";
+    if (!process.report.detail.empty()) std::cout << "  " << process.report.detail << "\n";
   }
   std::cout << "\n";
   if (result.damages > 0)
@@ -45,11 +47,32 @@ void print(const BatchResult& result, double seconds) {
             << " messages), maps beside it\n";
 }
 
+/// Trajectories, pictures and summary.json beside the maps, as after a live run.
+void write_files(const BatchResult& result, RunRecorder& recorder, Inputs& inputs, const RunFacts& facts) {
+  for (const auto& process : result.processes) {
+    status_t status{};
+    status.process = process.process;
+    status.state = static_cast<int8_t>(process.report.state);
+    status.detail = process.report.detail;
+    for (const auto& [name, value] : process.report.values) {
+      value_t v;
+      v.name = name;
+      v.value = value;
+      status.values.push_back(v);
+    }
+    status.n_values = static_cast<int32_t>(status.values.size());
+    const auto bytes = encode_message(status);
+    inputs.deliver("STATUS", bytes.data(), bytes.size());
+  }
+  write_run_files(result.output.parent_path(), recorder, facts);
+}
+
 }  // namespace
 
 int batch_command(int argc, char** argv) {
   BatchOptions options;
   std::string config, log, out;
+  RunFacts facts;
   std::vector<std::string> overrides;
   options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App app{
@@ -64,10 +87,13 @@ int batch_command(int argc, char** argv) {
          ".lcmlog with CAMERA, CAMERA_CALIBRATION and, if there are wheels, ENCODERS; or with FEATURES")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("--out", out, "folder for batch.lcmlog and the maps, default out/batch-TIME");
+  app.add_option(
+      "--out", out,
+      "folder for batch.lcmlog, maps, trajectories, pictures and summary.json, default out/batch-TIME");
   app.add_option("--from", options.from, "s from the log's start")->check(CLI::NonNegativeNumber);
   app.add_option("--to", options.to, "s from the log's start")->check(CLI::NonNegativeNumber);
   app.add_option("--threads", options.threads, "does not change the result")->check(CLI::Range(1, 256));
+  app.add_flag("--kitti", facts.kitti, "trajectories in KITTI's format too");
   app.add_option("--set", overrides, "override: section.key=value");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   if (options.to > 0 && options.to <= options.from) {
@@ -91,10 +117,22 @@ int batch_command(int argc, char** argv) {
     shown = elapsed;
     std::cout << fmt::format("\r  {:.1f} s of log in {:.0f} s ", seconds, elapsed) << std::flush;
   };
+  Inputs inputs;
+  RunRecorder recorder(inputs);
+  options.heard = [&inputs](const BatchMessage& message) {
+    inputs.deliver(message.channel, message.bytes.data(), message.bytes.size());
+  };
   const BatchResult result = run_batch(options);
   if (terminal) std::cout << "\r";
   print(result, seconds_since(begin));
+  facts.title = "log " + log;
+  facts.config = config;
+  facts.overrides = overrides;
+  facts.frames = static_cast<double>(result.frames);
+  facts.seconds = seconds_since(begin);
   const std::vector<std::string> problems = problems_of(result);
+  facts.events = problems;
+  write_files(result, recorder, inputs, facts);
   for (const auto& problem : problems) std::cerr << "lcmslam batch: " << problem << "\n";
   if (problems.size() > 1) std::cerr << "lcmslam batch: " << log << ": first: " << problems.front() << "\n";
   return problems.empty() ? 0 : 1;

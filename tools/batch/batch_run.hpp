@@ -16,7 +16,8 @@ struct BatchOptions {
   double from = 0;               ///< s from the log's start
   double to = 0;                 ///< s from the log's start, 0: its end
   int threads = 1;
-  std::function<void(double seconds)> progress;  ///< s of log time that are done
+  std::function<void(double seconds)> progress;    ///< s of log time that are done
+  std::function<void(const BatchMessage&)> heard;  ///< all that goes in and comes out, in its order
 };
 
 struct BatchResult {
