@@ -246,8 +246,7 @@ void MapServerNode::command(const command_t& command) {
 /// A mapper is told to forget its map: as it is now it stays on disk, in a folder of its own.
 void MapServerNode::keep_what_is_reset(const command_t& command) {
   const auto forgets = [&](const char* process, const auto& sessions) {
-    return !sessions.empty() &&
-           is_confirmed(command, process, sessions.all()[sessions.current()].key.sender);
+    return !sessions.empty() && is_confirmed(command, process, sessions.all()[sessions.current()].key.sender);
   };
   if (command.name != "reset" || !(forgets("fastslam", landmark_maps_) || forgets("icp", dense_maps_)))
     return;
@@ -308,6 +307,7 @@ NodeReport MapServerNode::report() const {
                    {"keyframes_given_up", number(given_up)},
                    {"resends_asked", number(resends_)},
                    {"saved", number(saved_)},
+                   {"unsaved", number(changes_ - saved_changes_)},
                    {"requests_refused", number(requests_refused_)}};
   return report;
 }

@@ -12,6 +12,13 @@
 #include <lcmslam/rgbd/describe_frame.hpp>
 
 namespace lcmslam {
+namespace {
+
+// Whether images fit the calibration is looked at in the first frames, some way apart, and said early.
+constexpr int looked_at = 12, enough_to_say = 4;
+constexpr Utime look_period = 1'000'000;  // us
+
+}  // namespace
 
 SurfNodeSettings SurfNode::read(const ConfigNode& config) {
   auto settings = read_settings<SurfNodeSettings>(config);
@@ -49,6 +56,8 @@ void SurfNode::on_calibration(const camera_calibration_t& message) {
     return;
   }
   registration_.emplace(from_message(message));
+  plausibility_.emplace(registration_->calibration());
+  doubt_.clear();
   calibration_message_ = message;
   if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
 }
@@ -67,8 +76,21 @@ void SurfNode::on_camera(const images_t& message) {
     return;
   }
   if (too_soon(message.utime)) return;
-  publisher_.publish("FEATURES", to_message(describe(decode_images(message, registration_->calibration()))));
+  const RgbdFrame frame = decode_images(message, registration_->calibration());
+  publisher_.publish("FEATURES", to_message(describe(frame)));
   ++frames_;
+  look_at(frame);
+}
+
+void SurfNode::look_at(const RgbdFrame& frame) {
+  const bool due = frame.utime < looked_ || frame.utime - looked_ >= look_period;
+  if (!plausibility_ || !due) return;
+  looked_ = frame.utime;
+  plausibility_->add(frame);
+  if (plausibility_->frames() < enough_to_say) return;
+  const auto findings = plausibility_->findings();
+  doubt_ = findings.empty() ? "" : "looks wrong: " + findings.front();
+  if (plausibility_->frames() >= looked_at) plausibility_.reset();
 }
 
 // Images come with some jitter: three quarters of the period are enough.
@@ -115,6 +137,7 @@ NodeReport SurfNode::report() const {
         fmt::format("image blurred: sharpness {:.1f}, usually {:.1f}", last_sharpness_, sharpness_.usual());
   else if (threshold_.at_lowest() && frames_ > 0)
     report.detail = fmt::format("little texture: {:.0f} keypoints at the lowest threshold", keypoints_);
+  if (registration_ && !doubt_.empty()) report.detail = doubt_;
   report.values = {{"frames", static_cast<double>(frames_)},
                    {"left_out", static_cast<double>(left_out_)},
                    {"keypoints", keypoints_},

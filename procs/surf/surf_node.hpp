@@ -8,6 +8,7 @@
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/imaging/sharpness.hpp>
 #include <lcmslam/odometry_t.hpp>
+#include <lcmslam/rgbd/plausibility.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include <lcmslam/surf/adaptive_threshold.hpp>
 #include <lcmslam/surf/surf.hpp>
@@ -33,6 +34,7 @@ class SurfNode : public Node {
   bool too_soon(Utime utime);
   FeatureFrame describe(const RgbdFrame& frame);
   Eigen::Isometry3d motion_between_shots(const RgbdFrame& frame) const;
+  void look_at(const RgbdFrame& frame);
 
   Publisher& publisher_;
   Surf surf_;
@@ -50,6 +52,9 @@ class SurfNode : public Node {
   std::int64_t frames_ = 0, left_out_ = 0, blurred_frames_ = 0;
   double keypoints_ = 0, with_depth_ = 0, last_sharpness_ = 0;  // of the newest frame
   bool blurred_ = false;
+  std::optional<Plausibility> plausibility_;  // until a dozen frames were looked at
+  Utime looked_ = 0;                          // at the last of them
+  std::string doubt_;                         // what looks wrong; empty: nothing
 };
 
 }  // namespace lcmslam

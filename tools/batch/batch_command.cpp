@@ -14,6 +14,7 @@
 #include "tools/batch/batch_run.hpp"
 #include "tools/commands.hpp"
 #include "tools/output_file.hpp"
+#include "tools/demo/run_summary.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
 
@@ -49,6 +50,7 @@ void print(const BatchResult& result, double seconds) {
     for (const auto& [name, value] : process.report.values)
       std::cout << fmt::format("  {} {:g}", name, value);
     std::cout << "\n";
+    if (!process.report.detail.empty()) std::cout << "  " << process.report.detail << "\n";
   }
   std::cout << "\n";
   if (result.damages > 0)
@@ -79,12 +81,33 @@ BatchResult run(const BatchOptions& asked, const BatchPlan& plan, bool new_folde
   }
 }
 
+/// Trajectories, pictures and summary.json beside the maps, as after a live run.
+void write_files(const BatchResult& result, RunRecorder& recorder, Inputs& inputs, const RunFacts& facts) {
+  for (const auto& process : result.processes) {
+    status_t status{};
+    status.process = process.process;
+    status.state = static_cast<int8_t>(process.report.state);
+    status.detail = process.report.detail;
+    for (const auto& [name, value] : process.report.values) {
+      value_t v;
+      v.name = name;
+      v.value = value;
+      status.values.push_back(v);
+    }
+    status.n_values = static_cast<int32_t>(status.values.size());
+    const auto bytes = encode_message(status);
+    inputs.deliver("STATUS", bytes.data(), bytes.size());
+  }
+  write_run_files(result.output.parent_path(), recorder, facts);
+}
+
 }  // namespace
 
 int batch_command(int argc, char** argv) {
   BatchOptions options;
   std::string config, log, out, calibration;
   bool force = false;
+  RunFacts facts;
   std::vector<std::string> overrides;
   options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App app{
@@ -103,11 +126,14 @@ int batch_command(int argc, char** argv) {
   app.add_option("--calibration", calibration,
                  "calibration (YAML) in the place of the log's: ours, ROS's camera_info or OpenCV's")
       ->check(CLI::ExistingFile);
-  app.add_option("--out", out, "folder for batch.lcmlog and the maps, default out/batch-TIME");
+  app.add_option(
+      "--out", out,
+      "folder for batch.lcmlog, maps, trajectories, pictures and summary.json, default out/batch-TIME");
   app.add_flag("--force", force, "overwrite another run's results in that folder");
   app.add_option("--from", options.from, "s from the log's start")->check(CLI::NonNegativeNumber);
   app.add_option("--to", options.to, "s from the log's start")->check(CLI::NonNegativeNumber);
   app.add_option("--threads", options.threads, "does not change the result")->check(CLI::Range(1, 256));
+  app.add_flag("--kitti", facts.kitti, "trajectories in KITTI's format too");
   app.add_option("--set", overrides, "override: section.key=value");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   if (options.to > 0 && options.to <= options.from) {
@@ -131,9 +157,21 @@ int batch_command(int argc, char** argv) {
   options.folder = out.empty() ? new_run_folder("batch") : std::filesystem::path(out);
 
   const Clock::time_point begin = Clock::now();
+  Inputs inputs;
+  RunRecorder recorder(inputs);
+  options.heard = [&inputs](const BatchMessage& message) {
+    inputs.deliver(message.channel, message.bytes.data(), message.bytes.size());
+  };
   const BatchResult result = run(options, plan, new_folder);
   print(result, seconds_since(begin));
+  facts.title = "log " + log;
+  facts.config = config;
+  facts.overrides = overrides;
+  facts.frames = static_cast<double>(result.frames);
+  facts.seconds = seconds_since(begin);
   const std::vector<std::string> problems = problems_of(result);
+  facts.events = problems;
+  write_files(result, recorder, inputs, facts);
   for (const auto& problem : problems) std::cerr << "lcmslam batch: " << problem << "\n";
   if (problems.size() > 1) std::cerr << "lcmslam batch: " << log << ": first: " << problems.front() << "\n";
   return problems.empty() ? 0 : 1;

@@ -17,6 +17,8 @@ const std::vector<Command>& commands() {
       {"launch", launch_command, "start the process graph that a configuration names"},
       {"lcm-spy", lcm_spy_command, "the stock graphical spy with our types"},
       {"log", log_command, "recordings: info, check, repair, cut, calibrate, play", log_subcommands()},
+      {"render", render_command, "a picture of a map, or one that turns"},
+      {"send", send_command, "an order to the running graph: save, smooth, reset, stop, export"},
       {"simulate", simulate_command, "render a simulated run into an .lcmlog"},
       {"spy", spy_command, "live table of the bus"},
       {"study", study_command, "run the demo for several seeds, or one study of its own"}};

@@ -34,7 +34,7 @@ struct DemoOptions {
   std::vector<std::string> overrides;
   double seconds = 0;
   int seed = -1;
-  bool headless = false, force = false;
+  bool headless = false, kitti = false, force = false;
 };
 
 std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
@@ -52,6 +52,7 @@ std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
   app.add_option("--seed", o.seed, "of the simulated sensors and the particles")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--headless", o.headless, "plain progress lines, and no pictures are opened at the end");
+  app.add_flag("--kitti", o.kitti, "trajectories in KITTI's format too");
   app.add_option("--out", o.out, "folder for the results (default out/NAME-TIME)");
   app.add_flag("--force", o.force, "overwrite another run's results in that folder");
   app.add_option("--set", o.overrides, "override of the configuration: section.key=value");
@@ -105,6 +106,8 @@ class Demo {
   int run() {
     facts_.title = title();
     facts_.config = options_.config;
+    facts_.overrides = options_.overrides;
+    facts_.kitti = options_.kitti;
     GraphOptions graph{options_.config, options_.lcm_url, options_.log_level, options_.overrides,
                        options_.out};
     for (const auto& spec : read_graph(graph)) supervisor_.start(spec);

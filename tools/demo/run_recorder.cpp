@@ -7,14 +7,28 @@
 #include <lcmslam/messages/motion_messages.hpp>
 
 namespace lcmslam {
+namespace {
+
+constexpr std::size_t most_poses = 200'000;  // two hours at 30 Hz, some 90 MB a path
+
+/// Keeps every second pose.
+void thin(Trajectory& trajectory) {
+  for (std::size_t i = 0; 2 * i < trajectory.size(); ++i) trajectory[i] = trajectory[2 * i];
+  trajectory.resize((trajectory.size() + 1) / 2);
+}
+
+}  // namespace
 
 RunRecorder::RunRecorder(Inputs& inputs) {
   inputs.subscribe<status_t>("STATUS", 1000, [this](const status_t& m) { board_[m.process] = m; });
-  inputs.subscribe<camera_calibration_t>(
-      "CAMERA_CALIBRATION", 10, [this](const camera_calibration_t& m) { calibration_ = from_message(m); });
+  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10, [this](const camera_calibration_t& m) {
+    calibration_ = from_message(m);
+    calibration_message_ = m;
+  });
   inputs.subscribe<ground_truth_t>("GROUND_TRUTH", 10000, [this](const ground_truth_t& m) {
     truth_frame_ = m.child_frame;
     truth_.push_back({m.utime, from_message(m.T_frame_child, "T_frame_child")});
+    if (truth_.size() >= 4 * most_poses) thin(truth_);  // it comes more often than poses do
   });
   inputs.subscribe<odometry_t>("ODOMETRY", 10000, [this](const odometry_t& m) {
     add(odometry_, m.utime, m.sender, m.status, from_message(m).T_odom_robot);
@@ -34,12 +48,18 @@ void RunRecorder::add(RecordedPath& path, Utime utime, std::int64_t sender, std:
   const bool rewound = !path.trajectory.empty() && utime < path.trajectory.back().utime - 1'000'000;
   if (restarted || rewound) {  // another map, another frame: earlier poses do not compare
     path.trajectory.clear();
+    path.every = 1;
+    path.heard = 0;
     ++path.restarts;
   }
   path.sender = sender;
   path.map_revision = map_revision;
   ++messages_;
-  path.trajectory.push_back({utime, pose});
+  if (path.heard++ % path.every == 0) path.trajectory.push_back({utime, pose});
+  if (path.trajectory.size() >= most_poses) {
+    thin(path.trajectory);
+    path.every *= 2;
+  }
   path.lost += status == pose_estimate_t::LOST ? 1 : 0;
   path.degraded += status == pose_estimate_t::DEGRADED ? 1 : 0;
 }

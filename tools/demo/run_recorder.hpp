@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/evaluation/trajectory_error.hpp>
 #include <lcmslam/imaging/calibration.hpp>
 #include <lcmslam/map_reply_t.hpp>
@@ -15,7 +16,9 @@ namespace lcmslam {
 
 /// One estimate of the robot's path and how its maker fared.
 struct RecordedPath {
-  Trajectory trajectory;  ///< T_x_robot, x: odom or map
+  Trajectory trajectory;   ///< T_x_robot, x: odom or map
+  int every = 1;           ///< only every so many-th pose is kept: a run of days must not fill the memory
+  std::int64_t heard = 0;  ///< poses, kept or not, of this map
   std::int64_t sender = 0;
   std::int64_t map_revision = 0;
   int lost = 0, degraded = 0;  ///< poses with that status
@@ -32,6 +35,8 @@ class RunRecorder {
   const RecordedPath& icp() const { return icp_; }
   /// T_world_robot; empty when the source has no truth.
   Trajectory truth() const;
+  /// The last one; empty when the source sends none.
+  const std::optional<camera_calibration_t>& calibration_message() const { return calibration_message_; }
   const StatusBoard& board() const { return board_; }
   const std::optional<map_reply_t>& reply() const { return reply_; }
 
@@ -52,6 +57,7 @@ class RunRecorder {
   Trajectory truth_;  // of truth_frame_
   std::string truth_frame_ = "robot";
   std::optional<RgbdCalibration> calibration_;
+  std::optional<camera_calibration_t> calibration_message_;
   std::int64_t messages_ = 0;
   StatusBoard board_;
   std::optional<map_reply_t> reply_;

@@ -1,12 +1,15 @@
 #include "tools/demo/run_summary.hpp"
 
 #include <fmt/format.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include <lcmslam/configuration/config_json.hpp>
+#include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/evaluation/trajectory_plot.hpp>
+#include <lcmslam/files/atomic_file.hpp>
+#include <lcmslam/messages/print_message.hpp>
 #include <lcmslam/runtime/version.hpp>
 
 namespace lcmslam {
@@ -15,10 +18,12 @@ namespace {
 struct NamedPath {
   const char* name;
   const RecordedPath& path;
+  const char* frame;  // in which its poses are given
 };
 
 std::vector<NamedPath> paths(const RunRecorder& run) {
-  return {{"odometry", run.odometry()}, {"fastslam", run.fastslam()}, {"icp", run.icp()}};
+  return {
+      {"odometry", run.odometry(), "odom"}, {"fastslam", run.fastslam(), "map"}, {"icp", run.icp(), "map"}};
 }
 
 const status_t& status_of(const RunRecorder& run, const std::string& process) {
@@ -37,7 +42,7 @@ Table path_table(const RunRecorder& run) {
   Table table({"path", "poses", "matched", "ATE rmse m", "median", "max", "RPE m/s", "RPE deg/s",
                "vs odometry", "lost", "degraded"});
   double odometry_ate = 0;
-  for (const auto& [name, path] : paths(run)) {
+  for (const auto& [name, path, frame] : paths(run)) {
     std::vector<std::string> row = {name, std::to_string(path.trajectory.size())};
     if (const auto report = run.evaluate_path(path)) {
       const double ate = report->absolute.translation.rmse;
@@ -89,6 +94,7 @@ nlohmann::json path_json(const RecordedPath& path, const std::optional<Trajector
                          {"lost", path.lost},
                          {"degraded", path.degraded},
                          {"restarts", path.restarts}};
+  if (path.every > 1) json["kept_every"] = path.every;
   if (report) {
     json["matched"] = report->matched_poses;
     json["tracked_fraction"] = report->tracked_fraction;
@@ -115,13 +121,38 @@ nlohmann::json process_json(const status_t& status) {
   return json;
 }
 
+double frames(const RunRecorder& run, const RunFacts& facts) {
+  return facts.frames >= 0 ? facts.frames : status_value(status_of(run, "camera"), "frames");
+}
+
+nlohmann::json versions_json() {
+  return {{"lcmslam", lcmslam_version},
+          {"opencv", CV_VERSION},
+          {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"compiler", __VERSION__}};
+}
+
+/// The member as camera_calibration_t has them; null when none came.
+nlohmann::json calibration_json(const RunRecorder& run) {
+  if (!run.calibration_message()) return nullptr;
+  const std::vector<std::uint8_t> bytes = encode_message(*run.calibration_message());
+  const MessageType* type = MessageType::find(static_cast<std::uint64_t>(camera_calibration_t::getHash()));
+  return nlohmann::json::parse(
+      message_json(read_message(*type, bytes.data(), bytes.size(), MessageLimits::none())));
+}
+
+void save_path(const std::filesystem::path& folder, const std::string& name, const Trajectory& trajectory,
+               const std::string& frame, bool kitti) {
+  save_tum(folder / (name + ".txt"), trajectory, {frame, "robot"});
+  if (kitti) save_kitti(folder / (name + "_kitti.txt"), trajectory);
+}
+
 }  // namespace
 
 std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
   const auto odometry = run.evaluate_path(run.odometry());
   std::string text = fmt::format("\n{}\n", facts.title);
-  text += fmt::format("{:.0f} frames in {:.1f} s", status_value(status_of(run, "camera"), "frames"),
-                      facts.seconds);
+  text += fmt::format("{:.0f} frames in {:.1f} s", frames(run, facts), facts.seconds);
   if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
   text += "\n\n" + path_table(run).text() + "\n";
   text += load_table(run).text() + "\n";
@@ -140,25 +171,29 @@ std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
 void write_run_files(const std::filesystem::path& folder, const RunRecorder& run, const RunFacts& facts) {
   nlohmann::json json = {{"version", lcmslam_version},
                          {"title", facts.title},
+                         {"versions", versions_json()},
                          {"config", facts.config},
+                         {"configuration", nlohmann::json::parse(config_json(facts.config))},
+                         {"overrides", facts.overrides},
+                         {"calibration", calibration_json(run)},
                          {"wall_seconds", facts.seconds},
-                         {"frames", status_value(status_of(run, "camera"), "frames")},
+                         {"frames", frames(run, facts)},
                          {"alignment", "se3"},
                          {"association", "truth interpolated at the estimate's stamps"},
                          {"events", facts.events}};
   const Trajectory truth = run.truth();
   std::vector<PlottedPath> plotted;
   if (!truth.empty()) {
-    write_tum(folder / "truth.txt", truth);
+    save_path(folder, "truth", truth, "world", facts.kitti);
     plotted.push_back(top_view("truth", plot_colour(0), truth));
   }
   std::size_t colour = 1;
-  for (const auto& [name, path] : paths(run)) {
+  for (const auto& [name, path, frame] : paths(run)) {
     const auto report = run.evaluate_path(path);
     json["paths"][name] = path_json(path, report);
     Trajectory trajectory = path.trajectory;
     sort_trajectory(trajectory);
-    write_tum(folder / (std::string(name) + ".txt"), trajectory);
+    save_path(folder, name, trajectory, frame, facts.kitti);
     Trajectory shown = report ? Trajectory() : trajectory;
     if (report)
       for (const MatchedPose& match : report->matches) shown.push_back({match.utime, match.T_world_estimate});
@@ -168,9 +203,8 @@ void write_run_files(const std::filesystem::path& folder, const RunRecorder& run
   if (run.reply())
     json["map"] = nlohmann::json::parse(run.reply()->data.begin(), run.reply()->data.end(), nullptr, false);
 
-  std::ofstream file(folder / "summary.json");
-  file << json.dump(2) << "\n";
-  if (!file.flush()) throw std::runtime_error((folder / "summary.json").string() + ": cannot be written");
+  write_atomically(FilePlace(folder / "summary.json"),
+                   json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   PlotSettings plot;
   plot.title = facts.title;
   if (!cv::imwrite((folder / "trajectories.png").string(), plot_paths(plotted, plot)))

@@ -3,18 +3,13 @@
 #include <fmt/format.h>
 
 #include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/print_message.hpp>
 #include "tools/spy/bus_statistics.hpp"
 
 namespace lcmslam {
 
 std::string echo_pattern(const std::string& channels) {
   return is_part_channel(channels) ? channels : "(?:" + channels + ")(?:_PART)?";
-}
-
-const MessageType* EchoPrinter::find(std::uint64_t fingerprint) const {
-  for (const MessageType* type : options_.types)
-    if (type->fingerprint == fingerprint) return type;
-  return MessageType::find(fingerprint);
 }
 
 std::optional<std::string> EchoPrinter::print(const std::string& channel, const std::uint8_t* data,
@@ -32,8 +27,8 @@ std::optional<std::string> EchoPrinter::print(const std::string& channel, const 
   }
 }
 
-std::string EchoPrinter::print_whole(const std::string& channel, const std::uint8_t* data,
-                                     std::size_t size) const {
+std::string EchoPrinter::print_whole(const std::string& channel, const std::uint8_t* data, std::size_t size) {
+  if (options_.csv) return table_.row(channel, options_.types.of(data, size), data, size);
   const auto line = [&](const std::string& text, const std::string& json) {
     return options_.json
                ? fmt::format("{{\"channel\":{},\"size\":{},{}}}\n", json_string(channel), size, json)
@@ -42,7 +37,7 @@ std::string EchoPrinter::print_whole(const std::string& channel, const std::uint
   std::string name;
   try {
     const std::uint64_t fingerprint = message_fingerprint(data, size);
-    const MessageType* type = find(fingerprint);
+    const MessageType* type = options_.types.find(fingerprint);
     if (type == nullptr)
       return line(fmt::format("unknown type {:016x}, {} bytes", fingerprint, size),
                   fmt::format("\"fingerprint\":\"{:016x}\"", fingerprint));

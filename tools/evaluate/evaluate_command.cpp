@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/evaluation/surface_error.hpp>
 #include <lcmslam/evaluation/wall_error.hpp>
 #include <lcmslam/map_store/map_export.hpp>
@@ -39,7 +40,8 @@ struct Request {
   std::vector<std::string> plots;
   std::string map, scene, reference, walls;
   EvaluationSettings settings;
-  bool find_clock_offset = false;
+  bool find_clock_offset = false, align_bodies = false, kitti = false;
+  std::string exported;
   ClockOffsetSearch search;
 };
 
@@ -48,7 +50,9 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
       "Compares estimated trajectories with the truth: absolute (ATE) and relative (RPE) errors as the TUM "
       "RGB-D benchmark's paper defines them (its script differs a little: E of an RPE is turned around, the "
       "distance "
-      "of a metre is the estimate's). FILE is a TUM text file (t x y z qx qy qz qw) or an .lcmlog, also "
+      "of a metre is the estimate's). FILE is a text file (TUM: t x y z qx qy qz qw; EuRoC's or KITTI's) or "
+      "an "
+      ".lcmlog, also "
       "LOG:CHANNEL; a log alone stands for its FASTSLAM_POSE, ICP_POSE, ICP_FINAL (its path as its last "
       "graph "
       "has it) and ODOMETRY, and brings its "
@@ -79,6 +83,17 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
   app.add_option("--truth-frame", r.inputs.truth_body, "whose pose the truth is, where it does not say so")
       ->check(bodies);
   app.add_option("--estimate-frame", r.inputs.estimate_body, "the same for the estimates")->check(bodies);
+  app.add_option(
+         "--calibration", r.inputs.calibration,
+         "LOG or FILE.yaml that says where the camera sits on the robot (default: a log that is read)")
+      ->check(CLI::ExistingFile);
+  app.add_flag("--align-bodies", r.align_bodies,
+               "take away a constant rotation and lever between truth and estimate too");
+  auto* exported = app.add_option("--export", r.exported,
+                                  "write the one estimate's poses into this file (TUM's format, with the "
+                                  "frames in its first line) and end; no truth is needed");
+  app.add_flag("--kitti", r.kitti, "--export in KITTI's format, stamps in FILE_times.txt beside it")
+      ->needs(exported);
   app.add_option("--plot", r.plots, "FILE.png or FILE.svg: paths from above, errors over time")
       ->check(CLI::Validator(
           [](const std::string& name) {
@@ -190,6 +205,38 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
   return figures;
 }
 
+/// --export: one channel of a log, or a text file in another format.
+int export_poses(const Request& r) {
+  if (r.inputs.estimates.size() != 1 || !r.inputs.truth.empty())
+    throw std::runtime_error(
+        "--export: give one FILE or LOG:CHANNEL whose poses are to be written, no --truth");
+  const auto [file, channel] = split_channel(r.inputs.estimates[0]);
+  PoseFrames frames{"", r.inputs.estimate_body};
+  Trajectory trajectory;
+  if (is_log(file)) {
+    if (channel.empty())
+      throw std::runtime_error("--export: name the channel, " + file + ":ICP_POSE for example");
+    const PoseLog log = read_pose_log(file);
+    const PoseChannel& path = log.channel(channel, file);
+    trajectory = path.trajectory;
+    frames = {path.frame, path.body};
+  } else {
+    PoseText text = read_pose_text(file);
+    trajectory = std::move(text.trajectory);
+    frames.frame = text.frame;
+    if (!text.body.empty()) frames.body = text.body;
+  }
+  if (trajectory.empty()) throw std::runtime_error(r.inputs.estimates[0] + ": has no poses");
+  if (r.kitti)
+    save_kitti(r.exported, trajectory);
+  else
+    save_tum(r.exported, trajectory, frames);
+  const auto named = [](const std::string& name) { return name.empty() ? std::string("unknown") : name; };
+  std::cout << fmt::format("{}: {} poses, body: {}, frame: {}\n", r.exported, trajectory.size(),
+                           named(frames.body), named(frames.frame));
+  return 0;
+}
+
 }  // namespace
 
 int evaluate_command(int argc, char** argv) {
@@ -197,12 +244,14 @@ int evaluate_command(int argc, char** argv) {
   if (const auto exit_code = parse(r, argc, argv)) return *exit_code;
   if (!r.map.empty() && r.scene.empty() && r.reference.empty())
     throw std::runtime_error("--map: needs --scene or --reference");
+  if (!r.exported.empty()) return export_poses(r);
   EvaluationInputs inputs = read_inputs(r.inputs);
   r.settings.alignment = alignments.at(r.alignment);
   r.settings.association = !r.association.empty()         ? associations.at(r.association)
                            : inputs.truth.channel.empty() ? Association::nearest
                                                           : Association::interpolate_truth;
-  const Evaluation evaluation = evaluate_all(std::move(inputs), r.settings, r.find_clock_offset, r.search);
+  const Evaluation evaluation =
+      evaluate_all(std::move(inputs), r.settings, r.find_clock_offset, r.search, r.align_bodies);
   std::cout << format_evaluation(evaluation);
   nlohmann::json json = evaluation_json(evaluation);
   const auto add = [&json](const char* name, Figures figures) {

@@ -51,6 +51,17 @@ nlohmann::json path_json(const EvaluatedPath& path) {
   return json;
 }
 
+nlohmann::json body_json(const BodyOffset& offset, bool aligned) {
+  const Eigen::Vector3d t = offset.T_estimate_truth.translation();
+  const Eigen::Quaterniond q(offset.T_estimate_truth.linear());
+  return {{"aligned", aligned},
+          {"rotated", offset.rotated},
+          {"displaced", offset.displaced},
+          {"angle_rad", offset.rotated ? offset.angle : 0.0},
+          {"translation_m", {t.x(), t.y(), t.z()}},
+          {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
+}
+
 nlohmann::json estimate_json(const EvaluatedEstimate& e) {
   nlohmann::json json = path_json(e.path);
   json["name"] = e.path.name;
@@ -59,6 +70,7 @@ nlohmann::json estimate_json(const EvaluatedEstimate& e) {
   if (!e.path.truth_origin.empty()) json["made_from_ground_truth"] = e.path.truth_origin;
   if (!e.problem.empty()) json["problem"] = e.problem;
   if (e.report) json.update(report_json(*e.report));
+  if (e.body) json["body_offset"] = body_json(*e.body, e.body_aligned);
   if (e.clock) {
     json["estimated_clock_offset"] = {{"offset_s", e.clock->offset},
                                       {"low_s", e.clock->low},

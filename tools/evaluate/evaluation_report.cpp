@@ -75,9 +75,56 @@ std::string consistency_text(const EvaluatedEstimate& e) {
       e.path.name, c.nees.median, c.nees.mean, c.components, 100 * c.inside, 100 * c.position_inside);
 }
 
-void evaluate_one(EvaluatedEstimate& e, const Trajectory& truth, const EvaluationSettings& settings) {
+/// What to say so that the two speak of one body.
+std::string body_advice(const BodyOffset& offset) {
+  switch (body_pair(offset)) {
+    case BodyPair::truth_is_camera:
+      return "The truth's are a camera's axes (x right, y down, z forward), the estimate's a robot's (x "
+             "forward, "
+             "y left, z up): say --truth-frame camera --estimate-frame robot, with a log or --calibration "
+             "FILE "
+             "that tells where the camera sits";
+    case BodyPair::estimate_is_camera:
+      return "The estimate's are a camera's axes (x right, y down, z forward), the truth's a robot's (x "
+             "forward, "
+             "y left, z up): say --truth-frame robot --estimate-frame camera, with a log or --calibration "
+             "FILE "
+             "that tells where the camera sits";
+    default:
+      return "--truth-frame and --estimate-frame name camera and robot";
+  }
+}
+
+std::string body_text(const EvaluatedEstimate& e) {
+  const BodyOffset& o = *e.body;
+  std::string text = e.path.name + ": the truth's poses are not those of the estimate's body";
+  if (o.rotated) {
+    const auto axes = o.axes();
+    text += fmt::format(
+        ", constantly turned by {:.1f} degrees ({:.1f} degrees vary): its x, y, z point along "
+        "the estimate's {}, {}, {}",
+        degrees(o.angle), degrees(o.scatter), axes[0], axes[1], axes[2]);
+  }
+  if (o.displaced)
+    text += fmt::format(
+        ", constantly {:.3f} m beside it (x, y, z = {:.3f}, {:.3f}, {:.3f}): position errors are "
+        "{:.4f} m with that, {:.4f} m without",
+        o.lever, o.T_estimate_truth.translation().x(), o.T_estimate_truth.translation().y(),
+        o.T_estimate_truth.translation().z(), o.rmse_with, o.rmse_without);
+  if (e.body_aligned) return text + ". That is taken away above (--align-bodies)\n";
+  return text + ". The errors above hold that. " + body_advice(o) +
+         "; --align-bodies takes away whatever is constant\n";
+}
+
+void evaluate_one(EvaluatedEstimate& e, const Trajectory& truth, const EvaluationSettings& settings,
+                  bool align_bodies) {
   try {
     e.report = evaluate(truth, e.path.trajectory, settings);
+    e.body = find_body_offset(e.report->matches);
+    if (!e.body || !align_bodies) return;
+    e.path.trajectory = in_other_frame(e.path.trajectory, e.body->T_estimate_truth);
+    e.report = evaluate(truth, e.path.trajectory, settings);
+    e.body_aligned = true;
   } catch (const std::invalid_argument& error) {
     e.problem = error.what();
   }
@@ -118,12 +165,12 @@ std::string name_of(Association association) {
 }
 
 Evaluation evaluate_all(EvaluationInputs inputs, const EvaluationSettings& settings, bool find_clock_offset,
-                        const ClockOffsetSearch& search) {
+                        const ClockOffsetSearch& search, bool align_bodies) {
   Evaluation evaluation{std::move(inputs.truth), {}, std::move(inputs.notes), settings};
   for (EvaluatedPath& path : inputs.estimates) {
     EvaluatedEstimate e;
     e.path = std::move(path);
-    evaluate_one(e, evaluation.truth.trajectory, settings);
+    evaluate_one(e, evaluation.truth.trajectory, settings, align_bodies);
     if (e.report && find_clock_offset) find_clock(e, evaluation.truth.trajectory, settings, search);
     evaluation.estimates.push_back(std::move(e));
   }
@@ -148,6 +195,7 @@ std::string format_evaluation(const Evaluation& evaluation) {
   for (const std::string& note : evaluation.notes) text += note + "\n";
   text += "\n" + error_table(evaluation).text() + "\n";
   for (const EvaluatedEstimate& e : evaluation.estimates) {
+    if (e.body) text += body_text(e);
     if (e.report && e.report->consistency) text += consistency_text(e);
     if (e.clock) text += clock_text(e);
     if (!e.problem.empty()) text += e.path.name + ": " + e.problem + "\n";

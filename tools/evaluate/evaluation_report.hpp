@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <lcmslam/evaluation/body_offset.hpp>
 #include <lcmslam/evaluation/clock_offset.hpp>
 #include <lcmslam/evaluation/trajectory_plot.hpp>
 #include "tools/evaluate/trajectory_inputs.hpp"
@@ -17,6 +18,8 @@ struct EvaluatedEstimate {
   std::optional<TrajectoryReport> report;   ///< nothing when `problem` says why
   std::optional<ClockOffset> clock;         ///< when it was asked for and found
   std::optional<TrajectoryReport> clocked;  ///< with that offset
+  std::optional<BodyOffset> body;           ///< the truth speaks of another body, or of another frame on it
+  bool body_aligned = false;                ///< that was taken away before the errors were measured
   std::string problem;                      ///< of the evaluation or of the search for the offset
 };
 
@@ -28,8 +31,9 @@ struct Evaluation {
 };
 
 /// Evaluates every estimate; what cannot be evaluated or has no clock offset says so in `problem`.
+/// `align_bodies`: a constant rotation and lever between the bodies is taken away before errors are measured.
 Evaluation evaluate_all(EvaluationInputs inputs, const EvaluationSettings& settings, bool find_clock_offset,
-                        const ClockOffsetSearch& search);
+                        const ClockOffsetSearch& search, bool align_bodies = false);
 
 /// Names as on the command line.
 std::string name_of(Alignment alignment);

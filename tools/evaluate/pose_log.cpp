@@ -51,10 +51,12 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
       const auto m = decode_message<ground_truth_t>(data, size);
       add_pose(channel, {checked(m.utime), from_message(m.T_frame_child, "T_frame_child")}, 0, 0, 0);
       channels_[channel].body = m.child_frame;
+      channels_[channel].frame = m.frame;
     } else if (name == "odometry_t") {
       const auto m = decode_message<odometry_t>(data, size);
       add_pose(channel, {checked(m.utime), from_message(m).T_odom_robot}, m.sender, m.status, 0);
       channels_[channel].body = m.child_frame;
+      channels_[channel].frame = m.frame;
       channels_[channel].source = m.source;
     } else if (name == "pose_estimate_t") {
       const auto m = decode_message<pose_estimate_t>(data, size);
@@ -62,6 +64,7 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
                {checked(m.utime), from_message(m.T_map_robot, "T_map_robot"), published_covariance(m)},
                m.sender, m.status, m.map_revision);
       channels_[channel].body = m.child_frame;
+      channels_[channel].frame = m.frame;
       add_relative_pose(channel, channels_[channel].trajectory.back(), m.sender);
     } else if (name == "graph_t") {
       const auto m = decode_message<graph_t>(data, size);
@@ -150,6 +153,7 @@ void PoseLog::add_final_paths() {
     PoseChannel path;
     path.type = channel.type;
     path.body = channel.body;
+    path.frame = channel.frame;
     path.lost = channel.lost;
     for (const PoseChannel::RelativePose& relative : channel.relative_poses)
       if (const auto T_map_camera = final_pose(graph->first, relative.node))

@@ -14,6 +14,7 @@ namespace lcmslam {
 struct PoseChannel {
   std::string type;              ///< of its messages, e.g. pose_estimate_t
   std::string body;              ///< the frame whose pose it is: "robot", "camera" ...
+  std::string frame;             ///< in which they are given: "map", "odom" ...; empty: not said
   std::string source;            ///< odometry_t's: wheels, visual ...
   Trajectory trajectory;         ///< sorted; of the newest map where a mapper began again
   int lost = 0, degraded = 0;    ///< poses with that status

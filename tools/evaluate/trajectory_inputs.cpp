@@ -6,6 +6,8 @@
 #include <fstream>
 #include <map>
 
+#include <lcmslam/evaluation/pose_text.hpp>
+#include <lcmslam/imaging/io/calibration_file.hpp>
 #include "tools/evaluate/pose_log.hpp"
 
 namespace lcmslam {
@@ -84,10 +86,12 @@ class InputReader {
     inputs_.estimates.push_back(std::move(path));
   }
 
-  EvaluatedPath from_text(const std::string& file, const std::string& channel) const {
+  EvaluatedPath from_text(const std::string& file, const std::string& channel) {
     if (!channel.empty()) throw std::runtime_error(file + ": is no LCM log and has no channel " + channel);
-    EvaluatedPath path{"", file, "", "", read_tum(file), 0, 0, ""};
+    PoseText text = read_pose_text(file);
+    EvaluatedPath path{"", file, "", text.body, std::move(text.trajectory), 0, 0, ""};
     if (path.trajectory.empty()) throw TrajectoryError(file + ": has no poses");
+    if (!text.assumption.empty()) note(file + " " + text.assumption);
     if (const int line = ground_truth_comment(file); line > 0)
       path.truth_origin = file + ":" + std::to_string(line) + " says so";
     return path;
@@ -145,10 +149,9 @@ class InputReader {
         note(path->file + " does not say whose pose it is: taken as the " + wanted +
              "'s (--truth-frame, --estimate-frame)");
       } else if (path->body == "camera" && wanted == "robot") {
-        const auto [calibration, file] = find_calibration(*path);
-        path->trajectory = in_other_frame(path->trajectory, calibration->T_robot_camera.inverse());
-        note(label(*path) + " speaks of the camera: converted to the robot, with T_robot_camera of " + file +
-             ":CAMERA_CALIBRATION");
+        const auto [calibration, from] = find_calibration(*path);
+        path->trajectory = in_other_frame(path->trajectory, calibration.T_robot_camera.inverse());
+        note(label(*path) + " speaks of the camera: converted to the robot, with T_robot_camera of " + from);
       } else {
         throw std::runtime_error(label(*path) + " speaks of the frame '" + path->body +
                                  "', which cannot be brought to '" + wanted + "'");
@@ -157,14 +160,21 @@ class InputReader {
     }
   }
 
-  std::pair<const RgbdCalibration*, std::string> find_calibration(const EvaluatedPath& path) const {
+  /// And where it is from.
+  std::pair<RgbdCalibration, std::string> find_calibration(const EvaluatedPath& path) {
+    const std::string& given = request_.calibration;
+    if (!given.empty() && !is_log(given)) return {load_calibration(given), given};
+    if (!given.empty() && !log(given).calibration())
+      throw std::runtime_error(given + ": has no CAMERA_CALIBRATION");
+    if (!given.empty()) return {*log(given).calibration(), given + ":CAMERA_CALIBRATION"};
     if (const auto own = logs_.find(path.file); own != logs_.end() && own->second.calibration())
-      return {&*own->second.calibration(), path.file};
+      return {*own->second.calibration(), path.file + ":CAMERA_CALIBRATION"};
     for (const auto& [file, log] : logs_)
-      if (log.calibration()) return {&*log.calibration(), file};
+      if (log.calibration()) return {*log.calibration(), file + ":CAMERA_CALIBRATION"};
     throw std::runtime_error(label(path) +
                              " speaks of the camera and others of the robot: no log here has a "
-                             "CAMERA_CALIBRATION that says where the camera is");
+                             "CAMERA_CALIBRATION that says where the camera is; --calibration names a log or "
+                             "a calibration file that does");
   }
 
   /// Poses that are the truth's own to the last digits were copied from it.

@@ -24,6 +24,8 @@ struct InputRequest {
   std::vector<std::string> estimates;  ///< the same; a log alone stands for its default channels
   std::string truth_body;              ///< overrides what is known: "robot" or "camera"
   std::string estimate_body;
+  std::string
+      calibration;  ///< log or YAML that says where the camera sits on the robot; empty: a log that is read
 };
 
 struct EvaluationInputs {
@@ -38,8 +40,8 @@ struct FileChannel {
 };
 FileChannel split_channel(const std::string& text);
 
-/// Reads TUM files and logs and converts what speaks of the camera where others speak of the robot. Throws
-/// TrajectoryError or std::runtime_error naming the file, and the line or the channel.
+/// Reads text files (pose_text.hpp) and logs and converts what speaks of the camera where others speak of the
+/// robot. Throws TrajectoryError or std::runtime_error naming the file, and the line or the channel.
 EvaluationInputs read_inputs(const InputRequest& request);
 
 }  // namespace lcmslam

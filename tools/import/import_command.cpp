@@ -7,6 +7,7 @@
 #include "procs/camera/repeated_source.hpp"
 #include "tools/commands.hpp"
 #include "tools/import/landmark_log.hpp"
+#include "tools/log/log_plausibility.hpp"
 #include "tools/output_file.hpp"
 #include "tools/parse_command.hpp"
 
@@ -22,6 +23,7 @@ int write(CameraSource& source, const std::string& log) {
   if (source.malformed() > 0)
     std::cout << fmt::format("  {} frames were malformed or missing\n", source.malformed());
   for (const auto& warning : source.warnings()) std::cout << "  " << warning << "\n";
+  if (counts.frames > 0) std::cout << format_plausibility(plausibility_of_log(log));
   return 0;
 }
 

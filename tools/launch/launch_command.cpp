@@ -10,6 +10,7 @@
 #include <lcmslam/runtime/private_bus.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
 #include "tools/commands.hpp"
+#include "tools/demo/run_summary.hpp"
 #include "tools/doctor/checks.hpp"
 #include "tools/launch/graph.hpp"
 #include "tools/launch/status_table.hpp"
@@ -47,9 +48,15 @@ void save_maps_now(lcm::LCM& lcm, const std::string& lcm_url) {
 }
 
 /// Gives the exit code; what went wrong first stands on the last line.
-int stop(Supervisor& supervisor, const std::filesystem::path& folder) {
+int stop(Supervisor& supervisor, const std::filesystem::path& folder,
+         const std::function<void()>& write_files) {
   const auto tell = [](const std::string& text) { std::cout << "lcmslam launch: " << text << std::endl; };
-  const std::vector<std::string> problems = supervisor.stop(std::chrono::seconds(20), tell);
+  std::vector<std::string> problems = supervisor.stop(std::chrono::seconds(20), tell);
+  try {
+    write_files();
+  } catch (const std::exception& error) {
+    problems.emplace_back(error.what());
+  }
   for (const auto& problem : problems) tell(problem);
   if (problems.empty())
     tell("all is saved in " + folder.string());
@@ -63,6 +70,7 @@ int stop(Supervisor& supervisor, const std::filesystem::path& folder) {
 int launch_command(int argc, char** argv) {
   GraphOptions options;
   bool private_bus = false;
+  RunFacts facts;
   CLI::App app{"Starts the process graph that a configuration names and stops it cleanly on Ctrl-C.",
                "lcmslam launch"};
   app.add_option("config", options.config, "configuration, e.g. config/robot.yaml")
@@ -75,6 +83,7 @@ int launch_command(int argc, char** argv) {
   app.add_option("--out", folder, "folder for maps and logs (default out/launch-TIME)");
   bool force = false;
   app.add_flag("--force", force, "overwrite another run's results in that folder");
+  app.add_flag("--kitti", facts.kitti, "trajectories in KITTI's format too");
   app.add_flag("--private-bus", private_bus,
                "own network namespace: nobody else hears or disturbs the graph");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
@@ -125,7 +134,9 @@ int launch_command(int argc, char** argv) {
   Inputs inputs;
   inputs.subscribe<status_t>("STATUS", 1000,
                              [&](const status_t& s) { take_status(board, s, supervisor.processes()); });
+  RunRecorder recorder(inputs);
   Receiver receiver(bus, inputs);
+  const auto start = std::chrono::steady_clock::now();
   Screen screen;
   while (!stop_requested() && !supervisor.refused() && !supervisor.all_stopped()) {
     Arrival arrival;
@@ -135,7 +146,14 @@ int launch_command(int argc, char** argv) {
   }
   std::cout << "lcmslam launch: stops" << std::endl;
   save_maps_now(bus.lcm(), options.lcm_url);
-  return stop(supervisor, options.folder);
+  facts.title = "graph of " + options.config;
+  facts.config = options.config;
+  facts.overrides = options.overrides;
+  facts.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return stop(supervisor, options.folder, [&] {
+    for (Arrival last; receiver.take(last, std::chrono::milliseconds(0));) last.deliver();
+    write_run_files(options.folder, recorder, facts);
+  });
 }
 
 }  // namespace lcmslam

@@ -24,7 +24,7 @@ double seconds(Utime utime) {
 
 class Checker {
  public:
-  explicit Checker(LogCheck& check) : check_(check) {}
+  Checker(LogCheck& check, const KnownTypes& types) : check_(check), types_(types) {}
 
   /// `after_damage`: events may be missing before this one; that has been reported.
   void add(const LogEventView& event, bool after_damage) {
@@ -38,8 +38,12 @@ class Checker {
     last_ = event;
     if (std::any_of(event.channel.begin(), event.channel.end(), [](char c) { return c >= 0 && c < ' '; }))
       found(event, "control characters in the channel's name");
-    if (message_type(event.data, event.size) == nullptr) ++check_.unknown_types;
-    check_utime(event);
+    const MessageType* type = types_.of(event.data, event.size);
+    if (type == nullptr) {
+      ++check_.unknown_types;
+      check_.unknown_channels.emplace(event.channel);
+    }
+    check_utime(event, type);
     check_content(event, event.channel, event.data, event.size);
     if (PartJoiner::is_piece(event)) join(event);
   }
@@ -70,8 +74,8 @@ class Checker {
       found(event, fmt::format("follows event number {}", last_.number));
   }
 
-  void check_utime(const LogEventView& event) {
-    const auto utime = message_utime(event.data, event.size);
+  void check_utime(const LogEventView& event, const MessageType* type) {
+    const auto utime = message_utime_of(type, event.data, event.size);
     if (!utime || *utime == 0) return;  // 0: not known when it was sent
     constexpr Utime any_time = 1LL << 60;
     if (*utime < 0 || *utime > any_time || event.timestamp < 0 || event.timestamp > any_time)
@@ -94,16 +98,19 @@ class Checker {
     try {
       const auto whole = joiner_.add(piece);
       if (!whole) return;
-      if (check_message(whole->channel, whole->data.data(), whole->data.size()) == Wholeness::damaged)
+      const std::uint8_t* data = whole->data.data();
+      const std::size_t size = whole->data.size();
+      if (check_message_of(types_.of(data, size), data, size) == Wholeness::damaged)
         found(piece, "the message of these pieces is not what its type says");
       else
-        check_content(piece, whole->channel, whole->data.data(), whole->data.size());
+        check_content(piece, whole->channel, data, size);
     } catch (const DecodeError& error) {
       found(piece, error.what());
     }
   }
 
   LogCheck& check_;
+  const KnownTypes& types_;
   SessionTracker sessions_;
   LogEventView last_;
   std::map<std::string_view, Utime> clocks_;  // utime - log time of a channel's last message
@@ -113,10 +120,12 @@ class Checker {
 
 }  // namespace
 
-LogCheck check_log(const std::string& file) {
-  LogReader reader(file, check_message);
+LogCheck check_log(const std::string& file, const KnownTypes& types) {
+  LogReader reader(file, [&](std::string_view, const std::uint8_t* data, std::size_t size) {
+    return check_message_of(types.of(data, size), data, size);
+  });
   LogCheck check;
-  Checker checker(check);
+  Checker checker(check, types);
   std::size_t reported = 0;
   const auto tell_damages = [&] {
     for (; reported < reader.damages().size(); ++reported) {

@@ -20,7 +20,10 @@ std::optional<std::int64_t> leading_integer(const MessageType* type, std::size_t
 }  // namespace
 
 Wholeness check_message(std::string_view, const std::uint8_t* data, std::size_t size) {
-  const MessageType* type = message_type(data, size);
+  return check_message_of(message_type(data, size), data, size);
+}
+
+Wholeness check_message_of(const MessageType* type, const std::uint8_t* data, std::size_t size) {
   if (type == nullptr) return Wholeness::undecided;
   try {
     check_layout(*type, data, size);
@@ -41,7 +44,11 @@ const MessageType* message_type(const std::uint8_t* data, std::size_t size) {
 }
 
 std::optional<Utime> message_utime(const std::uint8_t* data, std::size_t size) {
-  return leading_integer(message_type(data, size), 0, "utime", data, size);
+  return message_utime_of(message_type(data, size), data, size);
+}
+
+std::optional<Utime> message_utime_of(const MessageType* type, const std::uint8_t* data, std::size_t size) {
+  return leading_integer(type, 0, "utime", data, size);
 }
 
 Origin message_origin(const std::uint8_t* data, std::size_t size) {

@@ -34,6 +34,8 @@ int main(int argc, char** argv) {
                        {"launch", launch_command},
                        {"lcm-spy", tools},
                        {"log", tools},
+                       {"render", tools},
+                       {"send", tools},
                        {"simulate", tools},
                        {"spy", tools},
                        {"study", study}},

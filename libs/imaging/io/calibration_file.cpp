@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include <lcmslam/imaging/io/foreign_calibration.hpp>
 
 namespace lcmslam {
 namespace {
+
+constexpr double farthest_camera = 20,
+                 farthest_depth_camera = 2;  // m, from the robot's and the head's middle
 
 /// Intrinsics in a file of their own, as ROS and OpenCV write them, beside the file that names it.
 CameraModel load_camera(const ConfigNode& node) {
@@ -36,8 +40,34 @@ CameraModel read_camera(const ConfigNode& node) {
   return camera;
 }
 
-Eigen::Isometry3d read_quaternion(const ConfigNode& node) {
-  const std::vector<double> translation = node.numbers("translation", 3);
+/// Metres; what lies beyond any robot's size is taken for millimetres.
+std::vector<double> read_translation(const ConfigNode& node, double farthest) {
+  const std::vector<double> t = node.numbers("translation", 3);
+  for (const double coordinate : t)
+    if (!(std::abs(coordinate) <= farthest)) {
+      std::ostringstream text;
+      text << "is in metres, and " << coordinate << " m is too far: must be within " << farthest << " m ("
+           << coordinate << " mm are " << 1e-3 * coordinate << ")";
+      node.fail("translation", text.str());
+    }
+  return t;
+}
+
+/// Radians; what is more than a turn is taken for degrees.
+std::vector<double> read_rpy(const ConfigNode& node) {
+  const std::vector<double> rpy = node.numbers("rpy", 3);
+  for (const double angle : rpy)
+    if (!(std::abs(angle) <= 2 * M_PI)) {
+      std::ostringstream text;
+      text << "is in radians, and " << angle << " is more than a turn (" << angle << " degrees are "
+           << angle * M_PI / 180 << ")";
+      node.fail("rpy", text.str());
+    }
+  return rpy;
+}
+
+Eigen::Isometry3d read_quaternion(const ConfigNode& node, double farthest) {
+  const std::vector<double> translation = read_translation(node, farthest);
   const std::vector<double> quaternion = node.numbers("quaternion", 4);
   double norm = 0;
   for (double q : quaternion) norm += q * q;
@@ -50,10 +80,10 @@ Eigen::Isometry3d read_quaternion(const ConfigNode& node) {
 // rpy turns the head as a body (x forward, y left, z up): Rz(yaw) Ry(pitch) Rx(roll), then the camera's
 // axes. A head inclined downwards by 20 degrees is rpy [0, 0.349, 0].
 Eigen::Isometry3d read_mount(const ConfigNode& node) {
-  if (!node.has("rpy")) return read_quaternion(node);
+  if (!node.has("rpy")) return read_quaternion(node, farthest_camera);
   if (node.has("quaternion")) node.fail("rpy", "give rpy or quaternion, not both");
-  const std::vector<double> t = node.numbers("translation", 3);
-  const std::vector<double> rpy = node.numbers("rpy", 3);
+  const std::vector<double> t = read_translation(node, farthest_camera);
+  const std::vector<double> rpy = read_rpy(node);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() << t[0], t[1], t[2];
   T.linear() = (Eigen::AngleAxisd(rpy[2], Eigen::Vector3d::UnitZ()) *
@@ -114,7 +144,7 @@ RgbdCalibration read_calibration(const ConfigNode& config) {
         config.fail(key, std::string("the key ") + key +
                              " is missing: give depth and colour_depth, or depth_registered: true");
     calibration.depth = read_camera(config.section("depth"));
-    calibration.T_colour_depth = read_quaternion(config.section("colour_depth"));
+    calibration.T_colour_depth = read_quaternion(config.section("colour_depth"), farthest_depth_camera);
   }
   if (config.has("mount")) {
     calibration.has_mount = true;

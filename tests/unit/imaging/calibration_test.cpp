@@ -120,6 +120,10 @@ TEST(Calibration, ErrorsNameFileLineAndKey) {
   EXPECT_THAT(error_of(tof + "depth_registered: true\n"), HasSubstr("must be left out"));
   EXPECT_THAT(error_of(tof + "depth_max: 0.1\n"), HasSubstr("depth_max"));
   EXPECT_THAT(error_of(tof + "mount: {translation: [0, 0], rpy: [0, 0, 0]}\n"), HasSubstr("translation"));
+  EXPECT_THAT(error_of(tof + "mount: {translation: [0, 0, 1.2], rpy: [180, 0, 0]}\n"),
+              HasSubstr("180 degrees are 3.14159"));
+  EXPECT_THAT(error_of(tof + "mount: {translation: [0, 0, 1200], rpy: [0, 0, 0]}\n"),
+              HasSubstr("1200 mm are 1.2"));
   EXPECT_THAT(error_of(tof + "mount: {translation: [0, 0, 0], quaternion: [1, 1, 0, 0]}\n"),
               HasSubstr("unit quaternion"));
   EXPECT_THAT(error_of(colour + "depth_registered: true\npixel_sigma: 0\n"), HasSubstr("pixel_sigma"));

@@ -91,7 +91,7 @@ class Evaluate : public ::testing::Test {
   }
   /// The estimates that the inputs' reader finds, by the notes it makes.
   EvaluationInputs read(const std::string& truth, std::vector<std::string> estimates) const {
-    return read_inputs({truth, std::move(estimates), "", ""});
+    return read_inputs({truth, std::move(estimates), "", "", ""});
   }
 
   /// A log with a truth of the camera, two mappers and odometry in worlds of their own.

@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include <lcmslam/evaluation/pose_text.hpp>
 #include "tests/support/recordings.hpp"
 #include "tests/unit/evaluation/ate_by_definition.hpp"
 #include "tests/unit/tools/evaluate_fixture.hpp"
@@ -64,6 +65,67 @@ TEST_F(Evaluate, TextTruthOfTheCameraIsConvertedWhenSaidSo) {
   with_frame.insert(with_frame.end(), {"--truth-frame", "camera"});
   ASSERT_EQ(run(with_frame), 0);
   EXPECT_LT(ate(json("r.json").at("estimates").at(0)), 1e-6);
+}
+
+TEST_F(Evaluate, CameraAgainstRobotIsNoticedAndTheOptionNamed) {
+  const Eigen::Isometry3d T_robot_camera = testing::mounted_camera().T_robot_camera;
+  write_tum(path("truth.txt"), in_other_frame(path_, T_robot_camera));
+  write_tum(path("icp.txt"), path_);
+  ASSERT_EQ(run({"--truth", path("truth.txt"), path("icp.txt"), "--json", path("r.json")}), 0);
+  EXPECT_THAT(output_,
+              AllOf(HasSubstr("icp: the truth's poses are not those of the estimate's body"),
+                    HasSubstr("constantly turned by"), HasSubstr("-y, -z, +x"),
+                    HasSubstr("--truth-frame camera --estimate-frame robot"), HasSubstr("--calibration")));
+  EXPECT_TRUE(json("r.json").at("estimates").at(0).at("body_offset").at("rotated"));
+
+  ASSERT_EQ(run({"--truth", path("truth.txt"), path("icp.txt"), "--align-bodies", "--json", path("r.json")}),
+            0);
+  EXPECT_LT(ate(json("r.json").at("estimates").at(0)), 1e-3);
+  EXPECT_THAT(output_, HasSubstr("That is taken away above"));
+
+  write_tum(path("same.txt"), in_other_frame(path_, T_robot_camera));
+  ASSERT_EQ(run({"--truth", path("truth.txt"), path("same.txt")}), 0);
+  EXPECT_THAT(output_, Not(HasSubstr("constantly")));
+}
+
+TEST_F(Evaluate, CalibrationMayComeFromAFileOrAnotherLog) {
+  write_log("run.lcmlog");
+  write_tum(path("truth.txt"), in_other_frame(path_, testing::mounted_camera().T_robot_camera));
+  save_tum(path("icp.txt"), path_, {"map", "robot"});
+  const std::vector<std::string> arguments = {"--truth", path("truth.txt"), path("icp.txt"), "--truth-frame",
+                                              "camera",  "--json",          path("r.json")};
+  EXPECT_EQ(run(arguments), -1);
+  EXPECT_THAT(output_, HasSubstr("--calibration names"));
+  auto with_log = arguments;
+  with_log.insert(with_log.end(), {"--calibration", path("run.lcmlog")});
+  ASSERT_EQ(run(with_log), 0) << output_;
+  EXPECT_LT(ate(json("r.json").at("estimates").at(0)), 1e-6);
+}
+
+TEST_F(Evaluate, ExportWritesAChannelInEitherFormat) {
+  write_log("run.lcmlog");
+  ASSERT_EQ(run({path("run.lcmlog:FASTSLAM_POSE"), "--export", path("poses.txt")}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("200 poses, body: robot, frame: map"));
+  const PoseText tum = read_pose_text(path("poses.txt"));
+  EXPECT_EQ(tum.frame + "/" + tum.body, "map/robot");
+  ASSERT_EQ(run({path("run.lcmlog:FASTSLAM_POSE"), "--export", path("kitti.txt"), "--kitti"}), 0) << output_;
+  const PoseText kitti = read_pose_text(path("kitti.txt"));
+  EXPECT_EQ(kitti.format, PoseFormat::kitti);
+  ASSERT_EQ(tum.trajectory.size(), 200U);
+  ASSERT_EQ(kitti.trajectory.size(), 200U);
+  EXPECT_EQ(kitti.trajectory[7].utime, tum.trajectory[7].utime);
+  ASSERT_EQ(run({"--truth", path("poses.txt"), path("kitti.txt"), "--json", path("r.json")}), 0) << output_;
+  EXPECT_LT(ate(json("r.json").at("estimates").at(0)), 1e-6);
+}
+
+TEST_F(Evaluate, ExportSaysWhatItLacks) {
+  write_log("run.lcmlog");
+  EXPECT_EQ(run({path("run.lcmlog"), "--export", path("poses.txt")}), -1);
+  EXPECT_THAT(output_, HasSubstr("name the channel"));
+  EXPECT_EQ(run({path("run.lcmlog:CAMERA_CALIBRATION"), "--export", path("poses.txt")}), -1);
+  EXPECT_THAT(output_, HasSubstr("channels with poses: FASTSLAM_POSE"));
+  EXPECT_EQ(run({"--export", path("poses.txt")}), -1);
+  EXPECT_FALSE(std::filesystem::exists(path("poses.txt")));
 }
 
 TEST_F(Evaluate, ClockOffsetIsReportedBesideNotApplied) {

@@ -34,6 +34,50 @@ TEST_F(LogCheckTest, SoundLogIsClean) {
   EXPECT_EQ(result.sessions, 1);
 }
 
+TEST_F(LogCheckTest, ForeignTypesAreJudgedByTheirDefinitions) {
+  const auto types =
+      read_definitions({folder_.write("beat_t.lcm", "struct beat_t { int64_t utime; int8_t n; }").string()});
+  Bytes beat(17, 0);
+  for (std::size_t i = 0; i < 8; ++i)
+    beat[i] = static_cast<std::uint8_t>(types[0]->fingerprint >> (56 - 8 * i));
+  beat[13] = 0x10;  // a utime of about 1 s
+  Bytes cut = beat;
+  cut.pop_back();
+  Bytes late = beat;
+  late[12] = 1;  // 16.777 s later
+  const std::string file = (folder_.path() / "beats.lcmlog").string();
+  LogWriter log(file);
+  for (const Bytes& bytes : {beat, cut, beat, late}) log.write(sample_start, "BEAT", bytes);
+  log.close();
+
+  const LogCheck blind = check_log(file);
+  EXPECT_EQ(blind.unknown_types, 4);
+  EXPECT_THAT(blind.unknown_channels, ::testing::ElementsAre("BEAT"));
+  EXPECT_TRUE(blind.findings.empty());
+  const LogCheck result = check_log(file, KnownTypes(types));
+  EXPECT_EQ(result.unknown_types, 0);
+  ASSERT_EQ(result.findings.size(), 2U);
+  EXPECT_THAT(result.findings[0].text, HasSubstr("not what its type says"));
+  EXPECT_THAT(result.findings[1].text, HasSubstr("utime jumps by 16.777"));
+}
+
+TEST_F(LogCheckTest, DefinitionsAreFilesOrFoldersAndErrorsNameThem) {
+  std::filesystem::create_directories(folder_.path() / "types/deep");
+  folder_.write("types/outer_t.lcm", "package a; struct outer_t { deep.inner_t inner; }");
+  folder_.write("types/deep/inner_t.lcm", "package deep; struct inner_t { int8_t n; }");
+  EXPECT_EQ(read_definitions({(folder_.path() / "types").string()}).size(), 2U);
+  std::filesystem::create_directories(folder_.path() / "empty");
+  for (const auto& [path, text] :
+       {std::pair("empty", "has no .lcm file"), std::pair("types/outer_t.lcm", "inner_t")}) {
+    try {
+      read_definitions({(folder_.path() / path).string()});
+      ADD_FAILURE() << path;
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(text));
+    }
+  }
+}
+
 TEST_F(LogCheckTest, SessionsInOneFileAreNoFault) {
   sample_log(folder_, 2, "a");
   folder_.write("both", folder_.read("a") + folder_.read("a"));

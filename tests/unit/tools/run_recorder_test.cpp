@@ -135,5 +135,17 @@ TEST_F(Recorder, KnowsWhenTheSourceIsAtItsEndOrFailed) {
   EXPECT_EQ(reason, "no such folder");
 }
 
+// A graph that runs for days must not fill the memory with its path.
+TEST_F(Recorder, OfALongPathEverySecondPoseIsKept) {
+  for (Utime i = 0; i < 200'000; ++i) pose("ICP_POSE", 33'000 * i, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(recorder_.icp().every, 2);
+  ASSERT_EQ(recorder_.icp().trajectory.size(), 100'000U);
+  EXPECT_EQ(recorder_.icp().trajectory[7].utime, 14 * 33'000);
+  pose("ICP_POSE", 33'000 * 200'000L, Eigen::Isometry3d::Identity());
+  pose("ICP_POSE", 33'000 * 200'001L, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(recorder_.icp().trajectory.size(), 100'001U);
+  EXPECT_EQ(recorder_.icp().trajectory.back().utime, 33'000 * 200'000L);
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -70,10 +70,11 @@ TEST(Echo, UnknownTypesAreNamedByFingerprintAndMayBeDefined) {
   EXPECT_EQ(print({}, "X", bytes), "X  unknown type 89dc5b879a5056cf, 9 bytes\n");
   EXPECT_EQ(nlohmann::json::parse(print(json(), "X", bytes))["fingerprint"], "89dc5b879a5056cf");
   EchoOptions options;
-  options.types = parse_definitions({"package theirs; struct beat_t { int8_t n; }"});
+  const auto beats = parse_definitions({"package theirs; struct beat_t { int8_t n; }"});
+  options.types = KnownTypes(beats);
   Bytes beat(9, 5);
   for (std::size_t i = 0; i < 8; ++i)
-    beat[i] = static_cast<std::uint8_t>(options.types[0]->fingerprint >> (56 - 8 * i));
+    beat[i] = static_cast<std::uint8_t>(beats[0]->fingerprint >> (56 - 8 * i));
   EXPECT_EQ(print(options, "X", beat), "X  theirs.beat_t, 9 bytes\n  n: 5\n");
 }
 

@@ -1,0 +1,220 @@
+// What is planted is found, and nothing is found that is not there: on simulated and on recorded frames.
+
+#include <lcmslam/rgbd/plausibility.hpp>
+
+#include <gmock/gmock.h>
+
+#include <map>
+
+#include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/simulation/simulation.hpp>
+#include "tests/support/recordings.hpp"
+#include "tools/log/log_plausibility.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// A dozen frames of a head.
+struct Material {
+  RgbdCalibration calibration;
+  std::vector<RgbdFrame> frames;
+};
+
+constexpr int looked_at = 12;
+
+Material simulated(const std::string& scene, const std::string& head) {
+  SimulationSettings settings;
+  settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/" + scene + ".yaml";
+  settings.head = head;
+  const Simulation simulation(settings);
+  Material material{simulation.calibration(), {}};
+  for (int i = 0; i < looked_at; ++i)
+    material.frames.push_back(
+        simulation.render(simulation.start() + (simulation.end() - simulation.start()) * i / looked_at));
+  return material;
+}
+
+Material recorded(const std::string& folder) {
+  const auto source = open_dataset(recording_path(folder));
+  Material material{source->calibration(), {}};
+  const std::size_t step = source->size() / looked_at + 1;
+  for (std::size_t i = 0; i < source->size(); i += step)
+    if (const auto frame = source->frame(i)) material.frames.push_back(decode(*frame));
+  return material;
+}
+
+/// Each is made once.
+const Material& material(const std::string& name) {
+  static std::map<std::string, Material> made;
+  if (made.count(name) == 0) {
+    const std::size_t blank = name.find(' ');
+    made[name] = blank == std::string::npos ? recorded(name)
+                                            : simulated(name.substr(0, blank), name.substr(blank + 1));
+  }
+  return made.at(name);
+}
+
+std::vector<std::string> findings_of(const Material& m) {
+  Plausibility check(m.calibration);
+  for (const RgbdFrame& frame : m.frames) check.add(frame);
+  if (std::getenv("SHOW") != nullptr) {
+    const auto e = check.edges().best();
+    std::cerr << check.edges().edge_points() << " edges: scale " << e.scale << ", " << e.right << " right, "
+              << e.down << " down, gain " << e.gain << ", contrast " << e.contrast << "\n";
+    for (const auto& f : check.findings()) std::cerr << "   " << f << "\n";
+  }
+  return check.findings();
+}
+
+class PlausibleMaterial : public ::testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    const std::string name = GetParam();
+    if (name.find(' ') == std::string::npos) LCMSLAM_SKIP_WITHOUT(name);
+  }
+};
+
+TEST_P(PlausibleMaterial, HasNoFindings) {
+  EXPECT_THAT(findings_of(material(GetParam())), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PlausibleMaterial,
+                         ::testing::Values("kitchen tof", "kitchen rgbd", "office tof", "office rgbd",
+                                           "table tof", "tum_fr1_rpy", "livingroom1", "rgbd_slambook2"),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::replace(name.begin(), name.end(), ' ', '_');
+                           return name;
+                         });
+
+TEST(PlausibleLogs, OwnOnesHaveNoFindings) {
+  for (const char* name : {"kitchen.lcmlog", "kitchen_drive.lcmlog", "office_steered.lcmlog"}) {
+    const LogPlausibility found = plausibility_of_log(own_log(name).string());
+    EXPECT_GE(found.frames, 3) << name;
+    EXPECT_THAT(found.findings, IsEmpty()) << name;
+    EXPECT_THAT(format_plausibility(found), HasSubstr("of the pixels have a depth"));
+  }
+}
+
+void scale_depth(Material& m, double factor) {
+  for (RgbdFrame& frame : m.frames) {
+    cv::Mat scaled;
+    frame.depth.convertTo(scaled, CV_16U, factor);
+    scaled.setTo(0, scaled == 65535);  // beyond what fits
+    frame.depth = scaled;
+  }
+}
+
+Eigen::Matrix3d turned(double roll, double pitch, double yaw) {
+  return (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+struct Fault {
+  const char* name;
+  const char* material;
+  void (*plant)(Material&);
+  const char* found;
+};
+
+class PlantedFault : public ::testing::TestWithParam<Fault> {
+ protected:
+  void SetUp() override {
+    const std::string name = GetParam().material;
+    if (name.find(' ') == std::string::npos) LCMSLAM_SKIP_WITHOUT(name);
+  }
+};
+
+TEST_P(PlantedFault, IsFoundAndNamed) {
+  Material m = material(GetParam().material);
+  GetParam().plant(m);
+  EXPECT_THAT(findings_of(m), Contains(HasSubstr(GetParam().found)));
+}
+
+void five_times_too_far(Material& m) {
+  scale_depth(m, 5);
+}
+void five_times_too_near(Material& m) {
+  scale_depth(m, 0.2);
+}
+void swapped(Material& m) {
+  std::swap(m.calibration.colour.width, m.calibration.colour.height);
+  if (m.calibration.depth_registered) m.calibration.depth = m.calibration.colour;
+  m.frames.clear();  // images of another size are refused before anybody looks at them
+}
+void degrees_for_radians(Material& m) {
+  m.calibration.T_robot_camera.linear() = turned(180, 0, 0) * optical_axes().linear();
+}
+void pitch_in_degrees(Material& m) {
+  m.calibration.T_robot_camera.linear() = turned(0, 20, 0) * optical_axes().linear();
+}
+void millimetres_for_metres(Material& m) {
+  m.calibration.T_robot_camera.translation() *= 1000;
+}
+void without_optical_axes(Material& m) {
+  m.calibration.T_robot_camera.linear() = Eigen::Matrix3d::Identity();
+}
+/// Depth pixels as those of colour though the camera beside it has taken them: here with nominal values of a
+/// Kinect.
+void taken_by_the_other_camera(Material& m) {
+  for (RgbdFrame& frame : m.frames) {
+    cv::Mat depth = cv::Mat::zeros(frame.depth.size(), CV_16U);
+    for (int row = 0; row < depth.rows; ++row)
+      for (int column = 0; column < depth.cols; ++column) {
+        const int z = frame.depth.at<std::uint16_t>(row, column);
+        if (z == 0) continue;
+        const double right = 585.0 * (column - 320) / 525 + 585 * 25.0 / z;
+        const int u = static_cast<int>(std::lround(320 + right));
+        const int v = static_cast<int>(std::lround(240 + 585.0 * (row - 240) / 525));
+        if (u < 0 || v < 0 || u >= depth.cols || v >= depth.rows) continue;
+        std::uint16_t& there = depth.at<std::uint16_t>(v, u);
+        if (there == 0 || z < there) there = static_cast<std::uint16_t>(z);
+      }
+    frame.depth = depth;
+  }
+}
+/// The calibration says that depth has a geometry of its own, but the driver has registered it: a Kinect's.
+void registered_already(Material& m) {
+  m.calibration.depth_registered = false;
+  m.calibration.depth.fx = m.calibration.depth.fy = 585;
+  m.calibration.depth.distortion.clear();
+  m.calibration.T_colour_depth.translation() = Eigen::Vector3d(-0.025, 0, 0);
+}
+void called_registered(Material& m) {
+  m.calibration.depth_registered = true;
+  m.calibration.depth = m.calibration.colour;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, PlantedFault,
+    ::testing::Values(
+        Fault{"scale_5_kitchen_tof", "kitchen tof", five_times_too_far, "depth scale wrong by 5"},
+        Fault{"scale_5_kitchen_rgbd", "kitchen rgbd", five_times_too_far, "depth scale wrong by 5"},
+        Fault{"scale_5_fr1", "tum_fr1_rpy", five_times_too_far, "wrong by 5"},
+        Fault{"scale_5_livingroom", "livingroom1", five_times_too_far, "depth scale wrong by 5"},
+        Fault{"scale_fifth_kitchen_tof", "kitchen tof", five_times_too_near, "depth scale wrong by 0.2"},
+        Fault{"scale_fifth_kitchen_rgbd", "kitchen rgbd", five_times_too_near, "depth scale wrong by 0.2"},
+        Fault{"scale_fifth_fr1", "tum_fr1_rpy", five_times_too_near, "wrong by 0.2"},
+        Fault{"scale_fifth_livingroom", "livingroom1", five_times_too_near, "depth scale wrong by 0.2"},
+        Fault{"swapped_kitchen", "kitchen tof", swapped, "look swapped"},
+        Fault{"swapped_fr1", "tum_fr1_rpy", swapped, "look swapped"},
+        Fault{"degrees_kitchen_tof", "kitchen tof", degrees_for_radians, "rpy in radians"},
+        Fault{"degrees_kitchen_rgbd", "kitchen rgbd", degrees_for_radians, "rpy in radians"},
+        Fault{"pitch_in_degrees_kitchen", "kitchen rgbd", pitch_in_degrees, "mount"},
+        Fault{"axes_kitchen", "kitchen rgbd", without_optical_axes, "mount"},
+        Fault{"millimetres_kitchen", "kitchen tof", millimetres_for_metres, "millimetres"},
+        Fault{"other_camera_fr1", "tum_fr1_rpy", taken_by_the_other_camera, "not registered"},
+        Fault{"other_camera_livingroom", "livingroom1", taken_by_the_other_camera, "not registered"},
+        Fault{"registered_already_fr1", "tum_fr1_rpy", registered_already, "registered already"},
+        Fault{"called_registered_kitchen", "kitchen rgbd", called_registered, "not registered"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace lcmslam
