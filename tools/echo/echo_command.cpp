@@ -15,7 +15,9 @@ namespace {
 
 std::vector<const MessageType*> read_definitions(const std::vector<std::string>& files) {
   std::vector<std::string> texts;
+  std::string names;
   for (const std::string& file : files) {
+    names += " " + file;
     std::ifstream in(file);
     std::ostringstream text;
     text << in.rdbuf();
@@ -25,7 +27,7 @@ std::vector<const MessageType*> read_definitions(const std::vector<std::string>&
   try {
     return parse_definitions(texts);
   } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(std::string("--definitions: ") + error.what());
+    throw std::runtime_error("--definitions" + names + ": " + error.what());
   }
 }
 

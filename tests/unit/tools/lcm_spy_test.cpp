@@ -52,6 +52,9 @@ TEST_F(LcmSpy, EachMissingPartIsNamedWithItsCure) {
   EXPECT_THAT(obstacle(""), HasSubstr("DISPLAY is not set"));
   EXPECT_THAT(obstacle(":98765"), HasSubstr("no X server answers at DISPLAY=:98765"));
   EXPECT_EQ(obstacle("desk.example:0.0"), "") << "displays of other machines are not asked";
+  EXPECT_EQ(missing_part(find("")), "") << "to print the command no display is needed";
+  fs::remove(folder_ / "jars/lcm.jar");
+  EXPECT_THAT(missing_part(find("")), HasSubstr("apt-get install liblcm-java"));
 }
 
 TEST_F(LcmSpy, CommandHasEveryJarTheBusAndWhatElseWasGiven) {
