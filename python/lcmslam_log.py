@@ -216,8 +216,8 @@ class Log:
         if follows and len(follower) == 12 and int.from_bytes(follower[4:], "big", signed=True) == event.number + 1:
             return True
         data = self.data(event)
-        if self.types.of(data) is None:
-            return follows
+        if self.types.of(data) is None:  # nothing but an event inside tells that its length is wrong
+            return follows or self._bytes.find(_SYNC, event.offset + 4, event.end) < 0
         try:
             self.types.decode(data)
         except DecodeError:

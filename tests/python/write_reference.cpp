@@ -179,8 +179,9 @@ void write_images(LogWriter& log, Random& random) {
 
 void write_poses(LogWriter& log, Random& random) {
   for (std::int64_t i = 0; i < 20; ++i) {
-    write(log, "ICP_POSE",
-          make_pose_estimate(10 + i, testing::some_pose(random), testing::some_covariance(random)), i);
+    auto estimate = make_pose_estimate(10 + i, testing::some_pose(random), testing::some_covariance(random));
+    estimate.covariance[1] += 0.25;  // not symmetric
+    write(log, "ICP_POSE", estimate, i);
     MotionSample sample{20 + i, testing::some_pose(random)};
     sample.covariance = testing::some_covariance(random);
     write(log, "ODOMETRY", to_message(sample, "wheels"), i);
@@ -210,13 +211,13 @@ void write_map(LogWriter& log, Random& random) {
   for (const int id : {0, 1, 2, 1}) publish(id, 5, 1 + seq);
   graph_t graph{};
   graph.frame = "map";
-  for (const int id : {0, 1}) {
+  for (const int id : {0, 1, 7}) {  // 7 was the ended mapper's
     graph_node_t node{};
     node.keyframe = id;
     node.T_map_camera = to_message(testing::some_pose(random));
     graph.nodes.push_back(node);
   }
-  graph.n_nodes = 2;
+  graph.n_nodes = static_cast<int32_t>(graph.nodes.size());
   graph.n_edges = 0;
   write(log, "ICP_GRAPH", graph, 1);
   publish(3, 5, 1 + seq);
