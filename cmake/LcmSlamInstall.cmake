@@ -1,4 +1,4 @@
-# What `cmake --install` puts where. Components: runtime (programs and what they read), development (libraries,
+# What `cmake --install` puts where. Components: runtime (programs, what they read, and python/), development (libraries,
 # headers, the CMake package), spy (the plug-ins of lcm-spy). Users find each library of libs/ as lcmslam::surf and so
 # on: find_package(lcmslam COMPONENTS surf).
 include(CMakePackageConfigHelpers)
@@ -7,9 +7,10 @@ set(LCMSLAM_CMAKE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/lcmslam)
 # Programs look for their data in ../share/lcmslam beside their own folder, in the build tree as after install.
 set(LCMSLAM_SHARE ${CMAKE_BINARY_DIR}/share/lcmslam)
 file(MAKE_DIRECTORY ${LCMSLAM_SHARE})
-foreach(folder config logs)
+foreach(folder config logs python lcmtypes)
   file(CREATE_LINK ${CMAKE_SOURCE_DIR}/${folder} ${LCMSLAM_SHARE}/${folder} SYMBOLIC)
-  install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmslam COMPONENT runtime)
+  install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmslam COMPONENT runtime
+          PATTERN __pycache__ EXCLUDE PATTERN CMakeLists.txt EXCLUDE)
 endforeach()
 
 # lcmslam_install_library(surf LINKS lcmslam_parallel opencv_core ...): of the folder of libs/ that calls it.

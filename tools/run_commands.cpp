@@ -7,8 +7,11 @@
 #include <exception>
 #include <iostream>
 
+#include <lcmslam/configuration/nearest_word.hpp>
 #include <lcmslam/runtime/version.hpp>
+#include "tools/command_help.hpp"
 #include "tools/launch/graph.hpp"
+#include "tools/terminal_colours.hpp"
 
 namespace lcmslam {
 namespace {
@@ -28,6 +31,29 @@ bool is(const char* name, const char* other) {
   return std::strcmp(name, other) == 0;
 }
 
+/// How each line of ours that tells of a failure begins.
+std::string prefix(const std::string& name) {
+  const std::string text = name.empty() ? "lcmslam:" : "lcmslam " + name + ":";
+  return emphasised(text, Emphasis::failure, wants_colours(STDERR_FILENO)) + " ";
+}
+
+void print_help(std::ostream& stream, const std::vector<Command>& commands) {
+  stream << "usage: lcmslam COMMAND [options]; lcmslam help COMMAND for its options\n";
+  for (const Command& command : commands)
+    stream << "  " << command.name << std::string(12 - std::strlen(command.name), ' ')
+           << command_help(command.name) << "\n";
+}
+
+/// `help log cut` is `log cut --help`.
+int run_help(const std::vector<Command>& commands, int argc, char** argv) {
+  char option[] = "--help";
+  std::vector<char*> line = {argv[0]};
+  line.insert(line.end(), argv + 2, argv + argc);
+  line.push_back(option);
+  line.push_back(nullptr);
+  return run_commands(commands, static_cast<int>(line.size()) - 1, line.data());
+}
+
 }  // namespace
 
 int run_commands(const std::vector<Command>& commands, int argc, char** argv) {
@@ -37,7 +63,7 @@ int run_commands(const std::vector<Command>& commands, int argc, char** argv) {
     try {
       return check_output(command.run(argc - 1, argv + 1));
     } catch (const std::exception& error) {
-      std::cerr << "lcmslam " << name << ": " << error.what() << "\n";
+      std::cerr << prefix(name) << error.what() << "\n";
       return 1;
     }
   }
@@ -45,13 +71,19 @@ int run_commands(const std::vector<Command>& commands, int argc, char** argv) {
     std::cout << "lcmslam " << lcmslam_version << "\n";
     return 0;
   }
-  if (is(name, "--help") || is(name, "help")) {
-    std::cout << "usage: lcmslam COMMAND [options]; lcmslam COMMAND --help for its options. Commands:";
-    for (const Command& command : commands) std::cout << " " << command.name;
-    std::cout << "\n";
-    return 0;
+  if (is(name, "help") && argc > 2) return run_help(commands, argc, argv);
+  if (is(name, "--help") || is(name, "-h") || is(name, "help")) {
+    print_help(std::cout, commands);
+    return check_output(0);
   }
-  std::cerr << "lcmslam: unknown command '" << name << "'; lcmslam help lists them\n";
+  if (argc < 2) {
+    print_help(std::cerr, commands);
+    return 2;
+  }
+  std::vector<std::string> names;
+  for (const Command& command : commands) names.emplace_back(command.name);
+  std::cerr << prefix("") << "unknown command '" << name << "'" << did_you_mean(name, names)
+            << "; lcmslam help lists them\n";
   return 2;
 }
 

@@ -5,13 +5,13 @@ namespace lcmslam {
 
 struct Command {
   const char* name;
-  int (*run)(int argc, char** argv);
+  int (*run)(int argc, char** argv);  ///< argv begins with the command's name; argv[-1] is the program's
   const char* help = "";
   std::vector<Command> below = {};  ///< subcommands, each with options of its own
 };
 
 /// A main(): runs the command that the first argument names and gives the exit code; 1 for exceptions and for
-/// output that could not be written.
+/// output that could not be written. `help` lists the commands, `help COMMAND` is `COMMAND --help`.
 int run_commands(const std::vector<Command>& commands, int argc, char** argv);
 
 /// A command whose own program, `program`, lies beside this one and takes over. Does not come back; throws

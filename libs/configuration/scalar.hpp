@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lcmslam/configuration/config.hpp>
+#include <lcmslam/configuration/nearest_word.hpp>
 #include <lcmslam/configuration/yaml_tree.hpp>
 
 namespace lcmslam {
@@ -15,10 +16,5 @@ std::optional<double> read_number(const YamlValue& value, const Range& range);
 std::optional<int> read_whole_number(const YamlValue& value, const Range& range);
 std::optional<bool> read_bool(const YamlValue& value);
 std::optional<std::string> read_text(const YamlValue& value);
-
-/// The candidate with the smallest edit distance (insertions, deletions, replacements and swaps of
-/// neighbours) of at most `farthest`; the first of equals, empty when there is none.
-std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates,
-                         std::size_t farthest = std::string::npos);
 
 }  // namespace lcmslam

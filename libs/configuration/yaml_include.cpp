@@ -53,6 +53,8 @@ std::string read_file(const fs::path& file, const std::string& asked_from) {
     if (text.size() > max_file_bytes)
       throw ConfigError(asked_from + file.string() + ": larger than " +
                         std::to_string(max_file_bytes / 1'000'000) + " MB, not a configuration");
+    if (text.compare(0, 4, "\xED\xA1\xDA\x01") == 0)  // files in the wrong order
+      throw ConfigError(asked_from + file.string() + ": is an LCM log, not a configuration (YAML)");
   }
   return text;
 }

@@ -98,6 +98,10 @@ std::string settle_truth(const std::string& truth_of, const RgbdCalibration& cal
 }  // namespace
 
 std::unique_ptr<RgbdSource> open_dataset(const fs::path& folder, const DatasetOptions& options) {
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw DatasetError(folder.string() + (folder.extension() == ".lcmlog"
+                                              ? ": is an LCM log already, not a folder of images"
+                                              : ": is a file, not a folder of images"));
   if (!fs::is_directory(folder)) throw DatasetError(folder.string() + ": no such folder");
   const fs::path config_folder = options.config_folder.empty() ? share_path("config") : options.config_folder;
   const Description description = find_description(folder, options, config_folder);

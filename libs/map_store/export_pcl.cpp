@@ -63,28 +63,30 @@ bool has_field(const pcl::PCLPointCloud2& cloud, const std::string& name) {
                      [&](const pcl::PCLPointField& field) { return field.name == name; });
 }
 
+/// PCL prints a warning for each field of Point that a file has not: ask for those that it has.
+template <class Point>
+pcl::PointCloud<Point> fields_of(const pcl::PCLPointCloud2& generic) {
+  pcl::PointCloud<Point> points;
+  pcl::fromPCLPointCloud2(generic, points);
+  return points;
+}
+
 ColouredCloud from_pcl(const pcl::PCLPointCloud2& generic, const fs::path& file) {
   for (const char* axis : {"x", "y", "z"})
     if (!has_field(generic, axis))
       throw std::runtime_error("cannot read " + file.string() + ": has no field '" + axis + "'");
   ColouredCloud cloud;
   if (generic.width * generic.height == 0) return cloud;
-  const auto take = [&](const auto& point) {
-    cloud.points.push_back(point.getVector3fMap());
-    cloud.colours.emplace_back(point.b, point.g, point.r);
-  };
-  if (has_field(generic, "normal_x")) {
-    pcl::PointCloud<pcl::PointXYZRGBNormal> points;
-    pcl::fromPCLPointCloud2(generic, points);
-    for (const pcl::PointXYZRGBNormal& point : points) {
-      take(point);
-      cloud.normals.push_back(point.getNormalVector3fMap());
-    }
-  } else {
-    pcl::PointCloud<pcl::PointXYZRGB> points;
-    pcl::fromPCLPointCloud2(generic, points);
-    for (const pcl::PointXYZRGB& point : points) take(point);
+  for (const auto& point : fields_of<pcl::PointXYZ>(generic)) cloud.points.push_back(point.getVector3fMap());
+  cloud.colours.resize(cloud.points.size());
+  if (has_field(generic, "rgb") || has_field(generic, "rgba")) {
+    const auto points = fields_of<pcl::PointXYZRGB>(generic);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      cloud.colours[i] = cv::Vec3b(points[i].b, points[i].g, points[i].r);
   }
+  if (has_field(generic, "normal_x") && has_field(generic, "normal_y") && has_field(generic, "normal_z"))
+    for (const auto& point : fields_of<pcl::Axis>(generic))
+      cloud.normals.push_back(point.getNormalVector3fMap());
   return cloud;
 }
 
@@ -98,6 +100,14 @@ void check_pcd_header(const fs::path& file) {
   if (!missing.empty())
     throw std::runtime_error("cannot read " + file.string() + ": no PCD file, it has no line " +
                              *missing.begin());
+}
+
+/// PCL's reader prints about a file without it.
+void check_ply_header(const fs::path& file) {
+  std::string line;
+  std::getline(std::ifstream(file, std::ios::binary), line);
+  if (line != "ply" && line != "ply\r")
+    throw std::runtime_error("cannot read " + file.string() + ": no PLY file, its first line is not 'ply'");
 }
 
 template <class Reader>
@@ -142,6 +152,7 @@ void save_pcd(const FilePlace& file, const std::vector<Landmark>& landmarks) {
 }
 
 ColouredCloud load_ply(const fs::path& file) {
+  if (fs::is_regular_file(file)) check_ply_header(file);
   return load<pcl::PLYReader>(file);
 }
 

@@ -1,5 +1,7 @@
 #include <lcmslam/runtime/bus.hpp>
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <stdexcept>
 
 #include <lcmslam/runtime/lcm_reader.hpp>
@@ -12,11 +14,45 @@ bool is_udpm(const std::string& url) {
   return url.rfind("udpm:", 0) == 0;
 }
 
+/// LCM prints what fails while it opens a bus; whoever asked for the bus says that better.
+class QuietErrors {
+ public:
+  QuietErrors() : kept_(dup(STDERR_FILENO)) {
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (kept_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0) close(nowhere);
+  }
+  ~QuietErrors() {
+    if (kept_ < 0) return;
+    dup2(kept_, STDERR_FILENO);
+    close(kept_);
+  }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+ private:
+  int kept_;
+};
+
+/// Throws std::invalid_argument for what LCM would only print.
+const std::string& checked(const std::string& url) {
+  for (const char* provider : {"udpm://", "memq://", "tcpq://", "file://"})
+    if (url.rfind(provider, 0) == 0) return url;
+  if (url.rfind("mpudpm:", 0) == 0)
+    throw std::invalid_argument(url + ": LCM's own reader of multicast is not safe; take udpm://");
+  throw std::invalid_argument(url +
+                              ": is no bus; one begins with udpm://, memq://, tcpq:// or file://, such as "
+                              "udpm://239.255.76.67:7667?ttl=0");
+}
+
+/// So that a temporary of the one is there while LCM's constructor runs.
+const std::string& quietly(const std::string& url, const QuietErrors&) {
+  return url;
+}
+
 }  // namespace
 
-LcmBus::LcmBus(const std::string& lcm_url) : url_(lcm_url), lcm_(lcm_url) {
-  if (lcm_url.rfind("mpudpm:", 0) == 0)
-    throw std::invalid_argument(lcm_url + ": LCM's own reader of multicast is not safe; take udpm://");
+LcmBus::LcmBus(const std::string& lcm_url) : url_(checked(lcm_url)), lcm_(quietly(lcm_url, QuietErrors())) {
   multicast_address(lcm_url);
   udpm::allowed_networks();
 }

@@ -1,6 +1,7 @@
 #include <lcmslam/runtime/options.hpp>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <set>
@@ -68,7 +69,13 @@ ConfigNode load_config(const std::string& file, const std::vector<std::string>& 
     const std::size_t equal = text.find('=');
     if (equal == std::string::npos || equal == 0)
       throw ConfigError("--set " + text + ": must be section.key=value");
-    config.set(text.substr(0, equal), text.substr(equal + 1));
+    const std::string key = text.substr(0, equal);
+    const auto& sections = process_names();
+    if (key.find('.') == std::string::npos && key != "launch" &&
+        std::find(sections.begin(), sections.end(), key) == sections.end())
+      throw ConfigError("--set " + text + ": must be section.key=value; lcmslam config --explain " + key +
+                        " finds the section");
+    config.set(key, text.substr(equal + 1));
   }
   return config;
 }

@@ -25,7 +25,9 @@ foreach(file ${files})
   run(${dpkg_deb} --contents ${file})
   if(package MATCHES "^lcmslam_")
     expect(${package} ./usr/bin/lcmslam-fastslam ./usr/bin/lcmslam-tools ./usr/share/lcmslam/config/robot.yaml
-           ./usr/share/doc/lcmslam/copyright)
+           ./usr/share/doc/lcmslam/copyright ./usr/share/lcmslam/python/lcmslam_log.py ./usr/share/lcmslam/lcmtypes/pose_t.lcm
+           ./usr/share/man/man1/lcmslam.1.gz ./usr/share/man/man1/lcmslam-log-cut.1.gz
+           ./usr/share/bash-completion/completions/lcmslam)
     run(${dpkg_deb} --field ${file} Depends)
     expect(${package} libyaml-cpp liblcm libopencv-core iproute2)
     if(output MATCHES "-dev")

@@ -13,6 +13,15 @@ foreach(name "" -tools -study -camera -surf -odometry -fastslam -icp -map-server
   endif()
 endforeach()
 
+# Help of what the first program does itself, and of what it hands over.
+foreach(command doctor evaluate "log cut" study)
+  separate_arguments(words UNIX_COMMAND "${command}")
+  run(${PREFIX}/bin/lcmslam help ${words})
+  if(NOT output MATCHES "Usage: lcmslam ${command} ")
+    message(FATAL_ERROR "lcmslam help ${command} says ${output}")
+  endif()
+endforeach()
+
 # Takes share/lcmslam/config/replay.yaml, which nobody names.
 file(COPY ${PREFIX}/share/lcmslam/logs/kitchen.lcmlog DESTINATION ${FOLDER})
 execute_process(COMMAND ${PREFIX}/bin/lcmslam study --only filter kitchen.lcmlog --seeds 1 WORKING_DIRECTORY ${FOLDER}

@@ -9,7 +9,7 @@ namespace lcmslam {
 namespace {
 
 /// Commands of the script that builds and then calls this program.
-const char* const script_commands = "build fuzz help test";
+const char* const script_commands = "build fuzz help mutate test";
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;

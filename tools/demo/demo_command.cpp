@@ -40,11 +40,13 @@ struct DemoOptions {
 std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
   CLI::App app{"Runs the whole graph live, on the simulated kitchen or a recording, and shows both maps.",
                "lcmslam demo"};
-  app.add_option("--data", o.data,
-                 "data set folder instead of the simulation: TUM RGB-D, 7-Scenes, numbered images")
-      ->check(CLI::ExistingDirectory);
+  auto* data =
+      app.add_option("--data", o.data,
+                     "data set folder instead of the simulation: TUM RGB-D, 7-Scenes, numbered images")
+          ->check(CLI::ExistingDirectory);
   app.add_option("--calibration", o.calibration, "camera calibration (YAML) for --data")
-      ->check(CLI::ExistingFile);
+      ->check(CLI::ExistingFile)
+      ->needs(data);
   app.add_option("--config", o.config,
                  "graph and settings (default config/demo.yaml, with --data config/dataset.yaml)")
       ->check(CLI::ExistingFile);

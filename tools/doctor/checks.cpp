@@ -16,6 +16,7 @@
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
+#include "tools/terminal_colours.hpp"
 
 namespace lcmslam {
 namespace {
@@ -169,13 +170,17 @@ Finding::Level worst(const std::vector<Finding>& findings) {
   return level;
 }
 
-std::string format_findings(const std::vector<Finding>& findings, bool all) {
+std::string format_findings(const std::vector<Finding>& findings, bool all, bool colours) {
   static const char* const names[] = {"ok     ", "note   ", "warning", "FAILURE"};
   std::string text;
   for (const Finding& finding : findings) {
     if (!all && finding.level == Level::good) continue;
-    text += fmt::format("  {}  {}: {}\n", names[static_cast<std::size_t>(finding.level)], finding.subject,
-                        finding.text);
+    const Emphasis emphasis = finding.level == Level::failure   ? Emphasis::failure
+                              : finding.level == Level::warning ? Emphasis::warning
+                                                                : Emphasis::good;
+    text += fmt::format("  {}  {}: {}\n",
+                        emphasised(names[static_cast<std::size_t>(finding.level)], emphasis, colours),
+                        finding.subject, finding.text);
     if (!finding.cure.empty()) text += "           " + finding.cure + "\n";
   }
   return text;

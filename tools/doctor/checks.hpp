@@ -52,6 +52,6 @@ inline bool is_rival_graph(const Finding& finding) {
 
 Finding::Level worst(const std::vector<Finding>& findings);
 /// Lines to print; good ones only when `all`.
-std::string format_findings(const std::vector<Finding>& findings, bool all);
+std::string format_findings(const std::vector<Finding>& findings, bool all, bool colours = false);
 
 }  // namespace lcmslam

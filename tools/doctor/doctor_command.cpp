@@ -8,6 +8,7 @@
 #include "tools/doctor/checks.hpp"
 #include "tools/doctor/graph_traffic.hpp"
 #include "tools/parse_command.hpp"
+#include "tools/terminal_colours.hpp"
 
 namespace lcmslam {
 namespace {
@@ -66,12 +67,13 @@ int doctor_command(int argc, char** argv) {
     options.traffic.origin = traffic.origin;
   }
   if (largest->count() > 0) options.traffic.origin = "given";
+  const bool colours = wants_colours(STDOUT_FILENO);
   std::cout << options.lcm_url << std::endl;
   auto findings = examine(options);
-  std::cout << format_findings(findings, true);
+  std::cout << format_findings(findings, true, colours);
   if (fix && mend(findings)) {
     findings = examine(options);
-    std::cout << "after mending:\n" << format_findings(findings, true);
+    std::cout << "after mending:\n" << format_findings(findings, true, colours);
   }
   return worst(findings) >= Finding::Level::warning ? 1 : 0;
 }

@@ -100,6 +100,7 @@ int launch_command(int argc, char** argv) {
   options.overrides.insert(
       options.overrides.begin(),
       "map-server.folder=" + yaml_quoted(std::filesystem::absolute(options.folder).string()));
+  const auto specs = read_graph(options);
   install_stop_signals(0);
   LcmBus bus(options.lcm_url);
   if (!bus.usable()) {
@@ -107,7 +108,6 @@ int launch_command(int argc, char** argv) {
               << format_findings({check_route(options.lcm_url)}, true);
     return 1;
   }
-  const auto specs = read_graph(options);
   DoctorOptions doctor;
   doctor.lcm_url = options.lcm_url;
   doctor.traffic = graph_traffic(options.config, options.overrides);

@@ -40,7 +40,7 @@ int lcm_spy_command(int argc, char** argv) {
   const SpyParts parts =
       find_spy_parts(from_environment("PATH"), {"/usr/share/java", "/usr/local/share/java"},
                      share_folder() / "java", from_environment("DISPLAY"));
-  const std::string obstacle = spy_obstacle(parts);
+  const std::string obstacle = print ? missing_part(parts) : spy_obstacle(parts);
   if (!obstacle.empty()) throw std::runtime_error(obstacle);
   std::vector<std::string> arguments = spy_arguments(parts, lcm_url, app.remaining());
   if (print) {

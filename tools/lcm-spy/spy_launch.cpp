@@ -69,12 +69,9 @@ SpyParts find_spy_parts(const std::string& search_path, const std::vector<fs::pa
   return parts;
 }
 
-std::string spy_obstacle(const SpyParts& parts) {
+std::string missing_part(const SpyParts& parts) {
   if (parts.java.empty())
     return "there is no Java; install it with: sudo apt-get install default-jre liblcm-java libjchart2d-java";
-  if (!parts.java_draws)
-    return parts.java.string() +
-           " is a Java without windows; install one with: sudo apt-get install default-jre";
   if (parts.lcm_jar.empty()) return "there is no lcm.jar; install it with: sudo apt-get install liblcm-java";
   if (parts.chart_jar.empty())
     return "there is no jchart2d.jar; install it with: sudo apt-get install libjchart2d-java";
@@ -82,6 +79,14 @@ std::string spy_obstacle(const SpyParts& parts) {
     return std::string(parts.types_jar.empty() ? "lcmslam_types.jar" : "lcmslam_spy.jar") +
            " was not built, for want of a Java compiler; make it with: sudo apt-get install "
            "default-jdk-headless liblcm-java libjchart2d-java && cmake --preset release && ./lcmslam build";
+  return {};
+}
+
+std::string spy_obstacle(const SpyParts& parts) {
+  if (!parts.java.empty() && !parts.java_draws)
+    return parts.java.string() +
+           " is a Java without windows; install one with: sudo apt-get install default-jre";
+  if (const std::string missing = missing_part(parts); !missing.empty()) return missing;
   if (parts.display.empty())
     return "there is no X display (DISPLAY is not set); start it on a desktop or through ssh -X, or use "
            "./lcmslam spy, which needs none";

@@ -24,7 +24,9 @@ bool display_answers(const std::string& display);
 SpyParts find_spy_parts(const std::string& search_path, const std::vector<std::filesystem::path>& libraries,
                         const std::filesystem::path& own, const std::string& display);
 
-/// What is missing and the line that mends it; empty when nothing is.
+/// What is missing and the line that mends it; empty when nothing is. To start it, a display and a Java that
+/// draws are needed as well.
+std::string missing_part(const SpyParts& parts);
 std::string spy_obstacle(const SpyParts& parts);
 
 /// Program and arguments.

@@ -1,6 +1,7 @@
 #include <cstring>
 #include <iostream>
 
+#include <lcmslam/configuration/nearest_word.hpp>
 #include "tools/commands.hpp"
 #include "tools/log/log_commands.hpp"
 
@@ -35,7 +36,10 @@ int log_command(int argc, char** argv) {
     print_help(std::cout);
     return 0;
   }
-  if (!name.empty()) std::cerr << "lcmslam log: unknown subcommand '" << name << "'\n";
+  std::vector<std::string> names;
+  for (const Command& subcommand : log_subcommands()) names.emplace_back(subcommand.name);
+  if (!name.empty())
+    std::cerr << "lcmslam log: unknown subcommand '" << name << "'" << did_you_mean(name, names) << "\n";
   print_help(std::cerr);
   return 2;
 }

@@ -6,15 +6,13 @@
 
 namespace {
 
-char** whole_line;
-
-int tools(int, char**) {
-  lcmslam::hand_over("lcmslam-tools", whole_line);
+int tools(int, char** argv) {
+  lcmslam::hand_over("lcmslam-tools", argv - 1);
   return 1;
 }
 
-int study(int, char**) {
-  lcmslam::hand_over("lcmslam-study", whole_line);
+int study(int, char** argv) {
+  lcmslam::hand_over("lcmslam-study", argv - 1);
   return 1;
 }
 
@@ -22,7 +20,6 @@ int study(int, char**) {
 
 int main(int argc, char** argv) {
   using namespace lcmslam;
-  whole_line = argv;
   return run_commands({{"batch", tools},
                        {"completion", study},
                        {"config", tools},

@@ -47,6 +47,30 @@ void expect_equal(const ColouredCloud& read, const ColouredCloud& written) {
   EXPECT_EQ(read.normals, written.normals);
 }
 
+// PCL tells the terminal about each field that a file has not.
+TEST(MapExport, ReadingPrintsNothing) {
+  const TemporaryFolder folder;
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  for (const bool normals : {false, true}) {
+    save_ply(folder / "map.ply", random_cloud(1, 10, normals));
+    load_ply(folder / "map.ply");
+    save_pcd(folder / "map.pcd", random_cloud(1, 10, normals));
+    load_pcd(folder / "map.pcd");
+  }
+  std::ofstream(folder / "plain.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+         "property float z\nend_header\n1 2 3\n";
+  const ColouredCloud plain = load_ply(folder / "plain.ply");
+  std::ofstream(folder / "notes.ply") << "what the robot did today\n";
+  const std::string error = error_of([&] { load_ply(folder / "notes.ply"); });
+  const std::string printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+  EXPECT_EQ(printed, "");
+  EXPECT_EQ(plain.points.at(0), Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(plain.colours.at(0), cv::Vec3b(0, 0, 0));
+  EXPECT_THAT(error, HasSubstr("notes.ply: no PLY file"));
+}
+
 TEST(MapExport, CloudsSurviveTheRoundTrip) {
   const TemporaryFolder folder;
   for (const bool normals : {false, true})

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/unit/tools/scratch.hpp"
+#include "tools/commands.hpp"
 
 namespace lcmslam {
 namespace {
@@ -52,6 +53,11 @@ TEST_F(LcmSpy, EachMissingPartIsNamedWithItsCure) {
   EXPECT_THAT(obstacle(""), HasSubstr("DISPLAY is not set"));
   EXPECT_THAT(obstacle(":98765"), HasSubstr("no X server answers at DISPLAY=:98765"));
   EXPECT_EQ(obstacle("desk.example:0.0"), "") << "displays of other machines are not asked";
+  EXPECT_EQ(missing_part(find("")), "") << "to print the command no display is needed";
+  fs::remove(folder_ / "jvm/lib/libawt_xawt.so");
+  EXPECT_EQ(missing_part(find("")), "") << "nor a Java that draws";
+  fs::remove(folder_ / "jars/lcm.jar");
+  EXPECT_THAT(missing_part(find("")), HasSubstr("apt-get install liblcm-java"));
 }
 
 TEST_F(LcmSpy, CommandHasEveryJarTheBusAndWhatElseWasGiven) {
@@ -64,6 +70,26 @@ TEST_F(LcmSpy, CommandHasEveryJarTheBusAndWhatElseWasGiven) {
   EXPECT_THAT(spy_arguments(parts, "udpm://x?ttl=0&y", {"-h"}),
               ElementsAre("/j/java", "-Djava.net.preferIPv4Stack=true", "-Xmx256m", "-cp",
                           "/a.jar:/b.jar:/c.jar:/d.jar", "lcm.spy.Spy", "--lcm-url=udpm://x?ttl=0&y", "-h"));
+}
+
+// Which parts this machine has is its own business; that it has no display is not asked.
+TEST(LcmSpyCommand, PrintsWithoutADisplay) {
+  unsetenv("DISPLAY");
+  char name[] = "lcm-spy", print[] = "--print";
+  char* argv[] = {name, print, nullptr};
+  ::testing::internal::CaptureStdout();
+  std::string error;
+  try {
+    lcm_spy_command(2, argv);
+  } catch (const std::runtime_error& missing) {
+    error = missing.what();
+  }
+  const std::string printed = ::testing::internal::GetCapturedStdout();
+  if (error.empty())
+    EXPECT_THAT(printed, HasSubstr("'lcm.spy.Spy'"));
+  else
+    EXPECT_THAT(error, HasSubstr("apt-get install"));
+  EXPECT_THAT(error, ::testing::Not(HasSubstr("display")));
 }
 
 }  // namespace

@@ -1,0 +1,75 @@
+#include "tools/run_commands.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tools/command_help.hpp"
+#include "tools/commands.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Output {
+  int exit_code;
+  std::string out, error;
+};
+
+Output run(std::vector<std::string> words) {
+  words.insert(words.begin(), "lcmslam");
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  const int exit_code = run_commands(commands(), static_cast<int>(words.size()), argv.data());
+  const std::string out = ::testing::internal::GetCapturedStdout();
+  return {exit_code, out, ::testing::internal::GetCapturedStderr()};
+}
+
+TEST(RunCommands, HelpListsEveryCommandWithItsPurpose) {
+  for (const char* word : {"help", "--help", "-h"}) {
+    const Output output = run({word});
+    EXPECT_EQ(output.exit_code, 0);
+    EXPECT_EQ(output.error, "");
+    for (const Command& command : commands()) {
+      EXPECT_THAT(output.out, HasSubstr(std::string("  ") + command.name + " "));
+      EXPECT_THAT(output.out, HasSubstr(command_help(command.name)));
+    }
+  }
+}
+
+TEST(RunCommands, HelpOfACommandIsItsOwn) {
+  const Output output = run({"help", "log", "cut"});
+  EXPECT_EQ(output.exit_code, 0);
+  EXPECT_EQ(output.out, run({"log", "cut", "--help"}).out);
+  EXPECT_THAT(output.out, HasSubstr("--channels"));
+  EXPECT_EQ(run({"help", "log"}).out, run({"log", "--help"}).out);
+}
+
+TEST(RunCommands,
+     ACommandFindsTheProgramsNameBeforeItsOwn) {  // those that hand over start again with the whole line
+  static std::string line;
+  const auto remember = [](int argc, char** argv) {
+    line = argv[-1];
+    for (int i = 0; i < argc; ++i) line += std::string(" ") + argv[i];
+    return 7;
+  };
+  char program[] = "bin/lcmslam", help[] = "help", name[] = "part", option[] = "--fast";
+  char* plain[] = {program, name, option, nullptr};
+  EXPECT_EQ(run_commands({{"part", remember}}, 3, plain), 7);
+  EXPECT_EQ(line, "bin/lcmslam part --fast");
+  char* asked[] = {program, help, name, nullptr};
+  EXPECT_EQ(run_commands({{"part", remember}}, 3, asked), 7);
+  EXPECT_EQ(line, "bin/lcmslam part --help");
+}
+
+TEST(RunCommands, WithoutACommandSaysWhatThereIs) {
+  const Output output = run({});
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_THAT(output.error, StartsWith("usage: lcmslam COMMAND"));
+}
+
+}  // namespace
+}  // namespace lcmslam

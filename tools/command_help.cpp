@@ -1,0 +1,30 @@
+#include "tools/command_help.hpp"
+
+#include <utility>
+
+namespace lcmslam {
+
+const char* command_help(const std::string& command) {
+  static const std::pair<const char*, const char*> lines[] = {
+      {"batch", "run the whole graph in one process straight from a log"},
+      {"completion", "print the completion of this command for bash or zsh; write its manual pages"},
+      {"config", "say what can be configured; check a file"},
+      {"demo", "run the whole graph live and show both maps"},
+      {"doctor", "look for what makes LCM lose messages on this machine"},
+      {"evaluate", "errors of trajectories against the truth"},
+      {"echo", "print the messages of a channel, decoded"},
+      {"import", "turn a data set folder into an .lcmlog"},
+      {"launch", "start the process graph that a configuration names"},
+      {"lcm-spy", "the stock graphical spy with our types"},
+      {"log", "recordings: info, check, repair, cut, calibrate, play"},
+      {"render", "a picture of a map, or one that turns"},
+      {"send", "an order to the running graph: save, smooth, reset, stop, export"},
+      {"simulate", "render a simulated run into an .lcmlog"},
+      {"spy", "live table of the bus"},
+      {"study", "run the demo for several seeds, or one study of its own"}};
+  for (const auto& [name, help] : lines)
+    if (command == name) return help;
+  return "";
+}
+
+}  // namespace lcmslam
