@@ -48,7 +48,7 @@ class MapServer : public ::testing::Test {
     }
   }
   void graph(std::int64_t sender, const std::vector<std::int32_t>& ids, std::int64_t keyframes = 1) {
-    graph_t m;
+    graph_t m{};
     m.utime = 1;
     m.frame = "map";
     m.map_revision = keyframes;

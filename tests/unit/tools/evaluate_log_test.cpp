@@ -53,7 +53,7 @@ class GraphMessage {
 
  private:
   std::size_t stride_;
-  graph_t graph_;
+  graph_t graph_{};
 };
 
 // A mapper that walks off by 1 cm a pose, a keyframe every ten poses; its last graph has them right.

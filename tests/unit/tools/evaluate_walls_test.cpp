@@ -49,7 +49,7 @@ class EvaluateWalls : public testing::Evaluate {
 
   graph_t graph(std::int64_t sender, const std::vector<std::int32_t>& ids,
                 const Eigen::Isometry3d& T_right_wrong = Eigen::Isometry3d::Identity()) const {
-    graph_t m;
+    graph_t m{};
     m.utime = 40 * second;
     m.seq = m.map_revision = m.n_edges = 0;
     m.sender = sender;
