@@ -180,9 +180,11 @@ int run_endurance_study(int laps, const std::vector<int>& seeds, std::string con
   settings.config = load_config(config, overrides);
   settings.folder = new_run_folder("study-endurance");
   std::cout << fmt::format(
-      "{} laps of the kitchen, seed {}, at {:g} frames a second (the live camera has 10), JPEG quality {}; "
-      "CPU of handlers and of what runs beside them, without rendering\n",
-      laps, seeds.front(), settings.simulation.frame_rate, settings.jpeg_quality);
+                   "{} laps of the kitchen, seed {}, at {:g} frames a second (the live camera has 10), JPEG "
+                   "quality {}; "
+                   "CPU of handlers and of what runs beside them, without rendering\n",
+                   laps, seeds.front(), settings.simulation.frame_rate, settings.jpeg_quality)
+            << std::flush;
   int lap = 0;
   settings.after_lap = [&](const LapFigures& figures) {
     std::cout << fmt::format("lap {}: {:.1f} ms a frame, {:.1f} kB/s, {:.0f} MB, {:.0f} landmarks\n", ++lap,
