@@ -63,7 +63,7 @@ class DenseMapper {
   const VoxelMap& map() const { return map_.voxels(); }
   /// How many keyframes there have been.
   std::int64_t keyframes_made() const { return keyframes_.made(); }
-  /// Of all that is kept from frame to frame, but for work on the graph under way.
+  /// Of all that is kept from frame to frame.
   std::size_t memory_bytes() const;
 
  private:

@@ -81,7 +81,8 @@ void DenseMapperSettings::describe(SettingsVisitor& s) {
   s.number("keyframe_points", keyframe_points, "", {1000, 1e10},
            "of all keyframes together (31 bytes each: 190 MB); beyond, the farthest clouds are thinned");
   s.number("max_keyframes", graph.max_keyframes, "", {5, 1e6},
-           "that are kept, and as many other nodes of the graph; a tenth goes at a time (0.25 MB each)");
+           "that are kept, and other nodes of the graph: 50, or as many as keyframes; a tenth goes at a time "
+           "(0.25 MB each)");
   s.number("deform_time", deform_time, "s", {0, 10},
            "of message time that deforming the map takes, besides deform_time_per_surfel");
   s.number("deform_time_per_surfel", deform_time_per_surfel, "s", {0, 1},

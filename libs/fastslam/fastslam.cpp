@@ -185,7 +185,8 @@ std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
                                                       const StepObservations& observations,
                                                       StepResult& result) {
   std::vector<LandmarkMatch> created;
-  for (const int p : choose_new_landmarks(frame, points, observations.seen, index_, settings_)) {
+  for (const int p : choose_new_landmarks(frame, points, observations.expected, observations.seen, index_,
+                                          particles_.best().T_world_robot, settings_)) {
     const int feature = points[static_cast<std::size_t>(p)].feature;
     const int slot = index_.add(frame.features[static_cast<std::size_t>(feature)], settings_);
     created.push_back({p, slot, 0});
@@ -202,6 +203,7 @@ std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
     record.measured = frame.utime;
     record.seen_from = ray.normalized();
     record.seen_at = ray.norm();
+    record.born = frame.utime;
   }
   return created;
 }

@@ -11,11 +11,11 @@ M decode_message(const std::uint8_t* data, std::size_t size) {
   static const MessageType* type = MessageType::find(static_cast<std::uint64_t>(M::getHash()));
   if (type == nullptr) throw DecodeError(std::string(M::getTypeName()) + " has no definition in lcmtypes/");
   check_layout(*type, data, size);
+  const auto of_today = completed(*type, data, size);
   M message;
-  // Without LCM's own look at the fingerprint: check_layout() knows former ones, too.
-  constexpr int at = sizeof(std::uint64_t);
-  if (message._decodeNoHash(data, at, static_cast<int>(size) - at) < 0)
-    throw DecodeError(type->name + " does not decode");
+  const int read = of_today ? message.decode(of_today->data(), 0, static_cast<int>(of_today->size()))
+                            : message.decode(data, 0, static_cast<int>(size));
+  if (read < 0) throw DecodeError(type->name + " does not decode");
   return message;
 }
 

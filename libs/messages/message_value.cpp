@@ -149,7 +149,8 @@ MessageLimits MessageLimits::none() {
 MessageValue read_message(const MessageType& type, const std::uint8_t* data, std::size_t size,
                           const MessageLimits& limits) {
   check_layout(type, data, size);
-  WireReader reader(data, size);
+  const auto of_today = completed(type, data, size);
+  WireReader reader(of_today ? of_today->data() : data, of_today ? of_today->size() : size);
   reader.integer(8, "fingerprint");
   return ValueReader(reader, limits).record(type);
 }

@@ -17,10 +17,11 @@ class LayoutWalker {
  public:
   explicit LayoutWalker(WireReader& reader) : reader_(reader) {}
 
-  void walk(const MessageType& type, int depth) {
+  /// The first `members` of it.
+  void walk(const MessageType& type, std::size_t members, int depth) {
     if (depth > max_depth) throw DecodeError(type.name + ": nested too deeply");
-    std::vector<std::int64_t> lengths(type.fields.size(), 0);
-    for (std::size_t i = 0; i < type.fields.size(); ++i) {
+    std::vector<std::int64_t> lengths(members, 0);
+    for (std::size_t i = 0; i < members; ++i) {
       const MessageField& field = type.fields[i];
       if (field.dimensions.empty() && is_integer(field.kind))
         lengths[i] = reader_.integer(value_size(field.kind), field.name);
@@ -50,7 +51,7 @@ class LayoutWalker {
     if (field.kind == Kind::text)
       reader_.text(field.name);
     else if (field.kind == Kind::nested)
-      walk(*field.nested, depth + 1);
+      walk(*field.nested, field.nested->fields.size(), depth + 1);
     else
       reader_.skip(1, value_size(field.kind), field.name);
   }
@@ -58,22 +59,28 @@ class LayoutWalker {
   WireReader& reader_;
 };
 
-/// A type's fingerprint from before some of its members were renamed, which changed nothing else: old logs
-/// have it.
+/// A type's fingerprint from before members were renamed or appended: old logs have it. It had the first
+/// `members` of today's, under other names perhaps; those after it are numbers and arrays, and 0 means what
+/// their absence did.
 struct FormerFingerprint {
   std::uint64_t fingerprint;
   const char* type;
+  std::size_t members;
 };
 constexpr FormerFingerprint former_fingerprints[] = {
-    {0x440ef967ce91c74a, "graph_t"},  // its edges' members were keywords of languages that lcm-gen writes
+    {0x440ef967ce91c74a, "graph_t", 9},  // its edges' members were keywords of languages that lcm-gen writes
+    {0x3e49193e24115fdc, "graph_t", 9},  // each message was the whole graph
 };
 
-bool is_of(std::uint64_t fingerprint, const MessageType& type) {
-  if (fingerprint == type.fingerprint) return true;
-  for (const FormerFingerprint& former : former_fingerprints)
-    if (fingerprint == former.fingerprint && type.package == "lcmslam" && type.name == former.type)
-      return true;
-  return false;
+const FormerFingerprint* former(std::uint64_t fingerprint, const MessageType& type) {
+  for (const FormerFingerprint& known : former_fingerprints)
+    if (fingerprint == known.fingerprint && type.package == "lcmslam" && type.name == known.type)
+      return &known;
+  return nullptr;
+}
+
+std::uint64_t fingerprint_of(WireReader& reader) {
+  return static_cast<std::uint64_t>(reader.integer(8, "fingerprint"));
 }
 
 template <class Predicate>
@@ -106,19 +113,36 @@ const MessageType* MessageType::find(const std::string& name) {
 }
 
 const MessageType* MessageType::find(std::uint64_t fingerprint) {
-  return find_if([&](const MessageType& type) { return is_of(fingerprint, type); });
+  return find_if([&](const MessageType& type) {
+    return fingerprint == type.fingerprint || former(fingerprint, type) != nullptr;
+  });
 }
 
 void check_layout(const MessageType& type, const std::uint8_t* data, std::size_t size) {
   WireReader reader(data, size);
-  const auto fingerprint = static_cast<std::uint64_t>(reader.integer(8, "fingerprint"));
-  if (!is_of(fingerprint, type)) {
+  const std::uint64_t fingerprint = fingerprint_of(reader);
+  const FormerFingerprint* old = former(fingerprint, type);
+  if (fingerprint != type.fingerprint && old == nullptr) {
     const MessageType* other = MessageType::find(fingerprint);
     throw DecodeError("is not a " + type.name + (other ? " but a " + other->name : ": unknown fingerprint"));
   }
-  LayoutWalker(reader).walk(type, 0);
+  LayoutWalker(reader).walk(type, old != nullptr ? old->members : type.fields.size(), 0);
   if (reader.left() > 0)
     throw DecodeError(type.name + ": " + std::to_string(reader.left()) + " bytes too many");
+}
+
+std::optional<std::vector<std::uint8_t>> completed(const MessageType& type, const std::uint8_t* data,
+                                                   std::size_t size) {
+  WireReader reader(data, size);
+  const FormerFingerprint* old = former(fingerprint_of(reader), type);
+  if (old == nullptr) return std::nullopt;
+  std::size_t zeros = 0;  // of numbers alone: arrays of length 0 have no bytes
+  for (std::size_t i = old->members; i < type.fields.size(); ++i)
+    if (type.fields[i].dimensions.empty()) zeros += element_size(type.fields[i]);
+  std::vector<std::uint8_t> bytes(data, data + size);
+  bytes.resize(size + zeros, 0);
+  for (std::size_t i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(type.fingerprint >> (56 - 8 * i));
+  return bytes;
 }
 
 }  // namespace lcmslam

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -53,13 +54,19 @@ struct MessageType {
   static const std::vector<const MessageType*>& foreign();
   /// By name: ours before bot_core's (both have a rigid_transform_t).
   static const MessageType* find(const std::string& name);
-  /// Also by the fingerprint from before a member was renamed: such messages have the same layout.
+  /// Also by a fingerprint from before members were renamed or appended.
   static const MessageType* find(std::uint64_t fingerprint);
 };
 
 /// Throws DecodeError unless the bytes (fingerprint included) are exactly one message of this type:
-/// right fingerprint (or a former one), every length within the message and not negative, no byte left over.
+/// right fingerprint (or a former one with its members), every length within the message and not negative, no
+/// byte left over.
 void check_layout(const MessageType& type, const std::uint8_t* data, std::size_t size);
+
+/// A message of a former fingerprint as today's type has it: members that came later are 0. Nothing for a
+/// message that is of today. Of bytes that check_layout has found sound.
+std::optional<std::vector<std::uint8_t>> completed(const MessageType& type, const std::uint8_t* data,
+                                                   std::size_t size);
 
 /// Parses definitions in LCM's language (for tests and tools); throws std::invalid_argument.
 std::vector<const MessageType*> parse_definitions(const std::vector<std::string>& texts);

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <utility>
 
 namespace lcmslam {
@@ -129,6 +131,29 @@ std::vector<int> successors(const std::vector<ThinningNode>& nodes, const std::v
     successor.push_back(nearest_keyframe >= 0 ? nearest_keyframe : staying);
   }
   return successor;
+}
+
+std::vector<GraphEdge> surest_edges(const std::vector<GraphEdge>& edges, std::size_t nodes,
+                                    std::size_t most) {
+  std::vector<std::size_t> order(edges.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return size_of(edges[a]) < size_of(edges[b]); });
+  std::map<EdgeKind, std::vector<std::size_t>> taken;  // at each node, surer ones of the kind
+  std::vector<bool> stays(edges.size(), true);
+  for (const std::size_t i : order) {
+    const GraphEdge& e = edges[i];
+    if (e.kind == EdgeKind::odometry) continue;
+    std::vector<std::size_t>& count = taken[e.kind];
+    count.resize(nodes, 0);
+    const std::size_t at_from = count[static_cast<std::size_t>(e.from)]++;
+    const std::size_t at_to = count[static_cast<std::size_t>(e.to)]++;
+    stays[i] = std::min(at_from, at_to) < most;
+  }
+  std::vector<GraphEdge> kept;
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    if (stays[i]) kept.push_back(edges[i]);
+  return kept;
 }
 
 GraphEdge merged(const GraphEdge& a, const GraphEdge& b) {

@@ -39,6 +39,11 @@ std::vector<int> successors(const std::vector<ThinningNode>& nodes, const std::v
 /// one piece. Node numbers stay. `waiting`: other edges, which are continued alike.
 void marginalise(int node, std::vector<GraphEdge>& edges, std::vector<GraphEdge>& waiting);
 
+/// The edges of odometry, and of registrations and of loops those that are among the `most` surest of their
+/// kind at one of their ends: what is measured again and again says less and less that is new, and each edge
+/// costs. In their order. `nodes`: how many there are.
+std::vector<GraphEdge> surest_edges(const std::vector<GraphEdge>& edges, std::size_t nodes, std::size_t most);
+
 /// One edge for two of the same nodes: the mean by their information (first order about a).
 GraphEdge merged(const GraphEdge& a, const GraphEdge& b);
 

@@ -10,6 +10,11 @@ namespace {
 
 constexpr int loop_span = 10;              // nodes; edges that span more close a loop
 constexpr double least_correction = 1e-6;  // m, rad: below, rounding
+// Nodes that are no keyframes only keep the path's place. A robot that comes by again and again makes them
+// and no keyframes: without a bound of their own the graph of a known place would grow for hours. So would
+// its edges, which the nodes that go leave behind.
+constexpr std::size_t others_at_least = 50;  // and as many as there are keyframes
+constexpr std::size_t edges_of_a_kind = 2;   // of each node, once nodes go
 
 Matrix6d squares(double translation, double rotation) {
   Matrix6d m = Matrix6d::Zero();
@@ -86,6 +91,7 @@ void KeyframeGraph::begin(Utime now, Optimise when) {
   graph.edges = edges_;
   graph.T_camera_on_ground = T_camera_on_ground_;
   edges_begun_ = edges_.size();
+  finder_bytes_ = finder_.memory_bytes();
   const double seconds = settings_.time + settings_.time_per_node * static_cast<double>(nodes_.size());
   due_ = now + static_cast<Utime>(1e6 * seconds);
   running_ =
@@ -180,19 +186,23 @@ std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& coveri
   const auto most = static_cast<std::size_t>(settings_.max_keyframes);
   const auto keyframes = static_cast<std::size_t>(
       std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.keyframe; }));
-  if (running_.valid() || (keyframes <= most && nodes_.size() - keyframes <= most)) return std::nullopt;
+  const std::size_t others = nodes_.size() - keyframes;
+  const std::size_t most_others = std::min(most, std::max(others_at_least, keyframes));
+  if (running_.valid() || (keyframes <= most && others <= most_others)) return std::nullopt;
 
   std::vector<ThinningNode> nodes;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
     nodes.push_back({nodes_[i].T_world_camera, nodes_[i].keyframe, i == 0 || i + newest >= nodes_.size()});
   for (const NewNode& added : fresh_) nodes[static_cast<std::size_t>(added.view->node)].fixed = true;
-  const std::size_t left = most - std::max<std::size_t>(1, most / 10);
-  const auto limit = [&](std::size_t count) { return count > most ? left : count; };
+  const auto left = [](std::size_t count, std::size_t limit) {
+    return count > limit ? limit - std::max<std::size_t>(1, limit / 10) : count;
+  };
   Thinned thinned;
-  thinned.gone = covered_nodes(nodes, limit(keyframes), limit(nodes_.size() - keyframes), covering);
+  thinned.gone = covered_nodes(nodes, left(keyframes, most), left(others, most_others), covering);
 
   for (std::size_t i = 0; i < nodes_.size(); ++i)
     if (thinned.gone[i]) marginalise(static_cast<int>(i), edges_, waiting_);
+  edges_ = surest_edges(edges_, nodes_.size(), edges_of_a_kind);
   std::vector<int> place(nodes_.size(), 0);
   std::vector<Node> kept;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -217,7 +227,7 @@ std::size_t KeyframeGraph::memory_bytes() const {
   std::size_t bytes = nodes_.capacity() * sizeof(Node) + solved_.capacity() * sizeof(solved_[0]) +
                       (edges_.capacity() + waiting_.capacity()) * sizeof(GraphEdge);
   for (const NewNode& added : fresh_) bytes += lcmslam::memory_bytes(*added.view);
-  return running_.valid() ? bytes : bytes + finder_.memory_bytes();
+  return bytes + (running_.valid() ? finder_bytes_ : finder_.memory_bytes());
 }
 
 bool KeyframeGraph::ties(int id) const {

@@ -33,7 +33,8 @@ struct KeyframeGraphSettings {
   double wait = 0.2;
   double time = 0.3;
   double time_per_node = 0.002;
-  /// Keyframes that are kept, and as many other nodes; a tenth of them goes at a time (about 0.25 MB each).
+  /// Keyframes that are kept, and as many other nodes, of which there are fifty or one for each keyframe; a
+  /// tenth of them goes at a time (about 0.25 MB each).
   /// Its key is the mapper's.
   int max_keyframes = 600;
   int max_waiting = 200;
@@ -104,7 +105,7 @@ class KeyframeGraph {
   /// Marginalises redundant nodes when there are too many and no work is under way (which waits for work()).
   std::optional<Thinned> thin(const Covering& covering);
 
-  /// Of all that is kept, but for work under way.
+  /// Of all that is kept; what work under way touches, as it was when that began.
   std::size_t memory_bytes() const;
 
   /// Whether more than odometry connects the nodes from this id on with those before.
@@ -139,7 +140,7 @@ class KeyframeGraph {
   std::optional<Eigen::Isometry3d> T_camera_on_ground_;
   std::vector<NewNode> fresh_;
   LoopFinder finder_;  // only the work touches it
-  std::size_t edges_begun_ = 0;
+  std::size_t edges_begun_ = 0, finder_bytes_ = 0;
   std::vector<Eigen::Isometry3d> solved_;  // poses that the last work found
   Utime due_ = 0;
   std::future<Solution> running_;  // the last member: it waits for the work before the rest goes

@@ -20,9 +20,7 @@ constexpr std::chrono::microseconds part_period{3000};
 }  // namespace
 
 double LcmPublisher::cpu_time() const {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  return thread_cpu_seconds();
 }
 
 std::chrono::microseconds LcmPublisher::pace() const {

@@ -10,6 +10,8 @@ namespace lcmslam {
 void keep_freed_memory();
 
 double process_cpu_seconds();
+/// Of the calling thread.
+double thread_cpu_seconds();
 std::int64_t resident_bytes();
 
 /// The calling thread, and those that it starts, stand back when another one of this machine's wakes up.

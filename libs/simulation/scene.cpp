@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/simulation/painter.hpp>
@@ -50,7 +51,8 @@ class SceneReader {
       scene_.lights.push_back(
           {vector3(node.numbers("position", 3)), static_cast<float>(node.number("power", {0, 100}))});
     read_head(config.section("head"));
-    read_path(config);
+    scene_.path = read_points(config, "path", 2);
+    scene_.way_back = read_points(config, "way_back", 0);
     config.finish();
   }
 
@@ -66,7 +68,7 @@ class SceneReader {
   void read_panel(const ConfigNode& node);
   void read_mesh(const ConfigNode& node);
   void read_head(const ConfigNode& node);
-  void read_path(const ConfigNode& node);
+  std::vector<Eigen::Vector2d> read_points(const ConfigNode& node, const std::string& key, std::size_t least);
 
   FaceMaterial material(const ConfigNode& node, const std::string& key, const std::string& fallback = "");
   /// Pose of an object's own frame: `at` (base centre), `yaw`, `pitch`, `roll` in degrees.
@@ -253,11 +255,15 @@ void SceneReader::read_head(const ConfigNode& node) {
   scene_.head.pan = node.get("pan", 0.0, {-180, 180}) * degree;
 }
 
-void SceneReader::read_path(const ConfigNode& config) {
-  const std::vector<double> numbers = config.get("path", std::vector<double>{});
-  if (numbers.size() < 4 || numbers.size() % 2)
-    config.fail("path", "must be x, y in m for each of at least two control points");
-  for (std::size_t i = 0; i < numbers.size(); i += 2) scene_.path.emplace_back(numbers[i], numbers[i + 1]);
+std::vector<Eigen::Vector2d> SceneReader::read_points(const ConfigNode& config, const std::string& key,
+                                                      std::size_t least) {
+  const std::vector<double> numbers = config.get(key, std::vector<double>{});
+  if (numbers.size() < 2 * least || numbers.size() % 2)
+    config.fail(key, "must be x, y in m for each control point, of which there are at least " +
+                         std::to_string(least));
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t i = 0; i < numbers.size(); i += 2) points.emplace_back(numbers[i], numbers[i + 1]);
+  return points;
 }
 
 }  // namespace
@@ -268,6 +274,18 @@ Scene load_scene(const std::filesystem::path& file) {
 
 Scene read_scene(const ConfigNode& config) {
   return SceneReader(config).take();
+}
+
+std::vector<Eigen::Vector2d> control_points(const Scene& scene, int laps) {
+  if (laps > 1 && scene.way_back.empty())
+    throw std::invalid_argument("scene '" + scene.name + "' has no way_back, which " + std::to_string(laps) +
+                                " laps need");
+  std::vector<Eigen::Vector2d> points = scene.path;
+  for (int lap = 1; lap < laps; ++lap) {
+    points.insert(points.end(), scene.way_back.begin(), scene.way_back.end());
+    points.insert(points.end(), scene.path.begin(), scene.path.end());
+  }
+  return points;
 }
 
 }  // namespace lcmslam

@@ -53,8 +53,13 @@ struct Scene {
   std::vector<SceneLight> lights;
   float ambient = 0.5f;
   HeadMount head;
-  std::vector<Eigen::Vector2d> path;  ///< control points of the robot's path, m
+  std::vector<Eigen::Vector2d> path;      ///< control points of the robot's path, m
+  std::vector<Eigen::Vector2d> way_back;  ///< control points from its end to its start; empty: there is none
 };
+
+/// Control points of a drive along the path and back to its start, `laps` times; the last lap ends where the
+/// path does. Throws std::invalid_argument for more than one lap in a scene without a way back.
+std::vector<Eigen::Vector2d> control_points(const Scene& scene, int laps);
 
 /// Throws ConfigError naming file and line.
 Scene load_scene(const std::filesystem::path& file);

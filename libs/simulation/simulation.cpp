@@ -36,7 +36,7 @@ struct Simulation::Parts {
         caster(scene),
         head(make_head(settings.head, scene, caster)),
         colour(scene, caster, head.calibration.colour),
-        path(scene.path, PathLimits(), sway_of(settings.base)),
+        path(control_points(scene, settings.laps), PathLimits(), sway_of(settings.base)),
         encoders(simulate_encoders(path, settings.base, start_time, settings.seed)),
         depth_offset(static_cast<Utime>(Random(settings.seed, 0xde).uniform(-12'000, 12'000))) {
     if (settings.frame_rate > 0) head.frame_rate = settings.frame_rate;

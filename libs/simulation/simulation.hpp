@@ -23,6 +23,7 @@ struct SimulationSettings {
   std::uint64_t seed = 1;
   double seconds = 0;
   double frame_rate = 0;
+  int laps = 1;
   int threads = 1;
 
   void describe(SettingsVisitor& s) {
@@ -33,6 +34,8 @@ struct SimulationSettings {
              "of the sensors' errors; the scene and the path do not depend on it");
     s.number("seconds", seconds, "s", {0, 1e6}, "of the path; 0: the whole of it");
     s.number("frame_rate", frame_rate, "Hz", {0, 200}, "of the images; 0: 10 for tof, 30 for rgbd");
+    s.number("laps", laps, "", {1, 1000},
+             "in which the path is driven, in a scene with a way back to its start");
     s.number("threads", threads, "", {1, 64}, "that render one image");
   }
 };

@@ -71,9 +71,10 @@ std::filesystem::path cache_file(const SimulationSettings& s, int jpeg_quality) 
   const std::string text((std::istreambuf_iterator<char>(scene)), {});
   constexpr int revision = 1;
   char name[256];
-  std::snprintf(name, sizeof name, "%s-%s-%s-seed%llu-%gs-%gHz-q%d-%016zx-r%d.lcmlog", s.scene.stem().c_str(),
-                s.head.c_str(), s.base.c_str(), static_cast<unsigned long long>(s.seed), s.seconds,
-                s.frame_rate, jpeg_quality, std::hash<std::string>()(text), revision);
+  std::snprintf(name, sizeof name, "%s-%s-%s-seed%llu-%gs-%dlaps-%gHz-q%d-%016zx-r%d.lcmlog",
+                s.scene.stem().c_str(), s.head.c_str(), s.base.c_str(),
+                static_cast<unsigned long long>(s.seed), s.seconds, s.laps, s.frame_rate, jpeg_quality,
+                std::hash<std::string>()(text), revision);
   return std::filesystem::absolute("out") / "cache" / name;
 }
 

@@ -91,7 +91,7 @@ icp_report_t icp_report(const DenseMapper::Step& step, const DenseMapperSettings
 }
 
 graph_t icp_graph(const KeyframeGraph& graph) {
-  graph_t message;
+  graph_t message{};  // change 0: all of it
   message.frame = "map";
   for (const KeyframeGraph::Node& n : graph.nodes()) {
     graph_node_t node;

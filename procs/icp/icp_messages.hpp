@@ -18,6 +18,7 @@ pose_estimate_t icp_pose(const DenseMapper::Step& step, Utime depth_utime,
 icp_report_t icp_report(const DenseMapper::Step& step, const DenseMapperSettings& settings,
                         const std::optional<Eigen::Isometry3d>& correction);
 
+/// The whole graph, for GraphTeller.
 graph_t icp_graph(const KeyframeGraph& graph);
 
 }  // namespace lcmslam

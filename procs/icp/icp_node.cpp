@@ -168,7 +168,8 @@ bool IcpNode::is_elsewhere(Utime utime) {
 }
 
 void IcpNode::finish_map() {
-  if (mapper_->finish()) publish_graph();
+  mapper_->finish();
+  if (!mapper_->graph().nodes().empty()) publish_graph(true);
   queue_changed(true);
 }
 
@@ -183,7 +184,7 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   const std::optional<Motion>& motion = made.frame.motion;
   // First the graph: the pose stands in the map that it makes.
   if (step.thinned) drop_tiles_of_the_gone();
-  if (step.node || step.deformed || step.thinned) publish_graph();
+  if (step.node || step.deformed || step.thinned) publish_graph(false);
   pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth);
   pose.frame = map_frame();
   if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
@@ -220,12 +221,13 @@ void IcpNode::queue_keyframe(const DenseMapper::Keyframe& keyframe) {
   }
 }
 
-void IcpNode::publish_graph() {
+// What changed, or `all` of it: at a map's end, and for whoever asked.
+void IcpNode::publish_graph(bool all) {
   graph_t graph = icp_graph(mapper_->graph());
   graph.utime = last_utime_;
   graph.frame = map_frame();
   graph.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
-  publisher_.publish("ICP_GRAPH", graph);
+  publisher_.publish("ICP_GRAPH", graph_teller_.tell(std::move(graph), all));
 }
 
 void IcpNode::drop_tiles_of_the_gone() {
@@ -256,9 +258,10 @@ std::optional<Node::Duration> IcpNode::work() {
 }
 
 void IcpNode::command(const command_t& command) {
-  if (command.name == "resend" && mapper_ && tiles_.empty()) {  // else what waits is under way already
-    for (const auto& keyframe : mapper_->keyframes()) queue_keyframe(keyframe);
-    publish_graph();
+  if (command.name == "resend" && mapper_) {
+    if (tiles_.empty())  // else what waits is under way already
+      for (const auto& keyframe : mapper_->keyframes()) queue_keyframe(keyframe);
+    publish_graph(true);
   }
   if (command.name == "reset") begin_session();
 }

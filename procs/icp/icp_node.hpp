@@ -9,6 +9,7 @@
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/keyframe_t.hpp>
+#include <lcmslam/messages/graph_teller.hpp>
 #include <lcmslam/rgbd/rgbd_frame_maker.hpp>
 #include <lcmslam/runtime/motion_join.hpp>
 #include <lcmslam/runtime/node.hpp>
@@ -45,7 +46,7 @@ class IcpNode : public Node {
   std::string map_frame() const { return map_frame_of(first_map_frame_, session_); }
   void learn_clock(const DenseFrame& frame);
   void publish(Utime image_utime, const RgbdFrameMaker::Made& made, double cpu_time);
-  void publish_graph();
+  void publish_graph(bool all);
   void queue_keyframe(const DenseMapper::Keyframe& keyframe);
   void queue_changed(bool all);
   void drop_tiles_of_the_gone();
@@ -65,7 +66,8 @@ class IcpNode : public Node {
   DenseMapper::Step last_;
   Eigen::Isometry3d T_world_previous_ = Eigen::Isometry3d::Identity();  // of the step before last_
   Utime last_utime_ = 0;
-  Utime found_utime_ = 0;              // of the last step that was not adrift
+  Utime found_utime_ = 0;  // of the last step that was not adrift
+  GraphTeller graph_teller_;
   std::deque<keyframe_t> tiles_;       // wait for their turn: bursts overrun receive buffers
   std::int64_t keyframes_queued_ = 0;  // over all maps
   std::chrono::steady_clock::time_point next_tile_{};

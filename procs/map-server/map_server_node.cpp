@@ -40,6 +40,20 @@ auto& session_of(SessionTable<Map>& sessions, const M& message) {
   return *session;
 }
 
+/// Keyframes of the map that stay when the message has been followed.
+std::size_t kept_by(const graph_t& message, const DenseMap& map) {
+  const auto& keyframes = map.keyframes();
+  std::set<std::int32_t> named;
+  const auto name = [&](std::int32_t id) {
+    if (keyframes.count(id) > 0) named.insert(id);
+  };
+  for (const graph_node_t& node : message.nodes) name(node.keyframe);
+  if (message.change == 0) return named.size();
+  named.clear();
+  for (const std::int32_t id : message.gone) name(id);
+  return keyframes.size() - named.size();
+}
+
 }  // namespace
 
 MapServerSettings MapServerNode::read(const ConfigNode& config) {
@@ -88,10 +102,10 @@ void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
   add_to_path(icp_path_, message);
   const auto* session = dense_maps_.find(key_of(message));
   if (session == nullptr) return follow("icp", message, 0);
+  if (!session->graph.complete()) return follow("icp", message, 0);
   // The pose counts all keyframes that were made, the graph those that are kept.
-  const std::int64_t given_up = session->kept_in_graph > 0
-                                    ? std::max<std::int64_t>(0, message.map_revision - session->kept_in_graph)
-                                    : 0;
+  const std::int64_t kept = session->graph.map_revision();
+  const std::int64_t given_up = kept > 0 ? std::max<std::int64_t>(0, message.map_revision - kept) : 0;
   follow("icp", message, static_cast<std::int64_t>(session->map.keyframes().size()) + given_up);
 }
 
@@ -136,18 +150,14 @@ void MapServerNode::on_keyframe(const keyframe_t& message) {
 }
 
 void MapServerNode::on_graph(const graph_t& message) {
-  auto* session = dense_maps_.find(key_of(message));
-  if (session == nullptr) return;
-  const std::vector<KeyframePose> graph = from_message(message);
-  const auto& keyframes = session->map.keyframes();
-  std::set<std::int32_t> named;
-  for (const KeyframePose& pose : graph)
-    if (keyframes.count(pose.id) > 0) named.insert(pose.id);
-  if (2 * named.size() < keyframes.size() && !dense_maps_.keep_beside(key_of(message), session->map))
+  from_message(message);  // throws before anything is kept beside
+  auto* session = &session_of(dense_maps_, message);
+  if (2 * kept_by(message, session->map) < session->map.keyframes().size() &&
+      !dense_maps_.keep_beside(key_of(message), session->map))
     refuse("it takes away the most of a map, and there is no room to keep that beside");
   session = dense_maps_.find(key_of(message));
-  session->kept_in_graph = message.map_revision;
-  session->map.follow(graph);
+  session->graph.apply(message);
+  lcmslam::follow(session->map, session->graph, message);
   ++changes_;
 }
 

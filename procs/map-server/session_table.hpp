@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <lcmslam/messages/followed_graph.hpp>
+
 namespace lcmslam {
 
 struct SessionKey {
@@ -24,8 +26,8 @@ class SessionTable {
   struct Session {
     SessionKey key;
     Map map;
-    std::int64_t heard = 0;          ///< the higher, the later its mapper began to speak; 0: never heard
-    std::int64_t kept_in_graph = 0;  ///< keyframes that the newest ICP_GRAPH keeps
+    std::int64_t heard = 0;  ///< the higher, the later its mapper began to speak; 0: never heard
+    FollowedGraph graph;     ///< of ICP_GRAPH
   };
 
   /// Each session's map begins as a copy of `blank`.
@@ -57,7 +59,7 @@ class SessionTable {
       ++refused_;
       return nullptr;
     }
-    sessions_.push_back({key, blank_, speaks ? speakers_ : 0, 0});
+    sessions_.push_back({key, blank_, speaks ? speakers_ : 0, {}});
     return &sessions_.back();
   }
 
@@ -68,7 +70,8 @@ class SessionTable {
       ++refused_;
       return false;
     }
-    sessions_.push_back({{key.sender, key.frame + "-kept-" + std::to_string(++kept_)}, std::move(map), 0, 0});
+    sessions_.push_back(
+        {{key.sender, key.frame + "-kept-" + std::to_string(++kept_)}, std::move(map), 0, {}});
     return true;
   }
 

@@ -5,7 +5,9 @@
 #include <set>
 
 #include <lcmslam/associations_t.hpp>
+#include <lcmslam/keyframe_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/messages/followed_graph.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/particles_t.hpp>
 #include "procs/fastslam/fastslam_node.hpp"
@@ -189,6 +191,27 @@ TEST(Mappers, FramesWithoutOdometryGoOnAndAreCounted) {
   EXPECT_EQ(value_of(icp, "without_odometry"), 5);
 }
 
+TEST(Mappers, TheGraphIsToldByItsChanges) {
+  const auto graphs = whole_run().bus.on<graph_t>("ICP_GRAPH");
+  ASSERT_GE(graphs.size(), 4U);
+  FollowedGraph followed;
+  std::size_t told = 0;
+  for (const graph_t& m : graphs) {
+    const bool first_or_last = &m == &graphs.front() || &m == &graphs.back();
+    EXPECT_EQ(m.change, first_or_last ? 0 : 1);
+    if (!first_or_last) told += m.nodes.size();
+    followed.apply(m);
+    EXPECT_TRUE(followed.complete());
+    if (&m != &graphs[graphs.size() - 2]) continue;
+    EXPECT_EQ(followed.nodes().size(), graphs.back().nodes.size());
+    EXPECT_GE(followed.edges().size(), followed.nodes().size() - 1);
+  }
+  EXPECT_LT(2 * told, graphs.size() * graphs.back().nodes.size());
+  std::set<std::int32_t> keyframes;
+  for (const keyframe_t& tile : whole_run().bus.on<keyframe_t>("ICP_KEYFRAME")) keyframes.insert(tile.id);
+  for (const std::int32_t id : keyframes) EXPECT_EQ(followed.nodes().count(id), 1U) << id;
+}
+
 TEST(Mappers, ResendGivesTheWholeMap) {
   Graph graph;
   graph.play(5);
@@ -196,9 +219,14 @@ TEST(Mappers, ResendGivesTheWholeMap) {
   const std::size_t landmarks_before = graph.bus.count("FASTSLAM_LANDMARKS");
   const std::size_t tiles = graph.bus.count("ICP_KEYFRAME");
   ASSERT_GE(tiles, 1U);
+  const std::size_t graphs_before = graph.bus.count("ICP_GRAPH");
   graph.bus.command("resend");
   graph.bus.finish();
   EXPECT_EQ(graph.bus.count("ICP_KEYFRAME"), 2 * tiles);
+  const auto graphs = graph.bus.on<graph_t>("ICP_GRAPH");
+  ASSERT_EQ(graphs.size(), graphs_before + 2);  // and once more at the end
+  EXPECT_EQ(graphs[graphs_before].change, 0);
+  EXPECT_FALSE(graphs[graphs_before].nodes.empty());
   const auto all = graph.bus.on<landmarks_t>("FASTSLAM_LANDMARKS");
   ASSERT_GT(all.size(), landmarks_before);
   EXPECT_EQ(all[landmarks_before].base_revision, 0);

@@ -6,6 +6,7 @@
 #include <map>
 #include <stdexcept>
 
+#include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/status_reporter.hpp>
 
 #include "procs/fastslam/fastslam_node.hpp"
@@ -67,18 +68,21 @@ struct BatchGraph::Member {
   }
 
   void handle(const std::vector<BatchMessage>& wave) {
+    const double begin = thread_cpu_seconds();
     for (outbox.cause = 0; outbox.cause < wave.size(); ++outbox.cause) {
       const BatchMessage& message = wave[outbox.cause];
       if (!wants(message)) continue;
       inputs.deliver(message.channel, message.bytes.data(), message.bytes.size());
       node->work();
     }
+    cpu_seconds += thread_cpu_seconds() - begin;
   }
 
   std::string name;
   Outbox outbox;
   Inputs inputs;
   std::unique_ptr<Node> node;
+  double cpu_seconds = 0;
 };
 
 BatchGraph::BatchGraph(const ConfigNode& config, const std::vector<std::string>& processes, int threads,
@@ -164,6 +168,7 @@ std::vector<BatchGraph::Summary> BatchGraph::summary() const {
   for (const auto& member : members_) {
     Summary summary;
     summary.process = member->name;
+    summary.cpu_seconds = member->cpu_seconds;
     for (const auto& input : member->inputs.all()) {
       summary.decode_errors += input->decode_errors;
       if (input->decode_errors > 0)

@@ -48,6 +48,7 @@ class BatchGraph {
     std::string process;
     std::map<std::string, Refused> refused;  ///< by channel
     std::int64_t received = 0, decode_errors = 0, published = 0;
+    double cpu_seconds = 0;  ///< of its handlers; what it does beside them does not count
     NodeReport report;
   };
   std::vector<Summary> summary() const;

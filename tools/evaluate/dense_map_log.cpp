@@ -10,6 +10,7 @@
 #include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/map_store/dense_map.hpp>
 #include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/followed_graph.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 
@@ -27,8 +28,10 @@ class NewestMap {
       if (is_newest(message.sender)) map_.add(tile);
     } else if (event.channel == "ICP_GRAPH") {
       const auto message = decode_message<graph_t>(event.data, event.size);
-      const std::vector<KeyframePose> poses = from_message(message);
-      if (is_newest(message.sender)) map_.follow(poses);
+      from_message(message);  // throws before a new mapper's map begins
+      if (!is_newest(message.sender)) return;
+      graph_.apply(message);
+      follow(map_, graph_, message);
     }
   }
   const DenseMap& map() const { return map_; }
@@ -39,11 +42,13 @@ class NewestMap {
     if (senders_.insert(sender).second) {
       newest_ = sender;
       map_.clear();
+      graph_ = {};
     }
     return sender == newest_;
   }
 
   DenseMap map_;
+  FollowedGraph graph_;
   std::set<std::int64_t> senders_;
   std::int64_t newest_ = 0;
 };

@@ -68,9 +68,10 @@ void PoseLog::add(const std::string& channel, const std::uint8_t* data, std::siz
       add_relative_pose(channel, channels_[channel].trajectory.back(), m.sender);
     } else if (name == "graph_t") {
       const auto m = decode_message<graph_t>(data, size);
+      FollowedGraph& graph = followed_[{m.sender, m.frame}];
+      graph.apply(m);
       Nodes nodes;
-      for (const graph_node_t& node : m.nodes)
-        nodes[node.keyframe] = from_message(node.T_map_camera, "T_map_camera");
+      for (const KeyframePose& pose : graph.poses()) nodes[pose.id] = pose.T_world_camera;
       add_graph(m.sender, std::move(nodes));
     } else if (name == "pose_t") {
       const auto m = decode_message<pose_t>(data, size);

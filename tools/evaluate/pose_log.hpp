@@ -7,6 +7,7 @@
 
 #include <lcmslam/evaluation/trajectory.hpp>
 #include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/messages/followed_graph.hpp>
 
 namespace lcmslam {
 
@@ -60,8 +61,9 @@ class PoseLog {
 
   std::map<std::string, PoseChannel> channels_;
   std::map<std::string, Mapper> mappers_;
-  using Nodes = std::map<std::int32_t, Eigen::Isometry3d>;  // T_map_camera
-  std::map<std::int64_t, Nodes> graphs_;                    // the newest of each sender
+  using Nodes = std::map<std::int32_t, Eigen::Isometry3d>;                  // T_map_camera
+  std::map<std::pair<std::int64_t, std::string>, FollowedGraph> followed_;  // by sender and frame
+  std::map<std::int64_t, Nodes> graphs_;                                    // the newest of each sender
   /// A node that a graph has given up, as seen from the nearest one that stayed.
   struct Successor {
     std::int32_t node = 0;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/simulation/planar_path.hpp>
 #include <lcmslam/simulation/sensor_head.hpp>
 #include "tools/study/measures.hpp"
@@ -63,9 +64,9 @@ DepthFilterScore score(const Case& data, const DepthFilterMethod& method) {
   std::vector<double> times, gaps;
   for (const LabelledImage& image : data.images) {
     cv::Mat depth = image.depth.clone();
-    const double before = thread_seconds();
+    const double before = thread_cpu_seconds();
     filter(depth, image.amplitude);
-    times.push_back(1e3 * (thread_seconds() - before));
+    times.push_back(1e3 * (thread_cpu_seconds() - before));
     for (int i = 0; i < static_cast<int>(depth.total()); ++i) {
       const bool removed = depth.ptr<std::uint16_t>()[i] == 0;
       if (is(image, i, DepthClass::good)) ++result.good, result.good_removed += removed;

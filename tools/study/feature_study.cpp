@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/runtime/machine.hpp>
 #include "tools/study/measures.hpp"
 
 namespace lcmslam {
@@ -65,9 +66,9 @@ class FeatureStudy {
     if (source_.truth_frame() == "robot") image.T_world_camera = *pose * source_.calibration().T_robot_camera;
     std::vector<ImageFeatures> found;
     for (std::size_t m = 0; m < methods_.size(); ++m) {
-      const double before = thread_seconds();
+      const double before = thread_cpu_seconds();
       const ImageFeatures features = methods_[m]->compute(image.view.grey);
-      seconds_[m].push_back(thread_seconds() - before);
+      seconds_[m].push_back(thread_cpu_seconds() - before);
       found.push_back(
           with_depth(first_features(strongest_first(features), static_cast<std::size_t>(settings_.keypoints)),
                      image.view));

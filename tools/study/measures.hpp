@@ -1,20 +1,12 @@
 #pragma once
 // What the studies measure with.
 
-#include <time.h>
 #include <algorithm>
 #include <limits>
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
 namespace lcmslam {
-
-/// Processor time of this thread, s: what others do on the machine does not count.
-inline double thread_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 /// OpenCV computes with one thread while this lives.
 class OneThread {

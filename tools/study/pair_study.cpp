@@ -18,6 +18,7 @@
 #include <lcmslam/registration/kd_tree_target.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
 #include <lcmslam/rgbd/make_cloud.hpp>
+#include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/surf/surf.hpp>
 #include "tools/study/feature_study.hpp"
 #include "tools/study/measures.hpp"
@@ -133,9 +134,9 @@ class PairStudy {
     }
     for (const PairMethod& method : methods_) {
       Tally& tally = tallies_[{method.name, apart}];
-      const double before = thread_seconds();
+      const double before = thread_cpu_seconds();
       const auto T = method.solve(source, target);
-      tally.milliseconds.push_back(1e3 * (thread_seconds() - before));
+      tally.milliseconds.push_back(1e3 * (thread_cpu_seconds() - before));
       if (!T) {
         tally.misses.push_back({source.utime, target.utime, NAN, NAN});
         continue;

@@ -10,6 +10,7 @@
 #include <lcmslam/configuration/share.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/files/atomic_file.hpp>
+#include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
 #include <lcmslam/runtime/version.hpp>
@@ -20,6 +21,7 @@
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
 #include "tools/study/depth_filter_study.hpp"
+#include "tools/study/endurance_study.hpp"
 #include "tools/study/faults/faults_study.hpp"
 #include "tools/study/feature_study.hpp"
 #include "tools/study/filter_study.hpp"
@@ -161,6 +163,40 @@ int run_faults_study(FaultsStudySettings settings, const std::vector<int>& seeds
   return 0;
 }
 
+/// Of the simulated kitchen at three frames a second, as logs/kitchen_drive.lcmlog has them: an hour is
+/// rendered in about half of one.
+int run_endurance_study(int laps, const std::vector<int>& seeds, std::string config,
+                        const std::vector<std::string>& overrides) {
+  keep_freed_memory();
+  if (config.empty()) config = share_path("config/replay.yaml");
+  EnduranceSettings settings;
+  settings.simulation.scene = share_path("config/scenes/kitchen.yaml");
+  settings.simulation.seed = static_cast<std::uint64_t>(seeds.front());
+  settings.simulation.frame_rate = 3;
+  settings.simulation.laps = laps;
+  settings.config = load_config(config, overrides);
+  settings.folder = new_run_folder("study-endurance");
+  std::cout << fmt::format(
+                   "{} laps of the kitchen, seed {}, at {:g} frames a second (the live camera has 10), JPEG "
+                   "quality {}; "
+                   "CPU of handlers and of what runs beside them, without rendering\n",
+                   laps, seeds.front(), settings.simulation.frame_rate, settings.jpeg_quality)
+            << std::flush;
+  int lap = 0;
+  settings.after_lap = [&](const LapFigures& figures) {
+    std::cout << fmt::format("lap {}: {:.1f} ms a frame, {:.1f} kB/s, {:.0f} MB, {:.0f} landmarks\n", ++lap,
+                             figures.all, figures.traffic, figures.resident, figures.landmarks)
+              << std::flush;
+  };
+  const EnduranceResult result = study_endurance(settings);
+  const auto verdicts = judge_endurance(result.laps, result.stop_seconds);
+  nlohmann::json report = endurance_json(result.laps, verdicts);
+  report["seed"] = seeds.front();
+  report["stop_seconds"] = result.stop_seconds;
+  write_report(settings.folder, report, endurance_table(result.laps) + "\n" + verdict_lines(verdicts));
+  return std::all_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.met(); }) ? 0 : 1;
+}
+
 }  // namespace
 
 int study_command(int argc, char** argv) {
@@ -179,17 +215,19 @@ int study_command(int argc, char** argv) {
       "--only depth-filter: mixed pixels removed and good points lost in simulated depth images. "
       "--only resampling: FastSLAM's four schemes on a log. "
       "--only faults: the live graph while stamps jump, processes die, the camera is covered, strangers send "
-      "and the "
-      "disk fills.",
+      "and the disk fills. "
+      "--only endurance: memory, traffic and CPU of many laps of the kitchen in one process; ends with 0 "
+      "only "
+      "where they stay flat.",
       "lcmslam study"};
-  app.add_option("--seeds", seeds, "of sensors and particles")->delimiter(',');
+  app.add_option("--seeds,--seed", seeds, "of sensors and particles")->delimiter(',');
   app.add_option("--config", config, "as for the demo")->check(CLI::ExistingFile);
   app.add_option("--data", data, "a recording instead of the simulation (pairs: also a log)")
       ->check(CLI::ExistingPath);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
   const std::vector<std::string> studies = {"features",     "pairs",      "landmarks", "filter",
-                                            "depth-filter", "resampling", "faults"};
+                                            "depth-filter", "resampling", "faults",    "endurance"};
   const auto only_option =
       app.add_option("--only", only, "one study of its own: " + CLI::detail::join(studies, ", "))
           ->check(CLI::IsMember(studies));
@@ -229,7 +267,13 @@ int study_command(int argc, char** argv) {
   app.add_option("--minutes", faults.minutes, "faults: that the runs take together")
       ->needs(only_option)
       ->capture_default_str();
+  int laps = 40;
+  app.add_option("--laps", laps, "endurance: of the kitchen, about a minute each")
+      ->check(CLI::Range(3, 1000))
+      ->needs(only_option)
+      ->capture_default_str();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  if (only == "endurance") return run_endurance_study(laps, seeds, config, overrides);
   if (only == "faults") {
     faults.recording = data;
     return run_faults_study(faults, seeds);

@@ -11,12 +11,49 @@ namespace lcmslam {
 namespace {
 
 constexpr double same_view_cosine =
-    0.87;                           // within 30 degrees of the last observation SURF should find it again
-constexpr double same_scale = 1.5;  // and within this factor of its distance
+    0.87;                               // within 30 degrees of the last observation SURF should find it again
+constexpr double same_scale = 1.5;      // and within this factor of its distance
+constexpr Utime long_ago = 15'000'000;  // us: what is older is of a former visit, or the robot stands
 
 const Feature& feature_of(const FeatureFrame& frame, const FeaturePoint& point) {
   return frame.features[static_cast<std::size_t>(point.feature)];
 }
+
+/// What a frame proves of landmarks that it does not show.
+class Visibility {
+ public:
+  Visibility(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
+             const Eigen::Isometry3d& T_world_robot)
+      : frame_(frame), grid_(frame), camera_(T_world_robot * frame.T_robot_camera.translation()) {
+    for (const FeaturePoint& point : points) {
+      const Feature& f = feature_of(frame, point);
+      double& cell = farthest_[grid_.cell(f.x, f.y)];
+      cell = std::max(cell, point.range);
+    }
+  }
+
+  /// Well inside the image, and with a measured point beside it that is not in front of it.
+  bool is_free(const VisibleLandmark& landmark) const {
+    return landmark.x >= 0 && landmark.x < frame_.width && landmark.y >= 0 && landmark.y < frame_.height &&
+           farthest_[cell(landmark)] >= 0.95 * landmark.range;  // else hidden, or unknown
+  }
+  /// Also seen before from about there.
+  bool ought_to_show(const VisibleLandmark& landmark, const LandmarkRecord& record) const {
+    if (!is_free(landmark)) return false;
+    if (record.seen_at <= 0) return true;
+    const Eigen::Vector3d ray = camera_ - landmark.mean;
+    const double scale = ray.norm() / record.seen_at;
+    return ray.normalized().dot(record.seen_from) >= same_view_cosine && scale <= same_scale &&
+           scale >= 1 / same_scale;
+  }
+  std::size_t cell(const VisibleLandmark& landmark) const { return grid_.cell(landmark.x, landmark.y); }
+
+ private:
+  const FeatureFrame& frame_;
+  ImageGrid grid_;
+  Eigen::Vector3d camera_;
+  std::array<double, ImageGrid::cell_count> farthest_{};  // measured in each cell
+};
 
 }  // namespace
 
@@ -38,41 +75,37 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
   int died = 0;
   for (const int slot : contradicted) died += index.miss(slot, settings);
 
-  const ImageGrid grid(frame);
-  std::array<double, ImageGrid::cell_count> farthest{};  // measured in each cell
-  for (const FeaturePoint& point : points) {
-    const Feature& f = feature_of(frame, point);
-    double& cell = farthest[grid.cell(f.x, f.y)];
-    cell = std::max(cell, point.range);
-  }
+  const Visibility visibility(frame, points, T_world_robot);
   died += index.age(settings);
   for (const VisibleLandmark& landmark : visible) {
     if (seen[static_cast<std::size_t>(landmark.slot)] || !index.alive(landmark.slot)) continue;
-    if (landmark.x < 0 || landmark.x >= frame.width || landmark.y < 0 || landmark.y >= frame.height) continue;
-    if (farthest[grid.cell(landmark.x, landmark.y)] < 0.95 * landmark.range) continue;  // hidden, or unknown
-    const LandmarkRecord& record = index.record(landmark.slot);
-    if (record.seen_at > 0) {
-      const Eigen::Vector3d ray = camera - landmark.mean;
-      const double scale = ray.norm() / record.seen_at;
-      if (ray.normalized().dot(record.seen_from) < same_view_cosine) continue;
-      if (scale > same_scale || scale < 1 / same_scale) continue;
-    }
+    if (!visibility.ought_to_show(landmark, index.record(landmark.slot))) continue;
     died += index.miss(landmark.slot, settings);
   }
   return died;
 }
 
 std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
+                                      const std::vector<VisibleLandmark>& visible,
                                       const std::vector<LandmarkMatch>& matches, const LandmarkIndex& index,
+                                      const Eigen::Isometry3d& T_world_robot,
                                       const FastSlamSettings& settings) {
   const ImageGrid grid(frame);
   std::array<int, ImageGrid::cell_count> occupied{};
-  std::vector<char> taken(points.size(), 0);
+  std::vector<char> taken(points.size(), 0), matched(static_cast<std::size_t>(index.slots()), 0);
   for (const LandmarkMatch& match : matches) {
     const auto p = static_cast<std::size_t>(match.point);
     taken[p] = 1;
+    matched[static_cast<std::size_t>(match.slot)] = 1;
     const Feature& f = feature_of(frame, points[p]);
     ++occupied[grid.cell(f.x, f.y)];
+  }
+  if (static_cast<int>(matches.size()) >= settings.maximum_observations) {
+    const Visibility visibility(frame, points, T_world_robot);
+    for (const VisibleLandmark& landmark : visible)
+      if (!matched[static_cast<std::size_t>(landmark.slot)] && index.alive(landmark.slot) &&
+          frame.utime - index.record(landmark.slot).born > long_ago && visibility.is_free(landmark))
+        ++occupied[visibility.cell(landmark)];
   }
   std::vector<int> chosen;
   std::set<std::int32_t> identities;  // one may be read twice in a frame

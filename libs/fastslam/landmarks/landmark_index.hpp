@@ -22,8 +22,9 @@ struct LandmarkRecord {
   std::array<std::uint8_t, 3> colour{};
   std::int8_t laplacian = 0;
   int observations = 0;
-  int seen_step = 0;                                    ///< of the last observation, see unseen_steps()
-  Utime measured = 0;                                   ///< time of the last measurement used
+  int seen_step = 0;   ///< of the last observation, see unseen_steps()
+  Utime measured = 0;  ///< time of the last measurement used
+  Utime born = 0;
   double log_odds = 0;                                  ///< of existing
   Eigen::Vector3d seen_from = Eigen::Vector3d::Zero();  ///< unit, world, landmark to camera, last observation
   double seen_at = 0;                                   ///< m, range of the last observation

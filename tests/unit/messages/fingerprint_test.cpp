@@ -8,6 +8,7 @@
 #include <string>
 
 #include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/message_value.hpp>
 
 namespace lcmslam {
 namespace {
@@ -24,7 +25,7 @@ const std::map<std::string, std::uint64_t>& frozen() {
       {"features_t", 0x6262ce5329c8f825},
       {"graph_edge_t", 0x711c0ff514f3c5a9},
       {"graph_node_t", 0x9d48cc4afa702729},
-      {"graph_t", 0x3e49193e24115fdc},
+      {"graph_t", 0x8da51a5aed0a3b66},
       {"ground_truth_t", 0xd0523560a83871d7},
       {"icp_report_t", 0x2d6935c79d4c0626},
       {"image_metadata_t", 0x9a4b634d0577fb8e},
@@ -85,6 +86,15 @@ TEST(Fingerprints, TableHoldsEveryDefinition) {
   for (const MessageType* type : MessageType::all()) EXPECT_EQ(frozen().count(type->name), 1U) << type->name;
 }
 
+// When its edges' members were called from and to, and when each message was the whole graph.
+constexpr std::uint64_t former_graphs[] = {0x440ef967ce91c74a, 0x3e49193e24115fdc};
+constexpr std::size_t appended = 9;  // bytes of members that came later, when they are 0
+
+std::vector<std::uint8_t> with_fingerprint(std::vector<std::uint8_t> bytes, std::uint64_t fingerprint) {
+  for (std::size_t i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(fingerprint >> (56 - 8 * i));
+  return bytes;
+}
+
 TEST(Fingerprints, GraphsOfOldLogsAreRead) {
   graph_t graph{};
   graph.utime = 17;
@@ -93,17 +103,41 @@ TEST(Fingerprints, GraphsOfOldLogsAreRead) {
   graph.edges.resize(1);
   graph.edges[0].from_node = 3;
   graph.edges[0].to_node = 8;
-  std::vector<std::uint8_t> bytes = encode_message(graph);
-  const std::uint64_t former = 0x440ef967ce91c74a;  // when they were called from and to
-  ASSERT_NE(static_cast<std::uint64_t>(graph_t::getHash()), former);
-  for (int i = 0; i < 8; ++i)
-    bytes[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(former >> (56 - 8 * i));
-  EXPECT_EQ(MessageType::find(former), MessageType::find("graph_t"));
-  const auto read = decode_message<graph_t>(bytes.data(), bytes.size());
-  EXPECT_EQ(read.utime, 17);
-  EXPECT_EQ(read.edges.at(0).from_node, 3);
-  EXPECT_EQ(read.edges.at(0).to_node, 8);
-  EXPECT_THROW(decode_message<pose_t>(bytes.data(), bytes.size()), DecodeError);
+  const std::vector<std::uint8_t> today = encode_message(graph);
+  for (const std::uint64_t former : former_graphs) {
+    ASSERT_NE(static_cast<std::uint64_t>(graph_t::getHash()), former);
+    EXPECT_EQ(MessageType::find(former), MessageType::find("graph_t"));
+    std::vector<std::uint8_t> bytes = with_fingerprint(today, former);
+    bytes.resize(bytes.size() - appended);
+    const auto read = decode_message<graph_t>(bytes.data(), bytes.size());
+    EXPECT_EQ(read.utime, 17);
+    EXPECT_EQ(read.edges.at(0).from_node, 3);
+    EXPECT_EQ(read.edges.at(0).to_node, 8);
+    EXPECT_EQ(read.change, 0);
+    EXPECT_EQ(encode_message(read), today);
+    const MessageValue value = read_message(*MessageType::find("graph_t"), bytes.data(), bytes.size());
+    EXPECT_EQ(member(value, "utime")->integer, 17);
+    EXPECT_EQ(member(value, "change")->integer, 0);
+    EXPECT_THROW(decode_message<pose_t>(bytes.data(), bytes.size()), DecodeError);
+  }
+}
+
+// Exactly the members that there were: neither fewer bytes nor those of today's.
+TEST(Fingerprints, GraphsOfOldLogsAreReadAsTheyWere) {
+  graph_t graph{};
+  graph.frame = "map";
+  for (const std::uint64_t former : former_graphs) {
+    const std::vector<std::uint8_t> bytes = with_fingerprint(encode_message(graph), former);
+    for (std::size_t size = 0; size <= bytes.size(); ++size) {
+      const std::vector<std::uint8_t> part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+      if (size + appended == bytes.size())
+        EXPECT_NO_THROW(decode_message<graph_t>(part.data(), size));
+      else
+        EXPECT_THROW(decode_message<graph_t>(part.data(), size), DecodeError) << size;
+    }
+  }
+  const std::vector<std::uint8_t> bytes = encode_message(graph);
+  EXPECT_THROW(decode_message<graph_t>(bytes.data(), bytes.size() - appended), DecodeError);
 }
 
 TEST(Fingerprints, AreThoseOfBotCoreWhereWeClaimIt) {

@@ -47,12 +47,12 @@ class MapServer : public ::testing::Test {
       bus_.deliver("ICP_KEYFRAME", tile);
     }
   }
-  void graph(std::int64_t sender, const std::vector<std::int32_t>& ids, std::int64_t keyframes = 1) {
-    graph_t m;
+  static graph_t graph_message(std::int64_t sender, const std::vector<std::int32_t>& ids,
+                               std::int64_t keyframes) {
+    graph_t m{};
     m.utime = 1;
     m.frame = "map";
     m.map_revision = keyframes;
-    m.seq = seq_++;
     m.sender = sender;
     for (const std::int32_t id : ids) {
       graph_node_t node;
@@ -62,7 +62,11 @@ class MapServer : public ::testing::Test {
       m.nodes.push_back(node);
     }
     m.n_nodes = static_cast<int32_t>(ids.size());
-    m.n_edges = 0;
+    return m;
+  }
+  void graph(std::int64_t sender, const std::vector<std::int32_t>& ids, std::int64_t keyframes = 1) {
+    graph_t m = graph_message(sender, ids, keyframes);
+    m.seq = seq_++;
     bus_.deliver("ICP_GRAPH", m);
   }
   /// A mapper's pose at `seconds`, measured against this revision of its map.
@@ -202,6 +206,63 @@ TEST_F(MapServer, RedundantKeyframesThatWentAreNotAskedFor) {
   graph(2, {0, 2, 4, 5, 6}, 5);  // 6 does not come
   for (double seconds = 20; seconds < 21.6; seconds += 0.5) pose("ICP_POSE", 2, 7, seconds);
   EXPECT_EQ(resends("icp"), 1U);
+}
+
+TEST_F(MapServer, AGraphThatMissedAChangeIsAskedForAgainAndRepaired) {
+  for (int id = 0; id < 4; ++id) keyframe(2, id, 10);
+  pose("ICP_POSE", 2, 4, 9.0);
+  const auto tell = [&](std::int64_t seq, bool change, const std::vector<std::int32_t>& ids,
+                        const std::vector<std::int32_t>& gone) {
+    graph_t m = graph_message(2, ids, 4 - static_cast<std::int64_t>(gone.size()));
+    m.seq = seq;
+    m.change = change ? 1 : 0;
+    m.gone = gone;
+    m.n_gone = static_cast<std::int32_t>(gone.size());
+    bus_.deliver("ICP_GRAPH", m);
+  };
+  tell(0, false, {0, 1, 2, 3}, {});
+  tell(1, true, {2}, {});
+  EXPECT_EQ(value_of(node_, "keyframes"), 4) << "a change names only what moved";
+  for (double seconds = 10; seconds < 15; seconds += 0.5) pose("ICP_POSE", 2, 4, seconds);
+  EXPECT_EQ(resends("icp"), 0U);
+  tell(3, true, {}, {3});  // 2 told that 1 is gone
+  EXPECT_EQ(value_of(node_, "keyframes"), 3);
+  for (double seconds = 15; seconds < 16.6; seconds += 0.5) pose("ICP_POSE", 2, 4, seconds);
+  EXPECT_EQ(resends("icp"), 1U);
+  tell(4, false, {0, 2}, {});
+  EXPECT_EQ(value_of(node_, "keyframes"), 2);
+  tell(5, true, {0}, {});
+  for (double seconds = 17; seconds < 22; seconds += 0.5) pose("ICP_POSE", 2, 2, seconds);
+  EXPECT_EQ(resends("icp"), 1U);
+}
+
+// The first graph comes before the first keyframe.
+TEST_F(MapServer, TheFirstGraphIsRemembered) {
+  graph_t m = graph_message(2, {0}, 1);
+  m.seq = 0;
+  bus_.deliver("ICP_GRAPH", m);
+  keyframe(2, 0, 10);
+  m = graph_message(2, {1}, 2);
+  m.seq = m.change = 1;
+  bus_.deliver("ICP_GRAPH", m);
+  keyframe(2, 1, 10);
+  for (double seconds = 10; seconds < 15; seconds += 0.5) pose("ICP_POSE", 2, 2, seconds);
+  EXPECT_EQ(value_of(node_, "keyframes"), 2);
+  EXPECT_EQ(resends("icp"), 0U);
+}
+
+TEST_F(MapServer, ChangesThatTakeTheMostOfAMapAwayLeaveItBeside) {
+  for (int id = 0; id < 5; ++id) keyframe(2, id, 10);
+  graph_t m = graph_message(2, {0, 1, 2, 3, 4}, 5);
+  m.seq = 0;
+  bus_.deliver("ICP_GRAPH", m);
+  m = graph_message(2, {}, 2);
+  m.seq = m.change = 1;
+  m.gone = {0, 1, 2};
+  m.n_gone = 3;
+  bus_.deliver("ICP_GRAPH", m);
+  EXPECT_EQ(value_of(node_, "keyframes"), 2);
+  EXPECT_EQ(value_of(node_, "sessions"), 2);
 }
 
 TEST_F(MapServer, ServerThatStartsLateAsksForTheWholeMap) {

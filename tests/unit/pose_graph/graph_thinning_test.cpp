@@ -168,6 +168,26 @@ TEST(Marginalise, KeepsWhatTheGraphKnows) {
   EXPECT_LT(overconfidence, 1.1);
 }
 
+TEST(SurestEdges, StayAtEitherEnd) {
+  const auto sure = [](int from, int to, EdgeKind kind, double sigma) {
+    return edge(from, to, kind, {Eigen::Isometry3d::Identity(), diagonal(sigma, sigma)});
+  };
+  const std::vector<GraphEdge> edges = {
+      sure(0, 1, EdgeKind::odometry, 0.9),    sure(0, 9, EdgeKind::loop, 0.03),
+      sure(0, 8, EdgeKind::loop, 0.01),       sure(0, 7, EdgeKind::loop, 0.02),
+      sure(1, 9, EdgeKind::loop, 0.01),       sure(2, 9, EdgeKind::loop, 0.02),
+      sure(0, 2, EdgeKind::registration, 0.5)};
+  const auto kept = surest_edges(edges, 10, 2);
+  // The third of 0 is the third of 9, too; odometry and another kind do not count.
+  ASSERT_EQ(kept.size(), 6U);
+  for (const GraphEdge& e : kept) EXPECT_FALSE(e.from == 0 && e.to == 9);
+  EXPECT_EQ(kept.front().kind, EdgeKind::odometry);
+  EXPECT_EQ(kept.back().kind, EdgeKind::registration);
+  const auto fewer = surest_edges(edges, 10, 1);
+  EXPECT_EQ(fewer.size(), 6U) << "2-9 is the only one of 2, 0-7 of 7";
+  EXPECT_TRUE(surest_edges({}, 0, 2).empty());
+}
+
 TEST(CoveredNodes, TheMostRedundantGo) {
   std::vector<ThinningNode> nodes;
   const auto add = [&](double x, double heading, bool keyframe, bool fixed = false) {
@@ -204,7 +224,8 @@ struct LongDrive {
   std::size_t most_nodes = 0, most_edges = 0;
   int thinned = 0;
 
-  LongDrive(int max_keyframes, int laps) : graph(settings(max_keyframes)) {
+  /// `known`: only the first way along makes keyframes.
+  LongDrive(int max_keyframes, int laps, bool known = false) : graph(settings(max_keyframes)) {
     Gallery gallery(4);
     Utime now = second;
     for (int i = 0; i <= 2 * per_way * laps; ++i, now += second) {
@@ -213,7 +234,7 @@ struct LongDrive {
       T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
       const Eigen::Isometry3d T(Eigen::Translation3d(x, 0, 0));
       graph.add(now, T_world_map * T, 1e-6 * Matrix6d::Identity(), gallery.seen_from(T),
-                i % 2 == 0 || i < 20);
+                known ? i <= per_way : i % 2 == 0 || i < 20);
       for (const Utime later : {now, now + second / 2, now + 3 * second / 4}) {
         take(graph.work(later));
         if (const auto gone = graph.thin({})) {
@@ -267,6 +288,20 @@ TEST(LongDrive, MemorySettlesAndTheLoopStillCloses) {
   for (std::size_t i = 1; i < drive.graph.nodes().size(); ++i)
     EXPECT_LT(drive.graph.nodes()[i - 1].id, drive.graph.nodes()[i].id);
   EXPECT_EQ(drive.graph.nodes().back().id, 2 * LongDrive::per_way * laps);
+}
+
+// Far from the bound on keyframes: a place that is visited again makes none.
+TEST(LongDrive, TheGraphOfAKnownPlaceSettles) {
+  const LongDrive drive(100000, 8, true);
+  EXPECT_GT(drive.thinned, 5);
+  EXPECT_LE(drive.most_nodes, 11U + 50 + 3);  // as work may be under way
+  EXPECT_LE(drive.most_edges, 64U * 5);
+  const auto keyframes = std::count_if(drive.graph.nodes().begin(), drive.graph.nodes().end(),
+                                       [](const KeyframeGraph::Node& n) { return n.keyframe; });
+  EXPECT_EQ(keyframes, 11);
+  EXPECT_LT(drive.error_of_the_return(), 0.02);
+  const std::size_t half = drive.bytes.size() / 2;
+  EXPECT_LT(static_cast<double>(drive.bytes.back()), 1.1 * static_cast<double>(drive.bytes[half]));
 }
 
 TEST(LongDrive, IsTheSameEachTime) {

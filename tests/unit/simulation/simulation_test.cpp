@@ -74,7 +74,7 @@ TEST_P(EveryScene, PathComesBackToPlaces) {
 TEST_P(EveryScene, PathIsFreeOfCollisions) {
   const Scene scene = load_scene(scene_file(GetParam()));
   const RayCaster caster(scene);
-  const PlanarPath path(scene.path);
+  const PlanarPath path(control_points(scene, scene.way_back.empty() ? 1 : 2));
   double clearance = 10;
   for (double t = 0; t < path.duration(); t += 0.2) {
     const Eigen::Vector3f position = path.pose(t).translation().cast<float>();
@@ -134,6 +134,32 @@ TEST_P(EveryScene, SurfacesStayInView) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::Values("kitchen", "table", "office"),
                          [](const auto& instance) { return std::string(instance.param); });
+
+TEST(Laps, AreOneDriveThatComesBackToItsStart) {
+  SimulationSettings s = settings("kitchen");
+  const Simulation once(s);
+  s.laps = 3;
+  const Simulation drive(s);
+  const double lap = (drive.path_length() - once.path_length()) / 2;
+  EXPECT_GT(lap, once.path_length() + 1);
+  EXPECT_LT(lap, once.path_length() + 4);
+  const Utime period = (drive.end() - once.end()) / 2;
+  double farthest = 0, fastest = 0, quickest_turn = 0;
+  const Utime step = 20'000;
+  for (Utime t = drive.start(); t + step < drive.end(); t += step) {
+    const Eigen::Isometry3d motion = drive.T_world_robot(t).inverse() * drive.T_world_robot(t + step);
+    fastest = std::max(fastest, motion.translation().norm() / 0.02);
+    quickest_turn = std::max(quickest_turn, rotation_angle(motion) / 0.02);
+    if (t < drive.start() + 10'000'000 || t + period > drive.end() - 10'000'000) continue;
+    const Eigen::Isometry3d later = drive.T_world_robot(t + period);
+    farthest = std::max(farthest, (later.translation() - drive.T_world_robot(t).translation()).norm());
+  }
+  EXPECT_LT(farthest, 0.02) << "m between the same moments of two laps";
+  EXPECT_LE(fastest, 0.5);
+  EXPECT_LE(quickest_turn, M_PI / 3);
+  s.scene = scene_file("office");
+  EXPECT_THROW((Simulation(s)), std::invalid_argument);
+}
 
 bool same(const RgbdFrame& a, const RgbdFrame& b) {
   return a.utime == b.utime && a.depth_utime == b.depth_utime && a.seq == b.seq &&

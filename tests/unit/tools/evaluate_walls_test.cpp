@@ -4,6 +4,7 @@
 
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
+#include <lcmslam/messages/graph_teller.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include "tests/unit/tools/evaluate_fixture.hpp"
 #include "tools/evaluate/dense_map_log.hpp"
@@ -49,7 +50,7 @@ class EvaluateWalls : public testing::Evaluate {
 
   graph_t graph(std::int64_t sender, const std::vector<std::int32_t>& ids,
                 const Eigen::Isometry3d& T_right_wrong = Eigen::Isometry3d::Identity()) const {
-    graph_t m;
+    graph_t m{};
     m.utime = 40 * second;
     m.seq = m.map_revision = m.n_edges = 0;
     m.sender = sender;
@@ -90,13 +91,14 @@ TEST_F(EvaluateWalls, FirstAndLastVisitOfTheNewestMapAreCompared) {
     write(log, wall(6, 0, 1, 0.01));
     write(log, wall(6, 1, 2, 0.13));  // thinned out later, or of a map that was given up,
     write(log, wall(6, 9, 2, 0.13));
-    log.write("ICP_GRAPH", graph(6, {0, 1, 9}));
-    log.write("ICP_GRAPH", graph(6, {0}));
+    GraphTeller teller;  // of what changed
+    log.write("ICP_GRAPH", teller.tell(graph(6, {0, 1, 9}), false));
+    log.write("ICP_GRAPH", teller.tell(graph(6, {0}), false));
     write(log, wall(6, 2, 31, 0.04));
-    log.write("ICP_GRAPH", graph(6, {0, 2}, aside));  // put right by the last one
+    log.write("ICP_GRAPH", teller.tell(graph(6, {0, 2}, aside), false));  // put right by the last one
     write(log, wall(5, 0, 60, 0.12));
     log.write("ICP_GRAPH", graph(5, {0}));
-    log.write("ICP_GRAPH", graph(6, {0, 2, 9}));  // the new map's 9 never came
+    log.write("ICP_GRAPH", teller.tell(graph(6, {0, 2, 9}), false));  // the new map's 9 never came
     const auto tile = wall(6, 3, 60, 0.1).front();
     auto bytes = encode_message(tile);
     bytes.pop_back();

@@ -1,0 +1,28 @@
+#pragma once
+// What ICP_GRAPH tells: the whole graph of a map once, then what changed, so that its traffic follows what
+// happens and not how much there is.
+
+#include <lcmslam/messages/followed_graph.hpp>
+
+namespace lcmslam {
+
+class GraphTeller {
+ public:
+  /// A node that moved by less since it was told is not told again.
+  static constexpr double least_translation = 0.0005;  // m
+  static constexpr double least_rotation = 0.0005;     // rad
+
+  /// What is to be published of the graph as it stands, `whole` (change 0): all of it, where that is asked
+  /// for or nothing of its frame was told yet, else its difference from what was told. What is told must be
+  /// published.
+  graph_t tell(graph_t whole, bool all);
+
+ private:
+  graph_t change(const graph_t& whole) const;
+
+  FollowedGraph told_;  // as those who hear all messages have it
+  std::string frame_;
+  std::int64_t messages_ = 0;
+};
+
+}  // namespace lcmslam
