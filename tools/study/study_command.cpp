@@ -10,7 +10,6 @@
 #include <lcmslam/configuration/share.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/files/atomic_file.hpp>
-#include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
 #include <lcmslam/runtime/version.hpp>
@@ -21,7 +20,7 @@
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
 #include "tools/study/depth_filter_study.hpp"
-#include "tools/study/endurance_study.hpp"
+#include "tools/study/endurance_command.hpp"
 #include "tools/study/faults/faults_study.hpp"
 #include "tools/study/feature_study.hpp"
 #include "tools/study/filter_study.hpp"
@@ -29,6 +28,7 @@
 #include "tools/study/measures.hpp"
 #include "tools/study/pair_study.hpp"
 #include "tools/study/resampling_study.hpp"
+#include "tools/study/study_report.hpp"
 
 namespace lcmslam {
 namespace {
@@ -50,13 +50,6 @@ nlohmann::json run_demo(const std::vector<std::string>& arguments, const std::fi
 
 double ate(const nlohmann::json& summary, const std::string& path) {
   return summary.at("paths").at(path).at("ate").at("translation_rmse_m").get<double>();
-}
-
-/// report.json of a study of its own, and its table on the screen.
-void write_report(const std::filesystem::path& folder, nlohmann::json report, const std::string& table) {
-  report["version"] = lcmslam_version;
-  write_atomically(folder / "report.json", report.dump(2) + "\n");
-  std::cout << table << "\n" << (folder / "report.json").string() << "\n";
 }
 
 /// A recording: a data set's folder or a log.
@@ -163,40 +156,6 @@ int run_faults_study(FaultsStudySettings settings, const std::vector<int>& seeds
   return 0;
 }
 
-/// Of the simulated kitchen at three frames a second, as logs/kitchen_drive.lcmlog has them: an hour is
-/// rendered in about half of one.
-int run_endurance_study(int laps, const std::vector<int>& seeds, std::string config,
-                        const std::vector<std::string>& overrides) {
-  keep_freed_memory();
-  if (config.empty()) config = share_path("config/replay.yaml");
-  EnduranceSettings settings;
-  settings.simulation.scene = share_path("config/scenes/kitchen.yaml");
-  settings.simulation.seed = static_cast<std::uint64_t>(seeds.front());
-  settings.simulation.frame_rate = 3;
-  settings.simulation.laps = laps;
-  settings.config = load_config(config, overrides);
-  settings.folder = new_run_folder("study-endurance");
-  std::cout << fmt::format(
-                   "{} laps of the kitchen, seed {}, at {:g} frames a second (the live camera has 10), JPEG "
-                   "quality {}; "
-                   "CPU of handlers and of what runs beside them, without rendering\n",
-                   laps, seeds.front(), settings.simulation.frame_rate, settings.jpeg_quality)
-            << std::flush;
-  int lap = 0;
-  settings.after_lap = [&](const LapFigures& figures) {
-    std::cout << fmt::format("lap {}: {:.1f} ms a frame, {:.1f} kB/s, {:.0f} MB, {:.0f} landmarks\n", ++lap,
-                             figures.all, figures.traffic, figures.resident, figures.landmarks)
-              << std::flush;
-  };
-  const EnduranceResult result = study_endurance(settings);
-  const auto verdicts = judge_endurance(result.laps, result.stop_seconds);
-  nlohmann::json report = endurance_json(result.laps, verdicts);
-  report["seed"] = seeds.front();
-  report["stop_seconds"] = result.stop_seconds;
-  write_report(settings.folder, report, endurance_table(result.laps) + "\n" + verdict_lines(verdicts));
-  return std::all_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.met(); }) ? 0 : 1;
-}
-
 }  // namespace
 
 int study_command(int argc, char** argv) {
@@ -273,7 +232,7 @@ int study_command(int argc, char** argv) {
       ->needs(only_option)
       ->capture_default_str();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
-  if (only == "endurance") return run_endurance_study(laps, seeds, config, overrides);
+  if (only == "endurance") return endurance_command(laps, seeds.front(), config, overrides);
   if (only == "faults") {
     faults.recording = data;
     return run_faults_study(faults, seeds);
