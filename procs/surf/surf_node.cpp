@@ -15,7 +15,7 @@ namespace lcmslam {
 namespace {
 
 // Whether images fit the calibration is looked at in the first frames, some way apart, and said early.
-constexpr int looked_at = 12, enough_to_say = 4;
+constexpr int looked_at = 12, enough_to_say = 4, motions_looked_at = 60;
 constexpr Utime look_period = 1'000'000;  // us
 
 }  // namespace
@@ -57,7 +57,11 @@ void SurfNode::on_calibration(const camera_calibration_t& message) {
   }
   registration_.emplace(from_message(message));
   plausibility_.emplace(registration_->calibration());
+  mount_motion_.reset();
+  if (registration_->calibration().has_mount)
+    mount_motion_.emplace(registration_->calibration().T_robot_camera);
   doubt_.clear();
+  motion_doubt_.clear();
   calibration_message_ = message;
   if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
 }
@@ -77,9 +81,20 @@ void SurfNode::on_camera(const images_t& message) {
   }
   if (too_soon(message.utime)) return;
   const RgbdFrame frame = decode_images(message, registration_->calibration());
-  publisher_.publish("FEATURES", to_message(describe(frame)));
+  const FeatureFrame features = describe(frame);
+  publisher_.publish("FEATURES", to_message(features));
   ++frames_;
   look_at(frame);
+  look_at(features);
+}
+
+void SurfNode::look_at(const FeatureFrame& frame) {
+  if (!mount_motion_) return;
+  constexpr Utime longest_gap = 60'000;  // us
+  mount_motion_->add(frame, [this](Utime from, Utime to) { return motion_.between(from, to, longest_gap); });
+  const std::string finding = mount_motion_->finding();
+  motion_doubt_ = finding.empty() ? "" : "looks wrong: " + finding;
+  if (mount_motion_->motions() >= motions_looked_at) mount_motion_.reset();
 }
 
 void SurfNode::look_at(const RgbdFrame& frame) {
@@ -137,6 +152,7 @@ NodeReport SurfNode::report() const {
         fmt::format("image blurred: sharpness {:.1f}, usually {:.1f}", last_sharpness_, sharpness_.usual());
   else if (threshold_.at_lowest() && frames_ > 0)
     report.detail = fmt::format("little texture: {:.0f} keypoints at the lowest threshold", keypoints_);
+  if (registration_ && !motion_doubt_.empty()) report.detail = motion_doubt_;
   if (registration_ && !doubt_.empty()) report.detail = doubt_;
   report.values = {{"frames", static_cast<double>(frames_)},
                    {"left_out", static_cast<double>(left_out_)},

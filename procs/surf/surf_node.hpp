@@ -8,6 +8,7 @@
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/imaging/sharpness.hpp>
 #include <lcmslam/odometry_t.hpp>
+#include <lcmslam/rgbd/mount_motion.hpp>
 #include <lcmslam/rgbd/plausibility.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include <lcmslam/surf/adaptive_threshold.hpp>
@@ -35,6 +36,7 @@ class SurfNode : public Node {
   FeatureFrame describe(const RgbdFrame& frame);
   Eigen::Isometry3d motion_between_shots(const RgbdFrame& frame) const;
   void look_at(const RgbdFrame& frame);
+  void look_at(const FeatureFrame& frame);
 
   Publisher& publisher_;
   Surf surf_;
@@ -54,7 +56,8 @@ class SurfNode : public Node {
   bool blurred_ = false;
   std::optional<Plausibility> plausibility_;  // until a dozen frames were looked at
   Utime looked_ = 0;                          // at the last of them
-  std::string doubt_;                         // what looks wrong; empty: nothing
+  std::optional<MountMotion> mount_motion_;   // likewise, some motions
+  std::string doubt_, motion_doubt_;          // what looks wrong; empty: nothing
 };
 
 }  // namespace lcmslam

@@ -8,13 +8,22 @@
 
 #include <lcmslam/datasets/dataset.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/log/log_reader.hpp>
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/rgbd/mount_motion.hpp>
+#include <lcmslam/runtime/options.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 #include "tests/support/recordings.hpp"
+#include "tests/unit/tools/scratch.hpp"
+#include "tools/batch/batch_run.hpp"
 #include "tools/log/log_plausibility.hpp"
 
 namespace lcmslam {
 namespace {
 
+namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -215,6 +224,78 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"registered_already_fr1", "tum_fr1_rpy", registered_already, "registered already"},
         Fault{"called_registered_kitchen", "kitchen rgbd", called_registered, "not registered"}),
     [](const auto& test) { return std::string(test.param.name); });
+
+/// What surf says in STATUS after a log, with another calibration.
+std::string said_by_surf(const std::string& log, void (*change)(RgbdCalibration&)) {
+  const testing::ScratchFolder scratch;
+  const fs::path changed = scratch.path() / "changed.lcmlog";
+  LogReader reader(own_log(log).string());
+  LogWriter writer(changed.string());
+  while (const auto event = reader.next()) {
+    if (event->channel != "CAMERA_CALIBRATION") {
+      writer.write(event->timestamp, event->channel, event->data);
+      continue;
+    }
+    const auto before = decode_message<camera_calibration_t>(event->data.data(), event->data.size());
+    RgbdCalibration calibration = from_message(before);
+    change(calibration);
+    camera_calibration_t after = to_message(calibration);
+    after.utime = before.utime;
+    after.seq = before.seq;
+    after.sender = before.sender;
+    writer.write(event->timestamp, event->channel, encode_message(after));
+  }
+  writer.close();
+  BatchOptions options;
+  options.config =
+      load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {"launch.processes=[surf, odometry]"});
+  options.log = changed;
+  options.folder = scratch.path() / "out";
+  for (const auto& process : run_batch(options).processes)
+    if (process.process == "surf") return process.report.detail;
+  return "no surf";
+}
+
+TEST(PlausibleMotion, OfOwnDrivesFits) {
+  for (const char* log : {"kitchen_drive.lcmlog", "office_steered.lcmlog"})
+    EXPECT_EQ(said_by_surf(log, [](RgbdCalibration&) {}), "") << log;
+}
+
+// Walls stay upright and the floor level: only the motion tells.
+TEST(PlausibleMotion, ACameraThatLooksToTheSideIsFound) {
+  EXPECT_THAT(said_by_surf("kitchen_drive.lcmlog",
+                           [](RgbdCalibration& c) {
+                             c.T_robot_camera.linear() = turned(0, 0, M_PI / 2) * c.T_robot_camera.linear();
+                           }),
+              HasSubstr("it does not fit the motion"));
+}
+
+TEST(PlausibleMotion, TurnsAboutAnotherAxisAreFound) {
+  const Eigen::Isometry3d right = Eigen::Isometry3d(turned(0, 0.35, 0)) * optical_axes();
+  const Eigen::Isometry3d wrong = Eigen::Isometry3d(turned(20, 0, 0)) * optical_axes();
+  MountMotion of_right(right), of_wrong(wrong);
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Isometry3d robot = planar_pose(0.02, 0, i % 2 == 0 ? 0.1 : -0.1);
+    const Eigen::Isometry3d seen = right.inverse() * robot * right;
+    of_right.add(seen, robot);
+    of_wrong.add(seen, robot);
+  }
+  EXPECT_EQ(of_right.finding(), "");
+  EXPECT_THAT(of_wrong.finding(), HasSubstr("0.00, -0.94, -0.34] of its axes"));
+}
+
+TEST(PlausibleMotion, AnotherScaleOfDepthIsFound) {
+  for (const double scale : {0.2, 1.0, 5.0}) {
+    MountMotion check(optical_axes());
+    for (int i = 0; i < 10; ++i) {
+      const Eigen::Isometry3d robot = planar_pose(0.05, 0, 0.005);
+      Eigen::Isometry3d seen = optical_axes().inverse() * robot * optical_axes();
+      seen.translation() *= scale;
+      check.add(seen, robot);
+    }
+    EXPECT_EQ(check.finding().empty(), scale == 1.0) << check.finding();
+  }
+}
 
 }  // namespace
 }  // namespace lcmslam
