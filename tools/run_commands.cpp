@@ -1,6 +1,8 @@
 #include "tools/run_commands.hpp"
 
 #include <poll.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 #include <cerrno>
 #include <cstring>
@@ -8,10 +10,10 @@
 #include <iostream>
 
 #include <lcmslam/configuration/nearest_word.hpp>
+#include <lcmslam/runtime/terminal_colours.hpp>
 #include <lcmslam/runtime/version.hpp>
 #include "tools/command_help.hpp"
 #include "tools/launch/graph.hpp"
-#include "tools/terminal_colours.hpp"
 
 namespace lcmslam {
 namespace {
@@ -57,6 +59,8 @@ int run_help(const std::vector<Command>& commands, int argc, char** argv) {
 }  // namespace
 
 int run_commands(const std::vector<Command>& commands, int argc, char** argv) {
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "", std::make_shared<spdlog::sinks::stdout_color_sink_mt>(log_colours(STDOUT_FILENO))));
   const char* name = argc > 1 ? argv[1] : "";
   for (const Command& command : commands) {
     if (!is(command.name, name)) continue;

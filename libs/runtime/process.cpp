@@ -11,6 +11,7 @@
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/status_reporter.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
+#include <lcmslam/runtime/terminal_colours.hpp>
 #include <lcmslam/runtime/version.hpp>
 
 namespace lcmslam {
@@ -32,7 +33,8 @@ class Process {
         reporter_(name_, publisher_) {}
 
   /// Gives what the node has failed at; empty: nothing.
-  std::string run(const ConfigNode& config, const NodeFactory& make_node, const std::function<void()>& configured) {
+  std::string run(const ConfigNode& config, const NodeFactory& make_node,
+                  const std::function<void()>& configured) {
     make(config, make_node);
     configured();
     node_->connect(inputs_);
@@ -134,7 +136,7 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
   ProcessOptions options;
   int exit_code = 0;
   if (!parse_options(argc, argv, name, description, options, exit_code)) return exit_code;
-  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  spdlog::set_default_logger(spdlog::stderr_color_mt(name, log_colours(STDERR_FILENO)));
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   install_stop_signals(longest_stop);
   try {
@@ -145,8 +147,10 @@ int run_process(int argc, char** argv, const std::string& name, const std::strin
                     options.lcm_url);
       return 1;
     }
-    const std::string failure = Process(name, bus, largest_whole_message(options.lcm_url))
-                                    .run(config.section, make_node, [&] { config.file.finish(); });
+    const std::string failure =
+        Process(name, bus, largest_whole_message(options.lcm_url)).run(config.section, make_node, [&] {
+          config.file.finish();
+        });
     if (!failure.empty()) spdlog::error("{}", failure);
     return failure.empty() ? 0 : 1;
   } catch (const ConfigError& error) {

@@ -291,5 +291,16 @@ class Example(unittest.TestCase):
         self.assertIn("has no channel ICP_POSE", done.stderr)
 
 
+class Page(unittest.TestCase):
+    def test_its_lines_run_as_they_stand_there(self):
+        source = pathlib.Path(__file__).resolve().parent.parent.parent
+        code = (source / "docs/PYTHON.md").read_text().split("```python\n")[1].split("```")[0]
+        done = subprocess.run([sys.executable, "-c", code], cwd=source, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        channels, damages = done.stdout.splitlines()
+        self.assertIn("'CAMERA': 78", channels)
+        self.assertEqual(damages, "[]")
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

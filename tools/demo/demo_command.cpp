@@ -40,13 +40,11 @@ struct DemoOptions {
 std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
   CLI::App app{"Runs the whole graph live, on the simulated kitchen or a recording, and shows both maps.",
                "lcmslam demo"};
-  auto* data =
-      app.add_option("--data", o.data,
-                     "data set folder instead of the simulation: TUM RGB-D, 7-Scenes, numbered images")
-          ->check(CLI::ExistingDirectory);
+  app.add_option("--data", o.data,
+                 "data set folder instead of the simulation: TUM RGB-D, 7-Scenes, numbered images")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--calibration", o.calibration, "camera calibration (YAML) for --data")
-      ->check(CLI::ExistingFile)
-      ->needs(data);
+      ->check(CLI::ExistingFile);
   app.add_option("--config", o.config,
                  "graph and settings (default config/demo.yaml, with --data config/dataset.yaml)")
       ->check(CLI::ExistingFile);
@@ -90,6 +88,9 @@ void complete(DemoOptions& o) {
     throw ConfigError(o.config +
                       ": its camera only calibrates another driver's images, so the run would never end; "
                       "use launch");
+  if (!o.calibration.empty() && o.camera.source != "dataset")
+    throw ConfigError("--calibration: is for a recording (--data FOLDER); this graph's camera.source is '" +
+                      o.camera.source + "'");
   if (o.seconds > 0) {
     if (o.camera.source == "log") throw ConfigError("--seconds: a log is played whole; cut it first");
     o.overrides.push_back("camera." + o.camera.source + ".seconds=" + std::to_string(o.seconds));

@@ -15,8 +15,8 @@
 
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/machine.hpp>
+#include <lcmslam/runtime/terminal_colours.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
-#include "tools/terminal_colours.hpp"
 
 namespace lcmslam {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
+#include <lcmslam/runtime/terminal_colours.hpp>
 #include "tools/commands.hpp"
 #include "tools/doctor/checks.hpp"
 #include "tools/doctor/graph_traffic.hpp"
 #include "tools/parse_command.hpp"
-#include "tools/terminal_colours.hpp"
 
 namespace lcmslam {
 namespace {

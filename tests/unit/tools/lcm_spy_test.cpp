@@ -85,10 +85,11 @@ TEST(LcmSpyCommand, PrintsWithoutADisplay) {
     error = missing.what();
   }
   const std::string printed = ::testing::internal::GetCapturedStdout();
-  if (error.empty())
+  if (error.empty()) {
     EXPECT_THAT(printed, HasSubstr("'lcm.spy.Spy'"));
-  else
+  } else {
     EXPECT_THAT(error, HasSubstr("apt-get install"));
+  }
   EXPECT_THAT(error, ::testing::Not(HasSubstr("display")));
 }
 

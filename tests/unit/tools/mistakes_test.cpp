@@ -26,7 +26,7 @@ const Mistake mistakes[] = {
     // the command itself
     {"NoCommand", {}, "usage: lcmslam COMMAND.*batch"},
     {"Command", {"lunch", "robot.yaml"}, "unknown command 'lunch'.*did you mean 'launch'"},
-    {"CommandInCapitals", {"Batch"}, "unknown command 'Batch'.*did you mean 'batch'"},
+    {"CommandInCapitals", {"BATCH"}, "unknown command 'BATCH'.*did you mean 'batch'"},
     {"Subcommand", {"log", "chek", "run.lcmlog"}, "unknown.*'chek'.*did you mean 'check'"},
     {"NoSubcommand", {"log"}, "log.*(info.*check.*repair.*cut.*play)"},
     {"HelpOfNothing", {"help", "bach"}, "unknown command 'bach'.*did you mean 'batch'"},

@@ -1,4 +1,4 @@
-#include "tools/terminal_colours.hpp"
+#include <lcmslam/runtime/terminal_colours.hpp>
 
 #include <unistd.h>
 #include <cstdlib>
@@ -12,6 +12,10 @@ bool wants_colours(bool terminal, const char* no_color, const char* term) {
 
 bool wants_colours(int descriptor) {
   return wants_colours(isatty(descriptor) != 0, std::getenv("NO_COLOR"), std::getenv("TERM"));
+}
+
+spdlog::color_mode log_colours(int descriptor) {
+  return wants_colours(descriptor) ? spdlog::color_mode::always : spdlog::color_mode::never;
 }
 
 std::string emphasised(const std::string& text, Emphasis emphasis, bool colours) {

@@ -1,4 +1,4 @@
-#include "tools/terminal_colours.hpp"
+#include <lcmslam/runtime/terminal_colours.hpp>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -19,6 +19,7 @@ TEST(TerminalColours, AreNotInAPipe) {
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
   EXPECT_FALSE(wants_colours(ends[1]));
+  EXPECT_EQ(log_colours(ends[1]), spdlog::color_mode::never);
   close(ends[0]);
   close(ends[1]);
 }
