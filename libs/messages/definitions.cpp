@@ -193,6 +193,28 @@ std::size_t fixed_size(const MessageType& type, std::set<const MessageType*> par
   return total;
 }
 
+using TypesByName = std::map<std::string, const MessageType*>;
+
+std::string full_name(const std::string& package, const std::string& name) {
+  return package.empty() ? name : package + "." + name;
+}
+
+/// Packages may have types of one name: that of the own package or as it is written, else the only one whose
+/// name without package it is; nullptr when there is none.
+const MessageType* find_type(const TypesByName& types, const std::string& package,
+                             const std::string& written) {
+  for (const std::string& name : {full_name(package, written), written})
+    if (const auto found = types.find(name); found != types.end()) return found->second;
+  const std::string plain = written.substr(written.rfind('.') + 1);
+  const MessageType* only = nullptr;
+  for (const auto& [name, type] : types) {
+    if (type->name != plain) continue;
+    if (only != nullptr) throw std::invalid_argument(written + ": several packages have such a type");
+    only = type;
+  }
+  return only;
+}
+
 }  // namespace
 
 bool is_integer(Kind kind) {
@@ -226,18 +248,16 @@ std::vector<const MessageType*> parse_definitions(const std::vector<std::string>
   std::vector<std::unique_ptr<MessageType>> types;
   for (const auto& text : texts) Parser(text).parse(types);
 
-  std::map<std::string, const MessageType*> by_name;
+  TypesByName by_name;
   for (const auto& type : types)
-    if (!by_name.emplace(type->name, type.get()).second)
-      throw std::invalid_argument(type->name + " is defined twice");
+    if (!by_name.emplace(full_name(type->package, type->name), type.get()).second)
+      throw std::invalid_argument(full_name(type->package, type->name) + " is defined twice");
   for (auto& type : types)
     for (auto& field : type->fields) {
       if (field.kind != Kind::nested) continue;
-      const std::string plain = field.type_name.substr(field.type_name.rfind('.') + 1);
-      const auto found = by_name.find(plain);
-      if (found == by_name.end())
+      field.nested = find_type(by_name, type->package, field.type_name);
+      if (field.nested == nullptr)
         throw std::invalid_argument(type->name + ": unknown type " + field.type_name);
-      field.nested = found->second;
     }
 
   std::vector<const MessageType*> result;

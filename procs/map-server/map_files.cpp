@@ -98,12 +98,13 @@ std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& fol
   return files.written();
 }
 
-void BackgroundSaver::begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision) {
-  saving_ = std::async(std::launch::async, [maps = std::move(maps), folder, revision] {
+void BackgroundSaver::begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision,
+                            const std::string& formats) {
+  saving_ = std::async(std::launch::async, [maps = std::move(maps), folder, revision, formats] {
     Outcome outcome{revision, ""};
     try {
       std::filesystem::create_directories(folder);
-      save_maps(maps, HeldFolder(folder), "ply,pcd");
+      save_maps(maps, HeldFolder(folder), formats);
     } catch (const std::exception& error) {
       outcome.error = error.what();
     }

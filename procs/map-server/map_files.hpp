@@ -45,8 +45,10 @@ class BackgroundSaver {
   };
 
   bool busy() const { return saving_.valid(); }
-  /// Begins to write PLY and PCD into the folder, which is made where it is missing. Not while it is busy.
-  void begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision);
+  /// Begins to write these formats (save_maps()) into the folder, which is made where it is missing. Not
+  /// while it is busy.
+  void begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision,
+             const std::string& formats = "ply,pcd");
   /// How what was begun ended; nothing while it goes on (`wait`: only when nothing was begun).
   std::optional<Outcome> take_outcome(bool wait);
 

@@ -218,7 +218,9 @@ std::string MapServerNode::describe() const {
 
 std::vector<std::string> MapServerNode::export_maps(const map_request_t& request) {
   note_saving(true);  // both write files of the same names
-  return save_maps(maps_to_save(), export_folder(request.argument), request.format);
+  auto files = save_maps(maps_to_save(), export_folder(request.argument), request.format);
+  if (request.argument.empty() && request.format.empty()) drawn_changes_ = changes_;
+  return files;
 }
 
 /// The run's own folder, or the one below it that a request names.
@@ -294,9 +296,11 @@ void MapServerNode::note_saving(bool wait) {
   spdlog::info("maps saved in {}", folder_.string());
 }
 
+/// Pictures too: drawing them takes too long while a run goes on.
 void MapServerNode::finish() {
   note_saving(true);
-  save_beside();
+  if (changes_ != saved_changes_ || changes_ != drawn_changes_)
+    saver_.begin(maps_to_save(), folder_, changes_, "ply,pcd,png");
   note_saving(true);
 }
 

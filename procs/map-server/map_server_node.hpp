@@ -66,6 +66,7 @@ class MapServerNode : public Node {
   };
   std::map<std::string, Progress> progress_;  // by mapper
   std::int64_t changes_ = 0, saved_changes_ = 0;
+  std::int64_t drawn_changes_ = 0;  // whose pictures were written
   std::int64_t resends_ = 0;
 
   double snapshot_period_;  // s

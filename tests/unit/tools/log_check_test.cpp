@@ -66,6 +66,8 @@ TEST_F(LogCheckTest, DefinitionsAreFilesOrFoldersAndErrorsNameThem) {
   folder_.write("types/outer_t.lcm", "package a; struct outer_t { deep.inner_t inner; }");
   folder_.write("types/deep/inner_t.lcm", "package deep; struct inner_t { int8_t n; }");
   EXPECT_EQ(read_definitions({(folder_.path() / "types").string()}).size(), 2U);
+  EXPECT_GT(read_definitions({LCMSLAM_SOURCE_DIR "/lcmtypes"}).size(), 40U)
+      << "two packages with types of one name";
   std::filesystem::create_directories(folder_.path() / "empty");
   for (const auto& [path, text] :
        {std::pair("empty", "has no .lcm file"), std::pair("types/outer_t.lcm", "inner_t")}) {

@@ -48,9 +48,9 @@ int RunFiles::code_ = -1;
 
 TEST_F(RunFiles, AreTrajectoriesMapsPicturesAndASummary) {
   ASSERT_EQ(code_, 0);
-  for (const char* name :
-       {"odometry.txt", "fastslam.txt", "icp.txt", "icp_kitti.txt", "icp_kitti_times.txt", "trajectories.png",
-        "summary.json", "icp_map.ply", "fastslam_map.ply", "batch.lcmlog"})
+  for (const char* name : {"odometry.txt", "fastslam.txt", "icp.txt", "icp_kitti.txt", "icp_kitti_times.txt",
+                           "trajectories.png", "summary.json", "icp_map.ply", "fastslam_map.ply",
+                           "icp_front.png", "icp_top.png", "fastslam_top.png", "batch.lcmlog"})
     EXPECT_TRUE(fs::exists(out() / name)) << name;
 }
 
