@@ -10,7 +10,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr double orbit_pitch = 0.5;         // rad, the viewer looks down by this much
+constexpr double orbit_pitch = 0.5;   // rad, the viewer looks down by this much
 constexpr double shown = 0.98;        // share of the points that fall into the picture from everywhere
 constexpr double least_radius = 0.5;  // m: a single point is not blown up to fill the picture
 
@@ -35,8 +35,8 @@ std::vector<Eigen::Isometry3d> orbit(const PictureRequest& request, int count) {
   std::vector<Eigen::Isometry3d> viewers;
   for (int i = 0; i < count; ++i) {
     const double angle = std::atan2(front.y(), front.x()) + 2 * M_PI * i / count;
-    const Eigen::Vector3d forward(std::cos(angle) * std::cos(orbit_pitch), std::sin(angle) * std::cos(orbit_pitch),
-                                  -std::sin(orbit_pitch));
+    const Eigen::Vector3d forward(std::cos(angle) * std::cos(orbit_pitch),
+                                  std::sin(angle) * std::cos(orbit_pitch), -std::sin(orbit_pitch));
     const Eigen::Vector3d right(std::sin(angle), -std::cos(angle), 0);
     Eigen::Isometry3d T_world_viewer = Eigen::Isometry3d::Identity();
     T_world_viewer.linear() << right, forward.cross(right), forward;

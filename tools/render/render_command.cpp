@@ -35,7 +35,7 @@ std::optional<int> parse(RenderOptions& o, int argc, char** argv) {
       ->check(CLI::Validator(
           [](const std::string& name) {
             return has_ending(name, ".ply") || has_ending(name, ".pcd") ? ""
-                                                                      : name + " must end in .ply or .pcd";
+                                                                        : name + " must end in .ply or .pcd";
           },
           "FILE.ply|FILE.pcd"));
   app.add_option("out", o.out, "FILE.png")
