@@ -38,15 +38,18 @@ class MapFiles {
   MapFiles(const HeldFolder& folder, const std::string& formats)
       : folder_(folder), formats_(read_formats(formats)) {}
 
-  void save(const MapsToSave::Landmarks& map) {
-    save_points(map.name, map.landmarks);
+  template <class Map>
+  void save_points(const std::string& name, const Map& map) {
+    if (wants("ply")) save_ply(file(name + "_map.ply"), map);
+    if (wants("pcd")) save_pcd(file(name + "_map.pcd"), map);
+  }
+
+  void save_pictures(const MapsToSave::Landmarks& map) {
     const std::string title = "FastSLAM: " + std::to_string(map.landmarks.size()) + " landmarks";
     save_pictures(map.name, title, map.path, [&](PictureRequest& r) { r.landmarks = &map.landmarks; });
   }
 
-  void save(const MapsToSave::Dense& map, double resolution) {
-    const ColouredCloud cloud = map.map.merge(resolution);
-    save_points(map.name, cloud);
+  void save_pictures(const MapsToSave::Dense& map, const ColouredCloud& cloud, double resolution) {
     const std::string title = "6-D SLAM: " + std::to_string(cloud.size()) + " points";
     save_pictures(map.name, title, map.path, [&](PictureRequest& r) {
       r.cloud = &cloud;
@@ -63,12 +66,6 @@ class MapFiles {
     const FilePlace place(folder_, name);
     written_.push_back(place.path().string());
     return place;
-  }
-
-  template <class Map>
-  void save_points(const std::string& name, const Map& map) {
-    if (wants("ply")) save_ply(file(name + "_map.ply"), map);
-    if (wants("pcd")) save_pcd(file(name + "_map.pcd"), map);
   }
 
   template <class Fill>
@@ -93,8 +90,16 @@ class MapFiles {
 std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& folder,
                                    const std::string& formats) {
   MapFiles files(folder, formats);
-  for (const MapsToSave::Landmarks& map : maps.landmarks) files.save(map);
-  for (const MapsToSave::Dense& map : maps.dense) files.save(map, maps.resolution);
+  std::vector<ColouredCloud> clouds;
+  for (const MapsToSave::Landmarks& map : maps.landmarks) files.save_points(map.name, map.landmarks);
+  for (const MapsToSave::Dense& map : maps.dense) {
+    clouds.push_back(map.map.merge(maps.resolution));
+    files.save_points(map.name, clouds.back());
+  }
+  // Last: where the disk is full, the maps come before pictures of them.
+  for (const MapsToSave::Landmarks& map : maps.landmarks) files.save_pictures(map);
+  for (std::size_t i = 0; i < clouds.size(); ++i)
+    files.save_pictures(maps.dense[i], clouds[i], maps.resolution);
   return files.written();
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <sstream>
+#include <vector>
 
 namespace lcmslam {
 namespace {
@@ -11,16 +13,53 @@ const char* state_name(int state) {
   return state >= 0 && state < 5 ? names[state] : "?";
 }
 
+constexpr std::size_t width = 80;
+
+/// Words at most `width` long a line, indented.
+std::string wrapped(const std::string& text) {
+  std::string lines, line = " ";
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (line.size() + 1 + word.size() > width && line.find_first_not_of(' ') != std::string::npos) {
+      lines += line + "\n";
+      line = "   ";
+    }
+    line += " " + word;
+  }
+  return line.find_first_not_of(' ') != std::string::npos ? lines + line + "\n" : lines;
+}
+
 std::string rates(const status_t& status) {
   std::map<std::string, double> inputs;  // over all senders
   for (const auto& in : status.inputs)
     if (in.channel != "STATUS" && in.rate > 0) inputs[in.channel] += in.rate;
   std::string text;
   for (const auto& [channel, rate] : inputs) text += fmt::format("{} {:.0f} ", channel, rate);
-  text += "->";
+  std::string out_text;
   for (const auto& out : status.outputs)
-    if (out.channel != "STATUS" && out.rate > 0) text += fmt::format(" {} {:.0f}", out.channel, out.rate);
-  return text;
+    if (out.channel != "STATUS" && out.rate > 0) out_text += fmt::format(" {} {:.0f}", out.channel, out.rate);
+  return text.empty() && out_text.empty() ? "" : "Hz: " + text + "->" + out_text;
+}
+
+bool waits(const status_t& status) {
+  return status.state == status_t::RUNNING && status.detail.find("waits for") != std::string::npos;
+}
+
+/// How good it is, as far as it counts that itself.
+std::string quality(const status_t& status) {
+  static const std::pair<const char*, const char*> counts[] = {{"keypoints", "features a frame"},
+                                                               {"landmarks", "landmarks"},
+                                                               {"matched", "of them seen"},
+                                                               {"keyframes", "keyframes"},
+                                                               {"map_points", "points"}};
+  std::vector<std::string> parts;
+  if (const double steps = status_value(status, "steps"); steps > 0)
+    parts.push_back(fmt::format("{:.0f} % of {:.0f} frames placed in the map",
+                                100 * (1 - status_value(status, "lost") / steps), steps));
+  for (const auto& [name, words] : counts)
+    if (const double value = status_value(status, name); value > 0)
+      parts.push_back(fmt::format("{:.0f} {}", value, words));
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 // One line for each channel and sender that did not come through clean.
@@ -77,16 +116,16 @@ double status_value(const status_t& status, const std::string& name) {
 }
 
 std::string format_status(const StatusBoard& board, const std::vector<Supervisor::State>& processes) {
-  std::string table = fmt::format("{:<11} {:>7} {:<9} {:>5} {:>7} {:>11} {:>5} {:>6} {:>5} {:>4} {:>6}  {}\n",
-                                  "process", "pid", "state", "CPU%", "MB", "p50/p95 ms", "lost", "kernel",
-                                  "drops", "bad", "age ms", "channels (Hz)");
+  const auto* const columns = "{:<11}{:>7} {:<8}{:>5}{:>6}{:>11}{:>6}{:>7}{:>6}{:>5}{:>7}\n";
+  std::string table = fmt::format(columns, "process", "pid", "state", "CPU%", "MB", "p50/p95 ms", "lost",
+                                  "kernel", "drops", "bad", "age ms");
   std::string troubles;
   for (const auto& process : processes) {
     const std::string& name = process.spec.name;
     const auto found = board.find(name);
     if (process.pid == 0 || found == board.end()) {
       const std::string state = process.pid != 0 ? "starting" : process.last_exit;
-      table += fmt::format("{:<11} {:>7} {}\n", name, process.pid, state);
+      table += fmt::format("{:<11}{:>7} {}\n", name, process.pid, state);
       continue;
     }
     const status_t& s = found->second;
@@ -98,11 +137,12 @@ std::string format_status(const StatusBoard& board, const std::vector<Supervisor
       all.queue_drops += in.queue_drops;
       all.decode_errors += in.decode_errors;
     }
-    table += fmt::format(
-        "{:<11} {:>7} {:<9} {:>5.0f} {:>7.0f} {:>5.0f}/{:<5.0f} {:>5} {:>6} {:>5} {:>4} {:>6.0f}  {}\n", name,
-        process.pid, state_name(s.state), 100 * s.cpu, static_cast<double>(s.memory) / 1e6,
-        1e3 * s.latency_p50, 1e3 * s.latency_p95, all.lost, s.kernel_drops, all.queue_drops,
-        all.decode_errors, 1e3 * queue_age, rates(s));
+    const auto whole = [](double value) { return fmt::format("{:.0f}", value); };
+    table += fmt::format(columns, name, process.pid, waits(s) ? "waits" : state_name(s.state),
+                         whole(100 * s.cpu), whole(static_cast<double>(s.memory) / 1e6),
+                         whole(1e3 * s.latency_p50) + "/" + whole(1e3 * s.latency_p95), all.lost,
+                         s.kernel_drops, all.queue_drops, all.decode_errors, whole(1e3 * queue_age));
+    table += wrapped(s.detail) + wrapped(rates(s)) + wrapped(quality(s));
     troubles += trouble(name, s);
   }
   return table + troubles;

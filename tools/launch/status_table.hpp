@@ -15,8 +15,9 @@ using StatusBoard = std::map<std::string, status_t>;
 /// Takes a STATUS if it comes from one of these processes: another graph's may be on the same bus.
 void take_status(StatusBoard& board, const status_t& status, const std::vector<Supervisor::State>& processes);
 
-/// A table with a line for each process: state, CPU, memory, latency, what goes in and out, losses and the
-/// oldest age of a message in a queue; below it a line for each channel and sender with any trouble.
+/// A table of 80 columns with a line for each process: state, CPU, memory, latency, losses and the oldest age
+/// of a message in a queue; under it what the process waits for or says, its rates, and how good it is. Below
+/// the table a line for each channel and sender with any trouble.
 std::string format_status(const StatusBoard& board, const std::vector<Supervisor::State>& processes);
 
 /// Counters of one channel summed over a process's inputs.

@@ -32,7 +32,9 @@ std::vector<std::string> definition_files_in(const std::string& folder) {
 
 std::vector<const MessageType*> read_definitions(const std::vector<std::string>& paths) {
   std::vector<std::string> texts;
+  std::string named;
   for (const std::string& path : paths) {
+    named += " " + path;
     if (!std::filesystem::is_directory(path)) {
       texts.push_back(text_of(path));
       continue;
@@ -42,7 +44,7 @@ std::vector<const MessageType*> read_definitions(const std::vector<std::string>&
   try {
     return parse_definitions(texts);
   } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(std::string("--definitions: ") + error.what());
+    throw std::runtime_error("--definitions" + named + ": " + error.what());
   }
 }
 

@@ -119,8 +119,18 @@ command_t Order::command(const std::string& target) const {
   return command;
 }
 
+bool Order::is_to_all() const {
+  return processes_.size() > 1 && to_.empty();
+}
+
+bool Order::concerns_all() const {
+  command_t command;
+  command.name = word_->name;
+  return is_to_all() && needs_confirmation(command);
+}
+
 std::vector<command_t> Order::commands() const {
-  if (processes_.size() > 1 && to_.empty()) return {command("")};
+  if (is_to_all()) return {command("")};
   std::vector<command_t> all;
   for (const std::string& process : processes_) all.push_back(command(process));
   return all;

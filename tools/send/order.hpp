@@ -33,8 +33,10 @@ class Order {
   void hear(const status_t& status);
   void hear(const map_reply_t& reply);
 
-  /// Everybody that is to carry it out is there: nobody else need be waited for.
+  /// Everybody that is to carry it out is there.
   bool complete() const;
+  /// It goes to all in one message, which each of them would count as a wrong one if it did not confirm it.
+  bool concerns_all() const;
   /// Why there is nobody to send it to, in words; empty when there is somebody.
   std::string nobody() const;
 
@@ -56,6 +58,8 @@ class Order {
   std::vector<Answer> answers(double seconds) const;
 
  private:
+  bool is_to_all() const;
+
   struct Member {
     std::string process;
     bool asked = false;  // it is to carry the order out

@@ -12,8 +12,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Every process sends STATUS once a second.
-constexpr std::chrono::milliseconds longest_look{3000};
+/// Every process sends STATUS once a second. Whoever hears an order that must be confirmed is confirmed: for
+/// those all are waited for, not just the ones that are asked.
+constexpr std::chrono::milliseconds longest_look{3000}, look_at_all{1500};
 
 std::string words_in_help() {
   std::string text;
@@ -117,7 +118,10 @@ int send_command(int argc, char** argv) {
     return 2;
   }
   Conversation conversation(lcm_url, *order, sender);
-  conversation.listen(longest_look, [&] { return order->complete(); });
+  const auto begin = Clock::now();
+  conversation.listen(longest_look, [&] {
+    return order->complete() && (!order->concerns_all() || Clock::now() - begin > look_at_all);
+  });
   if (const std::string nobody = order->nobody(); !nobody.empty())
     throw std::runtime_error("nothing is sent: " + nobody + " on " + lcm_url +
                              "; is the graph running, and on this bus (--lcm-url)?");

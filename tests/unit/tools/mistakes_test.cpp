@@ -82,7 +82,7 @@ const Mistake mistakes[] = {
      "--to 5 must be later than --from 10"},
     {"BatchBehindTheEnd",
      {"batch", "@/config/replay.yaml", "run.lcmlog", "--from", "1000"},
-     "within the times asked for .lcmslam log info"},
+     "has no CAMERA .*within the times asked for"},
     {"BatchThreads",
      {"batch", "@/config/replay.yaml", "run.lcmlog", "--threads", "0"},
      "--threads: Value 0 not in range"},
@@ -167,6 +167,10 @@ const Mistake mistakes[] = {
     {"LogPlayAnswer", {"log", "play", "run.lcmlog", "--answer", "ICP_POSE"}, "--answer is for --lockstep"},
 
     // the bus
+    {"SendNothing", {"send"}, "order is required"},
+    {"SendWord", {"send", "frobnicate"}, "frobnicate.*save.*smooth.*reset.*stop.*export"},
+    {"RenderOfNothing", {"render", "nothing.ply", "out.png"}, "nothing.ply"},
+    {"RenderOfText", {"render", "notes.txt", "out.png"}, "notes.txt.*\\.ply or \\.pcd"},
     {"EchoNothing", {"echo"}, "channel is required"},
     {"EchoPattern", {"echo", "(", "--lcm-url", "memq://"}, "'\\('|\\(.*regular expression"},
     {"EchoBus",

@@ -81,6 +81,9 @@ TEST(SendOrder, ResetIsOneCommandThatConfirmsAllThatHearIt) {
   EXPECT_FALSE(order.complete());
   order.hear(status("fastslam", 5));
   EXPECT_TRUE(order.complete());
+  EXPECT_TRUE(order.concerns_all()) << "so that the others are waited for, too";
+  EXPECT_FALSE(Order("reset", {"icp"}, ours).concerns_all());
+  EXPECT_FALSE(Order("save", {}, ours).concerns_all());
   const auto commands = order.commands();
   ASSERT_THAT(commands, SizeIs(1));
   EXPECT_EQ(commands[0].target, "");

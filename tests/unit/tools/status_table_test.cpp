@@ -72,17 +72,63 @@ TEST(StatusTable, AnotherGraphsStatusIsLeftOut) {
 
 TEST(StatusTable, ShowsAProcessWithItsLoadLossesAndRates) {
   const auto table = lines(format_status({{"surf", status()}}, {process("surf", 42)}));
-  ASSERT_EQ(table.size(), 5U);  // heading, process, its three inputs
-  EXPECT_THAT(table[1],
-              AllOf(HasSubstr("surf"), HasSubstr("42"), HasSubstr("running"), HasSubstr(" 37 "),
-                    HasSubstr(" 81 "), HasSubstr("12/34"), HasSubstr("CAMERA 30"), HasSubstr("ODOMETRY 50"),
-                    HasSubstr("-> FEATURES 30"), Not(HasSubstr("STATUS"))));
+  ASSERT_EQ(table.size(), 7U);  // heading, process, its rates, how good it is, its three inputs
+  EXPECT_THAT(table[1], AllOf(HasSubstr("surf"), HasSubstr("42"), HasSubstr("running"), HasSubstr(" 37 "),
+                              HasSubstr(" 81 "), HasSubstr("12/34")));
+  EXPECT_EQ(table[2], "  Hz: CAMERA 30 ODOMETRY 50 -> FEATURES 30");
+  EXPECT_EQ(table[3], "  480 features a frame");
   // lost, drops and malformed of all inputs stand under their headings
   for (const auto& [heading, value] :
        {std::pair("lost", "8"), std::pair("drops", "6"), std::pair("bad", "3")}) {
     const std::size_t end = table[0].find(heading) + std::string(heading).size();
     EXPECT_EQ(table[1].substr(end - 1, 1), value) << heading;
   }
+}
+
+TEST(StatusTable, SaysWhatAProcessWaitsFor) {
+  status_t s = status();
+  s.detail = "waits for CAMERA_CALIBRATION";
+  s.inputs.clear();
+  s.outputs.clear();
+  const auto table = lines(format_status({{"surf", s}}, {process("surf", 42)}));
+  EXPECT_THAT(table[1], AllOf(HasSubstr(" waits "), Not(HasSubstr("running"))));
+  EXPECT_EQ(table[2], "  waits for CAMERA_CALIBRATION");
+  s.state = status_t::FINISHED;
+  EXPECT_THAT(lines(format_status({{"surf", s}}, {process("surf", 42)}))[1], HasSubstr("finished"));
+}
+
+TEST(StatusTable, SaysHowGoodAMapperIs) {
+  status_t s = status();
+  const auto set = [&](const char* name, double value) {
+    s.values.emplace_back();
+    s.values.back().name = name;
+    s.values.back().value = value;
+  };
+  set("steps", 200);
+  set("lost", 10);
+  set("landmarks", 3500);
+  set("matched", 120);
+  EXPECT_THAT(format_status({{"surf", s}}, {process("surf", 42)}),
+              HasSubstr("\n  95 % of 200 frames placed in the map, 480 features a frame, 3500 landmarks,\n"
+                        "    120 of them seen\n"));
+}
+
+TEST(StatusTable, FitsATerminalOfEightyColumns) {
+  status_t s = status();
+  s.process = "map-server";
+  s.memory = 1'234'000'000;
+  s.detail =
+      "a detail that goes on and on, because it names the file, the value and what would be right there";
+  s.latency_p50 = 1.2;
+  s.latency_p95 = 3.4;
+  for (const char* channel :
+       {"FASTSLAM_LANDMARKS", "ICP_KEYFRAME_PART", "FASTSLAM_ASSOCIATIONS", "ICP_GRAPH"}) {
+    s.inputs.push_back(input(channel, 0, 0, 100));
+    s.inputs.back().queue_drops = s.inputs.back().decode_errors = 0;
+  }
+  s.inputs.erase(s.inputs.begin(), s.inputs.begin() + 3);
+  for (const std::string& line : lines(format_status({{"map-server", s}}, {process("map-server", 1234567)})))
+    EXPECT_LE(line.size(), 80U) << line;
 }
 
 TEST(StatusTable, NamesEveryChannelAndSenderWithTrouble) {
