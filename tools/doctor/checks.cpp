@@ -151,6 +151,15 @@ Finding check_disk(const std::filesystem::path& folder) {
   return finding;
 }
 
+std::vector<Finding> check_images(const GraphTraffic& traffic) {
+  std::vector<Finding> findings;
+  for (const std::string& doubt : traffic.doubts)
+    findings.push_back({Level::warning, "images", "looks wrong: " + doubt, ""});
+  if (findings.empty() && !traffic.depths.empty())
+    findings.push_back({Level::good, "images", traffic.depths, ""});
+  return findings;
+}
+
 std::vector<Finding> examine(const DoctorOptions& options) {
   std::vector<Finding> findings{check_route(options.lcm_url)};
   if (findings.back().level != Level::failure) {
@@ -159,6 +168,7 @@ std::vector<Finding> examine(const DoctorOptions& options) {
     findings.push_back(check_sources(options.lcm_url));
     for (const Finding& finding : check_traffic(options)) findings.push_back(finding);
   }
+  for (const Finding& finding : check_images(options.traffic)) findings.push_back(finding);
   findings.push_back(check_governor());
   findings.push_back(check_disk(options.folder));
   return findings;

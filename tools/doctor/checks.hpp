@@ -39,6 +39,8 @@ Finding check_sources(const std::string& lcm_url);
 /// The same as check_senders(), and what was refused meanwhile, here and by a graph that runs.
 std::vector<Finding> check_traffic(const DoctorOptions& options);
 /// `root`: of the file system's tree below which sys/devices/system/cpu is looked for.
+/// Whether the first images of the graph's own source fit their calibration; nothing where it has none.
+std::vector<Finding> check_images(const GraphTraffic& traffic);
 Finding check_governor(const std::filesystem::path& root = "/");
 Finding check_disk(const std::filesystem::path& folder);
 

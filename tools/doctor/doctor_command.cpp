@@ -61,10 +61,10 @@ int doctor_command(int argc, char** argv) {
     return 1;
   }
   if (!config.empty()) {
-    const GraphTraffic traffic = graph_traffic(config, overrides);
-    if (largest->count() == 0) options.traffic.largest = traffic.largest;
-    if (rate->count() == 0) options.traffic.rate = traffic.rate;
-    options.traffic.origin = traffic.origin;
+    const GraphTraffic given = options.traffic;
+    options.traffic = graph_traffic(config, overrides);
+    if (largest->count() > 0) options.traffic.largest = given.largest;
+    if (rate->count() > 0) options.traffic.rate = given.rate;
   }
   if (largest->count() > 0) options.traffic.origin = "given";
   const bool colours = wants_colours(STDOUT_FILENO);

@@ -4,6 +4,9 @@
 
 #include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/rgbd/plausibility.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "procs/camera/camera_source.hpp"
 #include "procs/camera/publish_event.hpp"
@@ -11,15 +14,24 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t images = 3;
+constexpr std::size_t images = 4;
 
-/// Sends nothing; the base class counts the bytes.
+/// Sends nothing: the base class counts the bytes, and the images are looked at.
 class Scales : public Publisher {
  public:
-  Scales() : Publisher(0) {}
+  explicit Scales(const RgbdCalibration& calibration)
+      : Publisher(0), calibration_(calibration), plausibility_(calibration) {}
+
+  const Plausibility& plausibility() const { return plausibility_; }
 
  private:
-  void send(const std::string&, const std::vector<std::uint8_t>&, Utime) override {}
+  void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime) override {
+    if (channel == "CAMERA")
+      plausibility_.add(decode_images(decode_message<images_t>(bytes.data(), bytes.size()), calibration_));
+  }
+
+  const RgbdCalibration& calibration_;
+  Plausibility plausibility_;
 };
 
 bool has_camera(const ConfigNode& config) {
@@ -38,7 +50,7 @@ GraphTraffic graph_traffic(const std::string& config_file, const std::vector<std
 
   const CameraSettings camera = read_camera_settings(config.section("camera"));
   const auto source = make_camera_source(camera);
-  Scales scales;
+  Scales scales(source->calibration());
   std::vector<Utime> times;
   while (times.size() < images) {
     const auto event = source->next();
@@ -47,6 +59,8 @@ GraphTraffic graph_traffic(const std::string& config_file, const std::vector<std
     publish_event(scales, *event);
   }
   if (times.empty()) return traffic;
+  traffic.depths = scales.plausibility().depths().in_words();
+  traffic.doubts = scales.plausibility().findings();
   const auto largest = static_cast<std::size_t>(scales.counts().at("CAMERA").largest);
   traffic.largest = largest + largest / 2;
   if (times.back() > times.front())

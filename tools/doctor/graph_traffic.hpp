@@ -12,6 +12,8 @@ struct GraphTraffic {
   std::size_t largest = 300'000;  ///< bytes: VGA colour with depth
   double rate = 30;               ///< Hz
   std::string origin = "assumed: VGA with depth";
+  std::string depths;               ///< the depth images in words; empty where none were seen
+  std::vector<std::string> doubts;  ///< what looks wrong with images and calibration (rgbd/plausibility.hpp)
 };
 
 /// Measured on the first images of the configuration's own source, with half as much again for later

@@ -21,6 +21,8 @@ namespace lcmslam {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 using Level = Finding::Level;
 
 const std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=212992";
@@ -165,6 +167,8 @@ TEST(GraphTraffic, IsMeasuredOnTheImagesThatTheConfigurationWouldSend) {
   EXPECT_EQ(elsewhere.largest, 300'000U);
   EXPECT_THAT(elsewhere.origin, HasSubstr("assumed"));
   EXPECT_THROW(graph_traffic(demo, {"camera.simulation.scene=none.yaml"}), std::exception);
+  EXPECT_THAT(tof.doubts, IsEmpty());
+  EXPECT_THAT(tof.depths, HasSubstr(" m"));
 }
 
 /// What is found while a STATUS of that age is on the bus; `processes`: those to be launched. One that stops
@@ -193,6 +197,19 @@ Finding senders_beside(std::chrono::system_clock::duration age, std::vector<std:
   stop = true;
   other.join();
   return finding;
+}
+
+TEST(Doctor, SaysWhatLooksWrongWithTheImages) {
+  EXPECT_THAT(check_images({}), IsEmpty()) << "none were seen";
+  GraphTraffic traffic;
+  traffic.depths = "90 % of the pixels have a depth";
+  ASSERT_THAT(check_images(traffic), SizeIs(1));
+  EXPECT_EQ(check_images(traffic)[0].level, Finding::Level::good);
+  traffic.doubts = {"the mount", "the depth scale"};
+  const auto findings = check_images(traffic);
+  ASSERT_THAT(findings, SizeIs(2));
+  EXPECT_EQ(findings[1].level, Finding::Level::warning);
+  EXPECT_THAT(findings[1].text, HasSubstr("the depth scale"));
 }
 
 TEST(Doctor, NamesTheGraphThatRunsAlready) {
