@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 #include "tests/support/simulated_kitchen.hpp"
 #include "tests/unit/messages/wire_sample.hpp"
 
@@ -76,6 +77,54 @@ TEST_F(SurfNodeTest, PointsLieOnTheScene) {
   EXPECT_EQ(testing::value_of(node_, "with_depth"), static_cast<double>(distances.size()));
   std::sort(distances.begin(), distances.end());
   EXPECT_LT(distances[distances.size() / 2], 0.02);  // ToF noise and wiggle
+}
+
+double mean_x(const features_t& message) {
+  double sum = 0;
+  int points = 0;
+  for (const Feature& f : from_message(message).features)
+    if (f.kind == MeasurementKind::point) sum += f.point.x(), ++points;
+  EXPECT_GT(points, 50);
+  return sum / points;
+}
+
+TEST_F(SurfNodeTest, AChangedCalibrationIsTakenOver) {
+  camera_calibration_t calibration = kitchen_.calibration();
+  bus_.deliver("CAMERA_CALIBRATION", calibration);
+  bus_.deliver("CAMERA", kitchen_.frame(0));
+  calibration.colour.cx -= 50;  // pixels
+  bus_.deliver("CAMERA_CALIBRATION", calibration);
+  bus_.deliver("CAMERA", later(kitchen_.frame(0), 100'000));
+  const auto features = bus_.on<features_t>("FEATURES");
+  ASSERT_EQ(features.size(), 2U);
+  EXPECT_NEAR(from_message(features[1]).cx, calibration.colour.cx, 1e-6);
+  EXPECT_GT(std::abs(mean_x(features[1]) - mean_x(features[0])), 0.02);
+}
+
+// It is made of these features: what it errs by would come back.
+TEST_F(SurfNodeTest, DepthImagesAreMovedByWheelsAndNotByVisualOdometry) {
+  const auto mean_with = [&](const std::string& source) {
+    testing::TestBus bus;
+    bus.add<SurfNode>();
+    bus.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+    images_t frame = kitchen_.frame(0);
+    for (image_t& image : frame.images)  // the depth image is of 15 ms later
+      if (image.pixelformat != image_t::PIXEL_FORMAT_MJPEG) image.utime = frame.utime + 15'000;
+    for (int i = 0; i < 3; ++i) {
+      const Utime utime = frame.utime + (i - 1) * 50'000;
+      MotionSample sample;
+      sample.utime = utime;
+      sample.T_odom_robot = planar_pose(0, 0, 2 * i * 0.05);
+      if (!source.empty()) bus.deliver("ODOMETRY", to_message(sample, source));
+    }
+    bus.deliver("CAMERA", frame);
+    const auto features = bus.on<features_t>("FEATURES");
+    EXPECT_EQ(features.size(), 1U);
+    return features.empty() ? 0 : mean_x(features.front());
+  };
+  const double still = mean_with("");
+  EXPECT_GT(std::abs(mean_with("wheels") - still), 0.005);
+  EXPECT_EQ(mean_with("visual"), still);
 }
 
 TEST_F(SurfNodeTest, BadImageBytesAreCountedAndTheNextFrameIsUsed) {
