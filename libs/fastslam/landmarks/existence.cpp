@@ -100,7 +100,7 @@ std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vect
     const Feature& f = feature_of(frame, points[p]);
     ++occupied[grid.cell(f.x, f.y)];
   }
-  if (static_cast<int>(matches.size()) >= settings.maximum_observations) {
+  if (static_cast<int>(matches.size()) >= settings.maximum_observations / 2) {
     const Visibility visibility(frame, points, T_world_robot);
     for (const VisibleLandmark& landmark : visible)
       if (!matched[static_cast<std::size_t>(landmark.slot)] && index.alive(landmark.slot) &&

@@ -15,7 +15,7 @@ struct KnownPlace : AssociationScene {
   explicit KnownPlace(std::uint64_t seed) : AssociationScene(seed) {
     const std::vector<LandmarkMatch> all = match(usable);
     for (std::size_t i = 0; i < all.size(); i += 2) matches.push_back(all[i]);
-    settings.maximum_observations = static_cast<int>(matches.size());
+    settings.maximum_observations = 2 * static_cast<int>(matches.size());
     settings.cell_capacity = 1;
   }
 
@@ -37,7 +37,7 @@ TEST(NewLandmarks, AreFewWhereAFormerVisitLeftSome) {
     EXPECT_GT(first_visit, 10U);
     EXPECT_LT(2 * place.births(30), first_visit);
     // A robot that recognises little needs what it can get.
-    ++place.settings.maximum_observations;
+    place.settings.maximum_observations += 2;
     EXPECT_EQ(place.births(30), first_visit);
   }
 }
