@@ -4,7 +4,10 @@ add_library(lcmslam_options INTERFACE)
 # not installed has the tree as its root: "procs/surf/surf_node.hpp".
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/include)
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/libs ${CMAKE_BINARY_DIR}/include/lcmslam SYMBOLIC)
-target_compile_options(lcmslam_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror)
+target_compile_options(lcmslam_options INTERFACE -Wall -Wextra -Wconversion -Wshadow)
+if(NOT LCMSLAM_SANITIZE)  # with sanitizers GCC 12 warns of what is not so, in std::regex for one
+  target_compile_options(lcmslam_options INTERFACE -Werror)
+endif()
 # Identical floating-point results whatever the compiler fuses: batch runs are compared byte for byte.
 target_compile_options(lcmslam_options INTERFACE -ffp-contract=off)
 # Messages that name a source file name it from the root of the tree, wherever that stood.
