@@ -88,10 +88,11 @@ function(lcmslam_library name)
 endfunction()
 
 # lcmslam_vectorise(FILE... [OPTIONS -f...]): row loops that the compiler vectorises at -O3; the sanitizer and debug
-# presets keep their own level. No exception flags of floating point are looked at: without them comparisons
-# vectorise too; results keep their bits.
+# presets keep their own level, but there too these files stay out of batches. No exception flags of floating point are
+# looked at: without them comparisons vectorise too; results keep their bits.
 function(lcmslam_vectorise)
   cmake_parse_arguments(ARG "" "" "OPTIONS" ${ARGN})
+  set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT LCMSLAM_SANITIZE)
     set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} PROPERTIES COMPILE_OPTIONS "-O3;-fno-trapping-math;${ARG_OPTIONS}")
     if(ARG_OPTIONS)
