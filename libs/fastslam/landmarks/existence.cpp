@@ -93,20 +93,25 @@ std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vect
   const ImageGrid grid(frame);
   std::array<int, ImageGrid::cell_count> occupied{};
   std::vector<char> taken(points.size(), 0), matched(static_cast<std::size_t>(index.slots()), 0);
+  const auto is_of_former_visit = [&](int slot) { return frame.utime - index.record(slot).born > long_ago; };
+  const int half = settings.maximum_observations / 2;
+  int recognised = 0;
   for (const LandmarkMatch& match : matches) {
     const auto p = static_cast<std::size_t>(match.point);
     taken[p] = 1;
     matched[static_cast<std::size_t>(match.slot)] = 1;
+    if (is_of_former_visit(match.slot)) ++recognised;
     const Feature& f = feature_of(frame, points[p]);
     ++occupied[grid.cell(f.x, f.y)];
   }
-  if (static_cast<int>(matches.size()) >= settings.maximum_observations / 2) {
+  if (static_cast<int>(matches.size()) >= half) {
     const Visibility visibility(frame, points, T_world_robot);
     for (const VisibleLandmark& landmark : visible)
       if (!matched[static_cast<std::size_t>(landmark.slot)] && index.alive(landmark.slot) &&
-          frame.utime - index.record(landmark.slot).born > long_ago && visibility.is_free(landmark))
+          is_of_former_visit(landmark.slot) && visibility.is_free(landmark))
         ++occupied[visibility.cell(landmark)];
   }
+  const int capacity = recognised >= half ? 1 : settings.cell_capacity;
   std::vector<int> chosen;
   std::set<std::int32_t> identities;  // one may be read twice in a frame
   for (std::size_t p = 0; p < points.size(); ++p) {
@@ -119,7 +124,7 @@ std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vect
       continue;
     const Feature& f = feature_of(frame, points[p]);
     int& here = occupied[grid.cell(f.x, f.y)];
-    if (here >= settings.cell_capacity) continue;
+    if (here >= capacity) continue;
     ++here;
     chosen.push_back(static_cast<int>(p));
   }

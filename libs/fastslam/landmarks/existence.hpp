@@ -24,7 +24,8 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
 /// nothing, where the image has fewer than settings.cell_capacity landmarks in a cell; and all known
 /// identities that have no landmark yet. Where the frame matches half as many landmarks as the filter uses at
 /// most, landmarks of a former visit that are in view count in their cell whether they match or not: who
-/// comes by again and again would make new ones each time, and the map would grow.
+/// comes by again and again would make new ones each time, and the map would grow. Where so many are of a
+/// former visit, one in a cell is enough.
 std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
                                       const std::vector<VisibleLandmark>& visible,
                                       const std::vector<LandmarkMatch>& matches, const LandmarkIndex& index,

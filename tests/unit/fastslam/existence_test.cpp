@@ -42,6 +42,17 @@ TEST(NewLandmarks, AreFewWhereAFormerVisitLeftSome) {
   }
 }
 
+TEST(NewLandmarks, OneInACellIsEnoughInAKnownPlace) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    KnownPlace place(seed);
+    const std::size_t first_visit = place.births(10), later = place.births(30);
+    place.settings.cell_capacity = 3;
+    EXPECT_GT(place.births(10), first_visit);
+    EXPECT_EQ(place.births(30), later);
+  }
+}
+
 TEST(NewLandmarks, LandmarksBehindWhatIsSeenTakeNoRoom) {
   KnownPlace place(2);
   const std::size_t first_visit = place.births(10);
