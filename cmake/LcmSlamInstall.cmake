@@ -62,5 +62,6 @@ function(lcmslam_install_package)
   install(EXPORT lcmslamTargets NAMESPACE lcmslam:: DESTINATION ${LCMSLAM_CMAKE_FOLDER} COMPONENT development)
   install(FILES ${folder}/lcmslamConfig.cmake ${folder}/lcmslamConfigVersion.cmake cmake/LcmSlamPackages.cmake
                 cmake/Findlcm.cmake cmake/Findlibdeflate.cmake cmake/Findlz4.cmake
+                cmake/Findsodium.cmake
           DESTINATION ${LCMSLAM_CMAKE_FOLDER} COMPONENT development)
 endfunction()

@@ -4,7 +4,8 @@ add_library(lcmslam_options INTERFACE)
 # not installed has the tree as its root: "procs/surf/surf_node.hpp".
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/include)
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/libs ${CMAKE_BINARY_DIR}/include/lcmslam SYMBOLIC)
-target_compile_options(lcmslam_options INTERFACE -Wall -Wextra -Wconversion -Wshadow)
+target_compile_options(lcmslam_options INTERFACE -Wall -Wextra -Wconversion
+                       $<IF:$<BOOL:$<TARGET_PROPERTY:LCMSLAM_SHADOW_LOCAL>>,-Wshadow=local,-Wshadow>)
 if(NOT LCMSLAM_SANITIZE)  # with sanitizers GCC 12 warns of what is not so, in std::regex for one
   target_compile_options(lcmslam_options INTERFACE -Werror)
 endif()
@@ -122,7 +123,8 @@ function(lcmslam_precompile_tests)
                      <filesystem> <fstream> <limits> <map> <memory> <optional> <set> <sstream> <string> <vector>)
 endfunction()
 
-# lcmslam_test(surf DEPENDS ... [FOLDER folder] [LABELS ...]): every .cpp of tests/unit/surf -> test_surf, known to ctest.
+# lcmslam_test(surf DEPENDS ... [FOLDER folder] [LABELS ...]): every .cpp of tests/unit/surf -> test_surf, whose
+# suites ctest knows.
 function(lcmslam_test name)
   cmake_parse_arguments(ARG "" "FOLDER" "DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_FOLDER)
@@ -132,17 +134,21 @@ function(lcmslam_test name)
   if(NOT sources)
     return()
   endif()
-  set(labels "")
-  if(ARG_LABELS)
-    set(labels LABELS ${ARG_LABELS})
-  endif()
   add_executable(test_${name} ${sources})
   target_link_libraries(test_${name} PRIVATE lcmslam_options ${ARG_DEPENDS} Eigen3::Eigen GTest::gmock GTest::gtest_main)
   target_compile_definitions(test_${name} PRIVATE LCMSLAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # they are built more often than run
   lcmslam_precompile(test_${name} REUSE_FROM lcmslam_precompiled_tests)
+  lcmslam_batch(test_${name})
+  # A local name may be that of a helper in another file of the batch.
+  set_target_properties(test_${name} PROPERTIES LCMSLAM_SHADOW_LOCAL "${LCMSLAM_UNITY}")
+  if(LCMSLAM_SANITIZE)  # checks of each reference in the tests' own lines take a third of their compilation
+    target_compile_options(test_${name} PRIVATE -fno-sanitize=null,alignment)
+  endif()
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR})
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
-                       PROPERTIES TIMEOUT 300 ${labels})
+  set(suites ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
+  file(GENERATE OUTPUT ${suites} CONTENT
+       "include(\"${CMAKE_SOURCE_DIR}/cmake/LcmSlamTestSuites.cmake\")
+lcmslam_add_suites(\"$<TARGET_FILE:test_${name}>\" ${name} ${ARG_LABELS})\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${suites})
 endfunction()
-include(GoogleTest)

@@ -27,6 +27,7 @@ _SYNC = bytes.fromhex("EDA1DA01")
 _HEADER = 28              # bytes: sync word, number, time, lengths of channel and data; big-endian
 _LONGEST_CHANNEL = 999
 _LARGEST_MESSAGE = 1 << 28
+_SEAL_MARK, _SEAL = b"LCMSEAL1", 40  # trailer: mark, int64 sender, int64 time, 16 bytes of hash
 _MOST_WAITING = 8         # messages of which pieces are missing
 
 
@@ -62,8 +63,9 @@ class Log:
         return dict(collections.Counter(event.channel for event in self.events))
 
     def data(self, event):
-        """The bytes of an event's message."""
-        return self._bytes[event.begin:event.end]
+        """The bytes of an event's message, without the seal (docs/LCM.md) that it may carry."""
+        data = self._bytes[event.begin:event.end]
+        return data[:-_SEAL] if data[-_SEAL:][:len(_SEAL_MARK)] == _SEAL_MARK else data
 
     def messages(self, *channels):
         """Message after message of these channels (all, if none is named) in the file's order, those in pieces

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include <lcmslam/log/seal_trailer.hpp>
+
 namespace lcmslam::log_format {
 namespace {
 
@@ -56,11 +58,12 @@ std::optional<Header> header_at(Bytes bytes, std::uint64_t offset) {
 
 LogEventView view(Bytes bytes, const Header& header) {
   const std::uint8_t* channel = bytes.data + header.offset + header_size;
+  const std::uint8_t* data = channel + header.channel_size;
   return {header.number,
           header.timestamp,
           {reinterpret_cast<const char*>(channel), header.channel_size},
-          channel + header.channel_size,
-          header.data_size,
+          data,
+          seal::size_within(data, header.data_size),
           header.offset};
 }
 

@@ -43,7 +43,7 @@ std::uint64_t find_sync(Bytes bytes, std::uint64_t from, std::uint64_t to);
 /// The header at this place if it is sane: sync word, lengths within the limits, no NUL in the channel.
 std::optional<Header> header_at(Bytes bytes, std::uint64_t offset);
 
-/// The event of a header whose bytes are all there.
+/// The event of a header whose bytes are all there; its data without the seal that they may carry.
 LogEventView view(Bytes bytes, const Header& header);
 
 /// Writes the 28 bytes.

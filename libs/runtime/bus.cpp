@@ -4,7 +4,9 @@
 #include <unistd.h>
 #include <stdexcept>
 
+#include <lcmslam/runtime/bus_key.hpp>
 #include <lcmslam/runtime/lcm_reader.hpp>
+#include <lcmslam/runtime/sealed_reader.hpp>
 #include <lcmslam/runtime/udpm/udpm_reader.hpp>
 
 namespace lcmslam {
@@ -55,6 +57,7 @@ const std::string& quietly(const std::string& url, const QuietErrors&) {
 LcmBus::LcmBus(const std::string& lcm_url) : url_(checked(lcm_url)), lcm_(quietly(lcm_url, QuietErrors())) {
   multicast_address(lcm_url);
   udpm::allowed_networks();
+  bus_key();
 }
 
 bool LcmBus::usable() {
@@ -62,10 +65,15 @@ bool LcmBus::usable() {
 }
 
 std::unique_ptr<BusReader> LcmBus::listen(const ChannelSet& channels) {
-  if (!is_udpm(url_)) return std::make_unique<LcmReader>(lcm_, channels);
-  const MulticastAddress address = multicast_address(url_);
-  return std::make_unique<udpm::UdpmReader>(address, channels,
-                                            udpm::SourceFilter(address.ttl, udpm::allowed_networks()));
+  std::unique_ptr<BusReader> reader;
+  if (is_udpm(url_)) {
+    const MulticastAddress address = multicast_address(url_);
+    udpm::SourceFilter filter(address.ttl, udpm::allowed_networks());
+    reader = std::make_unique<udpm::UdpmReader>(address, channels, std::move(filter));
+  } else {
+    reader = std::make_unique<LcmReader>(lcm_, channels);
+  }
+  return std::make_unique<SealedReader>(std::move(reader), bus_key());
 }
 
 }  // namespace lcmslam

@@ -11,7 +11,8 @@ namespace lcmslam {
 
 class LcmBus {
  public:
-  /// Throws std::invalid_argument when the URL or LCMSLAM_BUS_ALLOW is not understood, and for mpudpm.
+  /// Throws std::invalid_argument when the URL, LCMSLAM_BUS_ALLOW or LCMSLAM_BUS_KEY is not understood, and
+  /// for mpudpm.
   explicit LcmBus(const std::string& lcm_url);
 
   /// Whether messages can be sent and received. A tcpq bus without its server is "good" but has no

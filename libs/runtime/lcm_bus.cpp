@@ -38,7 +38,9 @@ std::size_t largest_whole_message(const std::string& lcm_url) {
 }
 
 BusSender::BusSender(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole)
-    : lcm_(lcm), sender_(sender), largest_whole_(largest_whole) {}
+    : lcm_(lcm), sender_(sender), largest_whole_(largest_whole) {
+  if (const auto key = bus_key()) sealer_.emplace(*key, draw_sender());
+}
 
 void BusSender::send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) {
   if (bytes.size() <= std::max(largest_whole_, part_size)) return publish(channel, bytes);
@@ -52,7 +54,8 @@ void BusSender::send(const std::string& channel, const std::vector<std::uint8_t>
   ++split_;
 }
 
-void BusSender::publish(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+void BusSender::publish(const std::string& channel, std::vector<std::uint8_t> bytes) {
+  if (sealer_) sealer_->seal(channel, bytes, std::chrono::system_clock::now());
   if (lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
     spdlog::error("{}: LCM could not send {} bytes", channel, bytes.size());
 }

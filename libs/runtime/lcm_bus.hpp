@@ -12,6 +12,7 @@
 #include <lcmslam/runtime/bus.hpp>
 #include <lcmslam/runtime/inputs.hpp>
 #include <lcmslam/runtime/publisher.hpp>
+#include <lcmslam/runtime/seal.hpp>
 
 namespace lcmslam {
 
@@ -22,7 +23,8 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 /// the kernel counts more than the payload. Without UDP there is no limit.
 std::size_t largest_whole_message(const std::string& lcm_url);
 
-/// Puts bytes on the bus: as they are where receivers can hold them, else in paced pieces.
+/// Puts bytes on the bus: as they are where receivers can hold them, else in paced pieces; sealed where the
+/// bus has a key.
 class BusSender {
  public:
   /// Messages above `largest_whole` bytes go in pieces; see largest_whole_message().
@@ -38,11 +40,12 @@ class BusSender {
   struct Numbers {
     std::int64_t messages = 0, parts = 0;
   };
-  void publish(const std::string& channel, const std::vector<std::uint8_t>& bytes);
+  void publish(const std::string& channel, std::vector<std::uint8_t> bytes);
 
   lcm::LCM& lcm_;
   std::int64_t sender_;
   std::size_t largest_whole_;
+  std::optional<Sealer> sealer_;
   std::map<std::string, Numbers> numbers_;
   std::int64_t split_ = 0;
 };

@@ -16,7 +16,9 @@ const char* describe(Refusal refusal) {
       "fragment without data",
       "data beyond the end of their message",
       "fragments contradict each other",
-      "fragments missing"};
+      "fragments missing",
+      "without the seal of this bus's key",
+      "sealed before"};
   return words[static_cast<std::size_t>(refusal)];
 }
 
@@ -24,8 +26,13 @@ std::int64_t Refusals::foreign() const {
   return of(Refusal::foreign) + of(Refusal::not_group);
 }
 
+std::int64_t Refusals::unsealed() const {
+  return of(Refusal::unsealed) + of(Refusal::replayed);
+}
+
 std::int64_t Refusals::malformed() const {
-  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0}) - foreign() - incomplete();
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0}) - foreign() - unsealed() -
+         incomplete();
 }
 
 std::string Refusals::text() const {
@@ -34,6 +41,7 @@ std::string Refusals::text() const {
     if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
   };
   add(foreign(), "packets of strangers (last " + last_stranger + ")");
+  add(unsealed(), "messages not sealed by this bus's key (last on " + last_unsealed + ")");
   add(malformed(), "malformed (" + last_malformed + ")");
   add(incomplete(), "messages lacked fragments");
   return text;

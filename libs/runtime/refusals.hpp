@@ -21,8 +21,10 @@ enum class Refusal : std::size_t {
   beyond_end,       ///< data that reach beyond the end of their message
   contradiction,    ///< fragments that disagree about their message, overlap or leave holes
   incomplete,       ///< a message given up because fragments were missing
+  unsealed,         ///< a message without the seal of this bus's key (seal.hpp)
+  replayed,         ///< sealed, but not for the first time here, or too long ago
 };
-constexpr std::size_t refusal_kinds = 11;
+constexpr std::size_t refusal_kinds = 13;
 
 /// In words.
 const char* describe(Refusal refusal);
@@ -31,14 +33,17 @@ struct Refusals {
   std::array<std::int64_t, refusal_kinds> counts{};
   std::string last_stranger;   ///< "10.0.0.7:4711", of the last datagram that was foreign or not_group
   std::string last_malformed;  ///< why, in words
+  std::string last_unsealed;   ///< channel of the last message that was unsealed or replayed
 
   std::int64_t of(Refusal refusal) const { return counts[static_cast<std::size_t>(refusal)]; }
   /// foreign and not_group.
   std::int64_t foreign() const;
-  /// All that is neither foreign nor incomplete.
+  /// unsealed and replayed.
+  std::int64_t unsealed() const;
+  /// All that is none of the others.
   std::int64_t malformed() const;
   std::int64_t incomplete() const { return of(Refusal::incomplete); }
-  bool any() const { return foreign() + malformed() + incomplete() > 0; }
+  bool any() const { return foreign() + unsealed() + malformed() + incomplete() > 0; }
 
   /// "3 packets of strangers (last 10.0.0.7:4711), 1 malformed (no datagram of LCM)": what is not 0; empty
   /// when nothing was refused.

@@ -142,6 +142,7 @@ status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs,
   for (const auto& [name, value] : node.values) add_value(name, value);
   const Refusals refusals = receiver.refusals();
   add_value("bus_foreign", static_cast<double>(refusals.foreign()));
+  add_value("bus_unsealed", static_cast<double>(refusals.unsealed()));
   add_value("bus_malformed", static_cast<double>(refusals.malformed()));
   add_value("bus_incomplete", static_cast<double>(refusals.incomplete()));
   s.n_inputs = static_cast<int32_t>(s.inputs.size());

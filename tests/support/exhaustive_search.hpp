@@ -9,7 +9,7 @@
 namespace lcmslam {
 
 /// In the cube of +-side.
-inline Eigen::Vector3f random_point(Random& random, double side) {
+inline Eigen::Vector3f random_point_within(Random& random, double side) {
   const double x = random.uniform(-side, side);
   const double y = random.uniform(-side, side);
   const double z = random.uniform(-side, side);

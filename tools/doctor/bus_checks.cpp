@@ -56,7 +56,8 @@ class Listener {
         running.erase(process);  // its last word: a graph that ends while we listen is in nobody's way
       } else {
         running[process] = status.process;
-        refused[process] = status_value(status, "bus_foreign") + status_value(status, "bus_malformed");
+        refused[process] = status_value(status, "bus_foreign") + status_value(status, "bus_unsealed") +
+                           status_value(status, "bus_malformed");
       }
     } catch (const DecodeError&) {
     }

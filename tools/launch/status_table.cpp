@@ -66,8 +66,11 @@ std::string quality(const status_t& status) {
 std::string trouble(const std::string& process, const status_t& status) {
   std::string text;
   const double foreign = status_value(status, "bus_foreign");
+  const double unsealed = status_value(status, "bus_unsealed");
   const double malformed = status_value(status, "bus_malformed");
   const double incomplete = status_value(status, "bus_incomplete");
+  if (unsealed > 0)
+    text += fmt::format("  {} <- bus: {:.0f} messages that are not sealed by its key\n", process, unsealed);
   if (foreign + malformed + incomplete > 0)
     text += fmt::format(
         "  {} <- bus: {:.0f} packets of strangers, {:.0f} malformed, {:.0f} messages lacked "

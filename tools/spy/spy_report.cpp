@@ -100,6 +100,7 @@ std::string spy_json(const SpyReport& report) {
                      {"kernel_drops", report.socket.kernel_drops},
                      {"dropped", report.dropped},
                      {"refused_foreign", report.refusals.foreign()},
+                     {"refused_unsealed", report.refusals.unsealed()},
                      {"refused_malformed", report.refusals.malformed()},
                      {"incomplete", report.refusals.incomplete()}};
   return json.dump() + "\n";

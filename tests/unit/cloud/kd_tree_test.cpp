@@ -17,11 +17,11 @@ TEST(KdTree, FindsTheNearest) {
     SCOPED_TRACE(seed);
     Random random(seed);
     std::vector<Eigen::Vector3f> points;
-    for (int i = 0; i < 700; ++i) points.push_back(random_point(random, 1));
+    for (int i = 0; i < 700; ++i) points.push_back(random_point_within(random, 1));
     for (int i = 0; i < 50; ++i) points.push_back(points[static_cast<std::size_t>(i)]);  // duplicates
     const KdTree tree(points);
     for (int i = 0; i < 500; ++i) {
-      const Eigen::Vector3f query = random_point(random, 1.3);
+      const Eigen::Vector3f query = random_point_within(random, 1.3);
       const float max_distance = static_cast<float>(random.uniform(0, 0.5));
       EXPECT_EQ(tree.nearest(query, max_distance).index, nearest_by_exhaustion(points, query, max_distance));
     }
@@ -31,9 +31,9 @@ TEST(KdTree, FindsTheNearest) {
 TEST(KdTree, FindsTheNearestFewInOrder) {
   Random random(6);
   std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < 500; ++i) points.push_back(random_point(random, 1));
+  for (int i = 0; i < 500; ++i) points.push_back(random_point_within(random, 1));
   const KdTree tree(points);
-  const Eigen::Vector3f query = random_point(random, 1);
+  const Eigen::Vector3f query = random_point_within(random, 1);
   std::vector<float> distances;
   for (const auto& p : points) distances.push_back((p - query).squaredNorm());
   std::sort(distances.begin(), distances.end());

@@ -53,12 +53,12 @@ struct Mapper {
   }
 };
 
-ConfigNode parse(const std::string& text) {
+ConfigNode read_text(const std::string& text) {
   return ConfigNode::parse(text, "icp.yaml");
 }
 
 Mapper read(const std::string& text) {
-  const ConfigNode config = parse(text);
+  const ConfigNode config = read_text(text);
   Mapper mapper = read_settings<Mapper>(config);
   config.finish();
   return mapper;
@@ -90,7 +90,7 @@ TEST(ReadSettings, KeysThatAreAbsentKeepTheDefaultsOfTheCaller) {
   Mapper defaults;
   defaults.points = 3;
   defaults.seed = (std::uint64_t{1} << 60) + 1;
-  const Mapper m = read_settings(parse("{enabled: false}"), defaults);
+  const Mapper m = read_settings(read_text("{enabled: false}"), defaults);
   EXPECT_EQ(m.points, 3);
   EXPECT_EQ(m.seed, defaults.seed);
   EXPECT_EQ(m.metric, Metric::plane);

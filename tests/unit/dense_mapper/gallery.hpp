@@ -8,6 +8,8 @@
 
 namespace lcmslam {
 
+inline constexpr Utime one_second = 1'000'000;  // us
+
 /// A long wall of things: each has a descriptor of its own and a surface.
 class Gallery {
  public:

@@ -21,14 +21,14 @@ TEST(VoxelMap, FindsTheNearestSurfelAtAnyDistance) {
   VoxelMap map(settings);
   Cloud cloud;
   for (int i = 0; i < 2000; ++i) {
-    cloud.points.push_back(random_point(random, 1));
+    cloud.points.push_back(random_point_within(random, 1));
     cloud.normals.push_back(Eigen::Vector3f::UnitZ());
   }
   map.insert(cloud, Eigen::Vector3d::Zero());
   const Cloud surfels = map.cloud();
   ASSERT_EQ(surfels.size(), map.size());
   for (int i = 0; i < 1000; ++i) {
-    const Eigen::Vector3f query = random_point(random, 1.4);
+    const Eigen::Vector3f query = random_point_within(random, 1.4);
     const float max_distance = static_cast<float>(random.uniform(0, 0.9));
     const int expected = nearest_by_exhaustion(surfels.points, query, max_distance);
     TargetPoint found;

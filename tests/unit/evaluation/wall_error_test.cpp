@@ -19,7 +19,7 @@ std::vector<WallTriangle> walls() {
   return all;
 }
 
-class Walls : public testing::Test {
+class Walls : public ::testing::Test {
  protected:
   // The wall ahead, `offset` (m) before its place with noise.
   void see(double seconds, double offset, double noise = 0.004, double from_y = -1.9, double to_y = 1.9) {

@@ -12,9 +12,9 @@ namespace {
 constexpr Utime smoothing_time = 2'000'000;  // us
 
 // A robot drives a circle among points and sees them all; the filter's estimate drifts.
-class Drive {
+class SmoothedDrive {
  public:
-  explicit Drive(const FastSlamSettings& settings) : smoothing(settings) {
+  explicit SmoothedDrive(const FastSlamSettings& settings) : smoothing(settings) {
     Random random(2);
     for (int i = 0; i < 30; ++i)
       landmarks_.emplace_back(random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(0, 2));
@@ -56,7 +56,7 @@ class Drive {
 };
 
 TEST(BackgroundMapSmoothing, IsDueTwoSecondsAfterTheRequestOnce) {
-  Drive drive{FastSlamSettings()};
+  SmoothedDrive drive{FastSlamSettings()};
   EXPECT_FALSE(drive.smoothing.begin_on_request());  // no path yet
   for (int i = 0; i < 20; ++i) drive.step();
   EXPECT_TRUE(drive.smoothing.begin_on_request());
@@ -77,7 +77,7 @@ TEST(BackgroundMapSmoothing, IsDueTwoSecondsAfterTheRequestOnce) {
 
 // The drift of the filter's estimate, which the observations contradict, is taken away.
 TEST(BackgroundMapSmoothing, CorrectsTheNewestKeyframe) {
-  Drive drive{FastSlamSettings()};
+  SmoothedDrive drive{FastSlamSettings()};
   for (int i = 0; i < 20; ++i) drive.step();
   const auto smoothing = drive.smoothing.smooth();
   ASSERT_TRUE(smoothing);
@@ -91,7 +91,7 @@ TEST(BackgroundMapSmoothing, AClosedLoopBeginsItWhereTheSettingsWantThat) {
   for (const bool wanted : {false, true}) {
     FastSlamSettings settings;
     settings.bend_closed_loops = wanted;
-    Drive drive(settings);
+    SmoothedDrive drive(settings);
     for (int i = 0; i < 10; ++i) drive.step();
     drive.step(true, TrackStatus::relocalised);
     EXPECT_FALSE(drive.smoothing.requested());
@@ -104,7 +104,7 @@ TEST(BackgroundMapSmoothing, AClosedLoopBeginsItWhereTheSettingsWantThat) {
 }
 
 TEST(BackgroundMapSmoothing, EndsForGoodWhereThePlaneIsMeasuredButWhatRunsIsTakenOver) {
-  Drive drive{FastSlamSettings()};
+  SmoothedDrive drive{FastSlamSettings()};
   for (int i = 0; i < 10; ++i) drive.step();
   drive.smoothing.begin_on_request();
   EXPECT_TRUE(drive.smoothing.active());

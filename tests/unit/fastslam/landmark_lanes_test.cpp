@@ -28,9 +28,9 @@ Eigen::Isometry3d any_pose(Random& random) {
 }
 
 // Landmarks that four particles saw, and what they see of them now. Some are off by many sigma.
-struct Scene {
+struct LanesScene {
   // `mixed`: also measurements in the plane.
-  explicit Scene(std::uint64_t seed, bool mixed = false, int count = 25) : random(seed) {
+  explicit LanesScene(std::uint64_t seed, bool mixed = false, int count = 25) : random(seed) {
     for (auto& T : poses) T = any_pose(random);
     for (int i = 0; i < count; ++i) {
       Measurement z;
@@ -71,7 +71,7 @@ void expect_near(const CompactLandmark& a, const CompactLandmark& b) {
 TEST(LandmarkLanes, LearnAsOneParticleDoes) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
-    const Scene scene(seed);
+    const LanesScene scene(seed);
     constexpr double added = 1e-6;
     std::vector<LearnedLanes> learned;
     learn_points(scene.measurements, scene.landmarks, scene.poses, added, learned);
@@ -94,7 +94,7 @@ TEST(LandmarkLanes, LearnAsOneParticleDoes) {
 TEST(LandmarkLanes, MakeAsOneParticleDoes) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
-    const Scene scene(seed);
+    const LanesScene scene(seed);
     std::vector<CompactLanes> made;
     make_points(scene.measurements, scene.poses, made);
     ASSERT_EQ(made.size(), scene.measurements.size());
@@ -112,7 +112,7 @@ TEST(LandmarkLanes, NeitherNeighboursNorProcessorChangeABit) {
     for (const bool planar : {false, true}) {
       SCOPED_TRACE(seed);
       settings.planar = planar;
-      const Scene scene(seed, true);
+      const LanesScene scene(seed, true);
       const auto proposal = make_proposal(settings, Q);
       ObservedLanes observed;
       observed.measurements = scene.measurements;
@@ -157,7 +157,7 @@ template <int D>
 void check_normal_equations() {
   using Space = PoseSpace<D>;
   constexpr double huber = 2;
-  const Scene scene(3);
+  const LanesScene scene(3);
   std::vector<LaneSymmetric> weights;
   weigh_points(scene.measurements, scene.landmarks, scene.poses, weights);
   ProposalEquations<D> normal{};

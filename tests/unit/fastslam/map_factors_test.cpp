@@ -12,7 +12,7 @@
 namespace lcmslam {
 namespace {
 
-Eigen::Isometry3d random_pose(Random& random) {
+Eigen::Isometry3d random_normal_pose(Random& random) {
   Vector6d xi;
   for (int i = 0; i < 6; ++i) xi(i) = random.normal();
   return se3_exp(xi);
@@ -50,7 +50,7 @@ TEST(MapFactors, JacobiansAreThoseOfDifferencesWhereTheMotionFits) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    const Eigen::Isometry3d A = random_pose(random), B = random_pose(random);
+    const Eigen::Isometry3d A = random_normal_pose(random), B = random_normal_pose(random);
     const Matrix6d root = 3 * Matrix6d::Identity();
     const MotionError error(A, B, A.inverse() * B, root);
     expect_jacobians(error, {std::vector<double>(6, 0), std::vector<double>(6, 0)}, 1e-5);
@@ -61,7 +61,7 @@ TEST(MapFactors, JacobiansOfObservationsAreThoseOfDifferences) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    const Eigen::Isometry3d T = random_pose(random);
+    const Eigen::Isometry3d T = random_normal_pose(random);
     Measurement z;
     z.value = Eigen::Vector3d(random.normal(), random.normal(), random.normal());
     z.covariance.diagonal() << 0.04, 0.09, 0.25;

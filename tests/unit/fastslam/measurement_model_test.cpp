@@ -35,7 +35,7 @@ Eigen::Vector3d random_point(Random& random) {
   return {range * std::cos(bearing), range * std::sin(bearing), 0};
 }
 
-Eigen::Isometry3d random_pose(Random& random) {
+Eigen::Isometry3d random_planar_pose(Random& random) {
   return planar_pose(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-M_PI, M_PI));
 }
 
@@ -54,7 +54,7 @@ TEST(MeasurementModel, LandmarkJacobianIsTheNumericOne) {
   for (const MeasurementKind kind : kinds)
     for (std::uint64_t seed = 1; seed <= 30; ++seed) {
       Random random(seed);
-      const Eigen::Isometry3d T = random_pose(random);
+      const Eigen::Isometry3d T = random_planar_pose(random);
       const Eigen::Vector3d m = T * random_point(random);
       Eigen::Matrix3d numeric;
       for (int i = 0; i < 3; ++i) {
@@ -74,7 +74,7 @@ void expect_numeric_pose_jacobian() {
   for (const MeasurementKind kind : kinds)
     for (std::uint64_t seed = 1; seed <= 30; ++seed) {
       Random random(seed);
-      const Eigen::Isometry3d T = random_pose(random);
+      const Eigen::Isometry3d T = random_planar_pose(random);
       const Eigen::Vector3d m = T * random_point(random);
       const auto J = residual_jacobian<D>(kind, predict_measurement(m, T));
       for (int i = 0; i < D; ++i) {
@@ -106,7 +106,7 @@ TEST(MeasurementModel, NewLandmarkIsWhereItWasMeasuredWithThatNoise) {
   for (const MeasurementKind kind : kinds)
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       Random random(seed);
-      const Eigen::Isometry3d T = random_pose(random);
+      const Eigen::Isometry3d T = random_planar_pose(random);
       const Eigen::Vector3d truth = T * random_point(random);
       const Measurement z = make_measurement(kind, predict_measurement(kind, truth, T));
       const LandmarkGaussian m = make_landmark(z, T);
@@ -146,7 +146,7 @@ Measurement bearing_of(const Eigen::Vector3d& p, const Eigen::Isometry3d& T_robo
 TEST(BearingModel, JacobianIsNumeric) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
-    const Eigen::Isometry3d T_robot_camera = random_pose(random) * optical_axes();
+    const Eigen::Isometry3d T_robot_camera = random_planar_pose(random) * optical_axes();
     const BearingModel model{&T_robot_camera};
     const Eigen::Vector3d q(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.5, 4));
     const Eigen::Vector3d p = T_robot_camera * q;
@@ -199,7 +199,7 @@ TEST(BearingModel, ProposalUsesIt) {
   settings.huber_width = 1e6;
   const Eigen::Isometry3d T_robot_camera = Eigen::Translation3d(0.1, 0, 1) * optical_axes();
   Random random(3);
-  const Eigen::Isometry3d T = random_pose(random);
+  const Eigen::Isometry3d T = random_planar_pose(random);
   std::vector<ObservedLandmark> seen;
   for (int i = 0; i < 12; ++i) {
     const Eigen::Vector3d q(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 4));
@@ -227,7 +227,7 @@ TEST(MeasurementModel, PlanarSequenceEqualsClosedForm) {
     Eigen::Vector2d weighted = Eigen::Vector2d::Zero();
     LandmarkGaussian landmark;
     for (int i = 0; i < 30; ++i) {
-      const Eigen::Isometry3d T = random_pose(random);
+      const Eigen::Isometry3d T = random_planar_pose(random);
       Eigen::Vector3d value = T.inverse() * Eigen::Vector3d(2, -1, 0);
       value.head<2>() += 0.05 * Eigen::Vector2d(random.normal(), random.normal());
       Measurement z = make_measurement(MeasurementKind::planar, value);
@@ -273,7 +273,7 @@ TEST(MeasurementModel, PlanarCovarianceStaysSymmetricAndPositiveForMillionUpdate
   Measurement z = make_measurement(MeasurementKind::range_bearing, Eigen::Vector3d(5, 0.2, 0));
   z.covariance.topLeftCorner<2, 2>() = Eigen::Vector2d(1e-2, 1e-8).asDiagonal();  // very unequal
   std::vector<Eigen::Isometry3d> poses;
-  for (int i = 0; i < 64; ++i) poses.push_back(random_pose(random));
+  for (int i = 0; i < 64; ++i) poses.push_back(random_planar_pose(random));
   LandmarkGaussian landmark = make_landmark(z, planar_pose(20, 0, 1));
   for (int i = 0; i < 1'000'000; ++i) {
     const Eigen::Isometry3d& T = poses[static_cast<std::size_t>(i % 64)];

@@ -10,7 +10,7 @@
 namespace lcmslam {
 namespace {
 
-struct Scene {
+struct GroupScene {
   Eigen::Isometry3d T_robot_camera = optical_axes();
   std::vector<FeaturePoint> points;
   std::vector<LandmarkMatch> observed;
@@ -19,9 +19,9 @@ struct Scene {
 };
 
 // Points and bearings; each particle has the landmarks a little elsewhere, and stands a little elsewhere.
-Scene make_scene(int count) {
+GroupScene make_scene(int count) {
   Random random(4);
-  Scene scene;
+  GroupScene scene;
   for (int i = 0; i < 20; ++i) {
     FeaturePoint point;
     point.feature = i;
@@ -54,8 +54,8 @@ class SideBySide : public ::testing::TestWithParam<int> {};
 
 TEST_P(SideBySide, IsTheSameAsOneByOne) {
   const int count = GetParam();
-  Scene together = make_scene(count), alone = make_scene(count);
-  for (Scene* scene : {&together, &alone})
+  GroupScene together = make_scene(count), alone = make_scene(count);
+  for (GroupScene* scene : {&together, &alone})
     for (FeaturePoint& point : scene->points)
       if (point.is_bearing()) point.measurement.T_robot_camera = &scene->T_robot_camera;
   const FastSlamSettings settings;

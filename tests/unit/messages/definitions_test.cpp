@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string error_of(const std::string& text) {
+std::string error_in(const std::string& text) {
   try {
     parse_definitions({text});
     return {};
@@ -57,32 +57,32 @@ TEST(Definitions, FingerprintDependsOnMembersAndNotOnTheTypesName) {
 }
 
 TEST(Definitions, SyntaxErrorsAreNamed) {
-  EXPECT_THAT(error_of("structure a_t { }"), HasSubstr("got 'structure'"));
-  EXPECT_THAT(error_of("struct a_t { int32_t x; "), HasSubstr("ends early"));
-  EXPECT_THAT(error_of("struct a_t { int32_t x }"), HasSubstr("expected ';'"));
-  EXPECT_THAT(error_of("struct a_t int32_t x;"), HasSubstr("expected '{'"));
-  EXPECT_THAT(error_of("package p struct"), HasSubstr("expected ';'"));
-  EXPECT_THAT(error_of("struct a_t { const int32_t A = 1"), HasSubstr("ends early"));
-  EXPECT_THAT(error_of("struct a_t { byte x[n]; int32_t n; }"), HasSubstr("'n' is not a member before it"));
-  EXPECT_THAT(error_of("struct a_t { double n; byte x[n]; }"), HasSubstr("'n' is no integer"));
-  EXPECT_THAT(error_of("struct a_t { int8_t n[2]; byte x[n]; }"), HasSubstr("'n' is no integer"));
-  EXPECT_THAT(error_of("struct a_t { byte x[3; }"), HasSubstr("expected ']'"));
-  EXPECT_THAT(error_of("struct a_t { byte x[0]; }"), HasSubstr("no positive number"));
-  EXPECT_THAT(error_of("struct a_t { byte x[3x]; }"), HasSubstr("no positive number"));
-  EXPECT_THAT(error_of("struct a_t { byte x[99999999999999999999]; }"), HasSubstr("no positive number"));
-  EXPECT_THAT(error_of("struct a_t { b_t x; }"), HasSubstr("unknown type b_t"));
-  EXPECT_THAT(error_of("struct a_t { } struct a_t { }"), HasSubstr("a_t is defined twice"));
-  EXPECT_THAT(error_of("struct a_t { } /* open"), HasSubstr("comment is not closed"));
-  EXPECT_THAT(error_of("/*/ struct a_t { }"), HasSubstr("comment is not closed"));
+  EXPECT_THAT(error_in("structure a_t { }"), HasSubstr("got 'structure'"));
+  EXPECT_THAT(error_in("struct a_t { int32_t x; "), HasSubstr("ends early"));
+  EXPECT_THAT(error_in("struct a_t { int32_t x }"), HasSubstr("expected ';'"));
+  EXPECT_THAT(error_in("struct a_t int32_t x;"), HasSubstr("expected '{'"));
+  EXPECT_THAT(error_in("package p struct"), HasSubstr("expected ';'"));
+  EXPECT_THAT(error_in("struct a_t { const int32_t A = 1"), HasSubstr("ends early"));
+  EXPECT_THAT(error_in("struct a_t { byte x[n]; int32_t n; }"), HasSubstr("'n' is not a member before it"));
+  EXPECT_THAT(error_in("struct a_t { double n; byte x[n]; }"), HasSubstr("'n' is no integer"));
+  EXPECT_THAT(error_in("struct a_t { int8_t n[2]; byte x[n]; }"), HasSubstr("'n' is no integer"));
+  EXPECT_THAT(error_in("struct a_t { byte x[3; }"), HasSubstr("expected ']'"));
+  EXPECT_THAT(error_in("struct a_t { byte x[0]; }"), HasSubstr("no positive number"));
+  EXPECT_THAT(error_in("struct a_t { byte x[3x]; }"), HasSubstr("no positive number"));
+  EXPECT_THAT(error_in("struct a_t { byte x[99999999999999999999]; }"), HasSubstr("no positive number"));
+  EXPECT_THAT(error_in("struct a_t { b_t x; }"), HasSubstr("unknown type b_t"));
+  EXPECT_THAT(error_in("struct a_t { } struct a_t { }"), HasSubstr("a_t is defined twice"));
+  EXPECT_THAT(error_in("struct a_t { } /* open"), HasSubstr("comment is not closed"));
+  EXPECT_THAT(error_in("/*/ struct a_t { }"), HasSubstr("comment is not closed"));
 }
 
 TEST(Definitions, NoCutOfADefinitionCrashes) {
   const std::string text =
       "package p; /* c */ struct a_t { const int8_t C = 1; int32_t n; // n\n double x[n][3]; string s; }";
   std::size_t accepted = 0;
-  for (std::size_t size = 0; size <= text.size(); ++size) accepted += error_of(text.substr(0, size)).empty();
+  for (std::size_t size = 0; size <= text.size(); ++size) accepted += error_in(text.substr(0, size)).empty();
   EXPECT_LT(accepted, 25U);  // the whole, and what ends between comment, package and struct
-  EXPECT_EQ(error_of(text), "");
+  EXPECT_EQ(error_in(text), "");
 }
 
 TEST(Definitions, TypeThatContainsItselfIsWalkedNoDeeperThanItsLimit) {

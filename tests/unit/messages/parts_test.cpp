@@ -63,7 +63,7 @@ TEST(Parts, SendersAndChannelsDoNotMixAndTwicePiecesDoNoHarm) {
       if (i == 2 && part == &of_a[i] && wholes.size() == 3) break;  // it would begin the message anew
       if (auto whole = assembler.add(*part)) wholes.push_back(whole->bytes);
     }
-  EXPECT_THAT(wholes, testing::ElementsAre(a, b, c));
+  EXPECT_THAT(wholes, ::testing::ElementsAre(a, b, c));
 }
 
 TEST(Parts, AMissingPieceCostsItsMessageAndIsCounted) {

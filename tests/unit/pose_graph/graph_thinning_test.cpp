@@ -12,8 +12,6 @@
 namespace lcmslam {
 namespace {
 
-constexpr Utime second = 1'000'000;
-
 Matrix6d diagonal(double translation, double rotation) {
   Vector6d d;
   d << Eigen::Vector3d::Constant(translation * translation), Eigen::Vector3d::Constant(rotation * rotation);
@@ -227,15 +225,15 @@ struct LongDrive {
   /// `known`: only the first way along makes keyframes.
   LongDrive(int max_keyframes, int laps, bool known = false) : graph(settings(max_keyframes)) {
     Gallery gallery(4);
-    Utime now = second;
-    for (int i = 0; i <= 2 * per_way * laps; ++i, now += second) {
+    Utime now = one_second;
+    for (int i = 0; i <= 2 * per_way * laps; ++i, now += one_second) {
       const int place = i % (2 * per_way);
       const double x = 0.4 * (place <= per_way ? place : 2 * per_way - place);
       T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
       const Eigen::Isometry3d T(Eigen::Translation3d(x, 0, 0));
       graph.add(now, T_world_map * T, 1e-6 * Matrix6d::Identity(), gallery.seen_from(T),
                 known ? i <= per_way : i % 2 == 0 || i < 20);
-      for (const Utime later : {now, now + second / 2, now + 3 * second / 4}) {
+      for (const Utime later : {now, now + one_second / 2, now + 3 * one_second / 4}) {
         take(graph.work(later));
         if (const auto gone = graph.thin({})) {
           ++thinned;

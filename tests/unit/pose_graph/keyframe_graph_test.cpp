@@ -7,8 +7,6 @@
 namespace lcmslam {
 namespace {
 
-constexpr Utime second = 1'000'000;
-
 /// Along the gallery and back, 0.4 m a node, with tracking that slides off to the side and turns. The map's
 /// frame has nothing to do with the gallery's.
 struct Visit {
@@ -19,15 +17,15 @@ struct Visit {
   explicit Visit(const KeyframeGraphSettings& settings = {}, bool neighbours_found = true) : graph(settings) {
     Gallery gallery(4);
     Eigen::Isometry3d T_world_map = se3_exp(twist(5, -3, 1, 0.4, 0.3, 2));
-    Utime now = second;
-    for (int i = 0; i <= 20; ++i, now += second) {
+    Utime now = one_second;
+    for (int i = 0; i <= 20; ++i, now += one_second) {
       truth.push_back(Eigen::Isometry3d(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0)));
       T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
       KeyframeView view = gallery.seen_from(truth.back());
       if (!neighbours_found) view = KeyframeView();  // neither features nor points
       graph.add(now, T_world_map * truth.back(), 1e-6 * Matrix6d::Identity(), view, i <= 10);
       take(graph.work(now), T_world_map);
-      take(graph.work(now + second / 2), T_world_map);
+      take(graph.work(now + one_second / 2), T_world_map);
     }
     take(graph.finish(), T_world_map);
   }
@@ -71,12 +69,12 @@ struct LoopAtTheEnd {
   std::vector<Eigen::Isometry3d> truth;
   KeyframeGraph graph{{}};
   FeatureFrame last_features;
-  Utime now = second;
+  Utime now = one_second;
 
   LoopAtTheEnd() {
     Gallery gallery(4);
     Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
-    for (int i = 0; i <= 20; ++i, now += second) {
+    for (int i = 0; i <= 20; ++i, now += one_second) {
       truth.push_back(Eigen::Isometry3d(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0)));
       T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
       const bool end = i % 20 == 0;
@@ -85,10 +83,10 @@ struct LoopAtTheEnd {
       graph.add(now, T_world_map * truth.back(), 1e-4 * Matrix6d::Identity(), view, i <= 10);
       if (i < 20) {
         EXPECT_FALSE(graph.work(now));
-        EXPECT_FALSE(graph.work(now + second / 2));
+        EXPECT_FALSE(graph.work(now + one_second / 2));
       }
     }
-    now -= second;
+    now -= one_second;
   }
   double error_of_the_return() const {
     return (graph.nodes().front().T_world_camera.translation() -
@@ -144,10 +142,10 @@ TEST(KeyframeGraph, FeaturesMayComeLater) {
   const FeatureFrame features = view.features;
   view.features = {};
   KeyframeGraph graph({});
-  const int id = graph.add(second, Eigen::Isometry3d::Identity(), Matrix6d::Identity(), view, true);
-  EXPECT_FALSE(graph.work(second + 1000));  // waits for them
+  const int id = graph.add(one_second, Eigen::Isometry3d::Identity(), Matrix6d::Identity(), view, true);
+  EXPECT_FALSE(graph.work(one_second + 1000));  // waits for them
   EXPECT_TRUE(graph.add_features(id, features));
-  EXPECT_FALSE(graph.work(second + 2000));  // begins
+  EXPECT_FALSE(graph.work(one_second + 2000));  // begins
   EXPECT_FALSE(graph.add_features(id, features));
   EXPECT_FALSE(graph.add_features(7, features));
 }

@@ -7,15 +7,10 @@
 #include <lcmslam/registration/kd_tree_target.hpp>
 #include <lcmslam/registration/registration.hpp>
 #include "tests/support/cloud_scenes.hpp"
+#include "tests/unit/registration/register_to_itself.hpp"
 
 namespace lcmslam {
 namespace {
-
-RegistrationResult register_to_itself(const Cloud& cloud, const Eigen::Isometry3d& start,
-                                      const Prior* prior = nullptr) {
-  const RegistrationSettings settings;
-  return register_cloud(cloud, KdTreeTarget(cloud), start, settings, prior);
-}
 
 // Degenerate directions are those whose motion leaves all residuals at zero.
 void expect_degenerate(const Cloud& cloud, std::size_t directions) {

@@ -9,6 +9,7 @@
 #include "tests/support/recorded_clouds.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/targets.hpp"
+#include "tests/unit/registration/register_to_itself.hpp"
 
 namespace lcmslam {
 namespace {
@@ -123,12 +124,6 @@ TEST_P(EveryCombination, HandHeldIndoorPairs) {
     pair.T_target_source = recording->T_world_camera(i).inverse() * recording->T_world_camera(i + 3);
     check(pair, GetParam().correspondence, settings_of(GetParam()), 0.03, 0.03, 0.05, 2.0);
   }
-}
-
-RegistrationResult register_to_itself(const Cloud& cloud, const Eigen::Isometry3d& start,
-                                      const Prior* prior = nullptr) {
-  const RegistrationSettings settings;
-  return register_cloud(cloud, *make_target(cloud, CorrespondenceKind::kd_tree), start, settings, prior);
 }
 
 TEST(Registration, WithoutPriorDegenerateDirectionsStay) {

@@ -12,7 +12,7 @@ struct Shot {
   TofImage image;
 };
 
-Shot shoot(Scene scene, std::uint64_t seed = 1) {
+Shot shoot_tof(Scene scene, std::uint64_t seed = 1) {
   const RayCaster caster(scene);
   TofImage image = TofCamera(scene, caster, tof_model()).render(level_camera(), PixelNoise(seed, 2, 0), 1);
   return {std::move(scene), image};
@@ -31,7 +31,7 @@ class TofAtDistance : public testing::TestWithParam<double> {};
 // errors must be standard normal.
 TEST_P(TofAtDistance, DepthFollowsTheNoiseModel) {
   const double distance = GetParam();
-  const Shot shot = shoot(box_room(distance));
+  const Shot shot = shoot_tof(box_room(distance));
   std::vector<double> errors;
   for_wall_pixels([&](int x, int y) {
     const double per_z = tof_model().ray(Eigen::Vector2d(x, y)).norm();
@@ -51,8 +51,8 @@ TEST_P(TofAtDistance, DepthFollowsTheNoiseModel) {
 INSTANTIATE_TEST_SUITE_P(Distances, TofAtDistance, testing::Values(0.6, 1.0, 1.5, 2.4, 3.7, 5.0));
 
 TEST(TofCamera, AmplitudeFallsWithTheSquareOfTheRange) {
-  const double near = shoot(box_room(1)).image.amplitude.at<float>(72, 88);
-  const double far = shoot(box_room(3)).image.amplitude.at<float>(72, 88);
+  const double near = shoot_tof(box_room(1)).image.amplitude.at<float>(72, 88);
+  const double far = shoot_tof(box_room(3)).image.amplitude.at<float>(72, 88);
   EXPECT_NEAR(near, 0.64, 0.01);
   EXPECT_NEAR(near / far, 9, 0.05);
 }
@@ -60,11 +60,12 @@ TEST(TofCamera, AmplitudeFallsWithTheSquareOfTheRange) {
 // The published image is range-corrected, so that amplitude/255 is what the depth noise model asks for.
 TEST(TofCamera, GreyIsReflectivityTimesCosine) {
   for (const double distance : {1.0, 3.0})
-    EXPECT_NEAR(shoot(box_room(distance)).image.grey.at<std::uint8_t>(72, 88), 0.64 * 255, 2);
+    EXPECT_NEAR(shoot_tof(box_room(distance)).image.grey.at<std::uint8_t>(72, 88), 0.64 * 255, 2);
 }
 
 TEST(TofCamera, MixedPixelsAppearAtDepthEdgesOnly) {
-  const Shot shot = shoot(box_room(3, "boxes: [{at: [1.6, 0.3, 0], size: [0.2, 0.61, 3], material: red}]\n"));
+  const Shot shot =
+      shoot_tof(box_room(3, "boxes: [{at: [1.6, 0.3, 0], size: [0.2, 0.61, 3], material: red}]\n"));
   // The box's front is 1.5 m away, from y = -0.005 to 0.605.
   int mixed = 0;
   for (int y = 40; y < 104; ++y)
@@ -80,10 +81,10 @@ TEST(TofCamera, MixedPixelsAppearAtDepthEdgesOnly) {
 }
 
 TEST(TofCamera, TooNearTooFarAndTooDarkAreInvalid) {
-  EXPECT_EQ(cv::countNonZero(shoot(box_room(0.25)).image.depth(cv::Rect(80, 64, 16, 16))), 0);
-  EXPECT_EQ(cv::countNonZero(shoot(box_room(8)).image.depth(cv::Rect(80, 64, 16, 16))), 0);
-  EXPECT_EQ(cv::countNonZero(shoot(box_room(4, "", 0.01)).image.depth(cv::Rect(80, 64, 16, 16))), 0);
-  EXPECT_EQ(cv::countNonZero(shoot(box_room(1, "", 0.01)).image.depth(cv::Rect(80, 64, 16, 16))), 256);
+  EXPECT_EQ(cv::countNonZero(shoot_tof(box_room(0.25)).image.depth(cv::Rect(80, 64, 16, 16))), 0);
+  EXPECT_EQ(cv::countNonZero(shoot_tof(box_room(8)).image.depth(cv::Rect(80, 64, 16, 16))), 0);
+  EXPECT_EQ(cv::countNonZero(shoot_tof(box_room(4, "", 0.01)).image.depth(cv::Rect(80, 64, 16, 16))), 0);
+  EXPECT_EQ(cv::countNonZero(shoot_tof(box_room(1, "", 0.01)).image.depth(cv::Rect(80, 64, 16, 16))), 256);
 }
 
 TEST(TofCamera, SameBytesForEveryThreadCount) {

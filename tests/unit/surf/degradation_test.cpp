@@ -9,11 +9,11 @@
 namespace lcmslam {
 namespace {
 
-struct Features {
+struct SoundFeatures {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
 
-  explicit Features(const cv::Mat& image, SurfSettings settings = {}) {
+  explicit SoundFeatures(const cv::Mat& image, SurfSettings settings = {}) {
     settings.budget.max_features = 0;
     Surf(settings).detectAndCompute(image, cv::noArray(), keypoints, descriptors);
     EXPECT_TRUE(cv::checkRange(descriptors));
@@ -26,12 +26,12 @@ struct Features {
 
 TEST(SurfDegradation, MotionBlurLeavesFewerFeatures) {
   const cv::Mat sharp = test::random_scene(41, 200, 900).draw(400, 300, {0.6, 0, 200, 150});
-  std::size_t before = Features(sharp).keypoints.size();
+  std::size_t before = SoundFeatures(sharp).keypoints.size();
   EXPECT_GT(before, 100u);
   for (const int length : {9, 21, 45, 91}) {
     cv::Mat blurred;
     cv::blur(sharp, blurred, {length, 1});
-    const std::size_t left = Features(blurred).keypoints.size();
+    const std::size_t left = SoundFeatures(blurred).keypoints.size();
     EXPECT_LT(left, before) << length << " pixels";
     before = left;
   }
@@ -41,11 +41,12 @@ TEST(SurfDegradation, LowContrastLeavesFewerFeatures) {
   const test::BlobScene scene = test::random_scene(42, 200, 600);
   std::size_t before = 1e6;
   for (const double contrast : {1., 0.7, 0.5, 0.35, 0.25}) {
-    const std::size_t left = Features(scene.draw(400, 300, {1, 0, 200, 150}, contrast, 60)).keypoints.size();
+    const std::size_t left =
+        SoundFeatures(scene.draw(400, 300, {1, 0, 200, 150}, contrast, 60)).keypoints.size();
     EXPECT_LT(left, before) << contrast;
     before = left;
   }
-  EXPECT_EQ(Features(scene.draw(400, 300, {1, 0, 200, 150}, 0.01, 60)).keypoints.size(), 0u);
+  EXPECT_EQ(SoundFeatures(scene.draw(400, 300, {1, 0, 200, 150}, 0.01, 60)).keypoints.size(), 0u);
 }
 
 // The same profile across, but one is round and the other six times as long: at the size of its width it
@@ -56,7 +57,7 @@ TEST(SurfDegradation, EdgesAreNoBlobs) {
   every.edge_ratio = 1e6;
   SurfSettings usual = every;
   usual.edge_ratio = SurfSettings{}.edge_ratio;
-  const auto near_centre = [](const Features& features) {
+  const auto near_centre = [](const SoundFeatures& features) {
     return std::count_if(features.keypoints.begin(), features.keypoints.end(), [](const auto& k) {
       return cv::norm(k.pt - cv::Point2f(150, 150)) < 8 && k.size < 30;
     });
@@ -66,9 +67,9 @@ TEST(SurfDegradation, EdgesAreNoBlobs) {
     const double angle = degrees * M_PI / 180;
     const cv::Mat round = test::BlobScene{{{150, 150, 4, 4, angle, 90}}}.draw(301, 301);
     const cv::Mat line = test::BlobScene{{{150, 150, 24, 4, angle, 90}}}.draw(301, 301);
-    EXPECT_GE(near_centre(Features(round, usual)), 1) << degrees;
-    on_lines += near_centre(Features(line, every));
-    EXPECT_EQ(near_centre(Features(line, usual)), 0) << degrees;
+    EXPECT_GE(near_centre(SoundFeatures(round, usual)), 1) << degrees;
+    on_lines += near_centre(SoundFeatures(line, every));
+    EXPECT_EQ(near_centre(SoundFeatures(line, usual)), 0) << degrees;
   }
   EXPECT_GT(on_lines, 5);  // that is what the ratio rejects
 }

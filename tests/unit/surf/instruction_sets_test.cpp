@@ -23,21 +23,21 @@ class Limited {
   InstructionSet before_;
 };
 
-struct Features {
+struct Described {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
 };
 
-Features compute(InstructionSet best, const SurfSettings& settings, const cv::Mat& image,
-                 std::vector<cv::KeyPoint> provided = {}) {
+Described compute(InstructionSet best, const SurfSettings& settings, const cv::Mat& image,
+                  std::vector<cv::KeyPoint> provided = {}) {
   const Limited limited(best);
-  Features found{std::move(provided), {}};
+  Described found{std::move(provided), {}};
   Surf(settings).detectAndCompute(image, cv::noArray(), found.keypoints, found.descriptors,
                                   !found.keypoints.empty());
   return found;
 }
 
-void expect_same_bits(const Features& a, const Features& b) {
+void expect_same_bits(const Described& a, const Described& b) {
   ASSERT_EQ(a.keypoints.size(), b.keypoints.size());
   for (std::size_t i = 0; i < a.keypoints.size(); ++i) {
     const cv::KeyPoint &p = a.keypoints[i], &q = b.keypoints[i];
@@ -86,7 +86,7 @@ TEST_F(SurfInstructionSets, GiveTheSameBits) {
         random.fill(image, cv::RNG::UNIFORM, 0, 256);
       }
       for (const SurfSettings& settings : all) {
-        const Features avx2 = compute(InstructionSet::avx2, settings, image);
+        const Described avx2 = compute(InstructionSet::avx2, settings, image);
         compared += avx2.keypoints.size();
         expect_same_bits(avx2, compute(InstructionSet::portable, settings, image));
       }
@@ -111,7 +111,7 @@ TEST_F(SurfInstructionSets, AgreeOnAnyKeypoint) {
   for (const bool extended : {false, true}) {
     SurfSettings settings;
     settings.extended = extended;
-    const Features avx2 = compute(InstructionSet::avx2, settings, image, provided);
+    const Described avx2 = compute(InstructionSet::avx2, settings, image, provided);
     expect_same_bits(avx2, compute(InstructionSet::portable, settings, image, provided));
     EXPECT_TRUE(cv::checkRange(avx2.descriptors));
     for (const cv::KeyPoint& k : avx2.keypoints) {

@@ -65,11 +65,18 @@ void rewrite(const std::filesystem::path& from, const std::filesystem::path& to,
 
 class Batch : public ::testing::Test {
  protected:
-  void SetUp() override { reference_ = run_batch(options(kitchen, folder("reference"))); }
+  /// What all are compared with is run once.
+  static void SetUpTestSuite() {
+    reference_scratch_ = std::make_unique<ScratchFolder>();
+    reference_ = run_batch(options(kitchen, reference()));
+  }
+  static void TearDownTestSuite() { reference_scratch_.reset(); }
+  static std::filesystem::path reference() { return reference_scratch_->path() / "reference"; }
   std::filesystem::path folder(const std::string& name) const { return scratch_.path() / name; }
 
   ScratchFolder scratch_;
-  BatchResult reference_;
+  inline static std::unique_ptr<ScratchFolder> reference_scratch_;
+  inline static BatchResult reference_;
 };
 
 TEST_F(Batch, MapsEveryFrame) {
@@ -90,8 +97,8 @@ TEST_F(Batch, MapsEveryFrame) {
   EXPECT_GT(count["FASTSLAM_LANDMARKS"], 0);
   EXPECT_GT(count["ICP_KEYFRAME"], 0);
   EXPECT_EQ(count.count("STATUS"), 0U);
-  EXPECT_TRUE(std::filesystem::exists(folder("reference") / "fastslam_map.ply"));
-  EXPECT_TRUE(std::filesystem::exists(folder("reference") / "icp_map.ply"));
+  EXPECT_TRUE(std::filesystem::exists(reference() / "fastslam_map.ply"));
+  EXPECT_TRUE(std::filesystem::exists(reference() / "icp_map.ply"));
 }
 
 TEST_F(Batch, IsTheSameForAnyNumberOfThreads) {
@@ -99,7 +106,7 @@ TEST_F(Batch, IsTheSameForAnyNumberOfThreads) {
     BatchOptions o = options(kitchen, folder(std::to_string(threads)));
     o.threads = threads;
     run_batch(o);
-    EXPECT_THAT(differing(folder("reference"), o.folder), ::testing::IsEmpty()) << threads << " threads";
+    EXPECT_THAT(differing(reference(), o.folder), ::testing::IsEmpty()) << threads << " threads";
   }
 }
 
@@ -119,7 +126,7 @@ TEST_F(Batch, TheSourceThatAutoFindsGivesTheSameAsItsName) {
   BatchOptions o = options(kitchen, folder("named"));
   o.config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {"odometry.source=wheels"});
   run_batch(o);
-  EXPECT_THAT(differing(folder("reference"), folder("named")), ::testing::IsEmpty());
+  EXPECT_THAT(differing(reference(), folder("named")), ::testing::IsEmpty());
 }
 
 TEST_F(Batch, NeverReadsGroundTruth) {
@@ -133,7 +140,7 @@ TEST_F(Batch, NeverReadsGroundTruth) {
   });
   ASSERT_GT(truths, 50);
   run_batch(options(log, folder("without")));
-  EXPECT_THAT(differing(folder("reference"), folder("without")), ::testing::IsEmpty());
+  EXPECT_THAT(differing(reference(), folder("without")), ::testing::IsEmpty());
 }
 
 TEST_F(Batch, LeavesOutWhatTheGraphMakesItselfAndPutsPiecesTogether) {
@@ -151,7 +158,7 @@ TEST_F(Batch, LeavesOutWhatTheGraphMakesItselfAndPutsPiecesTogether) {
   const BatchResult result = run_batch(options(log, folder("parts")));
   EXPECT_EQ(result.frames, frames);
   EXPECT_EQ(result.incomplete, 0);
-  EXPECT_THAT(differing(folder("reference"), folder("parts")), ::testing::IsEmpty());
+  EXPECT_THAT(differing(reference(), folder("parts")), ::testing::IsEmpty());
 }
 
 TEST_F(Batch, BeginsInTheMiddleWithTheCalibrationFromBefore) {

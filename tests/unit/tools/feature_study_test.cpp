@@ -15,7 +15,7 @@
 namespace lcmslam {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 constexpr double depth_m = 2;
 const cv::Matx33d pinhole(500, 0, 320, 0, 500, 240, 0, 0, 1);
@@ -296,7 +296,7 @@ TEST(FeatureStudy, TwoPairsOfARecording) {
   }
   const std::string csv = feature_csv(result), table = feature_table(result);
   EXPECT_EQ(std::size_t(std::count(csv.begin(), csv.end(), '\n')), 1 + result.methods.size());
-  EXPECT_THAT(table, testing::HasSubstr("5 frames apart: 2 pairs, 0 left out"));
+  EXPECT_THAT(table, ::testing::HasSubstr("5 frames apart: 2 pairs, 0 left out"));
 }
 
 }  // namespace
