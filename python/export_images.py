@@ -90,8 +90,10 @@ def main():
         return f"{arguments.folder}: is there already; name a folder that is not"
     try:
         print(f"{arguments.folder}: {export(lcmslam_log.Log(arguments.log), arguments.folder)} frames")
-    except (lcmslam_log.LogError, OSError) as error:
+    except lcmslam_log.LogError as error:
         return str(error)
+    except OSError as error:
+        return f"{error.filename or arguments.folder}: cannot be written: {error.strerror}"
     return 0
 
 

@@ -100,8 +100,9 @@ class Log:
         self.incomplete = pieces.incomplete()
 
     def images(self, channel="CAMERA"):
-        """Frames. `colour` is RGB, uint8; None for JPEG where neither cv2 nor PIL is installed: then `jpeg` has its bytes.
-        `depth` is uint16, mm along the optical axis, 0 = invalid; `amplitude` uint8. What is not there is None."""
+        """Frames. `colour` is RGB, uint8; of a JPEG `jpeg` has the bytes, and where neither PIL nor cv2 is installed
+        `colour` raises ImportError. `depth` is uint16, mm along the optical axis, 0 = invalid; `amplitude` uint8. What is
+        not there is None."""
         return self._converted(channel, ("images_t",), lcmslam_messages.frame)
 
     def features(self, channel="FEATURES"):

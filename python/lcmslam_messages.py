@@ -5,20 +5,9 @@ import zlib
 
 import numpy as np
 
+import lcmslam_jpeg
 from lcmslam_types import DecodeError
 
-try:
-    import cv2
-except ImportError:
-    cv2 = None
-try:
-    import io
-
-    import PIL.Image
-except ImportError:
-    PIL = None
-
-Frame = collections.namedtuple("Frame", "utime depth_utime seq sensor colour jpeg depth amplitude")
 Pose = collections.namedtuple("Pose", "utime T covariance status frame child_frame")
 Camera = collections.namedtuple("Camera", "width height K distortion")
 Calibration = collections.namedtuple("Calibration", "sensor rolling_shutter colour depth T_colour_depth has_mount "
@@ -31,6 +20,18 @@ _LARGEST_SIDE = 8192       # pixels
 _LARGEST_COORDINATE = 1e6  # m
 _LEFT, _DEPTH_MM, _DEPTH_MM_ZIPPED, _AMPLITUDE_ZIPPED = 0, 4, 6, 100
 _GRAY, _RGB, _BGR, _MJPEG, _BIG_ENDIAN_DEPTH = 1497715271, 859981650, 861030210, 1196444237, 357
+
+
+class Frame(collections.namedtuple("Frame", "utime depth_utime seq sensor pixels jpeg depth amplitude")):
+    """`depth` in mm, 0 = invalid; what is not there is None."""
+    __slots__ = ()
+
+    @property
+    def colour(self):
+        """RGB, uint8 (H, W, 3). ImportError for JPEG where nothing that decodes it is installed."""
+        if self.pixels is None and self.jpeg is not None:
+            raise ImportError(lcmslam_jpeg.MISSING)
+        return self.pixels
 
 
 def frame(message):
@@ -55,27 +56,13 @@ def _colour(image):
     """RGB pixels, or None, and the bytes of a JPEG, or None."""
     if image.pixelformat == _MJPEG:
         data = image.data.tobytes()
-        return _decode_jpeg(data), data
+        return lcmslam_jpeg.decode(data, image.width, image.height), data
     if image.pixelformat == _GRAY:
         return np.repeat(_pixels(image, "u1", False)[:, :, None], 3, axis=2), None
     if image.pixelformat in (_RGB, _BGR):
         pixels = _pixels(image, "u1", False, channels=3)
         return (pixels if image.pixelformat == _RGB else pixels[:, :, ::-1].copy()), None
     raise DecodeError(f"pixelformat {image.pixelformat} is not supported")
-
-
-def _decode_jpeg(data):
-    if cv2 is not None:
-        bgr = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
-        if bgr is None:
-            raise DecodeError("the JPEG does not decode")
-        return bgr[:, :, ::-1].copy()
-    if PIL is not None:
-        try:
-            return np.array(PIL.Image.open(io.BytesIO(data)).convert("RGB"))
-        except (OSError, ValueError) as error:
-            raise DecodeError(f"the JPEG does not decode: {error}") from None
-    return None
 
 
 def _pixels(image, dtype, zipped, channels=None):

@@ -75,8 +75,10 @@ def main():
             raise lcmslam_log.LogError(f"{log.path}: has no channel of poses; it has {', '.join(sorted(log.channels))}")
         paths = {channel: log.poses(channel).T[:, :2, 3] for channel in channels}
         plot(paths, arguments.out)
-    except (lcmslam_log.LogError, OSError) as error:
+    except lcmslam_log.LogError as error:
         return str(error)
+    except OSError as error:
+        return f"{arguments.out}: cannot be written: {error.strerror}"
     except ImportError:
         return f"{arguments.out}: needs matplotlib (apt-get install python3-matplotlib); --out NAME.svg needs nothing"
     for channel, xy in paths.items():

@@ -39,8 +39,8 @@ Trajectory read_tum(const std::filesystem::path& file);
 /// `name` stands in the errors.
 Trajectory read_tum(std::istream& text, const std::string& name);
 
-/// Stamps with microseconds, positions with 9 and quaternions with 12 decimals. Throws
-/// TrajectoryError when the file cannot be written.
+/// Stamps with microseconds, positions with 9 and quaternions with 12 decimals. The file is replaced whole or
+/// not at all; std::runtime_error names it.
 void write_tum(const std::filesystem::path& file, const Trajectory& trajectory);
 void write_tum(std::ostream& text, const Trajectory& trajectory);
 

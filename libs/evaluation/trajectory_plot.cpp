@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include <lcmslam/evaluation/plot_frame.hpp>
+#include <lcmslam/files/atomic_file.hpp>
 
 namespace lcmslam {
 namespace {
@@ -146,23 +146,20 @@ std::string plot_evaluation_svg(const EvaluationPlot& plot, const PlotSettings& 
   return surface.document();
 }
 
+void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", picture, bytes);
+  write_atomically(file, std::string(bytes.begin(), bytes.end()));
+}
+
 void write_plot(const std::filesystem::path& file, const EvaluationPlot& plot, const PlotSettings& settings) {
   const std::string kind = file.extension().string();
-  if (kind == ".svg") {
-    std::ofstream text(file);
-    text << plot_evaluation_svg(plot, settings);
-    text.close();
-    if (!text) throw std::runtime_error(file.string() + ": cannot be written");
-  } else if (kind == ".png") {
-    std::vector<unsigned char> bytes;
-    cv::imencode(".png", plot_evaluation(plot, settings), bytes);
-    std::ofstream image(file, std::ios::binary);
-    image.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    image.close();
-    if (!image) throw std::runtime_error(file.string() + ": cannot be written");
-  } else {
+  if (kind == ".svg")
+    write_atomically(file, plot_evaluation_svg(plot, settings));
+  else if (kind == ".png")
+    write_png(file, plot_evaluation(plot, settings));
+  else
     throw std::invalid_argument(file.string() + ": a plot's name must end in .png or .svg");
-  }
 }
 
 }  // namespace lcmslam

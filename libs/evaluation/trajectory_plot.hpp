@@ -30,7 +30,7 @@ PlottedPath top_view(const std::string& name, const std::array<unsigned char, 3>
 /// Colours that are told apart by most eyes, also those that see no red or green (Okabe and Ito 2008).
 std::array<unsigned char, 3> plot_colour(std::size_t index);
 
-/// CV_8UC3, BGR (cv::imwrite makes the PNG). One scale for both axes, a grid labelled in metres, a
+/// CV_8UC3, BGR. One scale for both axes, a grid labelled in metres, a
 /// scale bar, a legend above the plot; a disc marks each path's start, a square its end. Points that
 /// are not finite interrupt a path. Throws std::invalid_argument when the image is smaller than
 /// 320x240.
@@ -44,9 +44,11 @@ struct EvaluationPlot {
 cv::Mat plot_evaluation(const EvaluationPlot& plot, const PlotSettings& settings = {});
 std::string plot_evaluation_svg(const EvaluationPlot& plot, const PlotSettings& settings = {});
 
-/// As PNG or SVG, by the name's end. Throws std::invalid_argument for another one and std::runtime_error
-/// when the file cannot be written.
+/// As PNG or SVG, by the name's end; std::invalid_argument for another one. The file is replaced whole or not
+/// at all; std::runtime_error names it.
 void write_plot(const std::filesystem::path& file, const EvaluationPlot& plot,
                 const PlotSettings& settings = {});
+/// CV_8UC3 as PNG, likewise.
+void write_png(const std::filesystem::path& file, const cv::Mat& picture);
 
 }  // namespace lcmslam

@@ -8,8 +8,10 @@
 #include <fstream>
 #include <istream>
 #include <ostream>
+#include <sstream>
 
 #include <lcmslam/evaluation/trajectory.hpp>
+#include <lcmslam/files/atomic_file.hpp>
 
 namespace lcmslam {
 namespace {
@@ -104,10 +106,9 @@ void write_tum(std::ostream& text, const Trajectory& trajectory) {
 }
 
 void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) {
-  std::ofstream text(file);
+  std::ostringstream text;
   write_tum(text, trajectory);
-  text.close();
-  if (!text) throw TrajectoryError(file.string() + ": cannot be written");
+  write_atomically(FilePlace(file), text.str());
 }
 
 }  // namespace lcmslam

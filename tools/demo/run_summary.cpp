@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include <lcmslam/configuration/config_json.hpp>
 #include <lcmslam/evaluation/pose_text.hpp>
@@ -207,8 +206,7 @@ void write_run_files(const std::filesystem::path& folder, const RunRecorder& run
                    json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   PlotSettings plot;
   plot.title = facts.title;
-  if (!cv::imwrite((folder / "trajectories.png").string(), plot_paths(plotted, plot)))
-    throw std::runtime_error((folder / "trajectories.png").string() + ": cannot be written");
+  write_png(folder / "trajectories.png", plot_paths(plotted, plot));
 }
 
 }  // namespace lcmslam

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -7,6 +6,7 @@
 #include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/evaluation/surface_error.hpp>
 #include <lcmslam/evaluation/wall_error.hpp>
+#include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/simulation/scene.hpp>
 #include "tools/commands.hpp"
@@ -261,12 +261,7 @@ int evaluate_command(int argc, char** argv) {
   if (!r.map.empty()) add("map", map_figures(r, evaluation));
   if (!r.walls.empty()) add("walls", wall_figures(r, evaluation));
   for (const std::string& file : r.plots) write_plot(file, evaluation_plot(evaluation));
-  if (!r.json.empty()) {
-    std::ofstream text(r.json);
-    text << json.dump(2) << "\n";
-    text.close();
-    if (!text) throw std::runtime_error(r.json + ": cannot be written");
-  }
+  if (!r.json.empty()) write_atomically(FilePlace(r.json), json.dump(2) + "\n");
   const bool all = std::all_of(evaluation.estimates.begin(), evaluation.estimates.end(),
                                [](const EvaluatedEstimate& e) { return e.report.has_value(); });
   return all ? 0 : 1;

@@ -1,6 +1,6 @@
 #include <lcmslam/evaluation/trajectory_plot.hpp>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <unistd.h>
 #include <array>
@@ -10,6 +10,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/support/full_disk.hpp"
 #include "tests/unit/evaluation/path_samples.hpp"
 
 namespace lcmslam {
@@ -140,6 +141,16 @@ TEST(EvaluationPlot, IsWrittenByTheNamesEnd) {
   write_plot(svg, two_estimates());
   EXPECT_EQ(cv::norm(cv::imread(png.string()), plot_evaluation(two_estimates()), cv::NORM_INF), 0);
   EXPECT_EQ(std::filesystem::file_size(svg), plot_evaluation_svg(two_estimates()).size());
+  for (const auto& file : {png, svg}) {
+    const auto before = std::filesystem::file_size(file);
+    const testing::FullDisk full(1000);
+    EXPECT_THAT(
+        [&] {
+          write_plot(file, two_estimates(), {640, 480, "title"});
+        },
+        ::testing::ThrowsMessage<std::runtime_error>("cannot save " + file.string() + ": File too large"));
+    EXPECT_EQ(std::filesystem::file_size(file), before) << "the old plot stays";
+  }
   std::filesystem::remove(png);
   std::filesystem::remove(svg);
   EXPECT_THROW(write_plot(folder / "plot.gif", {}), std::invalid_argument);

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/support/full_disk.hpp"
 #include "tests/unit/evaluation/path_samples.hpp"
 
 namespace lcmslam {
@@ -81,7 +82,7 @@ TEST(TumFormat, FilesThatCannotBeUsedAreNamed) {
   const std::filesystem::path folder = ::testing::TempDir();
   EXPECT_THROW(read_tum(folder / "no_such_file.txt"), TrajectoryError);
   EXPECT_THROW(read_tum(folder), TrajectoryError);
-  EXPECT_THROW(write_tum(folder / "no_such_folder" / "poses.txt", {}), TrajectoryError);
+  EXPECT_THROW(write_tum(folder / "no_such_folder" / "poses.txt", {}), std::runtime_error);
 }
 
 TEST(TumFormat, FileRoundTrip) {
@@ -89,6 +90,9 @@ TEST(TumFormat, FileRoundTrip) {
       std::filesystem::path(::testing::TempDir()) / "lcmslam_tum_round_trip.txt";
   write_tum(file, testing::curved_path(10));
   EXPECT_EQ(read_tum(file).size(), 10u);
+  const testing::FullDisk full(100);
+  EXPECT_THROW(write_tum(file, testing::curved_path(20)), std::runtime_error);
+  EXPECT_EQ(read_tum(file).size(), 10u) << "the old file stays";
   std::filesystem::remove(file);
 }
 

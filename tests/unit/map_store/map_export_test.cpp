@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <sys/resource.h>
-#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -12,14 +10,15 @@
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/files/atomic_file.hpp>
+#include "tests/support/full_disk.hpp"
 #include "tests/unit/map_store/sample_map.hpp"
 
 namespace lcmslam {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 std::string content(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -50,8 +49,8 @@ void expect_equal(const ColouredCloud& read, const ColouredCloud& written) {
 // PCL tells the terminal about each field that a file has not.
 TEST(MapExport, ReadingPrintsNothing) {
   const TemporaryFolder folder;
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
   for (const bool normals : {false, true}) {
     save_ply(folder / "map.ply", random_cloud(1, 10, normals));
     load_ply(folder / "map.ply");
@@ -64,7 +63,8 @@ TEST(MapExport, ReadingPrintsNothing) {
   const ColouredCloud plain = load_ply(folder / "plain.ply");
   std::ofstream(folder / "notes.ply") << "what the robot did today\n";
   const std::string error = error_of([&] { load_ply(folder / "notes.ply"); });
-  const std::string printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+  const std::string printed =
+      ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(printed, "");
   EXPECT_EQ(plain.points.at(0), Eigen::Vector3f(1, 2, 3));
   EXPECT_EQ(plain.colours.at(0), cv::Vec3b(0, 0, 0));
@@ -172,7 +172,7 @@ TEST(AtomicFile, ImpossibleTargetsAreNamed) {
   for (const auto& [name, save] : all_saves()) {
     const fs::path missing = folder / ("none/" + name);
     EXPECT_THAT(error_of([&] { save(missing); }),
-                testing::AllOf(HasSubstr(missing.string()), HasSubstr("does not exist")));
+                ::testing::AllOf(HasSubstr(missing.string()), HasSubstr("does not exist")));
     EXPECT_THAT(error_of([&] { save(folder.path()); }), HasSubstr("is a folder"));
     // Not writable, not even for root.
     EXPECT_THAT(error_of([&] { save("/proc/" + name); }), HasSubstr("cannot save /proc/" + name + ": "));
@@ -182,42 +182,47 @@ TEST(AtomicFile, ImpossibleTargetsAreNamed) {
   EXPECT_EQ(files_in(folder.path()), 0u);
 }
 
-/// While it lives no file can grow beyond `bytes`: to the program, a disk that is full.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  void (*handler_)(int);
-  rlimit before_{};
-};
-
 TEST(AtomicFile, AFullDiskKeepsTheOldFile) {
   const TemporaryFolder folder;
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
   for (const auto& [name, save] : all_saves()) {
     const fs::path file = folder / name;
     std::ofstream(file) << "the old map";
     std::string error;
     {
-      const FullDisk full(20000);
+      const testing::FullDisk full(20000);
       error = error_of([&, &save = save] { save(file); });
     }
-    EXPECT_THAT(error, StartsWith("cannot save " + file.string() + ": "));
+    EXPECT_EQ(error, "cannot save " + file.string() + ": File too large");
     EXPECT_EQ(content(file), "the old map");
     EXPECT_NO_THROW(save(file)) << "works once there is room";
     EXPECT_GT(fs::file_size(file), 20000u);
   }
   EXPECT_EQ(files_in(folder.path()), 4u) << "no temporary file is left behind";
+  EXPECT_EQ(::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr(), "");
+}
+
+// PCL would print of its own.
+TEST(MapExport, FilesThatEndTooEarlyAreNamedAndNothingIsPrinted) {
+  const TemporaryFolder folder;
+  save_ply(folder / "map.ply", random_cloud(1, 1000, true));
+  save_pcd(folder / "map.pcd", random_cloud(1, 1000, true));
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  for (const std::string name : {"map.ply", "map.pcd"}) {
+    const auto load = [&] { name == "map.ply" ? load_ply(folder / name) : load_pcd(folder / name); };
+    for (const std::uintmax_t size : {5000, 250, 40, 4, 0}) {
+      fs::resize_file(folder / name, size);
+      EXPECT_THAT(error_of(load),
+                  ::testing::AllOf(StartsWith("cannot read " + (folder / name).string() + ": "),
+                                   HasSubstr(size > 250 ? "cut off"
+                                             : size > 0 ? ""
+                                                        : "is empty")))
+          << size;
+    }
+  }
+  EXPECT_EQ(::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(MapExport, UnreadableFilesAreNamed) {

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include <lcmslam/evaluation/pose_text.hpp>
+#include "tests/support/full_disk.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/unit/evaluation/ate_by_definition.hpp"
 #include "tests/unit/tools/evaluate_fixture.hpp"
@@ -45,6 +46,15 @@ TEST_F(Evaluate, LogAloneComparesItsPosesWithItsTruthInTheRobotsFrame) {
   EXPECT_LT(ate(estimates.at(1)), 1e-6) << "1.3 m of lever arm would show";
   EXPECT_EQ(estimates.at(2).at("name"), "ODOMETRY");
   EXPECT_EQ(estimates.at(2).at("matched_poses"), 200);
+}
+
+TEST_F(Evaluate, AFullDiskKeepsTheOldFigures) {
+  write_log("run.lcmlog");
+  scratch_.write("r.json", "the old figures");
+  const testing::FullDisk full(3000);  // enough for what is printed
+  EXPECT_EQ(run({path("run.lcmlog"), "--json", path("r.json")}), -1);
+  EXPECT_THAT(output_, HasSubstr("cannot save " + path("r.json") + ": File too large"));
+  EXPECT_EQ(scratch_.read("r.json"), "the old figures");
 }
 
 TEST_F(Evaluate, CameraTruthWithoutACalibrationIsRefused) {

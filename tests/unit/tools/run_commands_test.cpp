@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <set>
+#include <sstream>
+
 #include "tools/command_help.hpp"
 #include "tools/commands.hpp"
 
@@ -69,6 +73,18 @@ TEST(RunCommands, WithoutACommandSaysWhatThereIs) {
   const Output output = run({});
   EXPECT_EQ(output.exit_code, 2);
   EXPECT_THAT(output.error, StartsWith("usage: lcmslam COMMAND"));
+}
+
+// ./lcmslam builds before it hands over, so that it has to know the names.
+TEST(LcmslamScript, HandsOverEveryCommand) {
+  std::ifstream script(LCMSLAM_SOURCE_DIR "/lcmslam");
+  std::set<std::string> known;
+  for (std::string line; std::getline(script, line);) {
+    if (line.empty() || line.compare(0, 2, "  ") != 0 || line.find(')') == std::string::npos) continue;
+    std::istringstream names(line.substr(0, line.find(')')));
+    for (std::string name; names >> name;) known.insert(name);
+  }
+  for (const Command& command : commands()) EXPECT_EQ(known.count(command.name), 1U) << command.name;
 }
 
 }  // namespace

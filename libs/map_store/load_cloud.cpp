@@ -1,6 +1,7 @@
-// What goes through PCL: PCD files, and reading back.
+// Clouds are read through PCL, which knows every kind of PCD and PLY.
 
 #include <pcl/PCLPointCloud2.h>
+#include <pcl/console/print.h>
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
@@ -12,7 +13,6 @@
 #include <stdexcept>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
-#include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 
 namespace lcmslam {
@@ -20,43 +20,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-template <class Point>
-void put(Point& target, const Eigen::Vector3f& position, const std::uint8_t red, const std::uint8_t green,
-         const std::uint8_t blue) {
-  target.getVector3fMap() = position;
-  target.r = red;
-  target.g = green;
-  target.b = blue;
-}
+/// PCL prints about what it reads: our errors say it.
+class SilentPcl {
+ public:
+  SilentPcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
+  ~SilentPcl() { pcl::console::setVerbosityLevel(before_); }
+  SilentPcl(const SilentPcl&) = delete;
+  SilentPcl& operator=(const SilentPcl&) = delete;
 
-/// PCL's writers refuse an empty cloud.
-const char* const empty_pcd =
-    "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\n"
-    "COUNT 1 1 1 1\nWIDTH 0\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 0\nDATA ascii\n";
-
-template <class Point>
-void save(const FilePlace& file, const pcl::PointCloud<Point>& cloud) {
-  if (cloud.empty()) {
-    write_atomically(file, std::string(empty_pcd));
-    return;
-  }
-  write_atomically(file, [&](const fs::path& part) {
-    // The writer for the point type: the one for PCLPointCloud2 miscounts padding between fields.
-    if (pcl::PCDWriter().writeBinary(part.string(), cloud) < 0)
-      throw std::runtime_error("PCL could not write it (disk full?)");
-  });
-}
-
-template <class Point>
-pcl::PointCloud<Point> positions_and_colours(const ColouredCloud& cloud) {
-  pcl::PointCloud<Point> points(static_cast<std::uint32_t>(cloud.size()), 1);
-  points.is_dense = true;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const cv::Vec3b& bgr = cloud.colours[i];
-    put(points[i], cloud.points[i], bgr[2], bgr[1], bgr[0]);
-  }
-  return points;
-}
+ private:
+  pcl::console::VERBOSITY_LEVEL before_ = pcl::console::getVerbosityLevel();
+};
 
 bool has_field(const pcl::PCLPointCloud2& cloud, const std::string& name) {
   return std::any_of(cloud.fields.begin(), cloud.fields.end(),
@@ -102,7 +76,6 @@ void check_pcd_header(const fs::path& file) {
                              *missing.begin());
 }
 
-/// PCL's reader prints about a file without it.
 void check_ply_header(const fs::path& file) {
   std::string line;
   std::getline(std::ifstream(file, std::ios::binary), line);
@@ -110,9 +83,14 @@ void check_ply_header(const fs::path& file) {
     throw std::runtime_error("cannot read " + file.string() + ": no PLY file, its first line is not 'ply'");
 }
 
+void check_file(const fs::path& file) {
+  if (!fs::is_regular_file(file)) throw std::runtime_error("cannot read " + file.string() + ": no such file");
+  if (fs::is_empty(file)) throw std::runtime_error("cannot read " + file.string() + ": is empty");
+}
+
 template <class Reader>
 ColouredCloud load(const fs::path& file) {
-  if (!fs::is_regular_file(file)) throw std::runtime_error("cannot read " + file.string() + ": no such file");
+  const SilentPcl silent;
   pcl::PCLPointCloud2 generic;
   int result = -1;
   try {
@@ -121,43 +99,23 @@ ColouredCloud load(const fs::path& file) {
   } catch (const std::exception& error) {
     throw std::runtime_error("cannot read " + file.string() + ": " + error.what());
   }
-  if (result < 0) throw std::runtime_error("cannot read " + file.string() + ": not a valid point cloud file");
+  if (result < 0)
+    throw std::runtime_error("cannot read " + file.string() +
+                             ": its points are not what its header says (damaged, or cut off)");
   return from_pcl(generic, file);
 }
 
 }  // namespace
 
-void save_pcd(const FilePlace& file, const ColouredCloud& cloud) {
-  if (cloud.normals.empty() || cloud.normals.size() != cloud.size()) {
-    save(file, positions_and_colours<pcl::PointXYZRGB>(cloud));
-    return;
-  }
-  auto points = positions_and_colours<pcl::PointXYZRGBNormal>(cloud);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    points[i].getNormalVector3fMap() = cloud.normals[i];
-    points[i].curvature = 0;
-  }
-  save(file, points);
-}
-
-void save_pcd(const FilePlace& file, const std::vector<Landmark>& landmarks) {
-  pcl::PointCloud<pcl::PointXYZRGBL> points(static_cast<std::uint32_t>(landmarks.size()), 1);
-  points.is_dense = true;
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const Landmark& landmark = landmarks[i];
-    put(points[i], landmark.mean.cast<float>(), landmark.colour[0], landmark.colour[1], landmark.colour[2]);
-    points[i].label = static_cast<std::uint32_t>(landmark.id);
-  }
-  save(file, points);
-}
-
 ColouredCloud load_ply(const fs::path& file) {
-  if (fs::is_regular_file(file)) check_ply_header(file);
+  check_file(file);
+  check_ply_header(file);
   return load<pcl::PLYReader>(file);
 }
 
 ColouredCloud load_pcd(const fs::path& file) {
-  if (fs::is_regular_file(file)) check_pcd_header(file);
+  check_file(file);
+  check_pcd_header(file);
   return load<pcl::PCDReader>(file);
 }
 
