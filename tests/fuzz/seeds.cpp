@@ -162,6 +162,14 @@ void make_logs(SeedFolder folder) {
   folder.add(log);
 }
 
+/// As nodes/requests_fuzzer.cpp reads it: the kind, then a request a line.
+void make_requests(SeedFolder folder) {
+  for (const char* lines :
+       {"\1", "\1evening/first ply\nevening/second pcd\n", "\1../other ply\nlink ply\nfile ply\n",
+        "\1a ply,pcd\nb ply\nc ply\nd ply\n", "\1link/deeper ply\n/tmp ply\n.a ply\n", "\2x\n"})
+    folder.add(std::string(lines));
+}
+
 /// As wire_fuzzer.cpp reads it: source and size before each datagram.
 void make_wire(SeedFolder folder) {
   const auto datagram = [](Bytes& input, std::uint8_t source, const Bytes& bytes) {
@@ -207,6 +215,7 @@ int main(int argc, char** argv) {
   make_messages(SeedFolder(folder / "message"));
   make_parts(SeedFolder(folder / "parts"));
   make_sessions(SeedFolder(folder / "sessions"));
+  make_requests(SeedFolder(folder / "requests"));
   make_configurations(SeedFolder(folder / "configuration"));
   make_trajectories(SeedFolder(folder / "trajectory"));
   make_logs(SeedFolder(folder / "log_reader"));
