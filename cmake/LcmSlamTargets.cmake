@@ -123,10 +123,13 @@ function(lcmslam_precompile_tests)
                      <filesystem> <fstream> <limits> <map> <memory> <optional> <set> <sstream> <string> <vector>)
 endfunction()
 
-# lcmslam_test(surf DEPENDS ... [FOLDER folder] [LABELS ...]): every .cpp of tests/unit/surf -> test_surf, whose
-# suites ctest knows.
+# lcmslam_test(surf DEPENDS ... [FOLDER folder] [COST seconds] [LABELS ...]): every .cpp of tests/unit/surf -> test_surf,
+# whose suites ctest knows.
 function(lcmslam_test name)
-  cmake_parse_arguments(ARG "" "FOLDER" "DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "FOLDER;COST" "DEPENDS;LABELS" ${ARGN})
+  if(NOT ARG_COST)
+    set(ARG_COST 1)
+  endif()
   if(NOT ARG_FOLDER)
     set(ARG_FOLDER ${CMAKE_CURRENT_SOURCE_DIR}/${name})
   endif()
@@ -149,6 +152,6 @@ function(lcmslam_test name)
   set(suites ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
   file(GENERATE OUTPUT ${suites} CONTENT
        "include(\"${CMAKE_SOURCE_DIR}/cmake/LcmSlamTestSuites.cmake\")
-lcmslam_add_suites(\"$<TARGET_FILE:test_${name}>\" ${name} ${ARG_LABELS})\n")
+lcmslam_add_suites(\"$<TARGET_FILE:test_${name}>\" ${name} ${ARG_COST} ${ARG_LABELS})\n")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${suites})
 endfunction()

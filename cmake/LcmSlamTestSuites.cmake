@@ -1,7 +1,7 @@
-# Run by ctest: lcmslam_add_suites(PROGRAM PREFIX [LABEL...]) makes a test of each suite of a GoogleTest program. What its
-# cases share is then made once, and programs start some hundred times, not thousands. Cases that the environment's
-# LCMSLAM_WITHOUT_CASES names (patterns, separated by colons) are left out.
-function(lcmslam_add_suites program prefix)
+# Run by ctest: lcmslam_add_suites(PROGRAM PREFIX COST [LABEL...]) makes a test of each suite of a GoogleTest program. What
+# its cases share is then made once, and programs start some hundred times, not thousands. The higher the COST, the earlier
+# ctest begins them. Cases that LCMSLAM_WITHOUT_CASES names in the environment (patterns with colons between) are left out.
+function(lcmslam_add_suites program prefix cost)
   set(list "")
   if(EXISTS ${program})
     execute_process(COMMAND ${program} --gtest_list_tests OUTPUT_VARIABLE list ERROR_QUIET)
@@ -19,7 +19,7 @@ function(lcmslam_add_suites program prefix)
     string(REGEX REPLACE "[\n.]" "" suite ${suite})
     add_test(${prefix}.${suite} ${program} --gtest_filter=${suite}.*${without})
     # Skipped is a suite of which all was skipped and nothing failed: the output ends with what was skipped.
-    set_tests_properties(${prefix}.${suite} PROPERTIES TIMEOUT 600 LABELS "${ARGN}" SKIP_REGULAR_EXPRESSION
+    set_tests_properties(${prefix}.${suite} PROPERTIES TIMEOUT 600 COST ${cost} LABELS "${ARGN}" SKIP_REGULAR_EXPRESSION
       "\\[  PASSED  \\] 0 tests\\.\n(\\[  SKIPPED \\][^\n]*\n?)+$")
   endforeach()
 endfunction()

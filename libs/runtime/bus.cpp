@@ -57,6 +57,7 @@ const std::string& quietly(const std::string& url, const QuietErrors&) {
 LcmBus::LcmBus(const std::string& lcm_url) : url_(checked(lcm_url)), lcm_(quietly(lcm_url, QuietErrors())) {
   multicast_address(lcm_url);
   udpm::allowed_networks();
+  udpm::reassembly_limits();
   bus_key();
 }
 

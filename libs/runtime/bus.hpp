@@ -11,7 +11,7 @@ namespace lcmslam {
 
 class LcmBus {
  public:
-  /// Throws std::invalid_argument when the URL, LCMSLAM_BUS_ALLOW or LCMSLAM_BUS_KEY is not understood, and
+  /// Throws std::invalid_argument when the URL, LCMSLAM_BUS_ALLOW, _KEY or _MEMORY is not understood, and
   /// for mpudpm.
   explicit LcmBus(const std::string& lcm_url);
 

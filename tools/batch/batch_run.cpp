@@ -100,7 +100,8 @@ BatchResult run_batch(const BatchOptions& options, const BatchPlan& plan) {
   ConfigNode config = plan.config;
   config.set("map-server.folder", yaml_quoted(std::filesystem::absolute(options.folder).string()));
   config.set("map-server.snapshot_period", "0");  // an aborted run leaves nothing
-  cv::setNumThreads(options.threads);
+  // Of more threads than processors TBB prints a warning.
+  cv::setNumThreads(std::min(options.threads, cv::getNumberOfCPUs()));
 
   Utime now = 0;
   BatchGraph graph(config, plan.processes, options.threads, [&](const BatchMessage& message) {

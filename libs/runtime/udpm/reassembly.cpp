@@ -1,9 +1,26 @@
 #include <lcmslam/runtime/udpm/reassembly.hpp>
 
+#include <cstdlib>
 #include <iterator>
+#include <stdexcept>
 #include <utility>
 
 namespace lcmslam::udpm {
+
+ReassemblyLimits reassembly_limits() {
+  ReassemblyLimits limits;
+  const char* text = std::getenv("LCMSLAM_BUS_MEMORY");
+  if (text == nullptr || *text == '\0') return limits;
+  const std::string value = text;
+  const bool digits = value.size() <= 4 && value.find_first_not_of("0123456789") == std::string::npos;
+  const std::size_t mebibytes = digits ? std::stoul(value) : 0;
+  if (mebibytes < 16 || mebibytes > 4096)  // a message has up to 16
+    throw std::invalid_argument("LCMSLAM_BUS_MEMORY: '" + value +
+                                "' is not 16 to 4096 (MiB of half messages)");
+  limits.bytes = mebibytes << 20U;
+  limits.messages = 8 * mebibytes;
+  return limits;
+}
 
 std::optional<BusMessage> Reassembly::add(const Source& source, const Packet& packet) {
   const Place place = find_or_begin(source, packet);

@@ -25,6 +25,10 @@ struct ReassemblyLimits {
   std::size_t of_a_sender = 4;              ///< LCM sends one after the other; the network may swap some
 };
 
+/// As LCMSLAM_BUS_MEMORY says: MiB of half messages, 32 without it; the number of messages grows with it.
+/// Throws std::invalid_argument for what is not 16 to 4096.
+ReassemblyLimits reassembly_limits();
+
 class Reassembly {
  public:
   /// `wanted` says whether a channel's messages are to be put together at all.

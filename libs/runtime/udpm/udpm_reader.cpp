@@ -38,7 +38,8 @@ UdpmReader::UdpmReader(const MulticastAddress& address, ChannelSet channels, Sou
     : group_(parse_group(address.group)),
       channels_(std::move(channels)),
       filter_(std::move(filter)),
-      reassembly_([this](const std::string& channel) { return channels_.holds(channel); }),
+      reassembly_([this](const std::string& channel) { return channels_.holds(channel); },
+                  reassembly_limits()),
       buffer_(largest_datagram) {
   reassembly_.on_refusal = [this](Refusal why) { count(why); };
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);

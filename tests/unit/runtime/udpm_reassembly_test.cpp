@@ -230,5 +230,19 @@ TEST_F(ReassemblyTest, RandomTrafficWithLossComesOutWholeOrNotAtAll) {
   EXPECT_LE(reassembly_->waiting_messages(), 4U);
 }
 
+TEST(ReassemblyLimitsTest, AreTheEnvironments) {
+  EXPECT_EQ(reassembly_limits().bytes, 32U << 20U);
+  setenv("LCMSLAM_BUS_MEMORY", "64", 1);
+  EXPECT_EQ(reassembly_limits().bytes, 64U << 20U);
+  EXPECT_EQ(reassembly_limits().messages, 512U);
+  for (const char* wrong : {"15", "4097", "-1", "64MB", "99999999999999999999"}) {
+    setenv("LCMSLAM_BUS_MEMORY", wrong, 1);
+    EXPECT_THAT([] { reassembly_limits(); },
+                ::testing::ThrowsMessage<std::invalid_argument>(::testing::HasSubstr("16 to 4096")))
+        << wrong;
+  }
+  unsetenv("LCMSLAM_BUS_MEMORY");
+}
+
 }  // namespace
 }  // namespace lcmslam::udpm

@@ -153,6 +153,11 @@ void five_times_too_far(Material& m) {
 void five_times_too_near(Material& m) {
   scale_depth(m, 0.2);
 }
+/// Something close to the camera, a part of the robot: not all of the image is far.
+void five_times_too_far_beside_a_near_thing(Material& m) {
+  for (RgbdFrame& frame : m.frames) frame.depth.colRange(0, frame.depth.cols / 20).setTo(600);
+  scale_depth(m, 5);
+}
 void swapped(Material& m) {
   std::swap(m.calibration.colour.width, m.calibration.colour.height);
   if (m.calibration.depth_registered) m.calibration.depth = m.calibration.colour;
@@ -206,6 +211,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Fault{"scale_5_kitchen_tof", "kitchen tof", five_times_too_far, "depth scale wrong by 5"},
         Fault{"scale_5_kitchen_rgbd", "kitchen rgbd", five_times_too_far, "depth scale wrong by 5"},
+        Fault{"scale_5_beside_a_near_thing", "kitchen tof", five_times_too_far_beside_a_near_thing,
+              "lie outside of the sensor's 0.3 to 7.5 m"},
         Fault{"scale_5_fr1", "tum_fr1_rpy", five_times_too_far, "wrong by 5"},
         Fault{"scale_5_livingroom", "livingroom1", five_times_too_far, "depth scale wrong by 5"},
         Fault{"scale_fifth_kitchen_tof", "kitchen tof", five_times_too_near, "depth scale wrong by 0.2"},
