@@ -2,7 +2,11 @@
 // below the run's folder, through no link, and in no more folders than the settings allow.
 
 #include <spdlog/spdlog.h>
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include <lcmslam/map_reply_t.hpp>
 #include "procs/map-server/map_server_node.hpp"
@@ -56,7 +60,8 @@ class Scratch {
 };
 
 /// One byte says which kind, the rest are requests a line: the argument, a blank, the formats.
-void ask(TestBus& bus, std::int8_t kind, std::string line, std::int64_t id) {
+void ask(testing::TestBus& bus, std::int8_t kind, std::string line, std::int64_t id) {
+  line.erase(std::remove(line.begin(), line.end(), '\0'), line.end());  // no string of LCM holds one
   map_request_t request{};
   request.request_id = id;
   request.kind = kind;
@@ -75,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   spdlog::set_level(spdlog::level::off);
   if (size == 0) return 0;
   scratch.empty_run();
-  TestBus bus;
+  testing::TestBus bus;
   bus.add<MapServerNode>(ConfigNode::parse("{folder: " + scratch.run().string() + ", export_folders: 3}"));
   std::istringstream lines(std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
   std::int64_t asked = 0;
