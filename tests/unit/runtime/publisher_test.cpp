@@ -9,7 +9,7 @@
 namespace lcmslam {
 namespace {
 
-encoders_t encoders(Utime utime, int wheels = 0) {
+encoders_t wheels_at(Utime utime, int wheels = 0) {
   encoders_t m;
   m.utime = utime;
   m.n_wheels = wheels;
@@ -20,8 +20,8 @@ encoders_t encoders(Utime utime, int wheels = 0) {
 TEST(Publisher, NumbersEachChannelByItself) {
   testing::CapturingPublisher publisher(99);
   for (int i = 0; i < 3; ++i) {
-    publisher.publish("A", encoders(10 + i));
-    if (i < 2) publisher.publish("B", encoders(20 + i));
+    publisher.publish("A", wheels_at(10 + i));
+    if (i < 2) publisher.publish("B", wheels_at(20 + i));
   }
   const auto a = publisher.on<encoders_t>("A"), b = publisher.on<encoders_t>("B");
   ASSERT_EQ(a.size(), 3U);
@@ -33,8 +33,8 @@ TEST(Publisher, NumbersEachChannelByItself) {
 
 TEST(Publisher, CountsMessagesAndBytes) {
   testing::CapturingPublisher publisher;
-  publisher.publish("A", encoders(10, 4));
-  publisher.publish("A", encoders(11, 1));
+  publisher.publish("A", wheels_at(10, 4));
+  publisher.publish("A", wheels_at(11, 1));
   const OutputCount count = publisher.counts().at("A");
   EXPECT_EQ(count.sent, 2);
   EXPECT_EQ(count.largest, static_cast<std::int64_t>(publisher.all[0].bytes.size()));
@@ -47,8 +47,8 @@ TEST(Publisher, TellsWhichMeasurementWasAnswered) {
   testing::CapturingPublisher publisher;
   std::vector<Utime> answered;
   publisher.on_answer = [&](Utime utime) { answered.push_back(utime); };
-  publisher.publish("A", encoders(10));
-  publisher.publish("A", encoders(11), 9);
+  publisher.publish("A", wheels_at(10));
+  publisher.publish("A", wheels_at(11), 9);
   EXPECT_THAT(answered, ::testing::ElementsAre(10, 9));
 }
 

@@ -2,41 +2,27 @@
 
 #include <lcmslam/runtime/seal.hpp>
 
-#include <gmock/gmock.h>
-#include <sys/stat.h>
-
-#include <deque>
-#include <fstream>
+#include <gtest/gtest.h>
 
 #include <lcmslam/command_t.hpp>
 #include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/log/log_writer.hpp>
 #include <lcmslam/log/seal_trailer.hpp>
 #include <lcmslam/messages/decode.hpp>
-#include <lcmslam/runtime/sealed_reader.hpp>
 #include "tests/unit/log/sample_log.hpp"
+#include "tests/unit/runtime/sealed_messages.hpp"
 
 namespace lcmslam {
 namespace {
 
-using ::testing::HasSubstr;
-
 const WallTime now(std::chrono::seconds(1'800'000'000));
-
-BusKey key_of(std::uint8_t byte) {
-  BusKey key;
-  key.fill(byte);
-  return key;
-}
-
-BusMessage sealed(Sealer& sealer, const std::string& channel, std::vector<std::uint8_t> bytes,
-                  WallTime at = now) {
-  sealer.seal(channel, bytes, at);
-  return {channel, bytes};
-}
 
 class Sealed : public ::testing::Test {
  protected:
+  static BusMessage sealed(Sealer& sealer, const std::string& channel, std::vector<std::uint8_t> bytes,
+                           WallTime at = now) {
+    return lcmslam::sealed(sealer, channel, std::move(bytes), at);
+  }
   std::optional<Refusal> open(BusMessage message, WallTime at = now) { return checker_.open(message, at); }
 
   Sealer sealer_{key_of(1), 77};
@@ -115,79 +101,6 @@ TEST_F(Sealed, LogsOfAKeyedBusAreReadAsOthers) {
   const auto event = LogReader(file.path()).next();
   ASSERT_TRUE(event);
   EXPECT_EQ(decode_message<command_t>(event->data.data(), event->data.size()).name, "stop");
-}
-
-/// Hands out what is in it.
-class Source : public BusReader {
- public:
-  explicit Source(std::deque<BusMessage> messages) : messages_(std::move(messages)) {}
-  bool read(BusMessage& message, std::chrono::milliseconds) override {
-    if (messages_.empty()) return false;
-    message = messages_.front();
-    messages_.pop_front();
-    return true;
-  }
-
- private:
-  std::deque<BusMessage> messages_;
-};
-
-TEST(SealedReaderTest, WithAKeyOnlySealedMessagesPassAndTheOthersAreCounted) {
-  Sealer sealer(key_of(1), 77), other(key_of(2), 78);
-  const WallTime today = std::chrono::system_clock::now();
-  const BusMessage good = sealed(sealer, "COMMAND", {1}, today);
-  SealedReader reader(std::make_unique<Source>(std::deque<BusMessage>{
-                          {"STATUS", {1}}, sealed(other, "COMMAND", {2}, today), good, good}),
-                      key_of(1));
-  BusMessage message;
-  ASSERT_TRUE(reader.read(message, std::chrono::seconds(1)));
-  EXPECT_EQ(message.bytes, std::vector<std::uint8_t>{1});
-  EXPECT_FALSE(reader.read(message, std::chrono::seconds(1)));
-  const Refusals refusals = reader.refusals();
-  EXPECT_EQ(refusals.of(Refusal::unsealed), 2);
-  EXPECT_EQ(refusals.of(Refusal::replayed), 1);
-  EXPECT_EQ(refusals.malformed(), 0);
-  EXPECT_EQ(refusals.text(), "3 messages not sealed by this bus's key (last on COMMAND)");
-}
-
-TEST(SealedReaderTest, WithoutAKeySealsComeOff) {
-  Sealer sealer(key_of(1), 77);
-  SealedReader reader(std::make_unique<Source>(std::deque<BusMessage>{sealed(sealer, "COMMAND", {1, 2})}),
-                      std::nullopt);
-  BusMessage message;
-  ASSERT_TRUE(reader.read(message, std::chrono::seconds(1)));
-  EXPECT_EQ(message.bytes, (std::vector<std::uint8_t>{1, 2}));
-}
-
-class BusKeyFile : public ::testing::Test {
- protected:
-  BusKey read(const std::string& text, mode_t mode = 0600) {
-    std::ofstream(file_.path()) << text;
-    chmod(file_.path().c_str(), mode);
-    return read_bus_key(file_.path());
-  }
-  std::string error_of(const std::string& text, mode_t mode = 0600) {
-    try {
-      read(text, mode);
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "";
-  }
-  testing::ScratchFile file_;
-};
-
-TEST_F(BusKeyFile, HoldsSixtyFourDigits) {
-  EXPECT_EQ(read(std::string(62, '0') + "fF\n")[31], 0xff);
-}
-
-TEST_F(BusKeyFile, IsRefusedWithWhatWouldBeRight) {
-  EXPECT_THAT(error_of(std::string(63, '0')), HasSubstr("64 hexadecimal digits"));
-  EXPECT_THAT(error_of(std::string(63, '0') + "g"), HasSubstr("64 hexadecimal digits"));
-  EXPECT_THAT(error_of(std::string(66, '0')), HasSubstr("64 hexadecimal digits"));
-  EXPECT_THAT(error_of(std::string(64, '0'), 0640), HasSubstr("chmod 600 " + file_.path()));
-  EXPECT_THAT(error_of(""), HasSubstr("openssl rand -hex 32"));
-  EXPECT_THROW(read_bus_key("/nowhere/key"), std::invalid_argument);
 }
 
 }  // namespace
