@@ -19,7 +19,7 @@ function(lcmslam_add_suites program prefix cost)
     string(REGEX REPLACE "[\n.]" "" suite ${suite})
     add_test(${prefix}.${suite} ${program} --gtest_filter=${suite}.*${without})
     # Skipped is a suite of which all was skipped and nothing failed: the output ends with what was skipped.
-    set_tests_properties(${prefix}.${suite} PROPERTIES TIMEOUT 600 COST ${cost} LABELS "${ARGN}" SKIP_REGULAR_EXPRESSION
+    set_tests_properties(${prefix}.${suite} PROPERTIES TIMEOUT 1500 COST ${cost} LABELS "${ARGN}" SKIP_REGULAR_EXPRESSION
       "\\[  PASSED  \\] 0 tests\\.\n(\\[  SKIPPED \\][^\n]*\n?)+$")
   endforeach()
 endfunction()
