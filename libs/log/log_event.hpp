@@ -26,6 +26,7 @@ struct LogEventView {
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;
   std::uint64_t offset = 0;  ///< of its header in the file
+  std::size_t seal = 0;      ///< bytes behind the data (seal_trailer.hpp), which are none of the message
 
   LogEvent copy() const { return {number, timestamp, std::string(channel), {data, data + size}}; }
 };

@@ -59,12 +59,14 @@ std::optional<Header> header_at(Bytes bytes, std::uint64_t offset) {
 LogEventView view(Bytes bytes, const Header& header) {
   const std::uint8_t* channel = bytes.data + header.offset + header_size;
   const std::uint8_t* data = channel + header.channel_size;
+  const std::size_t size = seal::size_within(data, header.data_size);
   return {header.number,
           header.timestamp,
           {reinterpret_cast<const char*>(channel), header.channel_size},
           data,
-          seal::size_within(data, header.data_size),
-          header.offset};
+          size,
+          header.offset,
+          header.data_size - size};
 }
 
 void write_header(std::uint8_t* to, const Header& header) {

@@ -16,7 +16,7 @@ void read(lcmslam::LogReader& reader) {
   std::uint64_t covered = 0;
   volatile unsigned sum = 0;  // every byte is read
   while (const auto event = reader.next_view()) {
-    covered += 28 + event->channel.size() + event->size;
+    covered += 28 + event->channel.size() + event->size + event->seal;
     for (const char c : event->channel) sum = sum + static_cast<unsigned char>(c);
     for (std::size_t i = 0; i < event->size; ++i) sum = sum + event->data[i];
   }
