@@ -1,10 +1,19 @@
 #include <lcmslam/map_store/file/map_file.hpp>
 
 #include <limits>
+#include <map>
 
 #include <lcmslam/map_store/file/store_codecs.hpp>
 
 namespace lcmslam {
+
+std::vector<std::string> names_of(const std::vector<StoredSession>& sessions) {
+  std::vector<std::string> names;
+  std::map<std::string, int> numbers;
+  for (const StoredSession& session : sessions)
+    names.push_back(session.mapper + "-session" + std::to_string(++numbers[session.mapper]));
+  return names;
+}
 
 MapFile::MapFile(const std::filesystem::path& file)
     : database_(file, Database::Access::read), moment_(database_, "DEFERRED") {

@@ -13,6 +13,9 @@ struct SessionCounts {
   std::int64_t keyframes = 0, clouds = 0, points = 0, features = 0, edges = 0, landmarks = 0;
 };
 
+/// "icp-session1", "icp-session2": each one's own, counted by mapper, as exported files are called.
+std::vector<std::string> names_of(const std::vector<StoredSession>& sessions);
+
 class MapFile {
  public:
   /// Files of older schemas are read, too. Throws StoreError.

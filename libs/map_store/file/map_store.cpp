@@ -70,6 +70,11 @@ bool MapStore::has_run(std::int64_t id) {
   return run(id).step();
 }
 
+bool MapStore::has_session(std::int64_t id) {
+  Statement session(database_, "SELECT 1 FROM session WHERE id = ?");
+  return session(id).step();
+}
+
 std::int64_t MapStore::add_session(std::int64_t run, const StoredSession& session) {
   statements_->session(run, session.mapper, session.sender, session.frame).run();
   return database_.last_row();

@@ -20,6 +20,7 @@ class MapStore {
   /// Gives its id.
   std::int64_t add_run(const StoredRun& run);
   bool has_run(std::int64_t id);
+  bool has_session(std::int64_t id);
   /// Gives its id; the one in `session` does not count.
   std::int64_t add_session(std::int64_t run, const StoredSession& session);
   void write(std::int64_t session, const SessionChanges& changes);

@@ -96,6 +96,7 @@ void StoreWriter::work() {
 /// All of it in one transaction. What was begun in the file counts only when that is committed.
 void StoreWriter::write(const Waiting& changes) {
   if (!store_) {
+    std::filesystem::create_directories(std::filesystem::absolute(file_).parent_path());
     store_ = std::make_unique<MapStore>(file_, vfs_);
     if (!store_->has_run(run_id_)) {  // somebody took the file away: a new one begins
       run_id_ = 0;
@@ -114,7 +115,7 @@ void StoreWriter::write(const Waiting& changes) {
         const std::lock_guard<std::mutex> lock(mutex_);
         return sessions_[n];
       }();
-      id = store_->add_session(run, begun);
+      id = store_->has_session(begun.id) ? begun.id : store_->add_session(run, begun);
     }
     store_->write(id, session);
   }

@@ -21,14 +21,16 @@ class StoreWriter {
     std::string error;  ///< of the last try; empty: all that was tried is in the file
   };
 
-  /// The file is opened, or made, when there is something to write. `run` is noted then. `vfs`: see Database.
+  /// The file is opened, or made with its folder, when there is something to write. `run` is noted then.
+  /// `vfs`: see Database.
   StoreWriter(std::filesystem::path file, StoredRun run, const char* vfs = nullptr);
   /// Tries once more to write what waits.
   ~StoreWriter();
   StoreWriter(const StoreWriter&) = delete;
   StoreWriter& operator=(const StoreWriter&) = delete;
 
-  /// A number for change(): the session gets its id in the file with its first change.
+  /// A number for change(): the session gets its id in the file with its first change. One that has an id
+  /// already, of an earlier run, is gone on with.
   std::size_t begin_session(const StoredSession& session);
   /// Calls `add` with what waits of this session.
   void change(std::size_t session, const std::function<void(SessionChanges&)>& add);
