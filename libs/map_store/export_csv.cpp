@@ -9,7 +9,7 @@ namespace lcmslam {
 void save_csv(const FilePlace& file, const std::vector<Landmark>& landmarks) {
   std::ostringstream text;
   text << "id,x,y,z,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,observations,log_odds,red,green,blue\n"
-       << std::setprecision(9);
+       << std::setprecision(7);
   for (const Landmark& l : landmarks) {
     const Eigen::Matrix3d& S = l.covariance;
     text << l.id;

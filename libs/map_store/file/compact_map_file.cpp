@@ -19,7 +19,8 @@ void copy_compacted(const std::filesystem::path& file, const FilePlace& copy) {
   schema_of(database);
   database.execute("PRAGMA query_only = 0");  // it would hold for the copy, too
   write_atomically(copy, [&](const std::filesystem::path& part) {
-    Statement(database, "VACUUM INTO ?")(part.string()).run();
+    // By its own name: SQLite follows no links (Database), and `part` may be one.
+    Statement(database, "VACUUM INTO ?")(std::filesystem::canonical(part).string()).run();
   });
 }
 
