@@ -9,6 +9,13 @@
 namespace lcmslam {
 namespace {
 
+/// With what lies beside the file while it is written.
+std::uintmax_t bytes_of(const std::string& file) {
+  std::error_code none;
+  const std::uintmax_t beside = std::filesystem::file_size(file + "-wal", none);
+  return std::filesystem::file_size(file) + (none ? 0 : beside);
+}
+
 std::string place_of(const StoredSession& session) {
   if (!session.T_map_session) return "its own frame";
   const Eigen::Vector3d at = session.T_map_session->translation();
@@ -31,7 +38,7 @@ nlohmann::json json_of(MapFile& map, const StoredSession& session, const std::st
 }
 
 void print_json(const std::string& file, MapFile& map) {
-  nlohmann::json root = {{"schema", map.schema()}, {"bytes", std::filesystem::file_size(file)}};
+  nlohmann::json root = {{"schema", map.schema()}, {"bytes", bytes_of(file)}};
   root["versions"] = nlohmann::json::array();
   for (const StoredRun& run : map.runs()) root["versions"].push_back(run.version);
   root["sensors"] = nlohmann::json::array();
@@ -48,7 +55,7 @@ void print_json(const std::string& file, MapFile& map) {
 void print_text(const std::string& file, MapFile& map) {
   const auto runs = map.runs();
   std::cout << fmt::format("{}: schema {}, {:.1f} MB, written by {} runs", file, map.schema(),
-                           1e-6 * static_cast<double>(std::filesystem::file_size(file)), runs.size());
+                           1e-6 * static_cast<double>(bytes_of(file)), runs.size());
   if (!runs.empty()) std::cout << ", the last of version " << runs.back().version;
   std::cout << "\n";
   for (const StoredCalibration& calibration : map.calibrations())
