@@ -180,7 +180,7 @@ TEST_F(MapServerStore, KeyframesHaveTheFeaturesAndTheCovarianceOfTheirMoment) {
   server.pose("ICP_POSE", 2, 10 * second + 30'000);
   server.keyframe(0, 10 * second + 30'000);
   server.keyframe(1, 20 * second);  // before its features
-  server.keyframe(2, 30 * second);  // whose features never come
+  server.keyframe(2, 21 * second);  // whose features never come
   server.features(19 * second + 990'000, 6);
   server.finish();
   MapFile read(file());
