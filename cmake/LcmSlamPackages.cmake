@@ -10,6 +10,8 @@ function(lcmslam_package_of item package component)
   elseif(item MATCHES "^pcl_(.+)$")
     set(${package} PCL PARENT_SCOPE)
     set(${component} ${CMAKE_MATCH_1} PARENT_SCOPE)
+  elseif(item STREQUAL "SQLite::SQLite3")
+    set(${package} SQLite3 PARENT_SCOPE)  # CMake's own name for its module
   elseif(item STREQUAL "embree" OR item STREQUAL "yaml-cpp")
     set(${package} ${item} PARENT_SCOPE)
   elseif(item MATCHES "^(.+)::")

@@ -17,6 +17,7 @@ const char* command_help(const std::string& command) {
       {"launch", "start the process graph that a configuration names"},
       {"lcm-spy", "the stock graphical spy with our types"},
       {"log", "recordings: info, check, repair, cut, calibrate, play"},
+      {"map", "map files (.lcmslam): info, export, compact, verify, diff"},
       {"render", "a picture of a map, or one that turns"},
       {"send", "an order to the running graph: save, smooth, reset, stop, export"},
       {"simulate", "render a simulated run into an .lcmlog"},

@@ -21,6 +21,7 @@ int import_command(int argc, char** argv);
 int launch_command(int argc, char** argv);
 int lcm_spy_command(int argc, char** argv);
 int log_command(int argc, char** argv);
+int map_command(int argc, char** argv);
 int render_command(int argc, char** argv);
 int send_command(int argc, char** argv);
 int simulate_command(int argc, char** argv);

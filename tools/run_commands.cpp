@@ -46,6 +46,15 @@ void print_help(std::ostream& stream, const std::vector<Command>& commands) {
            << command_help(command.name) << "\n";
 }
 
+void print_subcommands(std::ostream& stream, const std::string& command,
+                       const std::vector<Command>& subcommands) {
+  stream << "usage: lcmslam " << command << " SUBCOMMAND [options]; lcmslam " << command
+         << " SUBCOMMAND --help for its options\n";
+  for (const Command& subcommand : subcommands)
+    stream << "  " << subcommand.name << std::string(11 - std::strlen(subcommand.name), ' ')
+           << subcommand.help << "\n";
+}
+
 /// `help log cut` is `log cut --help`.
 int run_help(const std::vector<Command>& commands, int argc, char** argv) {
   char option[] = "--help";
@@ -57,6 +66,23 @@ int run_help(const std::vector<Command>& commands, int argc, char** argv) {
 }
 
 }  // namespace
+
+int run_subcommand(const char* command, const std::vector<Command>& subcommands, int argc, char** argv) {
+  const std::string name = argc > 1 ? argv[1] : "";
+  for (const Command& subcommand : subcommands)
+    if (name == subcommand.name) return subcommand.run(argc - 1, argv + 1);
+  if (name == "--help" || name == "-h") {
+    print_subcommands(std::cout, command, subcommands);
+    return 0;
+  }
+  std::vector<std::string> names;
+  for (const Command& subcommand : subcommands) names.emplace_back(subcommand.name);
+  if (!name.empty())
+    std::cerr << "lcmslam " << command << ": unknown subcommand '" << name << "'" << did_you_mean(name, names)
+              << "\n";
+  print_subcommands(std::cerr, command, subcommands);
+  return 2;
+}
 
 int run_commands(const std::vector<Command>& commands, int argc, char** argv) {
   spdlog::set_default_logger(std::make_shared<spdlog::logger>(

@@ -14,6 +14,9 @@ struct Command {
 /// output that could not be written. `help` lists the commands, `help COMMAND` is `COMMAND --help`.
 int run_commands(const std::vector<Command>& commands, int argc, char** argv);
 
+/// The subcommand of `command` that argv[1] names; without one, or for one that is not there, its list and 2.
+int run_subcommand(const char* command, const std::vector<Command>& subcommands, int argc, char** argv);
+
 /// A command whose own program, `program`, lies beside this one and takes over. Does not come back; throws
 /// std::runtime_error where the program is not there.
 void hand_over(const char* program, char** argv);

@@ -27,6 +27,10 @@ void save_ply(const FilePlace& file, const std::vector<Landmark>& landmarks);
 /// x y z rgb label; label is the id modulo 2^32 (PCD has no wider whole numbers in PCL).
 void save_pcd(const FilePlace& file, const std::vector<Landmark>& landmarks);
 
+/// A line a landmark below one that names the columns: id,x,y,z,cov_xx,...,cov_zz,observations,log_odds,
+/// red,green,blue (m, m^2).
+void save_csv(const FilePlace& file, const std::vector<Landmark>& landmarks);
+
 /// Points, colours and normals (empty when the file has none) through PCL. Throw std::runtime_error
 /// when the file is missing or is not such a file.
 ColouredCloud load_ply(const std::filesystem::path& file);

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/messages/print_message.hpp>
 #include <lcmslam/rendering/map_picture.hpp>
@@ -85,6 +86,24 @@ class MapFiles {
   std::vector<std::string> written_;
 };
 
+/// One at a time, so that no more of them than that is in memory.
+void save_kept(const MapsToSave& maps, MapFiles& files) {
+  if (maps.kept.empty()) return;
+  MapFile file(maps.store);
+  for (const KeptSession& kept : maps.kept) {
+    if (kept.mapper == "fastslam") {
+      const MapsToSave::Landmarks map{kept.name, file.landmarks(kept.id), {}};
+      files.save_points(map.name, map.landmarks);
+      files.save_pictures(map);
+    } else {
+      const MapsToSave::Dense map{kept.name, file.dense_map(kept.id), {}};
+      const ColouredCloud cloud = map.map.merge(maps.resolution);
+      files.save_points(map.name, cloud);
+      files.save_pictures(map, cloud, maps.resolution);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& folder,
@@ -100,6 +119,7 @@ std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& fol
   for (const MapsToSave::Landmarks& map : maps.landmarks) files.save_pictures(map);
   for (std::size_t i = 0; i < clouds.size(); ++i)
     files.save_pictures(maps.dense[i], clouds[i], maps.resolution);
+  save_kept(maps, files);
   return files.written();
 }
 

@@ -8,6 +8,7 @@
 #include <lcmslam/files/held_folder.hpp>
 #include <lcmslam/map_store/dense_map.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
+#include "procs/map-server/map_recorder.hpp"
 
 namespace lcmslam {
 
@@ -26,7 +27,9 @@ struct MapsToSave {
   };
   std::vector<Landmarks> landmarks;
   std::vector<Dense> dense;
-  double resolution = 0.02;  ///< m, of merged dense maps
+  std::filesystem::path store;    ///< the map's file
+  std::vector<KeptSession> kept;  ///< of that file, to be read when it is their turn
+  double resolution = 0.02;       ///< m, of merged dense maps
 };
 
 /// NAME_map.ply, NAME_map.pcd, NAME_front.png, NAME_top.png of each map. `formats`: "ply", "pcd", "png",

@@ -5,10 +5,10 @@
 #include <set>
 
 #include <lcmslam/configuration/read_settings.hpp>
-#include <lcmslam/map_reply_t.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/runtime/confirmation.hpp>
+#include <lcmslam/settings/check.hpp>
 #include <lcmslam/status_t.hpp>
 
 namespace lcmslam {
@@ -38,6 +38,13 @@ auto& session_of(SessionTable<Map>& sessions, const M& message) {
     refuse(
         fmt::format("sender {} is not the mapper that is alive, or max_sessions are there", message.sender));
   return *session;
+}
+
+/// A line a setting.
+std::string text_of(const MapServerSettings& settings) {
+  std::string text;
+  for (const SettingEntry& entry : list_settings(settings)) text += entry.path + ": " + entry.value + "\n";
+  return text;
 }
 
 /// Keyframes of the map that stay when the message has been followed.
@@ -73,7 +80,9 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
           DenseMap({size(settings.max_keyframes), size(settings.max_points), size(settings.max_incomplete)})),
       max_path_(size(settings.max_path)),
       snapshot_period_(settings.snapshot_period),
-      most_export_folders_(size(settings.export_folders)) {}
+      most_export_folders_(size(settings.export_folders)) {
+  if (!settings.store.empty()) recorder_.emplace(folder_ / settings.store, text_of(settings));
+}
 
 void MapServerNode::connect(Inputs& inputs) {
   inputs.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000,
@@ -87,11 +96,16 @@ void MapServerNode::connect(Inputs& inputs) {
                                              [this](const pose_estimate_t& m) { on_icp_pose(m); });
   inputs.subscribe<map_request_t>("MAP_REQUEST", 100, [this](const map_request_t& m) { on_request(m); })
       .primary = true;
+  if (!recorder_) return;
+  inputs.subscribe<features_t>("FEATURES", 100, [this](const features_t& m) { recorder_->features(m); });
+  inputs.subscribe<camera_calibration_t>(
+      "CAMERA_CALIBRATION", 10, [this](const camera_calibration_t& m) { recorder_->calibration(m); });
 }
 
 void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
   if (landmark_maps_.hear(key_of(message))) fastslam_path_.clear();
   add_to_path(fastslam_path_, message);
+  if (recorder_) recorder_->pose("fastslam", key_of(message), message);
   const auto* session = landmark_maps_.find(key_of(message));
   const bool complete = session != nullptr && !session->map.incomplete();
   follow("fastslam", message, complete ? session->map.revision() : 0);
@@ -100,6 +114,7 @@ void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
 void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
   if (dense_maps_.hear(key_of(message))) icp_path_.clear();
   add_to_path(icp_path_, message);
+  if (recorder_) recorder_->pose("icp", key_of(message), message);
   const auto* session = dense_maps_.find(key_of(message));
   if (session == nullptr) return follow("icp", message, 0);
   if (!session->graph.complete()) return follow("icp", message, 0);
@@ -123,42 +138,58 @@ void MapServerNode::on_landmarks(const landmarks_t& message) {
   const bool may_take_most = message.base_revision == 0 || 2 * message.removed.size() > map.size();
   std::optional<LandmarkMap> before;
   if (may_take_most && map.size() > 0) before = map;
+  bool whole = message.base_revision == 0;
   try {
-    if (message.base_revision == 0 && message.n_tiles > 1)
-      map.add_tile({message.map_revision, message.tile, message.n_tiles, landmarks});
+    if (whole && message.n_tiles > 1)
+      whole = map.add_tile({message.map_revision, message.tile, message.n_tiles, landmarks});
     else
       map.apply({message.map_revision, message.base_revision, landmarks, message.removed});
   } catch (const std::invalid_argument& error) {
     refuse(error.what());
   }
   ++changes_;
-  if (!before || 2 * map.size() >= before->size() || landmark_maps_.keep_beside(key_of(message), *before))
-    return;
-  map = std::move(*before);
-  refuse("it takes away the most of a map, and there is no room to keep that beside");
+  if (before && 2 * map.size() < before->size()) keep_beside(message, map, std::move(*before));
+  const auto* session = landmark_maps_.find(key_of(message));
+  if (recorder_) recorder_->landmarks(session->key, message, session->map, whole);
+}
+
+/// A message took the most of a map away: it stays beside as it was `before`, or else in its place.
+void MapServerNode::keep_beside(const landmarks_t& message, LandmarkMap& map, LandmarkMap before) {
+  if (!landmark_maps_.keep_beside(key_of(message), before)) {
+    map = std::move(before);
+    refuse("it takes away the most of a map, and there is no room to keep that beside");
+  }
+  const auto& kept = landmark_maps_.all().back();
+  if (recorder_) recorder_->kept_beside(kept.key, kept.map);
 }
 
 void MapServerNode::on_keyframe(const keyframe_t& message) {
   const KeyframeTile tile = from_message(message);
   DenseMap& map = session_of(dense_maps_, message).map;
+  bool complete = false;
   try {
-    map.add(tile);
+    complete = map.add(tile);
   } catch (const std::invalid_argument& error) {
     refuse(error.what());
   }
   ++changes_;
+  if (recorder_ && complete) recorder_->keyframe(key_of(message), map.keyframes().at(tile.part.id));
 }
 
 void MapServerNode::on_graph(const graph_t& message) {
   from_message(message);  // throws before anything is kept beside
   auto* session = &session_of(dense_maps_, message);
-  if (2 * kept_by(message, session->map) < session->map.keyframes().size() &&
-      !dense_maps_.keep_beside(key_of(message), session->map))
-    refuse("it takes away the most of a map, and there is no room to keep that beside");
+  if (2 * kept_by(message, session->map) < session->map.keyframes().size()) {
+    if (!dense_maps_.keep_beside(key_of(message), session->map))
+      refuse("it takes away the most of a map, and there is no room to keep that beside");
+    const auto& kept = dense_maps_.all().back();
+    if (recorder_) recorder_->kept_beside(kept.key, kept.map);
+  }
   session = dense_maps_.find(key_of(message));
   session->graph.apply(message);
   lcmslam::follow(session->map, session->graph, message);
   ++changes_;
+  if (recorder_) recorder_->graph(session->key, message, session->graph, session->map);
 }
 
 // A map that stays behind what its mapper's poses name has lost something: this server restarted, or a
@@ -181,71 +212,21 @@ void MapServerNode::follow(const std::string& process, const pose_estimate_t& po
   publisher_.publish("COMMAND", command);
 }
 
-void MapServerNode::on_request(const map_request_t& request) {
-  map_reply_t reply;
-  reply.utime = request.utime;
-  reply.request_id = request.request_id;
-  reply.status = 0;
-  reply.tile = 0;
-  reply.n_tiles = 1;
-  try {
-    if (request.kind == map_request_t::EXPORT) {
-      for (const auto& file : export_maps(request)) reply.message += file + "\n";
-    } else if (request.kind != map_request_t::INFO) {
-      throw std::runtime_error(fmt::format("there is no request of kind {}", request.kind));
-    }
-  } catch (const std::exception& error) {
-    reply.status = 1;
-    reply.message = error.what();
-    ++requests_refused_;
-    spdlog::error("request refused: {}", error.what());
-  }
-  const std::string info = describe();
-  reply.content = "application/json";
-  reply.data.assign(info.begin(), info.end());
-  reply.size = static_cast<int32_t>(reply.data.size());
-  publisher_.publish("MAP_REPLY", reply);
-}
-
-std::string MapServerNode::describe() const {
-  const LandmarkMap* landmarks = landmark_maps_.current_map();
-  const DenseMap* dense = dense_maps_.current_map();
-  return fmt::format(R"({{"landmarks": {}, "keyframes": {}, "map_points": {}, "resolution": {}}})",
-                     landmarks != nullptr ? landmarks->size() : 0,
-                     dense != nullptr ? dense->keyframes().size() : 0,
-                     dense != nullptr ? dense->merge(resolution_).size() : 0, resolution_);
-}
-
-std::vector<std::string> MapServerNode::export_maps(const map_request_t& request) {
-  note_saving(true);  // both write files of the same names
-  auto files = save_maps(maps_to_save(), export_folder(request.argument), request.format);
-  if (request.argument.empty() && request.format.empty()) drawn_changes_ = changes_;
-  return files;
-}
-
-/// The run's own folder, or the one below it that a request names.
-HeldFolder MapServerNode::export_folder(const std::string& name) {
-  std::filesystem::create_directories(folder_);
-  const HeldFolder own(folder_);
-  if (name.empty()) return own;
-  if (export_folders_.count(name) == 0 && export_folders_.size() >= most_export_folders_)
-    throw std::runtime_error(
-        fmt::format("requests have made {} folders already, as many as export_folders lets them",
-                    export_folders_.size()));
-  HeldFolder folder = own.below(name);
-  export_folders_.insert(name);
-  return folder;
-}
-
-MapsToSave MapServerNode::maps_to_save() const {
+MapsToSave MapServerNode::maps_to_save(bool with_kept) const {
   MapsToSave maps;
   maps.resolution = resolution_;
+  if (recorder_ && with_kept) {
+    maps.store = recorder_->file();
+    maps.kept = recorder_->kept();
+  }
+  const auto before = [&](const char* mapper) { return recorder_ ? recorder_->kept(mapper) : 0; };
   // The current session of each mapper has the plain name, the others carry a number.
   for (std::size_t i = 0; i < landmark_maps_.size(); ++i)
-    maps.landmarks.push_back({landmark_maps_.name("fastslam", i), landmark_maps_.all()[i].map.landmarks(),
+    maps.landmarks.push_back({landmark_maps_.name("fastslam", i, before("fastslam")),
+                              landmark_maps_.all()[i].map.landmarks(),
                               i == landmark_maps_.current() ? fastslam_path_ : Path()});
   for (std::size_t i = 0; i < dense_maps_.size(); ++i)
-    maps.dense.push_back({dense_maps_.name("icp", i), dense_maps_.all()[i].map,
+    maps.dense.push_back({dense_maps_.name("icp", i, before("icp")), dense_maps_.all()[i].map,
                           i == dense_maps_.current() ? icp_path_ : Path()});
   return maps;
 }
@@ -267,11 +248,12 @@ void MapServerNode::keep_what_is_reset(const command_t& command) {
   const auto folder = [&] { return folder_ / fmt::format("before-reset-{}", number); };
   while (std::filesystem::exists(folder())) ++number;
   spdlog::info("reset: the maps so far are kept in {}", folder().string());
-  saver_.begin(maps_to_save(), folder(), saved_changes_);
+  saver_.begin(maps_to_save(false), folder(), saved_changes_);
 }
 
 std::optional<Node::Duration> MapServerNode::work() {
   note_saving(false);
+  note_store();
   const auto now = std::chrono::steady_clock::now();
   if (snapshot_period_ > 0 && now - last_snapshot_ >= std::chrono::duration<double>(snapshot_period_)) {
     last_snapshot_ = now;
@@ -283,7 +265,7 @@ std::optional<Node::Duration> MapServerNode::work() {
 /// What changed since it was saved is copied here and written by another thread.
 void MapServerNode::save_beside() {
   note_saving(false);
-  if (changes_ != saved_changes_ && !saver_.busy()) saver_.begin(maps_to_save(), folder_, changes_);
+  if (changes_ != saved_changes_ && !saver_.busy()) saver_.begin(maps_to_save(false), folder_, changes_);
 }
 
 void MapServerNode::note_saving(bool wait) {
@@ -300,14 +282,34 @@ void MapServerNode::note_saving(bool wait) {
 void MapServerNode::finish() {
   note_saving(true);
   if (changes_ != saved_changes_ || changes_ != drawn_changes_)
-    saver_.begin(maps_to_save(), folder_, changes_, "ply,pcd,png");
+    saver_.begin(maps_to_save(true), folder_, changes_, "ply,pcd,png");
   note_saving(true);
+  if (recorder_) recorder_->flush();
+  note_store();
+  finished_ = true;
+}
+
+/// Once when it begins and once when it is over: STATUS says it all the time.
+void MapServerNode::note_store() {
+  if (!recorder_) return;
+  const std::string error = recorder_->error();
+  if (error == store_failure_) return;
+  if (error.empty())
+    spdlog::info("the map's file is written again: {}", recorder_->file().string());
+  else
+    spdlog::error("the map's file is not written, mapping goes on: {}", error);
+  store_failure_ = error;
 }
 
 NodeReport MapServerNode::report() const {
   NodeReport report;
   if (!failure_.empty()) report.detail = "maps are not saved: " + failure_;
   if (!failure_.empty() && changes_ != saved_changes_) report.state = status_t::FAILED;
+  const std::string unwritten = recorder_ ? recorder_->error() : "";
+  if (!unwritten.empty()) {
+    report.detail += (report.detail.empty() ? "" : "; ") + ("the map's file is not written: " + unwritten);
+    if (finished_) report.state = status_t::FAILED;
+  }
   const LandmarkMap* landmarks = landmark_maps_.current_map();
   const DenseMap* dense = dense_maps_.current_map();
   std::int64_t given_up = 0;
@@ -323,6 +325,12 @@ NodeReport MapServerNode::report() const {
                    {"saved", number(saved_)},
                    {"unsaved", number(changes_ - saved_changes_)},
                    {"requests_refused", number(requests_refused_)}};
+  if (recorder_) {
+    const StoreWriter::State store = recorder_->state();
+    report.values.emplace_back("kept_sessions", number(recorder_->kept().size()));
+    report.values.emplace_back("store_commits", number(store.commits));
+    report.values.emplace_back("store_failures", number(store.failures));
+  }
   return report;
 }
 

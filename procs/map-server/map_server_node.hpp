@@ -14,6 +14,7 @@
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include "procs/map-server/map_files.hpp"
+#include "procs/map-server/map_recorder.hpp"
 #include "procs/map-server/map_server_settings.hpp"
 #include "procs/map-server/session_table.hpp"
 
@@ -38,6 +39,7 @@ class MapServerNode : public Node {
   using Path = MapsToSave::Path;
 
   void on_landmarks(const landmarks_t& message);
+  void keep_beside(const landmarks_t& message, LandmarkMap& map, LandmarkMap before);
   void on_keyframe(const keyframe_t& message);
   void on_graph(const graph_t& message);
   void on_fastslam_pose(const pose_estimate_t& message);
@@ -47,10 +49,11 @@ class MapServerNode : public Node {
   void follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision);
   std::vector<std::string> export_maps(const map_request_t& request);
   HeldFolder export_folder(const std::string& name);
-  MapsToSave maps_to_save() const;
+  MapsToSave maps_to_save(bool with_kept) const;
   void save_beside();
   void keep_what_is_reset(const command_t& command);
   void note_saving(bool wait);
+  void note_store();
   std::string describe() const;
 
   Publisher& publisher_;
@@ -76,6 +79,9 @@ class MapServerNode : public Node {
   std::int64_t saved_ = 0, requests_refused_ = 0;
   std::string failure_;  // of the last saving; empty: it went well
   BackgroundSaver saver_;
+  std::optional<MapRecorder> recorder_;  // none: no file was asked for
+  std::string store_failure_;            // as it was last told; empty: none
+  bool finished_ = false;
 };
 
 }  // namespace lcmslam

@@ -8,6 +8,7 @@ namespace lcmslam {
 /// Section `map-server`.
 struct MapServerSettings {
   std::filesystem::path folder = "out/maps";
+  std::string store = "map.lcmslam";
   double resolution = 0.02;
   double snapshot_period = 20;
   int export_folders = 20;
@@ -20,6 +21,12 @@ struct MapServerSettings {
 
   void describe(SettingsVisitor& s) {
     s.path("folder", folder, "that takes the maps");
+    s.text(
+        "store", store,
+        "name in that folder of the file that all is written into as it arrives (lcmslam map); one that is "
+        "there is gone on with; empty: none");
+    s.require(store.find('/') == std::string::npos && store.substr(0, 1) != ".", "store",
+              "must be the name of a file, without a folder and without a dot in front");
     s.number("resolution", resolution, "m", {0.001, 1}, "of the merged dense map");
     s.number("snapshot_period", snapshot_period, "s", {0, 3600},
              "between two savings of what changed while mapping; 0: only at the end");

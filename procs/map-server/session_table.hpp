@@ -84,9 +84,9 @@ class SessionTable {
   }
   const Map* current_map() const { return sessions_.empty() ? nullptr : &sessions_[current()].map; }
 
-  /// "fastslam" for the current one, the others with their number.
-  std::string name(const std::string& mapper, std::size_t index) const {
-    return index == current() ? mapper : mapper + "-session" + std::to_string(index + 1);
+  /// "fastslam" for the current one, the others with their number; `before` of earlier runs come first.
+  std::string name(const std::string& mapper, std::size_t index, std::size_t before = 0) const {
+    return index == current() ? mapper : mapper + "-session" + std::to_string(before + index + 1);
   }
 
   const std::vector<Session>& all() const { return sessions_; }

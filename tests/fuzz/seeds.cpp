@@ -9,6 +9,7 @@
 #include <lcmslam/evaluation/trajectory.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/log/log_format.hpp>
+#include <lcmslam/map_store/file/store_codecs.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
@@ -202,6 +203,30 @@ void make_surf_inputs(SeedFolder folder) {
   }
 }
 
+/// As store_fuzzer.cpp reads it: the kind, then the content of a blob without what seals it.
+void make_store(SeedFolder folder) {
+  Random random(6);
+  const auto add = [&](BlobKind kind, bool packed, const Blob& blob) {
+    BlobReader reader(blob, kind, packed);
+    const std::size_t size = reader.left();
+    const std::uint8_t* content = reader.take_bytes(size);
+    Bytes seed = {static_cast<std::uint8_t>(static_cast<int>(kind) - 1)};
+    seed.insert(seed.end(), content, content + size);
+    folder.add(seed);
+  };
+  const Eigen::Isometry3d pose = testing::some_pose(random);
+  StoredEdge edge;
+  edge.T_from_to = pose;
+  add(BlobKind::pose, false, encode_pose(pose));
+  add(BlobKind::edge, false, encode_edge(edge));
+  add(BlobKind::landmark, false, encode_landmark(testing::some_landmark(random, 1)));
+  add(BlobKind::trajectory, true, encode_trajectory({{1, pose}, {2, pose}}));
+  add(BlobKind::cloud, true, encode_cloud(testing::some_keyframe(random, 20).cloud));
+  add(BlobKind::features, true, encode_features(testing::some_features(random, 3)));
+  add(BlobKind::calibration, false, encode_bytes({1, 2, 3}));
+  add(BlobKind::covariance, false, encode_covariance(testing::some_covariance(random)));
+}
+
 }  // namespace
 }  // namespace lcmslam
 
@@ -220,6 +245,7 @@ int main(int argc, char** argv) {
   make_trajectories(SeedFolder(folder / "trajectory"));
   make_logs(SeedFolder(folder / "log_reader"));
   make_wire(SeedFolder(folder / "wire"));
+  make_store(SeedFolder(folder / "store"));
   make_surf_inputs(SeedFolder(folder / "surf"));
   return 0;
 }

@@ -2,7 +2,7 @@
 cmake_minimum_required(VERSION 3.24)
 
 # Packages of which a part must do without what is not its own.
-set(all_packages Eigen3 Ceres PCL embree lcm yaml-cpp spdlog CLI11 nlohmann_json libjpeg-turbo libdeflate GTest benchmark)
+set(all_packages Eigen3 Ceres PCL embree lcm yaml-cpp spdlog CLI11 nlohmann_json libjpeg-turbo libdeflate SQLite3 GTest benchmark)
 
 # hide_all_but(VARIABLE PACKAGE...): options for a configure run in which the others are not there.
 function(hide_all_but variable)

@@ -6,6 +6,7 @@
 #include <csignal>
 
 #include <lcmslam/command_t.hpp>
+#include <lcmslam/map_store/file/check_map_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "tests/integration/support/bus.hpp"
@@ -80,6 +81,12 @@ TEST_F(RunFiles, WhatWasMappedSurvivesTheDeathOfAll) {
   EXPECT_EQ(launch_->wait(20).signal, SIGKILL);
   EXPECT_GT(load_ply(folder_ / "fastslam_map.ply").size(), 50U);
   EXPECT_GT(load_pcd(folder_ / "icp_map.pcd").size(), 5'000U);
+  const MapFileCheck store = check_map_file(folder_ / "map.lcmslam");
+  EXPECT_THAT(store.faults, testing::IsEmpty());
+  EXPECT_GT(store.landmarks, 50);
+  EXPECT_GT(store.clouds, 0);
+  EXPECT_GT(store.features, 0);
+  EXPECT_GT(store.poses, 10);
 }
 
 TEST_F(RunFiles, MapsThatCannotBeSavedAreTheExitCodeAndTheLastLine) {

@@ -2,6 +2,7 @@
 
 #include "tools/command_help.hpp"
 #include "tools/log/log_commands.hpp"
+#include "tools/map/map_commands.hpp"
 
 namespace lcmslam {
 namespace {
@@ -24,6 +25,7 @@ const std::vector<Command>& commands() {
                                            described("launch", launch_command),
                                            described("lcm-spy", lcm_spy_command),
                                            described("log", log_command, log_subcommands()),
+                                           described("map", map_command, map_subcommands()),
                                            described("render", render_command),
                                            described("send", send_command),
                                            described("simulate", simulate_command),

@@ -94,7 +94,7 @@ _lcmslam() {
     COMPREPLY=($(compgen -W "$(_lcmslam_commands)" -- "$current"))
     return
   fi
-  if [ "$command" = log ] && [ "$COMP_CWORD" -gt 2 ]; then command="log ${COMP_WORDS[2]}"; fi
+  case "$command" in log|map) if [ "$COMP_CWORD" -gt 2 ]; then command="$command ${COMP_WORDS[2]}"; fi;; esac
   if [ "$current" = = ] || [ "$before" = = ]; then
     local key=${COMP_WORDS[COMP_CWORD-2]}
     if [ "$current" = = ]; then key=$before current=; fi
@@ -129,7 +129,7 @@ _lcmslam() {
     compadd -- $(_lcmslam_commands)
     return
   fi
-  if [[ $command == log ]] && (( CURRENT > 3 )); then command="log ${words[3]}"; fi
+  if [[ $command == (log|map) ]] && (( CURRENT > 3 )); then command="$command ${words[3]}"; fi
   if [[ $before == -* ]]; then values=$(_lcmslam_values "$command" "$before"); fi
   if [[ -z $values ]]; then
     if [[ $current == -* ]]; then values=$(_lcmslam_options "$command"); else values=$(_lcmslam_values "$command" -); fi

@@ -1,21 +1,7 @@
-#include <cstring>
-#include <iostream>
-
-#include <lcmslam/configuration/nearest_word.hpp>
 #include "tools/commands.hpp"
 #include "tools/log/log_commands.hpp"
 
 namespace lcmslam {
-namespace {
-
-void print_help(std::ostream& stream) {
-  stream << "usage: lcmslam log SUBCOMMAND [options]; lcmslam log SUBCOMMAND --help for its options\n";
-  for (const Command& subcommand : log_subcommands())
-    stream << "  " << subcommand.name << std::string(11 - std::strlen(subcommand.name), ' ')
-           << subcommand.help << "\n";
-}
-
-}  // namespace
 
 const std::vector<Command>& log_subcommands() {
   static const std::vector<Command> subcommands = {
@@ -29,19 +15,7 @@ const std::vector<Command>& log_subcommands() {
 }
 
 int log_command(int argc, char** argv) {
-  const std::string name = argc > 1 ? argv[1] : "";
-  for (const Command& subcommand : log_subcommands())
-    if (name == subcommand.name) return subcommand.run(argc - 1, argv + 1);
-  if (name == "--help" || name == "-h") {
-    print_help(std::cout);
-    return 0;
-  }
-  std::vector<std::string> names;
-  for (const Command& subcommand : log_subcommands()) names.emplace_back(subcommand.name);
-  if (!name.empty())
-    std::cerr << "lcmslam log: unknown subcommand '" << name << "'" << did_you_mean(name, names) << "\n";
-  print_help(std::cerr);
-  return 2;
+  return run_subcommand("log", log_subcommands(), argc, argv);
 }
 
 }  // namespace lcmslam

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
                        {"launch", launch_command},
                        {"lcm-spy", tools},
                        {"log", tools},
+                       {"map", tools},
                        {"render", tools},
                        {"send", tools},
                        {"simulate", tools},

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
                        {"import", import_command},
                        {"lcm-spy", lcm_spy_command},
                        {"log", log_command},
+                       {"map", map_command},
                        {"render", render_command},
                        {"send", send_command},
                        {"simulate", simulate_command},

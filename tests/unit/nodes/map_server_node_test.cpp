@@ -107,8 +107,8 @@ class MapServer : public ::testing::Test {
   Random random_{1};
   testing::ScratchFolder scratch_;
   testing::TestBus bus_;
-  MapServerNode& node_ =
-      bus_.add<MapServerNode>(ConfigNode::parse("{folder: " + own().string() + ", export_folders: 3}"));
+  MapServerNode& node_ = bus_.add<MapServerNode>(
+      ConfigNode::parse("{folder: " + own().string() + ", store: '', export_folders: 3}"));
   std::int64_t seq_ = 0;
 };
 
@@ -460,8 +460,8 @@ TEST_F(MapServer, MapsThatCannotBeSavedAtTheEndAreAFailureThatNamesTheCause) {
 
 class MapServerSnapshots : public MapServer {
  protected:
-  MapServerNode& often_ = bus_.add<MapServerNode>(
-      ConfigNode::parse("{folder: " + (scratch_.path() / "often").string() + ", snapshot_period: 0.01}"));
+  MapServerNode& often_ = bus_.add<MapServerNode>(ConfigNode::parse(
+      "{folder: " + (scratch_.path() / "often").string() + ", store: '', snapshot_period: 0.01}"));
   bool wait_for_saved(double count) {
     return testing::wait_for([&] { return often_.work(), value_of(often_, "saved") == count; });
   }

@@ -1,0 +1,169 @@
+#include <lcmslam/map_store/file/map_file.hpp>
+
+#include <limits>
+#include <map>
+
+#include <lcmslam/map_store/file/store_codecs.hpp>
+
+namespace lcmslam {
+
+std::vector<std::string> names_of(const std::vector<StoredSession>& sessions) {
+  std::vector<std::string> names;
+  std::map<std::string, int> numbers;
+  for (const StoredSession& session : sessions)
+    names.push_back(session.mapper + "-session" + std::to_string(++numbers[session.mapper]));
+  return names;
+}
+
+MapFile::MapFile(const std::filesystem::path& file)
+    : database_(file, Database::Access::read), moment_(database_, "DEFERRED") {
+  schema_ = schema_of(database_);
+}
+
+/// What `decode` gives; a blob that cannot be decoded is an error that names its row.
+template <class Decode>
+auto MapFile::decoded(const char* what, std::int64_t session, std::int64_t id, const Decode& decode) {
+  try {
+    return decode();
+  } catch (const BlobError& error) {
+    database_.fail(std::string(what) + " " + std::to_string(id) + " of session " + std::to_string(session) +
+                   ": " + error.what());
+  }
+}
+
+std::vector<StoredRun> MapFile::runs() {
+  std::vector<StoredRun> runs;
+  if (schema_ == 0) return runs;
+  Statement rows(database_, "SELECT version, configuration FROM run ORDER BY id");
+  while (rows.step()) runs.push_back({rows.text(0), rows.text(1)});
+  return runs;
+}
+
+std::vector<StoredSession> MapFile::sessions() {
+  std::vector<StoredSession> sessions;
+  if (schema_ == 0) return sessions;
+  const std::string place = schema_ >= 2 ? "state, T_map_session, evidence" : "0, NULL, ''";
+  Statement rows(database_, "SELECT id, mapper, sender, frame, " + place + " FROM session ORDER BY id");
+  while (rows.step()) {
+    StoredSession session{rows.integer(0), rows.text(1), rows.integer(2), rows.text(3)};
+    session.state = rows.integer(4) == 1 ? SessionState::joined : SessionState::own_frame;
+    if (!rows.is_null(5))
+      session.T_map_session =
+          decoded("place", session.id, session.id, [&] { return decode_pose(rows.blob(5)); });
+    session.evidence = rows.text(6);
+    sessions.push_back(session);
+  }
+  return sessions;
+}
+
+SessionCounts MapFile::counts(std::int64_t session) {
+  const auto count = [&](const std::string& what) {
+    Statement row(database_, "SELECT " + what + " WHERE session = ?");
+    row(session).step();
+    return row.integer(0);
+  };
+  return {count("count(*) FROM keyframe"),
+          count("count(*) FROM cloud"),
+          count("coalesce(sum(points), 0) FROM cloud"),
+          count("count(*) FROM features"),
+          count("count(*) FROM edge"),
+          count("count(*) FROM landmark")};
+}
+
+std::vector<StoredCalibration> MapFile::calibrations() {
+  std::vector<StoredCalibration> calibrations;
+  if (schema_ == 0) return calibrations;
+  Statement rows(database_, "SELECT sensor, form, data FROM calibration ORDER BY sensor");
+  while (rows.step())
+    calibrations.push_back({rows.text(0), rows.text(1),
+                            decoded("calibration", 0, 0, [&] { return decode_bytes(rows.blob(2)); })});
+  return calibrations;
+}
+
+std::vector<StoredKeyframe> MapFile::keyframes(std::int64_t session) {
+  std::vector<StoredKeyframe> keyframes;
+  Statement rows(database_, "SELECT id, utime, pose, covariance FROM keyframe WHERE session = ? ORDER BY id");
+  for (rows(session); rows.step();) {
+    StoredKeyframe keyframe;
+    keyframe.id = static_cast<std::int32_t>(rows.integer(0));
+    keyframe.utime = rows.integer(1);
+    keyframe.T_map_camera =
+        decoded("keyframe", session, keyframe.id, [&] { return decode_pose(rows.blob(2)); });
+    if (!rows.is_null(3))
+      keyframe.covariance = decoded("covariance of keyframe", session, keyframe.id,
+                                    [&] { return decode_covariance(rows.blob(3)); });
+    keyframes.push_back(keyframe);
+  }
+  return keyframes;
+}
+
+std::vector<StoredEdge> MapFile::edges(std::int64_t session) {
+  std::vector<StoredEdge> edges;
+  Statement rows(database_,
+                 "SELECT from_keyframe, to_keyframe, data FROM edge WHERE session = ? "
+                 "ORDER BY from_keyframe, to_keyframe, number");
+  for (rows(session); rows.step();) {
+    edges.push_back(
+        decoded("edge from keyframe", session, rows.integer(0), [&] { return decode_edge(rows.blob(2)); }));
+    edges.back().from = static_cast<std::int32_t>(rows.integer(0));
+    edges.back().to = static_cast<std::int32_t>(rows.integer(1));
+  }
+  return edges;
+}
+
+std::optional<ColouredCloud> MapFile::cloud(std::int64_t session, std::int32_t keyframe) {
+  Statement row(database_, "SELECT data, points FROM cloud WHERE session = ? AND keyframe = ?");
+  if (!row(session, static_cast<std::int64_t>(keyframe)).step()) return std::nullopt;
+  return decoded("cloud of keyframe", session, keyframe, [&] {
+    ColouredCloud cloud = decode_cloud(row.blob(0));
+    if (static_cast<std::int64_t>(cloud.size()) != row.integer(1))
+      throw BlobError("the row counts " + std::to_string(row.integer(1)) + " points, the blob has " +
+                      std::to_string(cloud.size()));
+    return cloud;
+  });
+}
+
+std::optional<FeatureFrame> MapFile::features(std::int64_t session, std::int32_t keyframe) {
+  Statement row(database_, "SELECT data FROM features WHERE session = ? AND keyframe = ?");
+  if (!row(session, static_cast<std::int64_t>(keyframe)).step()) return std::nullopt;
+  return decoded("features of keyframe", session, keyframe, [&] { return decode_features(row.blob(0)); });
+}
+
+DenseMap MapFile::dense_map(std::int64_t session) {
+  constexpr std::size_t any = std::numeric_limits<std::size_t>::max() / 2;
+  DenseMap map({any, any, 1});
+  for (const StoredKeyframe& stored : keyframes(session)) {
+    DenseKeyframe keyframe{stored.id, stored.utime, stored.T_map_camera, {}, 0};
+    std::optional<ColouredCloud> points = cloud(session, stored.id);
+    if (!points) continue;
+    keyframe.cloud = std::move(*points);
+    map.add({std::move(keyframe), 0, 1});
+  }
+  return map;
+}
+
+std::vector<Landmark> MapFile::landmarks(std::int64_t session) {
+  std::vector<Landmark> landmarks;
+  Statement rows(database_, "SELECT id, data FROM landmark WHERE session = ? ORDER BY id");
+  for (rows(session); rows.step();)
+    landmarks.push_back(decoded("landmark", session, rows.integer(0), [&] {
+      const Landmark landmark = decode_landmark(rows.blob(1));
+      if (landmark.id != rows.integer(0))
+        throw BlobError("the blob is of landmark " + std::to_string(landmark.id));
+      return landmark;
+    }));
+  return landmarks;
+}
+
+std::vector<StoredPose> MapFile::trajectory(std::int64_t session) {
+  std::vector<StoredPose> trajectory;
+  Statement rows(database_, "SELECT number, data FROM trajectory WHERE session = ? ORDER BY number");
+  for (rows(session); rows.step();) {
+    const auto poses = decoded("part of the trajectory", session, rows.integer(0),
+                               [&] { return decode_trajectory(rows.blob(1)); });
+    trajectory.insert(trajectory.end(), poses.begin(), poses.end());
+  }
+  return trajectory;
+}
+
+}  // namespace lcmslam

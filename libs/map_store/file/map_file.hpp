@@ -1,0 +1,57 @@
+#pragma once
+// Reads a map file: what is there at the moment at which it is opened, while somebody else may go on writing.
+
+#include <lcmslam/features/landmark.hpp>
+#include <lcmslam/map_store/dense_map.hpp>
+#include <lcmslam/map_store/file/store_schema.hpp>
+#include <lcmslam/map_store/file/stored_map.hpp>
+
+namespace lcmslam {
+
+/// How much a session has of everything.
+struct SessionCounts {
+  std::int64_t keyframes = 0, clouds = 0, points = 0, features = 0, edges = 0, landmarks = 0;
+};
+
+/// "icp-session1", "icp-session2": each one's own, counted by mapper, as exported files are called.
+std::vector<std::string> names_of(const std::vector<StoredSession>& sessions);
+
+class MapFile {
+ public:
+  /// Files of older schemas are read, too. Throws StoreError.
+  explicit MapFile(const std::filesystem::path& file);
+
+  // All of these throw StoreError that names the file and the row where something cannot be read.
+
+  int schema() const { return schema_; }
+  std::vector<StoredRun> runs();
+  /// In the order in which they began.
+  std::vector<StoredSession> sessions();
+  SessionCounts counts(std::int64_t session);
+  std::vector<StoredCalibration> calibrations();
+
+  /// By id; those of a graph that has no clouds, too.
+  std::vector<StoredKeyframe> keyframes(std::int64_t session);
+  std::vector<StoredEdge> edges(std::int64_t session);
+  /// Of keyframes with a cloud; nothing when it has none.
+  std::optional<ColouredCloud> cloud(std::int64_t session, std::int32_t keyframe);
+  std::optional<FeatureFrame> features(std::int64_t session, std::int32_t keyframe);
+  /// All keyframes that have clouds.
+  DenseMap dense_map(std::int64_t session);
+  /// By id.
+  std::vector<Landmark> landmarks(std::int64_t session);
+  /// In the order in which it was written.
+  std::vector<StoredPose> trajectory(std::int64_t session);
+
+  Database& database() { return database_; }
+
+ private:
+  template <class Decode>
+  auto decoded(const char* what, std::int64_t session, std::int64_t id, const Decode& decode);
+
+  Database database_;
+  int schema_ = 0;
+  Transaction moment_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,166 @@
+#include <lcmslam/map_store/file/map_store.hpp>
+
+#include <lcmslam/map_store/file/store_codecs.hpp>
+
+namespace lcmslam {
+namespace {
+
+/// Once the tables are there, so that the statements can be prepared.
+Database open_for_writing(const std::filesystem::path& file, const char* vfs) {
+  Database database(file, Database::Access::create, vfs);
+  schema_of(database);  // a file that is none of ours is refused before anything of it changes
+  database.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
+  migrate(database);
+  return database;
+}
+
+}  // namespace
+
+struct MapStore::Statements {
+  explicit Statements(Database& d)
+      : run(d, "INSERT INTO run(version, configuration) VALUES(?, ?)"),
+        session(d, "INSERT INTO session(run, mapper, sender, frame) VALUES(?, ?, ?, ?)"),
+        place(d, "UPDATE session SET state = ?, T_map_session = ?, evidence = ? WHERE id = ?"),
+        calibration(d, "INSERT OR REPLACE INTO calibration(sensor, form, data) VALUES(?, ?, ?)"),
+        keyframe(d,
+                 "INSERT INTO keyframe(session, id, utime, pose, covariance) VALUES(?, ?, ?, ?, ?) "
+                 "ON CONFLICT DO UPDATE SET utime = excluded.utime, pose = excluded.pose, "
+                 "covariance = coalesce(excluded.covariance, covariance)"),
+        cloud(d, "INSERT OR REPLACE INTO cloud(session, keyframe, points, data) VALUES(?, ?, ?, ?)"),
+        // Features may come when their keyframe has gone already.
+        features(d,
+                 "INSERT OR REPLACE INTO features(session, keyframe, data) SELECT session, id, ?3 "
+                 "FROM keyframe WHERE session = ?1 AND id = ?2"),
+        drop_keyframe(d, "DELETE FROM keyframe WHERE session = ? AND id = ?"),
+        drop_cloud(d, "DELETE FROM cloud WHERE session = ? AND keyframe = ?"),
+        drop_features(d, "DELETE FROM features WHERE session = ? AND keyframe = ?"),
+        drop_edges_from(d, "DELETE FROM edge WHERE session = ? AND from_keyframe = ?"),
+        drop_edges_to(d, "DELETE FROM edge WHERE session = ? AND to_keyframe = ?"),
+        clear_edges(d, "DELETE FROM edge WHERE session = ?"),
+        drop_pair(d, "DELETE FROM edge WHERE session = ? AND from_keyframe = ? AND to_keyframe = ?"),
+        edge(d, "INSERT INTO edge(session, from_keyframe, to_keyframe, number, data) VALUES(?, ?, ?, ?, ?)"),
+        clear_landmarks(d, "DELETE FROM landmark WHERE session = ?"),
+        drop_landmark(d, "DELETE FROM landmark WHERE session = ? AND id = ?"),
+        landmark(d,
+                 "INSERT INTO landmark(session, id, data) VALUES(?, ?, ?) "
+                 "ON CONFLICT DO UPDATE SET data = excluded.data"),
+        trajectory(d,
+                   "INSERT INTO trajectory(session, number, data) SELECT ?1, coalesce(max(number), 0) + 1, "
+                   "?2 FROM trajectory WHERE session = ?1") {}
+
+  Statement run, session, place, calibration, keyframe, cloud, features;
+  Statement drop_keyframe, drop_cloud, drop_features, drop_edges_from, drop_edges_to;
+  Statement clear_edges, drop_pair, edge, clear_landmarks, drop_landmark, landmark, trajectory;
+};
+
+void MapStore::Delete::operator()(Statements* statements) const {
+  delete statements;
+}
+
+MapStore::MapStore(const std::filesystem::path& file, const char* vfs)
+    : database_(open_for_writing(file, vfs)), statements_(new Statements(database_)) {}
+
+std::int64_t MapStore::add_run(const StoredRun& run) {
+  statements_->run(run.version, run.configuration).run();
+  return database_.last_row();
+}
+
+bool MapStore::has_run(std::int64_t id) {
+  Statement run(database_, "SELECT 1 FROM run WHERE id = ?");
+  return run(id).step();
+}
+
+bool MapStore::has_session(std::int64_t id) {
+  Statement session(database_, "SELECT 1 FROM session WHERE id = ?");
+  return session(id).step();
+}
+
+std::int64_t MapStore::add_session(std::int64_t run, const StoredSession& session) {
+  statements_->session(run, session.mapper, session.sender, session.frame).run();
+  return database_.last_row();
+}
+
+void MapStore::place_session(const StoredSession& session) {
+  const auto state = static_cast<std::int64_t>(session.state);
+  Statement& place = statements_->place;
+  if (session.T_map_session) {
+    const Blob pose = encode_pose(*session.T_map_session);
+    place(state, pose, session.evidence, session.id).run();
+  } else {
+    place(state, nullptr, session.evidence, session.id).run();
+  }
+  if (database_.changes() == 0) database_.fail("there is no session " + std::to_string(session.id));
+}
+
+void MapStore::put_calibration(const StoredCalibration& calibration) {
+  const Blob data = encode_bytes(calibration.bytes);
+  statements_->calibration(calibration.sensor, calibration.form, data).run();
+}
+
+void MapStore::write(std::int64_t session, const SessionChanges& changes) {
+  // What goes, goes first: its edges with it, and none of those that come.
+  for (const auto& [id, change] : changes.keyframes())
+    if (change.dropped) drop_keyframe(session, id);
+  for (const auto& [id, change] : changes.keyframes()) write_keyframe(session, id, change);
+  write_edges(session, changes);
+  write_landmarks(session, changes);
+  if (changes.trajectory().empty()) return;
+  const Blob data = encode_trajectory(changes.trajectory());
+  statements_->trajectory(session, data).run();
+}
+
+void MapStore::drop_keyframe(std::int64_t session, std::int32_t id) {
+  const std::int64_t keyframe = id;
+  for (Statement* statement :
+       {&statements_->drop_cloud, &statements_->drop_features, &statements_->drop_edges_from,
+        &statements_->drop_edges_to, &statements_->drop_keyframe})
+    (*statement)(session, keyframe).run();
+}
+
+void MapStore::write_keyframe(std::int64_t session, std::int32_t id, const KeyframeChange& change) {
+  const std::int64_t keyframe = id;
+  if (change.T_map_camera) {
+    const Blob pose = encode_pose(*change.T_map_camera);
+    const std::int64_t utime = change.utime.value_or(0);
+    if (change.covariance) {
+      const Blob covariance = encode_covariance(*change.covariance);
+      statements_->keyframe(session, keyframe, utime, pose, covariance).run();
+    } else {
+      statements_->keyframe(session, keyframe, utime, pose, nullptr).run();
+    }
+  }
+  if (change.cloud) {
+    const Blob cloud = encode_cloud(*change.cloud);
+    statements_->cloud(session, keyframe, static_cast<std::int64_t>(change.cloud->size()), cloud).run();
+  }
+  if (change.features) {
+    const Blob features = encode_features(*change.features);
+    statements_->features(session, keyframe, features).run();
+  }
+}
+
+void MapStore::write_edges(std::int64_t session, const SessionChanges& changes) {
+  if (changes.edges_cleared()) statements_->clear_edges(session).run();
+  for (const auto& [pair, edges] : changes.edges()) {
+    const std::int64_t from = pair.first, to = pair.second;
+    statements_->drop_pair(session, from, to).run();
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const Blob data = encode_edge(edges[i]);
+      statements_->edge(session, from, to, static_cast<std::int64_t>(i), data).run();
+    }
+  }
+}
+
+void MapStore::write_landmarks(std::int64_t session, const SessionChanges& changes) {
+  if (changes.landmarks_cleared()) statements_->clear_landmarks(session).run();
+  for (const auto& [id, landmark] : changes.landmarks()) {
+    if (!landmark) {
+      statements_->drop_landmark(session, id).run();
+      continue;
+    }
+    const Blob data = encode_landmark(*landmark);
+    statements_->landmark(session, id, data).run();
+  }
+}
+
+}  // namespace lcmslam

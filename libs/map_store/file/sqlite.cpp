@@ -1,0 +1,175 @@
+#include <lcmslam/map_store/file/sqlite.hpp>
+
+#include <sqlite3.h>
+#include <unistd.h>
+#include <cctype>
+
+namespace lcmslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int patience = 2000;  // ms that one writer waits for another
+
+/// The folder's own path and the file's name: SQLite follows no links then (SQLITE_OPEN_NOFOLLOW).
+std::string plain_path(const fs::path& file) {
+  std::error_code missing;
+  const fs::path folder = fs::canonical(fs::absolute(file).parent_path(), missing);
+  if (missing) throw StoreError(file.string() + ": its folder: " + missing.message());
+  return (folder / file.filename()).string();
+}
+
+/// As SQLite's URIs have names.
+std::string percent_encoded(const std::string& path) {
+  const char* digits = "0123456789ABCDEF";
+  std::string text;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0 || c == '/' || c == '.' || c == '-' || c == '_')
+      text += c;
+    else
+      (text += '%') += {digits[byte >> 4], digits[byte & 15]};
+  }
+  return text;
+}
+
+/// A reader in WAL mode writes beside the file, and the last who closes it takes that away again. Where that
+/// may not be (other people's folders, a disc) and nobody writes, the file is read as it stands.
+bool may_write_beside(const std::string& path) {
+  return access(path.c_str(), W_OK) == 0 && access(fs::path(path).parent_path().c_str(), W_OK) == 0;
+}
+
+std::string read_only_uri(const std::string& path) {
+  std::error_code ignored;
+  return "file:" + percent_encoded(path) + (fs::exists(path + "-wal", ignored) ? "" : "?immutable=1");
+}
+
+}  // namespace
+
+void Database::Close::operator()(sqlite3* handle) const {
+  sqlite3_close_v2(handle);
+}
+
+Database::Database(const fs::path& file, Access mode, const char* vfs) : file_(file) {
+  const std::string path = plain_path(file);
+  std::error_code ignored;
+  if (mode != Access::create && !fs::exists(fs::symlink_status(path, ignored))) fail("there is no such file");
+  if (fs::is_symlink(fs::symlink_status(path, ignored))) fail("is a symbolic link, which is not followed");
+  const bool only_read = mode == Access::read && !may_write_beside(path);
+  const int flags = only_read                ? SQLITE_OPEN_READONLY | SQLITE_OPEN_URI
+                    : mode == Access::create ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
+                                             : SQLITE_OPEN_READWRITE;
+  sqlite3* handle = nullptr;
+  const int code = sqlite3_open_v2((only_read ? read_only_uri(path) : path).c_str(), &handle,
+                                   flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_NOFOLLOW, vfs);
+  handle_.reset(handle);
+  if (code != SQLITE_OK) fail(handle != nullptr ? sqlite3_errmsg(handle) : sqlite3_errstr(code));
+  sqlite3_extended_result_codes(handle, 1);
+  sqlite3_busy_timeout(handle, patience);
+  if (mode == Access::read) execute("PRAGMA query_only = 1");
+}
+
+void Database::execute(const std::string& sql) {
+  if (sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
+    fail(sqlite3_errmsg(handle()));
+}
+
+std::int64_t Database::changes() const {
+  return sqlite3_changes64(handle());
+}
+
+std::int64_t Database::last_row() const {
+  return sqlite3_last_insert_rowid(handle());
+}
+
+void Database::fail(const std::string& why) const {
+  throw StoreError(file_.string() + ": " + why);
+}
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
+
+Statement::Statement(Database& database, const std::string& sql) : database_(database) {
+  sqlite3_stmt* statement = nullptr;
+  if (sqlite3_prepare_v3(database.handle(), sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &statement,
+                         nullptr) != SQLITE_OK)
+    database.fail(sqlite3_errmsg(database.handle()));
+  statement_.reset(statement);
+}
+
+void Statement::reset() {
+  sqlite3_reset(statement_.get());  // tells the error of the last step again
+}
+
+void Statement::check(int code) const {
+  if (code != SQLITE_OK) database_.fail(sqlite3_errmsg(database_.handle()));
+}
+
+void Statement::bind(int index, std::int64_t value) {
+  check(sqlite3_bind_int64(statement_.get(), index, value));
+}
+
+void Statement::bind(int index, const std::string& value) {
+  check(sqlite3_bind_text64(statement_.get(), index, value.data(), value.size(), SQLITE_TRANSIENT,
+                            SQLITE_UTF8));
+}
+
+void Statement::bind(int index, const std::vector<std::uint8_t>& value) {
+  check(sqlite3_bind_blob64(statement_.get(), index, value.data(), value.size(), SQLITE_STATIC));
+}
+
+void Statement::bind(int index, std::nullptr_t) {
+  check(sqlite3_bind_null(statement_.get(), index));
+}
+
+bool Statement::step() {
+  const int code = sqlite3_step(statement_.get());
+  if (code == SQLITE_ROW) return true;
+  const std::string error = code == SQLITE_DONE ? "" : sqlite3_errmsg(database_.handle());
+  reset();
+  if (!error.empty()) database_.fail(error);
+  return false;
+}
+
+void Statement::run() {
+  while (step()) {
+  }
+}
+
+std::int64_t Statement::integer(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
+
+std::string Statement::text(int column) const {
+  const unsigned char* text = sqlite3_column_text(statement_.get(), column);
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  return text != nullptr ? std::string(text, text + size) : "";
+}
+
+std::vector<std::uint8_t> Statement::blob(int column) const {
+  const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), column));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  return bytes != nullptr ? std::vector<std::uint8_t>(bytes, bytes + size) : std::vector<std::uint8_t>();
+}
+
+bool Statement::is_null(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+}
+
+Transaction::Transaction(Database& database, const char* kind) : database_(database) {
+  database_.execute(std::string("BEGIN ") + kind);
+}
+
+Transaction::~Transaction() {
+  // After some errors SQLite has rolled back by itself.
+  if (open_ && sqlite3_get_autocommit(database_.handle()) == 0)
+    sqlite3_exec(database_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+void Transaction::commit() {
+  database_.execute("COMMIT");
+  open_ = false;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,103 @@
+#pragma once
+// SQLite as the map file needs it: a connection and its statements, which close themselves, and errors that
+// name the file.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace lcmslam {
+
+/// A map file that cannot be opened, read or written: names the file and the reason.
+class StoreError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class Database {
+ public:
+  enum class Access { read, write, create };  ///< create: write, and make what is not there
+
+  /// Symbolic links in the folder's path are followed, the file itself must be none. `vfs`: SQLite's name of
+  /// another file system (tests), nullptr for the usual one. Throws StoreError.
+  Database(const std::filesystem::path& file, Access mode, const char* vfs = nullptr);
+
+  /// One or more statements without parameters. Throws StoreError.
+  void execute(const std::string& sql);
+  /// Rows that the last statement changed, added or removed.
+  std::int64_t changes() const;
+  std::int64_t last_row() const;
+  /// `why`, with the file's name in front.
+  [[noreturn]] void fail(const std::string& why) const;
+
+  sqlite3* handle() const { return handle_.get(); }
+
+ private:
+  struct Close {
+    void operator()(sqlite3* handle) const;
+  };
+  std::filesystem::path file_;
+  std::unique_ptr<sqlite3, Close> handle_;
+};
+
+/// A statement that is prepared once and run often.
+class Statement {
+ public:
+  Statement(Database& database, const std::string& sql);
+
+  /// Begins anew with these parameters: whole numbers, texts, blobs (those must live until the next call), or
+  /// nullptr.
+  template <class... Values>
+  Statement& operator()(const Values&... values) {
+    reset();
+    int index = 0;
+    (bind(++index, values), ...);
+    return *this;
+  }
+  /// To the next row; false when there is none. Throws StoreError.
+  bool step();
+  /// To the end.
+  void run();
+
+  std::int64_t integer(int column) const;
+  std::string text(int column) const;
+  std::vector<std::uint8_t> blob(int column) const;
+  bool is_null(int column) const;
+
+ private:
+  void reset();
+  void bind(int index, std::int64_t value);
+  void bind(int index, const std::string& value);
+  void bind(int index, const std::vector<std::uint8_t>& value);
+  void bind(int index, std::nullptr_t value);
+  void check(int code) const;
+
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  Database& database_;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+};
+
+/// Undone unless it was committed.
+class Transaction {
+ public:
+  /// IMMEDIATE: of several writers one waits here. DEFERRED: what is read is of one moment.
+  explicit Transaction(Database& database, const char* kind = "IMMEDIATE");
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  void commit();
+
+ private:
+  Database& database_;
+  bool open_ = true;
+};
+
+}  // namespace lcmslam

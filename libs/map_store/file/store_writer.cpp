@@ -1,0 +1,134 @@
+#include <lcmslam/map_store/file/store_writer.hpp>
+
+#include <chrono>
+
+namespace lcmslam {
+namespace {
+
+// So that, with the time that a commit takes, at most a second is lost when the process is killed.
+constexpr std::chrono::milliseconds commit_period(250);
+constexpr std::chrono::milliseconds retry_period(1000);
+
+}  // namespace
+
+StoreWriter::StoreWriter(std::filesystem::path file, StoredRun run, const char* vfs)
+    : file_(std::move(file)), run_(std::move(run)), vfs_(vfs), thread_([this] { work(); }) {}
+
+StoreWriter::~StoreWriter() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+std::size_t StoreWriter::begin_session(const StoredSession& session) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  sessions_.push_back(session);
+  return sessions_.size() - 1;
+}
+
+void StoreWriter::change(std::size_t session, const std::function<void(SessionChanges&)>& add) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    add(waiting_.sessions[session]);
+  }
+  wake_.notify_all();
+}
+
+void StoreWriter::put_calibration(const StoredCalibration& calibration) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    waiting_.calibrations[calibration.sensor] = calibration;
+  }
+  wake_.notify_all();
+}
+
+bool StoreWriter::flush() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (waiting_.empty() && tries_ >= tries_asked_ && state_.error.empty() && !writing_) return true;
+  const std::int64_t wanted = ++tries_asked_;
+  wake_.notify_all();
+  done_.wait(lock, [&] { return tries_ >= wanted; });
+  return state_.error.empty();
+}
+
+StoreWriter::State StoreWriter::state() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return state_;
+}
+
+/// False: it is time to end, and nothing waits.
+bool StoreWriter::wait_for_work(std::unique_lock<std::mutex>& lock) {
+  const auto is_urgent = [&] { return stop_ || tries_asked_ > tries_; };
+  wake_.wait(lock, [&] { return is_urgent() || !waiting_.empty(); });
+  if (!is_urgent()) wake_.wait_for(lock, state_.error.empty() ? commit_period : retry_period, is_urgent);
+  return !stop_ || !waiting_.empty();
+}
+
+void StoreWriter::work() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (wait_for_work(lock)) {
+    const std::int64_t asked = tries_asked_;
+    const bool last_try = stop_;
+    Waiting changes = std::exchange(waiting_, {});
+    std::string error;
+    writing_ = true;
+    lock.unlock();
+    try {
+      if (!changes.empty()) write(changes);
+    } catch (const std::exception& failure) {
+      error = failure.what();
+      store_.reset();  // opened anew: the folder or the file may be others by then
+    }
+    lock.lock();
+    writing_ = false;
+    if (!changes.empty()) ++(error.empty() ? state_.commits : state_.failures);
+    state_.error = error;
+    tries_ = asked;
+    if (!error.empty()) put_back(std::move(changes));
+    done_.notify_all();
+    if (last_try) break;
+  }
+}
+
+/// All of it in one transaction. What was begun in the file counts only when that is committed.
+void StoreWriter::write(const Waiting& changes) {
+  if (!store_) {
+    std::filesystem::create_directories(std::filesystem::absolute(file_).parent_path());
+    store_ = std::make_unique<MapStore>(file_, vfs_);
+    if (!store_->has_run(run_id_)) {  // somebody took the file away: a new one begins
+      run_id_ = 0;
+      ids_.clear();
+    }
+  }
+  std::int64_t run = run_id_;
+  std::map<std::size_t, std::int64_t> ids = ids_;
+  Transaction transaction = store_->begin();
+  if (run == 0) run = store_->add_run(run_);
+  for (const auto& [sensor, calibration] : changes.calibrations) store_->put_calibration(calibration);
+  for (const auto& [number, session] : changes.sessions) {
+    std::int64_t& id = ids[number];
+    if (id == 0) {
+      const StoredSession begun = [&, n = number] {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        return sessions_[n];
+      }();
+      id = store_->has_session(begun.id) ? begun.id : store_->add_session(run, begun);
+    }
+    store_->write(id, session);
+  }
+  transaction.commit();
+  run_id_ = run;
+  ids_ = std::move(ids);
+}
+
+void StoreWriter::put_back(Waiting&& failed) {
+  Waiting newer = std::exchange(waiting_, std::move(failed));
+  for (auto& [number, session] : newer.sessions) waiting_.sessions[number].follow(std::move(session));
+  for (auto& [sensor, calibration] : newer.calibrations)
+    waiting_.calibrations[sensor] = std::move(calibration);
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,74 @@
+#pragma once
+// Writes a map's changes into its file, in a thread of its own: whoever hands them in never waits for the
+// disk. A commit follows within half a second. What cannot be written (full disk, folder that may not be
+// written) waits, merged to its newest state, and is tried again every second.
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include <lcmslam/map_store/file/map_store.hpp>
+
+namespace lcmslam {
+
+class StoreWriter {
+ public:
+  struct State {
+    std::int64_t commits = 0;
+    std::int64_t failures = 0;
+    std::string error;  ///< of the last try; empty: all that was tried is in the file
+  };
+
+  /// The file is opened, or made with its folder, when there is something to write. `run` is noted then.
+  /// `vfs`: see Database.
+  StoreWriter(std::filesystem::path file, StoredRun run, const char* vfs = nullptr);
+  /// Tries once more to write what waits.
+  ~StoreWriter();
+  StoreWriter(const StoreWriter&) = delete;
+  StoreWriter& operator=(const StoreWriter&) = delete;
+
+  /// A number for change(): the session gets its id in the file with its first change. One that has an id
+  /// already, of an earlier run, is gone on with.
+  std::size_t begin_session(const StoredSession& session);
+  /// Calls `add` with what waits of this session.
+  void change(std::size_t session, const std::function<void(SessionChanges&)>& add);
+  void put_calibration(const StoredCalibration& calibration);
+
+  /// Waits until what was handed in so far is in the file, or could not be written once more: false.
+  bool flush();
+  State state() const;
+
+ private:
+  struct Waiting {
+    std::map<std::size_t, SessionChanges> sessions;
+    std::map<std::string, StoredCalibration> calibrations;  // by sensor
+    bool empty() const { return sessions.empty() && calibrations.empty(); }
+  };
+
+  void work();
+  void write(const Waiting& changes);
+  void put_back(Waiting&& failed);
+  bool wait_for_work(std::unique_lock<std::mutex>& lock);
+
+  const std::filesystem::path file_;
+  const StoredRun run_;
+  const char* const vfs_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_, done_;
+  Waiting waiting_;
+  std::vector<StoredSession> sessions_;  // by change()'s number
+  State state_;
+  std::int64_t tries_asked_ = 0, tries_ = 0;  // flush() waits for a try that began after it
+  bool stop_ = false, writing_ = false;
+
+  // The thread's own.
+  std::unique_ptr<MapStore> store_;
+  std::int64_t run_id_ = 0;                  // 0: not in the file yet
+  std::map<std::size_t, std::int64_t> ids_;  // of sessions that are in the file
+  std::thread thread_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,238 @@
+#include "procs/map-server/map_recorder.hpp"
+
+#include <spdlog/spdlog.h>
+#include <algorithm>
+#include <cstdlib>
+
+#include <lcmslam/map_store/file/map_file.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/runtime/version.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime half_frame = 17'000;      // us, at 30 Hz
+constexpr std::size_t most_recent = 100;  // frames of features, poses
+constexpr std::size_t most_wanted = 32;   // keyframes that wait for features
+constexpr std::size_t most_sensors = 16;
+
+StoredEdge stored(const graph_edge_t& edge) {
+  return {edge.from_node,   edge.to_node,   edge.kind, from_message(edge.T_from_to, "T_from_to"),
+          edge.sigma_trans, edge.sigma_rot, edge.error};
+}
+
+/// Without those that cannot be.
+std::vector<StoredEdge> edges_between(const FollowedGraph& graph, const FollowedGraph::Pair& pair) {
+  std::vector<StoredEdge> edges;
+  const auto [begin, end] = graph.edges().equal_range(pair);
+  for (auto edge = begin; edge != end; ++edge) try {
+      edges.push_back(stored(edge->second));
+    } catch (const DecodeError&) {
+    }
+  return edges;
+}
+
+template <class Item>
+void push_bounded(std::deque<Item>& items, Item item, std::size_t most) {
+  items.push_back(std::move(item));
+  if (items.size() > most) items.pop_front();
+}
+
+}  // namespace
+
+MapRecorder::MapRecorder(const std::filesystem::path& file, const std::string& configuration)
+    : file_(file), writer_(file, {lcmslam_version, configuration}) {
+  read_kept();
+}
+
+void MapRecorder::read_kept() {
+  if (!std::filesystem::exists(file_)) return;
+  try {
+    MapFile map(file_);
+    stored_ = map.sessions();
+    const auto names = names_of(stored_);
+    for (std::size_t i = 0; i < stored_.size(); ++i) {
+      const StoredSession& session = stored_[i];
+      ++kept_by_mapper_[session.mapper];
+      for (const StoredKeyframe& keyframe : map.keyframes(session.id))
+        stored_keyframes_[session.id].insert(keyframe.id);
+      const SessionCounts counts = map.counts(session.id);
+      if (counts.landmarks + counts.clouds > 0) kept_.push_back({session.id, session.mapper, names[i]});
+    }
+    spdlog::info("{}: goes on, with {} sessions of earlier runs", file_.string(), kept_.size());
+  } catch (const std::exception& error) {
+    unreadable_ = error.what();
+  }
+}
+
+std::size_t MapRecorder::kept(const std::string& mapper) const {
+  const auto count = kept_by_mapper_.find(mapper);
+  return count != kept_by_mapper_.end() ? count->second : 0;
+}
+
+std::string MapRecorder::error() const {
+  const std::string failure = writer_.state().error;
+  return failure.empty() ? unreadable_ : failure;
+}
+
+MapRecorder::Session& MapRecorder::session(const std::string& mapper, const SessionKey& key) {
+  const auto [found, fresh] = sessions_.try_emplace({mapper, {key.sender, key.frame}});
+  return fresh ? begin_session(mapper, key, found->second) : found->second;
+}
+
+/// A mapper that lived on while this server restarted goes on with its session.
+MapRecorder::Session& MapRecorder::begin_session(const std::string& mapper, const SessionKey& key,
+                                                 Session& session) {
+  StoredSession begun{0, mapper, key.sender, key.frame};
+  for (const StoredSession& old : stored_)
+    if (old.mapper == mapper && old.sender == key.sender && old.frame == key.frame) begun.id = old.id;
+  if (begun.id != 0) {
+    session.keyframes = stored_keyframes_[begun.id];
+    kept_.erase(std::remove_if(kept_.begin(), kept_.end(),
+                               [&](const KeptSession& kept) { return kept.id == begun.id; }),
+                kept_.end());
+  }
+  session.number = writer_.begin_session(begun);
+  return session;
+}
+
+void MapRecorder::landmarks(const SessionKey& key, const landmarks_t& message, const LandmarkMap& map,
+                            bool whole) {
+  writer_.change(session("fastslam", key).number, [&](SessionChanges& changes) {
+    if (whole) {
+      changes.clear_landmarks();
+      for (const Landmark& landmark : map.landmarks()) changes.put_landmark(landmark);
+      return;
+    }
+    // As the map has them now: it leaves out changes that come late.
+    const auto take_over = [&](std::int64_t id) {
+      const Landmark* landmark = map.find(id);
+      landmark != nullptr ? changes.put_landmark(*landmark) : changes.drop_landmark(id);
+    };
+    for (const landmark_t& landmark : message.landmarks) take_over(landmark.id);
+    for (const std::int64_t id : message.removed) take_over(id);
+  });
+}
+
+void MapRecorder::keyframe(const SessionKey& key, const DenseKeyframe& keyframe) {
+  put_keyframe(session("icp", key), keyframe);
+}
+
+void MapRecorder::put_keyframe(Session& s, const DenseKeyframe& keyframe) {
+  s.keyframes.insert(keyframe.id);
+  const auto covariance = covariance_at(keyframe.utime);
+  writer_.change(s.number, [&](SessionChanges& changes) { changes.put_keyframe(keyframe, covariance); });
+  const Wanted wanted{s.number, keyframe.id, keyframe.utime};
+  const auto distance = [&](const features_t& f) { return std::abs(f.utime - keyframe.utime); };
+  const auto nearest =
+      std::min_element(recent_features_.begin(), recent_features_.end(),
+                       [&](const features_t& a, const features_t& b) { return distance(a) < distance(b); });
+  if (nearest == recent_features_.end() || !give_features(wanted, *nearest))
+    push_bounded(wanted_, wanted, most_wanted);
+}
+
+void MapRecorder::graph(const SessionKey& key, const graph_t& message, const FollowedGraph& graph,
+                        const DenseMap& map) {
+  Session& s = session("icp", key);
+  const bool whole = message.change == 0;
+  const auto is_gone = [&](std::int32_t id) {
+    return graph.nodes().count(id) == 0 && map.keyframes().count(id) == 0;
+  };
+  std::set<FollowedGraph::Pair> pairs;
+  if (whole)
+    for (const auto& [pair, edge] : graph.edges()) pairs.insert(pair);
+  for (const graph_edge_t& edge : message.edges) pairs.insert({edge.from_node, edge.to_node});
+  for (std::size_t i = 0; i < message.cut_from.size(); ++i)
+    pairs.insert({message.cut_from[i], message.cut_to[i]});
+
+  writer_.change(s.number, [&](SessionChanges& changes) {
+    for (auto id = s.keyframes.begin(); whole && id != s.keyframes.end();) {
+      const std::int32_t known = *id++;
+      if (!is_gone(known)) continue;
+      changes.drop_keyframe(known);
+      s.keyframes.erase(known);
+    }
+    for (const std::int32_t id : message.gone) {
+      if (!is_gone(id)) continue;
+      changes.drop_keyframe(id);
+      s.keyframes.erase(id);
+    }
+    for (const graph_node_t& told : message.nodes) {
+      const auto node = graph.nodes().find(told.keyframe);
+      if (node == graph.nodes().end()) continue;
+      changes.move_keyframe(node->first, node->second.keyframe_utime,
+                            from_message(node->second.T_map_camera, "T_map_camera"));
+      s.keyframes.insert(node->first);
+    }
+    if (whole) changes.clear_edges();
+    for (const auto& pair : pairs) changes.set_edges(pair, edges_between(graph, pair));
+  });
+}
+
+void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map) {
+  Session beside;
+  beside.number = writer_.begin_session({0, "icp", key.sender, key.frame});
+  for (const auto& [id, kept] : map.keyframes()) put_keyframe(beside, kept);
+}
+
+void MapRecorder::kept_beside(const SessionKey& key, const LandmarkMap& map) {
+  writer_.change(writer_.begin_session({0, "fastslam", key.sender, key.frame}), [&](SessionChanges& changes) {
+    for (const Landmark& landmark : map.landmarks()) changes.put_landmark(landmark);
+  });
+}
+
+void MapRecorder::pose(const std::string& mapper, const SessionKey& key, const pose_estimate_t& message) {
+  const StoredPose pose{message.utime, from_message(message.T_map_robot, "T_map_robot")};
+  writer_.change(session(mapper, key).number, [&](SessionChanges& changes) { changes.append_pose(pose); });
+  if (mapper != "icp") return;
+  try {
+    push_bounded(covariances_, {message.utime, covariance_from_message(message.covariance, "covariance")},
+                 most_recent);
+  } catch (const DecodeError&) {  // then this pose has none
+  }
+}
+
+std::optional<Matrix6d> MapRecorder::covariance_at(Utime utime) const {
+  std::optional<Matrix6d> nearest;
+  Utime distance = half_frame;
+  for (const auto& [at, covariance] : covariances_) {
+    if (std::abs(at - utime) > distance) continue;
+    distance = std::abs(at - utime);
+    nearest = covariance;
+  }
+  return nearest;
+}
+
+void MapRecorder::features(const features_t& message) {
+  push_bounded(recent_features_, message, most_recent);
+  wanted_.erase(std::remove_if(wanted_.begin(), wanted_.end(),
+                               [&](const Wanted& wanted) { return give_features(wanted, message); }),
+                wanted_.end());
+}
+
+/// Whether these are of the keyframe's moment. Features that cannot be read are left out.
+bool MapRecorder::give_features(const Wanted& wanted, const features_t& message) {
+  if (std::abs(message.utime - wanted.utime) > half_frame) return false;
+  try {
+    const FeatureFrame frame = from_message(message);
+    writer_.change(wanted.session,
+                   [&](SessionChanges& changes) { changes.put_features(wanted.keyframe, frame); });
+  } catch (const DecodeError&) {
+  }
+  return true;
+}
+
+void MapRecorder::calibration(const camera_calibration_t& message) {
+  camera_calibration_t lasting = message;  // what says the same each second is written once
+  lasting.utime = lasting.seq = lasting.sender = 0;
+  const std::vector<std::uint8_t> bytes = encode_message(lasting);
+  if (calibrations_.size() >= most_sensors && calibrations_.count(message.sensor) == 0) return;
+  std::vector<std::uint8_t>& known = calibrations_[message.sensor];
+  if (known == bytes) return;
+  known = bytes;
+  writer_.put_calibration({message.sensor, camera_calibration_t::getTypeName(), bytes});
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,93 @@
+#pragma once
+// Hands what the map server holds to the map's file (map_store/file), as it arrives. Nothing here waits for
+// the disk.
+
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+
+#include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/features_t.hpp>
+#include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/map_store/file/store_writer.hpp>
+#include <lcmslam/map_store/landmark_map.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include "procs/map-server/session_table.hpp"
+
+namespace lcmslam {
+
+/// A session of an earlier run that is in the file.
+struct KeptSession {
+  std::int64_t id = 0;  ///< in the file
+  std::string mapper;   ///< "fastslam" or "icp"
+  std::string name;     ///< "icp-session1": as the files that it is exported to
+};
+
+class MapRecorder {
+ public:
+  /// A file that is there is gone on with; one that cannot be read stays as it is, and error() says why.
+  MapRecorder(const std::filesystem::path& file, const std::string& configuration);
+
+  /// After the message changed the map. `whole`: all of the map may be another.
+  void landmarks(const SessionKey& key, const landmarks_t& message, const LandmarkMap& map, bool whole);
+  void keyframe(const SessionKey& key, const DenseKeyframe& keyframe);
+  /// After graph and map have followed the message.
+  void graph(const SessionKey& key, const graph_t& message, const FollowedGraph& graph, const DenseMap& map);
+  /// Maps that nobody adds to any more: sessions of their own, whatever is in the file.
+  void kept_beside(const SessionKey& key, const DenseMap& map);
+  void kept_beside(const SessionKey& key, const LandmarkMap& map);
+  /// A mapper's pose of the robot.
+  void pose(const std::string& mapper, const SessionKey& key, const pose_estimate_t& message);
+  /// A keyframe has the features of the frame that is nearest to it, within half the time between two frames,
+  /// whichever of them comes first.
+  void features(const features_t& message);
+  void calibration(const camera_calibration_t& message);
+
+  /// Writes what waits; false: it could not be written.
+  bool flush() { return writer_.flush(); }
+  StoreWriter::State state() const { return writer_.state(); }
+  /// Why nothing is written; empty: all is well.
+  std::string error() const;
+
+  const std::filesystem::path& file() const { return file_; }
+  /// Of earlier runs, in the order in which they began; not those without a map, nor those whose mapper has
+  /// been heard again: while that lives its session goes on.
+  const std::vector<KeptSession>& kept() const { return kept_; }
+  /// Sessions of earlier runs, whether they have a map or not: so many numbers are taken.
+  std::size_t kept(const std::string& mapper) const;
+
+ private:
+  struct Session {
+    std::size_t number = 0;            // the writer's
+    std::set<std::int32_t> keyframes;  // that the file has
+  };
+  struct Wanted {
+    std::size_t session = 0;  // the writer's number
+    std::int32_t keyframe = 0;
+    Utime utime = 0;
+  };
+
+  void read_kept();
+  Session& session(const std::string& mapper, const SessionKey& key);
+  Session& begin_session(const std::string& mapper, const SessionKey& key, Session& session);
+  void put_keyframe(Session& session, const DenseKeyframe& keyframe);
+  std::optional<Matrix6d> covariance_at(Utime utime) const;
+  bool give_features(const Wanted& wanted, const features_t& message);
+
+  std::filesystem::path file_;
+  std::string unreadable_;                                           // why an old file could not be read
+  std::vector<StoredSession> stored_;                                // of earlier runs
+  std::map<std::int64_t, std::set<std::int32_t>> stored_keyframes_;  // by session
+  std::vector<KeptSession> kept_;
+  std::map<std::string, std::size_t> kept_by_mapper_;
+  std::map<std::pair<std::string, std::pair<std::int64_t, std::string>>, Session> sessions_;
+  std::deque<std::pair<Utime, Matrix6d>> covariances_;  // of the last ICP_POSEs
+  std::deque<features_t> recent_features_;
+  std::deque<Wanted> wanted_;  // keyframes whose features have not come
+  std::map<std::string, std::vector<std::uint8_t>> calibrations_;
+  StoreWriter writer_;
+};
+
+}  // namespace lcmslam

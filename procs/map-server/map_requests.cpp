@@ -1,0 +1,68 @@
+// What the map server answers to MAP_REQUEST.
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <lcmslam/map_reply_t.hpp>
+#include "procs/map-server/map_server_node.hpp"
+
+namespace lcmslam {
+
+void MapServerNode::on_request(const map_request_t& request) {
+  map_reply_t reply;
+  reply.utime = request.utime;
+  reply.request_id = request.request_id;
+  reply.status = 0;
+  reply.tile = 0;
+  reply.n_tiles = 1;
+  try {
+    if (request.kind == map_request_t::EXPORT) {
+      for (const auto& file : export_maps(request)) reply.message += file + "\n";
+    } else if (request.kind != map_request_t::INFO) {
+      throw std::runtime_error(fmt::format("there is no request of kind {}", request.kind));
+    }
+  } catch (const std::exception& error) {
+    reply.status = 1;
+    reply.message = error.what();
+    ++requests_refused_;
+    spdlog::error("request refused: {}", error.what());
+  }
+  const std::string info = describe();
+  reply.content = "application/json";
+  reply.data.assign(info.begin(), info.end());
+  reply.size = static_cast<int32_t>(reply.data.size());
+  publisher_.publish("MAP_REPLY", reply);
+}
+
+std::string MapServerNode::describe() const {
+  const LandmarkMap* landmarks = landmark_maps_.current_map();
+  const DenseMap* dense = dense_maps_.current_map();
+  return fmt::format(
+      R"({{"landmarks": {}, "keyframes": {}, "map_points": {}, "resolution": {}, "kept_sessions": {}}})",
+      landmarks != nullptr ? landmarks->size() : 0, dense != nullptr ? dense->keyframes().size() : 0,
+      dense != nullptr ? dense->merge(resolution_).size() : 0, resolution_,
+      recorder_ ? recorder_->kept().size() : 0);
+}
+
+std::vector<std::string> MapServerNode::export_maps(const map_request_t& request) {
+  note_saving(true);  // both write files of the same names
+  auto files = save_maps(maps_to_save(true), export_folder(request.argument), request.format);
+  if (request.argument.empty() && request.format.empty()) drawn_changes_ = changes_;
+  return files;
+}
+
+/// The run's own folder, or the one below it that a request names.
+HeldFolder MapServerNode::export_folder(const std::string& name) {
+  std::filesystem::create_directories(folder_);
+  const HeldFolder own(folder_);
+  if (name.empty()) return own;
+  if (export_folders_.count(name) == 0 && export_folders_.size() >= most_export_folders_)
+    throw std::runtime_error(
+        fmt::format("requests have made {} folders already, as many as export_folders lets them",
+                    export_folders_.size()));
+  HeldFolder folder = own.below(name);
+  export_folders_.insert(name);
+  return folder;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,126 @@
+#include <lcmslam/map_store/file/store_writer.hpp>
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/map_store/file/check_map_file.hpp>
+#include <lcmslam/map_store/file/map_file.hpp>
+#include "tests/support/lossy_disk.hpp"
+#include "tests/unit/map_store_file/sample_store.hpp"
+#include "tests/unit/tools/scratch.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class MapStoreWriter : public ::testing::Test {
+ protected:
+  std::filesystem::path file() const { return folder_ / "run/map.lcmslam"; }
+  void SetUp() override { std::filesystem::create_directory(folder_ / "run"); }
+  static void put(StoreWriter& writer, std::size_t session, int id) {
+    writer.change(session, [&](SessionChanges& changes) { changes.put_landmark(some_landmark(1, id)); });
+  }
+  std::size_t landmarks_in_file(std::int64_t session = 1) {
+    return MapFile(file()).landmarks(session).size();
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(MapStoreWriter, WritesWhatComesWithoutBeingAsked) {
+  StoreWriter writer(file(), {"1.2", "x: 1"});
+  EXPECT_FALSE(std::filesystem::exists(file())) << "nothing to write, no file";
+  const std::size_t first = writer.begin_session(session_of("icp"));
+  const std::size_t second = writer.begin_session(session_of("fastslam", 8));
+  put(writer, second, 1);
+  EXPECT_TRUE(testing::wait_for([&] { return writer.state().commits == 1; }));
+  EXPECT_EQ(MapFile(file()).sessions().at(0).mapper, "fastslam") << "the other has nothing yet";
+  put(writer, first, 1);
+  put(writer, second, 2);
+  writer.put_calibration({"head", "form", {1}});
+  EXPECT_TRUE(writer.flush());
+  EXPECT_EQ(MapFile(file()).sessions().size(), 2U);
+  EXPECT_EQ(landmarks_in_file(1), 2U);
+  EXPECT_EQ(MapFile(file()).runs().size(), 1U);
+  EXPECT_EQ(MapFile(file()).calibrations().size(), 1U);
+}
+
+TEST_F(MapStoreWriter, WritesTheRestAtItsEnd) {
+  {
+    StoreWriter writer(file(), {});
+    put(writer, writer.begin_session(session_of("fastslam")), 1);
+  }
+  EXPECT_EQ(landmarks_in_file(), 1U);
+  EXPECT_FALSE(std::filesystem::exists(file().string() + "-wal")) << "one file";
+}
+
+TEST_F(MapStoreWriter, AFolderThatCannotBeMadeIsSaidAndTriedAgain) {
+  std::filesystem::remove(folder_ / "run");
+  std::ofstream(folder_ / "run") << "a file where the folder should be";
+  StoreWriter writer(file(), {});
+  const std::size_t session = writer.begin_session(session_of("fastslam"));
+  put(writer, session, 1);
+  EXPECT_FALSE(writer.flush());
+  EXPECT_THAT(writer.state().error, HasSubstr((folder_ / "run").string()));
+  put(writer, session, 2);
+  std::filesystem::remove(folder_ / "run");
+  EXPECT_TRUE(testing::wait_for([&] { return writer.state().error.empty(); })) << "by itself";
+  EXPECT_EQ(landmarks_in_file(), 2U);
+}
+
+TEST_F(MapStoreWriter, AFullDiskLosesNothingOldAndNothingNew) {
+  testing::LossyDisk disk("small");
+  StoreWriter writer(file(), {}, disk.vfs());
+  const std::size_t session = writer.begin_session(session_of("icp"));
+  const auto keyframe = [&](int id) {
+    writer.change(session, [&](SessionChanges& c) { c.put_keyframe(some_keyframe(id), std::nullopt); });
+  };
+  keyframe(1);
+  keyframe(2);
+  ASSERT_TRUE(writer.flush());
+  disk.full = true;
+  keyframe(3);
+  keyframe(4);
+  EXPECT_FALSE(writer.flush());
+  EXPECT_THAT(writer.state().error, HasSubstr("disk is full"));
+  EXPECT_EQ(MapFile(file()).counts(1).clouds, 2);
+  writer.change(session, [](SessionChanges& c) { c.drop_keyframe(4); });
+  writer.change(session, [](SessionChanges& c) { c.drop_keyframe(1); });
+  keyframe(5);
+  EXPECT_FALSE(writer.flush());
+  disk.full = false;
+  EXPECT_TRUE(writer.flush());
+  EXPECT_THAT(writer.state().error, IsEmpty());
+  const DenseMap map = MapFile(file()).dense_map(1);
+  EXPECT_EQ(map.keyframes().size(), 3U);
+  EXPECT_EQ(map.keyframes().count(1) + map.keyframes().count(4), 0U);
+  EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
+}
+
+TEST_F(MapStoreWriter, AFileThatIsNoMapStaysAndIsNamed) {
+  std::ofstream(file()) << "a letter to my mother, which is long enough to be looked at as a database";
+  StoreWriter writer(file(), {});
+  put(writer, writer.begin_session(session_of("icp")), 1);
+  EXPECT_FALSE(writer.flush());
+  EXPECT_THAT(writer.state().error, HasSubstr("not a database"));
+}
+
+TEST_F(MapStoreWriter, AFileThatWasTakenAwayBeginsAnewAfterAnError) {
+  testing::LossyDisk disk("small");
+  StoreWriter writer(file(), {}, disk.vfs());
+  const std::size_t session = writer.begin_session(session_of("fastslam"));
+  put(writer, session, 1);
+  ASSERT_TRUE(writer.flush());
+  disk.full = true;
+  put(writer, session, 2);
+  EXPECT_FALSE(writer.flush());
+  std::filesystem::remove_all(folder_ / "run");
+  disk.full = false;
+  EXPECT_TRUE(writer.flush());
+  EXPECT_EQ(landmarks_in_file(), 1U);
+  EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,44 @@
+#include <fmt/format.h>
+#include <iostream>
+
+#include "tools/map/map_commands.hpp"
+#include "tools/map/map_diff.hpp"
+#include "tools/parse_command.hpp"
+
+namespace lcmslam {
+namespace {
+
+void print(const char* what, const DiffCount& n) {
+  if (n.only_first + n.only_second + n.both == 0) return;
+  std::cout << fmt::format("  {}: {} in both, {} only in the first, {} only in the second", what, n.both,
+                           n.only_first, n.only_second);
+  if (n.farthest >= 0)
+    std::cout << fmt::format("; moved by up to {:.4f} m ({})", n.greatest_distance, n.farthest);
+  if (n.greatest_angle > 0) std::cout << fmt::format(", {:.3f} deg", n.greatest_angle * 180 / M_PI);
+  std::cout << "\n";
+}
+
+}  // namespace
+
+int map_diff_command(int argc, char** argv) {
+  std::string first, second;
+  CLI::App app{"Compares two map files, session by session. Exit code 0 only when they agree.",
+               "lcmslam map diff"};
+  app.add_option("first", first, "an .lcmslam file")->required();
+  app.add_option("second", second, "an .lcmslam file")->required();
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  MapFile a(first), b(second);
+  bool same = true;
+  for (const SessionDiff& diff : diff_maps(a, b)) {
+    same = same && diff.same();
+    std::cout << diff.name << (diff.same() ? ": the same" : "")
+              << (!diff.in_first ? ": only in the second" : (!diff.in_second ? ": only in the first" : ""))
+              << "\n";
+    print("keyframes", diff.keyframes);
+    print("landmarks", diff.landmarks);
+  }
+  std::cout << (same ? "the maps agree\n" : "the maps differ\n");
+  return same ? 0 : 1;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+#include <iostream>
+#include <set>
+
+#include <lcmslam/evaluation/pose_text.hpp>
+#include <lcmslam/map_store/file/map_file.hpp>
+#include <lcmslam/map_store/map_export.hpp>
+#include "tools/map/map_commands.hpp"
+#include "tools/output_file.hpp"
+#include "tools/parse_command.hpp"
+
+namespace lcmslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportOptions {
+  std::string file, folder;
+  std::vector<std::string> formats = {"ply", "pcd", "csv", "tum", "kitti"};
+  std::vector<std::string> sessions;  // empty: all
+  double resolution = 0.02;           // m
+  bool force = false;
+};
+
+std::optional<int> parse(ExportOptions& o, int argc, char** argv) {
+  CLI::App app{
+      "Writes a map file's sessions as files of their own: NAME_map.ply, NAME_map.pcd (clouds merged, "
+      "landmarks as points), NAME_landmarks.csv, NAME_trajectory.tum, NAME_trajectory.kitti (with "
+      "_times.txt).",
+      "lcmslam map export"};
+  app.add_option("file", o.file, "an .lcmslam file")->required();
+  app.add_option("folder", o.folder, "that takes the files, made where it is missing")->required();
+  app.add_option("--formats", o.formats, "ply, pcd, csv, tum, kitti; several with commas between (all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"ply", "pcd", "csv", "tum", "kitti"}));
+  app.add_option("--sessions", o.sessions, "NAMES as `map info` has them, with commas between (all)")
+      ->delimiter(',');
+  app.add_option("--resolution", o.resolution, "m, of merged clouds (0.02); 0: all points as they are")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_flag("--force", o.force, "overwrite files that exist");
+  return parse_command(app, argc, argv);
+}
+
+class Exporter {
+ public:
+  explicit Exporter(const ExportOptions& options)
+      : options_(options), formats_(options.formats.begin(), options.formats.end()), map_(options.file) {}
+
+  void run() {
+    const auto sessions = map_.sessions();
+    const auto names = names_of(sessions);
+    for (const std::string& wanted : options_.sessions)
+      if (std::find(names.begin(), names.end(), wanted) == names.end())
+        throw std::runtime_error(fmt::format("{}: has no session '{}'; there are {}", options_.file, wanted,
+                                             fmt::join(names, ", ")));
+    fs::create_directories(options_.folder);
+    for (std::size_t i = 0; i < sessions.size(); ++i)
+      if (is_wanted(names[i])) save(sessions[i], names[i]);
+  }
+
+ private:
+  bool is_wanted(const std::string& name) const {
+    const auto& names = options_.sessions;
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+  }
+
+  void save(const StoredSession& session, const std::string& name) {
+    const SessionCounts counts = map_.counts(session.id);
+    if (counts.clouds > 0 && (wants("ply") || wants("pcd"))) {
+      const DenseMap dense = map_.dense_map(session.id);
+      save_points(name, options_.resolution > 0 ? dense.merge(options_.resolution) : dense.merge_all());
+    }
+    if (counts.landmarks > 0) {
+      const auto landmarks = map_.landmarks(session.id);
+      save_points(name, landmarks);
+      if (wants("csv")) save_csv(file(name + "_landmarks.csv"), landmarks);
+    }
+    save_trajectory(session, name);
+  }
+
+  template <class Points>
+  void save_points(const std::string& name, const Points& points) {
+    if (wants("ply")) save_ply(file(name + "_map.ply"), points);
+    if (wants("pcd")) save_pcd(file(name + "_map.pcd"), points);
+  }
+
+  void save_trajectory(const StoredSession& session, const std::string& name) {
+    Trajectory trajectory;
+    for (const StoredPose& pose : map_.trajectory(session.id))
+      trajectory.push_back({pose.utime, pose.T_map_robot});
+    if (trajectory.empty()) return;
+    sort_trajectory(trajectory);
+    if (wants("tum")) save_tum(file(name + "_trajectory.tum"), trajectory, {session.frame, "robot"});
+    if (wants("kitti")) save_kitti(file(name + "_trajectory.kitti"), trajectory);
+  }
+
+  bool wants(const std::string& format) const { return formats_.count(format) > 0; }
+
+  fs::path file(const std::string& name) const {
+    const fs::path path = fs::path(options_.folder) / name;
+    check_output_file(path, options_.force);
+    std::cout << path.string() << "\n";
+    return path;
+  }
+
+  ExportOptions options_;
+  std::set<std::string> formats_;
+  MapFile map_;
+};
+
+}  // namespace
+
+int map_export_command(int argc, char** argv) {
+  ExportOptions options;
+  if (const auto exit_code = parse(options, argc, argv)) return *exit_code;
+  Exporter(options).run();
+  return 0;
+}
+
+}  // namespace lcmslam
