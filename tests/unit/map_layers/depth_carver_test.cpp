@@ -106,6 +106,20 @@ TEST(DepthCarver, AgreesWithOctoMap) {
   EXPECT_LT(free_as_occupied, 0.01 * free);
 }
 
+// A cell in whose corner something thin stands while its middle is seen through.
+TEST(DepthCarver, AHitWinsOverAMiss) {
+  const CameraModel camera = pinhole_camera(320, 240, 262);
+  OccupancyGrid grid({});
+  DepthCarver carver;
+  cv::Mat depth(240, 320, CV_32FC1, cv::Scalar(3));
+  depth.at<float>(120, 160) = 1.02f;
+  carver.carve(depth, camera, Eigen::Isometry3d::Identity(), grid);
+  depth.at<float>(120, 160) = 3;
+  carver.carve(depth, camera, Eigen::Isometry3d::Identity(), grid);
+  EXPECT_EQ(grid.state(Vector3i(0, 0, 25)), CellState::occupied);  // a hit and a miss: not two misses
+  EXPECT_EQ(grid.state(Vector3i(0, 0, 20)), CellState::free);
+}
+
 TEST(DepthCarver, PixelsWithoutDepthTellNothing) {
   OccupancyGrid grid({});
   DepthCarver carver;
