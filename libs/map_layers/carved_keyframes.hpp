@@ -3,7 +3,7 @@
 //
 // Log-odds cannot be moved once they are summed, and submaps of log-odds would be kept several times over
 // where views overlap and would still have to agree on what moved meanwhile. A keyframe's depth is 40 kB, is
-// moved by its pose alone, and a new grid of all takes about as many milliseconds as there are keyframes.
+// moved by its pose alone, and carving it anew takes some two milliseconds.
 // What frames between keyframes saw is not lost with them: before a keyframe is carved anew it is asked of
 // the grid that was, with the pose it had there, whether its surfaces still stand. What was seen through
 // since is carved as free space only. What came only after the last keyframe of a place comes back with the
