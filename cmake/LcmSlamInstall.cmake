@@ -61,7 +61,7 @@ function(lcmslam_install_package)
   write_basic_package_version_file(${folder}/lcmslamConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(EXPORT lcmslamTargets NAMESPACE lcmslam:: DESTINATION ${LCMSLAM_CMAKE_FOLDER} COMPONENT development)
   install(FILES ${folder}/lcmslamConfig.cmake ${folder}/lcmslamConfigVersion.cmake cmake/LcmSlamPackages.cmake
-                cmake/Findlcm.cmake cmake/Findlibdeflate.cmake cmake/Findlz4.cmake
+                cmake/Findlcm.cmake cmake/Findlibdeflate.cmake cmake/Findlz4.cmake cmake/Findoctomap.cmake
                 cmake/Findsodium.cmake
           DESTINATION ${LCMSLAM_CMAKE_FOLDER} COMPONENT development)
 endfunction()

@@ -1,0 +1,11 @@
+# OctoMap's own CMake package names targets without a prefix. Makes octomap::octomap.
+include(FindPackageHandleStandardArgs)
+find_path(OCTOMAP_INCLUDE_DIR octomap/OcTree.h)
+find_library(OCTOMAP_LIBRARY octomap)
+find_library(OCTOMATH_LIBRARY octomath)
+find_package_handle_standard_args(octomap REQUIRED_VARS OCTOMAP_LIBRARY OCTOMATH_LIBRARY OCTOMAP_INCLUDE_DIR)
+if(octomap_FOUND AND NOT TARGET octomap::octomap)
+  add_library(octomap::octomap INTERFACE IMPORTED)
+  target_include_directories(octomap::octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIR})
+  target_link_libraries(octomap::octomap INTERFACE ${OCTOMAP_LIBRARY} ${OCTOMATH_LIBRARY})
+endif()

@@ -1,0 +1,51 @@
+#pragma once
+// What a correction of the graph needs to carve the map anew: a small depth image of each keyframe.
+//
+// Log-odds cannot be moved once they are summed, and submaps of log-odds would be kept several times over
+// where views overlap and would still have to agree on what moved meanwhile. A keyframe's depth is 40 kB, is
+// moved by its pose alone, and carving it anew takes some two milliseconds.
+// What frames between keyframes saw is not lost with them: before a keyframe is carved anew it is asked of
+// the grid that was, with the pose it had there, whether its surfaces still stand. What was seen through
+// since is carved as free space only. What came only after the last keyframe of a place comes back with the
+// next frame that sees it.
+
+#include <map>
+
+#include <lcmslam/map_layers/depth_carver.hpp>
+
+namespace lcmslam {
+
+class CarvedKeyframes {
+ public:
+  /// Reads max_keyframes. Throws std::invalid_argument that names the setting.
+  explicit CarvedKeyframes(const OccupancySettings& settings);
+
+  /// `depth` as DepthCarver::carve() takes it; kept at no more than 160 columns. Another of the same id
+  /// replaces it.
+  void add(int id, const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_camera);
+  void forget(int id);  ///< does nothing where there is none
+
+  /// Keyframes carved in the order of their ids at their new poses, T_map_camera by id; those without one
+  /// stay. `carved`: the grid that holds them at their old poses. The new poses are the old ones from now on.
+  /// Work for a thread beside the frames, on copies of both.
+  OccupancyGrid carve_anew(const std::map<int, Eigen::Isometry3d>& corrected, const OccupancyGrid& carved);
+
+  std::size_t size() const { return keyframes_.size(); }
+  /// Keyframes that gave way to newer ones since the beginning.
+  std::size_t forgotten() const { return forgotten_; }
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Keyframe {
+    cv::Mat depth;  // CV_16SC1 mm; below zero: seen through since
+    CameraModel camera;
+    Eigen::Isometry3d T_map_camera;
+  };
+  static void mark_gone(Keyframe& keyframe, const OccupancyGrid& carved);
+
+  OccupancySettings settings_;
+  std::map<int, Keyframe> keyframes_;
+  std::size_t forgotten_ = 0;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,45 @@
+#pragma once
+// Writes depth images into an occupancy grid. Cells in which depth was measured are hit. Blocks of cells in
+// front of the camera are projected into the image: a cell whose middle half is seen through by every pixel
+// is missed; a block that is seen through as a whole, or hidden, is not looked at cell by cell. No ray is
+// walked, so the work grows with the space seen and not with the pixels.
+//
+// A pixel without depth tells nothing, and neither does a cell it lies on. A hit wins over a miss.
+
+#include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/map_layers/carving_view.hpp>
+#include <lcmslam/map_layers/occupancy_grid.hpp>
+
+namespace lcmslam {
+
+class DepthCarver {
+ public:
+  /// `depth` as CarvingView::set() takes it. T_map_camera must be finite (std::invalid_argument), its
+  /// translation within 2^18 cells of the map's origin.
+  void carve(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_camera,
+             OccupancyGrid& grid);
+
+  /// Blocks that the last image hit, a bit a cell, in the order of the pixels.
+  std::vector<OccupancyChange> hits() const;
+
+ private:
+  using Flags = std::array<std::uint8_t, block_cells>;  // 1: yes
+  struct HitBlock {
+    Eigen::Vector3i block;
+    Flags hit{};
+  };
+  struct Seeing;  // one image's projection
+  enum class Sight { hidden, mixed, through };
+
+  void collect_hits(const Seeing& seeing);
+  Sight look(const Seeing& seeing, const Eigen::Vector3i& block, Flags& through) const;
+  const Flags* hits_of(const Eigen::Vector3i& block) const;
+  void miss(const Seeing& seeing, OccupancyGrid& grid) const;
+  void hit(OccupancyGrid& grid) const;
+
+  CarvingView view_;
+  VoxelIndex hit_index_;
+  std::vector<HitBlock> hits_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,55 @@
+#include <lcmslam/map_layers/distance_layer.hpp>
+
+#include <algorithm>
+
+#include <lcmslam/parallel/instruction_set.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr int slab = block_side * block_side;  // cells that share a place on the slowest axis
+
+// All pairs of slabs of two blocks, `first` slabs from one to the other.
+LCMSLAM_VECTORISED(approach, (const std::int16_t* from, int first, int reach, std::int16_t* to),
+                   (from, first, reach, to)) {
+  for (int t = 0; t < block_side; ++t)
+    for (int s = 0; s < block_side; ++s) {
+      const int distance = first + s - t;
+      if (distance > reach || -distance > reach) continue;
+      const auto square = static_cast<std::int16_t>(distance * distance);
+      const std::int16_t* source = from + s * slab;
+      std::int16_t* target = to + t * slab;
+      for (int i = 0; i < slab; ++i) {
+        const auto sum = static_cast<std::int16_t>(source[i] + square);
+        target[i] = std::min(target[i], sum);
+      }
+    }
+}
+
+}  // namespace
+
+bool transform_block(const DistanceLayer& from, const Eigen::Vector3i& block, int axis, int reach,
+                     SquaredDistances& to) {
+  SquaredDistances nearest;
+  nearest.fill(far_squared);
+  bool any = false;
+  const int blocks = (reach + block_side - 1) / block_side;
+  for (int k = -blocks; k <= blocks; ++k) {
+    const auto* source = from.find(block + k * Eigen::Vector3i::Unit(axis));
+    if (source == nullptr) continue;
+    approach((*source)->data(), block_side * k, reach, nearest.data());
+    any = true;
+  }
+  if (!any) return false;
+  const int limit = reach * reach;
+  bool near = false;
+  for (std::size_t t = 0; t < block_side; ++t)
+    for (std::size_t i = 0; i < slab; ++i) {
+      const std::int16_t square = nearest[t * slab + i];
+      to[t + block_side * i] = square <= limit ? square : far_squared;
+      near = near || square <= limit;
+    }
+  return near;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,80 @@
+#include <lcmslam/map_layers/carved_keyframes.hpp>
+
+#include <gtest/gtest.h>
+
+#include <lcmslam/imaging/camera_model.hpp>
+
+namespace lcmslam {
+namespace {
+
+using Eigen::Vector3f;
+
+CameraModel camera() {
+  CameraModel c;
+  c.width = 320, c.height = 240;
+  c.fx = c.fy = 262;
+  c.cx = 159.5, c.cy = 119.5;
+  return c;
+}
+
+/// A wall 2 m ahead, with a thing 1 m ahead where `thing` is true.
+cv::Mat wall(bool thing) {
+  cv::Mat depth(240, 320, CV_16UC1, cv::Scalar(2020));
+  if (thing) depth(cv::Rect(130, 90, 60, 60)).setTo(1020);
+  return depth;
+}
+
+const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+const Vector3f on_wall(0.9f, 0, 2.02f), on_thing(0, 0, 1.02f);
+
+/// Two keyframes with a thing, and frames between them after it was taken away.
+struct Carved {
+  OccupancyGrid grid{OccupancySettings{}};
+  CarvedKeyframes keyframes{OccupancySettings{}};
+  explicit Carved(int frames_without) {
+    DepthCarver carver;
+    for (int id = 0; id < 3; ++id) {
+      carver.carve(wall(true), camera(), here, grid);
+      keyframes.add(id, wall(true), camera(), here);
+    }
+    for (int i = 0; i < frames_without; ++i) carver.carve(wall(false), camera(), here, grid);
+  }
+};
+
+TEST(CarvedKeyframes, MoveTheMapWithTheirPoses) {
+  Carved carved(0);
+  const Eigen::Isometry3d moved(Eigen::Translation3d(0.4, 0, 0.2));
+  const OccupancyGrid grid = carved.keyframes.carve_anew({{0, moved}, {1, moved}, {2, moved}}, carved.grid);
+  const Vector3f d(0.4f, 0, 0.2f);
+  EXPECT_EQ(grid.state(Vector3f(on_wall + d)), CellState::occupied);
+  EXPECT_EQ(grid.state(Vector3f(on_thing + d)), CellState::occupied);
+  EXPECT_EQ(grid.state(on_wall), CellState::free);
+  EXPECT_EQ(grid.state(Vector3f(0.4f, 0, 0.8f)), CellState::free);
+}
+
+TEST(CarvedKeyframes, WhatFramesBetweenThemSawThroughDoesNotComeBack) {
+  Carved carved(3);
+  ASSERT_EQ(carved.grid.state(on_thing), CellState::free);
+  const OccupancyGrid grid = carved.keyframes.carve_anew({}, carved.grid);
+  EXPECT_NE(grid.state(on_thing), CellState::occupied);
+  EXPECT_EQ(grid.state(on_wall), CellState::occupied);
+  // And not with the next correction either.
+  const OccupancyGrid again = carved.keyframes.carve_anew({}, grid);
+  EXPECT_NE(again.state(on_thing), CellState::occupied);
+}
+
+TEST(CarvedKeyframes, AreBounded) {
+  OccupancySettings settings;
+  settings.max_keyframes = 2;
+  CarvedKeyframes keyframes(settings);
+  for (int id = 0; id < 5; ++id) keyframes.add(id, wall(false), camera(), here);
+  EXPECT_EQ(keyframes.size(), 2U);
+  EXPECT_EQ(keyframes.forgotten(), 3U);
+  EXPECT_LT(keyframes.memory_bytes(), 2U * 40'000U);
+  keyframes.forget(4);
+  keyframes.forget(77);
+  EXPECT_EQ(keyframes.size(), 1U);
+}
+
+}  // namespace
+}  // namespace lcmslam
