@@ -16,6 +16,9 @@ struct Slab {
   float plane[4 * slab], look[slab];   // of the pixels
   float distance[slab], weight[slab];  // as they are kept
   float near_weight[slab];             // of the colour
+  // Whether any voxel has a weight, and one near the surface: whole numbers, because the greatest of
+  // floating-point numbers is not vectorised.
+  int weighed, near;
 };
 
 // Voxel centres and the pixels that see them.
@@ -35,20 +38,18 @@ LCMSLAM_VECTORISED(find_pixels,
 }
 
 /// Four numbers at a time: faster than the processor's own gathering of one number from eight places.
-float fetch(const SurfaceView& view, Slab& s) {
-  float most = 0;
+void fetch(const SurfaceView& view, Slab& s) {
   for (int i = 0; i < slab; ++i) {
     const auto pixel = static_cast<std::size_t>(s.pixel[i]);
     std::memcpy(s.plane + 4 * i, view.planes[pixel].data(), 4 * sizeof(float));
     s.look[i] = view.weight[pixel];
-    most = most > s.look[i] ? most : s.look[i];
   }
-  return most;
 }
 
 // What the pixels say of the voxels.
 LCMSLAM_VECTORISED(measure, (float truncation, float colour_reach, Slab& s), (truncation, colour_reach, s)) {
   const float to_kept = VoxelBlock::full_distance / truncation, to_fade = 2 / truncation;
+  int weighed = 0, near = 0;
   for (int i = 0; i < slab; ++i) {
     const float* plane = s.plane + 4 * i;
     const float d = plane[0] * s.x[i] + plane[1] * s.y[i] + plane[2] * s.z[i] + plane[3];
@@ -58,8 +59,13 @@ LCMSLAM_VECTORISED(measure, (float truncation, float colour_reach, Slab& s), (tr
     const float w = static_cast<float>(static_cast<int>(s.look[i] * fade + 0.5f));
     s.distance[i] = (d < truncation ? d : truncation) * to_kept;
     s.weight[i] = w;
-    s.near_weight[i] = (d < colour_reach) & (d > -colour_reach) ? w : 0.0f;
+    const float near_weight = (d < colour_reach) & (d > -colour_reach) ? w : 0.0f;
+    s.near_weight[i] = near_weight;
+    weighed |= w > 0 ? 1 : 0;
+    near |= near_weight > 0 ? 1 : 0;
   }
+  s.weighed = weighed;
+  s.near = near;
 }
 
 LCMSLAM_VECTORISED(average,
@@ -116,18 +122,16 @@ bool update_block(const SurfaceView& view, const BlockPlace& place, const LookSe
   for (int z = 0; z < VoxelBlock::side; ++z) {
     const Eigen::Vector3f first = place.first + static_cast<float>(z) * place.step[2];
     find_pixels(first.data(), place.step[0].data(), place.step[1].data(), view.lens, s);
-    if (fetch(view, s) <= 0) continue;
+    int in_view = 0;
+    for (int i = 0; i < slab; ++i) in_view |= s.pixel[i] ^ view.lens.nothing;
+    if (in_view == 0) continue;
+    fetch(view, s);
     measure(settings.truncation, settings.colour_reach, s);
-    float most = 0, nearest = 0;
-    for (int i = 0; i < slab; ++i) {
-      most = std::max(most, s.weight[i]);
-      nearest = std::max(nearest, s.near_weight[i]);
-    }
-    if (most <= 0) continue;
+    if (s.weighed == 0) continue;
     changed = true;
     const int voxel = slab * z;
     average(s, sign, settings.most_weight, block.distance + voxel, block.weight + voxel);
-    if (nearest > 0) colour_voxels(view, s, settings.taken_out, voxel, block);
+    if (s.near != 0) colour_voxels(view, s, settings.taken_out, voxel, block);
   }
   return changed;
 }
