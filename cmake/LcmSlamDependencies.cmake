@@ -13,6 +13,6 @@ endfunction()
 
 lcmslam_require(Eigen3::Eigen opencv_core)  # the precompiled headers'
 if(NOT LCMSLAM_COMPONENTS)  # the programs and the tests; what the libraries link they ask for themselves
-  lcmslam_require(CLI11::CLI11 nlohmann_json::nlohmann_json GTest::gmock benchmark::benchmark opencv_calib3d
-                  opencv_flann pcl_common pcl_io pcl_search pcl_registration)
+  lcmslam_require(CLI11::CLI11 nlohmann_json::nlohmann_json GTest::gmock benchmark::benchmark assimp::assimp opencv_calib3d
+                  opencv_flann opencv_rgbd pcl_common pcl_io pcl_search pcl_registration)
 endif()

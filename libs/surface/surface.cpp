@@ -1,0 +1,117 @@
+#include <lcmslam/surface/surface.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include <lcmslam/settings/check.hpp>
+#include <lcmslam/surface/view_fusion.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr double fine_share = 0.8;  // of the memory; coarse blocks are few
+
+std::size_t blocks_in(double megabytes) {
+  return std::max<std::size_t>(static_cast<std::size_t>(megabytes * 1e6) / sizeof(VoxelBlock), 16);
+}
+
+void require_finite(const Eigen::Isometry3d& T, const char* name) {
+  if (!T.matrix().allFinite())
+    throw std::invalid_argument(std::string("surface: ") + name + " must be finite");
+}
+
+SurfaceSettings checked(const SurfaceSettings& settings) {
+  check(settings, "surface");
+  return settings;
+}
+
+}  // namespace
+
+Surface::Surface(const RgbdCalibration& calibration, const SurfaceSettings& settings)
+    : settings_(checked(settings)),
+      maker_(calibration, settings_),
+      fine_(settings_.voxel_size, settings_.truncation),
+      coarse_(settings_.coarse_voxel_size, settings_.truncation),
+      mesh_(settings_) {}
+
+void Surface::fuse(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
+                   const Eigen::Isometry3d& T_colour_depth_time) {
+  require_finite(T_map_camera, "T_map_camera");
+  require_finite(T_colour_depth_time, "T_colour_depth_time");
+  if (keyframes_.count(keyframe) > 0)
+    throw std::invalid_argument("surface: keyframe " + std::to_string(keyframe) +
+                                " is fused already; move() tells a new pose");
+  const SurfaceImage image = maker_.image(frame, T_colour_depth_time);
+  put_in(maker_.view(image), T_map_camera * image.T_camera_depth);
+  Keyframe& kept = keyframes_[keyframe];
+  kept.view.emplace(image);
+  kept.T_map_camera = kept.T_wanted = T_map_camera;
+  kept.fused = fusion_;
+  kept_bytes_ += kept.view->memory_bytes();
+  keep_bounds(T_map_camera.translation());
+}
+
+void Surface::move(std::int64_t keyframe, const Eigen::Isometry3d& T_map_camera) {
+  require_finite(T_map_camera, "T_map_camera");
+  const auto found = keyframes_.find(keyframe);
+  if (found != keyframes_.end() && found->second.view) found->second.T_wanted = T_map_camera;
+}
+
+int Surface::refuse(int keyframes) {
+  std::vector<std::pair<double, std::int64_t>> moved;  // shift, keyframe
+  for (const auto& [id, keyframe] : keyframes_)
+    if (keyframe.view && shift(keyframe) >= 1) moved.emplace_back(-shift(keyframe), id);
+  std::sort(moved.begin(), moved.end());
+  const std::size_t now = std::min(moved.size(), static_cast<std::size_t>(std::max(keyframes, 0)));
+  for (std::size_t i = 0; i < now; ++i) {
+    Keyframe& keyframe = keyframes_.at(moved[i].second);
+    const SurfaceImage image = keyframe.view->unpacked();
+    const SurfaceView view = maker_.view(image);
+    const std::int64_t fused = keyframe.fused;
+    for (VoxelBlocks* blocks : {&fine_, &coarse_})
+      take_out_view(view, keyframe.T_map_camera * image.T_camera_depth, settings_, fused, fusion_ + 1,
+                    *blocks);
+    put_in(view, keyframe.T_wanted * image.T_camera_depth);
+    keyframe.T_map_camera = keyframe.T_wanted;
+    keyframe.fused = fusion_;
+  }
+  if (now > 0 && now == moved.size())
+    for (VoxelBlocks* blocks : {&fine_, &coarse_})
+      blocks->remove([](const VoxelBlocks::Entry& entry) { return is_empty(*entry.block); });
+  return static_cast<int>(moved.size() - now);
+}
+
+void Surface::put_in(const SurfaceView& view, const Eigen::Isometry3d& T_map_depth) {
+  ++fusion_;
+  fuse_view(view, T_map_depth, settings_, settings_.fine_range, fusion_, fine_);
+  fuse_view(view, T_map_depth, settings_, settings_.max_range, fusion_, coarse_);
+}
+
+void Surface::keep_bounds(const Eigen::Vector3d& camera) {
+  const Eigen::Vector3f place = camera.cast<float>();
+  fine_.keep_near(place, blocks_in(fine_share * settings_.memory));
+  coarse_.keep_near(place, blocks_in((1 - fine_share) * settings_.memory));
+  const auto most = static_cast<std::size_t>(settings_.kept_memory * 1e6);
+  for (auto oldest = keyframes_.begin(); kept_bytes_ > most && oldest != keyframes_.end(); ++oldest) {
+    if (!oldest->second.view) continue;
+    kept_bytes_ -= oldest->second.view->memory_bytes();
+    oldest->second.view.reset();
+  }
+}
+
+double Surface::shift(const Keyframe& keyframe) const {
+  return std::max(distance_between(keyframe.T_map_camera, keyframe.T_wanted) / settings_.moved_distance,
+                  angle_between(keyframe.T_map_camera, keyframe.T_wanted) / settings_.moved_angle);
+}
+
+Mesh Surface::mesh() {
+  mesh_.update(fine_, coarse_);
+  return mesh_.joined();
+}
+
+std::size_t Surface::memory_bytes() const {
+  return fine_.memory_bytes() + coarse_.memory_bytes() + mesh_.memory_bytes() + kept_bytes_;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,72 @@
+#pragma once
+// The dense surface of a map: what people look at. Keyframes are fused at their poses, and fused anew where
+// the graph has moved them.
+//
+//   Surface surface(calibration);
+//   surface.fuse(keyframe, frame, T_map_camera);
+//   surface.move(keyframe, corrected);  // as often as the graph bends
+//   surface.refuse(2);                  // a few each cycle, so that nothing waits
+//   const Mesh mesh = surface.mesh();
+//
+// Two levels: fine voxels where the camera was near, coarse ones wherever it looked. Both see the same
+// frames.
+
+#include <map>
+#include <optional>
+
+#include <lcmslam/surface/kept_view.hpp>
+#include <lcmslam/surface/surface_mesh.hpp>
+#include <lcmslam/surface/surface_view.hpp>
+#include <lcmslam/surface/voxel_blocks.hpp>
+
+namespace lcmslam {
+
+class Surface {
+ public:
+  /// Throws std::invalid_argument for a calibration or a setting that is wrong.
+  explicit Surface(const RgbdCalibration& calibration, const SurfaceSettings& settings = {});
+
+  /// Fuses a frame whose depth has passed DepthFilter; `keyframe` is its name for move(). `T_map_camera` is
+  /// that of the colour camera at the colour image's time, `T_colour_depth_time` as for DepthRegistration.
+  /// Throws std::invalid_argument for images of another size, poses that are not finite, and a keyframe that
+  /// is fused already.
+  void fuse(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
+            const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity());
+
+  /// Where a keyframe stands now. One whose images are not kept any more stays where it was fused.
+  void move(std::int64_t keyframe, const Eigen::Isometry3d& T_map_camera);
+
+  /// Fuses at most so many of the keyframes that moved, those that moved farthest first. Returns how many are
+  /// left.
+  int refuse(int keyframes);
+
+  /// As the surface is now; only what changed is meshed anew.
+  Mesh mesh();
+
+  std::size_t memory_bytes() const;
+  const VoxelBlocks& fine() const { return fine_; }
+  const VoxelBlocks& coarse() const { return coarse_; }
+
+ private:
+  struct Keyframe {
+    std::optional<KeptView> view;    // absent: its images were too many
+    Eigen::Isometry3d T_map_camera;  // as it is fused
+    Eigen::Isometry3d T_wanted;
+    std::int64_t fused = 0;  // number of the fusion
+  };
+
+  void put_in(const SurfaceView& view, const Eigen::Isometry3d& T_map_depth);
+  void keep_bounds(const Eigen::Vector3d& camera);
+  /// How far it moved in the units of its thresholds; below 1 it stays.
+  double shift(const Keyframe& keyframe) const;
+
+  SurfaceSettings settings_;
+  SurfaceViewMaker maker_;
+  VoxelBlocks fine_, coarse_;
+  SurfaceMesh mesh_;
+  std::map<std::int64_t, Keyframe> keyframes_;
+  std::int64_t fusion_ = 0;
+  std::size_t kept_bytes_ = 0;
+};
+
+}  // namespace lcmslam

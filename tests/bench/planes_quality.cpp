@@ -1,0 +1,169 @@
+// Which of a simulated room's walls, floors and level tops the plane map finds, and how well. True planes are
+// those of the scene's triangles, upright or level, of which the depth camera saw at least --area.
+//   build/release/bin/planes_quality [--seeds 3] [--scene kitchen] [--head rgbd]
+
+#include <cstdio>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <set>
+#include <tuple>
+
+#include <CLI/CLI.hpp>
+
+#include <lcmslam/imaging/depth_filter.hpp>
+#include <lcmslam/planes/plane_map.hpp>
+#include <lcmslam/simulation/ray_caster.hpp>
+#include <lcmslam/simulation/simulation.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr double cell = 0.05;  // m, in which seen points count once
+
+struct Options {
+  std::string scene = "kitchen", head = "rgbd";
+  int seeds = 1;
+  double area = 0.15, range = 3.5;
+};
+
+struct TruePlane {
+  Eigen::Vector3d normal;
+  double offset = 0;
+  std::set<std::tuple<int, int, int>> cells;
+  std::vector<Eigen::Vector3d> points;
+};
+using TruePlanes = std::map<std::tuple<int, int, int, int>, TruePlane>;  // normal in 1/50, offset in 5 mm
+
+void add_seen(const RayCaster& caster, const Scene& scene, const RgbdCalibration& calibration, double far,
+              const Eigen::Isometry3d& T_world_depth, TruePlanes& planes) {
+  const CameraModel& camera = calibration.depth;
+  const int step = std::max(1, camera.width / 80);
+  const Eigen::Isometry3f T = T_world_depth.cast<float>();
+  for (int v = step / 2; v < camera.height; v += step)
+    for (int u = step / 2; u < camera.width; u += step) {
+      RayPacket packet;
+      const Eigen::Vector3f direction = T.linear() * camera.ray({u, v}).cast<float>();
+      for (int k = 0; k < RayPacket::size; ++k) {
+        packet.x[k] = direction.x();
+        packet.y[k] = direction.y();
+        packet.z[k] = direction.z();
+      }
+      caster.cast(T.translation(), packet);
+      const double range = static_cast<double>(packet.range[0]);
+      if (packet.triangle[0] == RayPacket::none || range > far || range < calibration.depth_min) continue;
+      const SceneTriangle& t = scene.triangles[packet.triangle[0]];
+      Eigen::Vector3d normal =
+          (t.corner[1] - t.corner[0]).cross(t.corner[2] - t.corner[0]).cast<double>().normalized();
+      if (normal.dot(direction.cast<double>()) > 0) normal = -normal;
+      if (normal.dot(direction.normalized().cast<double>()) > -0.27) continue;
+      if (std::abs(normal.z()) > 0.02 && normal.z() < 0.9998) continue;
+      const Eigen::Vector3d point = (T.translation() + packet.range[0] * direction).cast<double>();
+      const double offset = -normal.dot(point);
+      const auto part = [](double c) { return static_cast<int>(std::lround(50 * c)); };
+      TruePlane& plane = planes[{part(normal.x()), part(normal.y()), part(normal.z()),
+                                 static_cast<int>(std::lround(offset / 0.005))}];
+      plane.normal = normal;
+      plane.offset = offset;
+      const Eigen::Vector3i c = (point / cell).array().floor().cast<int>();
+      if (plane.cells.insert({c.x(), c.y(), c.z()}).second) plane.points.push_back(point);
+    }
+}
+
+/// Share of the points within the outlines of the patches that lie in their plane; the best such patch's
+/// plane.
+double covered(const TruePlane& plane, const std::vector<PlanePatch>& patches, PlaneEquation& best) {
+  std::size_t inside = 0, most = 0;
+  std::vector<bool> taken(plane.points.size(), false);
+  for (const PlanePatch& patch : patches) {
+    if (patch.fit.plane.normal.dot(plane.normal) < std::cos(0.05)) continue;
+    const Eigen::Vector3d x = patch.fit.axis, y = patch.fit.plane.normal.cross(x);
+    std::vector<cv::Point2f> outline;
+    for (const Eigen::Vector3d& p : patch.outline)
+      outline.emplace_back(static_cast<float>(x.dot(p)), static_cast<float>(y.dot(p)));
+    std::size_t own = 0;
+    for (std::size_t i = 0; i < plane.points.size(); ++i) {
+      const Eigen::Vector3d& p = plane.points[i];
+      if (std::abs(patch.fit.plane.distance(p)) > 0.02) continue;
+      // Within 3 cm of the outline counts.
+      if (cv::pointPolygonTest(outline, {static_cast<float>(x.dot(p)), static_cast<float>(y.dot(p))}, true) <
+          -0.03)
+        continue;
+      ++own;
+      if (!taken[i]) ++inside;
+      taken[i] = true;
+    }
+    if (own <= most) continue;
+    most = own;
+    best = patch.fit.plane;
+  }
+  return static_cast<double>(inside) / static_cast<double>(plane.points.size());
+}
+
+void run(const Options& options, std::uint64_t seed) {
+  SimulationSettings simulated;
+  simulated.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/" + options.scene + ".yaml";
+  simulated.head = options.head;
+  simulated.seed = seed;
+  const Simulation simulation(simulated);
+  const Scene scene = load_scene(simulated.scene);
+  const RayCaster caster(scene);
+  const RgbdCalibration& calibration = simulation.calibration();
+  FramePlaneFinder finder(calibration);
+  PlaneMap map;
+  DepthFilter filter(calibration);
+  TruePlanes planes;
+  for (Utime t = simulation.start(); t < simulation.end(); t += 400'000) {
+    RgbdFrame frame = simulation.render(t);
+    filter(frame.depth, frame.amplitude);
+    const Eigen::Isometry3d T_world_depth =
+        simulation.T_world_robot(calibration.depth_time(frame.depth_utime)) * calibration.T_robot_camera *
+        calibration.T_colour_depth;
+    map.insert(finder(frame.depth), frame.depth, finder.cells(), T_world_depth);
+    add_seen(caster, scene, calibration, options.range, T_world_depth, planes);
+  }
+  const std::vector<PlanePatch> patches = map.patches();
+  int of = 0, found = 0;
+  std::vector<double> angles, offsets;
+  for (const auto& [key, plane] : planes) {
+    if (static_cast<double>(plane.cells.size()) * cell * cell < options.area) continue;
+    ++of;
+    PlaneEquation fit;
+    const double share = covered(plane, patches, fit);
+    const double angle = std::acos(std::min(1.0, fit.normal.dot(plane.normal))) * 57.29578;
+    if (share < 0.8 || angle > 1) {
+      std::printf(
+          "      missed: normal %5.2f %5.2f %5.2f offset %6.3f, %.2f m^2, %.0f %% covered, %.1f degrees\n",
+          plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset,
+          static_cast<double>(plane.cells.size()) * cell * cell, 100 * share, angle);
+      continue;
+    }
+    ++found;
+    angles.push_back(angle);
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : plane.points) middle += p / static_cast<double>(plane.points.size());
+    offsets.push_back(1000 * std::abs(fit.distance(middle)));
+  }
+  const auto share_of = [](std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    return values.empty() ? 0
+                          : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  };
+  std::printf("%4d %6d %6d %8.1f %8.2f %8.2f %8.1f %8.1f %8zu\n", static_cast<int>(seed), of, found,
+              100.0 * found / std::max(of, 1), share_of(angles, 0.5), share_of(angles, 0.95),
+              share_of(offsets, 0.5), share_of(offsets, 0.95), patches.size());
+}
+
+}  // namespace
+}  // namespace lcmslam
+
+int main(int argc, char** argv) {
+  CLI::App app("The planes of a simulated room against the truth");
+  lcmslam::Options options;
+  app.add_option("--scene", options.scene, "of config/scenes");
+  app.add_option("--head", options.head, "rgbd or tof");
+  app.add_option("--seeds", options.seeds, "how many");
+  app.add_option("--area", options.area, "m^2 that were seen of a plane that counts");
+  CLI11_PARSE(app, argc, argv);
+  std::printf("seed planes  found        %%   median/degree p95   median/mm p95  patches\n");
+  for (int seed = 1; seed <= options.seeds; ++seed) lcmslam::run(options, static_cast<std::uint64_t>(seed));
+}

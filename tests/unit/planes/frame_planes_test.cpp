@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <lcmslam/planes/frame_planes.hpp>
+#include "tests/unit/planes/table_room.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double degree = 0.0174533;
+
+/// The plane of the frame that is this plane of the room; null when none is within 1 degree and 1 cm.
+const FramePlane* find(const FramePlanes& found, const Eigen::Isometry3d& T, const Eigen::Vector3d& normal,
+                       double offset) {
+  for (const FramePlane& plane : found.planes) {
+    const Eigen::Vector3d seen = T.linear() * plane.fit.plane.normal;
+    const Eigen::Vector3d centre = T * plane.fit.centre;
+    if (std::acos(std::min(1.0, seen.dot(normal))) < degree && std::abs(normal.dot(centre) + offset) < 0.01)
+      return &plane;
+  }
+  return nullptr;
+}
+
+TEST(FramePlanes, FloorWallsAndTableTopAreFoundWithinADegree) {
+  FramePlaneFinder finder(testing::room_camera());
+  for (const testing::RoomLook& look : testing::room_looks()) {
+    const FramePlanes found = finder(look.depth);
+    EXPECT_NE(find(found, look.T_map_depth, {0, 0, 1}, 0), nullptr);
+    EXPECT_NE(find(found, look.T_map_depth, {0, 0, 1}, -testing::table_height), nullptr);
+    const bool sees_wall = look.T_map_depth.linear()(0, 2) > 0.5;
+    EXPECT_EQ(find(found, look.T_map_depth, {-1, 0, 0}, 3) != nullptr, sees_wall);
+    EXPECT_LT(found.planes.size(), 9u);
+  }
+}
+
+TEST(FramePlanes, PixelsAreLabelledByThePlaneTheyLieIn) {
+  FramePlaneFinder finder(testing::room_camera());
+  const testing::RoomLook& look = testing::room_looks()[0];
+  const FramePlanes found = finder(look.depth);
+  const FramePlane* table = find(found, look.T_map_depth, {0, 0, 1}, -testing::table_height);
+  ASSERT_NE(table, nullptr);
+  const auto number = static_cast<int>(table - found.planes.data()) + 1;
+  int on_table = 0, right = 0, wrong = 0;
+  for (int v = 0; v < look.depth.rows; ++v)
+    for (int u = 0; u < look.depth.cols; ++u) {
+      const Eigen::Vector3d point =
+          look.T_map_depth * finder.cells()
+                                 .point(v, u, 0.001f * static_cast<float>(look.depth.at<std::uint16_t>(v, u)))
+                                 .cast<double>();
+      const bool is_table =
+          std::abs(point.z() - testing::table_height) < 0.004 && point.x() < 2.02 && point.x() > 1.18;
+      const bool far_off = std::abs(point.z() - testing::table_height) > 0.03;
+      const bool labelled = found.labels.at<std::uint8_t>(v, u) == number;
+      on_table += is_table;
+      right += is_table && labelled;
+      wrong += far_off && labelled;
+    }
+  EXPECT_GT(right, 0.95 * on_table);
+  EXPECT_LT(wrong, 0.01 * on_table);
+}
+
+TEST(FramePlanes, ABallIsNoPlane) {
+  const RgbdCalibration camera = testing::room_camera();
+  cv::Mat depth(240, 320, CV_16UC1);
+  for (int v = 0; v < 240; ++v)
+    for (int u = 0; u < 320; ++u) {
+      // A ball of 0.08 m around (0, 0, 0.5).
+      const Eigen::Vector3d ray = camera.colour.ray({u, v});
+      const double b = 0.5 * ray.z(), discriminant = b * b - ray.squaredNorm() * (0.25 - 0.0064);
+      depth.at<std::uint16_t>(v, u) =
+          discriminant < 0 ? std::uint16_t{0}
+                           : static_cast<std::uint16_t>(
+                                 std::lround(1000 * (b - std::sqrt(discriminant)) / ray.squaredNorm()));
+    }
+  FramePlaneFinder finder(camera);
+  EXPECT_TRUE(finder(depth).planes.empty());
+}
+
+TEST(FramePlanes, AnImageOfAnotherSizeIsRefused) {
+  FramePlaneFinder finder(testing::room_camera());
+  EXPECT_THROW(finder(cv::Mat(10, 10, CV_16UC1)), std::invalid_argument);
+  FramePlaneSettings settings;
+  settings.cells_across = 0;
+  EXPECT_THROW(FramePlaneFinder(testing::room_camera(), settings), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace lcmslam

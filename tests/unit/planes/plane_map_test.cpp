@@ -1,0 +1,66 @@
+#include <gtest/gtest.h>
+
+#include <lcmslam/planes/plane_map.hpp>
+#include "tests/unit/planes/table_room.hpp"
+
+namespace lcmslam {
+namespace {
+
+const PlanePatch* largest(const std::vector<PlanePatch>& patches, PlaneLabel label) {
+  const PlanePatch* best = nullptr;
+  for (const PlanePatch& patch : patches)
+    if (patch.label == label && (best == nullptr || patch.area > best->area)) best = &patch;
+  return best;
+}
+
+TEST(PlaneMap, FloorTableAndWallsHaveTheirLabels) {
+  const std::vector<PlanePatch> patches = testing::room_map().patches();
+  const PlanePatch* floor = largest(patches, PlaneLabel::floor);
+  const PlanePatch* table = largest(patches, PlaneLabel::table_top);
+  const PlanePatch* wall = largest(patches, PlaneLabel::wall);
+  ASSERT_TRUE(floor != nullptr && table != nullptr && wall != nullptr);
+  EXPECT_NEAR(floor->fit.plane.offset, 0, 0.003);
+  EXPECT_NEAR(table->fit.plane.offset, -testing::table_height, 0.003);
+  EXPECT_GT(table->fit.plane.normal.z(), 0.9998);
+  EXPECT_LT(wall->fit.plane.normal.x(), -0.9998);
+  EXPECT_EQ(table->looks, 5);
+  EXPECT_EQ(largest(patches, PlaneLabel::ceiling), nullptr);
+  for (const PlanePatch& patch : patches) EXPECT_EQ(patch.label == PlaneLabel::table_top, &patch == table);
+}
+
+TEST(PlaneMap, TheTablesOutlineIsRightWithinThreeCentimetres) {
+  const std::vector<PlanePatch> patches = testing::room_map().patches();
+  const PlanePatch* table = largest(patches, PlaneLabel::table_top);
+  ASSERT_NE(table, nullptr);
+  const Eigen::AlignedBox2d truth(Eigen::Vector2d(1.2, -0.5), Eigen::Vector2d(2.0, 0.7));
+  Eigen::AlignedBox2d seen;
+  double twice = 0;
+  for (std::size_t i = 0; i < table->outline.size(); ++i) {
+    const Eigen::Vector2d a = table->outline[i].head<2>(),
+                          b = table->outline[(i + 1) % table->outline.size()].head<2>();
+    const double inside = std::min((a - truth.min()).minCoeff(), (truth.max() - a).minCoeff());
+    EXPECT_LT(std::abs(truth.contains(a) ? inside : truth.exteriorDistance(a)), 0.03) << a.transpose();
+    seen.extend(a);
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  EXPECT_LT((seen.min() - truth.min()).cwiseAbs().maxCoeff(), 0.03);
+  EXPECT_LT((seen.max() - truth.max()).cwiseAbs().maxCoeff(), 0.03);
+  EXPECT_NEAR(twice / 2, 0.8 * 1.2, 0.05);  // counter-clockwise from above
+}
+
+TEST(PlaneMap, TheTwoSidesOfAWallAreTwoPlanes) {
+  const RgbdCalibration camera = testing::room_camera();
+  const testing_scene::Scene wall{{{{1, 0, 0}, 2}}, {}};
+  FramePlaneFinder finder(camera);
+  PlaneMap map;
+  for (const double x : {0.0, 4.0}) {
+    const Eigen::Isometry3d T = testing::room_view(x, 0, x > 2 ? M_PI : 0);
+    const cv::Mat depth = testing_scene::render(wall, camera.colour, T);
+    map.insert(finder(depth), depth, finder.cells(), T);
+  }
+  EXPECT_EQ(map.size(), 2u);
+  EXPECT_TRUE(map.patches().empty()) << "one look is not enough";
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,181 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/surface/surface.hpp>
+#include "tests/support/analytic_scene.hpp"
+
+namespace lcmslam {
+namespace {
+
+using testing_scene::render;
+using Room = testing_scene::Scene;
+
+RgbdCalibration camera_head() {
+  RgbdCalibration calibration;
+  calibration.colour = {160, 120, 140, 140, 79.5, 59.5, {}};
+  calibration.depth_registered = true;
+  calibration.depth_noise = {0.002, 0, 0, 0};
+  return calibration;
+}
+
+/// A wall 1.5 m away and a box before it, in the first camera's frame.
+Room room() {
+  return {{{{0, 0, 1}, 1.5}},
+          {Eigen::AlignedBox3d(Eigen::Vector3d(-0.2, -0.15, 1.1), Eigen::Vector3d(0.1, 0.15, 1.3))}};
+}
+
+RgbdFrame frame_of(const Room& scene, const Eigen::Isometry3d& T, const cv::Scalar& colour = {20, 60, 200}) {
+  RgbdFrame frame;
+  frame.depth = render(scene, camera_head().colour, T);
+  frame.colour = cv::Mat(frame.depth.size(), CV_8UC3, colour);
+  return frame;
+}
+
+Eigen::Isometry3d pose(double x, double y, double turn) {
+  return Eigen::Translation3d(x, y, 0) * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitY());
+}
+
+const std::vector<Eigen::Isometry3d>& poses() {
+  static const std::vector<Eigen::Isometry3d> all = {pose(0, 0, 0), pose(0.2, 0.05, -0.15),
+                                                     pose(-0.2, 0, 0.15)};
+  return all;
+}
+
+SurfaceSettings settings() {
+  SurfaceSettings s;
+  s.moved_distance = 1e-4;
+  return s;
+}
+
+double off_surface(const Room& scene, const Eigen::Vector3f& point) {
+  const Eigen::Vector3d p = point.cast<double>();
+  double nearest = std::abs(1.5 - p.z());
+  for (const auto& box : scene.boxes) {
+    const Eigen::Vector3d inside = (p - box.min()).cwiseMin(box.max() - p);
+    nearest = std::min(nearest, inside.minCoeff() > 0 ? inside.minCoeff() : box.exteriorDistance(p));
+  }
+  return nearest;
+}
+
+TEST(Surface, StandsWhereTheSurfacesStand) {
+  Surface surface(camera_head(), settings());
+  for (std::size_t i = 0; i < poses().size(); ++i)
+    surface.fuse(static_cast<std::int64_t>(i), frame_of(room(), poses()[i]), poses()[i]);
+  const Mesh mesh = surface.mesh();
+  ASSERT_GT(mesh.vertices.size(), 10000u);
+  std::vector<double> off;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    off.push_back(off_surface(room(), mesh.vertices[i]));
+    EXPECT_EQ(mesh.colours[i], cv::Vec3b(20, 60, 200));
+  }
+  std::sort(off.begin(), off.end());
+  EXPECT_LT(off[off.size() / 2], 5e-4);
+  EXPECT_LT(off[off.size() * 95 / 100], 2e-3);
+  // The box's rim may be blunt, but nothing hangs between the box and the wall.
+  EXPECT_LT(off[off.size() * 999 / 1000], 0.012);
+}
+
+std::vector<Eigen::Vector3f> fused_after(const std::vector<Eigen::Isometry3d>& wrong) {
+  Surface surface(camera_head(), settings());
+  for (std::size_t i = 0; i < poses().size(); ++i)
+    surface.fuse(static_cast<std::int64_t>(i), frame_of(room(), poses()[i]), wrong[i]);
+  surface.mesh();
+  for (std::size_t i = 0; i < poses().size(); ++i) surface.move(static_cast<std::int64_t>(i), poses()[i]);
+  int left = 3;
+  for (int cycle = 0; left > 0 && cycle < 5; ++cycle) left = surface.refuse(1);
+  EXPECT_EQ(left, 0);
+  return surface.mesh().vertices;
+}
+
+TEST(Surface, WhereTheGraphBendsNoSecondWallStays) {
+  std::vector<Eigen::Isometry3d> wrong = poses();
+  wrong[1] = wrong[1] * pose(0.03, 0.02, 0.05);
+  wrong[2].translation().z() -= 0.06;
+  for (const Eigen::Vector3f& vertex : fused_after(wrong)) ASSERT_LT(off_surface(room(), vertex), 0.025);
+  const std::size_t right = fused_after(poses()).size();
+  EXPECT_NEAR(static_cast<double>(fused_after(wrong).size()), static_cast<double>(right),
+              0.002 * static_cast<double>(right));
+}
+
+TEST(Surface, WhatMovedAwayDisappears) {
+  Surface surface(camera_head(), settings());
+  for (int i = 0; i < 3; ++i) surface.fuse(i, frame_of(room(), poses()[0]), poses()[0]);
+  Room empty = room();
+  empty.boxes.clear();
+  for (int i = 3; i < 8; ++i) surface.fuse(i, frame_of(empty, poses()[0]), poses()[0]);
+  for (const Eigen::Vector3f& vertex : surface.mesh().vertices) ASSERT_NEAR(vertex.z(), 1.5f, 0.01f);
+}
+
+TEST(Surface, EveryInstructionSetGivesTheSameBytes) {
+  const auto fused = [] {
+    Surface surface(camera_head(), settings());
+    surface.fuse(0, frame_of(room(), poses()[1]), poses()[1]);
+    std::vector<VoxelBlock> blocks;
+    for (const VoxelBlocks::Entry& entry : surface.fine().entries()) blocks.push_back(*entry.block);
+    return blocks;
+  };
+  const std::vector<VoxelBlock> best = fused();
+  const InstructionSet former = limit_instruction_set(InstructionSet::portable);
+  const std::vector<VoxelBlock> plain = fused();
+  limit_instruction_set(former);
+  ASSERT_EQ(best.size(), plain.size());
+  EXPECT_EQ(std::memcmp(best.data(), plain.data(), best.size() * sizeof(VoxelBlock)), 0);
+}
+
+TEST(Surface, KeepsItsBounds) {
+  SurfaceSettings bounded = settings();
+  bounded.memory = 1;
+  bounded.kept_memory = 0;
+  Surface surface(camera_head(), bounded);
+  surface.fuse(1, frame_of(room(), poses()[0]), poses()[0]);
+  EXPECT_LE(surface.fine().size() * sizeof(VoxelBlock), 800000u);
+  EXPECT_GT(surface.fine().size(), 100u);
+  surface.move(1, poses()[1]);  // its images are gone: it stays where it is
+  EXPECT_EQ(surface.refuse(10), 0);
+}
+
+TEST(Surface, FarSurfacesAreCoarse) {
+  SurfaceSettings near_only = settings();
+  near_only.fine_range = 1.2;
+  Surface surface(camera_head(), near_only);
+  surface.fuse(1, frame_of(room(), poses()[0]), poses()[0]);
+  const Mesh mesh = surface.mesh();
+  for (const VoxelBlocks::Entry& entry : surface.fine().entries())
+    EXPECT_LT(surface.fine().centre(entry).z(), 1.35f);
+  EXPECT_TRUE(
+      std::any_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.z() > 1.45f; }));
+}
+
+TEST(Surface, SaysWhatIsWrong) {
+  using ::testing::HasSubstr;
+  const auto message_of = [](const std::function<void()>& call) -> std::string {
+    try {
+      call();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Surface surface(camera_head(), settings());
+  RgbdFrame frame = frame_of(room(), poses()[0]);
+  surface.fuse(5, frame, poses()[0]);
+  EXPECT_THAT(message_of([&] { surface.fuse(5, frame, poses()[0]); }),
+              HasSubstr("keyframe 5 is fused already"));
+  Eigen::Isometry3d nowhere = poses()[0];
+  nowhere.translation().x() = NAN;
+  EXPECT_THAT(message_of([&] { surface.fuse(6, frame, nowhere); }), HasSubstr("T_map_camera must be finite"));
+  frame.depth = cv::Mat(10, 10, CV_16UC1, cv::Scalar(1000));
+  EXPECT_THAT(message_of([&] { surface.fuse(6, frame, poses()[0]); }), HasSubstr("10x10"));
+  SurfaceSettings wrong;
+  wrong.voxel_size = 0;
+  EXPECT_THAT(message_of([&] { Surface(camera_head(), wrong); }), HasSubstr("voxel_size"));
+  wrong = {};
+  wrong.coarse_voxel_size = wrong.voxel_size;
+  EXPECT_THAT(message_of([&] { Surface(camera_head(), wrong); }), HasSubstr("at least twice voxel_size"));
+}
+
+}  // namespace
+}  // namespace lcmslam
