@@ -44,6 +44,7 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
     return text;
   };
   std::vector<std::string> small;
+  small.reserve(candidates.size());
   for (const std::string& candidate : candidates) small.push_back(in_small(candidate));
   const std::string near = nearest_word(in_small(word), small, std::max<std::size_t>(1, word.size() / 2));
   const auto found = std::find(small.begin(), small.end(), near);

@@ -113,10 +113,11 @@ std::string why_no_file_fits(const fs::path& folder, const std::string& pattern)
   std::stable_partition(names.begin(), names.end(), [&](const fs::path& name) {
     return name.extension() == fs::path(pattern).extension();
   });
-  for (const std::string& name : names)
-    if (const auto fitting = pattern_of(name))
-      return problem + tried + "but " + name + " is, which " +
-             (fs::path(pattern).parent_path() / *fitting).string() + " would fit";
+  const auto is =
+      std::find_if(names.begin(), names.end(), [](const std::string& name) { return pattern_of(name); });
+  if (is != names.end())
+    return problem + tried + "but " + *is + " is, which " +
+           (fs::path(pattern).parent_path() / *pattern_of(*is)).string() + " would fit";
   return problem + tried + place.string() + " holds " + listed(names);
 }
 

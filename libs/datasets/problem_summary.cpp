@@ -35,6 +35,7 @@ std::vector<std::string> summarise_problems(const std::vector<std::string>& prob
       ++known->count;
   }
   std::vector<std::string> lines;
+  lines.reserve(kinds.size());
   for (const Kind& kind : kinds)
     lines.push_back(kind.count == 1 ? kind.first
                                     : std::to_string(kind.count) + " times, first " + kind.first);

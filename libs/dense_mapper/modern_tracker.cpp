@@ -134,9 +134,11 @@ double ModernTracker::score(const Cloud& cloud, const Eigen::Isometry3d& T_world
 void ModernTracker::sort_by_score(const Cloud& cloud, std::vector<Eigen::Isometry3d>& starts) const {
   if (starts.size() < 2) return;
   std::vector<std::pair<double, std::size_t>> order;
+  order.reserve(starts.size());
   for (std::size_t i = 0; i < starts.size(); ++i) order.emplace_back(-score(cloud, starts[i]), i);
   std::sort(order.begin(), order.end());
   std::vector<Eigen::Isometry3d> sorted;
+  sorted.reserve(order.size());
   for (const auto& [negative_score, i] : order) sorted.push_back(starts[i]);
   starts = std::move(sorted);
 }

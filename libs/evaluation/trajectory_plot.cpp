@@ -110,6 +110,7 @@ void draw(PlotSurface& surface, const EvaluationPlot& plot, const PlotSettings& 
 PlottedPath top_view(const std::string& name, const std::array<unsigned char, 3>& colour,
                      const Trajectory& trajectory) {
   PlottedPath path{name, colour, {}};
+  path.points.reserve(trajectory.size());
   for (const StampedPose& pose : trajectory) path.points.push_back(pose.T_world_body.translation().head<2>());
   return path;
 }

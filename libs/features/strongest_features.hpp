@@ -25,6 +25,7 @@ inline FeatureFrame strongest(FeatureFrame frame, int count) {
   std::vector<std::size_t> kept = strongest(frame.features, count);
   std::sort(kept.begin(), kept.end());
   std::vector<Feature> features;
+  features.reserve(kept.size());
   for (const std::size_t i : kept) features.push_back(frame.features[i]);
   frame.features = std::move(features);
   return frame;
