@@ -30,8 +30,9 @@ struct EnduranceVerdict {
   bool met() const { return value >= least && value <= most; }
 };
 
-/// CPU, traffic and memory of the last lap as a share of the third's, landmarks as a share of the second's,
-/// and how long it took to stop. With less than three laps the last one stands for those that are missing.
+/// Traffic and memory of the last lap as a share of the third's, landmarks as a share of the second's, and
+/// how long it took to stop. With less than three laps the last one stands for those that are missing. CPU
+/// likewise, but as the median of five laps and in units of surf's, which does the same in each lap.
 std::vector<EnduranceVerdict> judge_endurance(const std::vector<LapFigures>& laps, double stop_seconds);
 
 std::string endurance_table(const std::vector<LapFigures>& laps);
