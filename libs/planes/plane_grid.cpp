@@ -60,22 +60,23 @@ std::vector<PlaneGrid::Part> PlaneGrid::parts(int hits) const {
   if (hits_.empty()) return parts;
   cv::Mat taken = hits_ >= hits, closed, large;
   cv::morphologyEx(taken, closed, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
-  cv::Mat labels;
-  const int count = cv::connectedComponents(closed, labels, 4);
-  std::vector<int> cells(static_cast<std::size_t>(count), 0);
-  for (int v = 0; v < labels.rows; ++v)
-    for (int u = 0; u < labels.cols; ++u) ++cells[static_cast<std::size_t>(labels.at<int>(v, u))];
+  // Each part within its own box: a map's planes have hundreds of specks.
+  cv::Mat labels, boxes, centroids;
+  const int count = cv::connectedComponentsWithStats(closed, labels, boxes, centroids, 4, CV_32S);
   for (int part = 1; part < count; ++part) {
-    cv::resize(labels == part, large, {}, split, split, cv::INTER_NEAREST);
+    const cv::Rect box(boxes.at<int>(part, cv::CC_STAT_LEFT), boxes.at<int>(part, cv::CC_STAT_TOP),
+                       boxes.at<int>(part, cv::CC_STAT_WIDTH), boxes.at<int>(part, cv::CC_STAT_HEIGHT));
+    cv::resize(labels(box) == part, large, {}, split, split, cv::INTER_NEAREST);
     std::vector<std::vector<cv::Point>> contours;
     cv::findContours(large, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
     std::vector<cv::Point> simple;
     cv::approxPolyDP(contours.front(), simple, split * 0.75, true);
     if (simple.size() < 3) continue;
     Part found;
-    found.area = cells[static_cast<std::size_t>(part)] * cell_ * cell_;
+    found.area = boxes.at<int>(part, cv::CC_STAT_AREA) * cell_ * cell_;
     for (const cv::Point& p : simple)
-      found.outline.emplace_back(cell_ * (left_ + (p.x + 0.5) / split), cell_ * (top_ + (p.y + 0.5) / split));
+      found.outline.emplace_back(cell_ * (left_ + box.x + (p.x + 0.5) / split),
+                                 cell_ * (top_ + box.y + (p.y + 0.5) / split));
     double twice = 0;  // the signed area
     for (std::size_t i = 0; i < found.outline.size(); ++i) {
       const Eigen::Vector2d &a = found.outline[i], &b = found.outline[(i + 1) % found.outline.size()];
