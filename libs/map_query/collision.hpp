@@ -26,8 +26,8 @@ struct Capsule {
 };
 
 struct Box {
-  Eigen::Isometry3d T_map_box;  ///< of its middle
-  Eigen::Vector3d half_size;    ///< m, from the middle to the faces
+  Eigen::Isometry3d T_map_box = Eigen::Isometry3d::Identity();  ///< of its middle
+  Eigen::Vector3d half_size = Eigen::Vector3d::Zero();          ///< m, from the middle to the faces
 };
 
 class CollisionChecker {
