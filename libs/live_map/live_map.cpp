@@ -1,0 +1,149 @@
+#include <lcmslam/live_map/live_map.hpp>
+
+#include <lcmslam/settings/check.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t most_between =
+    10'000;  // that move with their keyframes; older ones stay where they are
+
+LiveMapSettings checked(const LiveMapSettings& settings) {
+  check(settings, "live map");
+  return settings;
+}
+
+}  // namespace
+
+LiveMap::LiveMap(const RgbdCalibration& calibration, const LiveMapSettings& settings)
+    : calibration_(calibration),
+      settings_(checked(settings)),
+      filter_(calibration, settings.depth_filter),
+      space_(calibration.depth, settings),
+      planes_(calibration, settings),
+      surface_(calibration, settings.surface) {}
+
+void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
+  filter_(frame.depth, frame.amplitude);
+  space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++version_;
+}
+
+void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
+  check_frame(frame, calibration_);
+  filter_(frame.depth, frame.amplitude);
+  space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
+  if (last_keyframe_ < 0) return;  // it would stand where it is whatever the graph says
+  const std::int64_t id = between_.empty() ? -1 : between_.begin()->first - 1;
+  between_[id] = {last_keyframe_, keyframes_.at(last_keyframe_).T_map_camera.inverse() * pose.T_map_camera};
+  if (between_.size() > most_between) between_.erase(std::prev(between_.end()));
+  fuse(id, frame, pose);
+}
+
+void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose) {
+  if (has(keyframe)) return;
+  check_frame(frame, calibration_);
+  filter_(frame.depth, frame.amplitude);
+  const Eigen::Isometry3d T_camera_depth = pose.T_colour_depth_time * calibration_.T_colour_depth;
+  const Eigen::Isometry3d T_map_depth = pose.T_map_camera * T_camera_depth;
+  space_.show(frame.depth, T_map_depth);
+  space_.keep(keyframe, frame.depth, T_map_depth);
+  planes_.keep(keyframe, frame.depth, T_map_depth);
+  fuse(keyframe, frame, pose);
+  kept(keyframe, pose.T_map_camera, T_camera_depth);
+}
+
+void LiveMap::keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera) {
+  if (has(keyframe)) return;
+  const cv::Mat depth = depth_of_cloud(cloud, calibration_.depth);
+  space_.show(depth, T_map_camera);
+  space_.keep(keyframe, depth, T_map_camera);
+  planes_.keep(keyframe, depth, T_map_camera);
+  kept(keyframe, T_map_camera, Eigen::Isometry3d::Identity());
+}
+
+void LiveMap::fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose) {
+  const std::lock_guard<std::mutex> lock(surface_mutex_);
+  surface_.fuse(id, frame, pose.T_map_camera, pose.T_colour_depth_time);
+}
+
+void LiveMap::kept(int keyframe, const Eigen::Isometry3d& T_map_camera,
+                   const Eigen::Isometry3d& T_camera_depth) {
+  last_keyframe_ = keyframe;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  keyframes_[keyframe] = {T_map_camera, T_camera_depth};
+  ++version_;
+}
+
+void LiveMap::correct(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
+  std::map<int, Eigen::Isometry3d> T_map_depth;
+  for (const auto& [id, T] : T_map_camera)
+    if (const auto known = keyframes_.find(id); known != keyframes_.end()) {
+      known->second.T_map_camera = T;
+      T_map_depth[id] = T * known->second.T_camera_depth;
+    }
+  space_.correct(T_map_depth);
+  planes_.correct(T_map_depth);
+  {
+    const std::lock_guard<std::mutex> lock(surface_mutex_);
+    for (const auto& [id, T] : T_map_camera) surface_.move(id, T);
+    for (const auto& [id, between] : between_)
+      if (const auto moved = T_map_camera.find(between.keyframe); moved != T_map_camera.end())
+        surface_.move(id, moved->second * between.T_keyframe_camera);
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++version_;
+}
+
+bool LiveMap::improve() {
+  const std::lock_guard<std::mutex> lock(surface_mutex_);
+  return surface_.refuse(1) > 0;
+}
+
+void LiveMap::settle() {
+  space_.settle();
+  planes_.settle();
+  while (improve()) {
+  }
+}
+
+Mesh LiveMap::mesh() const {
+  const std::lock_guard<std::mutex> lock(surface_mutex_);
+  return surface_.mesh();
+}
+
+bool LiveMap::has(int keyframe) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return keyframes_.count(keyframe) > 0;
+}
+
+std::int64_t LiveMap::version() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return version_;
+}
+
+std::size_t LiveMap::memory_bytes() const {
+  const std::lock_guard<std::mutex> lock(surface_mutex_);
+  return space_.memory_bytes() + planes_.memory_bytes() + surface_.memory_bytes();
+}
+
+cv::Mat depth_of_cloud(const ColouredCloud& cloud, const CameraModel& camera) {
+  constexpr double spacing =
+      0.01;  // rad between a keyframe's points: about 12,000 in a view of 60 x 45 degrees
+  cv::Mat_<std::uint16_t> depth(camera.height, camera.width, std::uint16_t{0});
+  const int radius = std::max(1, static_cast<int>(std::ceil(0.5 * spacing * camera.fx)));
+  for (const Eigen::Vector3f& point : cloud.points) {
+    if (!(point.z() > 0.05F) || point.z() > 60) continue;
+    const auto pixel = camera.project(point.cast<double>());
+    if (!pixel) continue;
+    const int u = static_cast<int>(std::lround(pixel->x())), v = static_cast<int>(std::lround(pixel->y()));
+    const auto z = static_cast<std::uint16_t>(std::lround(1000 * point.z()));
+    for (int y = std::max(0, v - radius); y <= std::min(camera.height - 1, v + radius); ++y)
+      for (int x = std::max(0, u - radius); x <= std::min(camera.width - 1, u + radius); ++x)
+        if (depth(y, x) == 0 || z < depth(y, x)) depth(y, x) = z;
+  }
+  return depth;
+}
+
+}  // namespace lcmslam

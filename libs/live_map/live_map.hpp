@@ -1,0 +1,99 @@
+#pragma once
+// All layers that are derived from a map, following it as it grows: free and occupied space, distances,
+// planes, the dense surface. One thread shows frames; any thread asks.
+//
+//   LiveMap map(calibration);
+//   map.show(frame, pose);            // at the rate that the machine bears
+//   map.keep(keyframe, frame, pose);  // each keyframe
+//   map.correct(poses);               // as often as the graph bends
+//   while (map.improve()) ...         // when nothing else is to be done
+//   map.space().ask(...);
+
+#include <mutex>
+#include <opencv2/core.hpp>
+
+#include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/live_map/live_planes.hpp>
+#include <lcmslam/live_map/live_space.hpp>
+#include <lcmslam/surface/surface.hpp>
+
+namespace lcmslam {
+
+/// Where the head was when a frame's images were taken.
+struct FramePose {
+  Eigen::Isometry3d T_map_camera =
+      Eigen::Isometry3d::Identity();  ///< colour camera at the colour image's time
+  /// As DepthRegistration takes it; identity where both are of one moment.
+  Eigen::Isometry3d T_colour_depth_time = Eigen::Isometry3d::Identity();
+};
+
+class LiveMap {
+ public:
+  /// Throws std::invalid_argument for a calibration or a setting that is wrong.
+  explicit LiveMap(const RgbdCalibration& calibration, const LiveMapSettings& settings = {});
+
+  // One thread. Images of another size than the calibration's are std::invalid_argument.
+
+  /// What the frame sees through becomes free, what it sees is occupied. Colour is not asked for.
+  void show(RgbdFrame frame, const FramePose& pose);
+  /// The same, and the surface grows by it; it moves with the keyframe that was kept last.
+  void add(RgbdFrame frame, const FramePose& pose);
+  /// The same, and it is kept: the surface and planes grow by it. A keyframe that is there already is left as
+  /// it is.
+  void keep(int keyframe, RgbdFrame frame, const FramePose& pose);
+  /// A keyframe of which only the cloud (camera frame, m) is there: space and planes grow by it, the surface
+  /// does not.
+  void keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera);
+  /// Where keyframes stand, T_map_camera by keyframe.
+  void correct(const std::map<int, Eigen::Isometry3d>& T_map_camera);
+  /// A piece of the surface's work that was left; false: there is none.
+  bool improve();
+  /// All that is left.
+  void settle();
+
+  // Any thread.
+
+  const LiveMapSettings& settings() const { return settings_; }
+  const RgbdCalibration& calibration() const { return calibration_; }
+  const LiveSpace& space() const { return space_; }
+  std::vector<PlanePatch> planes() const { return planes_.patches(); }
+  /// Takes its time (a second for a flat); only what changed since it was last asked for is meshed anew.
+  Mesh mesh() const;
+  bool has(int keyframe) const;
+  /// Counts every change.
+  std::int64_t version() const;
+  std::size_t memory_bytes() const;
+
+ private:
+  void kept(int keyframe, const Eigen::Isometry3d& T_map_camera, const Eigen::Isometry3d& T_camera_depth);
+  void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose);
+
+  RgbdCalibration calibration_;
+  LiveMapSettings settings_;
+  DepthFilter filter_;
+  LiveSpace space_;
+  LivePlanes planes_;
+
+  mutable std::mutex surface_mutex_;
+  mutable Surface surface_;  // meshes what changed when it is asked
+
+  struct Keyframe {
+    Eigen::Isometry3d T_map_camera, T_camera_depth;  // depth camera at its own time
+  };
+  struct Between {
+    int keyframe;
+    Eigen::Isometry3d T_keyframe_camera;
+  };
+  int last_keyframe_ = -1;
+  std::map<std::int64_t, Between> between_;  // frames of the surface that are no keyframes, by their id there
+
+  mutable std::mutex mutex_;
+  std::map<int, Keyframe> keyframes_;
+  std::int64_t version_ = 0;
+};
+
+/// The depth image that a camera at the cloud's origin would have of it, CV_16UC1 mm, 0 where no point is.
+/// Points are as large as the space between a keyframe's points.
+cv::Mat depth_of_cloud(const ColouredCloud& cloud, const CameraModel& camera);
+
+}  // namespace lcmslam

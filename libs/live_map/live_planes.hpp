@@ -1,0 +1,59 @@
+#pragma once
+// The planes of a map while keyframes keep coming: one thread adds keyframes, any thread asks.
+//
+// Planes that were put together cannot be taken apart: when the graph bends, they are put together anew from
+// the keyframes' depth images, beside the frames.
+
+#include <future>
+#include <map>
+#include <mutex>
+
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/live_map/live_map_settings.hpp>
+#include <lcmslam/live_map/moved_keyframes.hpp>
+#include <lcmslam/planes/plane_map.hpp>
+
+namespace lcmslam {
+
+class LivePlanes {
+ public:
+  /// Throws std::invalid_argument that names the setting.
+  LivePlanes(const RgbdCalibration& calibration, const LiveMapSettings& settings);
+
+  // One thread.
+
+  /// `depth` CV_16UC1 mm, filtered, of the calibration's size.
+  void keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth);
+  /// Keyframes stand elsewhere: T_map_depth by keyframe.
+  void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
+  /// Waits for what is made beside the frames.
+  void settle();
+
+  // Any thread.
+
+  std::vector<PlanePatch> patches() const;
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Keyframe {
+    EncodedImage depth;
+    Eigen::Isometry3d T_map_depth;
+  };
+  using Keyframes = std::map<int, Keyframe>;
+  void put_together_anew();
+  void take_over(bool wait);
+
+  RgbdCalibration calibration_;
+  LiveMapSettings settings_;
+  FramePlaneFinder finder_;
+  Keyframes keyframes_;
+  std::size_t kept_bytes_ = 0;
+  MovedKeyframes moved_;
+  std::future<PlaneMap> making_;
+  std::vector<int> meanwhile_;  // keyframes that came while it went on
+
+  mutable std::mutex mutex_;  // guards what follows
+  PlaneMap map_;
+};
+
+}  // namespace lcmslam

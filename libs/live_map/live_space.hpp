@@ -1,0 +1,83 @@
+#pragma once
+// Free and occupied space and distances while frames keep coming: one thread shows frames, any thread asks.
+//
+// When the graph bends, space is carved anew beside the frames, from the keyframes' depth, and takes the old
+// one's place when it is done. Frames between keyframes that came meanwhile are seen again soon enough.
+
+#include <future>
+#include <mutex>
+#include <optional>
+
+#include <lcmslam/live_map/live_map_settings.hpp>
+#include <lcmslam/live_map/moved_keyframes.hpp>
+#include <lcmslam/map_layers/carved_keyframes.hpp>
+#include <lcmslam/map_query/newest_frame.hpp>
+
+namespace lcmslam {
+
+class LiveSpace {
+ public:
+  /// Throws std::invalid_argument that names the setting.
+  LiveSpace(const CameraModel& depth_camera, const LiveMapSettings& settings);
+
+  // One thread.
+
+  /// `depth` as DepthCarver takes it, of the depth camera's size. T_map_depth must be finite.
+  void show(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth);
+  /// Keeps what was shown last for corrections.
+  void keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth);
+  /// Keyframes stand elsewhere: T_map_depth by keyframe.
+  void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
+  /// Waits for what is made beside the frames.
+  void settle();
+
+  // Any thread.
+
+  /// What a question sees; nothing changes while it looks, and frames wait for it.
+  struct View {
+    const OccupancyGrid& occupied;
+    const DistanceField& distances;
+    const DistanceField& newest;  ///< of the newest frame alone
+  };
+  template <class Ask>
+  auto ask(const Ask& question) const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return question(View{grid_, field_, newest_.field()});
+  }
+  /// For questions that take their time.
+  OccupancyGrid copy() const {
+    return ask([](const View& view) { return view.occupied.copy(); });
+  }
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Carved {
+    CarvedKeyframes keyframes;
+    OccupancyGrid grid;
+  };
+  struct Kept {
+    int keyframe;
+    cv::Mat depth;
+    Eigen::Isometry3d T_map_depth;
+  };
+  void carve_anew();
+  void take_over(bool wait);
+  void measure();
+
+  CameraModel camera_;
+  bool background_;
+  int distance_every_;
+  DepthCarver carver_;
+  CarvedKeyframes keyframes_;
+  MovedKeyframes moved_;
+  std::future<Carved> carving_;
+  std::vector<Kept> meanwhile_;  // keyframes that came while it went on
+
+  mutable std::mutex mutex_;  // guards what follows
+  OccupancyGrid grid_;
+  DistanceField field_;
+  NewestFrame newest_;
+  int unmeasured_ = 0;  // frames that distances have not followed yet
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,148 @@
+#include <lcmslam/live_map/live_map.hpp>
+
+#include <gmock/gmock.h>
+
+namespace lcmslam {
+namespace {
+
+/// A camera that looks along x at a wall.
+RgbdCalibration some_camera() {
+  RgbdCalibration calibration;
+  calibration.colour = calibration.depth = CameraModel{160, 120, 140, 140, 79.5, 59.5, {}};
+  calibration.depth_registered = true;
+  return calibration;
+}
+
+RgbdFrame wall(double distance) {
+  RgbdFrame frame;
+  frame.depth = cv::Mat(120, 160, CV_16UC1, cv::Scalar(1000 * distance));
+  frame.colour = cv::Mat(120, 160, CV_8UC3, cv::Scalar(50, 100, 150));
+  return frame;
+}
+
+LiveMapSettings waiting() {
+  LiveMapSettings settings;
+  settings.background = false;
+  settings.surface.voxel_size = 0.04;
+  settings.surface.coarse_voxel_size = 0.16;
+  return settings;
+}
+
+FramePose at(double x) {
+  return {Eigen::Translation3d(x, 0, 1) * optical_axes(), Eigen::Isometry3d::Identity()};
+}
+
+CellState state(const LiveMap& map, double x) {
+  return map.space().ask([&](const LiveSpace::View& view) {
+    return view.occupied.state(Eigen::Vector3f(static_cast<float>(x), 0, 1));
+  });
+}
+
+double mean_x(const Mesh& mesh) {
+  double sum = 0;
+  for (const Eigen::Vector3f& v : mesh.vertices) sum += static_cast<double>(v.x());
+  return sum / static_cast<double>(mesh.vertices.size());
+}
+
+TEST(LiveMap, FramesBetweenKeyframesMoveWithThem) {
+  LiveMap map(some_camera(), waiting());
+  map.keep(7, wall(2), at(0));
+  map.add(wall(1.8), at(0.2));
+  EXPECT_NEAR(mean_x(map.mesh()), 2, 0.02);
+  map.correct({{7, at(0.4).T_map_camera}});
+  while (map.improve()) {
+  }
+  EXPECT_NEAR(mean_x(map.mesh()), 2.4, 0.02);
+}
+
+TEST(LiveMap, ASmallCorrectionLeavesSpaceAsItIs) {
+  LiveMap map(some_camera(), waiting());
+  map.keep(1, wall(2.02), at(0));
+  ASSERT_EQ(state(map, 2.02), CellState::occupied);
+  map.correct({{1, at(0.015).T_map_camera}});
+  EXPECT_EQ(state(map, 2.02), CellState::occupied);
+  map.correct({{1, at(0.3).T_map_camera}});
+  EXPECT_EQ(state(map, 2.32), CellState::occupied);
+  EXPECT_NE(state(map, 2.02), CellState::occupied);
+}
+
+double distance_at_1(const LiveMap& map) {
+  return map.space().ask([](const LiveSpace::View& view) {
+    return view.distances.sample({1, 0, 1}).distance;
+  });
+}
+
+TEST(LiveMap, DistancesFollowEveryThirdFrameAndEachKeyframe) {
+  LiveMap shown(some_camera(), waiting()), kept(some_camera(), waiting());
+  shown.show(wall(2), at(0));
+  shown.show(wall(2), at(0));
+  EXPECT_EQ(distance_at_1(shown), 2);  // nothing near
+  shown.show(wall(2), at(0));
+  EXPECT_NEAR(distance_at_1(shown), 1, 0.05);
+  kept.keep(1, wall(2), at(0));
+  EXPECT_NEAR(distance_at_1(kept), 1, 0.05);
+}
+
+TEST(LiveMap, WhoStepsInTheWayCountsAtOnce) {
+  LiveMap map(some_camera(), waiting());
+  for (int i = 0; i < 6; ++i) map.show(wall(2), at(0));
+  map.show(wall(1.2), at(0));
+  EXPECT_NEAR(distance_at_1(map), 1, 0.05);
+  EXPECT_NEAR(map.space().ask([](const LiveSpace::View& v) {
+    return v.newest.sample({1, 0, 1}).distance;
+  }),
+              0.2, 0.05);
+}
+
+TEST(LiveMap, AKeyframeWithoutImagesGivesSpaceByItsCloud) {
+  ColouredCloud cloud;
+  for (float y = -1; y <= 1; y += 0.02F)
+    for (float x = -1; x <= 1; x += 0.02F) cloud.points.emplace_back(x, y, 2.02F);
+  cloud.colours.resize(cloud.points.size());
+  const cv::Mat depth = depth_of_cloud(cloud, some_camera().depth);
+  EXPECT_EQ(depth.at<std::uint16_t>(60, 80), 2020);
+  LiveMap map(some_camera(), waiting());
+  map.keep(3, cloud, at(0).T_map_camera);
+  EXPECT_TRUE(map.has(3));
+  EXPECT_EQ(state(map, 2.02), CellState::occupied);
+  EXPECT_EQ(state(map, 1), CellState::free);
+  EXPECT_TRUE(map.mesh().vertices.empty());
+}
+
+TEST(LiveMap, KeyframesAreWorkedInOnce) {
+  LiveMap map(some_camera(), waiting());
+  map.keep(1, wall(2), at(0));
+  const std::int64_t version = map.version();
+  map.keep(1, wall(1), at(0));
+  EXPECT_EQ(map.version(), version);
+}
+
+TEST(LiveMap, WhatIsMadeBesideIsTheSameWhenItIsDone) {
+  LiveMapSettings beside = waiting();
+  beside.background = true;
+  LiveMap slow(some_camera(), beside), waited(some_camera(), waiting());
+  for (LiveMap* map : {&slow, &waited}) {
+    map->keep(1, wall(2), at(0));
+    map->keep(2, wall(2.1), at(-0.1));
+    map->correct({{1, at(0.3).T_map_camera}, {2, at(0.2).T_map_camera}});
+    map->settle();
+  }
+  for (double x = 0.1; x < 3; x += 0.04) EXPECT_EQ(state(slow, x), state(waited, x)) << x;
+  EXPECT_EQ(slow.planes().size(), waited.planes().size());
+}
+
+TEST(MovedKeyframes, ArePassedOnWhenOneMovedTooFar) {
+  MovedKeyframes moved(0.1, 0.05);
+  moved.add(1, Eigen::Isometry3d::Identity());
+  moved.add(2, Eigen::Isometry3d::Identity());
+  moved.correct({{1, planar_pose(0.09, 0, 0)}, {3, planar_pose(9, 0, 0)}});
+  EXPECT_FALSE(moved.due());
+  moved.correct({{2, planar_pose(0, 0, 0.06)}});
+  EXPECT_TRUE(moved.due());
+  EXPECT_EQ(moved.take().size(), 2U);
+  EXPECT_FALSE(moved.due());
+  EXPECT_TRUE(moved.take().empty());
+}
+
+}  // namespace
+}  // namespace lcmslam
