@@ -4,10 +4,13 @@
 #include <sstream>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/map_layers/export_navigation_grid.hpp>
+#include <lcmslam/map_layers/octomap/export_octomap.hpp>
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/messages/print_message.hpp>
 #include <lcmslam/rendering/map_picture.hpp>
+#include <lcmslam/surface/mesh_export.hpp>
 
 namespace lcmslam {
 namespace {
@@ -23,12 +26,13 @@ PictureRequest request(MapView view, const std::string& title, const MapsToSave:
 }
 
 std::set<std::string> read_formats(const std::string& formats) {
-  const std::set<std::string> known = {"ply", "pcd", "png"};
+  const std::set<std::string> known = {"ply", "pcd", "png", "mesh", "octomap", "grid"};
   std::set<std::string> wanted;
   std::istringstream text(formats);
   for (std::string format; std::getline(text, format, ',');) {
     if (known.count(format) == 0)
-      throw std::runtime_error("format '" + printable(format.substr(0, 20)) + "' is none of ply, pcd, png");
+      throw std::runtime_error("format '" + printable(format.substr(0, 20)) +
+                               "' is none of ply, pcd, png, mesh, octomap, grid");
     wanted.insert(format);
   }
   return wanted.empty() ? known : wanted;
@@ -43,6 +47,22 @@ class MapFiles {
   void save_points(const std::string& name, const Map& map) {
     if (wants("ply")) save_ply(file(name + "_map.ply"), map);
     if (wants("pcd")) save_pcd(file(name + "_map.pcd"), map);
+  }
+
+  void save_derived(const LiveMap& live, const std::optional<Eigen::Isometry3d>& T_map_robot) {
+    if (wants("mesh")) {
+      const Mesh mesh = live.mesh();
+      save_mesh_ply(file("icp_mesh.ply"), mesh);
+      save_mesh_glb(file("icp_mesh.glb"), mesh);
+    }
+    if (!wants("octomap") && !wants("grid")) return;
+    const OccupancyGrid space = live.space().copy();
+    if (wants("octomap")) save_octomap(file("icp_space.bt"), space);
+    if (!wants("grid") || !T_map_robot) return;
+    save_navigation_grid(folder_, "icp_grid",
+                         make_navigation_grid(space, live.settings().navigation, *T_map_robot));
+    file("icp_grid.pgm");
+    file("icp_grid.yaml");
   }
 
   void save_pictures(const MapsToSave::Landmarks& map) {
@@ -115,6 +135,7 @@ std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& fol
     clouds.push_back(map.map.merge(maps.resolution));
     files.save_points(map.name, clouds.back());
   }
+  if (maps.live) files.save_derived(*maps.live, maps.T_map_robot);
   // Last: where the disk is full, the maps come before pictures of them.
   for (const MapsToSave::Landmarks& map : maps.landmarks) files.save_pictures(map);
   for (std::size_t i = 0; i < clouds.size(); ++i)

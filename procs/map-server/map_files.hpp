@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lcmslam/files/held_folder.hpp>
+#include <lcmslam/live_map/live_map.hpp>
 #include <lcmslam/map_store/dense_map.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
 #include "procs/map-server/map_recorder.hpp"
@@ -27,14 +28,17 @@ struct MapsToSave {
   };
   std::vector<Landmarks> landmarks;
   std::vector<Dense> dense;
-  std::filesystem::path store;    ///< the map's file
-  std::vector<KeptSession> kept;  ///< of that file, to be read when it is their turn
-  double resolution = 0.02;       ///< m, of merged dense maps
+  std::filesystem::path store;                   ///< the map's file
+  std::vector<KeptSession> kept;                 ///< of that file, to be read when it is their turn
+  double resolution = 0.02;                      ///< m, of merged dense maps
+  std::shared_ptr<const LiveMap> live;           ///< what is derived of the current dense map; may be null
+  std::optional<Eigen::Isometry3d> T_map_robot;  ///< the newest, from where the ground is followed
 };
 
-/// NAME_map.ply, NAME_map.pcd, NAME_front.png, NAME_top.png of each map. `formats`: "ply", "pcd", "png",
-/// several separated by commas; empty: all. Gives the files' paths. Throws std::runtime_error for other
-/// formats and for the first file that cannot be written.
+/// NAME_map.ply, NAME_map.pcd, NAME_front.png, NAME_top.png of each map; of what is derived icp_mesh.ply and
+/// icp_mesh.glb ("mesh"), icp_space.bt ("octomap"), icp_grid.pgm and icp_grid.yaml ("grid"). `formats`:
+/// "ply", "pcd", "png", "mesh", "octomap", "grid", several separated by commas; empty: all. Gives the files'
+/// paths. Throws std::runtime_error for other formats and for the first file that cannot be written.
 std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& folder,
                                    const std::string& formats);
 

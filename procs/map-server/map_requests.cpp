@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <lcmslam/map_reply_t.hpp>
 #include "procs/map-server/map_server_node.hpp"
 
 namespace lcmslam {
@@ -16,6 +15,7 @@ void MapServerNode::on_request(const map_request_t& request) {
   reply.tile = 0;
   reply.n_tiles = 1;
   try {
+    if (request.kind == map_request_t::QUERY) return ask(request);
     if (request.kind == map_request_t::EXPORT) {
       for (const auto& file : export_maps(request)) reply.message += file + "\n";
     } else if (request.kind != map_request_t::INFO) {
@@ -32,6 +32,49 @@ void MapServerNode::on_request(const map_request_t& request) {
   reply.data.assign(info.begin(), info.end());
   reply.size = static_cast<int32_t>(reply.data.size());
   publisher_.publish("MAP_REPLY", reply);
+}
+
+/// Answered by work(), when the desk has done its part.
+void MapServerNode::ask(const map_request_t& request) {
+  Question question = parse_question(request.argument);
+  AskedMap map = asked_map(question);
+  if (replies_.full() || !desk_.ask({request, std::move(question), std::move(map)}))
+    throw std::runtime_error("too many questions wait for an answer");
+}
+
+AskedMap MapServerNode::asked_map(const Question& question) const {
+  AskedMap map;
+  if (layers_) map.live = layers_->map();
+  map.T_map_robot = T_map_robot_;
+  if (!dense_maps_.empty()) map.frame = dense_maps_.all()[dense_maps_.current()].key.frame;
+  if (const auto* cloud = std::get_if<CloudQuestion>(&question.what)) map.cloud = points_in(cloud->region);
+  if (const auto* q = std::get_if<LandmarksQuestion>(&question.what);
+      q != nullptr && !landmark_maps_.empty()) {
+    const auto& session = landmark_maps_.all()[landmark_maps_.current()];
+    map.frame = session.key.frame;
+    for (const Landmark& landmark : session.map.landmarks())
+      if (q->region.contains(landmark.mean)) map.landmarks.push_back(landmark);
+  }
+  return map;
+}
+
+ColouredCloud MapServerNode::points_in(const Region& region) const {
+  ColouredCloud inside;
+  const DenseMap* map = dense_maps_.current_map();
+  if (map == nullptr) return inside;
+  for (const auto& [id, keyframe] : map->keyframes()) {
+    const Eigen::Isometry3d& T = keyframe.T_world_camera;
+    const bool has_normals = keyframe.cloud.normals.size() == keyframe.cloud.size();
+    for (std::size_t i = 0; i < keyframe.cloud.size(); ++i) {
+      const Eigen::Vector3d point = T * keyframe.cloud.points[i].cast<double>();
+      if (!region.contains(point)) continue;
+      inside.points.emplace_back(point.cast<float>());
+      inside.colours.push_back(keyframe.cloud.colours[i]);
+      if (has_normals) inside.normals.emplace_back(T.linear().cast<float>() * keyframe.cloud.normals[i]);
+    }
+  }
+  if (inside.normals.size() != inside.size()) inside.normals.clear();
+  return inside;
 }
 
 std::string MapServerNode::describe() const {

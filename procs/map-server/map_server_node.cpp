@@ -5,6 +5,7 @@
 #include <set>
 
 #include <lcmslam/configuration/read_settings.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/runtime/confirmation.hpp>
@@ -16,6 +17,8 @@ namespace {
 
 constexpr Utime resend_period = 2'000'000;   // us of message time between two requests
 constexpr Utime longest_behind = 1'000'000;  // us that a map may be older than its mapper's poses say
+
+constexpr auto longest_settling = std::chrono::seconds(4);
 
 std::size_t size(int setting) {
   return static_cast<std::size_t>(setting);
@@ -80,7 +83,9 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
           DenseMap({size(settings.max_keyframes), size(settings.max_points), size(settings.max_incomplete)})),
       max_path_(size(settings.max_path)),
       snapshot_period_(settings.snapshot_period),
-      most_export_folders_(size(settings.export_folders)) {
+      most_export_folders_(size(settings.export_folders)),
+      desk_(settings.layers.map.background) {
+  if (settings.layers.make) layers_.emplace(settings.layers);
   if (!settings.store.empty()) recorder_.emplace(folder_ / settings.store, text_of(settings));
 }
 
@@ -96,10 +101,12 @@ void MapServerNode::connect(Inputs& inputs) {
                                              [this](const pose_estimate_t& m) { on_icp_pose(m); });
   inputs.subscribe<map_request_t>("MAP_REQUEST", 100, [this](const map_request_t& m) { on_request(m); })
       .primary = true;
-  if (!recorder_) return;
-  inputs.subscribe<features_t>("FEATURES", 100, [this](const features_t& m) { recorder_->features(m); });
-  inputs.subscribe<camera_calibration_t>(
-      "CAMERA_CALIBRATION", 10, [this](const camera_calibration_t& m) { recorder_->calibration(m); });
+  stamps_ = &inputs.stamps();
+  inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10,
+                                         [this](const camera_calibration_t& m) { on_calibration(m); });
+  if (recorder_)
+    inputs.subscribe<features_t>("FEATURES", 100, [this](const features_t& m) { recorder_->features(m); });
+  if (layers_) inputs.subscribe_measured<images_t>("CAMERA", 10, [this](const images_t& m) { on_camera(m); });
 }
 
 void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
@@ -112,8 +119,13 @@ void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
 }
 
 void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
-  if (dense_maps_.hear(key_of(message))) icp_path_.clear();
+  if (dense_maps_.hear(key_of(message))) {
+    icp_path_.clear();
+    if (layers_) layers_->begin_map();
+  }
   add_to_path(icp_path_, message);
+  T_map_robot_ = from_message(message.T_map_robot, "T_map_robot");
+  if (layers_ && message.status == pose_estimate_t::TRACKING) layers_->pose(message.utime, *T_map_robot_);
   if (recorder_) recorder_->pose("icp", key_of(message), message);
   const auto* session = dense_maps_.find(key_of(message));
   if (session == nullptr) return follow("icp", message, 0);
@@ -153,6 +165,26 @@ void MapServerNode::on_landmarks(const landmarks_t& message) {
   if (recorder_) recorder_->landmarks(session->key, message, session->map, whole);
 }
 
+/// Whether the map's mapper is the one that is told and derived from.
+bool MapServerNode::is_current(const SessionKey& key) const {
+  return !dense_maps_.empty() && dense_maps_.all()[dense_maps_.current()].key == key;
+}
+
+void MapServerNode::on_calibration(const camera_calibration_t& message) {
+  if (recorder_) recorder_->calibration(message);
+  if (!layers_) return;
+  if (layers_->calibration()) {
+    if (is_of_another_camera(message.sender, calibration_message_.sender, *stamps_)) return;
+    if (same_calibration(message, calibration_message_)) return;
+  }
+  layers_->calibrate(from_message(message));
+  calibration_message_ = message;
+}
+
+void MapServerNode::on_camera(const images_t& message) {
+  if (layers_->calibration()) layers_->camera(checked_images(message, *layers_->calibration()));
+}
+
 /// A message took the most of a map away: it stays beside as it was `before`, or else in its place.
 void MapServerNode::keep_beside(const landmarks_t& message, LandmarkMap& map, LandmarkMap before) {
   if (!landmark_maps_.keep_beside(key_of(message), before)) {
@@ -173,7 +205,10 @@ void MapServerNode::on_keyframe(const keyframe_t& message) {
     refuse(error.what());
   }
   ++changes_;
-  if (recorder_ && complete) recorder_->keyframe(key_of(message), map.keyframes().at(tile.part.id));
+  if (!complete) return;
+  const DenseKeyframe& keyframe = map.keyframes().at(tile.part.id);
+  if (recorder_) recorder_->keyframe(key_of(message), keyframe);
+  if (layers_ && is_current(key_of(message))) layers_->keyframe(keyframe);
 }
 
 void MapServerNode::on_graph(const graph_t& message) {
@@ -190,6 +225,7 @@ void MapServerNode::on_graph(const graph_t& message) {
   lcmslam::follow(session->map, session->graph, message);
   ++changes_;
   if (recorder_) recorder_->graph(session->key, message, session->graph, session->map);
+  if (layers_ && is_current(session->key)) layers_->correct(session->map);
 }
 
 // A map that stays behind what its mapper's poses name has lost something: this server restarted, or a
@@ -215,6 +251,8 @@ void MapServerNode::follow(const std::string& process, const pose_estimate_t& po
 MapsToSave MapServerNode::maps_to_save(bool with_kept) const {
   MapsToSave maps;
   maps.resolution = resolution_;
+  if (layers_) maps.live = layers_->map();
+  maps.T_map_robot = T_map_robot_;
   if (recorder_ && with_kept) {
     maps.store = recorder_->file();
     maps.kept = recorder_->kept();
@@ -254,12 +292,18 @@ void MapServerNode::keep_what_is_reset(const command_t& command) {
 std::optional<Node::Duration> MapServerNode::work() {
   note_saving(false);
   note_store();
+  for (const QuestionDesk::Answered& answered : desk_.take()) {
+    if (answered.error.empty()) ++answered_;
+    replies_.add(answered);
+  }
+  replies_.send(publisher_);
   const auto now = std::chrono::steady_clock::now();
   if (snapshot_period_ > 0 && now - last_snapshot_ >= std::chrono::duration<double>(snapshot_period_)) {
     last_snapshot_ = now;
     save_beside();
   }
-  return std::nullopt;
+  if (!desk_.busy() && replies_.empty()) return std::nullopt;
+  return std::chrono::milliseconds(1);
 }
 
 /// What changed since it was saved is copied here and written by another thread.
@@ -281,8 +325,9 @@ void MapServerNode::note_saving(bool wait) {
 /// Pictures too: drawing them takes too long while a run goes on.
 void MapServerNode::finish() {
   note_saving(true);
+  if (layers_) layers_->settle(longest_settling);
   if (changes_ != saved_changes_ || changes_ != drawn_changes_)
-    saver_.begin(maps_to_save(true), folder_, changes_, "ply,pcd,png");
+    saver_.begin(maps_to_save(true), folder_, changes_, "");
   note_saving(true);
   if (recorder_) recorder_->flush();
   note_store();
@@ -324,7 +369,19 @@ NodeReport MapServerNode::report() const {
                    {"resends_asked", number(resends_)},
                    {"saved", number(saved_)},
                    {"unsaved", number(changes_ - saved_changes_)},
-                   {"requests_refused", number(requests_refused_)}};
+                   {"requests_refused", number(requests_refused_)},
+                   {"questions_answered", number(answered_)}};
+  if (layers_) {
+    const LayerWorker::State layers = layers_->state();
+    report.values.emplace_back("layer_frames", number(layers.shown));
+    report.values.emplace_back("layer_keyframes", number(layers.kept));
+    report.values.emplace_back("layer_imageless", number(layers.imageless));
+    report.values.emplace_back("layer_left_out", number(layers.left_out));
+    report.values.emplace_back("layer_failed", number(layers.failed));
+    if (const auto live = layers_->map())
+      report.values.emplace_back("layer_memory_mb", 1e-6 * number(live->memory_bytes()));
+    if (!layers.error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + layers.error;
+  }
   if (recorder_) {
     const StoreWriter::State store = recorder_->state();
     report.values.emplace_back("kept_sessions", number(recorder_->kept().size()));

@@ -5,17 +5,23 @@
 #include <map>
 #include <set>
 
+#include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/graph_t.hpp>
+#include <lcmslam/images_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/map_reply_t.hpp>
 #include <lcmslam/map_request_t.hpp>
 #include <lcmslam/map_store/dense_map.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/runtime/node.hpp>
+#include "procs/map-server/layer_feed.hpp"
 #include "procs/map-server/map_files.hpp"
 #include "procs/map-server/map_recorder.hpp"
 #include "procs/map-server/map_server_settings.hpp"
+#include "procs/map-server/question_desk.hpp"
+#include "procs/map-server/reply_tiles.hpp"
 #include "procs/map-server/session_table.hpp"
 
 namespace lcmslam {
@@ -45,7 +51,13 @@ class MapServerNode : public Node {
   void on_fastslam_pose(const pose_estimate_t& message);
   void on_icp_pose(const pose_estimate_t& message);
   void add_to_path(Path& path, const pose_estimate_t& message) const;
+  void on_camera(const images_t& message);
+  void on_calibration(const camera_calibration_t& message);
+  bool is_current(const SessionKey& key) const;
   void on_request(const map_request_t& request);
+  void ask(const map_request_t& request);
+  AskedMap asked_map(const Question& question) const;
+  ColouredCloud points_in(const Region& region) const;
   void follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision);
   std::vector<std::string> export_maps(const map_request_t& request);
   HeldFolder export_folder(const std::string& name);
@@ -81,6 +93,13 @@ class MapServerNode : public Node {
   BackgroundSaver saver_;
   std::optional<MapRecorder> recorder_;  // none: no file was asked for
   std::string store_failure_;            // as it was last told; empty: none
+  std::optional<LayerFeed> layers_;      // none: nothing is derived
+  camera_calibration_t calibration_message_;
+  const StampJudge* stamps_ = nullptr;
+  std::optional<Eigen::Isometry3d> T_map_robot_;  // of the newest ICP_POSE
+  QuestionDesk desk_;
+  ReplyTiles replies_;
+  std::int64_t answered_ = 0;
   bool finished_ = false;
 };
 

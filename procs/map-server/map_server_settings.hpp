@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include <lcmslam/settings/settings.hpp>
+#include "procs/map-server/layer_settings.hpp"
 
 namespace lcmslam {
 
@@ -18,6 +19,7 @@ struct MapServerSettings {
   int max_points = 20'000'000;
   int max_incomplete = 32;
   int max_path = 100'000;
+  LayerSettings layers;
 
   void describe(SettingsVisitor& s) {
     s.path("folder", folder, "that takes the maps");
@@ -42,6 +44,7 @@ struct MapServerSettings {
     s.number("max_incomplete", max_incomplete, "", {1, 10000},
              "keyframes of a map that wait for tiles; then the oldest is given up and asked for again");
     s.number("max_path", max_path, "", {10, 1e8}, "poses of a path; then every second one goes");
+    s.section("layers", layers, "maps that are derived from the camera's images, and answer questions");
   }
 };
 

@@ -50,6 +50,15 @@ class TestBus {
       collect(*member, nobody_listens);
     }
   }
+  /// What nodes do when no message comes; what they publish is delivered.
+  void work() {
+    std::deque<Published> answers;
+    for (const auto& member : members_) {
+      member->node->work();
+      collect(*member, answers);
+    }
+    for (const Published& answer : answers) deliver(answer.channel, answer.bytes);
+  }
   /// A COMMAND to all nodes.
   void command(const std::string& name) {
     command_t message;

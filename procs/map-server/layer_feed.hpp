@@ -1,0 +1,55 @@
+#pragma once
+// Finds where the dense mapper says that each of the camera's images was taken, and shows them to the derived
+// maps in a thread of its own: what is derived never delays what arrives.
+
+#include <deque>
+#include <optional>
+
+#include <lcmslam/map_store/dense_map.hpp>
+#include "procs/map-server/layer_settings.hpp"
+#include "procs/map-server/layer_worker.hpp"
+
+namespace lcmslam {
+
+class LayerFeed {
+ public:
+  /// Throws std::invalid_argument that names the setting.
+  explicit LayerFeed(const LayerSettings& settings);
+
+  /// Of another camera: the layers begin anew.
+  void calibrate(const RgbdCalibration& calibration);
+  const std::optional<RgbdCalibration>& calibration() const { return calibration_; }
+  /// Another map, in another frame: the layers begin anew.
+  void begin_map();
+
+  // Before calibrate() nothing happens.
+  void camera(EncodedFrame frame);
+  /// The robot at `utime`, measured against the map.
+  void pose(Utime utime, const Eigen::Isometry3d& T_map_robot);
+  void keyframe(const DenseKeyframe& keyframe);
+  /// After the graph has moved the map.
+  void correct(const DenseMap& map);
+  /// Waits until all is done that was handed in, at most so long.
+  void settle(std::chrono::steady_clock::duration longest) { worker_.settle(longest); }
+
+  /// Null before calibrate().
+  std::shared_ptr<const LiveMap> map() const { return worker_.map(); }
+  LayerWorker::State state() const { return worker_.state(); }
+
+ private:
+  std::optional<Eigen::Isometry3d> motion(Utime from, Utime to) const;
+  LayerWorker::Frame frame_of(const DenseKeyframe& keyframe) const;
+  LayerWorker::Frame frame_at(Utime depth_time) const;
+  FramePose pose_at_colour(const EncodedFrame& frame, const Eigen::Isometry3d& T_map_camera) const;
+
+  // us between two frames that are shown, and between two by which the surface grows; 0: keyframes alone.
+  Utime period_, surface_period_;
+  LayerWorker worker_;
+  std::optional<RgbdCalibration> calibration_;
+  std::deque<LayerWorker::Frame> frames_;  // the last seconds'
+  std::size_t frame_bytes_ = 0;
+  std::deque<std::pair<Utime, Eigen::Isometry3d>> poses_;  // of the robot, the last seconds'
+  Utime next_shown_ = 0, next_fused_ = 0;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,162 @@
+#include "procs/map-server/layer_worker.hpp"
+
+#include <utility>
+
+#include <lcmslam/messages/camera_messages.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t most_jobs = 256;
+
+/// Colour costs more than depth, and space does not ask for it.
+RgbdFrame decoded(EncodedFrame frame, const RgbdCalibration& calibration, bool with_colour) {
+  if (!with_colour) frame.colour = {};
+  return decode_images(frame, calibration);
+}
+
+}  // namespace
+
+LayerWorker::LayerWorker(const LiveMapSettings& settings) : settings_(settings) {
+  if (settings_.background) thread_ = std::thread([this] { work(); });
+}
+
+LayerWorker::~LayerWorker() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void LayerWorker::begin_map(const RgbdCalibration& calibration) {
+  auto map = std::make_shared<LiveMap>(calibration, settings_);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  state_.left_out += static_cast<std::int64_t>(jobs_.size()) + (newest_ ? 1 : 0);
+  map_ = std::move(map);
+  jobs_.clear();
+  newest_ = {};
+  unfinished_ = false;
+}
+
+void LayerWorker::show(Frame frame, const FramePose& pose, bool with_colour) {
+  hand_in(
+      [this, frame = std::move(frame), pose, with_colour](LiveMap& map) {
+        RgbdFrame images = decoded(*frame, map.calibration(), with_colour);
+        with_colour ? map.add(std::move(images), pose) : map.show(std::move(images), pose);
+        count(&State::shown);
+      },
+      true);
+}
+
+void LayerWorker::keep(int keyframe, Frame frame, const FramePose& pose) {
+  hand_in([this, keyframe, frame = std::move(frame), pose](LiveMap& map) {
+    if (map.has(keyframe)) return;
+    map.keep(keyframe, decoded(*frame, map.calibration(), true), pose);
+    count(&State::kept);
+  });
+}
+
+void LayerWorker::keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera) {
+  hand_in([this, keyframe, cloud = std::move(cloud), T_map_camera](LiveMap& map) {
+    if (map.has(keyframe)) return;
+    map.keep(keyframe, cloud, T_map_camera);
+    count(&State::imageless);
+  });
+}
+
+void LayerWorker::correct(std::map<int, Eigen::Isometry3d> T_map_camera) {
+  hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.correct(poses); });
+}
+
+void LayerWorker::hand_in(Job job, bool newest_counts) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (!map_) return;
+  if (newest_counts) {
+    if (newest_) ++state_.left_out;
+    newest_ = std::move(job);
+  } else {
+    jobs_.push_back(std::move(job));
+    if (jobs_.size() > most_jobs) {
+      ++state_.left_out;
+      jobs_.pop_front();
+    }
+  }
+  if (thread_.joinable()) return wake_.notify_one();
+  while (step(lock)) {
+  }
+}
+
+void LayerWorker::work() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!stop_) {
+    wake_.wait(lock, [&] { return stop_ || has_work(); });
+    while (!stop_ && step(lock)) {
+    }
+    idle_.notify_all();
+  }
+}
+
+bool LayerWorker::has_work() const {
+  return !jobs_.empty() || newest_ || unfinished_;
+}
+
+/// One thing that is to be done, without the lock; false: there is nothing.
+bool LayerWorker::step(std::unique_lock<std::mutex>& lock) {
+  if (!has_work()) return false;
+  Job job;
+  if (!jobs_.empty()) {
+    job = std::move(jobs_.front());
+    jobs_.pop_front();
+  } else {
+    job = std::exchange(newest_, {});
+  }
+  const std::shared_ptr<LiveMap> map = map_;
+  bool unfinished = true;  // a frame or a correction may leave something to do
+  std::string error;
+  busy_ = true;
+  lock.unlock();
+  try {
+    if (job)
+      job(*map);
+    else
+      unfinished = map->improve();
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  lock.lock();
+  busy_ = false;
+  if (map == map_) unfinished_ = unfinished;
+  if (error.empty()) return true;
+  ++state_.failed;
+  state_.error = error;
+  return true;
+}
+
+void LayerWorker::settle(std::chrono::steady_clock::duration longest) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  const bool idle =
+      !thread_.joinable() || idle_.wait_for(lock, longest, [&] { return !has_work() && !busy_; });
+  const std::shared_ptr<LiveMap> map = map_;
+  lock.unlock();
+  if (idle && map) map->settle();
+}
+
+void LayerWorker::count(std::int64_t State::*what) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++(state_.*what);
+}
+
+std::shared_ptr<const LiveMap> LayerWorker::map() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return map_;
+}
+
+LayerWorker::State LayerWorker::state() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return state_;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,75 @@
+#pragma once
+// The thread that shows frames to the derived maps. Where it is behind, frames are left out, keyframes are
+// not.
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <lcmslam/imaging/io/encoded_frame.hpp>
+#include <lcmslam/live_map/live_map.hpp>
+
+namespace lcmslam {
+
+class LayerWorker {
+ public:
+  /// Without settings.background all is done by who hands it in. Throws std::invalid_argument that names the
+  /// setting.
+  explicit LayerWorker(const LiveMapSettings& settings);
+  ~LayerWorker();
+  LayerWorker(const LayerWorker&) = delete;
+  LayerWorker& operator=(const LayerWorker&) = delete;
+
+  /// An empty map; what waits for the old one is left out.
+  void begin_map(const RgbdCalibration& calibration);
+
+  using Frame = std::shared_ptr<const EncodedFrame>;
+  // Before begin_map() nothing happens.
+  /// Of space alone, or `with_colour` of the surface too.
+  void show(Frame frame, const FramePose& pose, bool with_colour);
+  void keep(int keyframe, Frame frame, const FramePose& pose);
+  void keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera);
+  void correct(std::map<int, Eigen::Isometry3d> T_map_camera);
+  /// Waits until all is done, at most so long; whoever works without a thread does all.
+  void settle(std::chrono::steady_clock::duration longest);
+
+  /// Null before begin_map().
+  std::shared_ptr<const LiveMap> map() const;
+
+  struct State {
+    std::int64_t shown = 0;      ///< frames that were no keyframes
+    std::int64_t kept = 0;       ///< keyframes
+    std::int64_t left_out = 0;   ///< because others came
+    std::int64_t imageless = 0;  ///< keyframes of which only the cloud was there
+    std::int64_t failed = 0;     ///< that could not be read
+    std::string error;           ///< of the last of those
+  };
+  State state() const;
+
+ private:
+  using Job = std::function<void(LiveMap&)>;
+  void hand_in(Job job, bool newest_counts = false);
+  void work();
+  bool has_work() const;
+  bool step(std::unique_lock<std::mutex>& lock);
+  void count(std::int64_t State::*what);
+
+  LiveMapSettings settings_;
+  mutable std::mutex mutex_;  // guards what follows; not held while a job is done
+  std::condition_variable wake_, idle_;
+  std::shared_ptr<LiveMap> map_;
+  std::deque<Job> jobs_;     // keyframes and corrections
+  Job newest_;               // frame
+  bool unfinished_ = false;  // the surface may have keyframes to fuse anew
+  bool stop_ = false, busy_ = false;
+  State state_;
+  std::thread thread_;
+};
+
+}  // namespace lcmslam

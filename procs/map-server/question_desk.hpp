@@ -1,0 +1,59 @@
+#pragma once
+// Answers questions in a thread of its own, one after the other: what takes long delays no message.
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include <lcmslam/live_map/answer.hpp>
+#include <lcmslam/map_request_t.hpp>
+
+namespace lcmslam {
+
+class QuestionDesk {
+ public:
+  /// With `background` false who asks answers it himself.
+  explicit QuestionDesk(bool background);
+  ~QuestionDesk();
+  QuestionDesk(const QuestionDesk&) = delete;
+  QuestionDesk& operator=(const QuestionDesk&) = delete;
+
+  struct Asked {
+    map_request_t request;  ///< of which the reply repeats what it must
+    Question question;
+    AskedMap map;
+  };
+  struct Answered {
+    map_request_t request;
+    std::string error;  ///< empty: there is an answer
+    Answer answer;
+    std::string frame;
+    std::int64_t map_version = 0;
+  };
+
+  /// False: too many wait.
+  bool ask(Asked asked);
+  /// What has been answered since.
+  std::vector<Answered> take();
+  /// Whether something will come of take().
+  bool busy() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Waiting {
+    Asked asked;
+    Clock::time_point until;
+  };
+  void work();
+
+  mutable std::mutex mutex_;  // guards what follows; not held while a question is answered
+  std::condition_variable wake_;
+  std::deque<Waiting> waiting_;
+  std::vector<Answered> answered_;
+  bool stop_ = false, working_ = false;
+  std::thread thread_;
+};
+
+}  // namespace lcmslam
