@@ -22,6 +22,7 @@ int launch_command(int argc, char** argv);
 int lcm_spy_command(int argc, char** argv);
 int log_command(int argc, char** argv);
 int map_command(int argc, char** argv);
+int query_command(int argc, char** argv);
 int render_command(int argc, char** argv);
 int send_command(int argc, char** argv);
 int simulate_command(int argc, char** argv);

@@ -9,6 +9,7 @@
 #include <lcmslam/evaluation/trajectory.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/log/log_format.hpp>
+#include <lcmslam/map_query/question.hpp>
 #include <lcmslam/map_store/file/store_codecs.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
@@ -167,8 +168,29 @@ void make_logs(SeedFolder folder) {
 void make_requests(SeedFolder folder) {
   for (const char* lines :
        {"\1", "\1evening/first ply\nevening/second pcd\n", "\1../other ply\nlink ply\nfile ply\n",
-        "\1a ply,pcd\nb ply\nc ply\nd ply\n", "\1link/deeper ply\n/tmp ply\n.a ply\n", "\2x\n"})
+        "\1a ply,pcd\nb ply\nc ply\nd ply\n", "\1link/deeper ply\n/tmp ply\n.a ply\n", "\2x\n",
+        "\2{\"ask\": \"space\", \"points\": [[1, 2, 3]]}\n",
+        "\2{\"ask\": \"cloud\"}\n{\"ask\": \"landmarks\"}\n"})
     folder.add(std::string(lines));
+}
+
+void make_questions(SeedFolder folder) {
+  Box box;
+  box.half_size = {1, 2, 3};
+  const Points points = {{1, 2, 3}, {-0.5, 0, 1e3}};
+  PlanesQuestion planes;
+  planes.near = Eigen::Vector3d(1, 2, 3);
+  CloudQuestion cloud;
+  cloud.region.sphere = Sphere{{0, 1, 2}, 3};
+  MeshQuestion mesh;
+  mesh.region.from = {0, 0, 0};
+  mesh.region.to = {1, 1, 1};
+  for (const Question::What& what : std::initializer_list<Question::What>{
+           DistanceQuestion{points}, SpaceQuestion{points}, CollisionQuestion{{Sphere{{1, 2, 3}, 4}, box}},
+           CollisionQuestion{{Capsule{{1, 2, 3}, {4, 5, 6}, 7}}}, PathQuestion{box, {planar_pose(1, 2, 3)}},
+           cloud, mesh, planes, ObjectsQuestion{planes}, LandmarksQuestion{}, FrontiersQuestion{},
+           GridQuestion{}, LocaliseQuestion{5}})
+    folder.add(to_json({what}));
 }
 
 /// As wire_fuzzer.cpp reads it: source and size before each datagram.
@@ -241,6 +263,7 @@ int main(int argc, char** argv) {
   make_parts(SeedFolder(folder / "parts"));
   make_sessions(SeedFolder(folder / "sessions"));
   make_requests(SeedFolder(folder / "requests"));
+  make_questions(SeedFolder(folder / "question"));
   make_configurations(SeedFolder(folder / "configuration"));
   make_trajectories(SeedFolder(folder / "trajectory"));
   make_logs(SeedFolder(folder / "log_reader"));

@@ -100,7 +100,8 @@ BatchResult run_batch(const BatchOptions& options, const BatchPlan& plan) {
   ConfigNode config = plan.config;
   config.set("map-server.folder", yaml_quoted(std::filesystem::absolute(options.folder).string()));
   config.set("map-server.snapshot_period", "0");  // an aborted run leaves nothing
-  config.set("map-server.store", "''");          // its bytes depend on the clock, a batch's do not
+  config.set("map-server.layers.background", "false");
+  config.set("map-server.store", "''");  // its bytes depend on the clock, a batch's do not
   // Of more threads than processors TBB prints a warning.
   cv::setNumThreads(std::min(options.threads, cv::getNumberOfCPUs()));
 

@@ -26,6 +26,7 @@ const std::vector<Command>& commands() {
                                            described("lcm-spy", lcm_spy_command),
                                            described("log", log_command, log_subcommands()),
                                            described("map", map_command, map_subcommands()),
+                                           described("query", query_command),
                                            described("render", render_command),
                                            described("send", send_command),
                                            described("simulate", simulate_command),

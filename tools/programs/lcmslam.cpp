@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
                        {"lcm-spy", tools},
                        {"log", tools},
                        {"map", tools},
+                       {"query", tools},
                        {"render", tools},
                        {"send", tools},
                        {"simulate", tools},

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
                        {"lcm-spy", lcm_spy_command},
                        {"log", log_command},
                        {"map", map_command},
+                       {"query", query_command},
                        {"render", render_command},
                        {"send", send_command},
                        {"simulate", simulate_command},

@@ -97,7 +97,8 @@ int send_command(int argc, char** argv) {
   auto* name = app.add_option("name", folder, "export: folder below the run's (default: the run's own)");
   app.add_option("--to", to, "these processes alone (default: all that the order is for)")
       ->check(CLI::IsMember(process_names()));
-  app.add_option("--format", formats, "export: ply, pcd, png, several separated by commas (default: all)");
+  app.add_option("--format", formats,
+                 "export: ply, pcd, png, mesh, octomap, grid, several separated by commas (default: all)");
   app.add_option("--seconds", seconds, "wait so long for the answers (30)")->check(CLI::Range(0.1, 3600.0));
   app.add_option("--lcm-url", lcm_url,
                  "LCM provider; default LCM_DEFAULT_URL or " + std::string(default_lcm_url));

@@ -59,13 +59,15 @@ class Scratch {
   fs::path root_;
 };
 
-/// One byte says which kind, the rest are requests a line: the argument, a blank, the formats.
+/// One byte says which kind, the rest are requests a line: the argument, a blank, the formats; a question is
+/// a line.
 void ask(testing::TestBus& bus, std::int8_t kind, std::string line, std::int64_t id) {
   line.erase(std::remove(line.begin(), line.end(), '\0'), line.end());  // no string of LCM holds one
   map_request_t request{};
   request.request_id = id;
   request.kind = kind;
-  const std::size_t blank = std::min(line.find(' '), line.size());
+  const bool question = kind == map_request_t::QUERY;
+  const std::size_t blank = question ? line.size() : std::min(line.find(' '), line.size());
   request.format = blank < line.size() ? line.substr(blank + 1) : "ply";
   request.argument = line.substr(0, blank);
   bus.deliver("MAP_REQUEST", request);
@@ -81,11 +83,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   scratch.empty_run();
   testing::TestBus bus;
-  bus.add<MapServerNode>(ConfigNode::parse("{folder: " + scratch.run().string() + ", export_folders: 3}"));
+  bus.add<MapServerNode>(ConfigNode::parse("{folder: " + scratch.run().string() +
+                                           ", export_folders: 3, layers: {background: false}}"));
   std::istringstream lines(std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
   std::int64_t asked = 0;
   for (std::string line; asked < 20 && std::getline(lines, line);)
     ask(bus, static_cast<std::int8_t>(data[0] % 4), line, ++asked);
+  bus.work();
   const auto replies = bus.on<map_reply_t>("MAP_REPLY");
   require(static_cast<std::int64_t>(replies.size()) == asked);
   for (std::size_t i = 0; i < replies.size(); ++i) {
