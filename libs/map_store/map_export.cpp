@@ -61,7 +61,7 @@ std::uint32_t pcl_rgb(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
 
 }  // namespace
 
-void save_ply(const FilePlace& file, const ColouredCloud& cloud) {
+std::string cloud_ply(const ColouredCloud& cloud) {
   const bool has_normals = cloud.size() > 0 && cloud.normals.size() == cloud.size();
   std::string bytes = ply_header(
       cloud.size(), position_properties + (has_normals ? normal_properties : "") + colour_properties);
@@ -74,7 +74,11 @@ void save_ply(const FilePlace& file, const ColouredCloud& cloud) {
     }
     for (const int channel : {2, 1, 0}) put(bytes, cloud.colours[i][channel]);
   }
-  write_atomically(file, bytes);
+  return bytes;
+}
+
+void save_ply(const FilePlace& file, const ColouredCloud& cloud) {
+  write_atomically(file, cloud_ply(cloud));
 }
 
 void save_ply(const FilePlace& file, const std::vector<Landmark>& landmarks) {

@@ -4,6 +4,7 @@
 // Every function that saves writes atomically (files/atomic_file.hpp) and throws std::runtime_error that
 // names the file and the reason. Empty maps give valid files without points.
 
+#include <string>
 #include <vector>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
@@ -15,6 +16,8 @@ namespace lcmslam {
 /// Binary little-endian PLY: x y z [nx ny nz] red green blue; normals when the cloud has them (0 0 0
 /// where unknown).
 void save_ply(const FilePlace& file, const ColouredCloud& cloud);
+/// The bytes of such a file, for those who send it.
+std::string cloud_ply(const ColouredCloud& cloud);
 
 /// PCL's binary PCD: x y z rgb, or x y z rgb normal_x normal_y normal_z curvature with normals (NaN
 /// where unknown, curvature 0).

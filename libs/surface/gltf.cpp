@@ -95,7 +95,7 @@ std::string description(const Mesh& mesh) {
 
 }  // namespace
 
-void save_mesh_glb(const FilePlace& file, const Mesh& mesh) {
+std::string mesh_glb(const Mesh& mesh) {
   check_mesh(mesh);
   const bool empty = mesh.triangles.empty();
   std::string json = empty ? empty_description() : description(mesh);
@@ -103,8 +103,8 @@ void save_mesh_glb(const FilePlace& file, const Mesh& mesh) {
   const std::size_t data = empty ? 0 : 32 * mesh.vertices.size() + 12 * mesh.triangles.size();
   const std::size_t whole = 20 + json.size() + (empty ? 0 : 8 + data);
   if (whole > std::numeric_limits<std::uint32_t>::max())
-    throw std::runtime_error(file.path().string() + ": a .glb has at most 4 GB, this mesh needs " +
-                             std::to_string(whole) + " bytes; .ply has no such limit");
+    throw std::runtime_error("a .glb has at most 4 GB, this mesh needs " + std::to_string(whole) +
+                             " bytes; .ply has no such limit");
   std::string bytes;
   bytes.reserve(whole);
   bytes += "glTF";
@@ -120,6 +120,16 @@ void save_mesh_glb(const FilePlace& file, const Mesh& mesh) {
     add_colours(bytes, mesh.colours);
     for (const auto& triangle : mesh.triangles)
       for (const std::uint32_t vertex : triangle) add_word(bytes, vertex);
+  }
+  return bytes;
+}
+
+void save_mesh_glb(const FilePlace& file, const Mesh& mesh) {
+  std::string bytes;
+  try {
+    bytes = mesh_glb(mesh);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(file.path().string() + ": " + error.what());
   }
   write_atomically(file, bytes);
 }

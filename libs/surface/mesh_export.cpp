@@ -46,7 +46,7 @@ void check_mesh(const Mesh& mesh) {
                                     std::to_string(size));
 }
 
-void save_mesh_ply(const FilePlace& file, const Mesh& mesh) {
+std::string mesh_ply(const Mesh& mesh) {
   check_mesh(mesh);
   std::string bytes = ply_header(mesh);
   bytes.reserve(bytes.size() + mesh.vertices.size() * 27 + mesh.triangles.size() * 13);
@@ -59,7 +59,11 @@ void save_mesh_ply(const FilePlace& file, const Mesh& mesh) {
     append(bytes, std::uint8_t{3});
     for (const std::uint32_t vertex : triangle) append(bytes, static_cast<std::int32_t>(vertex));
   }
-  write_atomically(file, bytes);
+  return bytes;
+}
+
+void save_mesh_ply(const FilePlace& file, const Mesh& mesh) {
+  write_atomically(file, mesh_ply(mesh));
 }
 
 void save_mesh_obj(const FilePlace& file, const Mesh& mesh) {

@@ -9,6 +9,10 @@
 
 namespace lcmslam {
 
+/// The bytes of such files, for those who send them.
+std::string mesh_ply(const Mesh& mesh);
+std::string mesh_glb(const Mesh& mesh);
+
 /// Binary little-endian PLY: x y z nx ny nz red green blue, and faces. z is up, m.
 void save_mesh_ply(const FilePlace& file, const Mesh& mesh);
 
