@@ -1,7 +1,6 @@
 #include <lcmslam/map_layers/occupancy_grid.hpp>
 
 #include <algorithm>
-#include <cstring>
 
 #include <lcmslam/parallel/instruction_set.hpp>
 #include <lcmslam/settings/check.hpp>
@@ -17,10 +16,6 @@ LCMSLAM_VECTORISED(compare_occupied, (const LogOdds* a, const LogOdds* b, bool& 
   differ = any != 0;
 }
 
-bool all_alike(const BlockLogOdds& cells) {
-  return std::memcmp(cells.data(), cells.data() + 1, cells.size() - 1) == 0;
-}
-
 }  // namespace
 
 OccupancyGrid::OccupancyGrid(const OccupancySettings& settings)
@@ -29,10 +24,8 @@ OccupancyGrid::OccupancyGrid(const OccupancySettings& settings)
 }
 
 CellState OccupancyGrid::state(const Eigen::Vector3i& cell) const {
-  const Block* block = blocks_.find(block_of(cell));
-  if (block == nullptr) return CellState::unknown;
-  if (!block->cells) return state_of(block->uniform);
-  return state_of((*block->cells)[static_cast<std::size_t>(place_in_block(cell))]);
+  const PackedCells* block = blocks_.find(block_of(cell));
+  return block == nullptr ? CellState::unknown : state_of(block->at(place_in_block(cell)));
 }
 
 CellState OccupancyGrid::state(const Eigen::Vector3f& point) const {
@@ -40,45 +33,41 @@ CellState OccupancyGrid::state(const Eigen::Vector3f& point) const {
 }
 
 void OccupancyGrid::load(const Eigen::Vector3i& block, BlockLogOdds& cells) const {
-  const Block* found = blocks_.find(block);
-  if (found != nullptr && found->cells)
-    cells = *found->cells;
+  const PackedCells* found = blocks_.find(block);
+  if (found != nullptr)
+    found->unpack(cells);
   else
-    cells.fill(found != nullptr ? found->uniform : unknown_log_odds);
+    cells.fill(unknown_log_odds);
 }
 
 void OccupancyGrid::store(const Eigen::Vector3i& block, const BlockLogOdds& cells) {
-  if (all_alike(cells)) return store_uniform(block, cells[0]);
-  Block& kept = blocks_.make(block);
-  if (!kept.cells) {
-    kept.cells = std::make_unique<BlockLogOdds>();
-    kept.cells->fill(kept.uniform);
-    ++dense_;
-  }
+  PackedCells& kept = blocks_.make(block);
+  BlockLogOdds before;
+  kept.unpack(before);
+  if (before == cells) return;
   bool differ = false;
-  compare_occupied(kept.cells->data(), cells.data(), differ);
-  *kept.cells = cells;
+  compare_occupied(before.data(), cells.data(), differ);
+  kept.pack(cells);
   if (differ) mark_changed(block);
 }
 
 std::optional<LogOdds> OccupancyGrid::uniform(const Eigen::Vector3i& block) const {
-  const Block* found = blocks_.find(block);
+  const PackedCells* found = blocks_.find(block);
   if (found == nullptr) return unknown_log_odds;
-  if (found->cells) return std::nullopt;
-  return found->uniform;
+  if (!found->uniform()) return std::nullopt;
+  return found->value();
 }
 
 void OccupancyGrid::store_uniform(const Eigen::Vector3i& block, LogOdds value) {
-  Block& kept = blocks_.make(block);
-  bool differ = (kept.uniform > 0) != (value > 0);
-  if (kept.cells) {
-    BlockLogOdds same;
+  PackedCells& kept = blocks_.make(block);
+  bool differ = (kept.value() > 0) != (value > 0);
+  if (!kept.uniform()) {
+    BlockLogOdds before, same;
+    kept.unpack(before);
     same.fill(value);
-    compare_occupied(kept.cells->data(), same.data(), differ);
-    kept.cells.reset();
-    --dense_;
+    compare_occupied(before.data(), same.data(), differ);
   }
-  kept.uniform = value;
+  kept.fill(value);
   if (differ) mark_changed(block);
 }
 
@@ -95,7 +84,6 @@ void OccupancyGrid::make_room(const Eigen::Vector3f& point) {
                      return far_a != far_b ? far_a < far_b : voxel_key(a) < voxel_key(b);
                    });
   for (std::size_t i = kept; i < all.size(); ++i) {
-    if (blocks_.find(all[i])->cells) --dense_;
     blocks_.erase(all[i]);
     mark_changed(all[i]);
   }
@@ -124,12 +112,9 @@ std::vector<OccupancyChange> OccupancyGrid::take_changes() {
 
 OccupancyGrid OccupancyGrid::copy() const {
   OccupancyGrid other(settings_);
-  blocks_.for_each([&](const Eigen::Vector3i& at, const Block& block) {
-    Block& copied = other.blocks_.make(at);
-    copied.uniform = block.uniform;
-    if (block.cells) copied.cells = std::make_unique<BlockLogOdds>(*block.cells);
+  blocks_.for_each([&](const Eigen::Vector3i& at, const PackedCells& block) {
+    other.blocks_.make(at) = PackedCells(block);
   });
-  other.dense_ = dense_;
   return other;
 }
 
@@ -144,13 +129,17 @@ void OccupancyGrid::adopt(OccupancyGrid other) {
 std::vector<Eigen::Vector3i> OccupancyGrid::blocks() const {
   std::vector<Eigen::Vector3i> all;
   all.reserve(blocks_.size());
-  blocks_.for_each([&](const Eigen::Vector3i& block, const Block&) { all.push_back(block); });
+  blocks_.for_each([&](const Eigen::Vector3i& block, const PackedCells&) { all.push_back(block); });
   return all;
 }
 
 std::size_t OccupancyGrid::memory_bytes() const {
-  return blocks_.memory_bytes() + dense_ * (sizeof(BlockLogOdds) + 16) +  // 16: of the allocator
-         changed_index_.memory_bytes() + changed_.capacity() * sizeof(Eigen::Vector3i);
+  std::size_t cells = 0;
+  blocks_.for_each([&](const Eigen::Vector3i&, const PackedCells& block) {
+    if (!block.uniform()) cells += block.size() + 16;  // 16: of the allocator
+  });
+  return blocks_.memory_bytes() + cells + changed_index_.memory_bytes() +
+         changed_.capacity() * sizeof(Eigen::Vector3i);
 }
 
 }  // namespace lcmslam

@@ -1,26 +1,21 @@
 #pragma once
-// What space is free, occupied or unknown: a hash of blocks of 8 x 8 x 8 cells, a byte of log-odds a cell.
-// A block whose cells all say the same, as most of the air does, is one byte.
+// What space is free, occupied or unknown: a hash of blocks of 8 x 8 x 8 cells with log-odds, packed as
+// packed_cells.hpp says. A block whose cells all say the same, as most of the air does, is one byte.
 //
 // The grid stores; depth_carver.hpp writes into it. One thread at a time.
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include <lcmslam/map_layers/block_table.hpp>
 #include <lcmslam/map_layers/occupancy_settings.hpp>
+#include <lcmslam/map_layers/packed_cells.hpp>
 
 namespace lcmslam {
 
 enum class CellState : std::uint8_t { unknown, free, occupied };
-
-/// Log-odds of being occupied, in steps of 0.05; above 0: occupied.
-using LogOdds = std::int8_t;
-constexpr LogOdds unknown_log_odds = -128;
-using BlockLogOdds = std::array<LogOdds, block_cells>;
 
 inline CellState state_of(LogOdds value) {
   if (value == unknown_log_odds) return CellState::unknown;
@@ -74,18 +69,13 @@ class OccupancyGrid {
   std::size_t memory_bytes() const;
 
  private:
-  struct Block {
-    std::unique_ptr<BlockLogOdds> cells;  // null: all are `uniform`
-    LogOdds uniform = unknown_log_odds;
-  };
   void mark_changed(const Eigen::Vector3i& block);
 
   OccupancySettings settings_;
   float cell_size_;
-  BlockTable<Block> blocks_;
+  BlockTable<PackedCells> blocks_;
   VoxelIndex changed_index_;
   std::vector<Eigen::Vector3i> changed_;
-  std::size_t dense_ = 0;  // blocks with cells of their own
   std::size_t forgotten_ = 0;
 };
 
