@@ -6,6 +6,12 @@
 #include <stdexcept>
 
 namespace lcmslam {
+namespace {
+
+constexpr float beyond = 1e3f;       // m: farther than anything
+constexpr double most_holes = 0.65;  // of the pixels around one
+
+}  // namespace
 
 void CarvingView::set(const cv::Mat& depth, const CameraModel& camera) {
   if (depth.cols != camera.width || depth.rows != camera.height)
@@ -40,11 +46,24 @@ void CarvingView::set(const cv::Mat& depth, const CameraModel& camera) {
     for (std::size_t i = 0; i < source_.size(); ++i) to[i] = source_[i] >= 0 ? from[source_[i]] : 0.0f;
   }
   nearest_[0] = cv::abs(depth_);
-  for (std::size_t level = 1; level < nearest_.size(); ++level) {
-    const int side = 2 * (radii[level] - radii[level - 1]) + 1;
-    cv::erode(nearest_[level - 1], nearest_[level], cv::Mat::ones(side, side, CV_8U));
-  }
+  find_nearest();
   find_extremes();
+}
+
+// A hole among pixels with depth tells nothing, and the others decide: at the edges of what stands far
+// behind, and where a surface is seen at a flat angle, every window has holes. Where most are holes nobody
+// sees through.
+void CarvingView::find_nearest() {
+  nearest_[0].copyTo(filled_);
+  cv::compare(filled_, 0, hole_, cv::CMP_EQ);
+  filled_.setTo(beyond, hole_);
+  for (std::size_t level = 1; level < nearest_.size(); ++level) {
+    const int side = 2 * (radii[level] - radii[level - 1]) + 1, whole = 2 * radii[level] + 1;
+    cv::erode(filled_, filled_, cv::Mat::ones(side, side, CV_8U));
+    cv::boxFilter(hole_, holes_, CV_8U, {whole, whole});  // 255: all
+    filled_.copyTo(nearest_[level]);
+    nearest_[level].setTo(0, holes_ > 255 * most_holes);
+  }
 }
 
 int CarvingView::level_for(float radius) {

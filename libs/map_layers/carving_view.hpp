@@ -22,7 +22,8 @@ class CarvingView {
   const CameraModel& camera() const { return camera_; }  ///< without distortion
   /// CV_32FC1 m, signed as above.
   const cv::Mat& depth() const { return depth_; }
-  /// CV_32FC1 m: the smallest depth in the square of radii[level]; 0 where a pixel of it has none.
+  /// CV_32FC1 m: the smallest depth that was measured in the square of radii[level]; 0 where about two thirds
+  /// of it have none.
   const cv::Mat& nearest(int level) const { return nearest_[static_cast<std::size_t>(level)]; }
   /// The smallest level whose radius is at least `radius` pixels, or the last.
   static int level_for(float radius);
@@ -37,12 +38,13 @@ class CarvingView {
 
  private:
   void undistort();
+  void find_nearest();
   void find_extremes();
 
   CameraModel camera_;
   std::vector<double> distortion_;
   std::vector<std::int32_t> source_;  // measured pixel of each ideal one, -1: none; empty without distortion
-  cv::Mat raw_, depth_;
+  cv::Mat raw_, depth_, filled_, hole_, holes_;
   std::array<cv::Mat, radii.size()> nearest_;
   cv::Mat_<cv::Vec2f> tiles_;
   float farthest_ = 0;

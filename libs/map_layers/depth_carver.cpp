@@ -34,7 +34,7 @@ struct ProjectedBlock {
   float margin, slack, max_range;
 };
 
-// Which cells of a block every pixel on them sees through.
+// Which cells of a block every pixel on them that has depth sees through.
 LCMSLAM_VECTORISED(see_through, (const ProjectedBlock& block, const DepthPlane& plane, std::uint8_t* through),
                    (block, plane, through)) {
   const float* dx = block.dx;

@@ -4,7 +4,8 @@
 // is missed; a block that is seen through as a whole, or hidden, is not looked at cell by cell. No ray is
 // walked, so the work grows with the space seen and not with the pixels.
 //
-// A pixel without depth tells nothing, and neither does a cell it lies on. A hit wins over a miss.
+// A pixel without depth tells nothing, and neither does a cell on which hardly any pixel has depth. A hit
+// wins over a miss.
 
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/map_layers/carving_view.hpp>
