@@ -5,11 +5,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <sstream>
 
 #include <lcmslam/files/atomic_file.hpp>
+#include <lcmslam/files/decimal_text.hpp>
 
 namespace lcmslam {
 namespace {
@@ -163,12 +163,6 @@ std::string head_word(const std::string& head, const std::string& key) {
   return "";
 }
 
-void write_line(std::ostream& text, const char* format, double value) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  text << buffer;
-}
-
 }  // namespace
 
 PoseText read_pose_text(const fs::path& file) {
@@ -203,17 +197,18 @@ void save_tum(const fs::path& file, const Trajectory& trajectory, const PoseFram
 }
 
 void save_kitti(const fs::path& file, const Trajectory& trajectory) {
-  std::ostringstream poses, times;
+  std::string poses, times;
   for (const StampedPose& pose : trajectory) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c) {
-        write_line(poses, "%.12g", pose.T_world_body.matrix()(r, c));
-        poses << (r == 2 && c == 3 ? "\n" : " ");
+        append_general(poses, pose.T_world_body.matrix()(r, c), 12);
+        poses += r == 2 && c == 3 ? '\n' : ' ';
       }
-    write_line(times, "%.6f\n", 1e-6 * static_cast<double>(pose.utime));
+    append_fixed(times, 1e-6 * static_cast<double>(pose.utime), 6);
+    times += '\n';
   }
-  write_atomically(FilePlace(file.parent_path() / (file.stem().string() + "_times.txt")), times.str());
-  write_atomically(FilePlace(file), poses.str());
+  write_atomically(FilePlace(file.parent_path() / (file.stem().string() + "_times.txt")), times);
+  write_atomically(FilePlace(file), poses);
 }
 
 }  // namespace lcmslam

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <istream>
 #include <ostream>
@@ -12,6 +11,7 @@
 
 #include <lcmslam/evaluation/trajectory.hpp>
 #include <lcmslam/files/atomic_file.hpp>
+#include <lcmslam/files/decimal_text.hpp>
 
 namespace lcmslam {
 namespace {
@@ -96,12 +96,11 @@ void write_tum(std::ostream& text, const Trajectory& trajectory) {
   for (const StampedPose& pose : trajectory) {
     const Eigen::Vector3d t = pose.T_world_body.translation();
     const Eigen::Quaterniond q(pose.T_world_body.linear());
-    std::array<char, 256> line{};
-    std::snprintf(line.data(), line.size(), "%lld.%06lld %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
-                  static_cast<long long>(pose.utime / 1'000'000),
-                  static_cast<long long>(pose.utime % 1'000'000), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
-                  q.w());
-    text << line.data();
+    const std::string microseconds = std::to_string(1'000'000 + pose.utime % 1'000'000).substr(1);
+    std::string line = std::to_string(pose.utime / 1'000'000) + '.' + microseconds;
+    for (const double number : {t.x(), t.y(), t.z()}) append_fixed(line += ' ', number, 9);
+    for (const double number : {q.x(), q.y(), q.z(), q.w()}) append_fixed(line += ' ', number, 12);
+    text << line << '\n';
   }
 }
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 
 #include <lcmslam/files/atomic_file.hpp>
+#include <lcmslam/files/decimal_text.hpp>
 #include <lcmslam/surface/mesh_export.hpp>
 
 namespace lcmslam {
@@ -43,10 +43,12 @@ void add_colours(std::string& bytes, const std::vector<cv::Vec3b>& colours) {
 }
 
 std::string array_text(const Eigen::Vector3f& v) {
-  char text[80];
-  std::snprintf(text, sizeof text, "[%.9g,%.9g,%.9g]", static_cast<double>(v.x()), static_cast<double>(v.y()),
-                static_cast<double>(v.z()));
-  return text;
+  std::string text;
+  for (const float coordinate : {v.x(), v.y(), v.z()}) {
+    text += text.empty() ? '[' : ',';
+    append_general(text, static_cast<double>(coordinate), 9);
+  }
+  return text + ']';
 }
 
 std::string view_text(std::size_t offset, std::size_t length, int target) {

@@ -1,10 +1,10 @@
 #include <lcmslam/surface/mesh_export.hpp>
 
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 
 #include <lcmslam/files/atomic_file.hpp>
+#include <lcmslam/files/decimal_text.hpp>
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the PLY writer copies little-endian numbers");
 
@@ -69,20 +69,27 @@ void save_mesh_ply(const FilePlace& file, const Mesh& mesh) {
 void save_mesh_obj(const FilePlace& file, const Mesh& mesh) {
   check_mesh(mesh);
   std::string text = "# lcmslam surface, metres, z up\n";
-  char line[160];
+  const auto add = [&text](const char* key, const Eigen::Vector3d& numbers, int decimals) {
+    text += key;
+    for (const double number : {numbers.x(), numbers.y(), numbers.z()}) {
+      text += ' ';
+      append_fixed(text, number, decimals);
+    }
+  };
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Eigen::Vector3f &p = mesh.vertices[i], &n = mesh.normals[i];
     const cv::Vec3b& c = mesh.colours[i];
-    std::snprintf(line, sizeof line, "v %.5f %.5f %.5f %.3f %.3f %.3f\nvn %.4f %.4f %.4f\n",
-                  static_cast<double>(p.x()), static_cast<double>(p.y()), static_cast<double>(p.z()),
-                  c[2] / 255.0, c[1] / 255.0, c[0] / 255.0, static_cast<double>(n.x()),
-                  static_cast<double>(n.y()), static_cast<double>(n.z()));
-    text += line;
+    add("v", mesh.vertices[i].cast<double>(), 5);
+    add("", Eigen::Vector3d(c[2], c[1], c[0]) / 255, 3);
+    add("\nvn", mesh.normals[i].cast<double>(), 4);
+    text += '\n';
   }
-  for (const auto& t : mesh.triangles) {
-    std::snprintf(line, sizeof line, "f %u//%u %u//%u %u//%u\n", t[0] + 1, t[0] + 1, t[1] + 1, t[1] + 1,
-                  t[2] + 1, t[2] + 1);
-    text += line;
+  for (const auto& triangle : mesh.triangles) {
+    text += 'f';
+    for (const std::uint32_t vertex : triangle) {
+      const std::string number = std::to_string(vertex + 1);
+      text += ' ' + number + "//" + number;
+    }
+    text += '\n';
   }
   write_atomically(file, text);
 }

@@ -2,6 +2,7 @@
 
 #include <octomap/octomap.h>
 
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 
@@ -42,6 +43,7 @@ void save_octomap(const FilePlace& file, const OccupancyGrid& grid) {
   tree.toMaxLikelihood();
   tree.prune();
   std::ostringstream bytes;
+  bytes.imbue(std::locale::classic());  // its header is text
   if (!tree.writeBinaryConst(bytes))
     throw std::runtime_error(file.path().string() + ": OctoMap cannot write it");
   write_atomically(file, bytes.str());
