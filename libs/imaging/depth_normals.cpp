@@ -62,6 +62,7 @@ InverseDepths::InverseDepths(const cv::Mat& points) {
 /// Some pixels of a row, one a lane.
 struct Pixels {
   std::ptrdiff_t at[lanes];
+  bool neighbours;  // at grows by one from lane to lane
   float sigma[lanes];
   float nx[lanes], ny[lanes], nz[lanes];  // the results, NaN where unknown
 };
@@ -86,20 +87,31 @@ LCMSLAM_VECTORISED(fit_planes,
     const float wanted = pixels.sigma[l] / (wanted_uncertainty * 7.07f * z * pixel_pitch);
     const float chosen = wanted > 1 ? (wanted < greatest_stride ? wanted : greatest_stride) : 1;
     const int pixels_apart = static_cast<int>(chosen + 0.5f);
-    stride[l] = pixels_apart;
+    stride[l] = q0[l] > 0 ? pixels_apart : 0;  // without depth: no matter
     sigma_q[l] = pixels.sigma[l] * q0[l] * q0[l];
     noise_gate[l] = 4.2f * sigma_q[l];  // three standard deviations of a difference
     slope_gate[l] = steepest * pixel_pitch * static_cast<float>(pixels_apart) * q0[l];
   }
+  std::ptrdiff_t common = 0;
+  for (int l = 0; l < lanes; ++l) common = std::max(common, stride[l]);
+  bool together = pixels.neighbours;  // the lanes' samples lie side by side
+  for (int l = 0; l < lanes; ++l) together = together && (stride[l] == common || stride[l] == 0);
   for (int j = -reach; j <= reach; ++j)
     for (int i = -reach; i <= reach; ++i) {
       const auto distance = static_cast<float>(std::max(std::abs(i), std::abs(j)));
-      float sample_x[lanes], sample_y[lanes], sample_q[lanes];
-      for (int l = 0; l < lanes; ++l) {
-        const std::ptrdiff_t at = pixels.at[l] + stride[l] * (j * image_pitch + i);
-        sample_x[l] = image_x[at];
-        sample_y[l] = image_y[at];
-        sample_q[l] = image_q[at];
+      const std::ptrdiff_t first = pixels.at[0] + common * (j * image_pitch + i);
+      const float *sample_x = image_x + first, *sample_y = image_y + first, *sample_q = image_q + first;
+      float apart_x[lanes], apart_y[lanes], apart_q[lanes];
+      if (!together) {
+        for (int l = 0; l < lanes; ++l) {
+          const std::ptrdiff_t at = pixels.at[l] + stride[l] * (j * image_pitch + i);
+          apart_x[l] = image_x[at];
+          apart_y[l] = image_y[at];
+          apart_q[l] = image_q[at];
+        }
+        sample_x = apart_x;
+        sample_y = apart_y;
+        sample_q = apart_q;
       }
       for (int l = 0; l < lanes; ++l) {
         const float to_x = sample_x[l] - x0[l], to_y = sample_y[l] - y0[l], to_q = sample_q[l] - q0[l];
@@ -159,6 +171,7 @@ cv::Mat estimate_normals(const RegisteredDepth& registered, int step) {
     auto* normal = normals.ptr<cv::Vec3f>(v / step);
     for (int first = 0; first < normals.cols; first += lanes) {
       Pixels pixels;
+      pixels.neighbours = step == 1 && first + lanes <= normals.cols;
       for (int l = 0; l < lanes; ++l) {  // beyond the row's end its last pixel again
         const int u = step * std::min(first + l, normals.cols - 1);
         pixels.at[l] = image.at(v, u);
