@@ -15,7 +15,8 @@ class KeptView {
   std::size_t memory_bytes() const;
 
  private:
-  EncodedImage depth_, amplitude_, colour_, seen_;  // amplitude without bytes: there is none
+  std::vector<std::uint8_t> depth_;         // packed, of the size of seen_
+  EncodedImage amplitude_, colour_, seen_;  // amplitude without bytes: there is none
   Eigen::Isometry3d T_camera_depth_;
 };
 

@@ -14,7 +14,7 @@ struct SurfaceSettings {
   double max_incidence = 1.3;
   double best_sigma = 0.002;
   double max_looks = 200;
-  double min_looks = 0.1;
+  double min_looks = 0.06;
   double memory = 256;
   double kept_memory = 64;
   double moved_distance = 0.004;

@@ -24,29 +24,31 @@ struct SurfaceImage {
   Eigen::Isometry3d T_camera_depth = Eigen::Isometry3d::Identity();  ///< to the colour camera
 };
 
-/// Arrays of rows x columns + 1 pixels in the depth camera's frame; the last is a pixel that saw nothing.
+/// A small plane in the depth camera's frame: normal . point + offset is the distance from it, positive on
+/// the camera's side.
+struct SurfacePixel {
+  static constexpr std::uint8_t coloured = 128;
+
+  std::array<float, 4> plane{};          ///< unit normal towards the camera, and offset in m
+  std::array<std::uint8_t, 3> colour{};  ///< BGR
+  /// In units of VoxelBlock::weight, 0: nothing was seen; and the bit `coloured` where the colour is known.
+  std::uint8_t look = 0;
+};
+
 struct SurfaceView {
   CameraModel camera;
   Lens lens;
-  /// Unit normal towards the camera and offset in m: normal . point + offset is the distance from the plane,
-  /// positive on the camera's side.
-  std::vector<std::array<float, 4>> planes;
-  std::vector<float> weight;                         ///< in units of VoxelBlock::weight; 0: nothing was seen
-  std::vector<std::array<std::uint8_t, 4>> colours;  ///< BGR, and the colour's weight
-  std::vector<float> depth;                          ///< m, 0 where weight is 0
-  cv::Mat points;                                    ///< CV_32FC3 m, of the image's size
+  std::vector<SurfacePixel> pixels;  ///< rows x columns, and one that saw nothing
+  std::vector<float> depth;          ///< m, 0 where nothing was seen
+  cv::Mat points, normals;           ///< CV_32FC3 of the image's size, m and unit; NaN where unknown
 
   static constexpr int tile = 8;  ///< pixels
   cv::Mat_<float> farthest;       ///< m, of each tile of pixels; 0 where none has depth
+  cv::Mat_<float> flattest;       ///< likewise: how far 1 m behind the surface is along the optical axis
 
   std::size_t at(int v, int u) const {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(u);
   }
-  Eigen::Vector3f point(int v, int u) const {
-    const auto& p = points.at<cv::Vec3f>(v, u);
-    return {p[0], p[1], p[2]};
-  }
-  Eigen::Vector3f normal(std::size_t i) const { return Eigen::Vector3f(planes[i].data()); }
 };
 
 class SurfaceViewMaker {

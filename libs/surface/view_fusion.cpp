@@ -1,69 +1,58 @@
 #include <lcmslam/surface/view_fusion.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include <lcmslam/surface/block_update.hpp>
+#include <lcmslam/surface/pixel_blocks.hpp>
+#include <lcmslam/surface/view_reach.hpp>
 
 namespace lcmslam {
 namespace {
 
 constexpr float half_shell = 2;  // voxels before and behind a surface that get blocks: what meshes look at
 
+/// Where several pixels fit into the shell one of them asks.
+class PixelStride {
+ public:
+  /// `depth`: m, at which a pixel is as large as the shell.
+  explicit PixelStride(float depth) : depth_(depth) {}
+  int at(float z) const { return z < depth_ / 8 ? 8 : z < depth_ / 4 ? 4 : z < depth_ / 2 ? 2 : 1; }
+
+ private:
+  float depth_;
+};
+
+float farthest_in_row(const SurfaceView& view, int v) {
+  const float* tiles = view.farthest[v / SurfaceView::tile];
+  return *std::max_element(tiles, tiles + view.farthest.cols);
+}
+
 /// Blocks in the order in which pixels ask for them.
 void make_blocks(const SurfaceView& view, const Eigen::Isometry3f& T_map_depth, float range,
                  std::int64_t fusion, VoxelBlocks& blocks) {
-  const float shell = half_shell * blocks.voxel_size(), inverse_size = 1 / blocks.block_size();
-  Eigen::Vector3i last[3];
+  const float shell = half_shell * blocks.voxel_size();
+  const PixelStride stride(shell * static_cast<float>(view.camera.fx));
+  PixelBlocks wanted(T_map_depth, blocks, shell, view.camera.width);
+  Eigen::Vector3i last[PixelBlocks::samples];
   for (Eigen::Vector3i& at : last) at.setConstant(std::numeric_limits<int>::max());
-  const auto fx = static_cast<float>(view.camera.fx);
   for (int v = 0; v < view.camera.height; ++v) {
-    for (int u = 0; u < view.camera.width; ++u) {
-      const std::size_t i = view.at(v, u);
-      const float z = view.depth[i];
-      // Every second pixel, where pixels are smaller than half a voxel anyway.
-      if (!(z > 0 && z <= range) || ((u | v) & 1 && z < fx * shell / 2)) continue;
-      const Eigen::Vector3f point = view.point(v, u);
-      const Eigen::Vector3f in_map = T_map_depth * point,
-                            way = shell * (T_map_depth.linear() * view.normal(i));
-      for (int k = 0; k < 3; ++k) {
-        const Eigen::Vector3f sample = in_map + static_cast<float>(k - 1) * way;
-        const Eigen::Vector3i at = blocks.block_of(sample);
+    const int least = stride.at(farthest_in_row(view, v));
+    if (v % least != 0) continue;
+    wanted.find(view.points.ptr<float>(v), view.normals.ptr<float>(v));
+    const float* depth = view.depth.data() + view.at(v, 0);
+    for (int u = 0; u < view.camera.width; u += least) {
+      const float z = depth[u];
+      if (!(z > 0 && z <= range) || ((u | v) & (stride.at(z) - 1)) != 0) continue;
+      for (int k = 0; k < PixelBlocks::samples; ++k) {
+        if (!wanted.exists(k, u)) continue;
+        const Eigen::Vector3i at = wanted.block(k, u);
         if (at == last[k]) continue;
         last[k] = at;
-        if (voxel_exists(sample, inverse_size)) blocks.find_or_make(at, fusion);
+        blocks.find_or_make(at, fusion);
       }
     }
   }
-}
-
-/// The farthest depth around where a sphere is seen; less than any where it is not seen.
-float farthest_around(const SurfaceView& view, const Eigen::Vector3f& centre, float radius) {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  if (centre.z() < radius) return centre.z() > -radius && centre.norm() < 2 * radius ? infinity : -infinity;
-  // Lens distortion moves a pixel by less than this share of its distance from the middle.
-  constexpr float distorted = 0.15f;
-  const CameraModel& camera = view.camera;
-  const float nearest = std::max(centre.z() - radius, 0.05f);
-  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  const float du = fx * centre.x() / centre.z(), dv = fy * centre.y() / centre.z();
-  const float bend = camera.distortion.empty() ? 0.0f : distorted * (std::abs(du) + std::abs(dv));
-  const float reach = fx * radius / nearest * (1 + (std::abs(du) + std::abs(dv)) / fx) + bend + 1;
-  const float u = du + static_cast<float>(camera.cx), v = dv + static_cast<float>(camera.cy);
-  const auto tile_of = [](float pixel, int tiles) {
-    return static_cast<int>(
-        std::floor(std::clamp(pixel / SurfaceView::tile, -1.0f, static_cast<float>(tiles))));
-  };
-  const int left = std::max(tile_of(u - reach, view.farthest.cols), 0),
-            right = std::min(tile_of(u + reach, view.farthest.cols), view.farthest.cols - 1),
-            top = std::max(tile_of(v - reach, view.farthest.rows), 0),
-            bottom = std::min(tile_of(v + reach, view.farthest.rows), view.farthest.rows - 1);
-  float farthest = 0;
-  for (int row = top; row <= bottom; ++row)
-    for (int column = left; column <= right; ++column)
-      farthest = std::max(farthest, view.farthest(row, column));
-  return farthest > 0 ? farthest : -infinity;
 }
 
 void look_into_blocks(const SurfaceView& view, const Eigen::Isometry3f& T_map_depth,
@@ -71,9 +60,7 @@ void look_into_blocks(const SurfaceView& view, const Eigen::Isometry3f& T_map_de
                       std::int64_t fusion, VoxelBlocks& blocks) {
   const Eigen::Isometry3f T_depth_map = T_map_depth.inverse();
   const float size = blocks.voxel_size();
-  const float radius = 0.5f * std::sqrt(3.0f) * blocks.block_size();
-  // Along a slanted ray the truncation reaches farther.
-  const float hidden = radius + blocks.truncation() / static_cast<float>(std::cos(settings.max_incidence));
+  const ViewReach reach(view, T_depth_map.linear(), blocks);
   LookSettings look_settings;
   look_settings.truncation = blocks.truncation();
   look_settings.colour_reach = 2 * size;
@@ -84,8 +71,7 @@ void look_into_blocks(const SurfaceView& view, const Eigen::Isometry3f& T_map_de
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     VoxelBlocks::Entry& entry = blocks[i];
     if (entry.born > until) continue;
-    const Eigen::Vector3f centre = T_depth_map * blocks.centre(entry);
-    if (farthest_around(view, centre, radius) < centre.z() - hidden) continue;
+    if (!reach.holds(T_depth_map * blocks.centre(entry))) continue;
     place.first = T_depth_map * (size * VoxelBlock::side * entry.at.cast<float>());
     if (update_block(view, place, look_settings, *entry.block)) entry.changed = fusion;
   }

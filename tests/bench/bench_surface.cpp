@@ -89,6 +89,8 @@ void part(benchmark::State& state, int which) {
   std::size_t seen = 0;  // by the last look
   for (const VoxelBlocks::Entry& entry : fine.entries()) seen += entry.changed == fusion;
   if (which == 2) state.counters["blocks"] = static_cast<double>(seen);
+  if (which == 4)
+    state.counters["bytes"] = static_cast<double>(KeptView(maker.image(data.frames[20])).memory_bytes());
 }
 BENCHMARK_CAPTURE(part, image, 0)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(part, view, 1)->Unit(benchmark::kMillisecond);

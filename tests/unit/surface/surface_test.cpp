@@ -78,6 +78,22 @@ TEST(Surface, StandsWhereTheSurfacesStand) {
   EXPECT_LT(off[off.size() * 999 / 1000], 0.012);
 }
 
+/// A bar two pixels wide fits no plane: its looks count little, but are there.
+TEST(Surface, ShowsWhatIsTooThinForNormals) {
+  const Room bar{{{{0, 0, 1}, 1.5}},
+                 {Eigen::AlignedBox3d(Eigen::Vector3d(-0.01, -0.3, 1.1), Eigen::Vector3d(0.01, 0.3, 1.12))}};
+  Surface surface(camera_head(), settings());
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Isometry3d T = pose(0.001 * i, 0.002 * i, 0);
+    surface.fuse(i, frame_of(bar, T), T);
+  }
+  std::array<bool, 50> shown{};  // along the bar
+  for (const Eigen::Vector3f& p : surface.mesh().vertices)
+    if (std::abs(p.z() - 1.1f) < 0.02f && std::abs(p.y()) < 0.25f)
+      shown[static_cast<std::size_t>((p.y() + 0.25f) * 100)] = true;
+  EXPECT_GT(std::count(shown.begin(), shown.end(), true), 45);
+}
+
 std::vector<Eigen::Vector3f> fused_after(const std::vector<Eigen::Isometry3d>& wrong) {
   Surface surface(camera_head(), settings());
   for (std::size_t i = 0; i < poses().size(); ++i)
