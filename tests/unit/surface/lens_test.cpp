@@ -7,6 +7,13 @@
 namespace lcmslam {
 namespace {
 
+TEST(Lens, SeesNothingWhereItsPolynomialFoldsBack) {
+  const CameraModel camera{160, 120, 200, 200, 79.5, 59.5, {-0.512, 0, 0, 0, 0}};
+  const Lens lens(camera);
+  EXPECT_NE(lens.pixel(0.4f, 0.3f, 1), lens.nothing);
+  EXPECT_EQ(lens.pixel(1.2f * 0.8f, 1.2f * 0.6f, 1), lens.nothing);  // the polynomial leads it into the image
+}
+
 TEST(Lens, FindsThePixelThatTheCameraModelFinds) {
   CameraModel wide = testing_scene::tof_head().colour;
   wide.distortion = {-0.3, 0.1, 0.001, -0.002, -0.01, 0.02, 0.01, 0.001};
