@@ -51,6 +51,10 @@ void read(const Blob& blob, BlobKind kind) {
     case BlobKind::covariance:
       decode_covariance(encode_covariance(decode_covariance(blob)));
       return;
+    case BlobKind::images:
+      require(decode_images(encode_images(decode_images(blob))).frame.depth.bytes ==
+              decode_images(blob).frame.depth.bytes);
+      return;
   }
 }
 
@@ -60,7 +64,7 @@ void read(const Blob& blob, BlobKind kind) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lcmslam;
   if (size == 0) return 0;
-  const auto kind = static_cast<BlobKind>(1 + data[0] % 8);
+  const auto kind = static_cast<BlobKind>(1 + data[0] % 9);
   const bool packed = kind == BlobKind::cloud || kind == BlobKind::features || kind == BlobKind::trajectory;
   const Blob bytes(data + 1, data + size);
   for (const Blob& blob : {bytes, sealed(kind, packed, bytes)}) try {

@@ -30,7 +30,8 @@ enum class BlobKind : std::uint8_t {
   cloud = 5,
   features = 6,
   calibration = 7,
-  covariance = 8
+  covariance = 8,
+  images = 9
 };
 
 class BlobWriter {

@@ -66,6 +66,7 @@ class Checker {
     for (const std::int32_t id : ids) {
       attempt([&] { result_.clouds += file_.cloud(session, id).has_value(); });
       attempt([&] { result_.features += file_.features(session, id).has_value(); });
+      attempt([&] { result_.images += file_.images(session, id).has_value(); });
     }
     attempt([&] {
       for (const StoredEdge& edge : file_.edges(session)) {

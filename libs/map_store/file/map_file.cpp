@@ -66,6 +66,7 @@ SessionCounts MapFile::counts(std::int64_t session) {
           count("count(*) FROM cloud"),
           count("coalesce(sum(points), 0) FROM cloud"),
           count("count(*) FROM features"),
+          schema_ >= 3 ? count("count(*) FROM images") : 0,
           count("count(*) FROM edge"),
           count("count(*) FROM landmark")};
 }
@@ -127,6 +128,13 @@ std::optional<FeatureFrame> MapFile::features(std::int64_t session, std::int32_t
   Statement row(database_, "SELECT data FROM features WHERE session = ? AND keyframe = ?");
   if (!row(session, static_cast<std::int64_t>(keyframe)).step()) return std::nullopt;
   return decoded("features of keyframe", session, keyframe, [&] { return decode_features(row.blob(0)); });
+}
+
+std::optional<StoredImages> MapFile::images(std::int64_t session, std::int32_t keyframe) {
+  if (schema_ < 3) return std::nullopt;
+  Statement row(database_, "SELECT data FROM images WHERE session = ? AND keyframe = ?");
+  if (!row(session, static_cast<std::int64_t>(keyframe)).step()) return std::nullopt;
+  return decoded("images of keyframe", session, keyframe, [&] { return decode_images(row.blob(0)); });
 }
 
 DenseMap MapFile::dense_map(std::int64_t session) {

@@ -10,7 +10,7 @@ namespace lcmslam {
 
 /// How much a session has of everything.
 struct SessionCounts {
-  std::int64_t keyframes = 0, clouds = 0, points = 0, features = 0, edges = 0, landmarks = 0;
+  std::int64_t keyframes = 0, clouds = 0, points = 0, features = 0, images = 0, edges = 0, landmarks = 0;
 };
 
 /// "icp-session1", "icp-session2": each one's own, counted by mapper, as exported files are called.
@@ -36,6 +36,7 @@ class MapFile {
   /// Of keyframes with a cloud; nothing when it has none.
   std::optional<ColouredCloud> cloud(std::int64_t session, std::int32_t keyframe);
   std::optional<FeatureFrame> features(std::int64_t session, std::int32_t keyframe);
+  std::optional<StoredImages> images(std::int64_t session, std::int32_t keyframe);
   /// All keyframes that have clouds.
   DenseMap dense_map(std::int64_t session);
   /// By id.

@@ -27,13 +27,17 @@ struct MapStore::Statements {
                  "ON CONFLICT DO UPDATE SET utime = excluded.utime, pose = excluded.pose, "
                  "covariance = coalesce(excluded.covariance, covariance)"),
         cloud(d, "INSERT OR REPLACE INTO cloud(session, keyframe, points, data) VALUES(?, ?, ?, ?)"),
-        // Features may come when their keyframe has gone already.
+        // Features and images may come when their keyframe has gone already.
         features(d,
                  "INSERT OR REPLACE INTO features(session, keyframe, data) SELECT session, id, ?3 "
                  "FROM keyframe WHERE session = ?1 AND id = ?2"),
+        images(d,
+               "INSERT OR REPLACE INTO images(session, keyframe, data) SELECT session, id, ?3 "
+               "FROM keyframe WHERE session = ?1 AND id = ?2"),
         drop_keyframe(d, "DELETE FROM keyframe WHERE session = ? AND id = ?"),
         drop_cloud(d, "DELETE FROM cloud WHERE session = ? AND keyframe = ?"),
         drop_features(d, "DELETE FROM features WHERE session = ? AND keyframe = ?"),
+        drop_images(d, "DELETE FROM images WHERE session = ? AND keyframe = ?"),
         drop_edges_from(d, "DELETE FROM edge WHERE session = ? AND from_keyframe = ?"),
         drop_edges_to(d, "DELETE FROM edge WHERE session = ? AND to_keyframe = ?"),
         clear_edges(d, "DELETE FROM edge WHERE session = ?"),
@@ -48,8 +52,8 @@ struct MapStore::Statements {
                    "INSERT INTO trajectory(session, number, data) SELECT ?1, coalesce(max(number), 0) + 1, "
                    "?2 FROM trajectory WHERE session = ?1") {}
 
-  Statement run, session, place, calibration, keyframe, cloud, features;
-  Statement drop_keyframe, drop_cloud, drop_features, drop_edges_from, drop_edges_to;
+  Statement run, session, place, calibration, keyframe, cloud, features, images;
+  Statement drop_keyframe, drop_cloud, drop_features, drop_images, drop_edges_from, drop_edges_to;
   Statement clear_edges, drop_pair, edge, clear_landmarks, drop_landmark, landmark, trajectory;
 };
 
@@ -112,8 +116,8 @@ void MapStore::write(std::int64_t session, const SessionChanges& changes) {
 void MapStore::drop_keyframe(std::int64_t session, std::int32_t id) {
   const std::int64_t keyframe = id;
   for (Statement* statement :
-       {&statements_->drop_cloud, &statements_->drop_features, &statements_->drop_edges_from,
-        &statements_->drop_edges_to, &statements_->drop_keyframe})
+       {&statements_->drop_cloud, &statements_->drop_features, &statements_->drop_images,
+        &statements_->drop_edges_from, &statements_->drop_edges_to, &statements_->drop_keyframe})
     (*statement)(session, keyframe).run();
 }
 
@@ -136,6 +140,10 @@ void MapStore::write_keyframe(std::int64_t session, std::int32_t id, const Keyfr
   if (change.features) {
     const Blob features = encode_features(*change.features);
     statements_->features(session, keyframe, features).run();
+  }
+  if (change.images) {
+    const Blob images = encode_images(*change.images);
+    statements_->images(session, keyframe, images).run();
   }
 }
 

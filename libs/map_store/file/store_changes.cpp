@@ -22,6 +22,10 @@ void SessionChanges::put_features(std::int32_t keyframe, const FeatureFrame& fea
   keyframes_[keyframe].features = features;
 }
 
+void SessionChanges::put_images(std::int32_t keyframe, StoredImages images) {
+  keyframes_[keyframe].images = std::move(images);
+}
+
 void SessionChanges::move_keyframe(std::int32_t keyframe, Utime utime,
                                    const Eigen::Isometry3d& T_map_camera) {
   KeyframeChange& change = keyframes_[keyframe];
@@ -71,6 +75,7 @@ void SessionChanges::follow(SessionChanges&& newer) {
     take_over(mine.covariance, change.covariance);
     take_over(mine.cloud, change.cloud);
     take_over(mine.features, change.features);
+    take_over(mine.images, change.images);
   }
   if (newer.edges_cleared_) clear_edges();
   for (auto& [pair, edges] : newer.edges_) edges_[pair] = std::move(edges);

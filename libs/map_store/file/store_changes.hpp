@@ -18,6 +18,7 @@ struct KeyframeChange {
   std::optional<Matrix6d> covariance;  ///< set with T_map_camera only
   std::optional<ColouredCloud> cloud;
   std::optional<FeatureFrame> features;
+  std::optional<StoredImages> images;
 };
 
 /// Of one session.
@@ -28,6 +29,7 @@ class SessionChanges {
 
   void put_keyframe(const DenseKeyframe& keyframe, const std::optional<Matrix6d>& covariance);
   void put_features(std::int32_t keyframe, const FeatureFrame& features);
+  void put_images(std::int32_t keyframe, StoredImages images);
   void move_keyframe(std::int32_t keyframe, Utime utime, const Eigen::Isometry3d& T_map_camera);
   /// With its edges.
   void drop_keyframe(std::int32_t keyframe);

@@ -1,5 +1,6 @@
 #include <lcmslam/map_store/file/store_codecs.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace lcmslam {
@@ -47,6 +48,42 @@ Matrix take_symmetric(BlobReader& reader) {
   return matrix;
 }
 
+void put_name(BlobWriter& writer, const std::string& name) {
+  const std::size_t length = std::min(name.size(), longest_name);
+  writer.put(static_cast<std::uint32_t>(length));
+  std::copy_n(name.begin(), length, writer.grow(length));
+}
+
+std::string take_name(BlobReader& reader) {
+  const std::size_t length = reader.take<std::uint32_t>();
+  const std::uint8_t* name = reader.take_bytes(length);
+  return {name, name + length};
+}
+
+void put_image(BlobWriter& writer, const EncodedImage& image) {
+  writer.put(image.utime);
+  writer.put(static_cast<std::int32_t>(image.width));
+  writer.put(static_cast<std::int32_t>(image.height));
+  writer.put(static_cast<std::uint8_t>(image.coding));
+  writer.put(static_cast<std::uint32_t>(image.bytes.size()));
+  std::copy(image.bytes.begin(), image.bytes.end(), writer.grow(image.bytes.size()));
+}
+
+EncodedImage take_image(BlobReader& reader) {
+  EncodedImage image;
+  image.utime = reader.take<Utime>();
+  image.width = reader.take<std::int32_t>();
+  image.height = reader.take<std::int32_t>();
+  const auto coding = reader.take<std::uint8_t>();
+  if (coding > static_cast<std::uint8_t>(ImageCoding::gray_zlib))
+    throw BlobError("there is no coding " + std::to_string(coding) + " of images");
+  image.coding = static_cast<ImageCoding>(coding);
+  const std::size_t size = reader.take<std::uint32_t>();
+  const std::uint8_t* bytes = reader.take_bytes(size);
+  image.bytes.assign(bytes, bytes + size);
+  return image;
+}
+
 void put_feature(BlobWriter& writer, const Feature& f) {
   for (const float number :
        {f.x, f.y, f.size, f.angle, f.response, f.point.x(), f.point.y(), f.point.z(), f.depth_sigma})
@@ -82,11 +119,9 @@ Feature take_feature(BlobReader& reader) {
 
 Blob encode_features(const FeatureFrame& frame) {
   BlobWriter writer;
-  const std::string sensor = frame.sensor.substr(0, longest_name);
   writer.put(frame.utime);
   writer.put(frame.seq);
-  writer.put(static_cast<std::uint32_t>(sensor.size()));
-  std::copy(sensor.begin(), sensor.end(), writer.grow(sensor.size()));
+  put_name(writer, frame.sensor);
   writer.put(static_cast<std::int32_t>(frame.width));
   writer.put(static_cast<std::int32_t>(frame.height));
   for (const double number : {frame.fx, frame.fy, frame.cx, frame.cy, frame.pixel_sigma}) writer.put(number);
@@ -103,9 +138,7 @@ FeatureFrame decode_features(const Blob& blob) {
   FeatureFrame frame;
   frame.utime = reader.take<Utime>();
   frame.seq = reader.take<std::int64_t>();
-  const std::size_t length = reader.take<std::uint32_t>();
-  const std::uint8_t* sensor = reader.take_bytes(length);
-  frame.sensor.assign(sensor, sensor + length);
+  frame.sensor = take_name(reader);
   frame.width = reader.take<std::int32_t>();
   frame.height = reader.take<std::int32_t>();
   for (double* number : {&frame.fx, &frame.fy, &frame.cx, &frame.cy, &frame.pixel_sigma})
@@ -119,6 +152,30 @@ FeatureFrame decode_features(const Blob& blob) {
   frame.features.reserve(n);
   for (std::size_t i = 0; i < n; ++i) frame.features.push_back(take_feature(reader));
   return frame;
+}
+
+Blob encode_images(const StoredImages& images) {
+  BlobWriter writer;
+  writer.put(images.frame.utime);
+  writer.put(images.frame.seq);
+  put_name(writer, images.frame.sensor);
+  put_pose(writer, images.T_colour_depth_time);
+  put_image(writer, images.frame.colour);
+  put_image(writer, images.frame.depth);
+  return writer.seal(BlobKind::images, false);
+}
+
+StoredImages decode_images(const Blob& blob) {
+  BlobReader reader(blob, BlobKind::images, false);
+  StoredImages images;
+  images.frame.utime = reader.take<Utime>();
+  images.frame.seq = reader.take<std::int64_t>();
+  images.frame.sensor = take_name(reader);
+  images.T_colour_depth_time = take_pose(reader);
+  images.frame.colour = take_image(reader);
+  images.frame.depth = take_image(reader);
+  reader.expect_end();
+  return images;
 }
 
 Blob encode_landmark(const Landmark& landmark) {

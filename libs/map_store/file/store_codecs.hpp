@@ -23,6 +23,10 @@ Blob encode_features(const FeatureFrame& frame);
 FeatureFrame decode_features(const Blob& blob);
 
 /// Covariance, log-odds as floats, as they travel in messages.
+/// Without amplitude. The images themselves are not decoded.
+Blob encode_images(const StoredImages& images);
+StoredImages decode_images(const Blob& blob);
+
 Blob encode_landmark(const Landmark& landmark);
 Landmark decode_landmark(const Blob& blob);
 

@@ -41,6 +41,10 @@ const char* const migrations[] = {
        ALTER TABLE session ADD COLUMN T_map_session BLOB;
        ALTER TABLE session ADD COLUMN evidence TEXT NOT NULL DEFAULT '';
        CREATE INDEX edge_to ON edge(session, to_keyframe);)",
+    // 3: of what derived maps are made
+    R"(CREATE TABLE images(
+         session INTEGER NOT NULL, keyframe INTEGER NOT NULL, data BLOB NOT NULL,
+         PRIMARY KEY(session, keyframe), FOREIGN KEY(session, keyframe) REFERENCES keyframe(session, id));)",
 };
 
 std::int64_t pragma(Database& database, const std::string& name) {

@@ -7,6 +7,7 @@
 //   keyframe     nodes of the graph: pose and its covariance
 //   cloud        of keyframes, points coloured, camera frame
 //   features     of keyframes, descriptors with their points
+//   images       of keyframes, colour and depth as they travelled
 //   edge         of the graph
 //   landmark     with covariance and descriptor
 //   trajectory   of the mapper, some poses a row

@@ -37,6 +37,14 @@ void StoreWriter::change(std::size_t session, const std::function<void(SessionCh
   wake_.notify_all();
 }
 
+void StoreWriter::place(std::size_t session, const StoredSession& place) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    waiting_.places[session] = place;
+  }
+  wake_.notify_all();
+}
+
 void StoreWriter::put_calibration(const StoredCalibration& calibration) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -108,25 +116,31 @@ void StoreWriter::write(const Waiting& changes) {
   Transaction transaction = store_->begin();
   if (run == 0) run = store_->add_run(run_);
   for (const auto& [sensor, calibration] : changes.calibrations) store_->put_calibration(calibration);
-  for (const auto& [number, session] : changes.sessions) {
-    std::int64_t& id = ids[number];
-    if (id == 0) {
-      const StoredSession begun = [&, n = number] {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        return sessions_[n];
-      }();
-      id = store_->has_session(begun.id) ? begun.id : store_->add_session(run, begun);
-    }
-    store_->write(id, session);
+  for (const auto& [number, session] : changes.sessions) store_->write(id_of(number, run, ids), session);
+  for (auto [number, place] : changes.places) {
+    place.id = id_of(number, run, ids);
+    store_->place_session(place);
   }
   transaction.commit();
   run_id_ = run;
   ids_ = std::move(ids);
 }
 
+/// In the file, where it begins when it has not yet.
+std::int64_t StoreWriter::id_of(std::size_t session, std::int64_t run,
+                                std::map<std::size_t, std::int64_t>& ids) {
+  std::int64_t& id = ids[session];
+  if (id != 0) return id;
+  std::unique_lock<std::mutex> lock(mutex_);
+  const StoredSession begun = sessions_[session];
+  lock.unlock();
+  return id = store_->has_session(begun.id) ? begun.id : store_->add_session(run, begun);
+}
+
 void StoreWriter::put_back(Waiting&& failed) {
   Waiting newer = std::exchange(waiting_, std::move(failed));
   for (auto& [number, session] : newer.sessions) waiting_.sessions[number].follow(std::move(session));
+  for (auto& [number, place] : newer.places) waiting_.places[number] = std::move(place);
   for (auto& [sensor, calibration] : newer.calibrations)
     waiting_.calibrations[sensor] = std::move(calibration);
 }

@@ -34,6 +34,8 @@ class StoreWriter {
   std::size_t begin_session(const StoredSession& session);
   /// Calls `add` with what waits of this session.
   void change(std::size_t session, const std::function<void(SessionChanges&)>& add);
+  /// Says where the session lies: state, T_map_session and evidence of `place`.
+  void place(std::size_t session, const StoredSession& place);
   void put_calibration(const StoredCalibration& calibration);
 
   /// Waits until what was handed in so far is in the file, or could not be written once more: false.
@@ -43,12 +45,14 @@ class StoreWriter {
  private:
   struct Waiting {
     std::map<std::size_t, SessionChanges> sessions;
+    std::map<std::size_t, StoredSession> places;            // by change()'s number
     std::map<std::string, StoredCalibration> calibrations;  // by sensor
-    bool empty() const { return sessions.empty() && calibrations.empty(); }
+    bool empty() const { return sessions.empty() && places.empty() && calibrations.empty(); }
   };
 
   void work();
   void write(const Waiting& changes);
+  std::int64_t id_of(std::size_t session, std::int64_t run, std::map<std::size_t, std::int64_t>& ids);
   void put_back(Waiting&& failed);
   bool wait_for_work(std::unique_lock<std::mutex>& lock);
 

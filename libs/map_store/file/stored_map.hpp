@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lcmslam/features/feature.hpp>
+#include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/map_store/dense_map.hpp>
 
 namespace lcmslam {
@@ -54,6 +55,13 @@ struct StoredKeyframe {
   Utime utime = 0;
   Eigen::Isometry3d T_map_camera = Eigen::Isometry3d::Identity();
   std::optional<Matrix6d> covariance = std::nullopt;  ///< as pose_estimate_t's of ICP_POSE
+};
+
+/// The camera's images of a keyframe as they travelled, so that all that is derived can be made anew.
+struct StoredImages {
+  EncodedFrame frame;  ///< without amplitude
+  /// From where the colour camera was at the depth image's time to where it was at its own.
+  Eigen::Isometry3d T_colour_depth_time = Eigen::Isometry3d::Identity();
 };
 
 struct StoredCalibration {

@@ -46,6 +46,7 @@ TEST_F(MapStoreFile, GivesBackWhatWasPutIntoIt) {
   SessionChanges changes;
   changes.put_keyframe(some_keyframe(3), Matrix6d::Identity());
   changes.put_features(3, some_frame_of_features(1, 5));
+  changes.put_images(3, some_images(1));
   changes.move_keyframe(4, 4000, some_keyframe(4).T_world_camera);  // a node that has no cloud
   changes.set_edges({3, 4}, {edge_between(3, 4), edge_between(3, 4)});
   changes.put_landmark(some_landmark(1, 20));
@@ -68,6 +69,8 @@ TEST_F(MapStoreFile, GivesBackWhatWasPutIntoIt) {
   EXPECT_TRUE(read.keyframes(session)[0].covariance->isIdentity());
   EXPECT_FALSE(read.keyframes(session)[1].covariance);
   EXPECT_EQ(read.features(session, 3)->features.size(), 5U);
+  EXPECT_EQ(read.images(session, 3)->frame.depth.bytes, some_images(1).frame.depth.bytes);
+  EXPECT_FALSE(read.images(session, 4));
   EXPECT_EQ(read.edges(session).size(), 2U);
   EXPECT_EQ(read.edges(session)[1].to, 4);
   EXPECT_EQ(read.landmarks(session).at(0).id, 20);
@@ -95,6 +98,7 @@ TEST_F(MapStoreFile, KeyframesThatGoTakeAllThatHangsOnThem) {
   for (const int id : {1, 2, 3}) {
     changes.put_keyframe(some_keyframe(id), std::nullopt);
     changes.put_features(id, some_frame_of_features(1, 2));
+    changes.put_images(id, some_images(2));
   }
   for (const auto& [from, to] : {std::pair(1, 2), std::pair(2, 3), std::pair(1, 3)})
     changes.set_edges({from, to}, {edge_between(from, to)});
@@ -104,11 +108,13 @@ TEST_F(MapStoreFile, KeyframesThatGoTakeAllThatHangsOnThem) {
   write_more(session, less);
   SessionChanges late;
   late.put_features(2, some_frame_of_features(1, 2));
+  late.put_images(2, some_images(2));
   write_more(session, late);
   MapFile read(file());
   const SessionCounts counts = read.counts(session);
   EXPECT_EQ(counts.clouds, 2);
   EXPECT_EQ(counts.features, 2);
+  EXPECT_EQ(counts.images, 2);
   ASSERT_EQ(counts.edges, 1);
   EXPECT_EQ(read.edges(session)[0].to, 3);
   EXPECT_THAT(faults(), IsEmpty());
@@ -224,7 +230,7 @@ TEST_F(MapStoreFile, FilesOfTheFirstSchemaAreReadAndGoneOnWith) {
   SessionChanges changes;
   changes.put_landmark(some_landmark(1, 1));
   EXPECT_EQ(write(changes, "fastslam"), 6);
-  EXPECT_EQ(MapFile(file()).schema(), 2);
+  EXPECT_EQ(MapFile(file()).schema(), newest_schema);
   EXPECT_EQ(MapFile(file()).landmarks(5).at(0).mean, some_landmark(1, 20).mean);
   EXPECT_FALSE(MapFile(file()).sessions().at(0).T_map_session);
   EXPECT_THAT(faults(), IsEmpty());

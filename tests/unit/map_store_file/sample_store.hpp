@@ -49,6 +49,18 @@ inline FeatureFrame some_frame_of_features(std::uint64_t seed, int count) {
   return frame;
 }
 
+inline StoredImages some_images(std::uint64_t seed) {
+  Random random(seed);
+  StoredImages images;
+  images.frame.utime = 1000;
+  images.frame.seq = 3;
+  images.frame.sensor = "head";
+  images.T_colour_depth_time = random_pose(random);
+  images.frame.colour = {1000, 4, 2, ImageCoding::jpeg, {1, 2, 3, 4, 5}};
+  images.frame.depth = {1016, 4, 2, ImageCoding::depth_zlib, {9, 8, 7}};
+  return images;
+}
+
 inline StoredSession session_of(const std::string& mapper, std::int64_t sender = 7) {
   return {0, mapper, sender, "map"};
 }

@@ -73,6 +73,26 @@ TEST(FeatureCodec, KeepsEveryBit) {
   EXPECT_EQ(encode_features(read), encode_features(frame));
 }
 
+TEST(ImageCodec, KeepsTheBytesAsTheyTravelled) {
+  const StoredImages images = some_images(6);
+  const StoredImages read = decode_images(encode_images(images));
+  EXPECT_EQ(read.frame.utime, 1000);
+  EXPECT_EQ(read.frame.sensor, "head");
+  EXPECT_EQ(read.frame.colour.coding, ImageCoding::jpeg);
+  EXPECT_EQ(read.frame.colour.bytes, images.frame.colour.bytes);
+  EXPECT_EQ(read.frame.depth.utime, 1016);
+  EXPECT_EQ(read.frame.depth.width, 4);
+  EXPECT_EQ(read.frame.depth.bytes, images.frame.depth.bytes);
+  EXPECT_TRUE(read.T_colour_depth_time.isApprox(images.T_colour_depth_time, 1e-12));
+}
+
+TEST(ImageCodec, CodingsThatAreNoneAreRefused) {
+  StoredImages images = some_images(6);
+  images.frame.depth.coding = static_cast<ImageCoding>(99);
+  EXPECT_THAT([&] { decode_images(encode_images(images)); },
+              ThrowsMessage<BlobError>(HasSubstr("coding 99")));
+}
+
 TEST(LandmarkCodec, KeepsWhatMessagesSay) {
   const Landmark mark = some_landmark(5, 77);
   const Landmark read = decode_landmark(encode_landmark(mark));
