@@ -1,0 +1,73 @@
+#include <lcmslam/places/session_joiner.hpp>
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+#include <lcmslam/pose_graph/pose_graph.hpp>
+#include <lcmslam/settings/check.hpp>
+
+namespace lcmslam {
+
+std::string to_string(const Joint& joint) {
+  return std::to_string(joint.agreeing) + " of " + std::to_string(joint.asked) +
+         " keyframes were found and agree, " + std::to_string(joint.disagreeing) + " say otherwise";
+}
+
+SessionJoiner::SessionJoiner(const JoinSettings& settings) : settings_(settings) {
+  check(settings, "joining of sessions");
+}
+
+void SessionJoiner::add(const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
+                        const ColouredCloud& cloud, PlaceIndex& map) {
+  const auto is_near = [&](const Saying& saying) {
+    return distance_between(saying.T_session_camera, T_session_camera) < settings_.min_distance &&
+           angle_between(saying.T_session_camera, T_session_camera) < settings_.min_angle;
+  };
+  if (std::any_of(sayings_.begin(), sayings_.end(), is_near)) return;
+  ++asked_;
+  const Located located = map.locate(features, cloud);
+  if (!located.place) return;
+  Matrix6d covariance = located.place->covariance;
+  covariance.diagonal().head<3>().array() += settings_.floor_translation * settings_.floor_translation;
+  covariance.diagonal().tail<3>().array() += settings_.floor_rotation * settings_.floor_rotation;
+  // T_map_session = T_map_camera exp(xi) T_camera_session: the error moves to the session's frame.
+  const Matrix6d to_session = adjoint(T_session_camera);
+  sayings_.push_back({T_session_camera, located.place->T_map_camera * T_session_camera.inverse(),
+                      to_session * covariance * to_session.transpose()});
+  vote();
+}
+
+bool SessionJoiner::agree(const Saying& a, const Saying& b) const {
+  return distance_from_identity({a.T_map_session.inverse() * b.T_map_session, a.covariance + b.covariance}) <=
+         settings_.max_disagreement;
+}
+
+/// The saying that most agree with counts, with all of those: their mean, weighted by information.
+void SessionJoiner::vote() {
+  joint_.reset();
+  std::vector<const Saying*> best;
+  for (const Saying& centre : sayings_) {
+    std::vector<const Saying*> agreeing;
+    for (const Saying& saying : sayings_)
+      if (agree(centre, saying)) agreeing.push_back(&saying);
+    if (agreeing.size() > best.size()) best = std::move(agreeing);
+  }
+  const int agreeing = static_cast<int>(best.size());
+  const int disagreeing = static_cast<int>(sayings_.size()) - agreeing;
+  if (agreeing < settings_.min_agreeing * (1 + disagreeing)) return;
+  Joint joint{best.front()->T_map_session, Matrix6d::Zero(), agreeing, disagreeing, asked_};
+  for (int round = 0; round < 3; ++round) {
+    Matrix6d information = Matrix6d::Zero();
+    Vector6d pull = Vector6d::Zero();
+    for (const Saying* saying : best) {
+      const Matrix6d weight = saying->covariance.inverse();
+      information += weight;
+      pull += weight * se3_log(joint.T_map_session.inverse() * saying->T_map_session);
+    }
+    joint.covariance = information.inverse();
+    joint.T_map_session = joint.T_map_session * se3_exp(joint.covariance * pull);
+  }
+  joint_ = joint;
+}
+
+}  // namespace lcmslam
