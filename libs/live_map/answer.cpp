@@ -227,8 +227,35 @@ Answer reply(const GridQuestion&, const AskedMap& map) {
                   {"rows", rows}});
 }
 
-Answer reply(const LocaliseQuestion&, const AskedMap&) {
-  throw std::runtime_error("nobody here knows places");
+json pose_of(const Eigen::Isometry3d& T) {
+  const Eigen::Quaterniond turn(T.linear());
+  return {{"position", row(T.translation())}, {"quaternion", {turn.w(), turn.x(), turn.y(), turn.z()}}};
+}
+
+Answer reply(const LocaliseQuestion&, const AskedMap& map) {
+  if (!map.locate) throw std::runtime_error("the map server keeps no places");
+  const auto [located, frame, T_robot_camera] = map.locate();
+  const PlaceEvidence& e = located.evidence;
+  json reply = {{"found", located.place.has_value()},
+                {"evidence",
+                 {{"features", e.inliers},
+                  {"features_of_another_place", e.other_inliers},
+                  {"keyframes", e.keyframes.size()},
+                  {"overlap", rounded(e.overlap)},
+                  {"rms", rounded(e.rms)},
+                  {"seen_through", rounded(e.seen_through)}}}};
+  if (!located.place) {
+    reply["why_not"] = located.why_not;
+    return as_json(reply);
+  }
+  reply["frame"] = frame;
+  reply["camera"] = pose_of(located.place->T_map_camera);
+  if (T_robot_camera) reply["robot"] = pose_of(located.place->T_map_camera * T_robot_camera->inverse());
+  json covariance = json::array();
+  for (int i = 0; i < 6; ++i)
+    for (int j = i; j < 6; ++j) covariance.push_back(located.place->covariance(i, j));
+  reply["covariance"] = covariance;
+  return as_json(reply);
 }
 
 }  // namespace

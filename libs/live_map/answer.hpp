@@ -1,11 +1,13 @@
 #pragma once
 // Answers to questions (map_query/question.hpp): JSON, or the bytes of a file where the answer is one.
 
+#include <functional>
 #include <memory>
 
 #include <lcmslam/features/landmark.hpp>
 #include <lcmslam/live_map/live_map.hpp>
 #include <lcmslam/map_query/question.hpp>
+#include <lcmslam/places/place_index.hpp>
 
 namespace lcmslam {
 
@@ -16,6 +18,14 @@ struct AskedMap {
   ColouredCloud cloud;                  ///< m, map frame, neither thinned nor averaged
   std::vector<Landmark> landmarks;
   std::optional<Eigen::Isometry3d> T_map_robot;  ///< the newest pose
+
+  /// Where something was seen, and the frame in which that is said.
+  struct Found {
+    Located located;
+    std::string frame;
+    std::optional<Eigen::Isometry3d> T_robot_camera;  ///< of who saw it
+  };
+  std::function<Found()> locate;  ///< empty: nobody here knows places
 };
 
 struct Answer {

@@ -54,6 +54,12 @@ void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose) {
   kept(keyframe, pose.T_map_camera, T_camera_depth);
 }
 
+void LiveMap::adopt(int keyframe, RgbdFrame frame, const FramePose& pose) {
+  const int last = last_keyframe_;
+  keep(keyframe, std::move(frame), pose);
+  last_keyframe_ = last;
+}
+
 void LiveMap::keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera) {
   if (has(keyframe)) return;
   const cv::Mat depth = depth_of_cloud(cloud, calibration_.depth);

@@ -41,6 +41,8 @@ class LiveMap {
   /// The same, and it is kept: the surface and planes grow by it. A keyframe that is there already is left as
   /// it is.
   void keep(int keyframe, RgbdFrame frame, const FramePose& pose);
+  /// The same for a keyframe of another map: frames that follow do not hang on it.
+  void adopt(int keyframe, RgbdFrame frame, const FramePose& pose);
   /// A keyframe of which only the cloud (camera frame, m) is there: space and planes grow by it, the surface
   /// does not.
   void keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera);

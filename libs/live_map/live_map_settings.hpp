@@ -35,8 +35,7 @@ struct LiveMapSettings {
         "frame shows counts at once");
     s.flag("background", background,
            "what is made anew is made beside the frames; without it the frames wait, and the same log gives "
-           "the same "
-           "maps");
+           "the same maps");
     s.section("depth_filter", depth_filter, "takes out of a depth image what no surface gave");
     s.section("occupancy", occupancy, "free and occupied space");
     s.section("distance", distance, "distances to what is occupied");

@@ -215,7 +215,7 @@ Question::What question_of(const std::string& name) {
   if constexpr (i == std::size(names)) {
     std::string known;
     for (const char* n : names) known += (known.empty() ? "" : ", ") + std::string(n);
-    throw std::invalid_argument("'ask' is none of " + known);
+    throw std::invalid_argument("'ask' is '" + name.substr(0, 40) + "', none of " + known);
   } else {
     if (name == names[i]) return std::variant_alternative_t<i, Question::What>();
     return question_of<i + 1>(name);

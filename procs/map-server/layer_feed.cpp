@@ -113,13 +113,29 @@ LayerWorker::Frame LayerFeed::frame_of(const DenseKeyframe& keyframe) const {
   return found != frames_.end() ? *found : nullptr;
 }
 
-void LayerFeed::keyframe(const DenseKeyframe& keyframe) {
-  if (!calibration_) return;
-  const LayerWorker::Frame frame = frame_of(keyframe);
-  if (!frame) return worker_.keep(keyframe.id, keyframe.cloud, keyframe.T_world_camera);
-  const FramePose depth_time{keyframe.T_world_camera, Eigen::Isometry3d::Identity()};
-  worker_.keep(keyframe.id, frame,
-               keyframe.utime == frame->utime ? pose_at_colour(*frame, keyframe.T_world_camera) : depth_time);
+std::optional<StoredImages> LayerFeed::keyframe(const DenseKeyframe& keyframe, const KeptImages& kept) {
+  if (!calibration_) return std::nullopt;
+  std::optional<StoredImages> images;
+  LayerWorker::Frame frame = frame_of(keyframe);
+  FramePose pose{keyframe.T_world_camera, Eigen::Isometry3d::Identity()};
+  if (frame) {
+    if (keyframe.utime == frame->utime) pose = pose_at_colour(*frame, keyframe.T_world_camera);
+    images = StoredImages{*frame, pose.T_colour_depth_time};
+    images->frame.amplitude = {};
+  } else if (const auto before = kept ? kept() : std::nullopt) {
+    frame = std::make_shared<EncodedFrame>(before->frame);
+    pose.T_colour_depth_time = before->T_colour_depth_time;
+  }
+  frame ? worker_.keep(keyframe.id, frame, pose)
+        : worker_.keep(keyframe.id, keyframe.cloud, keyframe.T_world_camera);
+  return images;
+}
+
+void LayerFeed::adopt(int id, const Eigen::Isometry3d& T_map_camera,
+                      const std::optional<StoredImages>& images, ColouredCloud cloud) {
+  if (!images) return worker_.keep(id, std::move(cloud), T_map_camera);
+  worker_.adopt(id, std::make_shared<EncodedFrame>(images->frame),
+                {T_map_camera, images->T_colour_depth_time});
 }
 
 void LayerFeed::correct(const DenseMap& map) {

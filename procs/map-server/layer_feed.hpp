@@ -3,9 +3,10 @@
 // maps in a thread of its own: what is derived never delays what arrives.
 
 #include <deque>
+#include <functional>
 #include <optional>
 
-#include <lcmslam/map_store/dense_map.hpp>
+#include <lcmslam/map_store/file/stored_map.hpp>
 #include "procs/map-server/layer_settings.hpp"
 #include "procs/map-server/layer_worker.hpp"
 
@@ -22,11 +23,18 @@ class LayerFeed {
   /// Another map, in another frame: the layers begin anew.
   void begin_map();
 
+  using KeptImages = std::function<std::optional<StoredImages>()>;
+
   // Before calibrate() nothing happens.
   void camera(EncodedFrame frame);
   /// The robot at `utime`, measured against the map.
   void pose(Utime utime, const Eigen::Isometry3d& T_map_robot);
-  void keyframe(const DenseKeyframe& keyframe);
+  /// Gives what is to be kept of it: its images. Where those have not come, or are gone, it is shown with
+  /// what `kept` gives, or else its cloud.
+  std::optional<StoredImages> keyframe(const DenseKeyframe& keyframe, const KeptImages& kept = {});
+  /// A keyframe of another map, which no graph moves: from its images, or its cloud where there are none.
+  void adopt(int id, const Eigen::Isometry3d& T_map_camera, const std::optional<StoredImages>& images,
+             ColouredCloud cloud);
   /// After the graph has moved the map.
   void correct(const DenseMap& map);
   /// Waits until all is done that was handed in, at most so long.

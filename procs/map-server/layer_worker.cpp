@@ -67,6 +67,14 @@ void LayerWorker::keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3
   });
 }
 
+void LayerWorker::adopt(int keyframe, Frame frame, const FramePose& pose) {
+  hand_in([this, keyframe, frame = std::move(frame), pose](LiveMap& map) {
+    if (map.has(keyframe)) return;
+    map.adopt(keyframe, decoded(*frame, map.calibration(), true), pose);
+    count(&State::kept);
+  });
+}
+
 void LayerWorker::correct(std::map<int, Eigen::Isometry3d> T_map_camera) {
   hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.correct(poses); });
 }
@@ -156,7 +164,9 @@ std::shared_ptr<const LiveMap> LayerWorker::map() const {
 
 LayerWorker::State LayerWorker::state() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return state_;
+  State state = state_;
+  state.waiting = static_cast<std::int64_t>(jobs_.size());
+  return state;
 }
 
 }  // namespace lcmslam

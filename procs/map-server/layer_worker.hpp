@@ -35,6 +35,8 @@ class LayerWorker {
   void show(Frame frame, const FramePose& pose, bool with_colour);
   void keep(int keyframe, Frame frame, const FramePose& pose);
   void keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera);
+  /// As keep(), of a map that no graph moves.
+  void adopt(int keyframe, Frame frame, const FramePose& pose);
   void correct(std::map<int, Eigen::Isometry3d> T_map_camera);
   /// Waits until all is done, at most so long; whoever works without a thread does all.
   void settle(std::chrono::steady_clock::duration longest);
@@ -45,6 +47,7 @@ class LayerWorker {
   struct State {
     std::int64_t shown = 0;      ///< frames that were no keyframes
     std::int64_t kept = 0;       ///< keyframes
+    std::int64_t waiting = 0;    ///< keyframes and corrections
     std::int64_t left_out = 0;   ///< because others came
     std::int64_t imageless = 0;  ///< keyframes of which only the cloud was there
     std::int64_t failed = 0;     ///< that could not be read

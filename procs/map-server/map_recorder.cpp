@@ -3,10 +3,10 @@
 #include <spdlog/spdlog.h>
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/messages/decode.hpp>
-#include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/runtime/version.hpp>
 
@@ -14,8 +14,7 @@ namespace lcmslam {
 namespace {
 
 constexpr Utime half_frame = 17'000;      // us, at 30 Hz
-constexpr std::size_t most_recent = 100;  // frames of features, poses
-constexpr std::size_t most_wanted = 32;   // keyframes that wait for features
+constexpr std::size_t most_recent = 100;  // poses
 constexpr std::size_t most_sensors = 16;
 
 StoredEdge stored(const graph_edge_t& edge) {
@@ -32,6 +31,14 @@ std::vector<StoredEdge> edges_between(const FollowedGraph& graph, const Followed
     } catch (const DecodeError&) {
     }
   return edges;
+}
+
+StoredSession placed(const Joint& joint) {
+  StoredSession place;
+  place.state = SessionState::joined;
+  place.T_map_session = joint.T_map_session;
+  place.evidence = to_string(joint);
+  return place;
 }
 
 template <class Item>
@@ -89,6 +96,7 @@ MapRecorder::Session& MapRecorder::begin_session(const std::string& mapper, cons
   for (const StoredSession& old : stored_)
     if (old.mapper == mapper && old.sender == key.sender && old.frame == key.frame) begun.id = old.id;
   if (begun.id != 0) {
+    session.kept_id = begun.id;
     session.keyframes = stored_keyframes_[begun.id];
     kept_.erase(std::remove_if(kept_.begin(), kept_.end(),
                                [&](const KeptSession& kept) { return kept.id == begun.id; }),
@@ -124,13 +132,21 @@ void MapRecorder::put_keyframe(Session& s, const DenseKeyframe& keyframe) {
   s.keyframes.insert(keyframe.id);
   const auto covariance = covariance_at(keyframe.utime);
   writer_.change(s.number, [&](SessionChanges& changes) { changes.put_keyframe(keyframe, covariance); });
-  const Wanted wanted{s.number, keyframe.id, keyframe.utime};
-  const auto distance = [&](const features_t& f) { return std::abs(f.utime - keyframe.utime); };
-  const auto nearest =
-      std::min_element(recent_features_.begin(), recent_features_.end(),
-                       [&](const features_t& a, const features_t& b) { return distance(a) < distance(b); });
-  if (nearest == recent_features_.end() || !give_features(wanted, *nearest))
-    push_bounded(wanted_, wanted, most_wanted);
+}
+
+void MapRecorder::images(const SessionKey& key, std::int32_t keyframe, StoredImages images) {
+  writer_.change(session("icp", key).number,
+                 [&](SessionChanges& changes) { changes.put_images(keyframe, std::move(images)); });
+}
+
+std::optional<StoredImages> MapRecorder::kept_images(const SessionKey& key, std::int32_t keyframe) {
+  const std::int64_t id = session("icp", key).kept_id;
+  if (id == 0) return std::nullopt;
+  try {
+    return MapFile(file_).images(id, keyframe);
+  } catch (const StoreError&) {
+    return std::nullopt;
+  }
 }
 
 void MapRecorder::graph(const SessionKey& key, const graph_t& message, const FollowedGraph& graph,
@@ -140,6 +156,15 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
   const auto is_gone = [&](std::int32_t id) {
     return graph.nodes().count(id) == 0 && map.keyframes().count(id) == 0;
   };
+  std::set<std::int32_t> gone;
+  for (const std::int32_t id : message.gone)
+    if (s.keyframes.count(id) > 0 && is_gone(id)) gone.insert(id);
+  if (whole) std::copy_if(s.keyframes.begin(), s.keyframes.end(), std::inserter(gone, gone.end()), is_gone);
+  if (s.kept_id != 0 && 2 * gone.size() > s.keyframes.size()) {
+    leave_beside(key, s);
+    for (const auto& [id, keyframe] : map.keyframes()) put_keyframe(s, keyframe);
+    gone.clear();
+  }
   std::set<FollowedGraph::Pair> pairs;
   if (whole)
     for (const auto& [pair, edge] : graph.edges()) pairs.insert(pair);
@@ -148,14 +173,7 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
     pairs.insert({message.cut_from[i], message.cut_to[i]});
 
   writer_.change(s.number, [&](SessionChanges& changes) {
-    for (auto id = s.keyframes.begin(); whole && id != s.keyframes.end();) {
-      const std::int32_t known = *id++;
-      if (!is_gone(known)) continue;
-      changes.drop_keyframe(known);
-      s.keyframes.erase(known);
-    }
-    for (const std::int32_t id : message.gone) {
-      if (!is_gone(id)) continue;
+    for (const std::int32_t id : gone) {
       changes.drop_keyframe(id);
       s.keyframes.erase(id);
     }
@@ -169,6 +187,14 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
     if (whole) changes.clear_edges();
     for (const auto& pair : pairs) changes.set_edges(pair, edges_between(graph, pair));
   });
+}
+
+/// What this server has not in memory would be lost: the file keeps it as it is.
+void MapRecorder::leave_beside(const SessionKey& key, Session& s) {
+  for (std::size_t i = 0; i < stored_.size(); ++i)
+    if (stored_[i].id == s.kept_id) kept_.push_back({s.kept_id, "icp", names_of(stored_)[i]});
+  s = {};
+  s.number = writer_.begin_session({0, "icp", key.sender, key.frame});
 }
 
 void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map) {
@@ -205,23 +231,22 @@ std::optional<Matrix6d> MapRecorder::covariance_at(Utime utime) const {
   return nearest;
 }
 
-void MapRecorder::features(const features_t& message) {
-  push_bounded(recent_features_, message, most_recent);
-  wanted_.erase(std::remove_if(wanted_.begin(), wanted_.end(),
-                               [&](const Wanted& wanted) { return give_features(wanted, message); }),
-                wanted_.end());
+void MapRecorder::features(const SessionKey& key, std::int32_t keyframe, const FeatureFrame& features) {
+  writer_.change(session("icp", key).number,
+                 [&](SessionChanges& changes) { changes.put_features(keyframe, features); });
 }
 
-/// Whether these are of the keyframe's moment. Features that cannot be read are left out.
-bool MapRecorder::give_features(const Wanted& wanted, const features_t& message) {
-  if (std::abs(message.utime - wanted.utime) > half_frame) return false;
-  try {
-    const FeatureFrame frame = from_message(message);
-    writer_.change(wanted.session,
-                   [&](SessionChanges& changes) { changes.put_features(wanted.keyframe, frame); });
-  } catch (const DecodeError&) {
-  }
-  return true;
+void MapRecorder::place(const SessionKey& key, const Joint& joint) {
+  writer_.place(session("icp", key).number, placed(joint));
+}
+
+void MapRecorder::place(std::int64_t stored, const Joint& joint) {
+  for (const StoredSession& old : stored_)
+    if (old.id == stored) writer_.place(writer_.begin_session(old), placed(joint));
+}
+
+std::int64_t MapRecorder::stored(const std::string& mapper, const SessionKey& key) {
+  return session(mapper, key).kept_id;
 }
 
 void MapRecorder::calibration(const camera_calibration_t& message) {

@@ -9,10 +9,10 @@
 #include <string>
 
 #include <lcmslam/camera_calibration_t.hpp>
-#include <lcmslam/features_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/map_store/file/store_writer.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
+#include <lcmslam/places/session_joiner.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include "procs/map-server/session_table.hpp"
 
@@ -33,16 +33,23 @@ class MapRecorder {
   /// After the message changed the map. `whole`: all of the map may be another.
   void landmarks(const SessionKey& key, const landmarks_t& message, const LandmarkMap& map, bool whole);
   void keyframe(const SessionKey& key, const DenseKeyframe& keyframe);
-  /// After graph and map have followed the message.
+  /// What it was shown to derived maps with.
+  void images(const SessionKey& key, std::int32_t keyframe, StoredImages images);
+  /// As an earlier run of this server kept them, for a session that goes on; what cannot be read is not
+  /// there.
+  std::optional<StoredImages> kept_images(const SessionKey& key, std::int32_t keyframe);
+  /// After graph and map have followed the message. A graph that takes the most of what the file has away
+  /// leaves that beside: the map goes on in a session of its own.
   void graph(const SessionKey& key, const graph_t& message, const FollowedGraph& graph, const DenseMap& map);
   /// Maps that nobody adds to any more: sessions of their own, whatever is in the file.
   void kept_beside(const SessionKey& key, const DenseMap& map);
   void kept_beside(const SessionKey& key, const LandmarkMap& map);
   /// A mapper's pose of the robot.
   void pose(const std::string& mapper, const SessionKey& key, const pose_estimate_t& message);
-  /// A keyframe has the features of the frame that is nearest to it, within half the time between two frames,
-  /// whichever of them comes first.
-  void features(const features_t& message);
+  void features(const SessionKey& key, std::int32_t keyframe, const FeatureFrame& features);
+  /// Where a session lies: the mapper's, or one of an earlier run.
+  void place(const SessionKey& key, const Joint& joint);
+  void place(std::int64_t stored, const Joint& joint);
   void calibration(const camera_calibration_t& message);
 
   /// Writes what waits; false: it could not be written.
@@ -55,26 +62,24 @@ class MapRecorder {
   /// Of earlier runs, in the order in which they began; not those without a map, nor those whose mapper has
   /// been heard again: while that lives its session goes on.
   const std::vector<KeptSession>& kept() const { return kept_; }
+  /// Id in the file of the session that goes on from an earlier run; 0: it is none.
+  std::int64_t stored(const std::string& mapper, const SessionKey& key);
   /// Sessions of earlier runs, whether they have a map or not: so many numbers are taken.
   std::size_t kept(const std::string& mapper) const;
 
  private:
   struct Session {
     std::size_t number = 0;            // the writer's
+    std::int64_t kept_id = 0;          // in the file, of one that goes on from an earlier run; 0: none
     std::set<std::int32_t> keyframes;  // that the file has
-  };
-  struct Wanted {
-    std::size_t session = 0;  // the writer's number
-    std::int32_t keyframe = 0;
-    Utime utime = 0;
   };
 
   void read_kept();
   Session& session(const std::string& mapper, const SessionKey& key);
   Session& begin_session(const std::string& mapper, const SessionKey& key, Session& session);
+  void leave_beside(const SessionKey& key, Session& session);
   void put_keyframe(Session& session, const DenseKeyframe& keyframe);
   std::optional<Matrix6d> covariance_at(Utime utime) const;
-  bool give_features(const Wanted& wanted, const features_t& message);
 
   std::filesystem::path file_;
   std::string unreadable_;                                           // why an old file could not be read
@@ -84,8 +89,6 @@ class MapRecorder {
   std::map<std::string, std::size_t> kept_by_mapper_;
   std::map<std::pair<std::string, std::pair<std::int64_t, std::string>>, Session> sessions_;
   std::deque<std::pair<Utime, Matrix6d>> covariances_;  // of the last ICP_POSEs
-  std::deque<features_t> recent_features_;
-  std::deque<Wanted> wanted_;  // keyframes whose features have not come
   std::map<std::string, std::vector<std::uint8_t>> calibrations_;
   StoreWriter writer_;
 };

@@ -55,6 +55,16 @@ AskedMap MapServerNode::asked_map(const Question& question) const {
     for (const Landmark& landmark : session.map.landmarks())
       if (q->region.contains(landmark.mean)) map.landmarks.push_back(landmark);
   }
+  if (const auto* q = std::get_if<LocaliseQuestion>(&question.what); q != nullptr && places_) {
+    const auto features = keyframe_features_.at(q->utime);
+    if (!features) throw std::runtime_error("no FEATURES of that time have come, or they are gone");
+    map.locate = [places = places_.get(), features = *features, frame = map.frame] {
+      SessionPlaces::Answer answer = places->locate(features);
+      AskedMap::Found found{std::move(answer.located), answer.in_current ? frame : "the file's map", {}};
+      if (features.has_mount) found.T_robot_camera = features.T_robot_camera;
+      return found;
+    };
+  }
   return map;
 }
 

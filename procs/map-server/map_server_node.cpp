@@ -18,6 +18,9 @@ namespace {
 constexpr Utime resend_period = 2'000'000;   // us of message time between two requests
 constexpr Utime longest_behind = 1'000'000;  // us that a map may be older than its mapper's poses say
 
+// Ids of the file's keyframes among those of the derived maps; mappers' own begin at 0.
+constexpr int first_kept_id = 1'000'000'000;
+
 constexpr auto longest_settling = std::chrono::seconds(4);
 
 std::size_t size(int setting) {
@@ -86,7 +89,11 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
       most_export_folders_(size(settings.export_folders)),
       desk_(settings.layers.map.background) {
   if (settings.layers.make) layers_.emplace(settings.layers);
-  if (!settings.store.empty()) recorder_.emplace(folder_ / settings.store, text_of(settings));
+  if (settings.places)
+    places_ = std::make_unique<SessionPlaces>(settings.store.empty() ? "" : folder_ / settings.store,
+                                              settings.layers.map.background);
+  if (!settings.store.empty() && settings.mode == "map")
+    recorder_.emplace(folder_ / settings.store, text_of(settings));
 }
 
 void MapServerNode::connect(Inputs& inputs) {
@@ -104,8 +111,8 @@ void MapServerNode::connect(Inputs& inputs) {
   stamps_ = &inputs.stamps();
   inputs.subscribe<camera_calibration_t>("CAMERA_CALIBRATION", 10,
                                          [this](const camera_calibration_t& m) { on_calibration(m); });
-  if (recorder_)
-    inputs.subscribe<features_t>("FEATURES", 100, [this](const features_t& m) { recorder_->features(m); });
+  if (recorder_ || places_)
+    inputs.subscribe<features_t>("FEATURES", 100, [this](const features_t& m) { on_features(m); });
   if (layers_) inputs.subscribe_measured<images_t>("CAMERA", 10, [this](const images_t& m) { on_camera(m); });
 }
 
@@ -122,6 +129,7 @@ void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
   if (dense_maps_.hear(key_of(message))) {
     icp_path_.clear();
     if (layers_) layers_->begin_map();
+    begin_places(key_of(message));
   }
   add_to_path(icp_path_, message);
   T_map_robot_ = from_message(message.T_map_robot, "T_map_robot");
@@ -208,7 +216,34 @@ void MapServerNode::on_keyframe(const keyframe_t& message) {
   if (!complete) return;
   const DenseKeyframe& keyframe = map.keyframes().at(tile.part.id);
   if (recorder_) recorder_->keyframe(key_of(message), keyframe);
-  if (layers_ && is_current(key_of(message))) layers_->keyframe(keyframe);
+  if (const auto found = keyframe_features_.keyframe({key_of(message), keyframe.id, keyframe.utime}))
+    remember(*found);
+  if (layers_ && is_current(key_of(message))) derive_from(key_of(message), keyframe);
+}
+
+void MapServerNode::on_features(const features_t& message) {
+  for (const KeyframeFeatures::Found& found : keyframe_features_.features(message)) remember(found);
+}
+
+/// A keyframe has its features.
+void MapServerNode::remember(const KeyframeFeatures::Found& found) {
+  const auto& [key, id, utime] = found.keyframe;
+  if (recorder_) recorder_->features(key, id, found.features);
+  const auto* session = dense_maps_.find(key);
+  if (!places_ || !is_current(key) || session == nullptr) return;
+  const auto keyframe = session->map.keyframes().find(id);
+  if (keyframe != session->map.keyframes().end())
+    places_->keyframe(id, keyframe->second.T_world_camera, found.features, keyframe->second.cloud);
+}
+
+void MapServerNode::begin_places(const SessionKey& key) {
+  if (places_) places_->begin_session(recorder_ ? recorder_->stored("icp", key) : 0);
+}
+
+void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyframe) {
+  auto images = layers_->keyframe(
+      keyframe, [&] { return recorder_ ? recorder_->kept_images(key, keyframe.id) : std::nullopt; });
+  if (recorder_ && images) recorder_->images(key, keyframe.id, std::move(*images));
 }
 
 void MapServerNode::on_graph(const graph_t& message) {
@@ -225,7 +260,13 @@ void MapServerNode::on_graph(const graph_t& message) {
   lcmslam::follow(session->map, session->graph, message);
   ++changes_;
   if (recorder_) recorder_->graph(session->key, message, session->graph, session->map);
-  if (layers_ && is_current(session->key)) layers_->correct(session->map);
+  if (!is_current(session->key)) return;
+  if (layers_) layers_->correct(session->map);
+  if (!places_) return;
+  for (const graph_node_t& told : message.nodes)
+    if (const auto moved = session->map.keyframes().find(told.keyframe);
+        moved != session->map.keyframes().end())
+      places_->move(moved->first, moved->second.T_world_camera);
 }
 
 // A map that stays behind what its mapper's poses name has lost something: this server restarted, or a
@@ -292,6 +333,8 @@ void MapServerNode::keep_what_is_reset(const command_t& command) {
 std::optional<Node::Duration> MapServerNode::work() {
   note_saving(false);
   note_store();
+  note_joined();
+  show_kept();
   for (const QuestionDesk::Answered& answered : desk_.take()) {
     if (answered.error.empty()) ++answered_;
     replies_.add(answered);
@@ -332,6 +375,32 @@ void MapServerNode::finish() {
   if (recorder_) recorder_->flush();
   note_store();
   finished_ = true;
+}
+
+/// Sessions whose place in the file's map was found.
+void MapServerNode::note_joined() {
+  if (!places_) return;
+  for (const SessionPlaces::Joined& joined : places_->take_joined()) {
+    joined_ += !joined.again;
+    const Eigen::Vector3d at = joined.joint.T_map_session.translation();
+    spdlog::info("{} lies at {:.2f} {:.2f} {:.2f} m, {:.1f} deg in the map: {}",
+                 joined.stored == 0 ? "this session" : fmt::format("session {} of the file", joined.stored),
+                 at.x(), at.y(), at.z(), yaw(joined.joint.T_map_session) * 180 / M_PI,
+                 to_string(joined.joint));
+    if (!recorder_) continue;
+    if (joined.stored != 0)
+      recorder_->place(joined.stored, joined.joint);
+    else if (!dense_maps_.empty())
+      recorder_->place(dense_maps_.all()[dense_maps_.current()].key, joined.joint);
+  }
+}
+
+/// What the file's map has is shown to derived maps beside what is new, when those have nothing to do.
+void MapServerNode::show_kept() {
+  if (!places_ || !layers_ || !layers_->calibration() || layers_->state().waiting > 2) return;
+  if (auto kept = places_->next_kept())
+    layers_->adopt(first_kept_id + kept->number, kept->T_session_camera, kept->images,
+                   kept->cloud.value_or(ColouredCloud()));
 }
 
 /// Once when it begins and once when it is over: STATUS says it all the time.
@@ -381,6 +450,12 @@ NodeReport MapServerNode::report() const {
     if (const auto live = layers_->map())
       report.values.emplace_back("layer_memory_mb", 1e-6 * number(live->memory_bytes()));
     if (!layers.error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + layers.error;
+  }
+  if (places_) {
+    report.values.emplace_back("kept_keyframes", number(places_->kept_keyframes()));
+    report.values.emplace_back("sessions_joined", number(joined_));
+    const std::string error = recorder_ ? "" : places_->error();
+    if (!error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + error;
   }
   if (recorder_) {
     const StoreWriter::State store = recorder_->state();

@@ -16,12 +16,14 @@
 #include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/runtime/node.hpp>
+#include "procs/map-server/keyframe_features.hpp"
 #include "procs/map-server/layer_feed.hpp"
 #include "procs/map-server/map_files.hpp"
 #include "procs/map-server/map_recorder.hpp"
 #include "procs/map-server/map_server_settings.hpp"
 #include "procs/map-server/question_desk.hpp"
 #include "procs/map-server/reply_tiles.hpp"
+#include "procs/map-server/session_places.hpp"
 #include "procs/map-server/session_table.hpp"
 
 namespace lcmslam {
@@ -47,6 +49,12 @@ class MapServerNode : public Node {
   void on_landmarks(const landmarks_t& message);
   void keep_beside(const landmarks_t& message, LandmarkMap& map, LandmarkMap before);
   void on_keyframe(const keyframe_t& message);
+  void on_features(const features_t& message);
+  void remember(const KeyframeFeatures::Found& found);
+  void begin_places(const SessionKey& key);
+  void note_joined();
+  void show_kept();
+  void derive_from(const SessionKey& key, const DenseKeyframe& keyframe);
   void on_graph(const graph_t& message);
   void on_fastslam_pose(const pose_estimate_t& message);
   void on_icp_pose(const pose_estimate_t& message);
@@ -94,6 +102,9 @@ class MapServerNode : public Node {
   std::optional<MapRecorder> recorder_;  // none: no file was asked for
   std::string store_failure_;            // as it was last told; empty: none
   std::optional<LayerFeed> layers_;      // none: nothing is derived
+  KeyframeFeatures keyframe_features_;
+  std::unique_ptr<SessionPlaces> places_;  // null: nothing is remembered
+  std::int64_t joined_ = 0;                // sessions whose place was found
   camera_calibration_t calibration_message_;
   const StampJudge* stamps_ = nullptr;
   std::optional<Eigen::Isometry3d> T_map_robot_;  // of the newest ICP_POSE

@@ -10,6 +10,7 @@ namespace lcmslam {
 struct MapServerSettings {
   std::filesystem::path folder = "out/maps";
   std::string store = "map.lcmslam";
+  std::string mode = "map";
   double resolution = 0.02;
   double snapshot_period = 20;
   int export_folders = 20;
@@ -19,6 +20,7 @@ struct MapServerSettings {
   int max_points = 20'000'000;
   int max_incomplete = 32;
   int max_path = 100'000;
+  bool places = true;
   LayerSettings layers;
 
   void describe(SettingsVisitor& s) {
@@ -29,6 +31,11 @@ struct MapServerSettings {
         "there is gone on with; empty: none");
     s.require(store.find('/') == std::string::npos && store.substr(0, 1) != ".", "store",
               "must be the name of a file, without a folder and without a dot in front");
+    s.choice(
+        "mode", mode, {"map", "localise"},
+        "map: what comes is written into the file beside what it has; localise: the file is only read, and "
+        "says where the robot is in it");
+    s.require(mode == "map" || !store.empty(), "store", "must name the map in which to localise");
     s.number("resolution", resolution, "m", {0.001, 1}, "of the merged dense map");
     s.number("snapshot_period", snapshot_period, "s", {0, 3600},
              "between two savings of what changed while mapping; 0: only at the end");
@@ -44,6 +51,10 @@ struct MapServerSettings {
     s.number("max_incomplete", max_incomplete, "", {1, 10000},
              "keyframes of a map that wait for tiles; then the oldest is given up and asked for again");
     s.number("max_path", max_path, "", {10, 1e8}, "poses of a path; then every second one goes");
+    s.flag(
+        "places", places,
+        "keyframes are remembered by what they look like: by them sessions find each other, and who is lost "
+        "his place");
     s.section("layers", layers, "maps that are derived from the camera's images, and answer questions");
   }
 };

@@ -101,6 +101,7 @@ BatchResult run_batch(const BatchOptions& options, const BatchPlan& plan) {
   config.set("map-server.folder", yaml_quoted(std::filesystem::absolute(options.folder).string()));
   config.set("map-server.snapshot_period", "0");  // an aborted run leaves nothing
   config.set("map-server.layers.background", "false");
+  config.set("map-server.places", "false");
   config.set("map-server.store", "''");  // its bytes depend on the clock, a batch's do not
   // Of more threads than processors TBB prints a warning.
   cv::setNumThreads(std::min(options.threads, cv::getNumberOfCPUs()));

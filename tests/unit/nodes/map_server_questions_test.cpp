@@ -6,6 +6,7 @@
 
 #include <lcmslam/map_query/question.hpp>
 #include <lcmslam/map_reply_t.hpp>
+#include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include "procs/map-server/map_server_node.hpp"
 #include "tests/support/simulated_kitchen.hpp"
@@ -29,13 +30,14 @@ int number(int k) {
 class MapServerQuestions : public ::testing::Test {
  protected:
   /// Frames with their true poses, every third one a keyframe that stands `shift` beside its place.
-  void drive(const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
+  void drive(const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) { drive(bus_, shift, true); }
+  void drive(testing::TestBus& bus, const Eigen::Vector3d& shift, bool with_images) {
     SimulatedKitchen& kitchen = SimulatedKitchen::instance();
-    bus_.deliver("CAMERA_CALIBRATION", kitchen.calibration());
+    bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
     const RgbdCalibration calibration = kitchen.simulation().calibration();
     for (int k = 0; k < frames; ++k) {
       const images_t& images = kitchen.frame(number(k));
-      bus_.deliver("CAMERA", images);
+      if (with_images) bus.deliver("CAMERA", images);
       const EncodedFrame frame = from_message(images);
       const Utime depth_time = calibration.depth_time(frame.depth.utime);
       pose_estimate_t pose =
@@ -44,7 +46,7 @@ class MapServerQuestions : public ::testing::Test {
       pose.sender = 3;
       pose.frame = "map";
       pose.status = pose_estimate_t::TRACKING;
-      bus_.deliver("ICP_POSE", pose);
+      bus.deliver("ICP_POSE", pose);
       if (k % keyframe_every != 0) continue;
       DenseKeyframe keyframe;
       keyframe.id = k;
@@ -56,7 +58,7 @@ class MapServerQuestions : public ::testing::Test {
         tile.seq = seq_++;
         tile.sender = 3;
         tile.frame = "map";
-        bus_.deliver("ICP_KEYFRAME", tile);
+        bus.deliver("ICP_KEYFRAME", tile);
       }
     }
   }
@@ -269,6 +271,28 @@ TEST_F(MapServerQuestions, AnotherMapBeginsAnew) {
   pose.frame = "map-2";
   bus_.deliver("ICP_POSE", pose);
   EXPECT_EQ(share_of(answer(question)["states"], "unknown"), 1);
+}
+
+// Its mapper lived on and sends its keyframes again; the camera's images of that time are gone.
+TEST_F(MapServerQuestions, ARestartedServerDerivesAnewFromImagesThatItKept) {
+  const std::string configuration = "{folder: " + scratch_.path().string() + ", layers: {background: false}}";
+  {
+    testing::TestBus bus;
+    bus.add<MapServerNode>(ConfigNode::parse(configuration));
+    drive(bus, {0, 0, 0}, true);
+    bus.finish();
+  }
+  const auto mesh = scratch_.path() / "icp_mesh.ply";
+  ASSERT_GT(std::filesystem::file_size(mesh), 100'000U);
+  std::filesystem::remove(mesh);
+  EXPECT_EQ(MapFile(scratch_.path() / "map.lcmslam").counts(1).images, frames / keyframe_every);
+  testing::TestBus bus;
+  MapServerNode& node = bus.add<MapServerNode>(ConfigNode::parse(configuration));
+  drive(bus, {0, 0, 0}, false);
+  EXPECT_EQ(value_of(node, "layer_keyframes"), frames / keyframe_every);
+  EXPECT_EQ(value_of(node, "layer_imageless"), 0);
+  bus.finish();
+  EXPECT_GT(std::filesystem::file_size(mesh), 100'000U);
 }
 
 TEST_F(MapServerQuestions, WhatCannotBeAnsweredSaysWhy) {

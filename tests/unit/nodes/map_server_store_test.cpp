@@ -259,6 +259,26 @@ TEST_F(MapServerStore, SessionsOfMappersThatLiveOnGoOn) {
   EXPECT_THAT(faults(), IsEmpty());
 }
 
+// What the new server has not in memory is in the file alone.
+TEST_F(MapServerStore, AGraphThatTakesTheMostAwayLeavesTheFilesMapBeside) {
+  {
+    Server server(run());
+    for (int id = 0; id < 5; ++id) server.keyframe(id, 0, 20);
+    server.finish();
+  }
+  Server server(run());
+  server.keyframe(5);
+  server.graph(7, true, {0, 5});
+  server.finish();
+  MapFile read(file());
+  ASSERT_EQ(read.sessions().size(), 2U);
+  for (int id = 0; id < 5; ++id) EXPECT_EQ(read.dense_map(1).keyframes().count(id), 1U) << id;
+  EXPECT_EQ(read.dense_map(2).keyframes().size(), 1U);
+  EXPECT_EQ(value_of(server.node(), "kept_sessions"), 1);
+  EXPECT_GE(load_ply(run() / "icp-session1_map.ply").size(), 100U);
+  EXPECT_THAT(faults(), IsEmpty());
+}
+
 TEST_F(MapServerStore, WhatIsTakenAwayIsKeptBesideInTheFile) {
   Server server(run());
   server.landmarks(1, 0, {10, 11, 12, 13, 14});

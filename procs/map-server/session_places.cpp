@@ -1,0 +1,199 @@
+#include "procs/map-server/session_places.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t most_jobs = 200;
+
+std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
+  return (session << 32) + keyframe;
+}
+
+}  // namespace
+
+SessionPlaces::SessionPlaces(const std::filesystem::path& file, bool background) : file_(file) {
+  if (background) thread_ = std::thread([this] { work(); });
+  hand_in([this] { load(); });
+}
+
+SessionPlaces::~SessionPlaces() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard<std::mutex> lock(jobs_mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void SessionPlaces::work() {
+  std::unique_lock<std::mutex> lock(jobs_mutex_);
+  while (true) {
+    wake_.wait(lock, [&] { return stop_ || !jobs_.empty(); });
+    if (stop_) return;
+    const auto job = std::move(jobs_.front());
+    jobs_.pop_front();
+    lock.unlock();
+    job();
+    lock.lock();
+  }
+}
+
+/// Where it is behind, the oldest goes: other keyframes will be found.
+void SessionPlaces::hand_in(std::function<void()> job) {
+  if (!thread_.joinable()) return job();
+  {
+    const std::lock_guard<std::mutex> lock(jobs_mutex_);
+    if (jobs_.size() >= most_jobs) jobs_.erase(jobs_.begin() + 1);  // the first may be load()
+    jobs_.push_back(std::move(job));
+  }
+  wake_.notify_all();
+}
+
+void SessionPlaces::load() {
+  if (!std::filesystem::exists(file_)) return;
+  try {
+    MapFile map(file_);
+    std::vector<StoredSession> unknown;
+    bool first = true;
+    for (const StoredSession& session : map.sessions()) {
+      if (session.mapper != "icp" || map.counts(session.id).features == 0) continue;
+      if (first || session.T_map_session)
+        add_session(map, session.id, session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
+      else
+        unknown.push_back(session);
+      first = false;
+    }
+    for (const StoredSession& session : unknown) join_stored(map, session.id);
+  } catch (const std::exception& error) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    error_ = error.what();
+  }
+}
+
+void SessionPlaces::add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session) {
+  for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+    const auto features = map.features(session, keyframe.id);
+    const auto cloud = map.cloud(session, keyframe.id);
+    const Eigen::Isometry3d T_map_camera = T_map_session * keyframe.T_map_camera;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    kept_.push_back({session, keyframe.id, T_map_camera});
+    if (features && cloud) map_.add(index_key(session, keyframe.id), T_map_camera, *features, *cloud);
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  T_map_session_[session] = T_map_session;
+  if (session == stored_current_) T_map_current_ = T_map_session;
+}
+
+void SessionPlaces::join_stored(MapFile& map, std::int64_t session) {
+  SessionJoiner joiner;
+  for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+    if (joiner.done()) break;
+    const auto features = map.features(session, keyframe.id);
+    const auto cloud = map.cloud(session, keyframe.id);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (features && cloud) joiner.add(keyframe.T_map_camera, *features, *cloud, map_);
+  }
+  if (!joiner.joint()) return;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    joined_.push_back({session, *joiner.joint()});
+  }
+  add_session(map, session, joiner.joint()->T_map_session);
+}
+
+void SessionPlaces::begin_session(std::int64_t stored) {
+  hand_in([this, stored] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    leave_current();
+    current_ = PlaceIndex();
+    joiner_ = SessionJoiner();
+    next_kept_ = 0;
+    stored_current_ = stored;
+    const auto known = T_map_session_.find(stored);
+    T_map_current_.reset();
+    if (known != T_map_session_.end()) T_map_current_ = known->second;
+  });
+}
+
+/// A mapper that begins anew looks for its last map, too, where it is known how that lies.
+void SessionPlaces::leave_current() {
+  if (map_.size() == 0) T_map_current_ = Eigen::Isometry3d::Identity();
+  if (T_map_current_ && T_map_session_.count(stored_current_) == 0)
+    map_.take_over(current_, *T_map_current_, index_key(-(++left_), 0));
+}
+
+void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera,
+                             FeatureFrame features, ColouredCloud cloud) {
+  hand_in([this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    current_.add(id, T_session_camera, features, cloud);
+    const bool known = T_map_session_.count(stored_current_) > 0;
+    if (known || map_.size() == 0 || joiner_.done()) return;
+    joiner_.add(T_session_camera, features, cloud, map_);
+    if (!joiner_.joint()) return;
+    const bool again = T_map_current_.has_value();
+    T_map_current_ = joiner_.joint()->T_map_session;
+    if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again});
+  });
+}
+
+void SessionPlaces::move(std::int32_t id, const Eigen::Isometry3d& T_session_camera) {
+  hand_in([this, id, T_session_camera] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    current_.move(id, T_session_camera);
+  });
+}
+
+std::vector<SessionPlaces::Joined> SessionPlaces::take_joined() {
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);  // else the next time
+  return lock ? std::exchange(joined_, {}) : std::vector<Joined>();
+}
+
+std::optional<Eigen::Isometry3d> SessionPlaces::T_map_session() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return T_map_current_;
+}
+
+SessionPlaces::Answer SessionPlaces::locate(const FeatureFrame& features) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Answer answer{current_.locate(features), true};
+  if (answer.located.place) return answer;
+  Located in_map = map_.locate(features);
+  if (!in_map.place) return answer;
+  answer = {std::move(in_map), T_map_current_.has_value()};
+  if (T_map_current_)
+    answer.located.place->T_map_camera = T_map_current_->inverse() * answer.located.place->T_map_camera;
+  return answer;
+}
+
+/// Of a session that goes on from an earlier run its mapper sends its own keyframes again.
+std::optional<SessionPlaces::KeptKeyframe> SessionPlaces::next_kept() {
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+  if (!lock || !T_map_current_) return std::nullopt;
+  while (next_kept_ < kept_.size() && kept_[next_kept_].session == stored_current_) ++next_kept_;
+  if (next_kept_ >= kept_.size()) return std::nullopt;
+  const Kept& kept = kept_[next_kept_];
+  KeptKeyframe keyframe{
+      static_cast<int>(next_kept_++), T_map_current_->inverse() * kept.T_map_camera, {}, {}};
+  try {
+    MapFile map(file_);
+    keyframe.images = map.images(kept.session, kept.keyframe);
+    if (!keyframe.images) keyframe.cloud = map.cloud(kept.session, kept.keyframe);
+  } catch (const std::exception& error) {
+    error_ = error.what();
+  }
+  return keyframe;
+}
+
+std::size_t SessionPlaces::kept_keyframes() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return map_.size();
+}
+
+std::string SessionPlaces::error() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return error_;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,105 @@
+#pragma once
+// Where the current session lies in the map that the file had when this server began, and where in both
+// something was seen. Works in a thread of its own.
+//
+// The map's frame is that of the file's first dense session. Sessions of earlier runs whose place is not
+// known are looked for in it first, then each new keyframe.
+
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include <lcmslam/map_store/file/map_file.hpp>
+#include <lcmslam/places/session_joiner.hpp>
+
+namespace lcmslam {
+
+class SessionPlaces {
+ public:
+  /// Without `background` all is done by who hands it in. A file that is not there is an empty map; one that
+  /// cannot be read, too: error() says why.
+  SessionPlaces(const std::filesystem::path& file, bool background);
+  ~SessionPlaces();
+  SessionPlaces(const SessionPlaces&) = delete;
+  SessionPlaces& operator=(const SessionPlaces&) = delete;
+
+  /// Another current session; what was found by the last one stays in the map. `stored`: its id in the file
+  /// when it goes on from an earlier run, else 0.
+  void begin_session(std::int64_t stored);
+
+  // Of the current session.
+  void keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera, FeatureFrame features,
+                ColouredCloud cloud);
+  void move(std::int32_t id, const Eigen::Isometry3d& T_session_camera);
+
+  /// A session whose place was found.
+  struct Joined {
+    std::int64_t stored = 0;  ///< its id in the file; 0: the current one
+    Joint joint;
+    bool again = false;  ///< it was found before, by fewer keyframes
+  };
+  /// Since the last call.
+  std::vector<Joined> take_joined();
+  /// Of the current session: from its frame to the map's, once that is known.
+  std::optional<Eigen::Isometry3d> T_map_session() const;
+
+  struct Answer {
+    Located located;
+    bool in_current = false;  ///< the place stands in the current session's frame, else in the map's
+  };
+  /// In the current session, or else in the map; in the current session's frame wherever that can be said.
+  Answer locate(const FeatureFrame& features);
+
+  /// The next keyframe of the file's map, in the current session's frame, with its images or its cloud: once
+  /// the session was joined, one after the other.
+  struct KeptKeyframe {
+    int number = 0;  ///< from 0
+    Eigen::Isometry3d T_session_camera;
+    std::optional<StoredImages> images;
+    std::optional<ColouredCloud> cloud;
+  };
+  std::optional<KeptKeyframe> next_kept();
+
+  /// Keyframes of the file's map that things can be found by.
+  std::size_t kept_keyframes() const;
+  std::string error() const;
+
+ private:
+  struct Kept {
+    std::int64_t session = 0;
+    std::int32_t keyframe = 0;
+    Eigen::Isometry3d T_map_camera;
+  };
+  void hand_in(std::function<void()> job);
+  void work();
+  void load();
+  void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
+  void leave_current();
+  void join_stored(MapFile& map, std::int64_t session);
+
+  std::filesystem::path file_;
+  std::vector<StoredSession> stored_;  // dense sessions, as they were
+
+  mutable std::mutex mutex_;  // guards what follows, held while something is looked for
+  PlaceIndex map_, current_;
+  SessionJoiner joiner_;
+  std::int64_t stored_current_ = 0;                          // see begin_session()
+  std::map<std::int64_t, Eigen::Isometry3d> T_map_session_;  // of sessions in the file, by id
+  std::optional<Eigen::Isometry3d> T_map_current_;
+  std::int64_t left_ = 0;  // current sessions that the map took over
+  std::vector<Kept> kept_;
+  std::size_t next_kept_ = 0;
+  std::vector<Joined> joined_;
+  std::string error_;
+
+  std::mutex jobs_mutex_;
+  std::condition_variable wake_;
+  std::deque<std::function<void()>> jobs_;
+  bool stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace lcmslam
