@@ -3,9 +3,13 @@
 #include <set>
 
 #include <lcmslam/evaluation/pose_text.hpp>
+#include <lcmslam/map_layers/export_navigation_grid.hpp>
+#include <lcmslam/map_layers/octomap/export_octomap.hpp>
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/surface/mesh_export.hpp>
 #include "tools/map/map_commands.hpp"
+#include "tools/map/rebuilt_layers.hpp"
 #include "tools/output_file.hpp"
 #include "tools/parse_command.hpp"
 
@@ -14,9 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const std::vector<std::string> all_formats = {"ply", "pcd", "csv", "tum", "kitti", "mesh", "octomap", "grid"};
+
 struct ExportOptions {
   std::string file, folder;
-  std::vector<std::string> formats = {"ply", "pcd", "csv", "tum", "kitti"};
+  std::vector<std::string> formats = all_formats;
   std::vector<std::string> sessions;  // empty: all
   double resolution = 0.02;           // m
   bool force = false;
@@ -26,13 +32,15 @@ std::optional<int> parse(ExportOptions& o, int argc, char** argv) {
   CLI::App app{
       "Writes a map file's sessions as files of their own: NAME_map.ply, NAME_map.pcd (clouds merged, "
       "landmarks as points), NAME_landmarks.csv, NAME_trajectory.tum, NAME_trajectory.kitti (with "
-      "_times.txt).",
+      "_times.txt); derived anew from keyframes' images: NAME_mesh.ply, .obj and .glb (mesh), NAME_space.bt "
+      "(octomap), NAME_grid.pgm and .yaml (grid, as ROS's map_server reads it).",
       "lcmslam map export"};
   app.add_option("file", o.file, "an .lcmslam file")->required();
   app.add_option("folder", o.folder, "that takes the files, made where it is missing")->required();
-  app.add_option("--formats", o.formats, "ply, pcd, csv, tum, kitti; several with commas between (all)")
+  app.add_option("--formats", o.formats,
+                 "ply, pcd, csv, tum, kitti, mesh, octomap, grid; several with commas between (all)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"ply", "pcd", "csv", "tum", "kitti"}));
+      ->check(CLI::IsMember(all_formats));
   app.add_option("--sessions", o.sessions, "NAMES as `map info` has them, with commas between (all)")
       ->delimiter(',');
   app.add_option("--resolution", o.resolution, "m, of merged clouds (0.02); 0: all points as they are")
@@ -76,6 +84,8 @@ class Exporter {
       if (wants("csv")) save_csv(file(name + "_landmarks.csv"), landmarks);
     }
     save_trajectory(session, name);
+    if (counts.images > 0 && (wants("mesh") || wants("octomap") || wants("grid")))
+      save_derived(session, name);
   }
 
   template <class Points>
@@ -92,6 +102,22 @@ class Exporter {
     sort_trajectory(trajectory);
     if (wants("tum")) save_tum(file(name + "_trajectory.tum"), trajectory, {session.frame, "robot"});
     if (wants("kitti")) save_kitti(file(name + "_trajectory.kitti"), trajectory);
+  }
+
+  void save_derived(const StoredSession& session, const std::string& name) {
+    const auto layers = rebuild_layers(map_, session.id);
+    if (wants("mesh")) {
+      const Mesh mesh = layers->mesh();
+      for (const char* ending : {".ply", ".obj", ".glb"}) save_mesh(file(name + "_mesh" + ending), mesh);
+    }
+    const OccupancyGrid space = layers->space().copy();
+    if (wants("octomap")) save_octomap(file(name + "_space.bt"), space);
+    const auto path = map_.trajectory(session.id);
+    if (!wants("grid") || path.empty()) return;
+    file(name + "_grid.yaml");
+    file(name + "_grid.pgm");
+    save_navigation_grid(HeldFolder(options_.folder), name + "_grid",
+                         make_navigation_grid(space, layers->settings().navigation, path.back().T_map_robot));
   }
 
   bool wants(const std::string& format) const { return formats_.count(format) > 0; }

@@ -31,6 +31,7 @@ nlohmann::json json_of(MapFile& map, const StoredSession& session, const std::st
           {"nodes", n.keyframes},
           {"points", n.points},
           {"features", n.features},
+          {"images", n.images},
           {"edges", n.edges},
           {"landmarks", n.landmarks},
           {"poses", map.trajectory(session.id).size()},

@@ -21,9 +21,10 @@ int map_verify_command(int argc, char** argv) {
     std::cout << fmt::format("  {} edges lead to keyframes that are not there (messages were missed)\n",
                              check.loose_edges);
   std::cout << fmt::format(
-      "{}: {}: {} sessions, {} keyframes, {} clouds, features of {}, {} edges, {} landmarks, {} poses\n",
+      "{}: {}: {} sessions, {} keyframes, {} clouds, features of {}, images of {}, {} edges, {} landmarks, "
+      "{} poses\n",
       file, check.faults.empty() ? "whole" : "DAMAGED", check.sessions, check.keyframes, check.clouds,
-      check.features, check.edges, check.landmarks, check.poses);
+      check.features, check.images, check.edges, check.landmarks, check.poses);
   return check.faults.empty() ? 0 : 1;
 }
 

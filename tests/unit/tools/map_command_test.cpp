@@ -1,8 +1,12 @@
 #include <gmock/gmock.h>
 
 #include <lcmslam/evaluation/pose_text.hpp>
+#include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/file/map_store.hpp>
 #include <lcmslam/map_store/map_export.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include "tests/support/seen_kitchen.hpp"
 #include "tests/unit/map_store_file/sample_store.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tools/commands.hpp"
@@ -50,7 +54,7 @@ class MapCommand : public ::testing::Test {
 TEST_F(MapCommand, InfoIsOneScreen) {
   const auto info = run({"info", file()});
   EXPECT_EQ(info.exit_code, 0) << info.errors;
-  EXPECT_THAT(info.out, AllOf(HasSubstr("schema 2"), HasSubstr("version 1.2"),
+  EXPECT_THAT(info.out, AllOf(HasSubstr("schema " + std::to_string(newest_schema)), HasSubstr("version 1.2"),
                               ContainsRegex("icp-session2 +4 +200 "), ContainsRegex("fastslam-session1 +0")));
   EXPECT_THAT(run({"info", file(), "--json"}).out,
               AllOf(HasSubstr("\"name\": \"icp-session1\""), HasSubstr("\"landmarks\": 7")));
@@ -80,6 +84,121 @@ TEST_F(MapCommand, ExportsWhatIsAskedForAndReplacesNothingUnasked) {
   EXPECT_EQ(run(command).exit_code, 1) << "the file exists";
   const auto unknown = run({"export", file(), out, "--sessions", "icp-session9"});
   EXPECT_THAT(unknown.errors, AllOf(HasSubstr("icp-session9"), HasSubstr("fastslam-session1")));
+}
+
+// From the images of two keyframes: what is derived stands where the kitchen's surfaces are.
+TEST_F(MapCommand, ExportsWhatIsDerivedFromImages) {
+  testing::SimulatedKitchen& kitchen = testing::SimulatedKitchen::instance();
+  const RgbdCalibration calibration = kitchen.simulation().calibration();
+  SessionChanges changes;
+  for (const int id : {0, 1}) {
+    const EncodedFrame frame = from_message(kitchen.frame(60 + 5 * id));
+    const auto T_world_camera = [&](Utime at) {
+      return kitchen.simulation().T_world_robot(at) * calibration.T_robot_camera;
+    };
+    changes.move_keyframe(id, frame.utime, T_world_camera(frame.utime));
+    const Utime depth_time = calibration.depth_time(frame.depth.utime);
+    changes.put_images(id, {frame, T_world_camera(frame.utime).inverse() * T_world_camera(depth_time)});
+    changes.append_pose({frame.utime, kitchen.simulation().T_world_robot(frame.utime)});
+  }
+  const auto map = folder_ / "images.lcmslam";
+  {
+    MapStore store(map);
+    Transaction transaction = store.begin();
+    store.put_calibration(
+        {calibration.sensor, camera_calibration_t::getTypeName(), encode_message(kitchen.calibration())});
+    store.write(store.add_session(store.add_run({"1.2", ""}), session_of("icp")), changes);
+    transaction.commit();
+  }
+  const auto out = folder_ / "out";
+  EXPECT_EQ(run({"export", map.string(), out.string(), "--formats", "mesh,octomap,grid"}).exit_code, 0);
+  for (const char* name : {"mesh.ply", "mesh.obj", "mesh.glb", "space.bt", "grid.pgm", "grid.yaml"})
+    EXPECT_GT(std::filesystem::file_size(out / ("icp-session1_" + std::string(name))), 100U) << name;
+  std::vector<double> errors;
+  for (const Eigen::Vector3f& point : load_ply(out / "icp-session1_mesh.ply").points)
+    errors.push_back(std::abs(kitchen.simulation().distance_to_surface(point.cast<double>())));
+  ASSERT_GT(errors.size(), 10'000U);
+  std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
+                   errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.01);
+}
+
+TEST_F(MapCommand, ViewDrawsEachFrameAlone) {
+  const auto out = folder_ / "view";
+  EXPECT_EQ(run({"view", file().string(), out.string()}).exit_code, 0);
+  for (const char* name : {"icp-session1", "icp-session2", "fastslam-session1"}) {
+    EXPECT_TRUE(std::filesystem::exists(out / (std::string(name) + "_front.png"))) << name;
+    EXPECT_TRUE(std::filesystem::exists(out / (std::string(name) + "_top.png"))) << name;
+  }
+  EXPECT_NE(run({"view", file().string(), out.string()}).exit_code, 0) << "nothing is overwritten unasked";
+}
+
+TEST_F(MapCommand, ViewDrawsJoinedSessionsTogether) {
+  {
+    MapStore store(file());
+    Transaction transaction = store.begin();
+    StoredSession joined = session_of("icp");
+    joined.id = 2;
+    joined.state = SessionState::joined;
+    joined.T_map_session = Eigen::Isometry3d(Eigen::Translation3d(1, 0, 0));
+    store.place_session(joined);
+    transaction.commit();
+  }
+  const auto out = folder_ / "view";
+  EXPECT_EQ(run({"view", file().string(), out.string()}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(out / "icp-session1_top.png"));
+  EXPECT_FALSE(std::filesystem::exists(out / "icp-session2_top.png"));
+}
+
+/// Of one dense session: what was seen in six frames of the kitchen, or its mirror image.
+void write_room(const std::filesystem::path& file, int from, const Eigen::Isometry3d& T_map_world,
+                bool mirrored = false) {
+  SessionChanges changes;
+  for (int id = 0; id < 6; ++id) {
+    const testing::SeenView& known = testing::seen_view(from + 5 * id);
+    const testing::SeenView view = mirrored ? known.mirrored() : known;
+    changes.put_keyframe({id, view.features.utime, T_map_world * view.T_world_camera, view.cloud, 0},
+                         std::nullopt);
+    changes.put_features(id, view.features);
+  }
+  MapStore store(file);
+  Transaction transaction = store.begin();
+  store.write(store.add_session(store.add_run({"1.2", ""}), session_of("icp")), changes);
+  transaction.commit();
+}
+
+Eigen::Isometry3d elsewhere() {
+  return Eigen::Translation3d(2, -1, 0) * Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) *
+         Eigen::Isometry3d::Identity();
+}
+
+TEST_F(MapCommand, MergeFindsWhereTheSecondMapLies) {
+  const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam",
+                    both = folder_ / "both.lcmslam";
+  write_room(monday, 60, Eigen::Isometry3d::Identity());
+  write_room(friday, 62, elsewhere());
+  const auto merged = run({"merge", monday, friday, "--into", both});
+  ASSERT_EQ(merged.exit_code, 0) << merged.errors;
+  MapFile map(both);
+  const auto sessions = map.sessions();
+  ASSERT_EQ(sessions.size(), 2U);
+  EXPECT_EQ(map.dense_map(2).keyframes().size(), 6U);
+  ASSERT_TRUE(sessions[1].T_map_session);
+  EXPECT_LT(distance_between(*sessions[1].T_map_session, elsewhere().inverse()), 0.02);
+  EXPECT_LT(angle_between(*sessions[1].T_map_session, elsewhere().inverse()), 0.01);
+  EXPECT_EQ(run({"verify", both}).exit_code, 0);
+  EXPECT_NE(run({"merge", monday, friday, "--into", both}).exit_code, 0) << "it is there already";
+}
+
+TEST_F(MapCommand, MergeOfStrangersWritesNothing) {
+  const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam";
+  write_room(monday, 60, Eigen::Isometry3d::Identity());
+  write_room(friday, 62, elsewhere(), true);
+  const auto merged = run({"merge", monday, friday, "--into", folder_ / "both.lcmslam"});
+  EXPECT_NE(merged.exit_code, 0);
+  EXPECT_THAT(merged.errors, HasSubstr("no place in common"));
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(monday).parent_path()))
+    EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("both")));
 }
 
 TEST_F(MapCommand, VerifySaysWhatIsDamagedAndByItsExitCode) {

@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+#include <iostream>
+
+#include <lcmslam/map_store/file/compact_map_file.hpp>
+#include <lcmslam/map_store/file/map_file.hpp>
+#include <lcmslam/map_store/file/map_store.hpp>
+#include <lcmslam/places/session_joiner.hpp>
+#include "tools/map/map_commands.hpp"
+#include "tools/output_file.hpp"
+#include "tools/parse_command.hpp"
+
+namespace lcmslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Dense sessions whose place in the map's frame, that of the first, is known: by id.
+std::map<std::int64_t, Eigen::Isometry3d> placed_sessions(MapFile& map) {
+  std::map<std::int64_t, Eigen::Isometry3d> places;
+  for (const StoredSession& session : map.sessions()) {
+    if (session.mapper != "icp" || map.counts(session.id).features == 0) continue;
+    if (places.empty() || session.T_map_session)
+      places[session.id] = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
+  }
+  return places;
+}
+
+/// Calls `use` with each keyframe of those sessions that has features and a cloud, in the map's frame.
+template <class Use>
+void for_each_view(MapFile& map, const std::map<std::int64_t, Eigen::Isometry3d>& places, const Use& use) {
+  for (const auto& [session, T_map_session] : places)
+    for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+      const auto features = map.features(session, keyframe.id);
+      const auto cloud = map.cloud(session, keyframe.id);
+      if (features && cloud) use(T_map_session * keyframe.T_map_camera, *features, *cloud);
+    }
+}
+
+/// Where the second map lies in the first. Throws where that cannot be said.
+Joint find_joint(MapFile& first, MapFile& second) {
+  PlaceIndex places;
+  for_each_view(first, placed_sessions(first),
+                [&](const Eigen::Isometry3d& T, const FeatureFrame& features, const ColouredCloud& cloud) {
+                  places.add(static_cast<std::int64_t>(places.size()), T, features, cloud);
+                });
+  SessionJoiner joiner;
+  int views = 0;
+  for_each_view(second, placed_sessions(second),
+                [&](const Eigen::Isometry3d& T, const FeatureFrame& features, const ColouredCloud& cloud) {
+                  ++views;
+                  if (!joiner.done()) joiner.add(T, features, cloud, places);
+                });
+  if (joiner.joint()) return *joiner.joint();
+  throw std::runtime_error(
+      fmt::format("the maps have no place in common that is certain enough ({} keyframes of the first, {} of "
+                  "the second); "
+                  "nothing was written",
+                  places.size(), views));
+}
+
+SessionChanges everything_of(MapFile& map, std::int64_t session) {
+  SessionChanges all;
+  for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+    const auto cloud = map.cloud(session, keyframe.id);
+    if (cloud || keyframe.covariance)
+      all.put_keyframe(
+          {keyframe.id, keyframe.utime, keyframe.T_map_camera, cloud.value_or(ColouredCloud()), 0},
+          keyframe.covariance);
+    else
+      all.move_keyframe(keyframe.id, keyframe.utime, keyframe.T_map_camera);
+    if (const auto features = map.features(session, keyframe.id)) all.put_features(keyframe.id, *features);
+    if (auto images = map.images(session, keyframe.id)) all.put_images(keyframe.id, std::move(*images));
+  }
+  std::map<SessionChanges::Pair, std::vector<StoredEdge>> edges;
+  for (const StoredEdge& edge : map.edges(session)) edges[{edge.from, edge.to}].push_back(edge);
+  for (const auto& [pair, between] : edges) all.set_edges(pair, between);
+  for (const Landmark& landmark : map.landmarks(session)) all.put_landmark(landmark);
+  for (const StoredPose& pose : map.trajectory(session)) all.append_pose(pose);
+  return all;
+}
+
+void append(MapFile& second, const Joint& joint, const fs::path& file) {
+  MapStore store(file);
+  Transaction transaction = store.begin();
+  std::int64_t run = 0;
+  for (const StoredRun& written : second.runs()) run = store.add_run(written);
+  for (const StoredCalibration& calibration : second.calibrations()) store.put_calibration(calibration);
+  const auto places = placed_sessions(second);
+  for (StoredSession session : second.sessions()) {
+    const std::int64_t old = session.id;
+    session.id = store.add_session(run, session);
+    store.write(session.id, everything_of(second, old));
+    const auto place = places.find(old);
+    if (place == places.end()) continue;
+    session.state = SessionState::joined;
+    session.T_map_session = joint.T_map_session * place->second;
+    session.evidence = to_string(joint);
+    store.place_session(session);
+  }
+  transaction.commit();
+}
+
+}  // namespace
+
+int map_merge_command(int argc, char** argv) {
+  std::string first, second, into;
+  bool force = false;
+  CLI::App app{
+      "Joins two maps of one place: finds where the second lies in the first by what both saw, and writes "
+      "the "
+      "sessions of both into one file. Exit code 1, and no file, when that is not certain.",
+      "lcmslam map merge"};
+  app.add_option("first", first, "an .lcmslam file, whose frame stays")->required();
+  app.add_option("second", second, "an .lcmslam file")->required();
+  app.add_option("--into", into, "FILE: takes both")->type_name("FILE")->required();
+  app.add_flag("--force", force, "overwrite that if it exists");
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  check_output_file(into, force);
+  MapFile a(first), b(second);
+  const Joint joint = find_joint(a, b);
+  const fs::path part = into + ".part";
+  try {
+    copy_compacted(first, FilePlace(part));
+    append(b, joint, part);
+    fs::rename(part, into);
+  } catch (...) {
+    for (const char* ending : {"", "-wal", "-shm"}) fs::remove(part.string() + ending);
+    throw;
+  }
+  const Eigen::Vector3d at = joint.T_map_session.translation();
+  std::cout << fmt::format("{}: the second lies at {:.3f} {:.3f} {:.3f} m, {:.2f} deg in the first: {}\n",
+                           into, at.x(), at.y(), at.z(), yaw(joint.T_map_session) * 180 / M_PI,
+                           to_string(joint));
+  return 0;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,49 @@
+#include "tools/map/rebuilt_layers.hpp"
+
+#include <algorithm>
+
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+
+namespace lcmslam {
+namespace {
+
+/// Of the sensor that took the images; the file's only one where nothing says which.
+RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
+                               const std::vector<StoredKeyframe>& keyframes) {
+  std::vector<StoredCalibration> known = map.calibrations();
+  for (const StoredKeyframe& keyframe : keyframes) {
+    const auto images = map.images(session, keyframe.id);
+    if (!images) continue;
+    known.erase(std::remove_if(known.begin(), known.end(),
+                               [&](const auto& c) { return c.sensor != images->frame.sensor; }),
+                known.end());
+    break;
+  }
+  if (known.size() != 1)
+    map.database().fail(std::to_string(known.size()) + " calibrations fit the keyframes of session " +
+                        std::to_string(session) + ", and one is needed to derive anything from them");
+  return from_message(decode_message<camera_calibration_t>(known[0].bytes.data(), known[0].bytes.size()));
+}
+
+}  // namespace
+
+std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session) {
+  const std::vector<StoredKeyframe> keyframes = map.keyframes(session);
+  const RgbdCalibration calibration = calibration_of(map, session, keyframes);
+  LiveMapSettings settings;
+  settings.background = false;
+  settings.surface.min_looks = 0.02;  // most surfaces were seen by one keyframe alone
+  auto layers = std::make_unique<LiveMap>(calibration, settings);
+  for (const StoredKeyframe& keyframe : keyframes) {
+    if (const auto images = map.images(session, keyframe.id))
+      layers->keep(keyframe.id, decode_images(images->frame, calibration),
+                   {keyframe.T_map_camera, images->T_colour_depth_time});
+    else if (const auto cloud = map.cloud(session, keyframe.id))
+      layers->keep(keyframe.id, *cloud, keyframe.T_map_camera);
+  }
+  layers->settle();
+  return layers;
+}
+
+}  // namespace lcmslam
