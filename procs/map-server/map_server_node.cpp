@@ -89,11 +89,14 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
       most_export_folders_(size(settings.export_folders)),
       desk_(settings.layers.map.background) {
   if (settings.layers.make) layers_.emplace(settings.layers);
+  const bool localises = settings.mode == "localise";
+  if (localises && !std::filesystem::exists(settings.map))
+    throw std::runtime_error(settings.map.string() + ": there is no such map to localise in");
+  const std::filesystem::path store = settings.store.empty() ? "" : folder_ / settings.store;
   if (settings.places)
-    places_ = std::make_unique<SessionPlaces>(settings.store.empty() ? "" : folder_ / settings.store,
-                                              settings.layers.map.background);
-  if (!settings.store.empty() && settings.mode == "map")
-    recorder_.emplace(folder_ / settings.store, text_of(settings));
+    places_ =
+        std::make_unique<SessionPlaces>(localises ? settings.map : store, settings.layers.map.background);
+  if (!localises && !store.empty()) recorder_.emplace(store, text_of(settings));
 }
 
 void MapServerNode::connect(Inputs& inputs) {

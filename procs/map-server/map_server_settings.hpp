@@ -11,6 +11,7 @@ struct MapServerSettings {
   std::filesystem::path folder = "out/maps";
   std::string store = "map.lcmslam";
   std::string mode = "map";
+  std::filesystem::path map;
   double resolution = 0.02;
   double snapshot_period = 20;
   int export_folders = 20;
@@ -33,9 +34,9 @@ struct MapServerSettings {
               "must be the name of a file, without a folder and without a dot in front");
     s.choice(
         "mode", mode, {"map", "localise"},
-        "map: what comes is written into the file beside what it has; localise: the file is only read, and "
-        "says where the robot is in it");
-    s.require(mode == "map" || !store.empty(), "store", "must name the map in which to localise");
+        "map: what comes is written into the store; localise: nothing is, and the robot is found in `map`");
+    s.path("map", map, "file of a map that is only read, in which the robot is found (localise)");
+    s.require((mode == "localise") != map.empty(), "map", "must name a map in mode localise, and only there");
     s.number("resolution", resolution, "m", {0.001, 1}, "of the merged dense map");
     s.number("snapshot_period", snapshot_period, "s", {0, 3600},
              "between two savings of what changed while mapping; 0: only at the end");
@@ -55,6 +56,7 @@ struct MapServerSettings {
         "places", places,
         "keyframes are remembered by what they look like: by them sessions find each other, and who is lost "
         "his place");
+    s.require(places || mode == "map", "places", "must be true in mode localise");
     s.section("layers", layers, "maps that are derived from the camera's images, and answer questions");
   }
 };

@@ -158,14 +158,21 @@ TEST_F(MapServerPlaces, AMirrorImageOfTheRoomIsNotJoined) {
 
 TEST_F(MapServerPlaces, WhoLocalisesWritesNothing) {
   map_once();
-  testing::ScratchFolder elsewhere_on_disk;
-  std::filesystem::copy(file(), elsewhere_on_disk.path() / "map.lcmslam");
-  const std::string before = elsewhere_on_disk.read("map.lcmslam");
-  Life server(elsewhere_on_disk.path(), "localise", 13);
+  const std::string before = scratch_.read("map.lcmslam");
+  testing::ScratchFolder run;
+  Life server(run.path(), "localise, map: " + file().string(), 13);
   server.drive(first_number + 2, elsewhere());
   EXPECT_EQ(server.value("sessions_joined"), 1);
   server.finish();
-  EXPECT_EQ(elsewhere_on_disk.read("map.lcmslam"), before);
+  EXPECT_EQ(scratch_.read("map.lcmslam"), before);
+  EXPECT_FALSE(std::filesystem::exists(run.path() / "map.lcmslam"));
+}
+
+TEST_F(MapServerPlaces, AMapThatIsNotThereIsNamed) {
+  EXPECT_THAT(
+      [&] { Life(scratch_.path(), "localise, map: " + (scratch_.path() / "no.lcmslam").string(), 13); },
+      ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("no.lcmslam")));
+  EXPECT_ANY_THROW(Life(scratch_.path(), "localise", 13)) << "which map?";
 }
 
 TEST_F(MapServerPlaces, WhoAsksIsToldWhereHeIs) {
