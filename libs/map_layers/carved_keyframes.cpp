@@ -28,7 +28,8 @@ cv::Mat every(int factor, const cv::Mat& depth) {
 CameraModel every(int factor, CameraModel camera) {
   camera.width /= factor, camera.height /= factor;
   camera.fx /= factor, camera.fy /= factor;
-  camera.cx = (camera.cx - factor / 2) / factor, camera.cy = (camera.cy - factor / 2) / factor;
+  const int first = factor / 2;  // of the pixels that are taken
+  camera.cx = (camera.cx - first) / factor, camera.cy = (camera.cy - first) / factor;
   return camera;
 }
 

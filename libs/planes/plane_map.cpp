@@ -102,7 +102,7 @@ std::vector<PlanePatch> PlaneMap::patches(const Eigen::Vector3d& up) const {
       for (const Eigen::Vector2d& p : part.outline) {
         // The grid stays where it began; its points are brought into the plane as it is known now.
         const Eigen::Vector3d point = plane.T_map_plane * Eigen::Vector3d(p.x(), p.y(), 0);
-        patch.outline.push_back(point - plane.fit.plane.distance(point) * plane.fit.plane.normal);
+        patch.outline.emplace_back(point - plane.fit.plane.distance(point) * plane.fit.plane.normal);
       }
       patch.label = first_label(patch, up, settings_);
       if (patch.area >= settings_.min_area) patches.push_back(std::move(patch));

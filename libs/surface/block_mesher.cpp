@@ -145,7 +145,7 @@ class Marcher {
       normal = Eigen::Vector3f::Unit(axis) * (da < db ? 1.0f : -1.0f);
     Eigen::Vector3i middle = 2 * voxel;
     middle[axis] += 1;
-    piece_.mesh.vertices.push_back(voxel_size_ * point);
+    piece_.mesh.vertices.emplace_back(voxel_size_ * point);
     piece_.mesh.normals.push_back(normal);
     piece_.mesh.colours.push_back(mixed(voxels_.colour(a), voxels_.colour(b), share));
     piece_.edges.push_back(voxel_key(middle));

@@ -190,9 +190,11 @@ void take_out_colours(const Slab& s, std::uint8_t* weight) {
 void place_voxels(const BlockPlace& place, Slab& s) {
   float* const from[] = {s.from_x, s.from_y, s.from_z};
   for (int axis = 0; axis < 3; ++axis)
-    for (int i = 0; i < slab; ++i)
-      from[axis][i] = static_cast<float>(i % side) * place.step[0][axis] +
-                      static_cast<float>(i / side) * place.step[1][axis];
+    for (int i = 0; i < slab; ++i) {
+      const int column = i % side, row = i / side;
+      from[axis][i] =
+          static_cast<float>(column) * place.step[0][axis] + static_cast<float>(row) * place.step[1][axis];
+    }
 }
 
 }  // namespace

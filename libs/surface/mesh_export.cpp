@@ -87,7 +87,7 @@ void save_mesh_obj(const FilePlace& file, const Mesh& mesh) {
     text += 'f';
     for (const std::uint32_t vertex : triangle) {
       const std::string number = std::to_string(vertex + 1);
-      text += ' ' + number + "//" + number;
+      text.append(" ").append(number).append("//").append(number);
     }
     text += '\n';
   }

@@ -9,6 +9,7 @@ namespace lcmslam {
 
 std::vector<std::string> names_of(const std::vector<StoredSession>& sessions) {
   std::vector<std::string> names;
+  names.reserve(sessions.size());
   std::map<std::string, int> numbers;
   for (const StoredSession& session : sessions)
     names.push_back(session.mapper + "-session" + std::to_string(++numbers[session.mapper]));
