@@ -172,9 +172,10 @@ void distance_query(benchmark::State& state) {
   const Drive& drive = Drive::instance();
   Random random(1);
   std::vector<Eigen::Vector3d> points;
+  points.reserve(4096);
   for (int i = 0; i < 4096; ++i)
-    points.push_back(drive.robot[static_cast<std::size_t>(i) % drive.robot.size()].translation() +
-                     Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 2)));
+    points.emplace_back(drive.robot[static_cast<std::size_t>(i) % drive.robot.size()].translation() +
+                        Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 2)));
   std::size_t i = 0;
   for (auto _ : state) benchmark::DoNotOptimize(fields.map.sample(points[i++ % points.size()]));
 }

@@ -19,7 +19,7 @@ inline void add_rectangle(Cloud& cloud, const Eigen::Vector3d& origin, const Eig
   for (int i = 0; i <= rows; ++i)
     for (int j = 0; j <= columns; ++j) {
       const Eigen::Vector3d p = origin + a * i / rows + b * j / columns;
-      cloud.points.push_back(p.cast<float>());
+      cloud.points.emplace_back(p.cast<float>());
       cloud.normals.push_back(normal);
     }
 }
@@ -59,8 +59,8 @@ inline Cloud sphere(const Eigen::Vector3d& centre, double radius) {
     const double y = random.normal();
     const double z = random.normal();
     const Eigen::Vector3d n = Eigen::Vector3d(x, y, z).normalized();
-    cloud.points.push_back((centre + radius * n).cast<float>());
-    cloud.normals.push_back(n.cast<float>());
+    cloud.points.emplace_back((centre + radius * n).cast<float>());
+    cloud.normals.emplace_back(n.cast<float>());
   }
   return cloud;
 }
