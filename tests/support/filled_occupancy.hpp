@@ -1,6 +1,8 @@
 #pragma once
 // Occupancy grids that are filled by hand.
 
+#include <Eigen/Geometry>
+
 #include <lcmslam/map_layers/occupancy_grid.hpp>
 
 namespace lcmslam {

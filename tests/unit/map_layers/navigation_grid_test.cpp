@@ -64,8 +64,9 @@ TEST_F(Ground, SillsAreClimbedUpToAStep) {
 
 TEST_F(Ground, RampsAreFreeUpToASlope) {
   for (int i = 0; i < 60; ++i) {  // one cell up every fifth: 0.2, 11 degrees
+    const int steps = i / 5;
     const float x = 1 + 0.04f * static_cast<float>(i);
-    fill(grid_, box(x, -1, -0.04f, x + 0.04f, 1, 0.04f * static_cast<float>(i / 5) + 0.001f), 20);
+    fill(grid_, box(x, -1, -0.04f, x + 0.04f, 1, 0.04f * static_cast<float>(steps) + 0.001f), 20);
   }
   settings_.max_slope = 0.25;
   EXPECT_EQ(made().at(3, 0), NavigationGrid::free);

@@ -77,7 +77,7 @@ TEST_F(Gate, BoxesCollideAsTheirDistanceSays) {
   for (const Eigen::Vector3i& block : grid_.blocks())
     for (int i = 0; i < block_cells; ++i)
       if (grid_.state(cell_at(block, i)) == CellState::occupied)
-        centres.push_back(grid_.centre_of(cell_at(block, i)).cast<double>());
+        centres.emplace_back(grid_.centre_of(cell_at(block, i)).cast<double>());
   int collisions = 0, free = 0;
   for (int i = 0; i < 400; ++i) {
     Vector6d twist;

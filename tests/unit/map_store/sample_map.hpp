@@ -23,11 +23,11 @@ inline ColouredCloud random_cloud(std::uint64_t seed, std::size_t size, bool nor
   Random random(seed);
   ColouredCloud cloud;
   for (std::size_t i = 0; i < size; ++i) {
-    cloud.points.push_back(random_point(random).cast<float>());
+    cloud.points.emplace_back(random_point(random).cast<float>());
     const auto channel = [&] { return static_cast<uchar>(random.below(256)); };
     const uchar blue = channel(), green = channel(), red = channel();
     cloud.colours.emplace_back(blue, green, red);
-    if (normals) cloud.normals.push_back(random_point(random).normalized().cast<float>());
+    if (normals) cloud.normals.emplace_back(random_point(random).normalized().cast<float>());
   }
   return cloud;
 }

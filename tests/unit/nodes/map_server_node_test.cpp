@@ -30,6 +30,7 @@ class MapServer : public ::testing::Test {
                  const std::vector<std::int64_t>& ids, const std::vector<std::int64_t>& removed = {},
                  const std::string& frame = "map") {
     std::vector<Landmark> upserted;
+    upserted.reserve(ids.size());
     for (const std::int64_t id : ids) upserted.push_back(testing::some_landmark(random_, id));
     for (landmarks_t& tile : make_landmark_tiles(1, revision, base, upserted, removed)) {
       tile.seq = seq_++;
@@ -243,7 +244,8 @@ TEST_F(MapServer, TheFirstGraphIsRemembered) {
   bus_.deliver("ICP_GRAPH", m);
   keyframe(2, 0, 10);
   m = graph_message(2, {1}, 2);
-  m.seq = m.change = 1;
+  m.seq = 1;
+  m.change = 1;
   bus_.deliver("ICP_GRAPH", m);
   keyframe(2, 1, 10);
   for (double seconds = 10; seconds < 15; seconds += 0.5) pose("ICP_POSE", 2, 2, seconds);
@@ -257,7 +259,8 @@ TEST_F(MapServer, ChangesThatTakeTheMostOfAMapAwayLeaveItBeside) {
   m.seq = 0;
   bus_.deliver("ICP_GRAPH", m);
   m = graph_message(2, {}, 2);
-  m.seq = m.change = 1;
+  m.seq = 1;
+  m.change = 1;
   m.gone = {0, 1, 2};
   m.n_gone = 3;
   bus_.deliver("ICP_GRAPH", m);

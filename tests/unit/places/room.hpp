@@ -69,7 +69,7 @@ class Room {
       for (int u = 4; u < f.width; u += 8) {
         const Eigen::Vector3d ray((u - f.cx) / f.fx, (v - f.cy) / f.fy, 1);
         const double z = scene.hit(T_room_camera.translation(), T_room_camera.linear() * ray);
-        seen.cloud.points.push_back(((z + depth_sigma * noise_.normal()) * ray).cast<float>());
+        seen.cloud.points.emplace_back(((z + depth_sigma * noise_.normal()) * ray).cast<float>());
         seen.cloud.colours.emplace_back(128, 128, 128);
         seen.cloud.sigmas.push_back(static_cast<float>(depth_sigma));
       }
