@@ -21,7 +21,7 @@ Cloud wall(float z, int from = 0, int to = 640) {
   Cloud cloud;
   for (int v = 2; v < c.height; v += 4)
     for (int u = from + 2; u < to; u += 4)
-      cloud.points.push_back(z * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1).cast<float>());
+      cloud.points.emplace_back(z * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1).cast<float>());
   return cloud;
 }
 

@@ -28,7 +28,7 @@ void add_box(std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& place,
     if (face == 0) p.z() = 1;
     if (face == 1) p.x() = i % 2 - 0.5;
     if (face == 2) p.y() = i % 2 - 0.5;
-    points.push_back((T * p.cwiseProduct(size)).cast<float>());
+    points.emplace_back((T * p.cwiseProduct(size)).cast<float>());
   }
 }
 
