@@ -93,9 +93,10 @@ TEST(SurfaceMesh, TheCoarseSurfaceStandsWhereThereIsNoFineOne) {
   for (int x = 0; x < 3; ++x) {
     VoxelBlock& block = *coarse[static_cast<std::size_t>(coarse.find_or_make({x, 0, 0}, 1))].block;
     for (int i = 0; i < VoxelBlock::voxels; ++i) {
+      const int layer = i / 64;
       block.weight[i] = 640;
       block.distance[i] =
-          static_cast<std::int16_t>(32767 * wall({0, 0, 0.04f * static_cast<float>(i / 64)}) / 0.16f);
+          static_cast<std::int16_t>(32767 * wall({0, 0, 0.04f * static_cast<float>(layer)}) / 0.16f);
     }
   }
   const VoxelBlocks fine = blocks_of(wall, {0, 0, 1}, {3, 3, 1});  // x and y up to 0.32 m
