@@ -8,7 +8,7 @@ namespace {
 void insert(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth, FramePlaneFinder& finder,
             PlaneMap& map) {
   const FramePlanes found = finder(depth);
-  map.insert(found, depth, finder.cells(), T_map_depth);
+  map.insert(found, finder.cells(), T_map_depth);
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ void LivePlanes::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3
 
   const FramePlanes found = finder_(depth);
   const std::lock_guard<std::mutex> lock(mutex_);
-  map_.insert(found, depth, finder_.cells(), T_map_depth);
+  map_.insert(found, finder_.cells(), T_map_depth);
 }
 
 void LivePlanes::correct(const std::map<int, Eigen::Isometry3d>& T_map_depth) {

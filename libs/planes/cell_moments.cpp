@@ -1,6 +1,9 @@
 #include <lcmslam/planes/cell_moments.hpp>
 
 #include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
 
 #include <lcmslam/parallel/instruction_set.hpp>
 
@@ -8,39 +11,51 @@ namespace lcmslam {
 namespace {
 
 constexpr int sums_of_cell = 10;
+constexpr int lanes = 8;
 
-/// Adds a row of pixels to its columns' sums. Points count from a point of their cell: differences of squares
-/// of metres would drown what makes a cell plane.
-LCMSLAM_VECTORISED(add_row,
-                   (const std::uint16_t* depth, const float* ray_x, const float* ray_y, const float* places,
-                    int columns, float nearest, float farthest, float* sums),
-                   (depth, ray_x, ray_y, places, columns, nearest, farthest, sums)) {
-  float* __restrict n = sums;
-  float* __restrict x = sums + columns;
-  float* __restrict y = sums + 2 * columns;
-  float* __restrict z = sums + 3 * columns;
-  float* __restrict xx = sums + 4 * columns;
-  float* __restrict xy = sums + 5 * columns;
-  float* __restrict xz = sums + 6 * columns;
-  float* __restrict yy = sums + 7 * columns;
-  float* __restrict yz = sums + 8 * columns;
-  float* __restrict zz = sums + 9 * columns;
-  const float *place_x = places, *place_y = place_x + columns, *place_z = place_y + columns;
-  for (int u = 0; u < columns; ++u) {
-    const float metres = 0.001f * static_cast<float>(depth[u]);
-    const float one = (metres >= nearest) & (metres <= farthest) ? 1.0f : 0.0f;
-    const float px = one * (ray_x[u] * metres - place_x[u]), py = one * (ray_y[u] * metres - place_y[u]);
-    const float dz = one * (metres - place_z[u]);
-    n[u] += one;
-    x[u] += px;
-    y[u] += py;
-    z[u] += dz;
-    xx[u] += px * px;
-    xy[u] += px * py;
-    xz[u] += px * dz;
-    yy[u] += py * py;
-    yz[u] += py * dz;
-    zz[u] += dz * dz;
+/// Rows of pixels, from the first one on.
+struct PixelRows {
+  const std::uint16_t* depth;                // mm
+  const float *ray_x, *ray_y;                // x/z, y/z
+  std::ptrdiff_t depth_pitch, ray_pitch;     // from row to row
+  const float *place_x, *place_y, *place_z;  // m, of a point of each column's cell
+  float nearest, farthest;                   // m
+  int rows, columns;
+};
+
+/// The sums of each column over the rows. Points count from a point of their cell: differences of squares of
+/// metres would drown what makes a cell plane. Some columns at once, so that their sums stay in registers;
+/// the last ones perhaps twice.
+LCMSLAM_VECTORISED(add_rows, (const PixelRows& pixels, float* __restrict sums), (pixels, sums)) {
+  const PixelRows p = pixels;
+  for (int start = 0; start < p.columns; start += lanes) {
+    const int first = start + lanes <= p.columns ? start : p.columns - lanes;
+    float n[lanes] = {}, x[lanes] = {}, y[lanes] = {}, z[lanes] = {}, xx[lanes] = {}, xy[lanes] = {},
+          xz[lanes] = {}, yy[lanes] = {}, yz[lanes] = {}, zz[lanes] = {};
+    for (int v = 0; v < p.rows; ++v) {
+      const std::uint16_t* depth = p.depth + v * p.depth_pitch + first;
+      const float *ray_x = p.ray_x + v * p.ray_pitch + first, *ray_y = p.ray_y + v * p.ray_pitch + first;
+      for (int l = 0; l < lanes; ++l) {
+        const float metres = 0.001f * static_cast<float>(depth[l]);
+        const float one = (metres >= p.nearest) & (metres <= p.farthest) ? 1.0f : 0.0f;
+        const float dx = one * (ray_x[l] * metres - p.place_x[first + l]);
+        const float dy = one * (ray_y[l] * metres - p.place_y[first + l]);
+        const float dz = one * (metres - p.place_z[first + l]);
+        n[l] += one;
+        x[l] += dx;
+        y[l] += dy;
+        z[l] += dz;
+        xx[l] += dx * dx;
+        xy[l] += dx * dy;
+        xz[l] += dx * dz;
+        yy[l] += dy * dy;
+        yz[l] += dy * dz;
+        zz[l] += dz * dz;
+      }
+    }
+    const float* const all[sums_of_cell] = {n, x, y, z, xx, xy, xz, yy, yz, zz};
+    for (int k = 0; k < sums_of_cell; ++k)
+      for (int l = 0; l < lanes; ++l) sums[k * p.columns + first + l] = all[k][l];
   }
 }
 
@@ -53,11 +68,21 @@ CellMoments::CellMoments(const RgbdCalibration& calibration, int cell)
   const CameraModel& camera = calibration_.depth;
   columns_ = camera.width / cell;
   rows_ = camera.height / cell;
+  if (columns_ * cell < lanes)
+    throw std::invalid_argument("planes: cells of " + std::to_string(cell) + " pixels in images of " +
+                                std::to_string(camera.width) + ": together they must be at least " +
+                                std::to_string(lanes) + " wide");
   const cv::Mat rays = ray_table(camera);
   ray_x_.create(rays.size());
   ray_y_.create(rays.size());
   cv::Mat planes[] = {ray_x_, ray_y_};
   cv::split(rays, planes);
+  sigmas_.assign(1 << 16, std::numeric_limits<float>::infinity());
+  for (std::size_t mm = 1; mm < sigmas_.size(); ++mm) {
+    const double z = 0.001 * static_cast<double>(mm);
+    if (z >= calibration_.depth_min && z <= calibration_.depth_max)
+      sigmas_[mm] = static_cast<float>(sigma(z));
+  }
 }
 
 std::vector<PlaneMoments> CellMoments::operator()(const cv::Mat& depth) {
@@ -67,8 +92,8 @@ std::vector<PlaneMoments> CellMoments::operator()(const cv::Mat& depth) {
              farthest = static_cast<float>(calibration_.depth_max);
   std::vector<PlaneMoments> cells(static_cast<std::size_t>(columns_ * rows_));
   places_.resize(3 * stride);
+  sums_.resize(sums_of_cell * stride);
   for (int row = 0; row < rows_; ++row) {
-    sums_.assign(sums_of_cell * stride, 0.0f);
     const auto* middle = depth.ptr<std::uint16_t>(row * cell_ + cell_ / 2);
     for (int u = 0; u < width; ++u) {
       const int column = u / cell_ * cell_ + cell_ / 2;
@@ -77,9 +102,20 @@ std::vector<PlaneMoments> CellMoments::operator()(const cv::Mat& depth) {
       for (std::size_t axis = 0; axis < 3; ++axis)
         places_[axis * stride + static_cast<std::size_t>(u)] = place[static_cast<int>(axis)];
     }
-    for (int v = row * cell_; v < (row + 1) * cell_; ++v)
-      add_row(depth.ptr<std::uint16_t>(v), ray_x_.ptr<float>(v), ray_y_.ptr<float>(v), places_.data(), width,
-              nearest, farthest, sums_.data());
+    const int top = row * cell_;
+    const PixelRows pixels{depth.ptr<std::uint16_t>(top),
+                           ray_x_.ptr<float>(top),
+                           ray_y_.ptr<float>(top),
+                           static_cast<std::ptrdiff_t>(depth.step1()),
+                           static_cast<std::ptrdiff_t>(ray_x_.step1()),
+                           places_.data(),
+                           places_.data() + stride,
+                           places_.data() + 2 * stride,
+                           nearest,
+                           farthest,
+                           cell_,
+                           width};
+    add_rows(pixels, sums_.data());
     for (int column = 0; column < columns_; ++column) {
       double sums[sums_of_cell] = {};
       for (std::size_t k = 0; k < sums_of_cell; ++k)
@@ -95,8 +131,8 @@ std::vector<PlaneMoments> CellMoments::operator()(const cv::Mat& depth) {
         back.translation()[static_cast<int>(axis)] =
             static_cast<double>(places_[axis * stride + static_cast<std::size_t>(column * cell_)]);
       moments = moments.moved(back);
-      const double sigma = calibration_.depth_noise.sigma(moments.sum.z() / moments.weight);
-      cells[static_cast<std::size_t>(row * columns_ + column)] = moments.scaled(1 / (sigma * sigma));
+      cells[static_cast<std::size_t>(row * columns_ + column)] =
+          moments.weighed(sigma(moments.sum.z() / moments.weight));
     }
   }
   return cells;

@@ -12,11 +12,15 @@ namespace lcmslam {
 /// Rays of a depth camera, and sums that are used again.
 class CellMoments {
  public:
-  /// `cell`: pixels on a side; columns and rows that do not fill a cell are left out.
+  /// `cell`: pixels on a side; columns and rows that do not fill a cell are left out. Throws
+  /// std::invalid_argument for a calibration that is wrong, or of cells that are together less than 8
+  /// pixels wide.
   CellMoments(const RgbdCalibration& calibration, int cell);
 
+  const CameraModel& camera() const { return calibration_.depth; }
   int columns() const { return columns_; }
   int rows() const { return rows_; }
+  int side() const { return cell_; }  ///< pixels
 
   /// Of each cell in rows from the upper left, in the depth camera's frame. `depth` CV_16UC1 mm. Points weigh
   /// 1 / sigma^2 at their cell's mean depth.
@@ -25,11 +29,14 @@ class CellMoments {
   /// Point of a pixel, m.
   Eigen::Vector3f point(int v, int u, float z) const { return {z * ray_x_(v, u), z * ray_y_(v, u), z}; }
   double sigma(double z) const { return calibration_.depth_noise.sigma(z); }
+  /// The same of a measured depth; infinity where it cannot be one.
+  float sigma_of(std::uint16_t millimetres) const { return sigmas_[millimetres]; }
 
  private:
   RgbdCalibration calibration_;
   int cell_, columns_, rows_;
   cv::Mat_<float> ray_x_, ray_y_;
+  std::vector<float> sigmas_;  // m, by mm
   std::vector<float> sums_;    // rows of columns: count, x, y, z, xx, xy, xz, yy, yz, zz
   std::vector<float> places_;  // rows of columns: x, y, z of a point of the column's cell, m
 };

@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
+#include <lcmslam/planes/plane_rims.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
 
-constexpr int directions = 16;  // of the histogram of normals, for each of two of their coordinates
+constexpr int bins = 16;  // of normals, for each of two of their coordinates
 const Eigen::Vector3d camera_centre = Eigen::Vector3d::Zero();
+
+std::size_t direction(const Eigen::Vector3d& normal) {
+  const auto bin = [](double c) { return std::clamp(static_cast<int>((c + 1) * 0.5 * bins), 0, bins - 1); };
+  return static_cast<std::size_t>(bin(normal.x()) * bins + bin(normal.y()));
+}
 
 FramePlaneSettings checked_settings(const FramePlaneSettings& settings) {
   check(settings, "planes");
@@ -34,71 +39,82 @@ FramePlanes FramePlaneFinder::operator()(const cv::Mat& depth) {
                                 std::to_string(camera_.width) + "x" + std::to_string(camera_.height) +
                                 " with 16 bits");
   fit_cells(depth);
-  std::vector<int> histogram(directions * directions, 0);
-  for (const Cell& cell : cells_)
-    if (cell.plane) ++histogram[static_cast<std::size_t>(direction(cell.fit.plane.normal))];
-
+  std::vector<Direction> directions = directions_of_cells();
   std::vector<std::vector<int>> regions;
-  for (int seed = best_seed(histogram); seed >= 0; seed = best_seed(histogram)) {
+  for (int seed = next_seed(directions); seed >= 0; seed = next_seed(directions)) {
     std::vector<int> region = grow(seed, static_cast<int>(regions.size()) + 1);
     for (const int i : region)
-      --histogram[static_cast<std::size_t>(direction(cells_[static_cast<std::size_t>(i)].fit.plane.normal))];
+      --directions[direction(cells_[static_cast<std::size_t>(i)].fit.plane.normal)].free;
     regions.push_back(std::move(region));
   }
   regions = join_regions(std::move(regions));
 
   FramePlanes found;
+  std::vector<std::uint8_t> plane_of_cell(cells_.size(), 0);
   for (const std::vector<int>& region : regions) {
     FramePlane plane;
-    for (const int i : region) plane.moments.add(cells_[static_cast<std::size_t>(i)].moments);
+    plane.moments = sum_of(region);
     plane.fit = plane.moments.fit(camera_centre);
     found.planes.push_back(plane);
+    for (const int i : region)
+      plane_of_cell[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(found.planes.size());
   }
-  label_pixels(depth, regions, found);
+  follow_rims(depth, moments_, cell_moments_, plane_of_cell, settings_, found);
   return found;
 }
 
 void FramePlaneFinder::fit_cells(const cv::Mat& depth) {
-  const std::vector<PlaneMoments> all = moments_(depth);
-  cells_.assign(all.size(), {});
+  cell_moments_ = moments_(depth);
+  cells_.assign(cell_moments_.size(), {});
   const double least = settings_.least_valid * cell_ * cell_;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].points < least) continue;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const PlaneMoments& moments = cell_moments_[i];
+    if (moments.points < least) continue;
     Cell& cell = cells_[i];
-    cell.moments = all[i];
-    cell.fit = all[i].fit(camera_centre);
+    cell.sigma = moments_.sigma(moments.sum.z() / moments.weight);
+    if (cell.sigma > settings_.max_sigma) continue;
+    cell.fit = moments.fit(camera_centre);
     // Along the ray the noise is sigma; across a slanted plane it is less, but then its pixels lie farther
     // apart.
-    cell.plane = cell.fit.rms <= settings_.flatness * 0.5 * moments_.sigma(cell.fit.centre.z());
+    cell.plane = cell.fit.rms <= settings_.flatness * cell.sigma;
   }
 }
 
-int FramePlaneFinder::direction(const Eigen::Vector3d& normal) const {
-  const auto bin = [](double c) {
-    return std::clamp(static_cast<int>((c + 1) * 0.5 * directions), 0, directions - 1);
-  };
-  return bin(normal.x()) * directions + bin(normal.y());
+PlaneMoments FramePlaneFinder::sum_of(const std::vector<int>& cells) const {
+  PlaneMoments sum;
+  for (const int i : cells) sum.add(cell_moments_[static_cast<std::size_t>(i)]);
+  return sum;
 }
 
-/// The flattest free cell of the commonest direction; -1 when there is none.
-int FramePlaneFinder::best_seed(const std::vector<int>& histogram) const {
-  const auto top = std::max_element(histogram.begin(), histogram.end());
-  if (*top < 1) return -1;
-  const auto commonest = static_cast<int>(top - histogram.begin());
-  int best = -1;
-  for (std::size_t i = 0; i < cells_.size(); ++i) {
-    const Cell& cell = cells_[i];
-    if (!cell.plane || cell.region != 0 || direction(cell.fit.plane.normal) != commonest) continue;
-    if (best < 0 || cell.fit.rms < cells_[static_cast<std::size_t>(best)].fit.rms) best = static_cast<int>(i);
+/// The plane cells by where they look, the flattest last.
+std::vector<FramePlaneFinder::Direction> FramePlaneFinder::directions_of_cells() const {
+  std::vector<Direction> directions(bins * bins);
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (cells_[i].plane)
+      directions[direction(cells_[i].fit.plane.normal)].cells.push_back(static_cast<int>(i));
+  for (Direction& d : directions) {
+    std::stable_sort(d.cells.begin(), d.cells.end(), [&](int a, int b) {
+      return cells_[static_cast<std::size_t>(a)].fit.rms > cells_[static_cast<std::size_t>(b)].fit.rms;
+    });
+    d.free = static_cast<int>(d.cells.size());
   }
-  return best;
+  return directions;
+}
+
+/// The flattest free cell of the direction that most free cells have; -1 when there is none.
+int FramePlaneFinder::next_seed(std::vector<Direction>& directions) const {
+  const auto fewer = [](const Direction& a, const Direction& b) { return a.free < b.free; };
+  Direction& commonest = *std::max_element(directions.begin(), directions.end(), fewer);
+  if (commonest.free < 1) return -1;
+  while (cells_[static_cast<std::size_t>(commonest.cells.back())].region != 0) commonest.cells.pop_back();
+  return commonest.cells.back();
 }
 
 /// Cells that touch the region and lie in its plane, which is fitted anew whenever the region has doubled.
 std::vector<int> FramePlaneFinder::grow(int seed, int region) {
   const int columns = moments_.columns(), rows = moments_.rows();
   std::vector<int> members{seed};
-  PlaneMoments moments = cells_[static_cast<std::size_t>(seed)].moments;
+  PlaneMoments moments = cell_moments_[static_cast<std::size_t>(seed)];
   PlaneFit fit = cells_[static_cast<std::size_t>(seed)].fit;
   std::size_t fitted = 1;
   cells_[static_cast<std::size_t>(seed)].region = region;
@@ -108,10 +124,10 @@ std::vector<int> FramePlaneFinder::grow(int seed, int region) {
     for (const auto& [c, r] : neighbours) {
       if (c < 0 || r < 0 || c >= columns || r >= rows) continue;
       Cell& cell = cells_[static_cast<std::size_t>(r * columns + c)];
-      if (!cell.plane || cell.region != 0 || !agree(fit, cell.fit)) continue;
+      if (!cell.plane || cell.region != 0 || !lies_in(fit.plane, r * columns + c)) continue;
       cell.region = region;
       members.push_back(r * columns + c);
-      moments.add(cell.moments);
+      moments.add(cell_moments_[static_cast<std::size_t>(r * columns + c)]);
       if (members.size() < 2 * fitted) continue;
       fit = moments.fit(camera_centre);
       fitted = members.size();
@@ -120,80 +136,51 @@ std::vector<int> FramePlaneFinder::grow(int seed, int region) {
   return members;
 }
 
-/// Whether b's centre lies in a's plane, and its normal too.
-bool FramePlaneFinder::agree(const PlaneFit& a, const PlaneFit& b) const {
-  const double gate = settings_.max_distance_sigmas * moments_.sigma(b.centre.z());
-  return a.plane.normal.dot(b.plane.normal) > std::cos(settings_.max_angle) &&
-         std::abs(a.plane.distance(b.centre)) < gate;
+/// Whether a cell's points lie in a plane. Its normal says less: small and far cells are tilted by noise.
+bool FramePlaneFinder::lies_in(const PlaneEquation& plane, int i) const {
+  const Cell& cell = cells_[static_cast<std::size_t>(i)];
+  const PlaneMoments& moments = cell_moments_[static_cast<std::size_t>(i)];
+  return cell.fit.plane.normal.dot(plane.normal) > std::cos(settings_.max_angle) &&
+         moments.rms_from(plane) <= settings_.flatness * cell.sigma;
 }
 
-/// What something in front cut in two is one again. The largest first.
-std::vector<std::vector<int>> FramePlaneFinder::join_regions(std::vector<std::vector<int>> regions) {
+/// Whether region b's centre lies in a's plane, and its normal too.
+bool FramePlaneFinder::are_one(const PlaneFit& a, const PlaneFit& b) const {
+  constexpr double share = 0.3;  // of the angle of cells: regions' normals are better known
+  return a.plane.normal.dot(b.plane.normal) > std::cos(share * settings_.max_angle) &&
+         std::abs(a.plane.distance(b.centre)) < settings_.max_distance_sigmas * moments_.sigma(b.centre.z());
+}
+
+/// What something in front cut in two is one again. The largest first, those that are too small left out.
+std::vector<std::vector<int>> FramePlaneFinder::join_regions(std::vector<std::vector<int>> regions) const {
+  constexpr std::size_t least = 2;  // cells: one alone knows its plane too badly
   const auto larger = [](const auto& a, const auto& b) { return a.size() > b.size(); };
   std::stable_sort(regions.begin(), regions.end(), larger);
   std::vector<std::vector<int>> joined;
   std::vector<PlaneMoments> sums;
+  std::vector<PlaneFit> fits;
   for (const std::vector<int>& region : regions) {
-    if (region.size() < static_cast<std::size_t>(settings_.min_cells)) break;
-    PlaneMoments moments;
-    for (const int i : region) moments.add(cells_[static_cast<std::size_t>(i)].moments);
+    if (region.size() < least) break;
+    const PlaneMoments moments = sum_of(region);
     const PlaneFit fit = moments.fit(camera_centre);
     std::size_t k = 0;
-    while (k < joined.size()) {
-      const PlaneFit other = sums[k].fit(camera_centre);
-      if (agree(other, fit) && other.plane.normal.dot(fit.plane.normal) > std::cos(0.5 * settings_.max_angle))
-        break;
-      ++k;
-    }
+    while (k < joined.size() && !are_one(fits[k], fit)) ++k;
     if (k == joined.size()) {
-      if (k == most_planes) break;
       joined.emplace_back();
       sums.emplace_back();
+      fits.emplace_back();
     }
     joined[k].insert(joined[k].end(), region.begin(), region.end());
     sums[k].add(moments);
+    fits[k] = sums[k].fit(camera_centre);
   }
+  std::stable_sort(joined.begin(), joined.end(), larger);
+  const auto too_small = [&](const auto& region) {
+    return region.size() < static_cast<std::size_t>(settings_.min_cells);
+  };
+  joined.erase(std::find_if(joined.begin(), joined.end(), too_small), joined.end());
+  if (joined.size() > most_planes) joined.resize(most_planes);
   return joined;
-}
-
-/// Plane cells as they are; in the cells around them each pixel that lies in the plane.
-void FramePlaneFinder::label_pixels(const cv::Mat& depth, const std::vector<std::vector<int>>& regions,
-                                    FramePlanes& found) const {
-  const int columns = moments_.columns(), rows = moments_.rows(), cell = cell_;
-  found.labels = cv::Mat(depth.size(), CV_8UC1, cv::Scalar(0));
-  std::vector<std::uint8_t> label(cells_.size(), 0);
-  for (std::size_t k = 0; k < regions.size(); ++k)
-    for (const int i : regions[k]) label[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(k + 1);
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      const cv::Rect area(column * cell, row * cell, cell, cell);
-      const std::uint8_t own = label[static_cast<std::size_t>(row * columns + column)];
-      std::vector<std::uint8_t> near;  // planes that may reach into the cell
-      for (int n = 0; n < 25 && own == 0; ++n) {
-        const int c = column + n % 5 - 2, r = row + n / 5 - 2;
-        if (c < 0 || r < 0 || c >= columns || r >= rows) continue;
-        const std::uint8_t other = label[static_cast<std::size_t>(r * columns + c)];
-        if (other != 0 && std::find(near.begin(), near.end(), other) == near.end()) near.push_back(other);
-      }
-      if (own == 0 && near.empty()) continue;
-      for (int v = area.y; v < area.y + cell; ++v)
-        for (int u = area.x; u < area.x + cell; ++u) {
-          const int mm = depth.at<std::uint16_t>(v, u);
-          if (mm == 0) continue;
-          if (own != 0) {
-            found.labels.at<std::uint8_t>(v, u) = own;
-            continue;
-          }
-          const Eigen::Vector3d point = moments_.point(v, u, 0.001f * static_cast<float>(mm)).cast<double>();
-          double best = settings_.max_distance_sigmas * moments_.sigma(point.z());
-          for (const std::uint8_t k : near) {
-            const double off = std::abs(found.planes[k - 1u].fit.plane.distance(point));
-            if (off >= best) continue;
-            best = off;
-            found.labels.at<std::uint8_t>(v, u) = k;
-          }
-        }
-    }
 }
 
 }  // namespace lcmslam

@@ -37,25 +37,30 @@ class FramePlaneFinder {
 
  private:
   struct Cell {
-    PlaneMoments moments;
     PlaneFit fit;
+    double sigma = 0;  // m, of its depth
     bool plane = false;
     int region = 0;  // 0: none yet
   };
+  struct Direction {
+    std::vector<int> cells;  // plane cells that look there
+    int free = 0;            // of them, without a region
+  };
 
   void fit_cells(const cv::Mat& depth);
-  int best_seed(const std::vector<int>& histogram) const;
-  int direction(const Eigen::Vector3d& normal) const;
+  std::vector<Direction> directions_of_cells() const;
+  int next_seed(std::vector<Direction>& directions) const;
   std::vector<int> grow(int seed, int region);
-  bool agree(const PlaneFit& a, const PlaneFit& b) const;
-  std::vector<std::vector<int>> join_regions(std::vector<std::vector<int>> regions);
-  void label_pixels(const cv::Mat& depth, const std::vector<std::vector<int>>& regions,
-                    FramePlanes& found) const;
+  bool lies_in(const PlaneEquation& plane, int cell) const;
+  PlaneMoments sum_of(const std::vector<int>& cells) const;
+  bool are_one(const PlaneFit& a, const PlaneFit& b) const;
+  std::vector<std::vector<int>> join_regions(std::vector<std::vector<int>> regions) const;
 
   FramePlaneSettings settings_;
   CameraModel camera_;
   int cell_;  // pixels on a side
   CellMoments moments_;
+  std::vector<PlaneMoments> cell_moments_;
   std::vector<Cell> cells_;
 };
 

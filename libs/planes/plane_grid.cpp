@@ -1,8 +1,6 @@
 #include <lcmslam/planes/plane_grid.hpp>
 
 #include <algorithm>
-#include <climits>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 namespace lcmslam {
@@ -14,51 +12,29 @@ constexpr int split = 3;  // of a cell for outlines: they run through the middle
 
 }  // namespace
 
-void PlaneGrid::add(const std::vector<Eigen::Vector2d>& places) {
-  std::vector<cv::Point> cells;
-  cells.reserve(places.size());
-  int left = INT_MAX, top = INT_MAX, right = INT_MIN, bottom = INT_MIN;
-  for (const Eigen::Vector2d& place : places) {
-    if (!(place.cwiseAbs().maxCoeff() < farthest_place)) continue;
-    const cv::Point c(static_cast<int>(std::floor(place.x() / cell_)),
-                      static_cast<int>(std::floor(place.y() / cell_)));
-    left = std::min(left, c.x);
-    right = std::max(right, c.x);
-    top = std::min(top, c.y);
-    bottom = std::max(bottom, c.y);
-    cells.push_back(c);
-  }
-  if (cells.empty()) return;
-  reach(left, top, right, bottom);
-  for (const cv::Point& c : cells) {
-    std::uint8_t& hits = hits_(c.y - top_, c.x - left_);
-    hits = static_cast<std::uint8_t>(std::min(hits + 1, 255));
-  }
+/// The cells of a box, for which there is room from then on.
+cv::Rect PlaneGrid::reach(const Eigen::AlignedBox2d& box) {
+  const Eigen::AlignedBox2d near = box.intersection(Eigen::AlignedBox2d(
+      Eigen::Vector2d::Constant(-farthest_place), Eigen::Vector2d::Constant(farthest_place)));
+  if (near.isEmpty()) return {};
+  const Eigen::Array2i from = (near.min() / cell_).array().floor().cast<int>(),
+                       to = (near.max() / cell_).array().floor().cast<int>() + 1;
+  const cv::Rect area(from.x(), from.y(), to.x() - from.x(), to.y() - from.y());
+  const cv::Rect have(left_, top_, seen_.cols, seen_.rows);
+  if ((area & have) == area) return area;
+  const cv::Rect all = area | have;
+  cv::Mat_<std::uint8_t> larger(all.height + 2 * spare, all.width + 2 * spare, std::uint8_t{0});
+  left_ = all.x - spare;
+  top_ = all.y - spare;
+  if (!seen_.empty()) seen_.copyTo(larger(have - cv::Point(left_, top_)));
+  seen_ = larger;
+  return area;
 }
 
-void PlaneGrid::reach(int left, int top, int right, int bottom) {
-  const bool inside = !hits_.empty() && left >= left_ && top >= top_ && right < left_ + hits_.cols &&
-                      bottom < top_ + hits_.rows;
-  if (inside) return;
-  if (!hits_.empty()) {
-    left = std::min(left, left_);
-    top = std::min(top, top_);
-    right = std::max(right, left_ + hits_.cols - 1);
-    bottom = std::max(bottom, top_ + hits_.rows - 1);
-  }
-  left -= spare;
-  top -= spare;
-  cv::Mat_<std::uint8_t> larger(bottom - top + 1 + spare, right - left + 1 + spare, std::uint8_t{0});
-  if (!hits_.empty()) hits_.copyTo(larger(cv::Rect(left_ - left, top_ - top, hits_.cols, hits_.rows)));
-  hits_ = larger;
-  left_ = left;
-  top_ = top;
-}
-
-std::vector<PlaneGrid::Part> PlaneGrid::parts(int hits) const {
+std::vector<PlaneGrid::Part> PlaneGrid::parts() const {
   std::vector<Part> parts;
-  if (hits_.empty()) return parts;
-  cv::Mat taken = hits_ >= hits, closed, large;
+  if (seen_.empty()) return parts;
+  cv::Mat taken = seen_ >= static_cast<double>(looks_), closed, large;
   cv::morphologyEx(taken, closed, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
   // Each part within its own box: a map's planes have hundreds of specks.
   cv::Mat labels, boxes, centroids;

@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
+#include <lcmslam/planes/plane_view.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
 
-constexpr int pixel_step = 2;  // rows and columns of labelled pixels that tell outlines
-constexpr int least_hits = 3;  // of a cell of the outline
+constexpr int pixel_step = 4;  // rows and columns of labelled pixels that tell how far a plane reaches
 constexpr double sigmas = 3;
 
 Eigen::Isometry3d frame_of(const PlaneFit& fit) {
@@ -43,7 +44,7 @@ PlaneMap::PlaneMap(const PlaneMapSettings& settings) : settings_(settings) {
   check(settings_, "plane_map");
 }
 
-void PlaneMap::insert(const FramePlanes& found, const cv::Mat& depth, const CellMoments& cells,
+void PlaneMap::insert(const FramePlanes& found, const CellMoments& cells,
                       const Eigen::Isometry3d& T_map_depth) {
   std::vector<std::size_t> plane_of;  // number in planes_ of each plane of the frame
   for (const FramePlane& seen : found.planes) {
@@ -51,7 +52,12 @@ void PlaneMap::insert(const FramePlanes& found, const cv::Mat& depth, const Cell
     const PlaneFit fit = moments.fit(T_map_depth.translation());
     Plane* plane = partner(fit);
     if (plane == nullptr) {
-      planes_.push_back({{}, fit, frame_of(fit), T_map_depth.translation(), PlaneGrid(settings_.grid), 0});
+      planes_.push_back({{},
+                         fit,
+                         frame_of(fit),
+                         T_map_depth.translation(),
+                         PlaneGrid(settings_.grid, settings_.min_looks),
+                         0});
       plane = &planes_.back();
     }
     plane->moments.add(moments);
@@ -59,19 +65,31 @@ void PlaneMap::insert(const FramePlanes& found, const cv::Mat& depth, const Cell
     ++plane->looks;
     plane_of.push_back(static_cast<std::size_t>(plane - planes_.data()));
   }
-  std::vector<std::vector<Eigen::Vector2d>> places(planes_.size());
-  for (int v = 0; v < depth.rows; v += pixel_step)
-    for (int u = 0; u < depth.cols; u += pixel_step) {
-      const std::uint8_t label = found.labels.at<std::uint8_t>(v, u);
-      if (label == 0) continue;
-      const std::size_t k = plane_of[label - 1u];
-      const Eigen::Vector3d point =
-          T_map_depth *
-          cells.point(v, u, 0.001f * static_cast<float>(depth.at<std::uint16_t>(v, u))).cast<double>();
-      const Eigen::Isometry3d& T = planes_[k].T_map_plane;
-      places[k].push_back((T.linear().transpose() * (point - T.translation())).head<2>());
-    }
-  for (std::size_t k = 0; k < planes_.size(); ++k) planes_[k].grid.add(places[k]);
+  look(found.labels, plane_of, cells, T_map_depth);
+}
+
+/// Counts the cells of the planes' grids that the frame shows. Each is looked up in the image: so planes that
+/// are far or slanted, whose pixels lie farther apart than cells, have no gaps.
+void PlaneMap::look(const cv::Mat& labels, const std::vector<std::size_t>& plane_of, const CellMoments& cells,
+                    const Eigen::Isometry3d& T_map_depth) {
+  std::map<std::size_t, PlaneView> views;  // of each plane that the frame shows
+  std::vector<PlaneView*> view_of;         // of each label
+  for (const std::size_t k : plane_of)
+    view_of.push_back(
+        &views.try_emplace(k, planes_[k].T_map_plane, planes_[k].fit.plane, T_map_depth).first->second);
+  const CameraModel& camera = cells.camera();
+  for (int v = 0; v < labels.rows; v += pixel_step)
+    for (int u = 0; u < labels.cols; u += pixel_step)
+      if (const std::uint8_t label = labels.at<std::uint8_t>(v, u); label != 0)
+        view_of[label - 1u]->reach_to(cells.point(v, u, 1).cast<double>(), pixel_step / camera.fx);
+  for (const auto& [k, view] : views)
+    planes_[k].grid.look(view.box(), [&, plane = k, &seen = view](const Eigen::Vector2d& place) {
+      const std::optional<Eigen::Vector2d> pixel = camera.project(seen.point(place));
+      if (!pixel || !camera.contains(*pixel)) return false;
+      const std::uint8_t label =
+          labels.at<std::uint8_t>(static_cast<int>(pixel->y() + 0.5), static_cast<int>(pixel->x() + 0.5));
+      return label != 0 && plane_of[label - 1u] == plane;
+    });
 }
 
 /// The nearest plane that may be the same; null when there is none.
@@ -94,7 +112,7 @@ std::vector<PlanePatch> PlaneMap::patches(const Eigen::Vector3d& up) const {
   std::vector<PlanePatch> patches;
   for (const Plane& plane : planes_) {
     if (plane.looks < settings_.min_looks) continue;
-    for (const PlaneGrid::Part& part : plane.grid.parts(least_hits)) {
+    for (const PlaneGrid::Part& part : plane.grid.parts()) {
       PlanePatch patch;
       patch.fit = plane.fit;
       patch.area = part.area;

@@ -27,9 +27,9 @@ class PlaneMap {
   /// Throws std::invalid_argument for a setting that is wrong.
   explicit PlaneMap(const PlaneMapSettings& settings = {});
 
-  /// The planes of a depth image taken at T_map_depth; `cells` those of the finder that found them.
-  void insert(const FramePlanes& found, const cv::Mat& depth, const CellMoments& cells,
-              const Eigen::Isometry3d& T_map_depth);
+  /// The planes of a depth image taken at T_map_depth; `cells` those of the finder that found them. What was
+  /// seen in min_looks images belongs to a plane's outline.
+  void insert(const FramePlanes& found, const CellMoments& cells, const Eigen::Isometry3d& T_map_depth);
 
   /// All parts with a label's least area, in the order in which their planes were found. `up` is unit.
   std::vector<PlanePatch> patches(const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ()) const;
@@ -47,6 +47,8 @@ class PlaneMap {
     int looks = 0;
   };
 
+  void look(const cv::Mat& labels, const std::vector<std::size_t>& plane_of, const CellMoments& cells,
+            const Eigen::Isometry3d& T_map_depth);
   Plane* partner(const PlaneFit& fit);
 
   PlaneMapSettings settings_;

@@ -24,22 +24,37 @@ struct PlaneFit {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
 };
 
+/// Depth cameras err along their rays. Where points are seen at a slant, least squares of their distances
+/// would take that for a tilt, which no number of frames takes away; so the fit asks what is least compared
+/// with what noise of such rays would give.
 struct PlaneMoments {
   double weight = 0;  ///< of all points: their number times 1 / sigma^2, 1/m^2
   double points = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();      ///< weighted, m
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();  ///< weighted, m^2
+  Eigen::Matrix3d rays = Eigen::Matrix3d::Zero();  ///< sum of r r^T of rays r = (x/z, y/z, 1); zero: unknown
 
+  void add(const Eigen::Vector3d& point) {
+    weight += 1;
+    points += 1;
+    sum += point;
+    squares += point * point.transpose();
+  }
   void add(const PlaneMoments& other) {
     weight += other.weight;
     points += other.points;
     sum += other.sum;
     squares += other.squares;
+    rays += other.rays;
   }
   /// The same points in another frame.
   PlaneMoments moved(const Eigen::Isometry3d& T) const;
-  /// The same information with another weight.
-  PlaneMoments scaled(double factor) const;
+  /// Of points (of weight 1) in a small part of the image of a camera at the origin: with their ray, and the
+  /// weight that depths of deviation `sigma` (m) have.
+  PlaneMoments weighed(double sigma) const;
+
+  /// Root mean square of the points' distances from a plane, m.
+  double rms_from(const PlaneEquation& plane) const;
 
   /// `seen_from` (m) decides which way the normal looks. Needs points that are not on one line.
   PlaneFit fit(const Eigen::Vector3d& seen_from) const;

@@ -8,21 +8,23 @@ namespace lcmslam {
 struct FramePlaneSettings {
   int cells_across = 40;
   double least_valid = 0.6;
-  double flatness = 3;
-  double max_angle = 0.14;
+  double max_sigma = 0.03;
+  double flatness = 1.4;
+  double max_angle = 0.25;
   double max_distance_sigmas = 3;
-  int min_cells = 12;
+  int min_cells = 6;
 
   void describe(SettingsVisitor& s) {
     s.number("cells_across", cells_across, "", {8, 160},
              "square cells, which may be plane, in the width of a depth image");
     s.number("least_valid", least_valid, "", {0.05, 1}, "share of a cell's pixels that must have depth");
+    s.number("max_sigma", max_sigma, "m", {0.001, 10}, "of depth up to which pixels may be a plane's");
     s.number("flatness", flatness, "", {0.5, 100},
-             "sigmas of depth that a plane cell's points may lie off it");
+             "sigmas of depth that a cell's points may lie off its plane, root mean square");
     s.number("max_angle", max_angle, "rad", {0.01, 1.5}, "between a cell's normal and its plane's");
     s.number("max_distance_sigmas", max_distance_sigmas, "", {0.5, 100},
              "sigmas of depth that what belongs to a plane may lie off it");
-    s.number("min_cells", min_cells, "", {2, 10000}, "that make a plane");
+    s.number("min_cells", min_cells, "", {2, 10000}, "that make a plane, cut in pieces or not");
   }
 };
 
@@ -45,7 +47,8 @@ struct PlaneMapSettings {
     s.number("min_area", min_area, "m^2", {1e-4, 1000}, "of a plane that gets a label");
     s.number("table_height", table_height, "m", {0.01, 10},
              "above the floor from which a level plane is a table top");
-    s.number("min_looks", min_looks, "", {1, 1000}, "frames that must show a plane before it counts");
+    s.number("min_looks", min_looks, "", {1, 255},
+             "frames that must show a plane, and each part of its outline, before it counts");
   }
 };
 

@@ -63,7 +63,7 @@ void into_the_map(benchmark::State& state) {
   PlaneMap map;
   std::size_t i = 0;
   for (auto _ : state) {
-    map.insert(found[i], images().depths[i], finder.cells(), images().poses[i]);
+    map.insert(found[i], finder.cells(), images().poses[i]);
     i = (i + 1) % found.size();
   }
 }
@@ -73,7 +73,7 @@ void outlines(benchmark::State& state) {
   FramePlaneFinder finder(images().calibration);
   PlaneMap map;
   for (std::size_t k = 0; k < images().depths.size(); ++k)
-    map.insert(finder(images().depths[k]), images().depths[k], finder.cells(), images().poses[k]);
+    map.insert(finder(images().depths[k]), finder.cells(), images().poses[k]);
   for (auto _ : state) benchmark::DoNotOptimize(map.patches().size());
 }
 BENCHMARK(outlines)->Unit(benchmark::kMillisecond);

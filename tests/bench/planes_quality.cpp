@@ -154,7 +154,7 @@ void run(const Options& options, std::uint64_t seed) {
     const Eigen::Isometry3d T_world_depth =
         simulation.T_world_robot(calibration.depth_time(frame.depth_utime)) * calibration.T_robot_camera *
         calibration.T_colour_depth;
-    map.insert(finder(frame.depth), frame.depth, finder.cells(), T_world_depth);
+    map.insert(finder(frame.depth), finder.cells(), T_world_depth);
     add_seen(caster, scene, calibration, options.range, T_world_depth, frames++, planes);
   }
   const std::vector<PlanePatch> patches = map.patches();

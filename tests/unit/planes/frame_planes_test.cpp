@@ -58,6 +58,81 @@ TEST(FramePlanes, PixelsAreLabelledByThePlaneTheyLieIn) {
   EXPECT_LT(wrong, 0.01 * on_table);
 }
 
+TEST(FramePlanes, PiecesAreJoinedBeforeSmallOnesAreLeftOut) {
+  // A board of 2 m x 0.15 m, 2 m away, behind posts: pieces of two by two cells each.
+  testing_scene::Scene scene{{}, {{Eigen::Vector3d(-1, -0.075, 2), Eigen::Vector3d(1, 0.075, 2.1)}}};
+  for (int i = -6; i <= 6; ++i)
+    scene.boxes.emplace_back(Eigen::Vector3d(0.12 * i - 0.02, -1, 1),
+                             Eigen::Vector3d(0.12 * i + 0.02, 1, 1.02));
+  const RgbdCalibration camera = testing::room_camera();
+  FramePlaneFinder finder(camera);
+  const auto boards = [&] {
+    int count = 0;
+    for (const FramePlane& plane :
+         finder(testing_scene::render(scene, camera.colour, Eigen::Isometry3d::Identity())).planes)
+      count += std::abs(plane.fit.centre.z() - 2) < 0.01 ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(boards(), 1);
+  scene.boxes[0] = {Eigen::Vector3d(-0.1, -0.075, 2), Eigen::Vector3d(0.1, 0.075, 2.1)};
+  EXPECT_EQ(boards(), 0) << "one piece alone is too small";
+}
+
+/// A post of 0.15 m x 0.1 m before a wall. Its edges cross the image at a slant, so that cells see all parts
+/// of both of its sides.
+const testing_scene::Scene post{{{{0, 0, 1}, 4}},
+                                {{Eigen::Vector3d(-0.07, -0.5, 1.5), Eigen::Vector3d(0.03, 0.5, 1.65)}}};
+const Eigen::Isometry3d T_before_post =
+    Eigen::Translation3d(0.7, 0, 0) * Eigen::AngleAxisd(-0.45, Eigen::Vector3d::UnitY()) *
+    Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitZ()) * Eigen::Isometry3d::Identity();
+
+TEST(FramePlanes, BothSidesOfAPostAreFoundWithinADegree) {
+  const RgbdCalibration camera = testing::room_camera();
+  FramePlaneFinder finder(camera);
+  Random random(2);
+  const FramePlanes found =
+      finder(testing_scene::render(post, camera.colour, T_before_post, &camera.depth_noise, &random));
+  EXPECT_NE(find(found, T_before_post, {0, 0, -1}, 1.5), nullptr);
+  EXPECT_NE(find(found, T_before_post, {1, 0, 0}, -0.03), nullptr);
+}
+
+TEST(FramePlanes, PixelsAtAnEdgeAreTheirOwnSides) {
+  const RgbdCalibration camera = testing::room_camera();
+  FramePlaneFinder finder(camera);
+  const cv::Mat depth = testing_scene::render(post, camera.colour, T_before_post);
+  const FramePlanes found = finder(depth);
+  ASSERT_GE(found.planes.size(), 3u);
+  int others = 0, far_off = 0;
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u) {
+      const int label = found.labels.at<std::uint8_t>(v, u);
+      if (label == 0) continue;
+      const Eigen::Vector3d point =
+          finder.cells()
+              .point(v, u, 0.001f * static_cast<float>(depth.at<std::uint16_t>(v, u)))
+              .cast<double>();
+      const double off =
+          std::abs(found.planes[static_cast<std::size_t>(label) - 1].fit.plane.distance(point));
+      for (const FramePlane& plane : found.planes)
+        others += std::abs(plane.fit.plane.distance(point)) < off - 0.001 ? 1 : 0;
+      far_off += off > 3.1 * finder.cells().sigma(point.z()) ? 1 : 0;
+    }
+  // Not none: planes are fitted anew to the pixels that chose them.
+  EXPECT_LT(others, 60);
+  EXPECT_LT(far_off, 6);
+}
+
+TEST(FramePlanes, WhatIsTooUncertainIsNoPlane) {
+  const RgbdCalibration camera = testing::room_camera();
+  FramePlaneFinder finder(camera);
+  const auto planes = [&](double distance) {
+    const testing_scene::Scene wall{{{{0, 0, 1}, distance}}, {}};
+    return finder(testing_scene::render(wall, camera.colour, Eigen::Isometry3d::Identity())).planes.size();
+  };
+  EXPECT_EQ(planes(5.2), 1u);  // sigma 29 mm
+  EXPECT_EQ(planes(5.5), 0u);  // 32 mm
+}
+
 TEST(FramePlanes, ABallIsNoPlane) {
   const RgbdCalibration camera = testing::room_camera();
   cv::Mat depth(240, 320, CV_16UC1);

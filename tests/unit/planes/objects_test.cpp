@@ -48,6 +48,18 @@ TEST(Objects, StandInBoxesOfTheirPlaceSizeAndHeading) {
   EXPECT_LT((objects[1].T_map_box.translation() - Eigen::Vector3d(0.7, 0.7, 0.75)).norm(), 0.006);
 }
 
+TEST(Objects, BoxesLieAlongTheirObjectsHoweverTheseAreTurned) {
+  for (const double heading : {-1.3, -0.6, 0.2, 0.9, 1.5}) {
+    std::vector<Eigen::Vector3f> points;
+    add_box(points, {0.5, 0.5, 0.7}, heading, {0.2, 0.1, 0.25});
+    const std::vector<StandingObject> objects = find_objects(points, table());
+    ASSERT_EQ(objects.size(), 1u);
+    const Eigen::Vector3d along(std::cos(heading), std::sin(heading), 0);
+    EXPECT_NEAR(std::abs(objects[0].T_map_box.linear().col(0).dot(along)), 1, 2e-3) << heading;
+    EXPECT_LT((objects[0].size - Eigen::Vector3d(0.2, 0.1, 0.25)).cwiseAbs().maxCoeff(), 0.006);
+  }
+}
+
 TEST(Objects, AFewPointsAreNoObject) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 39; ++i) points.emplace_back(0.5f, 0.5f, 0.75f);

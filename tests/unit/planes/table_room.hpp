@@ -61,8 +61,7 @@ inline const std::vector<RoomLook>& room_looks() {
 inline PlaneMap room_map() {
   FramePlaneFinder finder(room_camera());
   PlaneMap map;
-  for (const RoomLook& look : room_looks())
-    map.insert(finder(look.depth), look.depth, finder.cells(), look.T_map_depth);
+  for (const RoomLook& look : room_looks()) map.insert(finder(look.depth), finder.cells(), look.T_map_depth);
   return map;
 }
 
