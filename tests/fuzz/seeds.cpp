@@ -174,6 +174,29 @@ void make_requests(SeedFolder folder) {
     folder.add(std::string(lines));
 }
 
+/// As nodes/web_fuzzer.cpp reads it: where it goes, then the bytes.
+void make_web(SeedFolder folder) {
+  const std::string host = " HTTP/1.1\r\nHost: localhost\r\n";
+  const std::string upgrade =
+      "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+  const std::string raw(1, '\4'), live(1, '\1'), command(1, '\2'), text(1, '\3');
+  folder.add(raw + "GET /" + host + "\r\n");
+  folder.add(raw + "HEAD /index.html?token=x" + host +
+             "Accept-Encoding: gzip\r\nIf-None-Match: \"a\"\r\n\r\n");
+  folder.add(raw + "GET /live" + host + upgrade + "Origin: http://localhost\r\n\r\n");
+  folder.add(raw + "POST /command" + host + "Content-Length: 3\r\nCookie: lcmslam_token=a; b=c\r\n\r\nabc");
+  folder.add(raw + "GET /" + host + "Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n0\r\n\r\n");
+  const std::string frame = std::string("\x81\x85\0\0\0\0", 6) + "{\"a\"}";
+  for (const std::string& socket : {live, command}) {
+    folder.add(socket + frame + frame);
+    folder.add(socket + std::string("\x01\xfe\x00\x7e\1\2\3\4", 8) + std::string(126, 'x'));
+    folder.add(socket + std::string("\x89\x80\0\0\0\0\x88\x82\0\0\0\0\3\xe8", 14));
+  }
+  for (const char* said : {R"({"got":1000})", R"({"eye":[1,2,3]})", R"({"want":["points"]})"})
+    folder.add(text + said);
+}
+
 void make_questions(SeedFolder folder) {
   Box box;
   box.half_size = {1, 2, 3};
@@ -263,6 +286,7 @@ int main(int argc, char** argv) {
   make_parts(SeedFolder(folder / "parts"));
   make_sessions(SeedFolder(folder / "sessions"));
   make_requests(SeedFolder(folder / "requests"));
+  make_web(SeedFolder(folder / "web"));
   make_questions(SeedFolder(folder / "question"));
   make_configurations(SeedFolder(folder / "configuration"));
   make_trajectories(SeedFolder(folder / "trajectory"));

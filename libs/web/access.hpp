@@ -1,0 +1,40 @@
+#pragma once
+// Who may see the page. On loop-back whoever is on this machine; from elsewhere who knows the token. Pages of
+// other sites, which a browser on this machine may show, are neither: their Host or Origin tells.
+
+#include <string>
+
+#include <lcmslam/web/web_settings.hpp>
+
+namespace lcmslam {
+
+class Access {
+ public:
+  /// Throws std::runtime_error for an address that is none.
+  explicit Access(const WebSettings& settings);
+
+  /// What a request says of itself; empty: nothing.
+  struct Request {
+    std::string target;  ///< path and query
+    std::string host, origin, cookie;
+  };
+  enum class Verdict { granted, wrong_host, wrong_origin, wrong_token };
+  Verdict judge(const Request& request) const;
+  /// Whether the address itself carries the token: then it is answered with a cookie.
+  bool names_token(const Request& request) const;
+
+  const std::string& token() const { return token_; }  ///< empty: none is asked for
+  std::string cookie() const { return "lcmslam_token=" + token_; }
+
+ private:
+  bool is_own(const std::string& host) const;
+  bool knows(const std::string& token) const;
+
+  bool loop_back_;
+  std::string token_;
+};
+
+/// Of "/path?a=1&token=abc"; empty: there is none.
+std::string query_member(const std::string& target, const std::string& name);
+
+}  // namespace lcmslam
