@@ -1,0 +1,65 @@
+// A click on the map: position, clearance, headroom, plane.
+import { Vector3 } from "three";
+import { length, point } from "../format.js";
+
+const ceiling = 2.5; // m above the point up to which headroom is asked
+const step = 0.1;
+
+export class Inspect {
+  /** @param {{picker, labels, planes, card, command, robot: () => object, can: (what: string) => boolean}} parts */
+  constructor(parts) {
+    Object.assign(this, parts);
+    this.turn = 0;
+  }
+
+  async click(event) {
+    const hit = this.picker.at(event);
+    this.labels.clear("pin");
+    if (!hit) return this.card.hide();
+    this.labels.add("pin", hit.place, "");
+    const rows = [["Position", point(hit.place.toArray())], ...this.#near(hit)];
+    const title = hit.what === "surface" ? "Point" : hit.what[0].toUpperCase() + hit.what.slice(1);
+    this.card.show(title, rows, () => this.leave());
+    if (!this.can("query")) return;
+    const turn = ++this.turn;
+    try {
+      const answers = await this.#ask(hit.place);
+      if (turn === this.turn) this.card.show(title, [...rows, ...answers], () => this.leave());
+    } catch (error) {
+      if (turn === this.turn) this.card.show(title, [...rows, ["Clearance", error.message]], () => this.leave());
+    }
+  }
+
+  leave() {
+    this.turn += 1;
+    this.labels.clear("pin");
+    this.card.hide();
+  }
+
+  /** What the page knows itself. */
+  #near({ place, sigma, observations }) {
+    const rows = [];
+    const robot = this.robot();
+    if (robot) rows.push(["From the robot", length(place.distanceTo(robot.position))]);
+    if (sigma !== undefined) rows.push(["Sigma", length(sigma)], ["Observations", observations === 255 ? "255 or more" : String(observations)]);
+    const plane = this.planes.under(place);
+    if (plane) rows.push(["Plane", `${plane.label}, ${plane.area.toFixed(2)} m²`]);
+    return rows;
+  }
+
+  /** Clearance is asked where a robot's middle would be: right on a surface it is always 0. */
+  async #ask(place) {
+    const half = this.robotHeight() / 2;
+    const middle = place.clone().add(new Vector3(0, 0, half)).toArray();
+    const column = Array.from({ length: ceiling / step }, (_, i) => [place.x, place.y, place.z + step * (i + 1)]);
+    const [distance, space] = await Promise.all([
+      this.command.ask({ ask: "distance", points: [middle] }),
+      this.command.ask({ ask: "space", points: column }),
+    ]);
+    const rows = [[`Clearance, ${half.toFixed(2)} m above`, length(Math.max(0, distance.distances[0]))]];
+    const blocked = space.states.findIndex((state, i) => i > 0 && state === "occupied");
+    const known = space.states.filter((state) => state !== "unknown").length;
+    rows.push(["Free above", known === 0 ? "not known" : blocked < 0 ? `${ceiling.toFixed(1)} m or more` : length(step * (blocked + 1))]);
+    return rows;
+  }
+}

@@ -1,0 +1,134 @@
+// The page of a graph that runs: the real programs in the simulated kitchen, on a bus of their own.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { closeSync, existsSync, mkdtempSync, openSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { figures, until, watch } from "./browser.mjs";
+
+const slow = 90_000; // ms: two cores also draw the page
+
+const freePort = () => new Promise((done) => {
+  const server = createServer().listen(0, "127.0.0.1", () => {
+    const { port } = server.address();
+    server.close(() => done(port));
+  });
+});
+
+/** Processes below the launcher, by name. */
+function childrenOf(parent) {
+  const all = {};
+  for (const pid of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
+    try {
+      const stat = readFileSync(`/proc/${pid}/stat`, "utf8");
+      if (Number(stat.slice(stat.lastIndexOf(")") + 2).split(" ")[1]) !== parent) continue;
+      all[readFileSync(`/proc/${pid}/cmdline`, "utf8").split("\0")[0].split("/").pop()] = Number(pid);
+    } catch {
+      // it has just ended
+    }
+  }
+  return all;
+}
+
+class Graph {
+  async start(programs, root) {
+    this.programs = programs;
+    this.folder = mkdtempSync(join(tmpdir(), "lcmslam-page-"));
+    this.port = await freePort();
+    this.address = `http://127.0.0.1:${this.port}`;
+    const configuration = join(this.folder, "graph.yaml");
+    writeFileSync(configuration, `include: ${root}/config/demo.yaml
+map-server: {page: {drive_channel: TELEOP, web: {port: ${this.port}}}}
+`);
+    this.out = join(this.folder, "out");
+    this.launcher = this.run("lcmslam", ["launch", configuration, "--out", this.out]);
+    await until(async () => (await fetch(this.address).catch(() => null))?.ok, "the page", slow);
+    return this;
+  }
+  run(program, words) {
+    // What they say goes into a file: processes that outlive a failed test must not hold the test's own output.
+    const said = openSync(join(this.folder, `${program}.txt`), "a");
+    const child = spawn(join(this.programs, program), words, { stdio: ["ignore", "pipe", said] });
+    closeSync(said);
+    child.lines = [];
+    child.stdout.on("data", (text) => child.lines.push(...text.toString().split("\n").filter(Boolean)));
+    return child;
+  }
+  kill(name) {
+    const pid = childrenOf(this.launcher.pid)[`lcmslam-${name}`];
+    assert.ok(pid, `${name} runs`);
+    process.kill(pid, "SIGKILL");
+  }
+  async stop() {
+    const children = Object.values(childrenOf(this.launcher.pid));
+    const ended = new Promise((done) => this.launcher.once("exit", done));
+    this.launcher.kill("SIGINT");
+    await Promise.race([ended, new Promise((done) => setTimeout(done, 60_000).unref())]);
+    for (const pid of [this.launcher.pid, ...children]) {
+      try {
+        process.kill(pid, "SIGKILL");
+      } catch {
+        // it had ended
+      }
+    }
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+}
+
+async function open(browser, graph) {
+  const context = await browser.newContext({ viewport: { width: 1000, height: 640 }, colorScheme: "dark" });
+  const page = await context.newPage();
+  const errors = watch(page, graph.address);
+  await page.goto(graph.address);
+  return { page, errors, close: () => context.close() };
+}
+
+export const tests = {
+  async "a graph that runs is seen, saved, driven, and seen again after its processes die"(browser, { picture, programs, root }) {
+    const graph = await new Graph().start(programs, root);
+    try {
+      let { page, errors, close } = await open(browser, graph);
+      const seen = await until(async () => {
+        const now = await figures(page);
+        return now?.points > 0 && now.landmarks > 0 && now.triangles > 0 ? now : null;
+      }, "both maps", slow);
+      await until(async () => {
+        const now = await figures(page);
+        return now.triangles > seen.triangles && now.landmarks > seen.landmarks; // the surface takes the points' place
+      }, "both maps grow", slow);
+      await picture(page, "graph");
+
+      await page.getByRole("button", { name: "Save", exact: true }).click();
+      await page.getByText("what has changed is being saved").waitFor();
+      await until(() => existsSync(join(graph.out, "icp_map.ply")) && existsSync(join(graph.out, "fastslam_map.ply")), "the saved maps", slow);
+
+      const echo = graph.run("lcmslam-tools", ["echo", "TELEOP", "--json"]);
+      await page.keyboard.press("x");
+      await page.keyboard.down("w");
+      await until(() => echo.lines.length > 2, "driving", slow);
+      const speed = (line) => JSON.parse(line).fields.linear[0];
+      assert.ok(speed(echo.lines.at(-1)) > 0);
+      assert.deepEqual(errors, [], "the page's console");
+      await close(); // the key is still held
+      await until(() => speed(echo.lines.at(-1)) === 0, "a stop as the link breaks");
+      echo.kill();
+
+      ({ page, errors, close } = await open(browser, graph));
+      await until(async () => (await figures(page))?.keyframes > 0, "the map again", slow);
+      graph.kill("map-server");
+      await page.getByText("The connection to the map server is lost").waitFor({ timeout: slow });
+      await until(() => page.evaluate(() => document.documentElement.dataset.connection === "open"), "the page after map-server died", slow);
+      await until(async () => (await figures(page)).landmarks > 0, "the map that the mappers told again", slow);
+      await page.getByText(/^icp/).first().waitFor({ timeout: slow, state: "attached" }); // its STATUS was heard
+      graph.kill("icp");
+      await page.getByText("icp began anew").first().waitFor({ timeout: slow, state: "attached" });
+      await picture(page, "graph_after_deaths");
+      const others = errors.filter((error) => !/WebSocket connection|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET/.test(error));
+      assert.deepEqual(others, [], "the page's console");
+      await close();
+    } finally {
+      await graph.stop();
+    }
+  },
+};

@@ -1,0 +1,139 @@
+// What is done: inspect, measure, go-to, drive, save, begin anew.
+import assert from "node:assert/strict";
+import { clickPlace, figures, lookDown, pixel, until, withPage } from "./browser.mjs";
+import { layers, surface, T } from "./kitchen.mjs";
+import { encode } from "./messages.mjs";
+
+const all = ["go_to", "drive", "save", "reset", "export", "log", "query"];
+const still = { server: { story: false } };
+
+/** The whole kitchen at rest, the robot at its origin. */
+async function furnish(page, server, can = all) {
+  server.put(encode({ channel: "about", key: "", title: "kitchen", source: "live", can, robot: { length: 0.6, width: 0.5, height: 0.9 } }));
+  for (const { message } of surface(0.1)) server.put(message);
+  for (const message of layers()) server.put(message);
+  server.put(encode({ channel: "poses", key: "", utime: 1, icp: { T: T(0, 0, 0, 0), status: 1 } }));
+  await until(async () => (await figures(page)).triangles > 10_000, "the kitchen");
+}
+
+const heard = (server, what) => server.heard.filter((each) => each.do === what);
+
+export const tests = {
+  async "a click tells position, clearance and plane"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await lookDown(page, [1.5, -1]);
+      await clickPlace(page, [1.4, -0.9, 0.74]);
+      const card = page.getByRole("region", { name: "Tool" });
+      await card.getByText(/^1\.\d\d, -0\.(8|9)\d, 0\.7\d m$/).waitFor();
+      await card.getByText("table, 1.12 m²").waitFor();
+      await card.getByText("42.0 cm").waitFor();
+      assert.deepEqual(heard(server, "query").map(({ question }) => question.ask).sort(), ["distance", "space"]);
+      await page.keyboard.press("Escape");
+      await card.waitFor({ state: "hidden" });
+      await page.keyboard.press("Enter"); // the same without a pointer, at the middle of the view
+      await card.getByText("1.50, -1.00, 0.74 m").waitFor();
+    });
+  },
+
+  async "two clicks measure"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await lookDown(page, [0.5, -0.5]);
+      await page.keyboard.press("m");
+      await clickPlace(page, [0, -1, 0]);
+      await clickPlace(page, [0.8, -1, 0]);
+      const text = await page.locator(".tool-card dd").first().textContent();
+      assert.ok(Math.abs(parseFloat(text) - 80) < 2.5 && text.endsWith("cm"), `80 cm measured as ${text}`);
+    });
+  },
+
+  async "go-to sends place and heading"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await lookDown(page, [0.5, 0]);
+      await page.getByRole("button", { name: /Send the robot/ }).click();
+      const [from, to] = [await pixel(page, [0.6, -0.4, 0]), await pixel(page, [0.6, 0.4, 0])];
+      await page.mouse.move(from.x, from.y);
+      await page.mouse.down();
+      await page.mouse.move(to.x, to.y, { steps: 4 });
+      await page.mouse.up();
+      const [goal] = await until(() => heard(server, "go_to").length > 0 && heard(server, "go_to"), "go_to");
+      assert.ok(Math.hypot(goal.x - 0.6, goal.y + 0.4) < 0.02 && Math.abs(goal.yaw - Math.PI / 2) < 0.05, JSON.stringify(goal));
+      await page.getByText("The goal was published on GOAL").waitFor();
+    });
+  },
+
+  async "driving stops when keys are let go, and when nobody looks"(browser, { measured }) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.keyboard.press("x");
+      await page.keyboard.down("w");
+      await until(() => heard(server, "drive").length >= 6, "driving");
+      const gaps = heard(server, "drive").map(({ when }, i, list) => (i ? when - list[i - 1].when : 0));
+      measured("longest gap between drive messages", `${Math.max(...gaps).toFixed(0)} ms`);
+      assert.ok(heard(server, "drive").every(({ linear, angular }) => linear === 1 && angular === 0));
+      await page.keyboard.up("w");
+      await until(() => heard(server, "drive").at(-1).linear === 0, "a stop");
+      await page.keyboard.down("a");
+      await until(() => heard(server, "drive").at(-1).angular === 1, "turning");
+      await page.evaluate(() => dispatchEvent(new Event("blur")));
+      await until(() => heard(server, "drive").at(-1).angular === 0, "a stop as the window loses the focus");
+      const so_far = heard(server, "drive").length;
+      await until(() => page.evaluate(() => new Promise((done) => setTimeout(() => done(true), 250))), "a quarter of a second");
+      assert.equal(heard(server, "drive").length, so_far, "nothing is sent after the stop");
+    });
+  },
+
+  async "the pad drives by shares, and its release stops"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.keyboard.press("x");
+      const box = await page.getByRole("application").boundingBox();
+      await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+      await page.mouse.down();
+      await page.mouse.move(box.x + box.width / 2, box.y + box.height / 4);
+      await until(() => Math.abs(heard(server, "drive").at(-1)?.linear - 0.5) < 0.05, "half speed");
+      await page.mouse.up();
+      await until(() => heard(server, "drive").at(-1).linear === 0, "a stop");
+    });
+  },
+
+  async "saving says so, beginning anew wants a second press, errors are told"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.getByRole("button", { name: "Save", exact: true }).click();
+      await page.getByText("The map is saved: map.lcmslam, 4.1 MB").waitFor();
+      await page.getByRole("button", { name: "Begin anew" }).click();
+      assert.equal(heard(server, "reset").length, 0);
+      await page.getByRole("button", { name: "Press again: the map is left" }).click();
+      await until(() => heard(server, "reset").length === 1, "reset");
+      server.refuse.set("export", "the disk is full");
+      await page.getByRole("button", { name: "Export" }).click();
+      await page.getByText("the disk is full").waitFor();
+      await page.getByRole("button", { name: "Start a log" }).click();
+      await page.getByRole("button", { name: "Stop the log" }).waitFor();
+      assert.deepEqual(heard(server, "log").map(({ on }) => on), [true]);
+    });
+  },
+
+  async "only what the server can is offered"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server, ["save"]);
+      await page.getByRole("button", { name: "Save", exact: true }).waitFor();
+      for (const name of ["Begin anew", "Export", "Start a log", /^Drive/, /Send the robot/]) assert.equal(await page.getByRole("button", { name }).count(), 0, String(name));
+      await page.keyboard.press("x");
+      await page.keyboard.press("w");
+      assert.equal(heard(server, "drive").length, 0);
+    });
+  },
+
+  async "a picture is saved"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      const download = page.waitForEvent("download");
+      await page.keyboard.press("p");
+      assert.match((await download).suggestedFilename(), /^lcmslam-.*\.png$/);
+    });
+  },
+};
