@@ -119,6 +119,20 @@ Mesh LiveMap::mesh() const {
   return surface_.mesh();
 }
 
+std::int64_t LiveMap::changed_mesh(std::int64_t changed, const SeeCube& see) const {
+  std::vector<std::pair<MeshCube, Mesh>> cubes;
+  {
+    const std::lock_guard<std::mutex> lock(surface_mutex_);
+    const SurfaceMesh& mesh = surface_.meshed();
+    for (const MeshCube& cube : mesh.cubes(changed)) cubes.emplace_back(cube, mesh.joined(cube));
+  }
+  for (const auto& [cube, mesh] : cubes) {
+    see(cube, mesh);
+    changed = std::max(changed, cube.changed);
+  }
+  return changed;
+}
+
 bool LiveMap::has(int keyframe) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return keyframes_.count(keyframe) > 0;

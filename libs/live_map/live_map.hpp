@@ -9,6 +9,7 @@
 //   while (map.improve()) ...         // when nothing else is to be done
 //   map.space().ask(...);
 
+#include <functional>
 #include <mutex>
 #include <opencv2/core.hpp>
 
@@ -61,6 +62,10 @@ class LiveMap {
   std::vector<PlanePatch> planes() const { return planes_.patches(); }
   /// Takes its time (a second for a flat); only what changed since it was last asked for is meshed anew.
   Mesh mesh() const;
+  /// The cubes of the mesh that changed after `changed` (SurfaceMesh), each with what is in it now. Returns
+  /// the newest change.
+  using SeeCube = std::function<void(const MeshCube&, const Mesh&)>;
+  std::int64_t changed_mesh(std::int64_t changed, const SeeCube& see) const;
   bool has(int keyframe) const;
   /// Counts every change.
   std::int64_t version() const;

@@ -3,8 +3,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr int middle = 127;   // of a byte's differences, -127 to 127
-constexpr int escaped = 255;  // a depth of two bytes follows, the low one first
+constexpr int no_change = 127;  // of a byte's differences, -127 to 127
+constexpr int escaped = 255;    // a depth of two bytes follows, the low one first
 
 }  // namespace
 
@@ -15,7 +15,7 @@ std::vector<std::uint8_t> pack_depth(const cv::Mat& depth) {
   for (int v = 0; v < depth.rows; ++v) {
     const auto* row = depth.ptr<std::uint16_t>(v);
     for (int u = 0; u < depth.cols; ++u) {
-      const int code = row[u] - last + middle;
+      const int code = row[u] - last + no_change;
       last = row[u];
       if (code >= 0 && code < escaped) {
         *next++ = static_cast<std::uint8_t>(code);
@@ -37,7 +37,7 @@ cv::Mat unpack_depth(const std::vector<std::uint8_t>& bytes, cv::Size size) {
     auto* row = depth.ptr<std::uint16_t>(v);
     for (int u = 0; u < depth.cols; ++u) {
       const int code = *next++;
-      last = code == escaped ? next[0] | next[1] << 8 : last + code - middle;
+      last = code == escaped ? next[0] | next[1] << 8 : last + code - no_change;
       next += code == escaped ? 2 : 0;
       row[u] = static_cast<std::uint16_t>(last);
     }

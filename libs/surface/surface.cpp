@@ -105,9 +105,13 @@ double Surface::shift(const Keyframe& keyframe) const {
                   angle_between(keyframe.T_map_camera, keyframe.T_wanted) / settings_.moved_angle);
 }
 
-Mesh Surface::mesh() {
+const SurfaceMesh& Surface::meshed() {
   mesh_.update(fine_, coarse_);
-  return mesh_.joined();
+  return mesh_;
+}
+
+Mesh Surface::mesh() {
+  return meshed().joined();
 }
 
 std::size_t Surface::memory_bytes() const {

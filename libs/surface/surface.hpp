@@ -42,6 +42,8 @@ class Surface {
 
   /// As the surface is now; only what changed is meshed anew.
   Mesh mesh();
+  /// The same in its cubes, for who follows it; until something else is called.
+  const SurfaceMesh& meshed();
 
   std::size_t memory_bytes() const;
   const VoxelBlocks& fine() const { return fine_; }

@@ -29,6 +29,11 @@ std::vector<Eigen::Vector3i> drop_gone(const VoxelBlocks& blocks, Pieces& pieces
   return gone;
 }
 
+Eigen::Vector3i cube_of(const Eigen::Vector3i& block) {
+  constexpr int n = SurfaceMesh::blocks_per_cube;
+  return block.unaryExpr([](int i) { return i >= 0 ? i / n : (i + 1) / n - 1; });
+}
+
 /// Vertices on edges that another piece has brought already are that piece's.
 void join(const MeshPiece& piece, VoxelIndex& known, Mesh& mesh) {
   std::vector<std::uint32_t> number(piece.edges.size());
@@ -52,8 +57,10 @@ SurfaceMesh::SurfaceMesh(const SurfaceSettings& settings)
 
 void SurfaceMesh::update(const VoxelBlocks& fine, const VoxelBlocks& coarse) {
   fine_blocks_ = &fine;
+  ++updates_;
   const std::vector<Eigen::Vector3i> gone = drop_gone(fine, fine_);
-  drop_gone(coarse, coarse_);
+  for (const Eigen::Vector3i& at : gone) note_change(false, at);
+  for (const Eigen::Vector3i& at : drop_gone(coarse, coarse_)) note_change(true, at);
   const std::vector<bool> due = changed_since(fine, seen_);
   update_level(fine, due, false, fine_);
 
@@ -81,7 +88,7 @@ void SurfaceMesh::update(const VoxelBlocks& fine, const VoxelBlocks& coarse) {
 }
 
 void SurfaceMesh::update_level(const VoxelBlocks& blocks, const std::vector<bool>& due, bool is_coarse,
-                               Pieces& pieces) const {
+                               Pieces& pieces) {
   const float reach = blocks.voxel_size();
   std::function<bool(const Eigen::Vector3f&)> skipped;
   if (is_coarse) skipped = [&](const Eigen::Vector3f& point) { return is_fine(*fine_blocks_, reach, point); };
@@ -89,11 +96,39 @@ void SurfaceMesh::update_level(const VoxelBlocks& blocks, const std::vector<bool
     if (!due[i]) continue;
     MeshPiece mesh = mesh_block(blocks, i, min_weight_, skipped);
     const std::uint64_t key = voxel_key(blocks[i].at);
-    if (mesh.mesh.triangles.empty())
-      pieces.erase(key);
-    else
+    const bool was_empty = pieces.count(key) == 0;
+    if (!mesh.mesh.triangles.empty())
       pieces[key] = {blocks[i].at, std::move(mesh)};
+    else if (was_empty)
+      continue;
+    else
+      pieces.erase(key);
+    note_change(is_coarse, blocks[i].at);
   }
+}
+
+void SurfaceMesh::note_change(bool is_coarse, const Eigen::Vector3i& block) {
+  const Eigen::Vector3i at = cube_of(block);
+  cubes_[{is_coarse, voxel_key(at)}] = {is_coarse, at, updates_};
+}
+
+std::vector<MeshCube> SurfaceMesh::cubes(std::int64_t changed) const {
+  std::vector<MeshCube> result;
+  for (const auto& cube : cubes_)
+    if (cube.second.changed > changed) result.push_back(cube.second);
+  return result;
+}
+
+Mesh SurfaceMesh::joined(const MeshCube& cube) const {
+  const Pieces& pieces = cube.is_coarse ? coarse_ : fine_;
+  constexpr int n = blocks_per_cube;
+  Mesh mesh;
+  VoxelIndex known;
+  for (int i = 0; i < n * n * n; ++i) {
+    const auto piece = pieces.find(voxel_key(n * cube.at + Eigen::Vector3i(i % n, i / n % n, i / (n * n))));
+    if (piece != pieces.end()) join(piece->second.mesh, known, mesh);
+  }
+  return mesh;
 }
 
 bool SurfaceMesh::is_fine(const VoxelBlocks& fine, float reach, const Eigen::Vector3f& point) const {

@@ -1,0 +1,48 @@
+#include <lcmslam/live_page/shown_map.hpp>
+
+#include <fmt/format.h>
+
+#include <lcmslam/live_page/show_on_board.hpp>
+
+namespace lcmslam {
+
+void ShownMap::clouds(const DenseMap& map) {
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    const auto known = clouds_.find(id);
+    if (known != clouds_.end() && known->second == keyframe.revision) continue;
+    clouds_[id] = keyframe.revision;
+    for (PageItem& item : points_items(keyframe)) show_on(board_, std::move(item));
+  }
+  for (auto known = clouds_.begin(); known != clouds_.end();) {
+    if (map.keyframes().count(known->first) > 0) {
+      ++known;
+      continue;
+    }
+    for (int level = 0; level < point_levels; ++level)
+      board_.remove("points", fmt::format("{}/{}", known->first, level));
+    known = clouds_.erase(known);
+  }
+}
+
+void ShownMap::graph(const std::vector<KeyframePose>& nodes, const std::vector<PageEdge>& edges) {
+  show_on(board_, graph_item(nodes, edges));
+}
+
+void ShownMap::landmarks(std::vector<Landmark> landmarks) {
+  show_all_on(board_, "landmarks", landmark_items(std::move(landmarks)));
+}
+
+void ShownMap::paths(const std::map<std::string, const Path*>& paths) {
+  std::vector<PageItem> items;
+  for (const auto& [name, path] : paths)
+    if (path != nullptr)
+      for (PageItem& item : path_items(name, *path)) items.push_back(std::move(item));
+  show_all_on(board_, "path", std::move(items));
+}
+
+void ShownMap::forget() {
+  for (const char* channel : {"points", "graph", "landmarks", "path"}) board_.remove(channel);
+  clouds_.clear();
+}
+
+}  // namespace lcmslam
