@@ -36,6 +36,7 @@ bool parse_options(int argc, char** argv, const std::string& process, const std:
     return false;
   }
   if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
+  setenv("LCM_DEFAULT_URL", options.lcm_url.c_str(), 1);  // what this process starts is on the same bus
   return true;
 }
 

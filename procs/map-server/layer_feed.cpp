@@ -76,6 +76,12 @@ void LayerFeed::pose(Utime utime, const Eigen::Isometry3d& T_map_robot) {
 }
 
 /// The one whose depth image was taken then.
+LayerWorker::Frame LayerFeed::image_at(Utime colour_time) const {
+  const auto found = std::find_if(frames_.rbegin(), frames_.rend(),
+                                  [&](const auto& frame) { return frame->colour.utime == colour_time; });
+  return found != frames_.rend() ? *found : nullptr;
+}
+
 LayerWorker::Frame LayerFeed::frame_at(Utime depth_time) const {
   const auto away = [&](const auto& frame) {
     return std::abs(calibration_->depth_time(frame->depth.utime) - depth_time);

@@ -42,6 +42,8 @@ class LayerFeed {
 
   /// Null before calibrate().
   std::shared_ptr<const LiveMap> map() const { return worker_.map(); }
+  /// A frame of the last seconds; null: none of that colour image.
+  LayerWorker::Frame image_at(Utime colour_time) const;
   LayerWorker::State state() const { return worker_.state(); }
 
  private:

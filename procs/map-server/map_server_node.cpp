@@ -46,8 +46,9 @@ auto& session_of(SessionTable<Map>& sessions, const M& message) {
   return *session;
 }
 
-/// A line a setting.
-std::string text_of(const MapServerSettings& settings) {
+/// A line a setting; without the page's, which make no map and may hold a token.
+std::string text_of(MapServerSettings settings) {
+  settings.page = {};
   std::string text;
   for (const SettingEntry& entry : list_settings(settings)) text += entry.path + ": " + entry.value + "\n";
   return text;
@@ -122,6 +123,7 @@ void MapServerNode::connect(Inputs& inputs) {
 void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
   if (landmark_maps_.hear(key_of(message))) fastslam_path_.clear();
   add_to_path(fastslam_path_, message);
+  fastslam_pose_ = message;
   if (recorder_) recorder_->pose("fastslam", key_of(message), message);
   const auto* session = landmark_maps_.find(key_of(message));
   const bool complete = session != nullptr && !session->map.incomplete();
@@ -136,6 +138,7 @@ void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
   }
   add_to_path(icp_path_, message);
   T_map_robot_ = from_message(message.T_map_robot, "T_map_robot");
+  icp_pose_ = message;
   if (layers_ && message.status == pose_estimate_t::TRACKING) layers_->pose(message.utime, *T_map_robot_);
   if (recorder_) recorder_->pose("icp", key_of(message), message);
   const auto* session = dense_maps_.find(key_of(message));
@@ -416,57 +419,6 @@ void MapServerNode::note_store() {
   else
     spdlog::error("the map's file is not written, mapping goes on: {}", error);
   store_failure_ = error;
-}
-
-NodeReport MapServerNode::report() const {
-  NodeReport report;
-  if (!failure_.empty()) report.detail = "maps are not saved: " + failure_;
-  if (!failure_.empty() && changes_ != saved_changes_) report.state = status_t::FAILED;
-  const std::string unwritten = recorder_ ? recorder_->error() : "";
-  if (!unwritten.empty()) {
-    report.detail += (report.detail.empty() ? "" : "; ") + ("the map's file is not written: " + unwritten);
-    if (finished_) report.state = status_t::FAILED;
-  }
-  const LandmarkMap* landmarks = landmark_maps_.current_map();
-  const DenseMap* dense = dense_maps_.current_map();
-  std::int64_t given_up = 0;
-  for (const auto& session : dense_maps_.all()) given_up += session.map.given_up();
-  const auto number = [](auto value) { return static_cast<double>(value); };
-  report.values = {{"landmarks", landmarks != nullptr ? number(landmarks->size()) : 0},
-                   {"keyframes", dense != nullptr ? number(dense->keyframes().size()) : 0},
-                   {"map_points", dense != nullptr ? number(dense->point_count()) : 0},
-                   {"sessions", number(std::max(landmark_maps_.size(), dense_maps_.size()))},
-                   {"sessions_refused", number(landmark_maps_.refused() + dense_maps_.refused())},
-                   {"keyframes_given_up", number(given_up)},
-                   {"resends_asked", number(resends_)},
-                   {"saved", number(saved_)},
-                   {"unsaved", number(changes_ - saved_changes_)},
-                   {"requests_refused", number(requests_refused_)},
-                   {"questions_answered", number(answered_)}};
-  if (layers_) {
-    const LayerWorker::State layers = layers_->state();
-    report.values.emplace_back("layer_frames", number(layers.shown));
-    report.values.emplace_back("layer_keyframes", number(layers.kept));
-    report.values.emplace_back("layer_imageless", number(layers.imageless));
-    report.values.emplace_back("layer_left_out", number(layers.left_out));
-    report.values.emplace_back("layer_failed", number(layers.failed));
-    if (const auto live = layers_->map())
-      report.values.emplace_back("layer_memory_mb", 1e-6 * number(live->memory_bytes()));
-    if (!layers.error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + layers.error;
-  }
-  if (places_) {
-    report.values.emplace_back("kept_keyframes", number(places_->kept_keyframes()));
-    report.values.emplace_back("sessions_joined", number(joined_));
-    const std::string error = recorder_ ? "" : places_->error();
-    if (!error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + error;
-  }
-  if (recorder_) {
-    const StoreWriter::State store = recorder_->state();
-    report.values.emplace_back("kept_sessions", number(recorder_->kept().size()));
-    report.values.emplace_back("store_commits", number(store.commits));
-    report.values.emplace_back("store_failures", number(store.failures));
-  }
-  return report;
 }
 
 }  // namespace lcmslam

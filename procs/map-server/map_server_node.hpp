@@ -43,9 +43,36 @@ class MapServerNode : public Node {
   void finish() override;
   NodeReport report() const override;
 
- private:
   using Path = MapsToSave::Path;
 
+  /// What is there to be looked at now, until the next call of anything.
+  struct Shown {
+    std::string frame;                          ///< of the current dense map
+    const DenseMap* dense = nullptr;            ///< null: none yet
+    const FollowedGraph* graph = nullptr;       ///< of it
+    const LandmarkMap* landmarks = nullptr;     ///< null: none yet
+    const pose_estimate_t* icp_pose = nullptr;  ///< the newest; null: none yet
+    const pose_estimate_t* fastslam_pose = nullptr;
+    const Path *icp_path = nullptr, *fastslam_path = nullptr;
+    std::shared_ptr<const LiveMap> live;  ///< null: no frame was seen yet
+  };
+  Shown shown() const;
+  /// A mapper's map, of this run or kept in the file.
+  struct ToldSession {
+    std::string name, mapper;
+    Utime begin = 0, end = 0;  ///< us, of the first and the last keyframe; 0: not known
+    bool is_current = false, is_kept = false;
+    std::size_t keyframes = 0, landmarks = 0;
+  };
+  std::vector<ToldSession> told_sessions() const;
+  /// A message of CAMERA that came lately; null: none of that time did.
+  std::shared_ptr<const EncodedFrame> image_at(Utime colour_time) const;
+  /// What a question looks at. Throws std::runtime_error in words for who asked.
+  AskedMap asked_map(const Question& question) const;
+  /// As MAP_REQUEST's EXPORT does: what was written. Throws std::runtime_error in words for who asked.
+  std::vector<std::string> export_maps(const map_request_t& request);
+
+ private:
   void on_landmarks(const landmarks_t& message);
   void keep_beside(const landmarks_t& message, LandmarkMap& map, LandmarkMap before);
   void on_keyframe(const keyframe_t& message);
@@ -64,10 +91,8 @@ class MapServerNode : public Node {
   bool is_current(const SessionKey& key) const;
   void on_request(const map_request_t& request);
   void ask(const map_request_t& request);
-  AskedMap asked_map(const Question& question) const;
   ColouredCloud points_in(const Region& region) const;
   void follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision);
-  std::vector<std::string> export_maps(const map_request_t& request);
   HeldFolder export_folder(const std::string& name);
   MapsToSave maps_to_save(bool with_kept) const;
   void save_beside();
@@ -107,7 +132,8 @@ class MapServerNode : public Node {
   std::int64_t joined_ = 0;                // sessions whose place was found
   camera_calibration_t calibration_message_;
   const StampJudge* stamps_ = nullptr;
-  std::optional<Eigen::Isometry3d> T_map_robot_;  // of the newest ICP_POSE
+  std::optional<Eigen::Isometry3d> T_map_robot_;             // of the newest ICP_POSE
+  std::optional<pose_estimate_t> icp_pose_, fastslam_pose_;  // the newest
   QuestionDesk desk_;
   ReplyTiles replies_;
   std::int64_t answered_ = 0;

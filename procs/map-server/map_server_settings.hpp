@@ -3,6 +3,7 @@
 
 #include <lcmslam/settings/settings.hpp>
 #include "procs/map-server/layer_settings.hpp"
+#include "procs/map-server/page/page_settings.hpp"
 
 namespace lcmslam {
 
@@ -23,6 +24,7 @@ struct MapServerSettings {
   int max_path = 100'000;
   bool places = true;
   LayerSettings layers;
+  PageSettings page;
 
   void describe(SettingsVisitor& s) {
     s.path("folder", folder, "that takes the maps");
@@ -58,6 +60,7 @@ struct MapServerSettings {
         "his place");
     s.require(places || mode == "map", "places", "must be true in mode localise");
     s.section("layers", layers, "maps that are derived from the camera's images, and answer questions");
+    s.section("page", page, "what an operator sees in a browser, live (docs/LIVE_PAGE.md)");
   }
 };
 

@@ -3,7 +3,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t most_jobs = 200;
+constexpr std::size_t most_places = 200;
 
 std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
   return (session << 32) + keyframe;
@@ -44,7 +44,7 @@ void SessionPlaces::hand_in(std::function<void()> job) {
   if (!thread_.joinable()) return job();
   {
     const std::lock_guard<std::mutex> lock(jobs_mutex_);
-    if (jobs_.size() >= most_jobs) jobs_.erase(jobs_.begin() + 1);  // the first may be load()
+    if (jobs_.size() >= most_places) jobs_.erase(jobs_.begin() + 1);  // the first may be load()
     jobs_.push_back(std::move(job));
   }
   wake_.notify_all();

@@ -207,9 +207,14 @@ TEST_F(MapServerQuestions, PlanesObjectsFrontiersAndTheGridAreTold) {
   drive();
   const json planes = answer(R"({"ask": "planes"})")["planes"];
   ASSERT_GT(planes.size(), 0U);
-  EXPECT_EQ(planes[0]["label"], "wall");
-  EXPECT_LT(std::abs(planes[0]["normal"][2].get<double>()), 0.02);
-  EXPECT_GE(planes[0]["outline"].size(), 3U);
+  int walls = 0;
+  for (const json& plane : planes) {
+    EXPECT_GE(plane["outline"].size(), 3U);
+    if (plane["label"] != "wall") continue;
+    EXPECT_LT(std::abs(plane["normal"][2].get<double>()), 0.05);
+    ++walls;
+  }
+  EXPECT_GT(walls, 0);
   EXPECT_LE(answer(R"({"ask": "planes", "supporting": true})")["planes"].size(), planes.size());
   EXPECT_EQ(answer(R"({"ask": "planes", "near": [500, 0, 0]})")["planes"].size(), 0U);
   EXPECT_TRUE(answer(R"({"ask": "objects"})")["objects"].is_array());

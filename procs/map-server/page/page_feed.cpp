@@ -1,0 +1,210 @@
+#include "procs/map-server/page/page_feed.hpp"
+
+#include <fmt/format.h>
+
+#include <lcmslam/live_page/show_on_board.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+
+namespace lcmslam {
+namespace {
+
+using nlohmann::json;
+
+constexpr double pose_period = 0.08;   // s
+constexpr double image_period = 0.1;   // s
+constexpr double health_period = 0.5;  // s
+constexpr std::size_t most_notices = 30;
+constexpr std::size_t most_path = 100'000;
+constexpr double way_between = 0.01;  // m between two poses of a path that is kept here
+
+/// A path that grows; when it is too long every second pose goes.
+void add_to(std::vector<Eigen::Vector3d>& path, const Eigen::Vector3d& point) {
+  if (!path.empty() && (point - path.back()).norm() < way_between) return;
+  path.push_back(point);
+  if (path.size() <= most_path) return;
+  for (std::size_t i = 0; 2 * i < path.size(); ++i) path[i] = path[2 * i];
+  path.resize((path.size() + 1) / 2);
+}
+
+}  // namespace
+
+PageFeed::PageFeed(Board& board, const PageSettings& settings)
+    : board_(board), map_period_(settings.map_period), map_(board), derived_(board) {}
+
+void PageFeed::connect(Inputs& inputs) {
+  inputs.subscribe<odometry_t>("ODOMETRY", 100, [this](const odometry_t& m) { on_odometry(m); });
+  inputs.subscribe<ground_truth_t>("GROUND_TRUTH", 1000, [this](const ground_truth_t& m) { on_truth(m); });
+  inputs.subscribe<particles_t>("FASTSLAM_PARTICLES", 1,
+                                [this](const particles_t& m) { show_on(board_, particles_item(m)); });
+  inputs.subscribe<associations_t>("FASTSLAM_ASSOCIATIONS", 5,
+                                   [this](const associations_t& m) { associations_ = m; });
+  inputs.subscribe<icp_report_t>("ICP_REPORT", 1,
+                                 [this](const icp_report_t& m) { show_on(board_, report_item(m)); });
+  inputs.subscribe<status_t>("STATUS", 100, [this](const status_t& m) { on_status(m); });
+}
+
+void PageFeed::on_odometry(const odometry_t& message) {
+  from_message(message.T_odom_robot, "T_odom_robot");
+  odometry_ = message;
+}
+
+void PageFeed::on_truth(const ground_truth_t& message) {
+  const Eigen::Isometry3d T = from_message(message.T_frame_child, "T_frame_child");
+  if (message.child_frame != "robot") return;  // of a camera in hand: nobody knows where its robot is
+  T_world_robot_ = T;
+  truth_error_.truth(message.utime, T);
+}
+
+void PageFeed::on_status(const status_t& message) {
+  constexpr std::size_t most_processes = 32;
+  if (processes_.size() >= most_processes && processes_.count(message.process) == 0) return;
+  const auto known = processes_.find(message.process);
+  if (known != processes_.end() && known->second.status.sender != message.sender)
+    notice(Level::warn, message.process + " began anew");
+  processes_[message.process] = {message, now_};
+}
+
+void PageFeed::notice(Level level, const std::string& words) {
+  const Utime utime = std::chrono::duration_cast<std::chrono::microseconds>(
+                          std::chrono::system_clock::now().time_since_epoch())
+                          .count();
+  notices_.push_front({{"utime", utime}, {"level", to_string(level)}, {"words", words}});
+  if (notices_.size() > most_notices) notices_.pop_back();
+  PageItem item{"notices", ""};
+  item.header["notices"] = notices_;
+  show_on(board_, std::move(item));
+}
+
+void PageFeed::show(const MapServerNode& maps, double now, bool is_watched) {
+  now_ = now;
+  const auto due = [&](double& next, double period) {
+    if (now < next) return false;
+    next = now + period;
+    return true;
+  };
+  const MapServerNode::Shown shown = maps.shown();
+  if (due(next_pose_, pose_period)) show_poses(shown);
+  if (!is_watched) return;
+  if (due(next_image_, image_period)) show_image(maps);
+  if (due(next_health_, health_period)) show_health(shown, now);
+  if (!due(next_map_, map_period_)) return;
+  show_maps(shown);
+  show_sessions(maps);
+}
+
+void PageFeed::show_sessions(const MapServerNode& maps) {
+  PageItem item{"sessions", ""};
+  item.header["sessions"] = json::array();
+  for (const MapServerNode::ToldSession& session : maps.told_sessions())
+    item.header["sessions"].push_back({{"name", session.name},
+                                       {"mapper", session.mapper},
+                                       {"begin", session.begin},
+                                       {"end", session.end},
+                                       {"current", session.is_current},
+                                       {"kept", session.is_kept},
+                                       {"keyframes", session.keyframes},
+                                       {"landmarks", session.landmarks}});
+  show_on(board_, std::move(item));
+}
+
+void PageFeed::show_poses(const MapServerNode::Shown& shown) {
+  Utime utime = 0;
+  json poses = {{"icp", nullptr}, {"fastslam", nullptr}, {"odometry", nullptr}, {"truth", nullptr}};
+  for (const auto& [name, pose] :
+       {std::pair("icp", shown.icp_pose), std::pair("fastslam", shown.fastslam_pose)}) {
+    if (pose == nullptr) continue;
+    utime = std::max(utime, pose->utime);
+    poses[name] = pose_member(*pose);
+    const Eigen::Isometry3d T = from_message(pose->T_map_robot, "T_map_robot");
+    if (const auto error = truth_error_.error(name, pose->frame, pose->utime, T)) errors_[name] = *error;
+    if (odometry_ && !odometry_placed_) {
+      T_map_odom_ = T * from_message(odometry_->T_odom_robot, "T_odom_robot").inverse();
+      odometry_placed_ = true;
+    }
+  }
+  if (odometry_) {
+    const Eigen::Isometry3d T = T_map_odom_ * from_message(odometry_->T_odom_robot, "T_odom_robot");
+    poses["odometry"] = pose_member(*odometry_, T);
+    utime = std::max(utime, odometry_->utime);
+    add_to(odometry_path_, T.translation());
+    if (const auto error = truth_error_.error("odometry", odometry_->frame, odometry_->utime, T))
+      errors_["odometry"] = *error;
+  }
+  if (T_world_robot_) {
+    auto T = truth_error_.in_map("icp", *T_world_robot_);
+    if (!T) T = truth_error_.in_map("fastslam", *T_world_robot_);
+    if (T) {
+      poses["truth"] = {{"T", page_pose(*T)}, {"status", "TRUTH"}};
+      add_to(truth_path_, T->translation());
+    }
+  }
+  if (utime == posed_) return;
+  posed_ = utime;
+  for (auto& [name, error] : errors_) poses["errors"][name] = rounded_for_page(error);
+  poses["utime"] = utime;
+  show_on(board_, {"poses", "", std::move(poses), ""});
+}
+
+void PageFeed::show_image(const MapServerNode& maps) {
+  if (!associations_ || associations_->utime == image_) return;
+  const auto image = maps.image_at(associations_->utime);
+  if (!image) return;
+  image_ = associations_->utime;
+  if (auto item = image_item(*image, &*associations_)) show_on(board_, std::move(*item));
+}
+
+void PageFeed::show_health(const MapServerNode::Shown& shown, double now) {
+  std::vector<ProcessSaid> processes;
+  for (const auto& [name, heard] : processes_)
+    processes.push_back(process_said(heard.status, now - heard.at));
+  std::vector<MapperSaid> mappers;
+  for (const auto& [name, pose] :
+       {std::pair("icp", shown.icp_pose), std::pair("fastslam", shown.fastslam_pose)})
+    if (pose != nullptr) mappers.push_back({name, page_status(pose->status), pose->detail});
+  show_on(board_, health_.item(processes, mappers, now));
+}
+
+void PageFeed::show_maps(const MapServerNode::Shown& shown) {
+  if (shown.frame != frame_) {
+    if (!frame_.empty()) notice(Level::warn, fmt::format("a new map begins: {}", shown.frame));
+    forget_maps();
+    frame_ = shown.frame;
+  }
+  if (shown.dense != nullptr) map_.clouds(*shown.dense);
+  if (shown.graph != nullptr && shown.dense != nullptr && shown.dense->revision() != graph_shown_) {
+    graph_shown_ = shown.dense->revision();
+    std::vector<PageEdge> edges;
+    std::size_t loops = 0;
+    for (const auto& [pair, edge] : shown.graph->edges()) {
+      edges.push_back({edge.from_node, edge.to_node, edge.kind, edge.error});
+      loops += edge.kind == graph_edge_t::LOOP;
+    }
+    if (loops > loops_) notice(Level::good, fmt::format("a loop is closed ({} in all)", loops));
+    loops_ = loops;
+    map_.graph(shown.graph->poses(), edges);
+  }
+  if (shown.landmarks != nullptr && shown.landmarks->revision() != landmarks_shown_) {
+    landmarks_shown_ = shown.landmarks->revision();
+    map_.landmarks(shown.landmarks->landmarks());
+  }
+  map_.paths({{"icp", shown.icp_path},
+              {"fastslam", shown.fastslam_path},
+              {"odometry", &odometry_path_},
+              {"truth", &truth_path_}});
+  if (!shown.live) return;
+  std::optional<Eigen::Isometry3d> T_map_robot;
+  if (shown.icp_pose != nullptr) T_map_robot = from_message(shown.icp_pose->T_map_robot, "T_map_robot");
+  derived_.show(shown.live, T_map_robot);
+}
+
+void PageFeed::forget_maps() {
+  map_.forget();
+  graph_shown_ = landmarks_shown_ = -1;
+  loops_ = 0;
+  odometry_placed_ = false;
+  odometry_path_.clear();
+  truth_path_.clear();
+  errors_.clear();
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,73 @@
+#pragma once
+// What the page is shown: what messages say as they come, and of both maps what has changed.
+
+#include <deque>
+#include <map>
+#include <optional>
+
+#include <lcmslam/ground_truth_t.hpp>
+#include <lcmslam/live_page/shown_map.hpp>
+#include <lcmslam/live_page/truth_error.hpp>
+#include <lcmslam/runtime/inputs.hpp>
+#include "procs/map-server/map_server_node.hpp"
+#include "procs/map-server/page/derived_feed.hpp"
+#include "procs/map-server/page/message_items.hpp"
+
+namespace lcmslam {
+
+class PageFeed {
+ public:
+  PageFeed(Board& board, const PageSettings& settings);
+
+  /// What the map server itself does not listen to.
+  void connect(Inputs& inputs);
+
+  /// Looks at what has changed. `now` s, of a clock that goes on. While nobody watches only poses are
+  /// followed: paths and errors count from the begin.
+  void show(const MapServerNode& maps, double now, bool is_watched = true);
+
+  /// For the list of what happened.
+  void notice(Level level, const std::string& words);
+
+ private:
+  void on_odometry(const odometry_t& message);
+  void on_truth(const ground_truth_t& message);
+  void on_status(const status_t& message);
+  void show_poses(const MapServerNode::Shown& shown);
+  void show_image(const MapServerNode& maps);
+  void show_maps(const MapServerNode::Shown& shown);
+  void show_sessions(const MapServerNode& maps);
+  void show_health(const MapServerNode::Shown& shown, double now);
+  void forget_maps();
+
+  Board& board_;
+  double map_period_;  // s
+  double now_ = 0, next_pose_ = 0, next_image_ = 0, next_map_ = 0, next_health_ = 0;
+  std::string frame_;  // of the dense map that is shown
+
+  std::optional<odometry_t> odometry_;
+  Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();  // where icp began
+  bool odometry_placed_ = false;
+  Utime posed_ = 0;  // utimes of what was shown last
+  TruthError truth_error_;
+  std::optional<Eigen::Isometry3d> T_world_robot_;
+  std::map<std::string, double> errors_;  // m
+  std::vector<Eigen::Vector3d> odometry_path_, truth_path_;
+  std::optional<associations_t> associations_;
+  Utime image_ = 0;
+
+  struct Heard {
+    status_t status;
+    double at;
+  };
+  std::map<std::string, Heard> processes_;
+  Health health_;
+
+  ShownMap map_;
+  std::int64_t graph_shown_ = -1, landmarks_shown_ = -1;
+  std::size_t loops_ = 0;
+  std::deque<nlohmann::json> notices_;
+  DerivedFeed derived_;
+};
+
+}  // namespace lcmslam
