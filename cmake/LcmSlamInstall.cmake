@@ -12,6 +12,8 @@ foreach(folder config logs python lcmtypes)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmslam COMPONENT runtime
           PATTERN __pycache__ EXCLUDE PATTERN CMakeLists.txt EXCLUDE)
 endforeach()
+file(CREATE_LINK ${CMAKE_SOURCE_DIR}/libs/web/page/dist ${LCMSLAM_SHARE}/page SYMBOLIC)
+install(DIRECTORY libs/web/page/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmslam/page COMPONENT runtime)
 
 # lcmslam_install_library(surf LINKS lcmslam_parallel opencv_core ...): of the folder of libs/ that calls it.
 function(lcmslam_install_library name)
@@ -22,7 +24,7 @@ function(lcmslam_install_library name)
   file(RELATIVE_PATH room ${CMAKE_SOURCE_DIR}/libs ${CMAKE_CURRENT_SOURCE_DIR})
   if(NOT room MATCHES "^\\.\\.")
     install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lcmslam/${room}
-            COMPONENT development FILES_MATCHING PATTERN *.hpp)
+            COMPONENT development FILES_MATCHING PATTERN *.hpp PATTERN page EXCLUDE)
   endif()
   list(REMOVE_DUPLICATES ARG_LINKS)
   set_property(GLOBAL APPEND PROPERTY LCMSLAM_INSTALLED ${name})

@@ -43,12 +43,15 @@ function(lcmslam_precompile target)
   endif()
 endfunction()
 
-# lcmslam_batch(TARGET [ALONE file.cpp ...]): with LCMSLAM_UNITY the compiler takes eight files at a time, so that what
-# they share is read and made once. Vectorised files have options of their own and stay apart.
+# lcmslam_batch(TARGET [SIZE n] [ALONE file.cpp ...]): with LCMSLAM_UNITY the compiler takes 24 files at a time, or n, so
+# that what they share is read and made once. Vectorised files have options of their own and stay apart.
 function(lcmslam_batch target)
-  cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "" "SIZE" "ALONE" ${ARGN})
   if(LCMSLAM_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
+    if(NOT ARG_SIZE)
+      set(ARG_SIZE 24)
+    endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_SIZE})
     set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
 endfunction()
@@ -144,7 +147,7 @@ function(lcmslam_test name)
   target_compile_definitions(test_${name} PRIVATE LCMSLAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # they are built more often than run
   lcmslam_precompile(test_${name} REUSE_FROM lcmslam_precompiled_tests)
-  lcmslam_batch(test_${name})
+  lcmslam_batch(test_${name} SIZE 8)  # whose local names meet more often
   # A local name may be that of a helper in another file of the batch.
   set_target_properties(test_${name} PROPERTIES LCMSLAM_SHADOW_LOCAL "${LCMSLAM_UNITY}")
   if(LCMSLAM_SANITIZE)  # checks of each reference in the tests' own lines take a third of their compilation

@@ -16,6 +16,7 @@ int config_command(int argc, char** argv);
 int demo_command(int argc, char** argv);
 int doctor_command(int argc, char** argv);
 int evaluate_command(int argc, char** argv);
+int export_command(int argc, char** argv);
 int echo_command(int argc, char** argv);
 int import_command(int argc, char** argv);
 int launch_command(int argc, char** argv);

@@ -21,6 +21,7 @@ const std::vector<Command>& commands() {
                                            described("doctor", doctor_command),
                                            described("evaluate", evaluate_command),
                                            described("echo", echo_command),
+                                           described("export", export_command),
                                            described("import", import_command),
                                            described("launch", launch_command),
                                            described("lcm-spy", lcm_spy_command),

@@ -13,5 +13,6 @@ int log_repair_command(int argc, char** argv);
 int log_cut_command(int argc, char** argv);
 int log_calibrate_command(int argc, char** argv);
 int log_play_command(int argc, char** argv);
+int log_view_command(int argc, char** argv);
 
 }  // namespace lcmslam

@@ -8,7 +8,7 @@ const std::vector<Command>& map_subcommands() {
       {"info", map_info_command, "what is in a map file: sessions, keyframes, landmarks, versions"},
       {"export", map_export_command,
        "files that others read: PLY, PCD, CSV, mesh, OctoMap, PGM, trajectories"},
-      {"view", map_view_command, "pictures of what is in it"},
+      {"view", map_view_command, "in a browser, or pictures of what is in it"},
       {"merge", map_merge_command, "two maps of one place in one file"},
       {"compact", map_compact_command, "gives the room of what is gone back to the disk"},
       {"verify", map_verify_command, "is everything in it whole? Exit code 0 only then"},

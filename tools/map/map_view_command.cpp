@@ -5,6 +5,8 @@
 #include <lcmslam/rendering/map_picture.hpp>
 #include "tools/map/map_commands.hpp"
 #include "tools/output_file.hpp"
+#include "tools/page/kept_page.hpp"
+#include "tools/page/page_host.hpp"
 #include "tools/parse_command.hpp"
 
 namespace lcmslam {
@@ -13,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ViewOptions {
-  std::string file, folder = ".";
+  std::string file, folder;           // no folder: in a browser
   std::vector<std::string> sessions;  // empty: all
   double resolution = 0.02;           // m
   bool force = false;
@@ -101,22 +103,35 @@ class Viewer {
   std::vector<Picture> pictures_;
 };
 
+void show(const ViewOptions& options, const WebSettings& web) {
+  Board board;
+  const KeptPage page(options.file, options.sessions, {"query"}, board);
+  PageDesk desk;
+  desk.offer_questions([&](const Question& question) { return page.asked_map(question); });
+  host_page(web, board, desk, [] {});
+}
+
 }  // namespace
 
 int map_view_command(int argc, char** argv) {
   ViewOptions o;
+  WebSettings web;
   CLI::App app{
-      "Draws what is in a map file: NAME_front.png and NAME_top.png. Sessions that were joined are in one "
-      "picture.",
+      "Shows what is in a map file in a browser, as the live page shows a map that grows. With a folder: "
+      "pictures of it, NAME_front.png and NAME_top.png. Sessions that were joined are shown together.",
       "lcmslam map view"};
   app.add_option("file", o.file, "an .lcmslam file")->required();
-  app.add_option("folder", o.folder, "that takes the pictures, made where it is missing (.)");
+  app.add_option("folder", o.folder, "that takes pictures, made where it is missing; without: in a browser");
+  add_page_options(app, web);
   app.add_option("--sessions", o.sessions, "NAMES as `map info` has them, with commas between (all)")
       ->delimiter(',');
   app.add_option("--resolution", o.resolution, "m, of merged clouds (0.02)")->check(CLI::Range(0.001, 1.0));
   app.add_flag("--force", o.force, "overwrite files that exist");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
-  Viewer(o).run();
+  if (o.folder.empty())
+    show(o, web);
+  else
+    Viewer(o).run();
   return 0;
 }
 

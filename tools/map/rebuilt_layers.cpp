@@ -29,19 +29,26 @@ RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
 }  // namespace
 
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session) {
-  const std::vector<StoredKeyframe> keyframes = map.keyframes(session);
-  const RgbdCalibration calibration = calibration_of(map, session, keyframes);
+  return rebuild_layers(map, PlacedSessions{{session, Eigen::Isometry3d::Identity()}});
+}
+
+std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, const PlacedSessions& sessions) {
+  const std::int64_t first = sessions.begin()->first;
+  const RgbdCalibration calibration = calibration_of(map, first, map.keyframes(first));
   LiveMapSettings settings;
   settings.background = false;
   settings.surface.min_looks = 0.02;  // most surfaces were seen by one keyframe alone
   auto layers = std::make_unique<LiveMap>(calibration, settings);
-  for (const StoredKeyframe& keyframe : keyframes) {
-    if (const auto images = map.images(session, keyframe.id))
-      layers->keep(keyframe.id, decode_images(images->frame, calibration),
-                   {keyframe.T_map_camera, images->T_colour_depth_time});
-    else if (const auto cloud = map.cloud(session, keyframe.id))
-      layers->keep(keyframe.id, *cloud, keyframe.T_map_camera);
-  }
+  int number = 0;
+  for (const auto& [session, T_map_session] : sessions)
+    for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+      const Eigen::Isometry3d T_map_camera = T_map_session * keyframe.T_map_camera;
+      if (const auto images = map.images(session, keyframe.id))
+        layers->keep(number++, decode_images(images->frame, calibration),
+                     {T_map_camera, images->T_colour_depth_time});
+      else if (const auto cloud = map.cloud(session, keyframe.id))
+        layers->keep(number++, *cloud, T_map_camera);
+    }
   layers->settle();
   return layers;
 }

@@ -1,6 +1,7 @@
 #pragma once
 // What is derived of a map, made anew from its file.
 
+#include <map>
 #include <memory>
 
 #include <lcmslam/live_map/live_map.hpp>
@@ -11,5 +12,9 @@ namespace lcmslam {
 /// Of a dense session: from its keyframes' images, or from the cloud of those without. Throws StoreError
 /// where something cannot be read, and where the file has no calibration of the camera.
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session);
+
+/// Of several, each where it lies in the map (T_map_session by session), of one camera head.
+using PlacedSessions = std::map<std::int64_t, Eigen::Isometry3d>;
+std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, const PlacedSessions& sessions);
 
 }  // namespace lcmslam

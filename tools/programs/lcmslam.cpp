@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
                        {"doctor", doctor_command},
                        {"evaluate", tools},
                        {"echo", tools},
+                       {"export", tools},
                        {"import", tools},
                        {"launch", launch_command},
                        {"lcm-spy", tools},

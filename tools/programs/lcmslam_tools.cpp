@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
                        {"config", config_command},
                        {"evaluate", evaluate_command},
                        {"echo", echo_command},
+                       {"export", export_command},
                        {"import", import_command},
                        {"lcm-spy", lcm_spy_command},
                        {"log", log_command},

@@ -86,8 +86,8 @@ void draw(const SpyReport& report) {
   std::cout << screen << "\x1b[J" << std::flush;
 }
 
-void show_live(Spy& spy, bool json) {
-  const bool screen = !json && isatty(STDOUT_FILENO) != 0;
+void show_live(Spy& spy, bool as_json) {
+  const bool screen = !as_json && isatty(STDOUT_FILENO) != 0;
   if (screen) std::cout << "\x1b[2J";
   double time = 0;
   while (wait_until(spy, time += 1)) {
@@ -95,7 +95,7 @@ void show_live(Spy& spy, bool json) {
     if (screen)
       draw(report);
     else
-      std::cout << (json ? spy_json(report) : spy_text(report) + "\n") << std::flush;
+      std::cout << (as_json ? spy_json(report) : spy_text(report) + "\n") << std::flush;
     if (!std::cout) return;  // the reader of a pipe went away
   }
 }

@@ -62,6 +62,7 @@ TEST_F(Gate, BallsAndCapsulesCollideAsFarAsTheyReach) {
   EXPECT_NEAR(checker_.distance(between), 0.5, 0.021);  // to the centres of the posts' first cells
   EXPECT_FALSE(checker_.collides(Sphere{between, 0.43}));
   EXPECT_TRUE(checker_.collides(Sphere{between, 0.5}));
+  EXPECT_FALSE(checker_.collides(Sphere{{1.6, 0.1, 1}, 0.45}));  // the box around it would, at its corner
   EXPECT_FALSE(checker_.collides(Sphere{{0, 0, 1}, 1.8}));  // more than the newest frame's field tells
   const Vector3d ahead(4, 0, 1), beside(0, 1.2, 1);
   EXPECT_FALSE(checker_.collides(Capsule{{0, 0, 1}, ahead, 0.43}));

@@ -99,6 +99,7 @@ TEST(Question, WhatIsWrongIsSaid) {
   EXPECT_THAT(problem(R"({"ask": "frontiers", "lowest": 2, "highest": 1})"),
               HasSubstr("'highest' must be above"));
   EXPECT_THAT(problem(R"({"ask": "planes", "supporting": 1})"), HasSubstr("true or false"));
+  EXPECT_THAT(problem(R"({"ask": "planes", "suporting": true})"), HasSubstr("suporting"));
   EXPECT_EQ(problem(R"({"ask": "planes"})"), "");
 }
 
