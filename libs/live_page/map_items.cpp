@@ -175,6 +175,7 @@ std::vector<PageItem> landmark_items(std::vector<Landmark> landmarks, std::size_
     item.header["n"] = item.header["n"].get<int>() + 1;
   }
   std::vector<PageItem> items;
+  items.reserve(cubes.size());
   for (auto& cube : cubes) items.push_back(std::move(cube.second));
   return items;
 }
