@@ -37,7 +37,7 @@ LCMSLAM_VECTORISED(add_rows, (const PixelRows& pixels, float* __restrict sums), 
       const float *ray_x = p.ray_x + v * p.ray_pitch + first, *ray_y = p.ray_y + v * p.ray_pitch + first;
       for (int l = 0; l < lanes; ++l) {
         const float metres = 0.001f * static_cast<float>(depth[l]);
-        const float one = (metres >= p.nearest) & (metres <= p.farthest) ? 1.0f : 0.0f;
+        const float one = ((metres >= p.nearest) & (metres <= p.farthest)) ? 1.0f : 0.0f;
         const float dx = one * (ray_x[l] * metres - p.place_x[first + l]);
         const float dy = one * (ray_y[l] * metres - p.place_y[first + l]);
         const float dz = one * (metres - p.place_z[first + l]);

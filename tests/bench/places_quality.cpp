@@ -217,10 +217,12 @@ void ask_simulated(int views, const std::string& head) {
   }
 }
 
-void ask_recorded(int count, const std::string& folder, const std::string& poses) {
+/// `clock_offset`, s: what the truth's clock shows more than the camera's.
+void ask_recorded(int count, const std::string& folder, const std::string& poses, double clock_offset) {
   const auto source = open_dataset(folder);
   const RgbdCalibration& calibration = source->calibration();
-  const Trajectory truth = poses.empty() ? source->truth() : read_pose_text(poses).trajectory;
+  Trajectory truth = poses.empty() ? source->truth() : read_pose_text(poses).trajectory;
+  for (auto& pose : truth) pose.utime -= std::llround(1e6 * clock_offset);
   const Eigen::Isometry3d T_truth_camera = poses.empty() && source->truth_frame() == "camera"
                                                ? Eigen::Isometry3d::Identity()
                                                : calibration.T_robot_camera;
@@ -256,15 +258,17 @@ void ask_recorded(int count, const std::string& folder, const std::string& poses
 
 int main(int argc, char** argv) {
   int views = 200;
+  double clock_offset = 0;
   std::string head = "rgbd", recording, poses;
   CLI::App app("How often a view is found in a map");
   app.add_option("--views", views, "of each scene");
   app.add_option("--head", head)->check(CLI::IsMember({"tof", "rgbd"}));
   app.add_option("--recording", recording, "a folder that lcmslam import reads, in the place of the scenes");
   app.add_option("--poses", poses, "the robot's poses that count as true, in the place of the recording's");
+  app.add_option("--clock-offset", clock_offset, "s, of those poses' clock, as lcmslam evaluate finds it");
   CLI11_PARSE(app, argc, argv);
   try {
-    recording.empty() ? lcmslam::ask_simulated(views, head) : lcmslam::ask_recorded(views, recording, poses);
+    recording.empty() ? lcmslam::ask_simulated(views, head) : lcmslam::ask_recorded(views, recording, poses, clock_offset);
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

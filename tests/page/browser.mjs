@@ -1,5 +1,6 @@
 // A browser without a window, a page in it, and what the page must never do.
 import assert from "node:assert/strict";
+import { createServer } from "node:net";
 import { MockServer, require } from "./mock_server.mjs";
 
 // Nothing of the browser's own goes anywhere; WebGL is drawn in software.
@@ -10,6 +11,13 @@ export async function launch(executablePath) {
   const { chromium } = require("playwright-core");
   return chromium.launch({ executablePath, headless: true, args: flags });
 }
+
+export const freePort = () => new Promise((done) => {
+  const server = createServer().listen(0, "127.0.0.1", () => {
+    const { port } = server.address();
+    server.close(() => done(port));
+  });
+});
 
 /** Waits until `look` gives something true; nothing is slept for. */
 export async function until(look, what, patience = 15_000) {

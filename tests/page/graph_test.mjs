@@ -2,19 +2,12 @@
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { closeSync, existsSync, mkdtempSync, openSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
-import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { figures, until, watch } from "./browser.mjs";
+import { figures, freePort, until, watch } from "./browser.mjs";
+import { Crowd } from "./crowd.mjs";
 
 const slow = 90_000; // ms: two cores also draw the page
-
-const freePort = () => new Promise((done) => {
-  const server = createServer().listen(0, "127.0.0.1", () => {
-    const { port } = server.address();
-    server.close(() => done(port));
-  });
-});
 
 /** Processes below the launcher, by name. */
 function childrenOf(parent) {
@@ -87,6 +80,7 @@ async function open(browser, graph) {
 export const tests = {
   async "a graph that runs is seen, saved, driven, and seen again after its processes die"(browser, { picture, programs, root }) {
     const graph = await new Graph().start(programs, root);
+    const crowd = new Crowd(graph.port, { watchers: 15, silent: 5 });
     try {
       let { page, errors, close } = await open(browser, graph);
       const seen = await until(async () => {
@@ -114,6 +108,9 @@ export const tests = {
       await until(() => speed(echo.lines.at(-1)) === 0, "a stop as the link breaks");
       echo.kill();
 
+      assert.ok(crowd.messages > 15 && crowd.stared >= 5, `${crowd.messages} messages were read, ${crowd.stared} never read`);
+      crowd.leave();
+
       ({ page, errors, close } = await open(browser, graph));
       await until(async () => (await figures(page))?.keyframes > 0, "the map again", slow);
       graph.kill("map-server");
@@ -128,6 +125,7 @@ export const tests = {
       assert.deepEqual(others, [], "the page's console");
       await close();
     } finally {
+      crowd.leave();
       await graph.stop();
     }
   },
