@@ -44,6 +44,7 @@ class LayerFeed {
   std::shared_ptr<const LiveMap> map() const { return worker_.map(); }
   /// A frame of the last seconds; null: none of that colour image.
   LayerWorker::Frame image_at(Utime colour_time) const;
+  LayerWorker::Frame newest_image() const { return frames_.empty() ? nullptr : frames_.back(); }
   LayerWorker::State state() const { return worker_.state(); }
 
  private:

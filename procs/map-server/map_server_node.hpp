@@ -67,6 +67,8 @@ class MapServerNode : public Node {
   std::vector<ToldSession> told_sessions() const;
   /// A message of CAMERA that came lately; null: none of that time did.
   std::shared_ptr<const EncodedFrame> image_at(Utime colour_time) const;
+  /// Null: none came.
+  std::shared_ptr<const EncodedFrame> newest_image() const;
   /// What a question looks at. Throws std::runtime_error in words for who asked.
   AskedMap asked_map(const Question& question) const;
   /// As MAP_REQUEST's EXPORT does: what was written. Throws std::runtime_error in words for who asked.

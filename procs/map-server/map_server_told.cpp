@@ -56,6 +56,10 @@ std::shared_ptr<const EncodedFrame> MapServerNode::image_at(Utime colour_time) c
   return layers_ ? layers_->image_at(colour_time) : nullptr;
 }
 
+std::shared_ptr<const EncodedFrame> MapServerNode::newest_image() const {
+  return layers_ ? layers_->newest_image() : nullptr;
+}
+
 NodeReport MapServerNode::report() const {
   NodeReport report;
   if (!failure_.empty()) report.detail = "maps are not saved: " + failure_;

@@ -1,6 +1,7 @@
 #include "procs/map-server/page/page_feed.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <lcmslam/live_page/show_on_board.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
@@ -14,6 +15,8 @@ constexpr double pose_period = 0.08;   // s
 constexpr double image_period = 0.1;   // s
 constexpr double health_period = 0.5;  // s
 constexpr std::size_t most_notices = 30;
+constexpr std::size_t most_associations = 10;
+constexpr Utime longest_without_tracks = 1'000'000;  // us; then images come without
 constexpr std::size_t most_path = 100'000;
 constexpr double way_between = 0.01;  // m between two poses of a path that is kept here
 
@@ -37,10 +40,16 @@ void PageFeed::connect(Inputs& inputs) {
   inputs.subscribe<particles_t>("FASTSLAM_PARTICLES", 1,
                                 [this](const particles_t& m) { show_on(board_, particles_item(m)); });
   inputs.subscribe<associations_t>("FASTSLAM_ASSOCIATIONS", 5,
-                                   [this](const associations_t& m) { associations_ = m; });
+                                   [this](const associations_t& m) { on_associations(m); });
   inputs.subscribe<icp_report_t>("ICP_REPORT", 1,
                                  [this](const icp_report_t& m) { show_on(board_, report_item(m)); });
   inputs.subscribe<status_t>("STATUS", 100, [this](const status_t& m) { on_status(m); });
+}
+
+void PageFeed::on_associations(const associations_t& message) {
+  if (!associations_.empty() && message.utime <= associations_.back().utime) associations_.clear();
+  associations_.push_back(message);
+  if (associations_.size() > most_associations) associations_.pop_front();
 }
 
 void PageFeed::on_odometry(const odometry_t& message) {
@@ -146,11 +155,18 @@ void PageFeed::show_poses(const MapServerNode::Shown& shown) {
 }
 
 void PageFeed::show_image(const MapServerNode& maps) {
-  if (!associations_ || associations_->utime == image_) return;
-  const auto image = maps.image_at(associations_->utime);
-  if (!image) return;
-  image_ = associations_->utime;
-  if (auto item = image_item(*image, &*associations_)) show_on(board_, std::move(*item));
+  const auto newest = maps.newest_image();
+  if (!newest) return;
+  // On a busy machine this process or fastslam leaves out some images, and not the same ones.
+  const auto seen = std::find_if(associations_.rbegin(), associations_.rend(),
+                                 [&](const associations_t& a) { return maps.image_at(a.utime) != nullptr; });
+  const bool is_followed =
+      seen != associations_.rend() && newest->colour.utime - seen->utime < longest_without_tracks;
+  const auto image = is_followed ? maps.image_at(seen->utime) : newest;
+  if (newest->colour.utime < image_) image_ = 0;  // time began anew
+  if (image->colour.utime <= image_) return;
+  image_ = image->colour.utime;
+  if (auto item = image_item(*image, is_followed ? &*seen : nullptr)) show_on(board_, std::move(*item));
 }
 
 void PageFeed::show_health(const MapServerNode::Shown& shown, double now) {

@@ -34,6 +34,7 @@ class PageFeed {
   void on_truth(const ground_truth_t& message);
   void on_status(const status_t& message);
   void show_poses(const MapServerNode::Shown& shown);
+  void on_associations(const associations_t& message);
   void show_image(const MapServerNode& maps);
   void show_maps(const MapServerNode::Shown& shown);
   void show_sessions(const MapServerNode& maps);
@@ -53,8 +54,8 @@ class PageFeed {
   std::optional<Eigen::Isometry3d> T_world_robot_;
   std::map<std::string, double> errors_;  // m
   std::vector<Eigen::Vector3d> odometry_path_, truth_path_;
-  std::optional<associations_t> associations_;
-  Utime image_ = 0;
+  std::deque<associations_t> associations_;  // the newest last: whose images have come is not known before
+  Utime image_ = 0;                          // that was shown last
 
   struct Heard {
     status_t status;

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include <lcmslam/associations_t.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
@@ -10,6 +12,7 @@
 #include <lcmslam/runtime/confirmation.hpp>
 #include <lcmslam/twist_t.hpp>
 #include "procs/map-server/page/page_node.hpp"
+#include "tests/support/simulated_kitchen.hpp"
 #include "tests/support/test_bus.hpp"
 #include "tests/support/web_client.hpp"
 #include "tests/unit/messages/samples.hpp"
@@ -124,6 +127,40 @@ TEST_F(LivePage, ShowsBothMapsAndWhereTheRobotIs) {
   }));
   keyframe(1);
   EXPECT_TRUE(shown([&] { return has("points 1/0"); }));
+}
+
+TEST_F(LivePage, ShowsTheNewestImageOfWhichFastSlamToldSomething) {
+  testing::SimulatedKitchen& kitchen = testing::SimulatedKitchen::instance();
+  bus_.deliver("CAMERA_CALIBRATION", kitchen.calibration());
+  const auto colour_time = [&](int k) { return from_message(kitchen.frame(k)).colour.utime; };
+  const auto associations = [&](int k) {
+    associations_t m{};
+    m.utime = colour_time(k);
+    m.sender = 2;
+    m.seq = seq_++;
+    m.n_associations = 1;
+    m.associations.resize(1);
+    m.associations[0].landmark = k;
+    bus_.deliver("FASTSLAM_ASSOCIATIONS", m);
+  };
+  bus_.deliver("CAMERA", kitchen.frame(0));
+  associations(0);
+  associations(1);  // of an image that is lost on the bus
+  ASSERT_TRUE(shown([&] { return has("image "); }));
+  EXPECT_EQ(board_["image "]["utime"], colour_time(0));
+  EXPECT_EQ(board_["image "]["tracks"][0][2], 0);
+
+  bus_.deliver("CAMERA", kitchen.frame(2));
+  associations(2);
+  ASSERT_TRUE(shown([&] { return board_["image "]["utime"] == colour_time(2); }));
+  bus_.deliver("CAMERA", kitchen.frame(20));  // fastslam has ended
+  ASSERT_TRUE(shown([&] { return board_["image "]["utime"] == colour_time(20); }));
+  EXPECT_TRUE(board_["image "]["tracks"].empty());
+  associations(2);
+  associations(3);
+  bus_.deliver("CAMERA", kitchen.frame(21));
+  ASSERT_TRUE(shown([&] { return board_["image "]["utime"] == colour_time(21); }))
+      << "not back to the old one";
 }
 
 TEST_F(LivePage, ANewMapTakesThePlaceOfTheOldOne) {
