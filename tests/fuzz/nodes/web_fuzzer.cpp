@@ -2,6 +2,7 @@
 // up, serves others on, and its files alone.
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -51,6 +52,16 @@ class Server {
   std::unique_ptr<WebServer> server_;
 };
 
+/// Where the connections before are not all taken down yet, somebody is asked to come again.
+bool serves_others(int port) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (std::chrono::steady_clock::now() < until) {
+    testing::WebClient other(port);
+    if (other.get("/?token=open-sesame").find("page") != std::string::npos) return true;
+  }
+  return false;
+}
+
 void check(const std::uint8_t* data, std::size_t size) {
   static const Server server;
   if (size == 0) return;
@@ -80,9 +91,7 @@ void check(const std::uint8_t* data, std::size_t size) {
     }
   }
   static int inputs = 0;
-  if (++inputs % 100 != 0) return;
-  testing::WebClient other(server.port());
-  require(other.get("/?token=open-sesame").find("page") != std::string::npos);
+  if (++inputs % 100 == 0) require(serves_others(server.port()));
 }
 
 }  // namespace
