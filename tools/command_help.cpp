@@ -6,7 +6,8 @@ namespace lcmslam {
 
 const char* command_help(const std::string& command) {
   static const std::pair<const char*, const char*> lines[] = {
-      {"batch", "run the whole graph in one process straight from a log"},
+      {"batch", "run the whole graph in one process straight from a log, or many logs side by side"},
+      {"collect", "the results of many logs in one table and page, beside another farm's"},
       {"completion", "print the completion of this command for bash or zsh; write its manual pages"},
       {"config", "say what can be configured; check a file"},
       {"demo", "run the whole graph live and show both maps"},

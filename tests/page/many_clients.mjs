@@ -20,7 +20,7 @@ async function run(watchers, silent) {
   const exit = await new Promise((done) => demo.once("exit", done));
   crowd.leave();
   const own = process.cpuUsage(before);
-  const { paths, processes, wall_seconds: seconds, frames } = JSON.parse(readFileSync(join(folder, "summary.json"), "utf8"));
+  const { paths, processes, timing: { wall_seconds: seconds }, frames } = JSON.parse(readFileSync(join(folder, "summary.json"), "utf8"));
   rmSync(folder, { recursive: true, force: true });
   const server = processes["map-server"].cpu_s / seconds;
   console.log(`${watchers + silent} clients: demo's exit code ${exit}; of ${frames} frames icp answered ${paths.icp.poses}, ` +

@@ -13,8 +13,10 @@
 #include "tools/batch/batch_progress.hpp"
 #include "tools/batch/batch_run.hpp"
 #include "tools/commands.hpp"
-#include "tools/output_file.hpp"
 #include "tools/demo/run_summary.hpp"
+#include "tools/farm/batch_farm.hpp"
+#include "tools/farm/farm_results.hpp"
+#include "tools/output_file.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
 
@@ -101,60 +103,32 @@ void write_files(const BatchResult& result, RunRecorder& recorder, Inputs& input
   write_run_files(result.output.parent_path(), recorder, facts);
 }
 
-}  // namespace
+struct BatchArguments {
+  FarmArguments farm;  // the logs, and how several are run
+  bool force = false, kitti = false;
+  std::string key;
+};
 
-int batch_command(int argc, char** argv) {
+int run_one(const BatchArguments& arguments) {
+  const FarmArguments& asked = arguments.farm;
   BatchOptions options;
-  std::string config, log, out, calibration;
-  bool force = false;
   RunFacts facts;
-  std::vector<std::string> overrides;
-  options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  CLI::App app{
-      "Runs the whole graph in one process straight from a log: nothing dropped, the same result on "
-      "every run.",
-      "lcmslam batch"};
-  app.add_option("config", config, "configuration (YAML), e.g. config/replay.yaml")
-      ->required()
-      ->check(CLI::ExistingFile);
-  app.add_option(
-         "log", log,
-         ".lcmlog with CAMERA, CAMERA_CALIBRATION (or --calibration) and, if there is other odometry than "
-         "the camera's, ENCODERS, TWIST or a pose; or with FEATURES")
-      ->required()
-      ->check(CLI::ExistingFile);
-  app.add_option("--calibration", calibration,
-                 "calibration (YAML) in the place of the log's: ours, ROS's camera_info or OpenCV's")
-      ->check(CLI::ExistingFile);
-  app.add_option(
-      "--out", out,
-      "folder for batch.lcmlog, maps, trajectories, pictures and summary.json, default out/batch-TIME");
-  app.add_flag("--force", force, "overwrite another run's results in that folder");
-  app.add_option("--from", options.from, "s from the log's start")->check(CLI::NonNegativeNumber);
-  app.add_option("--to", options.to, "s from the log's start")->check(CLI::NonNegativeNumber);
-  app.add_option("--threads", options.threads, "does not change the result")->check(CLI::Range(1, 256));
-  app.add_flag("--kitti", facts.kitti, "trajectories in KITTI's format too");
-  app.add_option("--set", overrides, "override: section.key=value");
-  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
-  if (options.to > 0 && options.to <= options.from) {
-    std::cerr << fmt::format("lcmslam batch: --to {} must be later than --from {}\n", options.to,
-                             options.from);
-    return 2;
-  }
-  keep_freed_memory();
-  install_stop_signals(0);
-  options.config = load_config(config, overrides);
-  options.log = log;
-  check_run_folder(out, force);
-  if (!calibration.empty()) {
-    options.calibration = load_calibration(calibration);
-    std::cout << "calibration: " << calibration << ": " << describe(*options.calibration) << "\n";
+  options.threads = asked.threads;
+  options.from = asked.from;
+  options.to = asked.to;
+  options.config = load_config(asked.config, asked.overrides);
+  options.log = asked.logs.front();
+  const Expectations expectations = asked.expect.empty() ? Expectations() : Expectations(asked.expect);
+  check_run_folder(asked.out, arguments.force);
+  if (!asked.calibration.empty()) {
+    options.calibration = load_calibration(asked.calibration);
+    std::cout << "calibration: " << asked.calibration << ": " << describe(*options.calibration) << "\n";
   }
   const BatchPlan plan = plan_batch(options);
   for (const auto& note : plan.notes) std::cout << note << "\n";
   std::cout << std::flush;
-  const bool new_folder = out.empty() || !std::filesystem::exists(out);
-  options.folder = out.empty() ? new_run_folder("batch") : std::filesystem::path(out);
+  const bool new_folder = asked.out.empty() || !std::filesystem::exists(asked.out);
+  options.folder = asked.out.empty() ? new_run_folder("batch") : std::filesystem::path(asked.out);
 
   const Clock::time_point begin = Clock::now();
   Inputs inputs;
@@ -164,17 +138,82 @@ int batch_command(int argc, char** argv) {
   };
   const BatchResult result = run(options, plan, new_folder);
   print(result, seconds_since(begin));
-  facts.title = "log " + log;
-  facts.config = config;
-  facts.overrides = overrides;
+  facts.title = "log " + asked.logs.front();
+  facts.config = asked.config;
+  facts.overrides = asked.overrides;
   facts.frames = static_cast<double>(result.frames);
   facts.seconds = seconds_since(begin);
+  facts.kitti = arguments.kitti;
+  facts.key = arguments.key;
   const std::vector<std::string> problems = problems_of(result);
   facts.events = problems;
   write_files(result, recorder, inputs, facts);
   for (const auto& problem : problems) std::cerr << "lcmslam batch: " << problem << "\n";
-  if (problems.size() > 1) std::cerr << "lcmslam batch: " << log << ": first: " << problems.front() << "\n";
-  return problems.empty() ? 0 : 1;
+  if (problems.size() > 1)
+    std::cerr << "lcmslam batch: " << asked.logs.front() << ": first: " << problems.front() << "\n";
+  if (!problems.empty() || asked.expect.empty()) return problems.empty() ? 0 : 1;
+  const FarmResult reached = read_result(options.folder, expectations);
+  for (const auto& failure : reached.failures) std::cerr << "lcmslam batch: " << failure << "\n";
+  return reached.passed() ? 0 : 1;
+}
+
+}  // namespace
+
+int batch_command(int argc, char** argv) {
+  BatchArguments arguments;
+  FarmArguments& asked = arguments.farm;
+  asked.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  CLI::App app{
+      "Runs the whole graph in one process straight from a log: nothing dropped, the same result on "
+      "every run. Several logs: each in a process and a folder of its own below --out; what is there "
+      "already, of "
+      "the same log, configuration and build, is not run again. Exit code 0: passed; 1: below --expect, or "
+      "nothing was mapped; 2: bad input.",
+      "lcmslam batch"};
+  app.add_option("config", asked.config, "configuration (YAML), e.g. config/replay.yaml")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option(
+         "log", asked.logs,
+         ".lcmlog with CAMERA, CAMERA_CALIBRATION (or --calibration) and, if there is other odometry than "
+         "the camera's, ENCODERS, TWIST or a pose; or with FEATURES")
+      ->check(CLI::ExistingFile);
+  app.add_option("--calibration", asked.calibration,
+                 "calibration (YAML) in the place of the log's: ours, ROS's camera_info or OpenCV's")
+      ->check(CLI::ExistingFile);
+  app.add_option("--out", asked.out,
+                 "folder for batch.lcmlog, maps, trajectories, pictures and summary.json, default "
+                 "out/batch-TIME; of several logs a folder each in it");
+  app.add_flag("--force", arguments.force, "overwrite another run's results in that folder");
+  app.add_option("--from", asked.from, "s from the log's start")->check(CLI::NonNegativeNumber);
+  app.add_option("--to", asked.to, "s from the log's start")->check(CLI::NonNegativeNumber);
+  app.add_option("--threads", asked.threads, "does not change the result")->check(CLI::Range(1, 256));
+  app.add_flag("--kitti", arguments.kitti, "trajectories in KITTI's format too");
+  app.add_option("--set", asked.overrides, "override: section.key=value");
+  app.add_option("--expect", asked.expect, "bars that each log must reach (YAML): {icp: {ate: 0.02}, ...}")
+      ->check(CLI::ExistingFile);
+  app.add_option("--list", asked.list, "file that names logs, one a line, in the place of arguments")
+      ->check(CLI::ExistingFile);
+  app.add_option("--jobs", asked.jobs, "logs at a time (default: as many as processors)")
+      ->check(CLI::Range(1, 256));
+  app.add_option("--share", asked.share, "K/N: only every N-th log, from the K-th; for several machines");
+  app.add_flag("--slurm", asked.slurm, "hand the logs to Slurm as a job array and come back at once");
+  app.add_option("--pack", asked.pack, "with --slurm: logs a job")->check(CLI::Range(1, 100000));
+  app.add_option("--key", arguments.key, "written into summary.json: how a farm knows its own results");
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  if (asked.to > 0 && asked.to <= asked.from) {
+    std::cerr << fmt::format("lcmslam batch: --to {} must be later than --from {}\n", asked.to, asked.from);
+    return 2;
+  }
+  keep_freed_memory();
+  install_stop_signals(0);
+  if (const auto problem = farm_problem(asked)) {
+    std::cerr << "lcmslam batch: " << *problem << "\n";
+    return 2;
+  }
+  if (!is_farm(asked)) return run_one(arguments);
+  asked.more = arguments.kitti ? std::vector<std::string>{"--kitti"} : std::vector<std::string>{};
+  return batch_farm(asked, std::cout);
 }
 
 }  // namespace lcmslam

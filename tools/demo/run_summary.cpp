@@ -175,11 +175,12 @@ void write_run_files(const std::filesystem::path& folder, const RunRecorder& run
                          {"configuration", nlohmann::json::parse(config_json(facts.config))},
                          {"overrides", facts.overrides},
                          {"calibration", calibration_json(run)},
-                         {"wall_seconds", facts.seconds},
+                         {"timing", {{"wall_seconds", facts.seconds}}},
                          {"frames", frames(run, facts)},
                          {"alignment", "se3"},
                          {"association", "truth interpolated at the estimate's stamps"},
                          {"events", facts.events}};
+  if (!facts.key.empty()) json["key"] = facts.key;
   const Trajectory truth = run.truth();
   std::vector<PlottedPath> plotted;
   if (!truth.empty()) {
@@ -202,11 +203,12 @@ void write_run_files(const std::filesystem::path& folder, const RunRecorder& run
   if (run.reply())
     json["map"] = nlohmann::json::parse(run.reply()->data.begin(), run.reply()->data.end(), nullptr, false);
 
-  write_atomically(FilePlace(folder / "summary.json"),
-                   json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   PlotSettings plot;
   plot.title = facts.title;
   write_png(folder / "trajectories.png", plot_paths(plotted, plot));
+  // The last of all: whoever finds it finds the rest.
+  write_atomically(FilePlace(folder / "summary.json"),
+                   json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace lcmslam

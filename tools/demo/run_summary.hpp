@@ -17,14 +17,16 @@ struct RunFacts {
   bool kitti = false;                  ///< trajectories in KITTI's format too
   double seconds = 0;                  ///< wall time of the mapping
   std::vector<std::string> events;     ///< processes that ended or restarted
+  std::string key;                     ///< of a farm: by which it knows its own results; may be empty
 };
 
 /// Frames, errors of each path against the truth, map sizes, losses.
 std::string format_summary(const RunRecorder& run, const RunFacts& facts);
 
-/// summary.json (errors, processes, versions, the configuration and the calibration), odometry.txt,
-/// fastslam.txt, icp.txt, truth.txt (TUM format, robot frame), trajectories.png. Throws std::runtime_error
-/// when a file cannot be written.
+/// odometry.txt, fastslam.txt, icp.txt, truth.txt (TUM format, robot frame), trajectories.png, and last of
+/// all summary.json (errors, processes, versions, the configuration and the calibration; but for its `timing`
+/// and the live processes' load a run's repetition has the same). Throws std::runtime_error when a file
+/// cannot be written.
 void write_run_files(const std::filesystem::path& folder, const RunRecorder& run, const RunFacts& facts);
 
 }  // namespace lcmslam

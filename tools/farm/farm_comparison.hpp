@@ -1,0 +1,40 @@
+#pragma once
+// Two farms over the same logs: what became better and worse, and whether that is more than chance among
+// logs.
+
+#include <string>
+#include <vector>
+
+#include "tools/farm/farm_results.hpp"
+
+namespace lcmslam {
+
+/// The errors of one log, after over before.
+struct LogChange {
+  std::string name;
+  double before, after;  ///< m, ATE
+  double ratio() const { return after / before; }
+};
+
+struct PathChange {
+  std::string path;             ///< "icp", "fastslam"
+  std::vector<LogChange> logs;  ///< of both farms, the largest change for the worse first
+  /// Geometric mean of the ratios, and where 95 % of its resamples over logs lie (paired bootstrap, Efron and
+  /// Tibshirani 1993). NaN without a log.
+  double ratio, low, high;
+
+  /// "better", "worse", or "no difference shown" where the interval holds 1.
+  std::string verdict() const;
+};
+
+struct FarmComparison {
+  std::vector<PathChange> paths;
+  std::vector<std::string> broken;  ///< passed before and not now
+  std::vector<std::string> mended;
+  std::vector<std::string> missing, added;  ///< logs of one farm alone
+};
+
+/// The same on every call.
+FarmComparison compare_farms(const std::vector<FarmResult>& before, const std::vector<FarmResult>& after);
+
+}  // namespace lcmslam
