@@ -216,7 +216,7 @@ TEST_F(Farm, JUnitAndThePageSurviveWhatLogsSay) {
   const std::string xml = junit_xml("farm", {r, result("good", 0.01, 0.01)});
   EXPECT_THAT(xml, AllOf(HasSubstr("tests=\"2\" failures=\"1\" errors=\"0\""),
                          HasSubstr("name=\"a&lt;b&gt;&quot;&amp;\""),
-                         HasSubstr("expected &lt;0.1 &amp; &quot;more&quot;<"), Not(HasSubstr("\x01"))));
+                         HasSubstr("expected &lt;0.1 &amp; &quot;more&quot;\n</failure>"), Not(HasSubstr("\x01"))));
   EXPECT_THAT(farm_page("t", {r}, std::nullopt), Not(HasSubstr("a<b>")));
 }
 
