@@ -173,11 +173,10 @@ int batch_command(int argc, char** argv) {
   app.add_option("config", asked.config, "configuration (YAML), e.g. config/replay.yaml")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option(
-         "log", asked.logs,
-         ".lcmlog with CAMERA, CAMERA_CALIBRATION (or --calibration) and, if there is other odometry than "
-         "the camera's, ENCODERS, TWIST or a pose; or with FEATURES")
-      ->check(CLI::ExistingFile);
+  app.add_option(  // farm_problem() looks whether they are there: so that a mistyped option is named first
+      "log", asked.logs,
+      ".lcmlog with CAMERA, CAMERA_CALIBRATION (or --calibration) and, if there is other odometry than "
+      "the camera's, ENCODERS, TWIST or a pose; or with FEATURES");
   app.add_option("--calibration", asked.calibration,
                  "calibration (YAML) in the place of the log's: ours, ROS's camera_info or OpenCV's")
       ->check(CLI::ExistingFile);

@@ -86,8 +86,12 @@ bool is_farm(const FarmArguments& arguments) {
 
 std::optional<std::string> farm_problem(const FarmArguments& arguments) {
   if (arguments.logs.empty() == arguments.list.empty())
-    return arguments.list.empty() ? "which log? Name one or several, or --list FILE"
+    return arguments.list.empty() ? "log is required: name one or several, or --list FILE"
                                   : "logs are named by --list and as arguments: one of both";
+  for (const std::string& log : arguments.logs) {
+    if (fs::is_directory(log)) return "log: is a folder, not a file: " + log;
+    if (!fs::exists(log)) return "log: file does not exist: " + log;
+  }
   if (is_farm(arguments) && arguments.out.empty())
     return "several logs need --out FOLDER: the same folder again goes on where a run was stopped";
   if (arguments.slurm && !arguments.share.empty()) return "--slurm makes the shares itself: without --share";

@@ -214,9 +214,10 @@ TEST_F(Farm, JUnitAndThePageSurviveWhatLogsSay) {
   FarmResult r = result("a<b>\"&", 0.01, 0.01);
   r.failures = {"expected <0.1 & \"more\"\x01"};
   const std::string xml = junit_xml("farm", {r, result("good", 0.01, 0.01)});
-  EXPECT_THAT(xml, AllOf(HasSubstr("tests=\"2\" failures=\"1\" errors=\"0\""),
-                         HasSubstr("name=\"a&lt;b&gt;&quot;&amp;\""),
-                         HasSubstr("expected &lt;0.1 &amp; &quot;more&quot;\n</failure>"), Not(HasSubstr("\x01"))));
+  EXPECT_THAT(
+      xml,
+      AllOf(HasSubstr("tests=\"2\" failures=\"1\" errors=\"0\""), HasSubstr("name=\"a&lt;b&gt;&quot;&amp;\""),
+            HasSubstr("expected &lt;0.1 &amp; &quot;more&quot;\n</failure>"), Not(HasSubstr("\x01"))));
   EXPECT_THAT(farm_page("t", {r}, std::nullopt), Not(HasSubstr("a<b>")));
 }
 
@@ -235,8 +236,8 @@ TEST_F(Farm, SlurmGetsAnArrayOfShares) {
 TEST_F(Farm, WhatCannotBeDoneIsRefusedBeforeAnyWork) {
   FarmArguments arguments;
   arguments.config = "c.yaml";
-  EXPECT_THAT(farm_problem(arguments).value_or(""), HasSubstr("which log?"));
-  arguments.logs = {"a", "b"};
+  EXPECT_THAT(farm_problem(arguments).value_or(""), HasSubstr("log is required"));
+  arguments.logs = {log("a").string(), log("b").string()};
   EXPECT_THAT(farm_problem(arguments).value_or(""), HasSubstr("--out"));
   arguments.out = "farm";
   EXPECT_FALSE(farm_problem(arguments));

@@ -99,6 +99,25 @@ const Mistake mistakes[] = {
      {"batch", "@/config/replay.yaml", "run.lcmlog", "--threads", "0"},
      "--threads: Value 0 not in range"},
     {"BatchIntoAFile", {"batch", "@/config/replay.yaml", "run.lcmlog", "--out", "notes.txt"}, "notes.txt"},
+    {"BatchManyWithoutFolder",
+     {"batch", "@/config/replay.yaml", "run.lcmlog", "empty.lcmlog"},
+     "several logs need --out"},
+    {"BatchLogTwice",
+     {"batch", "@/config/replay.yaml", "run.lcmlog", "./run.lcmlog", "--out", "farm"},
+     "run.lcmlog: the log is named twice"},
+    {"BatchShare",
+     {"batch", "@/config/replay.yaml", "run.lcmlog", "--out", "farm", "--share", "4/4"},
+     "--share 4/4: must be K/N with K from 0 to N-1"},
+    {"BatchExpectations",
+     {"batch", "@/config/replay.yaml", "run.lcmlog", "--expect", "notes.txt"},
+     "notes.txt"},
+    {"BatchListOfNothing",
+     {"batch", "@/config/replay.yaml", "--list", "notes.txt", "--out", "farm"},
+     "there is no such log"},
+
+    // collect
+    {"CollectNowhere", {"collect", "nowhere"}, "does not exist: nowhere"},
+    {"CollectNothing", {"collect", "images"}, "images: holds no results .lcmslam batch CONFIG LOG"},
 
     // import and simulate
     {"ImportOfNothing", {"import", "nowhere", "out.lcmlog"}, "does not exist: nowhere"},
