@@ -1,5 +1,7 @@
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
 
+#include <utility>
+
 #include <lcmslam/features/strongest_features.hpp>
 #include <lcmslam/settings/check.hpp>
 
@@ -8,6 +10,7 @@ namespace lcmslam {
 DenseMapper::DenseMapper(const DenseMapperSettings& settings)
     : settings_(settings),
       motion_(settings.prior),
+      ground_(settings.prior.ground),
       keyframes_(settings),
       map_(settings),
       tracker_(make_tracker(settings, map_, keyframes_)),
@@ -29,14 +32,14 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
 
   // Predict: where odometry, or the velocity so far, leads.
   motion_.look_for_gap(frame.utime, frame.motion);
-  const Expectation expected{motion_.predict(frame.utime, frame.motion), motion_.T_world_last(), bad_steps_,
-                             motion_.adrift()};
+  const Expectation expected = expect(frame);
 
   // Register: where the cloud fits the map.
   const Tracked tracked = tracker_->track(prepared, expected);
 
   // Judge: what is believed of it, and whether the frame may join the map.
   const bool joins = judge(tracked, prepared, step);
+  stand_on_ground(tracked, step);
   const bool registered = step.status == MappingStatus::tracking;
 
   // Grow: the frame joins the map, and what it sees through goes.
@@ -62,10 +65,33 @@ PreparedFrame DenseMapper::prepare(const DenseFrame& frame) const {
   return {frame, voxel_filtered(usable, settings_.voxel_size)};
 }
 
+// A robot on wheels stands on the ground's plane until what it measures refuses that.
+Expectation DenseMapper::expect(const DenseFrame& frame) const {
+  Expectation expected;
+  expected.T_world_last = motion_.T_world_last();
+  expected.bad_steps = bad_steps_;
+  expected.adrift = motion_.adrift();
+  const bool on_wheels = settings_.prior.planar;
+  if (!on_wheels || ground_.holds()) expected.prior = motion_.predict(frame.utime, frame.motion);
+  if (on_wheels) expected.off_ground = motion_.predict_off_ground(frame.utime, frame.motion);
+  if (on_wheels && !ground_.holds()) expected.prior = *std::exchange(expected.off_ground, std::nullopt);
+  return expected;
+}
+
+void DenseMapper::stand_on_ground(const Tracked& tracked, Step& step) {
+  if (!settings_.prior.planar) return;
+  if (tracked.off_ground)
+    ground_.leave();
+  else if (step.status == MappingStatus::tracking)
+    ground_.observe(step.T_world_robot, step.covariance);
+  step.off_ground = !ground_.holds();
+}
+
 void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
   motion_.observe(prepared.frame.utime, step.T_world_robot, false);
   if (static_cast<int>(prepared.cloud.size()) < settings_.min_points) return;
-  if (settings_.prior.planar) graph_.set_ground(prepared.frame.T_robot_camera.inverse());
+  if (settings_.prior.planar)
+    graph_.set_ground(GroundConstraint{prepared.frame.T_robot_camera.inverse(), settings_.prior.ground, {}});
   step.quality = 1;
   step.status = MappingStatus::tracking;
   add_node(prepared, true, step);
@@ -143,8 +169,8 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   view.cloud = transformed(prepared.cloud, frame.T_robot_camera.inverse());
   if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
   map_.restore(keyframes_.all(), T_world_camera);
-  const int node =
-      graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(), std::move(view), keyframe);
+  const int node = graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(),
+                              std::move(view), keyframe, !step.off_ground);
   step.node = true;
   step.keyframe = keyframe;
   if (!keyframe) return;

@@ -30,11 +30,27 @@ ModernTracker::ModernTracker(const DenseMapperSettings& settings, DeformableMap&
                  settings.overlap) {}
 
 Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
+  last_view_.compare(prepared.frame.colour, prepared.frame.T_robot_camera);
+  const Tracked tracked = place(prepared, expected.prior, expected);
+  if (!expected.off_ground || !refuses_ground(tracked)) return tracked;
+  Tracked free = place(prepared, *expected.off_ground, expected);
+  free.off_ground = true;
+  return free.status == MappingStatus::tracking ? free : tracked;
+}
+
+// The plane is part of what placed the frame: had it been right, little of the way to it would be left.
+bool ModernTracker::refuses_ground(const Tracked& tracked) const {
+  const GroundContact ground(settings_.prior.ground);
+  const RegistrationResult& placed = tracked.registration;
+  return tracked.status != MappingStatus::lost &&
+         ground.is_refused(ground.residual2(placed.T_target_source, placed.covariance));
+}
+
+Tracked ModernTracker::place(const PreparedFrame& prepared, const Prior& prior, const Expectation& expected) {
   const DenseFrame& frame = prepared.frame;
   Tracked result;
-  result.prior = expected.prior;
+  result.prior = prior;
   const std::optional<Prior> anchor = ask_features(prepared, result);
-  last_view_.compare(frame.colour, frame.T_robot_camera);
   const auto best = try_starts(prepared, starts(frame, result.prior, anchor, expected), result.prior);
   result.registration = best.registration;
   result.status = best.status;

@@ -28,10 +28,6 @@ Matrix6d carried_along(const Matrix6d& covariance, const Motion& motion) {
 
 }  // namespace
 
-Eigen::Isometry3d on_ground(const Eigen::Isometry3d& T_world_robot) {
-  return planar_pose(T_world_robot.translation().x(), T_world_robot.translation().y(), yaw(T_world_robot));
-}
-
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift) {
   Prior prior;
@@ -59,16 +55,27 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
   const Eigen::Matrix3d information = moving.inverse();
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) prior.information(in_plane[i], in_plane[j]) = information(i, j);
-  prior.information(2, 2) = 1 / (settings.plane_height * settings.plane_height);
-  prior.information(3, 3) = prior.information(4, 4) = 1 / (settings.plane_tilt * settings.plane_tilt);
+  prior.information(2, 2) = 1 / (settings.ground.height * settings.ground.height);
+  prior.information(3, 3) = prior.information(4, 4) = 1 / (settings.ground.tilt * settings.ground.tilt);
   return prior;
 }
 
 Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion) const {
+  return predict(utime, motion, settings_);
+}
+
+Prior MotionModel::predict_off_ground(Utime utime, const std::optional<Motion>& motion) const {
+  MotionPriorSettings free = settings_;
+  free.planar = false;
+  return predict(utime, motion, free);
+}
+
+Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion,
+                           const MotionPriorSettings& settings) const {
   const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, longest_velocity);
   std::optional<Motion> since_found = motion;
   if (is_usable(motion)) since_found->covariance += carried_along(unseen_, *motion);
-  return lcmslam::predict(T_world_last_, since_found, se3_exp(seconds * velocity_), settings_, adrift_);
+  return lcmslam::predict(T_world_last_, since_found, se3_exp(seconds * velocity_), settings, adrift_);
 }
 
 void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion) {

@@ -98,7 +98,7 @@ TEST(MotionModel, ARobotOnTheGroundStaysThere) {
   const Prior prior = model.predict(100'000, std::nullopt);
   EXPECT_EQ(prior.T_target_source.translation().z(), 0);
   EXPECT_TRUE(prior.T_target_source.isApprox(on_ground(prior.T_target_source), 1e-12));
-  EXPECT_NEAR(prior.information(2, 2), 1 / (settings.plane_height * settings.plane_height), 1e-6);
+  EXPECT_NEAR(prior.information(2, 2), 1 / (settings.ground.height * settings.ground.height), 1e-6);
 }
 
 }  // namespace

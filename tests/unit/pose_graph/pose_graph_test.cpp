@@ -134,7 +134,7 @@ TEST(PoseGraph, AnUnlikelyLoopWaitsForOthersThatAgreeWithIt) {
 
 TEST(PoseGraph, TheGroundHoldsHeightAndTilt) {
   Walk walk(5);
-  walk.graph.T_camera_on_ground = Eigen::Isometry3d::Identity();
+  walk.graph.ground = GroundConstraint();
   optimise(walk.graph, {});
   for (const Eigen::Isometry3d& T : walk.graph.poses) {
     EXPECT_LT(std::abs(T.translation().z()), 0.03);
