@@ -53,6 +53,7 @@ struct StepResult {
   int created = 0, removed = 0;  ///< landmarks
   bool loop_closed = false;  ///< relocalised where only drift had led it astray: the map is deformed to fit
   bool slipped = false;      ///< observations contradicted the odometry, and won
+  bool off_ground = false;   ///< measurements refuse the plane that the robot is said to drive on
   bool resampled = false;
   bool rejuvenated = false;
   bool motion_usable = true;  ///< false: odometry was not finite; the step went on without
