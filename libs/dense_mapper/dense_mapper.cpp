@@ -1,7 +1,5 @@
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
 
-#include <utility>
-
 #include <lcmslam/features/strongest_features.hpp>
 #include <lcmslam/settings/check.hpp>
 
@@ -65,26 +63,26 @@ PreparedFrame DenseMapper::prepare(const DenseFrame& frame) const {
   return {frame, voxel_filtered(usable, settings_.voxel_size)};
 }
 
-// A robot on wheels stands on the ground's plane until what it measures refuses that.
 Expectation DenseMapper::expect(const DenseFrame& frame) const {
   Expectation expected;
   expected.T_world_last = motion_.T_world_last();
   expected.bad_steps = bad_steps_;
   expected.adrift = motion_.adrift();
-  const bool on_wheels = settings_.prior.planar;
-  if (!on_wheels || ground_.holds()) expected.prior = motion_.predict(frame.utime, frame.motion);
-  if (on_wheels) expected.off_ground = motion_.predict_off_ground(frame.utime, frame.motion);
-  if (on_wheels && !ground_.holds()) expected.prior = *std::exchange(expected.off_ground, std::nullopt);
+  if (settings_.prior.planar) expected.floor = ground_.floor();
+  expected.prior = motion_.predict(frame.utime, frame.motion, expected.floor);
+  if (expected.floor != Floor::free)
+    expected.off_ground = motion_.predict(frame.utime, frame.motion, Floor::free);
   return expected;
 }
 
+// A robot on wheels stands on the floor that is believed until what it measures refuses that.
 void DenseMapper::stand_on_ground(const Tracked& tracked, Step& step) {
   if (!settings_.prior.planar) return;
-  if (tracked.off_ground)
-    ground_.leave();
+  if (tracked.refused_for)
+    ground_.leave_for(*tracked.refused_for);
   else if (step.status == MappingStatus::tracking)
     ground_.observe(step.T_world_robot, step.covariance);
-  step.off_ground = !ground_.holds();
+  step.floor = ground_.floor();
 }
 
 void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
@@ -170,7 +168,7 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
   map_.restore(keyframes_.all(), T_world_camera);
   const int node = graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(),
-                              std::move(view), keyframe, !step.off_ground);
+                              std::move(view), keyframe, step.floor);
   step.node = true;
   step.keyframe = keyframe;
   if (!keyframe) return;

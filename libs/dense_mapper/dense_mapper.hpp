@@ -41,9 +41,9 @@ class DenseMapper {
     bool adrift = false;             ///< after a gap without odometry, not found again yet
     bool hangs_on_odometry = false;  ///< the map around was begun where odometry led, and is tied to the rest
                                      ///< by nothing else yet
-    bool off_ground = false;  ///< on wheels, and where measurements refuse the ground's plane: free in space
-    bool thinned = false;     ///< redundant nodes have gone from graph() and keyframes()
-    bool deformed = false;    ///< the graph moved its nodes before this step: older poses are of the old map
+    Floor floor = Floor::plane;      ///< on wheels: what measurements leave of the ground's plane
+    bool thinned = false;            ///< redundant nodes have gone from graph() and keyframes()
+    bool deformed = false;  ///< the graph moved its nodes before this step: older poses are of the old map
   };
 
   /// Frames come in order of time.

@@ -32,18 +32,16 @@ ModernTracker::ModernTracker(const DenseMapperSettings& settings, DeformableMap&
 Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
   last_view_.compare(prepared.frame.colour, prepared.frame.T_robot_camera);
   const Tracked tracked = place(prepared, expected.prior, expected);
-  if (!expected.off_ground || !refuses_ground(tracked)) return tracked;
-  Tracked free = place(prepared, *expected.off_ground, expected);
-  free.off_ground = true;
-  return free.status == MappingStatus::tracking ? free : tracked;
-}
+  if (!expected.off_ground || tracked.status == MappingStatus::lost) return tracked;
 
-// The plane is part of what placed the frame: had it been right, little of the way to it would be left.
-bool ModernTracker::refuses_ground(const Tracked& tracked) const {
-  const GroundContact ground(settings_.prior.ground);
+  // Had the floor been right, which is part of what placed the frame, little of the way to it would be left.
   const RegistrationResult& placed = tracked.registration;
-  return tracked.status != MappingStatus::lost &&
-         ground.is_refused(ground.residual2(placed.T_target_source, placed.covariance));
+  const GroundContact ground(settings_.prior.ground, expected.floor);
+  const Floor seen = ground.left_over(placed.T_target_source, placed.covariance);
+  if (seen <= expected.floor) return tracked;
+  Tracked free = place(prepared, *expected.off_ground, expected);
+  free.refused_for = seen;
+  return free.status == MappingStatus::tracking ? free : tracked;
 }
 
 Tracked ModernTracker::place(const PreparedFrame& prepared, const Prior& prior, const Expectation& expected) {

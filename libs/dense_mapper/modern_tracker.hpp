@@ -28,7 +28,6 @@ class ModernTracker : public Tracker {
 
  private:
   Tracked place(const PreparedFrame& prepared, const Prior& prior, const Expectation& expected);
-  bool refuses_ground(const Tracked& tracked) const;
   std::optional<Prior> ask_features(const PreparedFrame& prepared, Tracked& result);
   Prior judged_by_map(const PreparedFrame& prepared, const Prior& odometry, const Prior& anchor);
   std::vector<Eigen::Isometry3d> starts(const DenseFrame& frame, const Prior& prior,

@@ -33,9 +33,11 @@ struct MotionPriorSettings {
 };
 
 /// Prior of T_world_robot from the last pose and the motion since: odometry's, or `free_motion` (that of a
-/// velocity which goes on) when there is none. `adrift`: s during which nobody knew the motion.
+/// velocity which goes on) when there is none, and of the floor where the settings are planar. `adrift`: s
+/// during which nobody knew the motion.
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
-              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift = 0);
+              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift = 0,
+              Floor floor = Floor::plane);
 
 /// Where the robot was last and how it moved, for the next prediction.
 class MotionModel {
@@ -44,9 +46,8 @@ class MotionModel {
 
   /// Prior of T_world_robot at `utime`, by odometry's `motion` since the last time or, without it, by the
   /// last step's velocity, which goes on for a second at most.
-  Prior predict(Utime utime, const std::optional<Motion>& motion) const;
-  /// The same for a robot that has left the plane, or may: the motion alone tells height and tilt, too.
-  Prior predict_off_ground(Utime utime, const std::optional<Motion>& motion) const;
+  /// `floor`: what a robot on wheels stands on.
+  Prior predict(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane) const;
 
   /// Before predict(): without odometry and longer than a velocity goes on, the robot is adrift until it is
   /// found: the prediction is where it was last, and its covariance grows.
@@ -66,8 +67,6 @@ class MotionModel {
   void deform(const Eigen::Isometry3d& T_new_old) { T_world_last_ = T_new_old * T_world_last_; }
 
  private:
-  Prior predict(Utime utime, const std::optional<Motion>& motion, const MotionPriorSettings& settings) const;
-
   MotionPriorSettings settings_;
   Utime last_utime_ = 0;
   Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();

@@ -25,8 +25,9 @@ struct PreparedFrame {
 
 /// What the mapper knows before a frame is registered.
 struct Expectation {
-  Prior prior;                      ///< of T_world_robot, by the motion and, on wheels, by the ground's plane
-  std::optional<Prior> off_ground;  ///< the same without the plane, where it is part of `prior`
+  Prior prior;  ///< of T_world_robot, by the motion and, on wheels, by the floor
+  Floor floor = Floor::free;
+  std::optional<Prior> off_ground;  ///< by the motion alone, where the floor is part of `prior`
   Eigen::Isometry3d T_world_last = Eigen::Isometry3d::Identity();  ///< of the frame before
   int bad_steps = 0;    ///< frames in a row that were not tracked until now
   bool adrift = false;  ///< nobody knows how the robot moved since it was tracked: it may be anywhere
@@ -35,10 +36,10 @@ struct Expectation {
 struct Tracked {
   RegistrationResult registration;  ///< of the cloud in the robot frame to the world
   MappingStatus status = MappingStatus::lost;
-  double quality = 0;       ///< 0..1: overlap times share of inliers
-  Prior prior;              ///< what was known before registration, by features too
-  bool off_ground = false;  ///< what was measured refused the ground's plane: placed without it
-  bool anchored = false;    ///< features of a keyframe were found again, are believed, and place the robot at
+  double quality = 0;                ///< 0..1: overlap times share of inliers
+  Prior prior;                       ///< what was known before registration, by features too
+  std::optional<Floor> refused_for;  ///< measurements refused the floor; placed without it, and this is seen
+  bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
   Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
 };
 

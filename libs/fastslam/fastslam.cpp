@@ -64,13 +64,13 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
                                    particles_.best().map, index_, unknown_.lost());
     };
     FrameAssociation association = associate();
-    if (refuses_ground(association)) {
-      if (leave_plane()) odometry = with_ground(odometry, settings_);
+    if (const auto seen = refuses_ground(association)) {
+      if (leave_for(*seen)) odometry = with_ground(odometry, settings_);
       predicted = predict(odometry);
       association = associate();
     }
     if (association.free) ground_.observe(association.free->T_world_robot, association.free->covariance);
-    result.off_ground = !ground_.holds();
+    result.floor = ground_.floor();
     if (nothing_to_find_back(association, points)) return begin_anew(motion, frame);
     observations = select_observations(association, frame, points, particles_.best().map, settings_);
     widen_for_correlation(observations.observed, frame.utime, settings_.correlation_time, index_, points);
@@ -129,25 +129,25 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
 // again that says what it says.
 FastSlam::Predicted FastSlam::predict(const Motion& odometry) {
   Predicted predicted{particles_.predict(odometry), std::nullopt};
-  if (!settings_.left_plane || !ground_.holds()) return predicted;
+  if (!settings_.left_plane || ground_.floor() == Floor::free) return predicted;
   Motion& motion = predicted.motion;
   const Eigen::Isometry3d& T_world_robot = particles_.best().T_world_robot;
-  predicted.ground.emplace(settings_.ground, motion.covariance);
+  predicted.ground.emplace(ground_, motion.covariance);
   motion.T_from_to = T_world_robot.inverse() * (*predicted.ground)(T_world_robot * motion.T_from_to);
   motion.covariance = predicted.ground->reduced(motion.covariance);
   return predicted;
 }
 
-// The plane had no part in the pose on which most matches agree in space.
-bool FastSlam::refuses_ground(const FrameAssociation& association) const {
-  const bool on_ground = settings_.planar || (settings_.left_plane && ground_.holds());
-  const std::optional<Consensus>& free = association.free;
-  return on_ground && free && ground_.is_refused(ground_.innovation2(free->T_world_robot, free->covariance));
+// The floor had no part in the pose on which most matches agree in space.
+std::optional<Floor> FastSlam::refuses_ground(const FrameAssociation& association) const {
+  if (!(settings_.planar || settings_.left_plane) || !association.free) return std::nullopt;
+  const Floor seen = ground_.seen(association.free->T_world_robot, association.free->covariance);
+  return seen > ground_.floor() ? std::make_optional(seen) : std::nullopt;
 }
 
 // Returns whether it was the first time.
-bool FastSlam::leave_plane() {
-  ground_.leave();
+bool FastSlam::leave_for(Floor floor) {
+  ground_.leave_for(floor);
   if (settings_.left_plane) return false;
   settings_.planar = false;
   settings_.left_plane = true;

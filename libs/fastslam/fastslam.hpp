@@ -75,8 +75,8 @@ class FastSlam {
     std::optional<GroundPull> ground;  ///< that is part of it
   };
   Predicted predict(const Motion& odometry);
-  bool refuses_ground(const FrameAssociation& association) const;
-  bool leave_plane();
+  std::optional<Floor> refuses_ground(const FrameAssociation& association) const;
+  bool leave_for(Floor floor);
   bool nothing_to_find_back(const FrameAssociation& association,
                             const std::vector<FeaturePoint>& points) const;
   StepResult begin_anew(const Motion& motion, const FeatureFrame& frame);

@@ -1,7 +1,7 @@
 #pragma once
-// What the ground's plane says of a pose in space: a measurement of height, roll and pitch (each 0) that all
-// particles take alike, before they look. So a robot that left the plane once is held by it again where it is
-// back, and all six degrees stay free.
+// What the floor says of a pose in space: a measurement of height, roll and pitch (each 0) that all particles
+// take alike, before they look. So a robot that has left the plane is held again by what it stands on, and
+// all six degrees stay free.
 
 #include <Eigen/Dense>
 
@@ -14,9 +14,9 @@ namespace lcmslam {
 class GroundPull {
  public:
   /// Kalman gain of a pose with this covariance (right perturbation).
-  GroundPull(const GroundSettings& plane, const Matrix6d& covariance) {
+  GroundPull(const GroundContact& ground, const Matrix6d& covariance) {
     Eigen::Matrix3d S = covariance.block<3, 3>(2, 2);
-    S.diagonal() += Eigen::Vector3d(plane.height, plane.tilt, plane.tilt).cwiseAbs2();
+    S.diagonal() += ground.sigmas().cwiseAbs2();
     gain_ = S.ldlt().solve(covariance.middleRows<3>(2)).transpose();
   }
 

@@ -56,7 +56,7 @@ KeyframeGraph::KeyframeGraph(const KeyframeGraphSettings& settings)
 }
 
 int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance,
-                       KeyframeView view, bool keyframe, bool on_ground) {
+                       KeyframeView view, bool keyframe, Floor floor) {
   const auto id = static_cast<int>(nodes_.size());
   view.node = id;
   if (id > 0) {
@@ -67,7 +67,7 @@ int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, con
                       covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
     edges_.push_back(edge);
   }
-  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, on_ground});
+  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor});
   if (settings_.enabled) fresh_.push_back({std::make_shared<KeyframeView>(std::move(view)), keyframe, utime});
   return id;
 }
@@ -87,7 +87,7 @@ void KeyframeGraph::begin(Utime now, Optimise when) {
   graph.edges = edges_;
   graph.ground = ground_;
   for (const Node& node : nodes_)
-    if (graph.ground) graph.ground->left.push_back(!node.on_ground);
+    if (graph.ground) graph.ground->floors.push_back(node.floor);
   edges_begun_ = edges_.size();
   finder_bytes_ = finder_.memory_bytes();
   const double seconds = settings_.time + settings_.time_per_node * static_cast<double>(nodes_.size());

@@ -73,7 +73,7 @@ class KeyframeGraph {
     Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
     int id = 0;  ///< of all that ever were; nodes are called by their index, which changes when others go
     bool keyframe = false;
-    bool on_ground = true;  ///< a robot on wheels: it stood on the ground's plane
+    Floor floor = Floor::plane;  ///< a robot on wheels: what it stood on
   };
 
   /// Where each node goes: T_world_new = by_node[id] * T_world_old. Things of newer nodes go with the last.
@@ -83,9 +83,9 @@ class KeyframeGraph {
   void set_ground(const std::optional<GroundConstraint>& ground) { ground_ = ground; }
 
   /// A new node, numbered from 0. `covariance` of tracking there, against the map (camera's body frame).
-  /// `keyframe`: later ones are compared with it. `on_ground`: if there is one, the robot stood on its plane.
+  /// `keyframe`: later ones are compared with it. `floor`: that a robot on wheels stood on.
   int add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance, KeyframeView view,
-          bool keyframe, bool on_ground = true);
+          bool keyframe, Floor floor = Floor::plane);
   /// What was seen from the newest node, when it comes later than its cloud. False when it is too late.
   bool add_features(int node, const FeatureFrame& features);
 

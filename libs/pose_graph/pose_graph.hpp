@@ -58,14 +58,17 @@ struct PoseGraphSettings {
   }
 };
 
-/// A robot on wheels: each pose times T_camera_robot lies on z = 0 without tilt, but where `left` says that
-/// it has left the plane (by node; those beyond its end have not).
+/// A robot on wheels: each pose times T_camera_robot stands on its node's floor (nodes beyond the end of
+/// `floors`: on the plane z = 0).
 struct GroundConstraint {
   Eigen::Isometry3d T_camera_robot = Eigen::Isometry3d::Identity();
   GroundSettings plane;
-  std::vector<bool> left;
+  std::vector<Floor> floors;
 
-  bool holds(std::size_t node) const { return node >= left.size() || !left[node]; }
+  /// Standard deviations of height, roll and pitch there.
+  Eigen::Vector3d sigmas(std::size_t node) const {
+    return GroundContact(plane, node < floors.size() ? floors[node] : Floor::plane).sigmas();
+  }
 };
 
 struct PoseGraph {

@@ -113,7 +113,7 @@ void FastSlamNode::on_features(FeatureFrame frame) {
   last_utime_ = frame.utime;
   ++steps_;
   lost_ += last_.status == TrackStatus::lost ? 1 : 0;
-  off_ground_ += last_.off_ground ? 1 : 0;
+  off_ground_ += last_.floor != Floor::plane ? 1 : 0;
   publish(frame, last_, publisher_.cpu_time() - begin);
 }
 

@@ -46,7 +46,7 @@ pose_estimate_t pose_message(Utime utime, const StepResult& result) {
       result.offered > 0 ? static_cast<float>(result.used) / static_cast<float>(result.offered) : 0.F;
   pose.inliers = result.used;
   pose.detail = result.slipped ? "wheels slipped" : "";
-  if (result.off_ground) add_detail(pose.detail, "the floor is not flat here");
+  if (result.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
   return pose;
 }
 

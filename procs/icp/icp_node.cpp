@@ -145,7 +145,7 @@ void IcpNode::on_frame(Prepared& prepared) {
   anchored_ += last_.anchored ? 1 : 0;
   ++steps_;
   lost_ += last_.status == MappingStatus::lost ? 1 : 0;
-  off_ground_ += last_.off_ground ? 1 : 0;
+  off_ground_ += last_.floor != Floor::plane ? 1 : 0;
   publish(prepared.frame.utime, made, publisher_.cpu_time() - begin);
 }
 
@@ -189,7 +189,7 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth);
   pose.frame = map_frame();
   if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
-  if (step.off_ground) add_detail(pose.detail, "the floor is not flat here");
+  if (step.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
   add_detail(pose.detail, unplaced_map(pose.frame));
   pose.map_revision = mapper_->keyframes_made();
   pose.processing_time = cpu_time;
