@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -119,9 +120,15 @@ TEST(DenseMapper, OnWheelsFollowsARampUpToALanding) {
     SCOPED_TRACE(k);
     EXPECT_EQ(to_string(step.status), "tracking");
     expect_pose(step.T_world_robot, T, 0.01, 0.008);
-    if (k <= 5) EXPECT_EQ(step.floor, Floor::plane);
-    if (k >= 9 && k <= 25) EXPECT_EQ(step.floor, Floor::free);
-    if (k >= 36) EXPECT_EQ(step.floor, Floor::level);
+    if (k <= 5) {
+      EXPECT_EQ(step.floor, Floor::plane);
+    }
+    if (k >= 9 && k <= 25) {
+      EXPECT_EQ(step.floor, Floor::free);
+    }
+    if (k >= 36) {
+      EXPECT_EQ(step.floor, Floor::level);
+    }
   }
   EXPECT_GT(T.translation().z(), 0.09);
 }

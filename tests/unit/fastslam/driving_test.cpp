@@ -120,7 +120,9 @@ TEST(FastSlam, OnWheelsFindsOutThatTheFloorIsNotFlat) {
     for (const auto& step : drive.steps) {
       const StepResult r = slam.step(step.motion, step.frame);
       const bool steep = off_ground(step.T_start_robot).tail<2>().norm() > 0.1;
-      if (steep) EXPECT_EQ(r.floor, Floor::free) << step.frame.seq;
+      if (steep) {
+        EXPECT_EQ(r.floor, Floor::free) << step.frame.seq;
+      }
       steep_seen = steep_seen || steep;
       level_seen = level_seen || (!steep && r.floor == Floor::level);
     }

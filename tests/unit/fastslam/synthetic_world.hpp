@@ -25,9 +25,9 @@ struct WorldSettings {
   double depth_sigma = 0.012;     // m at 3 m and nearer, growing with the square beyond
   double wiggle = 0.006;          // m, systematic error of the range (time-of-flight), period 1.9 m
   double scale_error = 0.02, rotation_error = 0.03;
-  bool slips = true;                                           // 2-5 cm and 1-3 degrees every 10 m
-  bool full_motion = false;                                    // the robot also heaves, rolls and pitches
-  double ramp = 0;                                             // m that the floor rises across the room's middle
+  bool slips = true;         // 2-5 cm and 1-3 degrees every 10 m
+  bool full_motion = false;  // the robot also heaves, rolls and pitches
+  double ramp = 0;           // m that the floor rises across the room's middle
   double stated_translation = 0.003, stated_rotation = 0.002;  // sigma of a step that odometry claims
 };
 

@@ -58,7 +58,8 @@ TEST(GroundContact, RefusesAFlatFloorAsSeldomAsItsGateSays) {
         measured(k) = truth(k) + ratio * R(k) * random.normal();
       }
       seen += ground.seen(pose_off(measured.x(), measured.y(), measured.z()), P) != Floor::plane;
-      const double kept = 1 / (1 + ratio * ratio);  // of the measurement in an estimate that the plane is part of
+      const double kept =
+          1 / (1 + ratio * ratio);  // of the measurement in an estimate that the plane is part of
       const Eigen::Vector3d both = kept * measured;
       const double sigma = ratio * std::sqrt(kept);
       left_over += ground.left_over(pose_off(both.x(), both.y(), both.z()),
@@ -67,7 +68,9 @@ TEST(GroundContact, RefusesAFlatFloorAsSeldomAsItsGateSays) {
     EXPECT_GT(seen, 0.0003 * draws) << ratio;
     EXPECT_LT(seen, 0.0025 * draws) << ratio;
     EXPECT_LT(left_over, 0.0025 * draws) << ratio;
-    if (ratio <= 1) EXPECT_GT(left_over, 0.0003 * draws) << ratio;
+    if (ratio <= 1) {
+      EXPECT_GT(left_over, 0.0003 * draws) << ratio;
+    }
   }
 }
 

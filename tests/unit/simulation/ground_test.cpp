@@ -31,7 +31,8 @@ Ground sill(double yaw = 0) {
 }
 
 TEST(Ground, HasTheHeightOfItsHighestProfile) {
-  const Ground two({profile(1, 2, M_PI / 2, {{0, 0}, {1, 0.1}, {2, 0.1}}), profile(0, 2.2, 0, {{0, 0.03}, {2, 0.03}})});
+  const Ground two(
+      {profile(1, 2, M_PI / 2, {{0, 0}, {1, 0.1}, {2, 0.1}}), profile(0, 2.2, 0, {{0, 0.03}, {2, 0.03}})});
   EXPECT_NEAR(two.height({1, 2.6}), 0.06, 1e-12);  // half way up, along y
   EXPECT_NEAR(two.height({1, 3.8}), 0.1, 1e-12);
   EXPECT_NEAR(two.height({1.2, 2.1}), 0.03, 1e-12);
@@ -59,7 +60,8 @@ TEST(Ground, ARobotStandsOnARampAsTheRampDoes) {
   const auto wheels = carrying_wheels("differential");
   for (const double heading : {0.0, 0.7, M_PI / 2, 3.0}) {
     const Eigen::Isometry3d T = stand_on(ramp(), wheels, planar_pose(5, 0.3, heading));
-    EXPECT_LT((T.linear().col(2) - Eigen::Vector3d(-std::sin(slope), 0, std::cos(slope))).norm(), 1e-3) << heading;
+    EXPECT_LT((T.linear().col(2) - Eigen::Vector3d(-std::sin(slope), 0, std::cos(slope))).norm(), 1e-3)
+        << heading;
     EXPECT_NEAR(yaw(T), heading, 1e-9);
     EXPECT_NEAR(T.translation().x(), 5, 1e-12);
     EXPECT_NEAR(T.translation().z(), 4 * std::tan(slope), 2e-3);  // a wheel's hub stands across the slope
