@@ -24,10 +24,10 @@ namespace lcmslam {
 /// Where a step leads the particles before they look. Without poses: each goes as predict()'s odometry says,
 /// by its own calibration, and learns that.
 struct StepPrior {
-  Matrix6d covariance = Matrix6d::Zero();          ///< right perturbation
-  std::optional<Eigen::Isometry3d> T_from_to;      ///< the observations agree on another motion
-  std::optional<Eigen::Isometry3d> T_world_robot;  ///< or on a pose: the robot was found again
-  std::optional<GroundPull> ground;                ///< what the plane says of where the odometry leads
+  Matrix6d covariance = Matrix6d::Zero();           ///< right perturbation
+  std::optional<Eigen::Isometry3d> T_from_to;       ///< the observations agree on another motion
+  std::optional<Eigen::Isometry3d> T_world_robot;   ///< or on a pose: the robot was found again
+  std::optional<GroundPull> ground = std::nullopt;  ///< what the plane says of where the odometry leads
 
   bool corrected() const { return T_from_to || T_world_robot; }
 };
