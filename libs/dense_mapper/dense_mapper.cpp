@@ -8,6 +8,7 @@ namespace lcmslam {
 DenseMapper::DenseMapper(const DenseMapperSettings& settings)
     : settings_(settings),
       motion_(settings.prior),
+      ground_(settings.prior.ground),
       keyframes_(settings),
       map_(settings),
       tracker_(make_tracker(settings, map_, keyframes_)),
@@ -29,14 +30,14 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
 
   // Predict: where odometry, or the velocity so far, leads.
   motion_.look_for_gap(frame.utime, frame.motion);
-  const Expectation expected{motion_.predict(frame.utime, frame.motion), motion_.T_world_last(), bad_steps_,
-                             motion_.adrift()};
+  const Expectation expected = expect(frame);
 
   // Register: where the cloud fits the map.
   const Tracked tracked = tracker_->track(prepared, expected);
 
   // Judge: what is believed of it, and whether the frame may join the map.
   const bool joins = judge(tracked, prepared, step);
+  stand_on_ground(tracked, step);
   const bool registered = step.status == MappingStatus::tracking;
 
   // Grow: the frame joins the map, and what it sees through goes.
@@ -62,10 +63,33 @@ PreparedFrame DenseMapper::prepare(const DenseFrame& frame) const {
   return {frame, voxel_filtered(usable, settings_.voxel_size)};
 }
 
+Expectation DenseMapper::expect(const DenseFrame& frame) const {
+  Expectation expected;
+  expected.T_world_last = motion_.T_world_last();
+  expected.bad_steps = bad_steps_;
+  expected.adrift = motion_.adrift();
+  if (settings_.prior.planar) expected.floor = ground_.floor();
+  expected.prior = motion_.predict(frame.utime, frame.motion, expected.floor);
+  if (expected.floor != Floor::free)
+    expected.off_ground = motion_.predict(frame.utime, frame.motion, Floor::free);
+  return expected;
+}
+
+// A robot on wheels stands on the floor that is believed until what it measures refuses that.
+void DenseMapper::stand_on_ground(const Tracked& tracked, Step& step) {
+  if (!settings_.prior.planar) return;
+  if (tracked.refused_for)
+    ground_.leave_for(*tracked.refused_for);
+  else if (step.status == MappingStatus::tracking)
+    ground_.observe(step.T_world_robot, step.covariance);
+  step.floor = ground_.floor();
+}
+
 void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
   motion_.observe(prepared.frame.utime, step.T_world_robot, false);
   if (static_cast<int>(prepared.cloud.size()) < settings_.min_points) return;
-  if (settings_.prior.planar) graph_.set_ground(prepared.frame.T_robot_camera.inverse());
+  if (settings_.prior.planar)
+    graph_.set_ground(GroundConstraint{prepared.frame.T_robot_camera.inverse(), settings_.prior.ground, {}});
   step.quality = 1;
   step.status = MappingStatus::tracking;
   add_node(prepared, true, step);
@@ -143,8 +167,8 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   view.cloud = transformed(prepared.cloud, frame.T_robot_camera.inverse());
   if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
   map_.restore(keyframes_.all(), T_world_camera);
-  const int node =
-      graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(), std::move(view), keyframe);
+  const int node = graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(),
+                              std::move(view), keyframe, step.floor);
   step.node = true;
   step.keyframe = keyframe;
   if (!keyframe) return;

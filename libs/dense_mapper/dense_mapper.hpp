@@ -41,6 +41,7 @@ class DenseMapper {
     bool adrift = false;             ///< after a gap without odometry, not found again yet
     bool hangs_on_odometry = false;  ///< the map around was begun where odometry led, and is tied to the rest
                                      ///< by nothing else yet
+    Floor floor = Floor::plane;      ///< on wheels: what measurements leave of the ground's plane
     bool thinned = false;            ///< redundant nodes have gone from graph() and keyframes()
     bool deformed = false;  ///< the graph moved its nodes before this step: older poses are of the old map
   };
@@ -68,6 +69,8 @@ class DenseMapper {
 
  private:
   PreparedFrame prepare(const DenseFrame& frame) const;
+  Expectation expect(const DenseFrame& frame) const;
+  void stand_on_ground(const Tracked& tracked, Step& step);
   void start_map(const PreparedFrame& prepared, Step& step);
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
@@ -80,6 +83,7 @@ class DenseMapper {
 
   DenseMapperSettings settings_;
   MotionModel motion_;
+  GroundContact ground_;
   KeyframeStore keyframes_;
   DeformableMap map_;
   std::unique_ptr<Tracker> tracker_;  // sees map and keyframes

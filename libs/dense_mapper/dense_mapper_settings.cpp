@@ -55,6 +55,7 @@ void DenseMapperSettings::describe(SettingsVisitor& s) {
   s.section("depth_clock", depth_clock, "by how much the depth image's stamps are off");
   s.section("graph", graph, "the keyframes' pose graph");
   s.section("prior", prior, "what is known before a frame is registered");
+  s.section("ground", prior.ground, "the plane that a robot on wheels is said to drive on");
 
   s.number("min_points", min_points, "", {1, 1e6},
            "usable points after the voxel filter; fewer are no basis");

@@ -30,11 +30,25 @@ ModernTracker::ModernTracker(const DenseMapperSettings& settings, DeformableMap&
                  settings.overlap) {}
 
 Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
+  last_view_.compare(prepared.frame.colour, prepared.frame.T_robot_camera);
+  const Tracked tracked = place(prepared, expected.prior, expected);
+  if (!expected.off_ground || tracked.status == MappingStatus::lost) return tracked;
+
+  // Had the floor been right, which is part of what placed the frame, little of the way to it would be left.
+  const RegistrationResult& placed = tracked.registration;
+  const GroundContact ground(settings_.prior.ground, expected.floor);
+  const Floor seen = ground.left_over(placed.T_target_source, placed.covariance);
+  if (seen <= expected.floor) return tracked;
+  Tracked free = place(prepared, *expected.off_ground, expected);
+  free.refused_for = seen;
+  return free.status == MappingStatus::tracking ? free : tracked;
+}
+
+Tracked ModernTracker::place(const PreparedFrame& prepared, const Prior& prior, const Expectation& expected) {
   const DenseFrame& frame = prepared.frame;
   Tracked result;
-  result.prior = expected.prior;
+  result.prior = prior;
   const std::optional<Prior> anchor = ask_features(prepared, result);
-  last_view_.compare(frame.colour, frame.T_robot_camera);
   const auto best = try_starts(prepared, starts(frame, result.prior, anchor, expected), result.prior);
   result.registration = best.registration;
   result.status = best.status;

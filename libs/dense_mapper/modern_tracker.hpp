@@ -27,6 +27,7 @@ class ModernTracker : public Tracker {
   std::size_t memory_bytes() const override { return anchor_.memory_bytes(); }
 
  private:
+  Tracked place(const PreparedFrame& prepared, const Prior& prior, const Expectation& expected);
   std::optional<Prior> ask_features(const PreparedFrame& prepared, Tracked& result);
   Prior judged_by_map(const PreparedFrame& prepared, const Prior& odometry, const Prior& anchor);
   std::vector<Eigen::Isometry3d> starts(const DenseFrame& frame, const Prior& prior,

@@ -28,12 +28,9 @@ Matrix6d carried_along(const Matrix6d& covariance, const Motion& motion) {
 
 }  // namespace
 
-Eigen::Isometry3d on_ground(const Eigen::Isometry3d& T_world_robot) {
-  return planar_pose(T_world_robot.translation().x(), T_world_robot.translation().y(), yaw(T_world_robot));
-}
-
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
-              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift) {
+              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift,
+              Floor floor) {
   Prior prior;
   Matrix6d covariance = Matrix6d::Zero();
   if (is_usable(motion)) {
@@ -45,13 +42,15 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
     covariance.diagonal() = squares(settings.free_translation, settings.free_rotation);
   }
   covariance.diagonal() += squares(drift_speed * adrift, std::min(drift_speed * adrift, 3.0));
-  if (!settings.planar) {
+  if (!settings.planar || floor == Floor::free) {
     prior.information = covariance.inverse();
     return prior;
   }
 
-  // On the ground x, y and heading are what motion tells; height and tilt are known absolutely.
-  prior.T_target_source = on_ground(prior.T_target_source);
+  // On the ground x, y and heading are what motion tells; tilt is known absolutely, and on the plane the
+  // height.
+  const bool on_plane = floor == Floor::plane;
+  prior.T_target_source = on_plane ? on_ground(prior.T_target_source) : levelled(prior.T_target_source);
   const int in_plane[3] = {0, 1, 5};
   Eigen::Matrix3d moving;
   for (int i = 0; i < 3; ++i)
@@ -59,16 +58,18 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
   const Eigen::Matrix3d information = moving.inverse();
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) prior.information(in_plane[i], in_plane[j]) = information(i, j);
-  prior.information(2, 2) = 1 / (settings.plane_height * settings.plane_height);
-  prior.information(3, 3) = prior.information(4, 4) = 1 / (settings.plane_tilt * settings.plane_tilt);
+  prior.information(2, 2) =
+      1 / (on_plane ? settings.ground.height * settings.ground.height : covariance(2, 2));
+  prior.information(3, 3) = prior.information(4, 4) = 1 / (settings.ground.tilt * settings.ground.tilt);
   return prior;
 }
 
-Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion) const {
+Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion, Floor floor) const {
   const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, longest_velocity);
   std::optional<Motion> since_found = motion;
   if (is_usable(motion)) since_found->covariance += carried_along(unseen_, *motion);
-  return lcmslam::predict(T_world_last_, since_found, se3_exp(seconds * velocity_), settings_, adrift_);
+  return lcmslam::predict(T_world_last_, since_found, se3_exp(seconds * velocity_), settings_, adrift_,
+                          floor);
 }
 
 void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion) {

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include <lcmslam/geometry/ground_plane.hpp>
 #include <lcmslam/geometry/motion_buffer.hpp>
 #include <lcmslam/registration/solver.hpp>
 #include <lcmslam/settings/settings.hpp>
@@ -16,8 +17,7 @@ struct MotionPriorSettings {
   double floor_rotation = 0.03;
   double free_translation = 0.04;
   double free_rotation = 0.06;
-  double plane_height = 0.01;
-  double plane_tilt = 0.004;
+  GroundSettings ground;  ///< that plane; its keys are the mapper's
 
   void describe(SettingsVisitor& s) {
     s.number("floor_translation", floor_translation, "m", {0, 1000},
@@ -29,17 +29,15 @@ struct MotionPriorSettings {
              "how far a step without odometry may differ from constant velocity");
     s.number("free_rotation", free_rotation, "rad", {0, 3.1416},
              "how far a step without odometry may differ from constant velocity");
-    s.number("plane_height", plane_height, "m", {1e-6, 1000},
-             "standard deviation of the ground's height under a robot that drives");
-    s.number("plane_tilt", plane_tilt, "rad", {1e-6, 3.1416},
-             "standard deviation of the ground's tilt under a robot that drives");
   }
 };
 
 /// Prior of T_world_robot from the last pose and the motion since: odometry's, or `free_motion` (that of a
-/// velocity which goes on) when there is none. `adrift`: s during which nobody knew the motion.
+/// velocity which goes on) when there is none, and of the floor where the settings are planar. `adrift`: s
+/// during which nobody knew the motion.
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
-              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift = 0);
+              const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift = 0,
+              Floor floor = Floor::plane);
 
 /// Where the robot was last and how it moved, for the next prediction.
 class MotionModel {
@@ -48,7 +46,8 @@ class MotionModel {
 
   /// Prior of T_world_robot at `utime`, by odometry's `motion` since the last time or, without it, by the
   /// last step's velocity, which goes on for a second at most.
-  Prior predict(Utime utime, const std::optional<Motion>& motion) const;
+  /// `floor`: what a robot on wheels stands on.
+  Prior predict(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane) const;
 
   /// Before predict(): without odometry and longer than a velocity goes on, the robot is adrift until it is
   /// found: the prediction is where it was last, and its covariance grows.
@@ -75,8 +74,5 @@ class MotionModel {
   double adrift_ = 0;                     // s of unknown motion since the robot was found
   Matrix6d unseen_ = Matrix6d::Zero();    // covariance of odometry's motion since then, robot frame
 };
-
-/// The same pose with no height, roll and pitch.
-Eigen::Isometry3d on_ground(const Eigen::Isometry3d& T_world_robot);
 
 }  // namespace lcmslam

@@ -3,6 +3,7 @@
 // keeps the graph; how a frame is placed in the map is a tracker's business alone.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <lcmslam/dense_mapper/dense_mapper_settings.hpp>
@@ -24,7 +25,9 @@ struct PreparedFrame {
 
 /// What the mapper knows before a frame is registered.
 struct Expectation {
-  Prior prior;                                                     ///< of T_world_robot, by the motion
+  Prior prior;  ///< of T_world_robot, by the motion and, on wheels, by the floor
+  Floor floor = Floor::free;
+  std::optional<Prior> off_ground;  ///< by the motion alone, where the floor is part of `prior`
   Eigen::Isometry3d T_world_last = Eigen::Isometry3d::Identity();  ///< of the frame before
   int bad_steps = 0;    ///< frames in a row that were not tracked until now
   bool adrift = false;  ///< nobody knows how the robot moved since it was tracked: it may be anywhere
@@ -33,8 +36,9 @@ struct Expectation {
 struct Tracked {
   RegistrationResult registration;  ///< of the cloud in the robot frame to the world
   MappingStatus status = MappingStatus::lost;
-  double quality = 0;     ///< 0..1: overlap times share of inliers
-  Prior prior;            ///< what was known before registration, by features too
+  double quality = 0;                ///< 0..1: overlap times share of inliers
+  Prior prior;                       ///< what was known before registration, by features too
+  std::optional<Floor> refused_for;  ///< measurements refused the floor; placed without it, and this is seen
   bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
   Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
 };

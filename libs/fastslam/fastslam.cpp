@@ -20,8 +20,8 @@ std::vector<FeaturePoint> corrected(std::vector<FeaturePoint> points, const Sens
   return points;
 }
 
-StepPrior step_prior(const FrameAssociation& association) {
-  StepPrior prior{association.prior.covariance, std::nullopt, association.T_world_found};
+StepPrior step_prior(const FrameAssociation& association, const std::optional<GroundPull>& ground) {
+  StepPrior prior{association.prior.covariance, std::nullopt, association.T_world_found, ground};
   if (association.corrected) prior.T_from_to = association.prior.T_from_to;
   return prior;
 }
@@ -30,6 +30,7 @@ StepPrior step_prior(const FrameAssociation& association) {
 
 FastSlam::FastSlam(const FastSlamSettings& settings)
     : settings_(checked(settings)),
+      ground_(settings.ground),
       unknown_(settings),
       particles_(settings),
       associator_(settings),
@@ -48,7 +49,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   std::vector<FeaturePoint> points = corrected(measured, sensor_);
   result.offered = static_cast<int>(
       std::count_if(points.begin(), points.end(), [](const FeaturePoint& p) { return !p.is_bearing(); }));
-  const Motion odometry = unknown_.prior(motion, frame.utime);
+  Motion odometry = with_ground(unknown_.prior(motion, frame.utime), settings_);
   StepObservations observations;
   bool mapping = true, blind = false;
 
@@ -57,10 +58,19 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   } else {
     // Associate: which feature shows which landmark, as the best particle sees it.
     result.motion_usable = usable(motion);
-    const Motion predicted = particles_.predict(odometry);
-    FrameAssociation association =
-        associator_.associate(frame, points, particles_.best().T_world_robot, predicted,
-                              particles_.best().map, index_, unknown_.lost());
+    Predicted predicted = predict(odometry);
+    const auto associate = [&] {
+      return associator_.associate(frame, points, particles_.best().T_world_robot, predicted.motion,
+                                   particles_.best().map, index_, unknown_.lost());
+    };
+    FrameAssociation association = associate();
+    if (const auto seen = refuses_ground(association)) {
+      if (leave_for(*seen)) odometry = with_ground(odometry, settings_);
+      predicted = predict(odometry);
+      association = associate();
+    }
+    if (association.free) ground_.observe(association.free->T_world_robot, association.free->covariance);
+    result.floor = ground_.floor();
     if (nothing_to_find_back(association, points)) return begin_anew(motion, frame);
     observations = select_observations(association, frame, points, particles_.best().map, settings_);
     widen_for_correlation(observations.observed, frame.utime, settings_.correlation_time, index_, points);
@@ -72,9 +82,10 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     blind = observations.seen.empty() && (points.empty() || !mapping);
     Verdict verdict;
     if (blind)
-      particles_.go_blindly(step_prior(association));
+      particles_.go_blindly(step_prior(association, predicted.ground));
     else
-      verdict = particles_.propose_weigh_update(step_prior(association), observations.observed, points);
+      verdict = particles_.propose_weigh_update(step_prior(association, predicted.ground),
+                                                observations.observed, points);
     const bool located = judge(verdict, association, points, index_, observations, result);
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();
@@ -114,6 +125,39 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   return result;
 }
 
+// Once a robot has left the plane its motion has six degrees of freedom, and where it stands on the plane
+// again that says what it says.
+FastSlam::Predicted FastSlam::predict(const Motion& odometry) {
+  Predicted predicted{particles_.predict(odometry), std::nullopt};
+  if (!settings_.left_plane || ground_.floor() == Floor::free) return predicted;
+  Motion& motion = predicted.motion;
+  const Eigen::Isometry3d& T_world_robot = particles_.best().T_world_robot;
+  predicted.ground.emplace(ground_, motion.covariance);
+  motion.T_from_to = T_world_robot.inverse() * (*predicted.ground)(T_world_robot * motion.T_from_to);
+  motion.covariance = predicted.ground->reduced(motion.covariance);
+  return predicted;
+}
+
+// The floor had no part in the pose on which most matches agree in space.
+std::optional<Floor> FastSlam::refuses_ground(const FrameAssociation& association) const {
+  if (!(settings_.planar || settings_.left_plane) || !association.free) return std::nullopt;
+  const Floor seen = ground_.seen(association.free->T_world_robot, association.free->covariance);
+  return seen > ground_.floor() ? std::make_optional(seen) : std::nullopt;
+}
+
+// Returns whether it was the first time.
+bool FastSlam::leave_for(Floor floor) {
+  ground_.leave_for(floor);
+  if (settings_.left_plane) return false;
+  settings_.planar = false;
+  settings_.left_plane = true;
+  unknown_.leave_plane(settings_);
+  particles_.leave_plane(settings_);
+  associator_.leave_plane(settings_);
+  if (map_smoothing_) map_smoothing_->leave_plane(settings_);
+  return true;
+}
+
 // A lost robot before it has mapped anything that anybody was told of.
 bool FastSlam::nothing_to_find_back(const FrameAssociation& association,
                                     const std::vector<FeaturePoint>& points) const {
@@ -127,7 +171,10 @@ bool FastSlam::nothing_to_find_back(const FrameAssociation& association,
 
 // The world may as well begin here.
 StepResult FastSlam::begin_anew(const Motion& motion, const FeatureFrame& frame) {
-  *this = FastSlam(settings_);
+  FastSlamSettings settings = settings_;
+  settings.planar = settings.planar || settings.left_plane;
+  settings.left_plane = false;
+  *this = FastSlam(settings);
   return step(motion, frame);
 }
 

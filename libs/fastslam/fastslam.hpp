@@ -70,6 +70,13 @@ class FastSlam {
   std::vector<SmoothedPose> take_smoothed() { return std::exchange(taken_over_, {}); }
 
  private:
+  struct Predicted {
+    Motion motion;                     ///< of the best particle
+    std::optional<GroundPull> ground;  ///< that is part of it
+  };
+  Predicted predict(const Motion& odometry);
+  std::optional<Floor> refuses_ground(const FrameAssociation& association) const;
+  bool leave_for(Floor floor);
   bool nothing_to_find_back(const FrameAssociation& association,
                             const std::vector<FeaturePoint>& points) const;
   StepResult begin_anew(const Motion& motion, const FeatureFrame& frame);
@@ -93,6 +100,7 @@ class FastSlam {
 
   FastSlamSettings settings_;
   LandmarkIndex index_;
+  GroundContact ground_;  // of a planar robot
   UnknownMotion unknown_;
   ParticleSet particles_;
   FrameAssociator associator_;

@@ -89,7 +89,8 @@ bool FastSlam::take_over(const SmoothedPath& smoothed) {
 // The particles go through a step once more. Which feature shows which landmark and what exists stays
 // decided.
 void FastSlam::repeat(const StepRecord& step, std::set<int>& unborn) {
-  const StepPrior prior{particles_.predict(step.odometry).covariance, std::nullopt, std::nullopt};
+  const StepPrior prior{particles_.predict(step.odometry).covariance, std::nullopt, std::nullopt,
+                        std::nullopt};
   std::vector<FeaturePoint> points = step.used;
   for (std::size_t i = 0; i < points.size(); ++i)
     points[i].measurement.value = sensor_.corrected(step.measured[i].measurement).value;

@@ -49,6 +49,14 @@ Motion motion_prior(const Motion& odometry, const FastSlamSettings& s) {
   return prior;
 }
 
+Motion with_ground(Motion motion, const FastSlamSettings& s) {
+  if (!s.left_plane) return motion;
+  const double distance = motion.T_from_to.translation().norm();
+  motion.covariance(2, 2) += squared(s.ground_rise_per_m * distance);
+  motion.covariance.diagonal().segment<2>(3).array() += squared(s.ground_tilt_per_m * distance);
+  return motion;
+}
+
 Motion unknown_motion(Utime elapsed) {
   const double seconds = 1e-6 * static_cast<double>(elapsed);
   Motion motion;

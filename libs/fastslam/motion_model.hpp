@@ -13,6 +13,9 @@ namespace lcmslam {
 /// A motion that is not finite becomes "no idea": standing still, 0.5 m and 0.5 rad.
 Motion motion_prior(const Motion& odometry, const FastSlamSettings& settings);
 
+/// The same where settings.left_plane says that the floor is not flat: how it may rise and fall on the way.
+Motion with_ground(Motion motion, const FastSlamSettings& settings);
+
 /// Without odometry the robot may have gone anywhere that its speed allows: 0.5 m and 1 rad a second, in us;
 /// at last it may be turned anyhow.
 Motion unknown_motion(Utime elapsed);
@@ -26,6 +29,9 @@ bool usable(const Motion& motion);
 class UnknownMotion {
  public:
   explicit UnknownMotion(const FastSlamSettings& settings) : settings_(settings) {}
+
+  /// The robot is not bound to the plane any more.
+  void leave_plane(const FastSlamSettings& settings) { settings_ = settings; }
 
   /// The motion to `utime` from the call before, as motion_prior() gives it where the odometry knows it.
   /// Otherwise standing still: its error goes the same way from step to step, so that sigma and not the

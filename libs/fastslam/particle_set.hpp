@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <lcmslam/fastslam/association/association.hpp>
+#include <lcmslam/fastslam/ground_pull.hpp>
 #include <lcmslam/fastslam/odometry_calibration.hpp>
 #include <lcmslam/fastslam/particle.hpp>
 #include <lcmslam/fastslam/settings.hpp>
@@ -23,9 +24,10 @@ namespace lcmslam {
 /// Where a step leads the particles before they look. Without poses: each goes as predict()'s odometry says,
 /// by its own calibration, and learns that.
 struct StepPrior {
-  Matrix6d covariance = Matrix6d::Zero();          ///< right perturbation
-  std::optional<Eigen::Isometry3d> T_from_to;      ///< the observations agree on another motion
-  std::optional<Eigen::Isometry3d> T_world_robot;  ///< or on a pose: the robot was found again
+  Matrix6d covariance = Matrix6d::Zero();           ///< right perturbation
+  std::optional<Eigen::Isometry3d> T_from_to;       ///< the observations agree on another motion
+  std::optional<Eigen::Isometry3d> T_world_robot;   ///< or on a pose: the robot was found again
+  std::optional<GroundPull> ground = std::nullopt;  ///< what the plane says of where the odometry leads
 
   bool corrected() const { return T_from_to || T_world_robot; }
 };
@@ -33,6 +35,9 @@ struct StepPrior {
 class ParticleSet {
  public:
   explicit ParticleSet(const FastSlamSettings& settings);
+
+  /// All six degrees are free from now on.
+  void leave_plane(const FastSlamSettings& settings) { settings_ = settings; }
 
   const std::vector<Particle>& particles() const { return particles_; }
   std::size_t size() const { return particles_.size(); }

@@ -52,7 +52,8 @@ void ParticleSet::go_blindly(const StepPrior& prior) {
 Eigen::Isometry3d ParticleSet::T_world_prior(const Particle& particle, const StepPrior& prior) const {
   if (prior.T_world_robot) return *prior.T_world_robot;
   if (prior.T_from_to) return particle.T_world_robot * *prior.T_from_to;
-  return particle.T_world_robot * calibration_.apply(particle.calibration);
+  const Eigen::Isometry3d T = particle.T_world_robot * calibration_.apply(particle.calibration);
+  return prior.ground ? (*prior.ground)(T) : T;
 }
 
 Verdict ParticleSet::propose_weigh_update(const StepPrior& prior, const std::vector<LandmarkMatch>& observed,

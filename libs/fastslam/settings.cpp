@@ -70,6 +70,11 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "noise of a step by the angle turned");
   s.number("rotation_noise_per_m", rotation_noise_per_m, "rad per m", {0, 10},
            "noise of the heading by the way driven");
+  s.section("ground", ground, "the plane that a robot on wheels is said to drive on");
+  s.number("ground_rise_per_m", ground_rise_per_m, "m per m", {0, 10},
+           "noise of the height by the way driven, once the floor was found not to be flat");
+  s.number("ground_tilt_per_m", ground_tilt_per_m, "rad per m", {0, 10},
+           "noise of roll and pitch by the way driven, once the floor was found not to be flat");
   s.number("visual_factor", visual_factor, "", {1, 1000},
            "on sigma of visual odometry, which was made from the same features");
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include <lcmslam/geometry/ground_plane.hpp>
 #include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
@@ -44,6 +45,12 @@ struct FastSlamSettings {
   std::uint64_t seed = 1;
   bool planar =
       true;  ///< pose (x, y, heading), else all six degrees of freedom; no key: the calibration tells
+  /// A planar robot whose measurements refused the plane: all six degrees are free (and `planar` false), and
+  /// the ground rises and falls by the way driven. No key.
+  bool left_plane = false;
+  GroundSettings ground;
+  double ground_rise_per_m = 0.05;
+  double ground_tilt_per_m = 0.3;
   ProposalKind proposal = ProposalKind::measurement;
   int proposal_iterations = 2;
   double huber_width = 2.0;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <lcmslam/geometry/ground_plane.hpp>
 #include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam {
@@ -51,8 +52,9 @@ struct StepResult {
   int used = 0;                  ///< of these, in the filter
   int rejected = 0;              ///< look-alikes that the pose or the best particle rejected
   int created = 0, removed = 0;  ///< landmarks
-  bool loop_closed = false;  ///< relocalised where only drift had led it astray: the map is deformed to fit
-  bool slipped = false;      ///< observations contradicted the odometry, and won
+  bool loop_closed = false;    ///< relocalised where only drift had led it astray: the map is deformed to fit
+  bool slipped = false;        ///< observations contradicted the odometry, and won
+  Floor floor = Floor::plane;  ///< of a robot on wheels: what measurements leave of the plane
   bool resampled = false;
   bool rejuvenated = false;
   bool motion_usable = true;  ///< false: odometry was not finite; the step went on without

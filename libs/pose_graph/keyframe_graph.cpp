@@ -55,12 +55,8 @@ KeyframeGraph::KeyframeGraph(const KeyframeGraphSettings& settings)
   check(settings, "keyframe graph");
 }
 
-void KeyframeGraph::set_ground(const std::optional<Eigen::Isometry3d>& T_camera_robot) {
-  T_camera_on_ground_ = T_camera_robot;
-}
-
 int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance,
-                       KeyframeView view, bool keyframe) {
+                       KeyframeView view, bool keyframe, Floor floor) {
   const auto id = static_cast<int>(nodes_.size());
   view.node = id;
   if (id > 0) {
@@ -71,7 +67,7 @@ int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, con
                       covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
     edges_.push_back(edge);
   }
-  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe});
+  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor});
   if (settings_.enabled) fresh_.push_back({std::make_shared<KeyframeView>(std::move(view)), keyframe, utime});
   return id;
 }
@@ -89,7 +85,9 @@ void KeyframeGraph::begin(Utime now, Optimise when) {
   PoseGraph graph;
   for (const Node& node : nodes_) graph.poses.push_back(node.T_world_camera);
   graph.edges = edges_;
-  graph.T_camera_on_ground = T_camera_on_ground_;
+  graph.ground = ground_;
+  for (const Node& node : nodes_)
+    if (graph.ground) graph.ground->floors.push_back(node.floor);
   edges_begun_ = edges_.size();
   finder_bytes_ = finder_.memory_bytes();
   const double seconds = settings_.time + settings_.time_per_node * static_cast<double>(nodes_.size());

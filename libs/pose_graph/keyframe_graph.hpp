@@ -73,18 +73,19 @@ class KeyframeGraph {
     Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
     int id = 0;  ///< of all that ever were; nodes are called by their index, which changes when others go
     bool keyframe = false;
+    Floor floor = Floor::plane;  ///< a robot on wheels: what it stood on
   };
 
   /// Where each node goes: T_world_new = by_node[id] * T_world_old. Things of newer nodes go with the last.
   using Correction = std::vector<Eigen::Isometry3d>;
 
   /// For robots on the ground; nothing for cameras in the hand.
-  void set_ground(const std::optional<Eigen::Isometry3d>& T_camera_robot);
+  void set_ground(const std::optional<GroundConstraint>& ground) { ground_ = ground; }
 
   /// A new node, numbered from 0. `covariance` of tracking there, against the map (camera's body frame).
-  /// `keyframe`: later ones are compared with it.
+  /// `keyframe`: later ones are compared with it. `floor`: that a robot on wheels stood on.
   int add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance, KeyframeView view,
-          bool keyframe);
+          bool keyframe, Floor floor = Floor::plane);
   /// What was seen from the newest node, when it comes later than its cloud. False when it is too late.
   bool add_features(int node, const FeatureFrame& features);
 
@@ -137,7 +138,7 @@ class KeyframeGraph {
   std::vector<Node> nodes_;
   int next_id_ = 0;
   std::vector<GraphEdge> edges_, waiting_;  // waiting: measured, not believed yet
-  std::optional<Eigen::Isometry3d> T_camera_on_ground_;
+  std::optional<GroundConstraint> ground_;  // of which nodes tell who has left it
   std::vector<NewNode> fresh_;
   LoopFinder finder_;  // only the work touches it
   std::size_t edges_begun_ = 0, finder_bytes_ = 0;

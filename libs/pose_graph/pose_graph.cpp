@@ -94,8 +94,9 @@ void solve(PoseGraph& graph, const PoseGraphSettings& settings) {
       problem.SetManifold(pose.data(), new Manifold);
       if (&pose == &poses.front()) {
         problem.SetParameterBlockConstant(pose.data());
-      } else if (graph.T_camera_on_ground) {
-        auto* error = new GroundError{*graph.T_camera_on_ground, settings.plane_height, settings.plane_tilt};
+      } else if (graph.ground) {
+        const Eigen::Vector3d sigmas = graph.ground->sigmas(static_cast<std::size_t>(&pose - poses.data()));
+        auto* error = new GroundError{graph.ground->T_camera_robot, sigmas.x(), sigmas.y()};
         problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundError, 3, 7>(error), nullptr,
                                  pose.data());
       }

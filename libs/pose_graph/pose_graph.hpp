@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include <lcmslam/geometry/ground_plane.hpp>
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/settings/settings.hpp>
 
@@ -43,7 +44,6 @@ struct PoseGraphSettings {
   int max_iterations = 30;
   double path_gate = 4.74;
   int loop_support = 3;
-  double plane_height = 0.01, plane_tilt = 0.004;
 
   void describe(SettingsVisitor& s) {
     s.number("kernel_width", kernel_width, "standard deviations", {0.1, 1e6},
@@ -55,18 +55,26 @@ struct PoseGraphSettings {
              "a loop this near (Mahalanobis; 6 DoF, 99.9 %) to what the graph expects is believed");
     s.number("loop_support", loop_support, "", {1, 100},
              "other loops are believed when so many from different places agree with each other");
-    s.number("plane_height", plane_height, "m", {1e-6, 1000},
-             "standard deviation of the ground's height under a robot that drives");
-    s.number("plane_tilt", plane_tilt, "rad", {1e-6, 3.1416},
-             "standard deviation of the ground's tilt under a robot that drives");
+  }
+};
+
+/// A robot on wheels: each pose times T_camera_robot stands on its node's floor (nodes beyond the end of
+/// `floors`: on the plane z = 0).
+struct GroundConstraint {
+  Eigen::Isometry3d T_camera_robot = Eigen::Isometry3d::Identity();
+  GroundSettings plane;
+  std::vector<Floor> floors;
+
+  /// Standard deviations of height, roll and pitch there.
+  Eigen::Vector3d sigmas(std::size_t node) const {
+    return GroundContact(plane, node < floors.size() ? floors[node] : Floor::plane).sigmas();
   }
 };
 
 struct PoseGraph {
   std::vector<Eigen::Isometry3d> poses;  ///< T_world_camera by node; the first one stays
   std::vector<GraphEdge> edges;
-  /// For robots on the ground: each pose times this, T_camera_robot, lies on z = 0 without tilt.
-  std::optional<Eigen::Isometry3d> T_camera_on_ground;
+  std::optional<GroundConstraint> ground;  ///< nothing for cameras in the hand
 };
 
 /// e of an edge at the poses, over its sigmas.

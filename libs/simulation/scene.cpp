@@ -39,6 +39,10 @@ class SceneReader {
     for (const ConfigNode& node : config.sections("materials")) read_material(node);
     if (config.sections("rooms").empty()) config.fail("rooms", "a scene needs at least one room");
     for (const ConfigNode& node : config.sections("rooms")) read_room(node);
+    builder_.kind = SurfaceKind::floor;
+    std::vector<GroundProfile> ground;
+    for (const ConfigNode& node : config.sections("ground")) ground.push_back(read_ground(node));
+    scene_.ground = Ground(std::move(ground));
     builder_.kind = SurfaceKind::wall;
     for (const ConfigNode& node : config.sections("partitions")) read_box(node);
     builder_.kind = SurfaceKind::object;
@@ -63,6 +67,7 @@ class SceneReader {
   void add_picture(const std::string& name, const std::string& kind, const PaintSettings& paint, int seed,
                    double infrared, const FaceMaterial& face);
   void read_room(const ConfigNode& node);
+  GroundProfile read_ground(const ConfigNode& node);
   void read_box(const ConfigNode& node);
   void read_cylinder(const ConfigNode& node);
   void read_panel(const ConfigNode& node);
@@ -194,6 +199,51 @@ void SceneReader::read_room(const ConfigNode& node) {
   builder_.quad({x0, y0 + dy, 0}, {dx, 0, 0}, {0, -dy, 0}, material(node, "floor"));
   builder_.kind = SurfaceKind::ceiling;
   builder_.quad({x0, y0, height}, {dx, 0, 0}, {0, dy, 0}, material(node, "ceiling"));
+}
+
+/// A ramp, a sill, a carpet: `profile` from `at` on along `yaw`, and its flanks down to the floor.
+GroundProfile SceneReader::read_ground(const ConfigNode& node) {
+  const std::vector<double> at = node.numbers("at", 2);
+  GroundProfile ground;
+  ground.T_world_profile.translation() << at[0], at[1];
+  const double yaw = node.get("yaw", 0.0, {-360, 360}) * degree;
+  ground.T_world_profile.linear() = Eigen::Rotation2Dd(yaw).toRotationMatrix();
+  ground.width = node.number("width", extent);
+  ground.points = read_points(node, "profile", 2);
+  std::vector<Vector3f> vertices;  // by fours: left and right, above and on the floor
+  std::vector<int> corners;
+  const auto triangle = [&](int a, int b, int c) {
+    const auto corner = [&](int i) { return vertices[static_cast<std::size_t>(i)]; };
+    if (!((corner(b) - corner(a)).cross(corner(c) - corner(a)).norm() > 0))
+      return;  // where it lies on the floor
+    corners.insert(corners.end(), {a, b, c});
+  };
+  const auto quad = [&](int a, int b, int c, int d) {
+    triangle(a, b, c);
+    triangle(a, c, d);
+  };
+  for (const Eigen::Vector2d& point : ground.points) {
+    if (!vertices.empty() && !(point.x() - ground.points[vertices.size() / 4 - 1].x() > 1e-4))
+      node.fail("profile", "must be way and height in m for each point, the way ascending");
+    if (!(point.y() >= 0 && point.y() < 1)) node.fail("profile", "heights must be from 0 to 1 m");
+    const auto x = static_cast<float>(point.x()), z = static_cast<float>(point.y());
+    const auto half = static_cast<float>(ground.width / 2);
+    const auto k = static_cast<int>(vertices.size());
+    for (const float y : {half, -half})
+      for (const float height : {z, 0.f}) vertices.emplace_back(x, y, height);
+    if (k == 0) continue;
+    quad(k - 4, k - 2, k + 2, k);      // above
+    quad(k - 4, k, k + 1, k - 3);      // left
+    quad(k - 2, k - 1, k + 3, k + 2);  // right
+  }
+  const auto last = static_cast<int>(vertices.size()) - 4;
+  quad(0, 1, 3, 2);
+  quad(last, last + 2, last + 3, last + 1);
+  Isometry3f T = Isometry3f::Identity();
+  T.translation() << static_cast<float>(at[0]), static_cast<float>(at[1]), 0;
+  T.rotate(Eigen::AngleAxisf(static_cast<float>(yaw), Vector3f::UnitZ()));
+  builder_.mesh(T, vertices, corners, material(node, "material"));
+  return ground;
 }
 
 void SceneReader::read_box(const ConfigNode& node) {

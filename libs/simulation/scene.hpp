@@ -2,7 +2,7 @@
 // A scene: textured triangles, lights, where the robot drives and how its head looks. Read from
 // YAML; config/scenes/kitchen.yaml explains the keys.
 //
-// World frame: the scene's own, z up, floor at z = 0.
+// World frame: the scene's own, z up, floor at z = 0; what lies on it (ramps, sills) is the ground.
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <lcmslam/configuration/config.hpp>
+#include <lcmslam/simulation/ground.hpp>
 #include <lcmslam/simulation/texture.hpp>
 
 namespace lcmslam {
@@ -52,6 +53,7 @@ struct Scene {
   std::vector<SceneMaterial> materials;
   std::vector<SceneLight> lights;
   float ambient = 0.5f;
+  Ground ground;  ///< on the floor, where the robot drives
   HeadMount head;
   std::vector<Eigen::Vector2d> path;      ///< control points of the robot's path, m
   std::vector<Eigen::Vector2d> way_back;  ///< control points from its end to its start; empty: there is none

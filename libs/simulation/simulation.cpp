@@ -7,7 +7,7 @@
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/settings/check.hpp>
 #include <lcmslam/simulation/colour_camera.hpp>
-#include <lcmslam/simulation/planar_path.hpp>
+#include <lcmslam/simulation/driven_path.hpp>
 #include <lcmslam/simulation/sensor_head.hpp>
 #include <lcmslam/simulation/wheel_base.hpp>
 
@@ -36,7 +36,8 @@ struct Simulation::Parts {
         caster(scene),
         head(make_head(settings.head, scene, caster)),
         colour(scene, caster, head.calibration.colour),
-        path(control_points(scene, settings.laps), PathLimits(), sway_of(settings.base)),
+        path(PlanarPath(control_points(scene, settings.laps), PathLimits(), sway_of(settings.base)),
+             scene.ground, carrying_wheels(settings.base)),
         encoders(simulate_encoders(path, settings.base, start_time, settings.seed)),
         depth_offset(static_cast<Utime>(Random(settings.seed, 0xde).uniform(-12'000, 12'000))) {
     if (settings.frame_rate > 0) head.frame_rate = settings.frame_rate;
@@ -51,7 +52,7 @@ struct Simulation::Parts {
   const RayCaster caster;
   SensorHead head;
   const ColourCamera colour;
-  const PlanarPath path;
+  const DrivenPath path;
   const std::vector<Encoders> encoders;
   const Utime depth_offset;  // us, of this run; up to 2 ms of jitter besides
 };

@@ -52,7 +52,7 @@ class Simulation {
   Utime start() const;  ///< 1 s
   Utime end() const;
   double frame_rate() const;   ///< Hz
-  double path_length() const;  ///< m
+  double path_length() const;  ///< m, seen from above
 
   /// Exact truth. The world frame is the scene's; the path begins anywhere in it. Clamped to start..end
   /// of the path.

@@ -9,10 +9,10 @@
 namespace lcmslam {
 namespace {
 
-/// Motion in the plane during one step, in the robot's frame: m, m, rad.
+/// Motion in the robot's own plane during one step, in its frame: m, m, rad.
 using Step = Eigen::Vector3d;
 
-/// Logarithm of SE(2): the constant twist, times the step's duration, that leads from a to b.
+/// Of the constant twist, times the step's duration, that leads from a to b what wheels measure.
 Step step_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   const Vector6d twist = se3_log(a.inverse() * b);
   return {twist[0], twist[1], twist[5]};
@@ -121,7 +121,15 @@ std::vector<Wheel> make_wheels(const std::string& base) {
   throw std::invalid_argument("base '" + base + "' is not known: use differential, steered or mecanum");
 }
 
-std::vector<Encoders> simulate_encoders(const PlanarPath& path, const std::string& base, Utime start,
+std::vector<CarryingWheel> carrying_wheels(const std::string& base) {
+  std::vector<CarryingWheel> wheels;
+  for (const Wheel& wheel : make_wheels(base)) wheels.push_back({wheel.x, wheel.y, wheel.radius});
+  if (base == "differential")
+    for (const double x : {0.23, -0.23}) wheels.push_back({x, 0, 0.05});
+  return wheels;
+}
+
+std::vector<Encoders> simulate_encoders(const DrivenPath& path, const std::string& base, Utime start,
                                         std::uint64_t seed, const WheelErrors& errors) {
   const WheelModel move = base == "steered" ? steer_and_roll : roll;
   Corruption corrupt(errors, seed);

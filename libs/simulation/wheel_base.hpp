@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <lcmslam/odometry/encoders.hpp>
-#include <lcmslam/simulation/planar_path.hpp>
+#include <lcmslam/simulation/driven_path.hpp>
 
 namespace lcmslam {
 
@@ -34,11 +34,15 @@ struct WheelErrors {
 /// Throws std::invalid_argument for another name.
 std::vector<Wheel> make_wheels(const std::string& base);
 
+/// All wheels that carry the base: besides those with encoders the casters of a differential one.
+std::vector<CarryingWheel> carrying_wheels(const std::string& base);
+
 /// Whether the base can drive sideways.
 bool is_holonomic(const std::string& base);
 
-/// Readings at 50 Hz from the path's start to its end; the first at `start`, all angles zero.
-std::vector<Encoders> simulate_encoders(const PlanarPath& path, const std::string& base, Utime start,
+/// Readings at 50 Hz from the path's start to its end; the first at `start`, all angles zero. Wheels measure
+/// in the robot's own plane: on a ramp the way along its slope.
+std::vector<Encoders> simulate_encoders(const DrivenPath& path, const std::string& base, Utime start,
                                         std::uint64_t seed, const WheelErrors& errors = {});
 
 constexpr Utime encoder_period = 20'000;  ///< us

@@ -113,6 +113,7 @@ void FastSlamNode::on_features(FeatureFrame frame) {
   last_utime_ = frame.utime;
   ++steps_;
   lost_ += last_.status == TrackStatus::lost ? 1 : 0;
+  off_ground_ += last_.floor != Floor::plane ? 1 : 0;
   publish(frame, last_, publisher_.cpu_time() - begin);
 }
 
@@ -161,6 +162,7 @@ NodeReport FastSlamNode::report() const {
                    {"without_odometry", static_cast<double>(join_.without_odometry())},
                    {"skipped", static_cast<double>(join_.dropped())},
                    {"lost", static_cast<double>(lost_)},
+                   {"off_ground", static_cast<double>(off_ground_)},
                    {"sessions", static_cast<double>(session_)},
                    {"gaps", static_cast<double>(gaps_)},
                    {"landmarks", slam_ ? static_cast<double>(slam_->index().size()) : 0},

@@ -45,7 +45,7 @@ class FastSlamNode : public Node {
   std::int64_t revision_ = 0;
   StepResult last_;
   std::int64_t session_ = 1;  // maps begun; each has a frame of its own
-  std::int64_t steps_ = 0, lost_ = 0, gaps_ = 0;
+  std::int64_t steps_ = 0, lost_ = 0, gaps_ = 0, off_ground_ = 0;
 };
 
 }  // namespace lcmslam

@@ -2,6 +2,7 @@
 
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/runtime/node_settings.hpp>
 
 namespace lcmslam {
 namespace {
@@ -45,6 +46,7 @@ pose_estimate_t pose_message(Utime utime, const StepResult& result) {
       result.offered > 0 ? static_cast<float>(result.used) / static_cast<float>(result.offered) : 0.F;
   pose.inliers = result.used;
   pose.detail = result.slipped ? "wheels slipped" : "";
+  if (result.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
   return pose;
 }
 

@@ -145,6 +145,7 @@ void IcpNode::on_frame(Prepared& prepared) {
   anchored_ += last_.anchored ? 1 : 0;
   ++steps_;
   lost_ += last_.status == MappingStatus::lost ? 1 : 0;
+  off_ground_ += last_.floor != Floor::plane ? 1 : 0;
   publish(prepared.frame.utime, made, publisher_.cpu_time() - begin);
 }
 
@@ -188,6 +189,7 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth);
   pose.frame = map_frame();
   if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
+  if (step.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
   add_detail(pose.detail, unplaced_map(pose.frame));
   pose.map_revision = mapper_->keyframes_made();
   pose.processing_time = cpu_time;
@@ -284,6 +286,7 @@ NodeReport IcpNode::report() const {
                    {"anchored", static_cast<double>(anchored_)},
                    {"skipped", static_cast<double>(join_.dropped())},
                    {"lost", static_cast<double>(lost_)},
+                   {"off_ground", static_cast<double>(off_ground_)},
                    {"unpainted", static_cast<double>(uncoloured_)},
                    {"sessions", static_cast<double>(session_)},
                    {"gaps", static_cast<double>(gaps_)},

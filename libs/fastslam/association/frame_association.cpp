@@ -13,8 +13,8 @@ namespace {
 // Of a place dozens of features must agree, so that a few lost neighbours do not matter.
 constexpr SearchSettings place_search{0.03, 500};
 constexpr double large_translation = 0.1, large_rotation = 0.05;  // m, rad
-constexpr std::uint64_t association_stream =
-    0x6173736f63;  // random stream of association, apart from particles'
+// Random streams of association, apart from particles'.
+constexpr std::uint64_t association_stream = 0x6173736f63, ground_stream = 0x67726f756e64;
 
 std::vector<ObservedLandmark> pair_up(const std::vector<LandmarkMatch>& matches,
                                       const std::vector<FeaturePoint>& points, const ParticleMap& map) {
@@ -109,6 +109,7 @@ void correct_motion(const Vector6d& correction, const Matrix6d& covariance, Moti
 FrameAssociator::FrameAssociator(const FastSlamSettings& settings)
     : settings_(settings),
       random_(settings.seed, association_stream),
+      ground_random_(settings.seed, ground_stream),
       matcher_(settings.guided ? place_search : SearchSettings{1, 1}) {}  // 1: every descriptor
 
 FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
@@ -145,6 +146,7 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
     return result;
   }
   Attempt found = search(points, result.visible, frame, T_predicted, Q, map, index);
+  result.free = s.planar ? agree_in_space(found, points, map, T_predicted) : found.consensus;
   result.matches = std::move(found.matches);
   const std::optional<Consensus>& consensus = found.consensus;
   if (!consensus) recognised_ = 0;
@@ -191,6 +193,18 @@ FrameAssociator::Attempt FrameAssociator::agree(std::vector<LandmarkMatch> match
                                      settings_.minimum_consensus, random_);
   attempt.matches = std::move(matches);
   return attempt;
+}
+
+std::optional<Consensus> FrameAssociator::agree_in_space(const Attempt& attempt,
+                                                         const std::vector<FeaturePoint>& points,
+                                                         const ParticleMap& map,
+                                                         const Eigen::Isometry3d& T_predicted) {
+  std::vector<LandmarkMatch> of_points;
+  for (const LandmarkMatch& m : attempt.matches)
+    if (!points[static_cast<std::size_t>(m.point)].is_bearing()) of_points.push_back(m);
+  const Eigen::Isometry3d& T_start = attempt.consensus ? attempt.consensus->T_world_robot : T_predicted;
+  return find_consensus(pair_up(of_points, points, map), T_start, false, settings_.minimum_consensus,
+                        ground_random_);
 }
 
 FrameAssociator::Attempt FrameAssociator::search(const std::vector<FeaturePoint>& points,

@@ -21,8 +21,9 @@ struct FrameAssociation {
   Motion prior;                                    ///< the motion, corrected and widened after a slip
   bool corrected = false;                          ///< the prior is no longer the odometry's
   std::optional<Eigen::Isometry3d> T_world_found;  ///< pose of the robot found again in the whole map
-  bool loop_closed = false;  ///< found again while the odometry was believed: all of it is still true
-  bool agreed = false;       ///< at least settings.minimum_consensus matches agree on one pose
+  bool loop_closed = false;       ///< found again while the odometry was believed: all of it is still true
+  std::optional<Consensus> free;  ///< on which most matches agree in space, whatever the plane says
+  bool agreed = false;            ///< at least settings.minimum_consensus matches agree on one pose
   bool slipped = false;
   bool doubtful = false;      ///< the place looks like one seen long ago: not to be mapped anew yet
   bool contradicted = false;  ///< many well-known landmarks should be seen, and nothing agrees with them
@@ -31,6 +32,9 @@ struct FrameAssociation {
 class FrameAssociator {
  public:
   explicit FrameAssociator(const FastSlamSettings& settings);
+
+  /// All six degrees are free from now on.
+  void leave_plane(const FastSlamSettings& settings) { settings_ = settings; }
 
   /// `T_world_robot` and `map`: the best particle before the motion `prior` (from motion_prior()). `lost`:
   /// the prior says nothing, and landmarks are sought in the whole map at once.
@@ -49,6 +53,8 @@ class FrameAssociator {
   };
   Attempt agree(std::vector<LandmarkMatch> matches, const std::vector<FeaturePoint>& points,
                 const ParticleMap& map, const Eigen::Isometry3d& T_predicted);
+  std::optional<Consensus> agree_in_space(const Attempt& attempt, const std::vector<FeaturePoint>& points,
+                                          const ParticleMap& map, const Eigen::Isometry3d& T_predicted);
   Attempt search(const std::vector<FeaturePoint>& points, const std::vector<VisibleLandmark>& visible,
                  const FeatureFrame& frame, const Eigen::Isometry3d& T_predicted, const Matrix6d& covariance,
                  const ParticleMap& map, const LandmarkIndex& index);
@@ -58,7 +64,7 @@ class FrameAssociator {
                  int minimum, FrameAssociation& result);
 
   FastSlamSettings settings_;
-  Random random_;
+  Random random_, ground_random_;
   LandmarkGrid grid_;  // of the best particle
   LandmarkMatcher matcher_;
   double usual_inliers_ = 0;  // running mean

@@ -28,6 +28,11 @@ class BackgroundMapSmoothing {
   void add(Utime utime, const Motion& odometry, const std::vector<FeaturePoint>& points,
            const StepResult& result);
 
+  /// The keyframes have six degrees of freedom from now on.
+  void leave_plane(const FastSlamSettings& settings) {
+    if (smoother_) smoother_->leave_plane(settings);
+  }
+
   /// Nothing but 3-D landmarks so far.
   bool active() const { return smoother_.has_value(); }
   /// Somebody asks for the path. False when there is none yet. What runs already will do.

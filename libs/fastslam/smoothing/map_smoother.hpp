@@ -40,6 +40,9 @@ class MapSmoother {
  public:
   explicit MapSmoother(const FastSlamSettings& settings) : settings_(settings) {}
 
+  /// The keyframes have six degrees of freedom from now on.
+  void leave_plane(const FastSlamSettings& settings) { settings_ = settings; }
+
   /// A step of the filter. `T_world_robot`: the best particle's; `motion`: to it from the step before, with
   /// the noise that the filter gives it; nothing where the robot was put elsewhere. `loop_closed`: the pose
   /// is that of a place recognised, and the motion leads from where drift had put the robot.

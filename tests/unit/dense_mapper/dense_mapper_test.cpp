@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -94,6 +95,42 @@ TEST(DenseMapper, OvercomesAWheelSlip) {
   const auto step = mapper.step(coloured_frame(frame_time, seen_from(scene, no_mount, 2), no_mount, slipped));
   EXPECT_EQ(to_string(step.status), "tracking");
   expect_pose(step.T_world_robot, no_mount, 0.006, 0.004);
+}
+
+// Wheels that climb 10 cm and stand level there: nobody told the mapper.
+TEST(DenseMapper, OnWheelsFollowsARampUpToALanding) {
+  DenseMapperSettings settings;
+  settings.prior.planar = true;
+  settings.prior.ground.return_after = 4;
+  DenseMapper mapper(settings);
+  const Cloud scene = room(0.03);
+  constexpr double step_length = 0.04;
+  const auto steepness = [](int k) { return 0.14 * std::clamp(std::min(k - 5, 28 - k) / 3.0, 0.0, 1.0); };
+  Eigen::Isometry3d T = no_mount;
+  Motion wheels;
+  wheels.T_from_to = planar_pose(step_length, 0, 0);
+  wheels.covariance = 1e-6 * Matrix6d::Identity();
+  for (int k = 0; k < 40; ++k) {
+    const double along = k == 0 ? 0 : step_length, tilt = steepness(k);
+    T.translation() += along * Eigen::Vector3d(std::cos(tilt), 0, std::sin(tilt));
+    T.linear() = Eigen::AngleAxisd(-tilt, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    const auto seed = static_cast<std::uint64_t>(k + 1);
+    const auto step = mapper.step(coloured_frame(k * frame_time, seen_from(scene, T, seed), no_mount,
+                                                 k == 0 ? std::nullopt : std::make_optional(wheels)));
+    SCOPED_TRACE(k);
+    EXPECT_EQ(to_string(step.status), "tracking");
+    expect_pose(step.T_world_robot, T, 0.01, 0.008);
+    if (k <= 5) {
+      EXPECT_EQ(step.floor, Floor::plane);
+    }
+    if (k >= 9 && k <= 25) {
+      EXPECT_EQ(step.floor, Floor::free);
+    }
+    if (k >= 36) {
+      EXPECT_EQ(step.floor, Floor::level);
+    }
+  }
+  EXPECT_GT(T.translation().z(), 0.09);
 }
 
 TEST(DenseMapper, FollowsOdometryAlongABareWall) {

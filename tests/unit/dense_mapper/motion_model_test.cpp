@@ -94,11 +94,21 @@ TEST(MotionModel, ARobotOnTheGroundStaysThere) {
   MotionPriorSettings settings;
   settings.planar = true;
   MotionModel model(settings);
-  model.observe(0, se3_exp(twist(1, 2, 0.05, 0.02, -0.03, 0.5)), true);
+  model.observe(0, planar_pose(1, 2, 0.5) * se3_exp(twist(0, 0, 0.05, 0.02, -0.03, 0)), true);
   const Prior prior = model.predict(100'000, std::nullopt);
   EXPECT_EQ(prior.T_target_source.translation().z(), 0);
   EXPECT_TRUE(prior.T_target_source.isApprox(on_ground(prior.T_target_source), 1e-12));
-  EXPECT_NEAR(prior.information(2, 2), 1 / (settings.plane_height * settings.plane_height), 1e-6);
+  EXPECT_NEAR(prior.information(2, 2), 1 / (settings.ground.height * settings.ground.height), 1e-6);
+
+  // On a floor that is level but anywhere motion tells the height, and on a ramp the tilt, too.
+  const Prior level = model.predict(100'000, std::nullopt, Floor::level);
+  EXPECT_NEAR(level.T_target_source.translation().z(), 0.05, 1e-3);
+  EXPECT_LT(off_ground(level.T_target_source).tail<2>().norm(), 1e-12);
+  EXPECT_LT(level.information(2, 2), 0.1 * prior.information(2, 2));
+  EXPECT_EQ(level.information(3, 3), prior.information(3, 3));
+  const Prior free = model.predict(100'000, std::nullopt, Floor::free);
+  EXPECT_LT((off_ground(free.T_target_source) - Eigen::Vector3d(0.05, 0.02, -0.03)).norm(), 1e-3);
+  EXPECT_LT(free.information(3, 3), 0.1 * prior.information(3, 3));
 }
 
 }  // namespace

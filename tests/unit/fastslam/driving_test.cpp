@@ -100,6 +100,47 @@ TEST_P(Driving, StaysNearTheTruth) {
 INSTANTIATE_TEST_SUITE_P(Variants, Driving, testing::ValuesIn(variants()),
                          [](const auto& variant) { return std::string(variant.param.name); });
 
+// The floor rises and falls by 12 cm, at most 8 degrees steep, twice a lap, and nobody has said so.
+TEST(FastSlam, OnWheelsFindsOutThatTheFloorIsNotFlat) {
+  for (std::uint64_t seed = 11; seed <= 12; ++seed) {
+    WorldSettings world;
+    world.frames = 240;
+    FastSlamSettings settings;
+    settings.seed = seed;
+    const double flat = run(settings, make_drive(world, seed)).ate;
+    world.ramp = 0.12;
+    const Drive drive = make_drive(world, seed);
+    const Score score = run(settings, drive);
+    std::cout << "ramp, seed " << seed << ": ATE " << score.ate << " m, on the flat floor " << flat << " m\n";
+    EXPECT_LT(score.ate, 1.5 * std::max(flat, 0.02));
+    EXPECT_LE(score.untracked, 2);
+
+    FastSlam slam(settings);
+    bool steep_seen = false, level_seen = false;
+    for (const auto& step : drive.steps) {
+      const StepResult r = slam.step(step.motion, step.frame);
+      const bool steep = off_ground(step.T_start_robot).tail<2>().norm() > 0.1;
+      if (steep) {
+        EXPECT_EQ(r.floor, Floor::free) << step.frame.seq;
+      }
+      steep_seen = steep_seen || steep;
+      level_seen = level_seen || (!steep && r.floor == Floor::level);
+    }
+    EXPECT_TRUE(steep_seen);
+    EXPECT_TRUE(level_seen);  // the other half of the room
+  }
+}
+
+TEST(FastSlam, OnAFlatFloorStaysOnIt) {
+  WorldSettings world;
+  world.frames = 150;
+  for (std::uint64_t seed = 11; seed <= 13; ++seed) {
+    FastSlam slam({});
+    for (const auto& step : make_drive(world, seed).steps)
+      EXPECT_EQ(slam.step(step.motion, step.frame).floor, Floor::plane) << step.frame.seq;
+  }
+}
+
 TEST(FastSlam, ThesisPresetBeatsItsOdometry) {
   std::vector<double> ratios;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

@@ -25,8 +25,9 @@ struct WorldSettings {
   double depth_sigma = 0.012;     // m at 3 m and nearer, growing with the square beyond
   double wiggle = 0.006;          // m, systematic error of the range (time-of-flight), period 1.9 m
   double scale_error = 0.02, rotation_error = 0.03;
-  bool slips = true;                                           // 2-5 cm and 1-3 degrees every 10 m
-  bool full_motion = false;                                    // the robot also heaves, rolls and pitches
+  bool slips = true;         // 2-5 cm and 1-3 degrees every 10 m
+  bool full_motion = false;  // the robot also heaves, rolls and pitches
+  double ramp = 0;           // m that the floor rises across the room's middle
   double stated_translation = 0.003, stated_rotation = 0.002;  // sigma of a step that odometry claims
 };
 
@@ -110,6 +111,13 @@ inline Eigen::Isometry3d true_pose(const WorldSettings& s, int frame) {
   const double t = 0.28 * s.frame_seconds * frame;
   Eigen::Isometry3d T =
       planar_pose(1.6 * std::cos(t), 1.2 * std::sin(t), std::atan2(1.2 * std::cos(t), -1.6 * std::sin(t)));
+  if (s.ramp > 0) {  // at most 1.25 x ramp rad steep
+    const double u = std::tanh(T.translation().x() / 0.4), slope = s.ramp * (1 - u * u) / 0.8;
+    const Eigen::Vector3d up = Eigen::Vector3d(-slope, 0, 1).normalized(), forward = T.linear().col(0);
+    const Eigen::Vector3d x = Eigen::Vector3d(forward.x(), forward.y(), slope * forward.x()).normalized();
+    T.translation().z() = 0.5 * s.ramp * (1 + u);
+    T.linear() << x, up.cross(x), up;
+  }
   if (s.full_motion) {
     Vector6d sway;
     sway << 0, 0, 0.15 * std::sin(1.3 * t), 0.1 * std::sin(2.1 * t), 0.12 * std::sin(1.7 * t), 0;
@@ -195,6 +203,7 @@ inline Drive make_drive(const WorldSettings& s, std::uint64_t seed) {
       const double distance = twist.head<3>().norm();
       twist.head<3>() *= scale;
       twist.tail<3>() *= rotation;
+      if (s.ramp > 0) twist.segment<3>(2).setZero();  // wheels know nothing of it
       const int free = s.full_motion ? 6 : 3;
       for (int c = 0; c < 6; ++c)
         if (free == 6 || c < 2 || c == 5)

@@ -134,12 +134,32 @@ TEST(PoseGraph, AnUnlikelyLoopWaitsForOthersThatAgreeWithIt) {
 
 TEST(PoseGraph, TheGroundHoldsHeightAndTilt) {
   Walk walk(5);
-  walk.graph.T_camera_on_ground = Eigen::Isometry3d::Identity();
+  walk.graph.ground = GroundConstraint();
   optimise(walk.graph, {});
   for (const Eigen::Isometry3d& T : walk.graph.poses) {
     EXPECT_LT(std::abs(T.translation().z()), 0.03);
     EXPECT_LT((T.linear().col(2) - Eigen::Vector3d::UnitZ()).norm(), 0.02);
   }
+}
+
+TEST(PoseGraph, TheGroundHoldsWhatEachNodesFloorTells) {
+  Walk free(5), held(5);
+  held.graph.ground = GroundConstraint();
+  held.graph.ground->floors.assign(held.graph.poses.size(), Floor::free);
+  optimise(free.graph, {});
+  optimise(held.graph, {});
+  for (std::size_t i = 0; i < free.graph.poses.size(); ++i)
+    EXPECT_TRUE(held.graph.poses[i].isApprox(free.graph.poses[i], 1e-3)) << i;
+
+  Walk level(5);  // and 20 cm higher than its measurements say
+  for (std::size_t i = 1; i < level.graph.poses.size(); ++i) level.graph.poses[i].translation().z() += 0.2;
+  level.graph.edges.front().T_from_to.T.translation().z() += 0.2;
+  level.graph.ground = GroundConstraint();
+  level.graph.ground->floors.assign(level.graph.poses.size(), Floor::level);
+  optimise(level.graph, {});
+  EXPECT_GT(level.graph.poses.back().translation().z(), 0.1);
+  for (const Eigen::Isometry3d& T : level.graph.poses)
+    EXPECT_LT((T.linear().col(2) - Eigen::Vector3d::UnitZ()).norm(), 0.02);
 }
 
 TEST(PoseGraph, ExpectsWithTheCovarianceOfTheSurestWay) {
