@@ -44,6 +44,7 @@ struct PoseGraphSettings {
   double path_gate = 4.74;
   int loop_support = 3;
   double plane_height = 0.01, plane_tilt = 0.004;
+  double edge_error = 0.5;
 
   void describe(SettingsVisitor& s) {
     s.number("kernel_width", kernel_width, "standard deviations", {0.1, 1e6},
@@ -59,6 +60,10 @@ struct PoseGraphSettings {
              "standard deviation of the ground's height under a robot that drives");
     s.number("plane_tilt", plane_tilt, "rad", {1e-6, 3.1416},
              "standard deviation of the ground's tilt under a robot that drives");
+    s.number(
+        "edge_error", edge_error, "", {0.001, 1000},
+        "what an edge errs by, over the sigma that weighs it (cautiously: one wrong edge bends the map); for "
+        "the poses' covariances");
   }
 };
 
