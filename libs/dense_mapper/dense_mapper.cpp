@@ -51,7 +51,7 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
     changed_space_.look_through(frame.cloud, step.T_world_robot * frame.T_robot_camera, map_, keyframes_);
   // Tell: how wrong the pose may be in the whole map, and where it is as seen by whoever must not see it
   // jump.
-  tell_covariance(frame.T_robot_camera, step);
+  tell_covariance(step);
   tell_local_pose(expected, step);
 
   // A jump to where the robot was found again is no motion that goes on.
@@ -128,7 +128,7 @@ bool DenseMapper::is_found(const Tracked& tracked) {
 }
 
 // The map in sight stands on the newest node and errs as that does; registration errs beside it.
-void DenseMapper::tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step& step) const {
+void DenseMapper::tell_covariance(Step& step) const {
   const KeyframeGraph::Node& newest = graph_.nodes().back();
   const Eigen::Isometry3d T_node_robot = newest.T_world_camera.inverse() * step.T_world_robot;
   const Matrix6d A = adjoint(T_node_robot.inverse());

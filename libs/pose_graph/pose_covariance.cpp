@@ -17,7 +17,7 @@ void add(const Matrix6d& block, int row, int column, Entries& entries) {
     for (int c = 0; c < 6; ++c) entries.emplace_back(6 * (row - 1) + r, 6 * (column - 1) + c, block(r, c));
 }
 
-Entries information(const PoseGraph& graph, const PoseGraphSettings& settings) {
+Entries information_of(const PoseGraph& graph, const PoseGraphSettings& settings) {
   Entries entries;
   for (const GraphEdge& e : graph.edges) {
     // e = log(Z^-1 T_i^-1 T_j exp(x_j)), and x_i is felt at j as -Ad(T_j^-1 T_i) x_i.
@@ -87,7 +87,7 @@ std::vector<Matrix6d> pose_covariances(const PoseGraph& graph, const PoseGraphSe
   std::vector<Matrix6d> covariances(graph.poses.size(), Matrix6d::Zero());
   if (graph.poses.size() < 2) return covariances;
   const auto unknowns = static_cast<Eigen::Index>(6 * (graph.poses.size() - 1));
-  const Entries entries = information(graph, settings);
+  const Entries entries = information_of(graph, settings);
   Sparse H(unknowns, unknowns);
   H.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Sparse> factor(H);

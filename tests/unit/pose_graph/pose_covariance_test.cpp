@@ -15,17 +15,18 @@
 namespace lcmslam {
 namespace {
 
-constexpr double sigma_t = 0.01, sigma_r = 0.005;
+constexpr double edge_sigma_t = 0.01, edge_sigma_r = 0.005;
 
 Matrix6d edge_covariance() {
   Vector6d d;
-  d << Eigen::Vector3d::Constant(sigma_t * sigma_t), Eigen::Vector3d::Constant(sigma_r * sigma_r);
+  d << Eigen::Vector3d::Constant(edge_sigma_t * edge_sigma_t),
+      Eigen::Vector3d::Constant(edge_sigma_r * edge_sigma_r);
   return d.asDiagonal();
 }
 
-Vector6d noise(Random& random) {
+Vector6d edge_noise(Random& random) {
   Vector6d v;
-  for (int i = 0; i < 6; ++i) v(i) = (i < 3 ? sigma_t : sigma_r) * random.normal();
+  for (int i = 0; i < 6; ++i) v(i) = (i < 3 ? edge_sigma_t : edge_sigma_r) * random.normal();
   return v;
 }
 
@@ -58,14 +59,14 @@ struct Round {
     if (kind == EdgeKind::odometry) odometry_ = graph.edges.size();
     const Eigen::Isometry3d T =
         truth[static_cast<std::size_t>(from)].inverse() * truth[static_cast<std::size_t>(to)];
-    graph.edges.push_back({from, to, kind, {T * se3_exp(noise(random)), edge_covariance()}, 0});
+    graph.edges.push_back({from, to, kind, {T * se3_exp(edge_noise(random)), edge_covariance()}, 0});
   }
 
  private:
   std::size_t odometry_ = 0;
 };
 
-Vector6d error_of(const GraphEdge& e, const std::vector<Eigen::Isometry3d>& poses) {
+Vector6d error_at(const GraphEdge& e, const std::vector<Eigen::Isometry3d>& poses) {
   return se3_log(e.T_from_to.T.inverse() * poses[static_cast<std::size_t>(e.from)].inverse() *
                  poses[static_cast<std::size_t>(e.to)]);
 }
@@ -89,7 +90,7 @@ TEST(PoseCovariance, IsTheDenseInverseOfTheNumericInformation) {
         const auto i = static_cast<std::size_t>(node);
         plus[i] = plus[i] * se3_exp(step * Vector6d::Unit(k));
         minus[i] = minus[i] * se3_exp(-step * Vector6d::Unit(k));
-        J.col(6 * node + k) = (error_of(e, plus) - error_of(e, minus)) / (2 * step);
+        J.col(6 * node + k) = (error_at(e, plus) - error_at(e, minus)) / (2 * step);
       }
     H += J.transpose() * edge_covariance().inverse() * J;
   }

@@ -12,11 +12,11 @@
 namespace lcmslam {
 namespace {
 
-constexpr int runs = 10, poses = 400;
+constexpr int honest_runs = 10, honest_poses = 400;
 
 /// A drive of a pose each second whose errors are `boast` times as large as it says; 6: in space, 3: in the
 /// plane.
-ConsistencyRun drive(std::uint64_t seed, double boast, int components) {
+ConsistencyRun simulated_drive(std::uint64_t seed, double boast, int components) {
   Random random(seed);
   const Eigen::Isometry3d T_world_map = planar_pose(3, -2, 1);  // the truth's world is another one
   Matrix6d P = Matrix6d::Zero();
@@ -24,7 +24,7 @@ ConsistencyRun drive(std::uint64_t seed, double boast, int components) {
   P(0, 1) = P(1, 0) = 0.5e-4;
   const Matrix6d root = P.llt().matrixL();
   std::vector<MatchedPose> matches;
-  for (int k = 0; k < poses; ++k) {
+  for (int k = 0; k < honest_poses; ++k) {
     MatchedPose match;
     match.utime = 1'000'000 * k;
     match.T_world_estimate = planar_pose(0.1 * k, 0, 0.01 * k);
@@ -42,9 +42,10 @@ ConsistencyRun drive(std::uint64_t seed, double boast, int components) {
   return run;
 }
 
-ConsistencyScore score(double boast, int components) {
+ConsistencyScore score_of(double boast, int components) {
   std::vector<ConsistencyRun> drives;
-  for (int i = 1; i <= runs; ++i) drives.push_back(drive(static_cast<std::uint64_t>(i), boast, components));
+  for (int i = 1; i <= honest_runs; ++i)
+    drives.push_back(simulated_drive(static_cast<std::uint64_t>(i), boast, components));
   const auto scores = consistency_scores(drives);
   EXPECT_EQ(scores.size(), 1U);
   return scores.at(0);
@@ -59,9 +60,9 @@ TEST(ConsistencyStudy, QuantilesAreThoseOfTheTables) {
 
 TEST(ConsistencyStudy, AnHonestMapperIsInsideTheBand) {
   for (const int components : {3, 6}) {
-    const ConsistencyScore honest = score(1, components);
+    const ConsistencyScore honest = score_of(1, components);
     EXPECT_EQ(honest.components, components);
-    EXPECT_EQ(honest.runs, runs);
+    EXPECT_EQ(honest.runs, honest_runs);
     EXPECT_NEAR(honest.mean, components, 0.1 * components);
     EXPECT_NEAR(honest.inside, 0.95, 0.035);  // 400 seconds: three sigmas
     EXPECT_EQ(honest.far_above, 0);
@@ -70,7 +71,7 @@ TEST(ConsistencyStudy, AnHonestMapperIsInsideTheBand) {
 }
 
 TEST(ConsistencyStudy, WhoBoastsIsAboveItAndWhoIsTimidBelow) {
-  const ConsistencyScore boasting = score(2, 6), timid = score(0.3, 6);
+  const ConsistencyScore boasting = score_of(2, 6), timid = score_of(0.3, 6);
   EXPECT_GT(boasting.above, 0.99);
   EXPECT_GT(boasting.far_above, 0.9);
   EXPECT_LT(timid.inside, 0.01);
