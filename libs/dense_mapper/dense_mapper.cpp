@@ -50,6 +50,11 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   }
   if (registered)
     changed_space_.look_through(frame.cloud, step.T_world_robot * frame.T_robot_camera, map_, keyframes_);
+  // Tell: how wrong the pose may be in the whole map, and where it is as seen by whoever must not see it
+  // jump.
+  tell_covariance(step);
+  tell_local_pose(expected, step);
+
   // A jump to where the robot was found again is no motion that goes on.
   motion_.observe(frame.utime, step.T_world_robot, registered && !step.relocalised);
   step.hangs_on_odometry = hangs_on_odometry();
@@ -95,6 +100,7 @@ void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
   add_node(prepared, true, step);
   map_.insert(prepared.cloud, Eigen::Vector3d::Zero(), 0);
   tracker_->accept(prepared, step.T_world_robot, true);
+  local_.advance(step.T_world_robot, {});
 }
 
 bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step) {
@@ -143,6 +149,24 @@ bool DenseMapper::is_found(const Tracked& tracked) {
     return false;
   placed_in_a_row_ = 0;
   return true;
+}
+
+// The map in sight stands on the newest node and errs as that does; registration errs beside it.
+void DenseMapper::tell_covariance(Step& step) const {
+  const KeyframeGraph::Node& newest = graph_.nodes().back();
+  const Eigen::Isometry3d T_node_robot = newest.T_world_camera.inverse() * step.T_world_robot;
+  const Matrix6d A = adjoint(T_node_robot.inverse());
+  step.map_covariance = A * newest.covariance * A.transpose();
+  // A new node's own covariance has its registration in it.
+  if (!step.node) step.map_covariance += step.covariance;
+}
+
+void DenseMapper::tell_local_pose(const Expectation& expected, Step& step) {
+  const Eigen::Isometry3d T_last_now = expected.T_world_last.inverse() * expected.prior.T_target_source;
+  local_.advance(step.T_world_robot,
+                 {T_last_now, (expected.prior.information + 1e-6 * Matrix6d::Identity()).inverse()});
+  step.T_world_local = local_.T_map_local();
+  step.T_local_robot = local_.T_local_robot();
 }
 
 void DenseMapper::grow(const PreparedFrame& prepared, Step& step) {
@@ -204,6 +228,7 @@ void DenseMapper::deform(const KeyframeGraph::Correction& correction) {
   tracker_->deform(correction);
   graph_.apply(correction);
   motion_.deform(correction.back());
+  local_.change_map(motion_.T_world_last());
   T_world_inserted_ = correction.back() * T_world_inserted_;
 }
 

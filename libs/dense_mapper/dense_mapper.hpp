@@ -18,6 +18,7 @@
 #include <lcmslam/dense_mapper/deformable_map.hpp>
 #include <lcmslam/dense_mapper/keyframe_store.hpp>
 #include <lcmslam/dense_mapper/tracker.hpp>
+#include <lcmslam/geometry/local_frame.hpp>
 
 namespace lcmslam {
 
@@ -29,8 +30,15 @@ class DenseMapper {
 
   struct Step {
     Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
-    Matrix6d covariance = Matrix6d::Zero();  ///< against the map; right perturbation, robot frame
-    RegistrationResult registration;         ///< of the cloud in the robot frame to the world
+    /// In the map's frame, which is the first pose: of the keyframes that the pose stands on, and against
+    /// them.
+    Matrix6d map_covariance = Matrix6d::Zero();
+    Matrix6d covariance =
+        Matrix6d::Zero();  ///< against the map in sight; both: right perturbation, robot frame
+    /// The pose in two parts, T_world_local * T_local_robot, of which the second never jumps (LocalFrame).
+    Eigen::Isometry3d T_world_local = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_local_robot = Eigen::Isometry3d::Identity();
+    RegistrationResult registration;  ///< of the cloud in the robot frame to the world
     MappingStatus status = MappingStatus::initialising;
     bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
     Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
@@ -75,6 +83,8 @@ class DenseMapper {
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
   bool hangs_on_odometry();
+  void tell_covariance(Step& step) const;
+  void tell_local_pose(const Expectation& expected, Step& step);
   void grow(const PreparedFrame& prepared, Step& step);
   void add_node(const PreparedFrame& prepared, bool keyframe, Step& step);
   bool work_on_graph(Utime utime);
@@ -84,6 +94,7 @@ class DenseMapper {
   DenseMapperSettings settings_;
   MotionModel motion_;
   GroundContact ground_;
+  LocalFrame local_;
   KeyframeStore keyframes_;
   DeformableMap map_;
   std::unique_ptr<Tracker> tracker_;  // sees map and keyframes

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include <lcmslam/pose_graph/pose_covariance.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
@@ -67,7 +68,8 @@ int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, con
                       covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
     edges_.push_back(edge);
   }
-  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor});
+  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor, Matrix6d::Zero()});
+  carry_covariance(nodes_.size() - 1);
   if (settings_.enabled) fresh_.push_back({std::make_shared<KeyframeView>(std::move(view)), keyframe, utime});
   return id;
 }
@@ -130,6 +132,7 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
                                       [](const GraphEdge& e) { return e.to - e.from > 1; });
   if ((admitted && circles) || (when == Optimise::any_circle && any_circle))
     optimise(graph, settings.optimiser);
+  solution.covariances = pose_covariances(graph, settings.optimiser);
   solution.graph = std::move(graph);
   solution.waiting = std::move(waiting);
   return solution;
@@ -143,6 +146,32 @@ void KeyframeGraph::take(Solution solution) {
   const auto most = static_cast<std::size_t>(settings_.max_waiting);
   if (waiting_.size() > most) waiting_.erase(waiting_.begin(), waiting_.end() - settings_.max_waiting);
   solved_ = std::move(solution.graph.poses);
+  solved_covariances_ = std::move(solution.covariances);
+}
+
+// A pose that the work has not moved yet is as wrong as it was.
+void KeyframeGraph::adopt_covariances() {
+  if (solved_covariances_.empty()) return;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (i < solved_covariances_.size())
+      nodes_[i].covariance = solved_covariances_[i];
+    else
+      carry_covariance(i);
+  solved_covariances_.clear();
+}
+
+// From the node before, along the edge that tracking made.
+void KeyframeGraph::carry_covariance(std::size_t node) {
+  const auto to = static_cast<int>(node);
+  for (auto e = edges_.rbegin(); e != edges_.rend(); ++e) {
+    if (e->kind != EdgeKind::odometry || e->to != to) continue;
+    const Node& before = nodes_[static_cast<std::size_t>(e->from)];
+    const UncertainTransform step{before.T_world_camera.inverse() * nodes_[node].T_world_camera,
+                                  edge_error(*e, settings_.optimiser)};
+    nodes_[node].covariance =
+        (UncertainTransform{before.T_world_camera, before.covariance} * step).covariance;
+    return;
+  }
 }
 
 std::optional<KeyframeGraph::Correction> KeyframeGraph::notable_correction(double min_translation,
@@ -161,7 +190,9 @@ std::optional<KeyframeGraph::Correction> KeyframeGraph::work(Utime now) {
   if (running_.valid()) {
     if (now < due_) return std::nullopt;
     take(running_.get());
-    return notable_correction(settings_.min_translation, settings_.min_rotation);
+    auto correction = notable_correction(settings_.min_translation, settings_.min_rotation);
+    if (!correction) adopt_covariances();
+    return correction;
   }
   const auto ready = [&](const NewNode& added) {
     return !added.view->features.features.empty() ||
@@ -176,7 +207,9 @@ std::optional<KeyframeGraph::Correction> KeyframeGraph::finish() {
   if (!settings_.enabled || nodes_.size() < 2) return std::nullopt;
   begin(0, Optimise::any_circle);
   take(running_.get());
-  return notable_correction(least_correction, least_correction);
+  auto correction = notable_correction(least_correction, least_correction);
+  if (!correction) adopt_covariances();
+  return correction;
 }
 
 std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& covering) {
@@ -218,11 +251,13 @@ std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& coveri
   for (NewNode& added : fresh_) added.view->node = place[static_cast<std::size_t>(added.view->node)];
   finder_.renumber(thinned.gone, thinned.index);
   solved_.clear();
+  solved_covariances_.clear();
   return thinned;
 }
 
 std::size_t KeyframeGraph::memory_bytes() const {
   std::size_t bytes = nodes_.capacity() * sizeof(Node) + solved_.capacity() * sizeof(solved_[0]) +
+                      solved_covariances_.capacity() * sizeof(Matrix6d) +
                       (edges_.capacity() + waiting_.capacity()) * sizeof(GraphEdge);
   for (const NewNode& added : fresh_) bytes += lcmslam::memory_bytes(*added.view);
   return bytes + (running_.valid() ? finder_bytes_ : finder_.memory_bytes());
@@ -240,6 +275,7 @@ void KeyframeGraph::apply(const Correction& correction) {
     const Eigen::Isometry3d& C = correction[std::min(i, correction.size() - 1)];
     nodes_[i].T_world_camera = rigid(C * nodes_[i].T_world_camera);
   }
+  adopt_covariances();
 }
 
 }  // namespace lcmslam

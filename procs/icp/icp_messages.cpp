@@ -1,6 +1,8 @@
 #include "procs/icp/icp_messages.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <lcmslam/messages/geometry_messages.hpp>
@@ -60,14 +62,38 @@ float sigma(const Eigen::Matrix3d& covariance) {
 }  // namespace
 
 pose_estimate_t icp_pose(const DenseMapper::Step& step, Utime depth_utime,
-                         const Eigen::Isometry3d& T_step_depth) {
-  pose_estimate_t pose = make_pose_estimate(depth_utime, step.T_world_robot * T_step_depth, step.covariance);
+                         const Eigen::Isometry3d& T_step_depth, const Vector6d& clock_error) {
+  pose_estimate_t pose = make_pose_estimate(depth_utime, step.T_world_robot * T_step_depth,
+                                            step.map_covariance + clock_error * clock_error.transpose());
   pose.status =
       step.relocalised ? static_cast<std::int8_t>(pose_estimate_t::RELOCALISED) : wire_status(step.status);
   pose.quality = static_cast<float>(step.quality);
   pose.inliers = step.registration.inliers;
   pose.detail = degenerate_directions(step.registration);
   return pose;
+}
+
+pose_estimate_t icp_local_pose(const pose_estimate_t& pose, const DenseMapper::Step& step,
+                               const Eigen::Isometry3d& T_step_depth, const std::string& local_frame) {
+  const pose_estimate_t part =
+      make_pose_estimate(pose.utime, step.T_local_robot * T_step_depth, step.covariance);
+  pose_estimate_t local = pose;
+  local.frame = local_frame;
+  local.T_map_robot = part.T_map_robot;
+  std::copy(std::begin(part.covariance), std::end(part.covariance), local.covariance);
+  return local;
+}
+
+pose_estimate_t icp_correction(const pose_estimate_t& pose, const DenseMapper::Step& step,
+                               const std::string& local_frame) {
+  const Matrix6d A = adjoint(step.T_local_robot);
+  const pose_estimate_t part =
+      make_pose_estimate(pose.utime, step.T_world_local, A * step.map_covariance * A.transpose());
+  pose_estimate_t correction = pose;
+  correction.child_frame = local_frame;
+  correction.T_map_robot = part.T_map_robot;
+  std::copy(std::begin(part.covariance), std::end(part.covariance), correction.covariance);
+  return correction;
 }
 
 icp_report_t icp_report(const DenseMapper::Step& step, const DenseMapperSettings& settings,

@@ -141,6 +141,9 @@ void IcpNode::on_frame(Prepared& prepared) {
   T_world_previous_ = last_.T_world_robot;
   last_ = mapper_->step(frame);
   learn_clock(frame);
+  const double seconds = 1e-6 * static_cast<double>(frame.utime - last_utime_);
+  twist_ = Vector6d::Zero();
+  if (frame.motion && seconds > 0) twist_ = se3_log(frame.motion->T_from_to) / seconds;
   last_utime_ = frame.utime;
   anchored_ += last_.anchored ? 1 : 0;
   ++steps_;
@@ -186,7 +189,8 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   // First the graph: the pose stands in the map that it makes.
   if (step.thinned) drop_tiles_of_the_gone();
   if (step.node || step.deformed || step.thinned) publish_graph(false);
-  pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth);
+  pose_estimate_t pose =
+      icp_pose(step, made.depth_utime, made.T_frame_depth, maker_.depth_clock().sigma() * twist_);
   pose.frame = map_frame();
   if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
   if (step.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
@@ -194,6 +198,9 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   pose.map_revision = mapper_->keyframes_made();
   pose.processing_time = cpu_time;
   publisher_.publish("ICP_POSE", pose, image_utime);
+  const std::string local_frame = local_frame_of(pose.frame);
+  publisher_.publish("ICP_LOCAL_POSE", icp_local_pose(pose, step, made.T_frame_depth, local_frame));
+  publisher_.publish("ICP_CORRECTION", icp_correction(pose, step, local_frame));
 
   std::optional<Eigen::Isometry3d> correction;
   if (motion && !step.deformed)

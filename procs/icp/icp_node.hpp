@@ -1,5 +1,6 @@
 #pragma once
-// CAMERA + ODOMETRY -> ICP_POSE, ICP_KEYFRAME, ICP_GRAPH, ICP_REPORT.
+// CAMERA + ODOMETRY -> ICP_POSE (and in two parts, ICP_LOCAL_POSE, which never jumps, and ICP_CORRECTION),
+// ICP_KEYFRAME, ICP_GRAPH, ICP_REPORT.
 
 #include <deque>
 
@@ -66,7 +67,8 @@ class IcpNode : public Node {
   DenseMapper::Step last_;
   Eigen::Isometry3d T_world_previous_ = Eigen::Isometry3d::Identity();  // of the step before last_
   Utime last_utime_ = 0;
-  Utime found_utime_ = 0;  // of the last step that was not adrift
+  Vector6d twist_ = Vector6d::Zero();  // per second, at the last step
+  Utime found_utime_ = 0;              // of the last step that was not adrift
   GraphTeller graph_teller_;
   std::deque<keyframe_t> tiles_;       // wait for their turn: bursts overrun receive buffers
   std::int64_t keyframes_queued_ = 0;  // over all maps

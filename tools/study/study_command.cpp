@@ -19,6 +19,7 @@
 #include "tools/launch/graph.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
+#include "tools/study/consistency_study.hpp"
 #include "tools/study/depth_filter_study.hpp"
 #include "tools/study/endurance_command.hpp"
 #include "tools/study/faults/faults_study.hpp"
@@ -108,6 +109,20 @@ int run_filter_study(const std::vector<std::string>& logs, const std::string& sc
   return 0;
 }
 
+int run_consistency_study(const std::vector<std::string>& logs, std::string config,
+                          const std::vector<std::string>& overrides, double clock_offset) {
+  if (config.empty()) config = share_path("config/replay.yaml");
+  std::vector<std::string> all = {"launch.processes=[surf, odometry, fastslam, icp]"};
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  const std::filesystem::path folder = new_run_folder("study-consistency");
+  const auto runs = study_consistency(logs, load_config(config, all), folder.string(), clock_offset);
+  const auto scores = consistency_scores(runs);
+  nlohmann::json report = consistency_json(runs, scores);
+  report["set"] = overrides;
+  write_report(folder, report, consistency_table(scores));
+  return 0;
+}
+
 int run_depth_filter_study(const std::vector<int>& seeds) {
   DepthFilterStudySettings settings;
   settings.seed = static_cast<std::uint64_t>(seeds.front());
@@ -171,6 +186,8 @@ int study_command(int argc, char** argv) {
       "dlib's SURF, SIFT and ORB. --only pairs: how often two clouds are registered without a start. "
       "--only landmarks: MRCLAM or Victoria Park in batch, once for each seed. --only filter: logs with "
       "images and truth through odometry and fastslam in batch, each with each seed. "
+      "--only consistency: logs with truth (SCENE_SEED.lcmlog) in batch; whether both mappers err as much as "
+      "their covariances say. "
       "--only depth-filter: mixed pixels removed and good points lost in simulated depth images. "
       "--only resampling: FastSLAM's four schemes on a log. "
       "--only faults: the live graph while stamps jump, processes die, the camera is covered, strangers send "
@@ -185,13 +202,15 @@ int study_command(int argc, char** argv) {
       ->check(CLI::ExistingPath);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", overrides, "override: section.key=value");
-  const std::vector<std::string> studies = {"features",     "pairs",      "landmarks", "filter",
-                                            "depth-filter", "resampling", "faults",    "endurance"};
+  const std::vector<std::string> studies = {"features",   "pairs",  "landmarks", "filter",     "depth-filter",
+                                            "resampling", "faults", "endurance", "consistency"};
   const auto only_option =
       app.add_option("--only", only, "one study of its own: " + CLI::detail::join(studies, ", "))
           ->check(CLI::IsMember(studies));
   std::vector<std::string> logs;
-  app.add_option("logs", logs, "filter: .lcmlog files")->check(CLI::ExistingFile)->needs(only_option);
+  app.add_option("logs", logs, "filter, consistency: .lcmlog files")
+      ->check(CLI::ExistingFile)
+      ->needs(only_option);
   app.add_option("--scene", scene,
                  "filter: kitchen, table or office, which the logs show; for its true surfaces")
       ->needs(only_option);
@@ -219,7 +238,7 @@ int study_command(int argc, char** argv) {
       ->needs(only_option)
       ->capture_default_str();
   app.add_option("--clock-offset", pairs.truth_offset,
-                 "pairs: s, added to images' stamps for the truth's clock")
+                 "pairs, consistency: s, added to images' stamps for the truth's clock")
       ->needs(only_option)
       ->capture_default_str();
   FaultsStudySettings faults;
@@ -257,6 +276,10 @@ int study_command(int argc, char** argv) {
   if (only == "filter") {
     if (logs.empty()) throw std::invalid_argument("--only filter needs logs");
     return run_filter_study(logs, scene, config, overrides, seeds);
+  }
+  if (only == "consistency") {
+    if (logs.empty()) throw std::invalid_argument("--only consistency needs logs with GROUND_TRUTH");
+    return run_consistency_study(logs, config, overrides, pairs.truth_offset);
   }
   if (only == "landmarks") {
     if (data.empty()) throw std::invalid_argument("--only landmarks needs --data FOLDER");

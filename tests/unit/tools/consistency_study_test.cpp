@@ -1,0 +1,82 @@
+// The study of covariances tells honest mappers from boasting and from timid ones.
+
+#include "tools/study/consistency_study.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include <lcmslam/geometry/random.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr int honest_runs = 10, honest_poses = 400;
+
+/// A drive of a pose each second whose errors are `boast` times as large as it says; 6: in space, 3: in the
+/// plane.
+ConsistencyRun simulated_drive(std::uint64_t seed, double boast, int components) {
+  Random random(seed);
+  const Eigen::Isometry3d T_world_map = planar_pose(3, -2, 1);  // the truth's world is another one
+  Matrix6d P = Matrix6d::Zero();
+  for (int i = 0; i < 6; ++i) P(i, i) = i < 3 ? 1e-4 : 1e-6;
+  P(0, 1) = P(1, 0) = 0.5e-4;
+  const Matrix6d root = P.llt().matrixL();
+  std::vector<MatchedPose> matches;
+  for (int k = 0; k < honest_poses; ++k) {
+    MatchedPose match;
+    match.utime = 1'000'000 * k;
+    match.T_world_estimate = planar_pose(0.1 * k, 0, 0.01 * k);
+    Vector6d e = Vector6d::Zero();
+    for (int i = 0; i < 6; ++i)
+      if (k > 0 && (components == 6 || i < 2 || i == 5)) e(i) = boast * random.normal();
+    match.T_world_truth = T_world_map * match.T_world_estimate * se3_exp(root * e);
+    if (components == 6 && k == 1) match.T_world_estimate.translation().z() += 1e-5;  // not in the plane
+    match.covariance = P;
+    matches.push_back(match);
+  }
+  ConsistencyRun run = consistency_run(matches);
+  run.scene = "room";
+  run.channel = "POSE";
+  return run;
+}
+
+ConsistencyScore score_of(double boast, int components) {
+  std::vector<ConsistencyRun> drives;
+  for (int i = 1; i <= honest_runs; ++i)
+    drives.push_back(simulated_drive(static_cast<std::uint64_t>(i), boast, components));
+  const auto scores = consistency_scores(drives);
+  EXPECT_EQ(scores.size(), 1U);
+  return scores.at(0);
+}
+
+TEST(ConsistencyStudy, QuantilesAreThoseOfTheTables) {
+  EXPECT_NEAR(chi_square_quantile(3, 1.959964), 9.348, 0.1);
+  EXPECT_NEAR(chi_square_quantile(6, -1.959964), 1.237, 0.03);
+  EXPECT_NEAR(chi_square_quantile(60, 1.959964), 83.298, 0.05);
+  EXPECT_NEAR(chi_square_quantile(60, -1.959964), 40.482, 0.05);
+}
+
+TEST(ConsistencyStudy, AnHonestMapperIsInsideTheBand) {
+  for (const int components : {3, 6}) {
+    const ConsistencyScore honest = score_of(1, components);
+    EXPECT_EQ(honest.components, components);
+    EXPECT_EQ(honest.runs, honest_runs);
+    EXPECT_NEAR(honest.mean, components, 0.1 * components);
+    EXPECT_NEAR(honest.inside, 0.95, 0.035);  // 400 seconds: three sigmas
+    EXPECT_EQ(honest.far_above, 0);
+    EXPECT_NEAR(honest.ratio_rms[0], 1, 0.05);
+  }
+}
+
+TEST(ConsistencyStudy, WhoBoastsIsAboveItAndWhoIsTimidBelow) {
+  const ConsistencyScore boasting = score_of(2, 6), timid = score_of(0.3, 6);
+  EXPECT_GT(boasting.above, 0.99);
+  EXPECT_GT(boasting.far_above, 0.9);
+  EXPECT_LT(timid.inside, 0.01);
+  EXPECT_EQ(timid.above, 0);
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,253 @@
+#include "tools/study/consistency_study.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include <lcmslam/evaluation/table.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include "tools/batch/batch_run.hpp"
+#include "tools/evaluate/pose_log.hpp"
+#include "tools/study/measures.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double bin_us = 1e6;
+constexpr double far = 3;  // times the expectation
+const char* const channels[] = {"ICP_POSE", "FASTSLAM_POSE"};
+
+// "kitchen" of kitchen_12.lcmlog.
+std::string scene_of(const std::string& log) {
+  const std::string stem = std::filesystem::path(log).stem();
+  const std::size_t end = stem.find_last_not_of("0123456789");
+  return end != std::string::npos && end > 0 && end + 1 < stem.size() && stem[end] == '_'
+             ? stem.substr(0, end)
+             : stem;
+}
+
+bool is_believed(std::int8_t status) {
+  return status == pose_estimate_t::TRACKING || status == pose_estimate_t::DEGRADED ||
+         status == pose_estimate_t::RELOCALISED;
+}
+
+struct Published {
+  Trajectory path;  // of the first map
+  std::size_t left_out = 0;
+};
+
+Trajectory truth_of(const std::string& log) {
+  const PoseLog poses = read_pose_log(log);
+  const PoseChannel& truth = poses.channel("GROUND_TRUTH", log);
+  if (truth.body != "camera") return truth.trajectory;
+  if (!poses.calibration()) throw std::runtime_error(log + ": its truth is the camera's, and no calibration");
+  return in_other_frame(truth.trajectory, poses.calibration()->T_robot_camera.inverse());
+}
+
+std::map<std::string, Published> published_by(const std::string& log, const ConfigNode& config,
+                                              const std::filesystem::path& folder) {
+  std::map<std::string, Published> published;
+  BatchOptions options;
+  options.config = config;
+  options.log = log;
+  options.folder = folder;
+  options.threads = 1;
+  options.heard = [&](const BatchMessage& message) {
+    if (std::find(std::begin(channels), std::end(channels), message.channel) == std::end(channels)) return;
+    const auto pose = decode_message<pose_estimate_t>(message.bytes.data(), message.bytes.size());
+    Published& own = published[message.channel];
+    if (pose.frame != "map" || !is_believed(pose.status)) {
+      ++own.left_out;
+      return;
+    }
+    own.path.push_back({pose.utime, from_message(pose.T_map_robot, "T_map_robot"),
+                        covariance_from_message(pose.covariance, "covariance")});
+  };
+  run_batch(options);
+  for (auto& [channel, own] : published) sort_trajectory(own.path);
+  return published;
+}
+
+bool is_planar(const std::vector<MatchedPose>& matches) {
+  return std::all_of(matches.begin(), matches.end(), [](const MatchedPose& match) {
+    return std::abs(match.T_world_estimate.translation().z()) < 1e-6 &&
+           match.T_world_estimate.linear()(2, 2) > 1 - 1e-9;
+  });
+}
+
+}  // namespace
+
+double chi_square_quantile(double degrees, double normal_quantile) {
+  const double spread = 2 / (9 * degrees);
+  return degrees * std::pow(1 - spread + normal_quantile * std::sqrt(spread), 3);
+}
+
+ConsistencyRun consistency_run(const std::vector<MatchedPose>& matches) {
+  ConsistencyRun run;
+  if (matches.size() < 2) return run;
+  const std::vector<int> rows =
+      is_planar(matches) ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
+  run.components = static_cast<int>(rows.size());
+  const MatchedPose& first = matches.front();
+  const Eigen::Isometry3d T_map_world = first.T_world_estimate * first.T_world_truth.inverse();
+  std::map<std::size_t, std::vector<double>> bins;
+  for (auto match = matches.begin() + 1; match != matches.end(); ++match) {
+    if (!match->covariance) continue;
+    const Vector6d e = se3_log(match->T_world_estimate.inverse() * T_map_world * match->T_world_truth);
+    const Eigen::MatrixXd P = (*match->covariance)(rows, rows);
+    const Eigen::LLT<Eigen::MatrixXd> root(P);
+    if (root.info() != Eigen::Success) continue;
+    const Eigen::VectorXd seen = e(rows);
+    run.all.push_back(seen.dot(root.solve(seen)));
+    bins[static_cast<std::size_t>(static_cast<double>(match->utime - first.utime) / bin_us)].push_back(
+        run.all.back());
+    for (const int i : rows) {
+      const auto k = static_cast<std::size_t>(i);
+      run.ratio_rms[k] += e(i) * e(i) / (*match->covariance)(i, i);
+      run.error_rms[k] += e(i) * e(i);
+    }
+  }
+  const auto n = static_cast<double>(std::max<std::size_t>(1, run.all.size()));
+  for (auto* squares : {&run.ratio_rms, &run.error_rms})
+    for (double& square : *squares) square = std::sqrt(square / n);
+  if (bins.empty()) return run;
+  run.nees.assign(bins.rbegin()->first + 1, std::nan(""));
+  for (const auto& [second, values] : bins) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    run.nees[second] = sum / static_cast<double>(values.size());
+  }
+  return run;
+}
+
+std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRun>& runs) {
+  std::map<std::pair<std::string, std::string>, std::vector<const ConsistencyRun*>> groups;
+  for (const ConsistencyRun& run : runs) groups[{run.scene, run.channel}].push_back(&run);
+  std::vector<ConsistencyScore> scores;
+  for (const auto& [key, members] : groups) {
+    ConsistencyScore score;
+    score.scene = key.first;
+    score.channel = key.second;
+    score.runs = static_cast<int>(members.size());
+    std::size_t seconds = 0;
+    std::vector<double> all;
+    for (const ConsistencyRun* run : members) {
+      score.components = std::max(run == members.front() ? 0 : score.components, run->components);
+      seconds = std::max(seconds, run->nees.size());
+      all.insert(all.end(), run->all.begin(), run->all.end());
+      for (std::size_t i = 0; i < 6; ++i) {
+        score.ratio_rms[i] += run->ratio_rms[i] * run->ratio_rms[i] / score.runs;
+        score.error_rms[i] += run->error_rms[i] * run->error_rms[i] / score.runs;
+      }
+    }
+    for (auto* squares : {&score.ratio_rms, &score.error_rms})
+      for (double& square : *squares) square = std::sqrt(square);
+    const double d = score.components, n = score.runs;
+    score.low = chi_square_quantile(n * d, -1.96) / n;
+    score.high = chi_square_quantile(n * d, 1.96) / n;
+    int counted = 0;
+    for (std::size_t second = 0; second < seconds; ++second) {
+      double sum = 0, count = 0;
+      for (const ConsistencyRun* run : members)
+        if (second < run->nees.size() && std::isfinite(run->nees[second])) {
+          sum += run->nees[second];
+          ++count;
+        }
+      if (count < n) continue;  // the band is that of all runs
+      ++counted;
+      const double mean = sum / count;
+      score.inside += mean >= score.low && mean <= score.high ? 1 : 0;
+      score.above += mean > score.high ? 1 : 0;
+      score.far_above += mean > far * d ? 1 : 0;
+    }
+    for (double* share : {&score.inside, &score.above, &score.far_above}) *share /= std::max(1, counted);
+    for (const double value : all) score.mean += value / static_cast<double>(all.size());
+    score.median = median(all);
+    scores.push_back(score);
+  }
+  return scores;
+}
+
+std::vector<ConsistencyRun> study_consistency(const std::vector<std::string>& logs, const ConfigNode& config,
+                                              const std::string& folder, double clock_offset) {
+  std::vector<ConsistencyRun> runs;
+  EvaluationSettings settings;
+  settings.association = Association::interpolate_truth;
+  settings.clock_offset = clock_offset;
+  for (const std::string& log : logs) {
+    const Trajectory truth = truth_of(log);
+    const std::string stem = std::filesystem::path(log).stem();
+    for (const auto& [channel, own] : published_by(log, config, std::filesystem::path(folder) / stem)) {
+      ConsistencyRun run = consistency_run(associate(truth, own.path, settings));
+      run.scene = scene_of(log);
+      run.log = stem;
+      run.channel = channel;
+      run.left_out = own.left_out;
+      runs.push_back(std::move(run));
+    }
+    std::cout << stem << ": done" << std::endl;
+  }
+  return runs;
+}
+
+std::string consistency_table(const std::vector<ConsistencyScore>& scores) {
+  Table table({"scene", "channel", "runs", "honest", "95 % band", "median", "mean", "inside %", "above %",
+               "> 3x %", "error/sigma x", "y", "z", "roll", "pitch", "yaw", "error mm", "mrad"});
+  for (const ConsistencyScore& s : scores) {
+    std::vector<std::string> row = {s.scene,
+                                    s.channel,
+                                    std::to_string(s.runs),
+                                    std::to_string(s.components),
+                                    fixed_number(s.low, 1) + ".." + fixed_number(s.high, 1),
+                                    fixed_number(s.median, 1),
+                                    fixed_number(s.mean, 1),
+                                    fixed_number(100 * s.inside, 0),
+                                    fixed_number(100 * s.above, 0),
+                                    fixed_number(100 * s.far_above, 0)};
+    for (const double ratio : s.ratio_rms) row.push_back(ratio > 0 ? fixed_number(ratio, 2) : "-");
+    const auto& e = s.error_rms;
+    row.push_back(fixed_number(1e3 * std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]), 1));
+    row.push_back(fixed_number(1e3 * std::sqrt(e[3] * e[3] + e[4] * e[4] + e[5] * e[5]), 1));
+    table.add(row);
+  }
+  return table.text();
+}
+
+nlohmann::json consistency_json(const std::vector<ConsistencyRun>& runs,
+                                const std::vector<ConsistencyScore>& scores) {
+  nlohmann::json json = {{"runs", nlohmann::json::array()}, {"scenes", nlohmann::json::array()}};
+  for (const ConsistencyRun& run : runs)
+    json["runs"].push_back({{"log", run.log},
+                            {"scene", run.scene},
+                            {"channel", run.channel},
+                            {"components", run.components},
+                            {"nees_by_second", run.nees},
+                            {"nees_median", median(run.all)},
+                            {"error_over_sigma_rms", run.ratio_rms},
+                            {"error_rms", run.error_rms},
+                            {"poses", run.all.size()},
+                            {"left_out", run.left_out}});
+  for (const ConsistencyScore& s : scores)
+    json["scenes"].push_back({{"scene", s.scene},
+                              {"channel", s.channel},
+                              {"runs", s.runs},
+                              {"components", s.components},
+                              {"band", {s.low, s.high}},
+                              {"inside", s.inside},
+                              {"above", s.above},
+                              {"far_above", s.far_above},
+                              {"nees_mean", s.mean},
+                              {"nees_median", s.median},
+                              {"error_over_sigma_rms", s.ratio_rms},
+                              {"error_rms", s.error_rms}});
+  return json;
+}
+
+}  // namespace lcmslam

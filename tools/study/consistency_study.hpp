@@ -1,0 +1,63 @@
+#pragma once
+// Whether mappers err as much as they say, in the frame in which they say it: a pose with its covariance
+// stands in the map's frame, which is the robot's first pose, so the truth is laid on the estimate's first
+// pose and nowhere else. (A fit of the whole paths would take away the very error that grows with the way.)
+//
+//   e = log(T_map_estimate^-1 T_map_truth),   NEES = e^T P^-1 e     (body frame, as pose_estimate_t says)
+//
+// Logs of one scene (kitchen_1.lcmlog, kitchen_2.lcmlog, ...) are runs of one drive. In each second the NEES
+// of N runs is averaged; N times that mean is chi-square with N d degrees of freedom when P is honest
+// (Bar-Shalom, Li and Kirubarajan 2001, 5.4.2). Poses of one second err alike and count as one.
+
+#include <array>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/evaluation/trajectory_error.hpp>
+
+namespace lcmslam {
+
+/// One mapper's NEES in one run.
+struct ConsistencyRun {
+  std::string scene, log, channel;
+  int components = 6;                 ///< 3: a path in the plane, by (x, y, heading)
+  std::vector<double> nees;           ///< mean of each second since the first pose, NaN without poses
+  std::vector<double> all;            ///< of each pose
+  std::array<double, 6> ratio_rms{};  ///< RMS of each component's error over its own sigma: 1 when honest
+  std::array<double, 6> error_rms{};  ///< m, rad
+  std::size_t left_out = 0;           ///< poses that do not say TRACKING or DEGRADED
+};
+
+/// Several runs of one scene together.
+struct ConsistencyScore {
+  std::string scene, channel;
+  int components = 6, runs = 0;
+  double low = 0, high = 0;      ///< 95 % band of the mean of so many runs
+  double inside = 0, above = 0;  ///< share of the seconds
+  double far_above = 0;          ///< share of the seconds whose mean is more than three times its expectation
+  double mean = 0, median = 0;   ///< of all poses' NEES
+  std::array<double, 6> ratio_rms{}, error_rms{};
+};
+
+/// The poses' NEES against the truth; `matches` in the order of time, in their own worlds, the first one
+/// where the map begins.
+ConsistencyRun consistency_run(const std::vector<MatchedPose>& matches);
+
+/// Quantile of chi square: Wilson and Hilferty's cube (1931), better than 1 % from three degrees of freedom
+/// on. `normal_quantile`: that of the standard normal distribution, 1.96 for 97.5 %.
+double chi_square_quantile(double degrees, double normal_quantile);
+
+std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRun>& runs);
+
+/// Each log through batch, with `config`, into `folder`. `clock_offset`: s, added to images' stamps for the
+/// truth's clock. Throws std::runtime_error for a log without truth.
+std::vector<ConsistencyRun> study_consistency(const std::vector<std::string>& logs, const ConfigNode& config,
+                                              const std::string& folder, double clock_offset);
+
+std::string consistency_table(const std::vector<ConsistencyScore>& scores);
+nlohmann::json consistency_json(const std::vector<ConsistencyRun>& runs,
+                                const std::vector<ConsistencyScore>& scores);
+
+}  // namespace lcmslam
