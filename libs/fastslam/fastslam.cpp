@@ -50,6 +50,9 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
       std::count_if(points.begin(), points.end(), [](const FeaturePoint& p) { return !p.is_bearing(); }));
   const Motion odometry = unknown_.prior(motion, frame.utime);
   StepObservations observations;
+  Motion own_motion;                         // of this step alone
+  Vector6d twist = Vector6d::Zero();         // m/s, rad/s
+  std::optional<Matrix6d> prior_covariance;  // of the pose before it looked; none: the landmarks alone tell
   bool mapping = true, blind = false;
 
   if (!std::exchange(started_, true)) {
@@ -58,6 +61,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     // Associate: which feature shows which landmark, as the best particle sees it.
     result.motion_usable = usable(motion);
     const Motion predicted = particles_.predict(odometry);
+    own_motion = {predicted.T_from_to, odometry.covariance + particles_.calibration().added_covariance()};
     FrameAssociation association =
         associator_.associate(frame, points, particles_.best().T_world_robot, predicted,
                               particles_.best().map, index_, unknown_.lost());
@@ -75,6 +79,12 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
       particles_.go_blindly(step_prior(association));
     else
       verdict = particles_.propose_weigh_update(step_prior(association), observations.observed, points);
+    // Errors go the same way as the particles.
+    if (association.corrected) own_motion.T_from_to = association.prior.T_from_to;
+    covariance_.move(own_motion);
+    const double elapsed = 1e-6 * static_cast<double>(std::max<Utime>(frame.utime - utime_, 1000));
+    twist = se3_log(own_motion.T_from_to) / elapsed;
+    if (!association.corrected && !association.T_world_found) prior_covariance = association.prior.covariance;
     const bool located = judge(verdict, association, points, index_, observations, result);
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();
@@ -88,10 +98,10 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   const std::vector<double> weights = particles_.choose_best();
   const ParticleSet::Estimate estimate = particles_.estimate(weights);
   result.T_world_best = particles_.best().T_world_robot;
-  result.T_world_robot = estimate.T_world_robot;
-  result.spread = estimate.spread;
-  covariance_.observe(observations.accepted, estimate);
-  result.covariance = covariance_.from_start(particles_, weights, estimate);
+  covariance_.observe(observations.accepted,
+                      {frame, points, particles_.best().map, index_, result.T_world_best, twist},
+                      prior_covariance);
+  publish_estimate(estimate, weights, own_motion, result);
 
   // Deaths and births, alike in all particles. New landmarks last, so that 2.0 is possible: nobody was
   // weighed by a landmark that his own step had made.
@@ -100,6 +110,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   if (!blind) dead = remove_landmarks(frame, points, observations, result);
   std::vector<LandmarkMatch> created;
   if (mapping && !blind) created = create_landmarks(frame, points, observations, result);
+  covariance_.create(created, {frame, points, particles_.best().map, index_, result.T_world_best, twist});
+  utime_ = frame.utime;
 
   // Remember the step for smoothing, which may begin.
   smooth_beside(
@@ -112,6 +124,19 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   result.resampled = particles_.resample_when_due(weights);
   result.best = particles_.best_index();
   return result;
+}
+
+void FastSlam::publish_estimate(const ParticleSet::Estimate& estimate, const std::vector<double>& weights,
+                                const Motion& motion, StepResult& result) {
+  result.T_world_robot = estimate.T_world_robot;
+  result.spread = estimate.spread;
+  result.covariance = covariance_.from_start(particles_, weights, estimate);
+  local_frame_.advance(result.T_world_robot, motion);
+  result.T_local_robot = local_frame_.T_local_robot();
+  result.T_world_local = local_frame_.T_map_local();
+  result.local_covariance = covariance_.in_map(estimate);
+  const Matrix6d A = adjoint(result.T_local_robot);
+  result.correction_covariance = A * result.covariance * A.transpose();
 }
 
 // A lost robot before it has mapped anything that anybody was told of.
@@ -127,7 +152,9 @@ bool FastSlam::nothing_to_find_back(const FrameAssociation& association,
 
 // The world may as well begin here.
 StepResult FastSlam::begin_anew(const Motion& motion, const FeatureFrame& frame) {
+  const LocalFrame local_frame = local_frame_;
   *this = FastSlam(settings_);
+  local_frame_ = local_frame;
   return step(motion, frame);
 }
 
@@ -194,7 +221,6 @@ std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
   }
   result.created = static_cast<int>(created.size());
   particles_.make_landmarks(created, points);
-  covariance_.create(created);
   const Particle& best = particles_.best();
   const Eigen::Vector3d camera = best.T_world_robot * frame.T_robot_camera.translation();
   for (const LandmarkMatch& match : created) {
@@ -212,8 +238,18 @@ std::vector<Landmark> FastSlam::landmarks() const {
   std::vector<Landmark> result;
   for (int slot = 0; slot < index_.slots(); ++slot)
     if (index_.alive(slot) && index_.record(slot).observations >= settings_.minimum_observations)
-      result.push_back(make_public(slot, particles_.best().map, index_));
+      result.push_back(published(slot));
   return result;
+}
+
+Landmark FastSlam::published(int slot) const {
+  Landmark landmark = make_public(slot, particles_.best().map, index_);
+  landmark.covariance = covariance_.of_landmark(slot, particles_);
+  return landmark;
+}
+
+MapChanges FastSlam::take_changes() {
+  return publication_.take(particles_.best().map, index_, [this](int slot) { return published(slot); });
 }
 
 }  // namespace lcmslam

@@ -31,6 +31,11 @@ inline std::string map_frame_of(const std::string& first, std::int64_t session) 
   return session <= 1 ? first : first + "-" + std::to_string(session);
 }
 
+/// The frame beside a map's in which the pose never jumps: map-2's is local-2.
+inline std::string local_frame_of(const std::string& map_frame) {
+  return map_frame.rfind("map", 0) == 0 ? "local" + map_frame.substr(3) : map_frame + "-local";
+}
+
 /// What a pose in a frame other than "map" must say; empty for "map".
 inline std::string unplaced_map(const std::string& frame) {
   return frame == "map" ? "" : "where " + frame + " lies in map is not known";
