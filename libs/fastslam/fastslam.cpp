@@ -51,6 +51,9 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
       std::count_if(points.begin(), points.end(), [](const FeaturePoint& p) { return !p.is_bearing(); }));
   Motion odometry = with_ground(unknown_.prior(motion, frame.utime), settings_);
   StepObservations observations;
+  Motion own_motion;                         // of this step alone
+  Vector6d twist = Vector6d::Zero();         // m/s, rad/s
+  std::optional<Matrix6d> prior_covariance;  // of the pose before it looked; none: the landmarks alone tell
   bool mapping = true, blind = false;
 
   if (!std::exchange(started_, true)) {
@@ -71,6 +74,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     }
     if (association.free) ground_.observe(association.free->T_world_robot, association.free->covariance);
     result.floor = ground_.floor();
+    own_motion = {predicted.motion.T_from_to,
+                  odometry.covariance + particles_.calibration().added_covariance()};
     if (nothing_to_find_back(association, points)) return begin_anew(motion, frame);
     observations = select_observations(association, frame, points, particles_.best().map, settings_);
     widen_for_correlation(observations.observed, frame.utime, settings_.correlation_time, index_, points);
@@ -86,6 +91,12 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     else
       verdict = particles_.propose_weigh_update(step_prior(association, predicted.ground),
                                                 observations.observed, points);
+    // Errors go the same way as the particles.
+    if (association.corrected) own_motion.T_from_to = association.prior.T_from_to;
+    covariance_.move(own_motion);
+    const double elapsed = 1e-6 * static_cast<double>(std::max<Utime>(frame.utime - utime_, 1000));
+    twist = se3_log(own_motion.T_from_to) / elapsed;
+    if (!association.corrected && !association.T_world_found) prior_covariance = association.prior.covariance;
     const bool located = judge(verdict, association, points, index_, observations, result);
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();
@@ -99,10 +110,10 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   const std::vector<double> weights = particles_.choose_best();
   const ParticleSet::Estimate estimate = particles_.estimate(weights);
   result.T_world_best = particles_.best().T_world_robot;
-  result.T_world_robot = estimate.T_world_robot;
-  result.spread = estimate.spread;
-  covariance_.observe(observations.accepted, estimate);
-  result.covariance = covariance_.from_start(particles_, weights, estimate);
+  covariance_.observe(observations.accepted,
+                      {frame, points, particles_.best().map, index_, result.T_world_best, twist},
+                      prior_covariance);
+  publish_estimate(estimate, weights, own_motion, result);
 
   // Deaths and births, alike in all particles. New landmarks last, so that 2.0 is possible: nobody was
   // weighed by a landmark that his own step had made.
@@ -111,6 +122,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   if (!blind) dead = remove_landmarks(frame, points, observations, result);
   std::vector<LandmarkMatch> created;
   if (mapping && !blind) created = create_landmarks(frame, points, observations, result);
+  covariance_.create(created, {frame, points, particles_.best().map, index_, result.T_world_best, twist});
+  utime_ = frame.utime;
 
   // Remember the step for smoothing, which may begin.
   smooth_beside(
@@ -154,8 +167,22 @@ bool FastSlam::leave_for(Floor floor) {
   unknown_.leave_plane(settings_);
   particles_.leave_plane(settings_);
   associator_.leave_plane(settings_);
+  covariance_.leave_plane();
   if (map_smoothing_) map_smoothing_->leave_plane(settings_);
   return true;
+}
+
+void FastSlam::publish_estimate(const ParticleSet::Estimate& estimate, const std::vector<double>& weights,
+                                const Motion& motion, StepResult& result) {
+  result.T_world_robot = estimate.T_world_robot;
+  result.spread = estimate.spread;
+  result.covariance = covariance_.from_start(particles_, weights, estimate);
+  local_frame_.advance(result.T_world_robot, motion);
+  result.T_local_robot = local_frame_.T_local_robot();
+  result.T_world_local = local_frame_.T_map_local();
+  result.local_covariance = covariance_.in_map(estimate);
+  const Matrix6d A = adjoint(result.T_local_robot);
+  result.correction_covariance = A * result.covariance * A.transpose();
 }
 
 // A lost robot before it has mapped anything that anybody was told of.
@@ -171,10 +198,12 @@ bool FastSlam::nothing_to_find_back(const FrameAssociation& association,
 
 // The world may as well begin here.
 StepResult FastSlam::begin_anew(const Motion& motion, const FeatureFrame& frame) {
+  const LocalFrame local_frame = local_frame_;
   FastSlamSettings settings = settings_;
   settings.planar = settings.planar || settings.left_plane;
   settings.left_plane = false;
   *this = FastSlam(settings);
+  local_frame_ = local_frame;
   return step(motion, frame);
 }
 
@@ -241,7 +270,6 @@ std::vector<LandmarkMatch> FastSlam::create_landmarks(const FeatureFrame& frame,
   }
   result.created = static_cast<int>(created.size());
   particles_.make_landmarks(created, points);
-  covariance_.create(created);
   const Particle& best = particles_.best();
   const Eigen::Vector3d camera = best.T_world_robot * frame.T_robot_camera.translation();
   for (const LandmarkMatch& match : created) {
@@ -259,8 +287,18 @@ std::vector<Landmark> FastSlam::landmarks() const {
   std::vector<Landmark> result;
   for (int slot = 0; slot < index_.slots(); ++slot)
     if (index_.alive(slot) && index_.record(slot).observations >= settings_.minimum_observations)
-      result.push_back(make_public(slot, particles_.best().map, index_));
+      result.push_back(published(slot));
   return result;
+}
+
+Landmark FastSlam::published(int slot) const {
+  Landmark landmark = make_public(slot, particles_.best().map, index_);
+  landmark.covariance = covariance_.of_landmark(slot, particles_);
+  return landmark;
+}
+
+MapChanges FastSlam::take_changes() {
+  return publication_.take(particles_.best().map, index_, [this](int slot) { return published(slot); });
 }
 
 }  // namespace lcmslam

@@ -29,6 +29,7 @@
 #include <lcmslam/fastslam/smoothing/background_path_smoothing.hpp>
 #include <lcmslam/fastslam/step_observations.hpp>
 #include <lcmslam/fastslam/step_result.hpp>
+#include <lcmslam/geometry/local_frame.hpp>
 
 namespace lcmslam {
 
@@ -50,10 +51,11 @@ class FastSlam {
   /// Of an observation in the newest smoothed path, robust; below 1 where the noise is as stated. 0: none
   /// yet.
   double smoothing_cost() const { return smoothing_cost_; }
-  /// All landmarks of the best particle that were seen often enough, ordered by slot.
+  /// All landmarks of the best particle that were seen often enough, ordered by slot. Their covariances are
+  /// of their places as seen from the robot's first pose.
   std::vector<Landmark> landmarks() const;
   /// What changed in landmarks() since the last call.
-  MapChanges take_changes() { return publication_.take(particles_.best().map, index_); }
+  MapChanges take_changes();
 
   /// Smooths the whole path; landmarks() is the smoothed map then. Planar landmarks of known identity: the
   /// particles are drawn anew from the path's posterior. 3-D landmarks: all particles take the smoothed
@@ -77,6 +79,9 @@ class FastSlam {
   Predicted predict(const Motion& odometry);
   std::optional<Floor> refuses_ground(const FrameAssociation& association) const;
   bool leave_for(Floor floor);
+  void publish_estimate(const ParticleSet::Estimate& estimate, const std::vector<double>& weights,
+                        const Motion& motion, StepResult& result);
+  Landmark published(int slot) const;
   bool nothing_to_find_back(const FrameAssociation& association,
                             const std::vector<FeaturePoint>& points) const;
   StepResult begin_anew(const Motion& motion, const FeatureFrame& frame);
@@ -105,6 +110,7 @@ class FastSlam {
   ParticleSet particles_;
   FrameAssociator associator_;
   PoseCovariance covariance_;
+  LocalFrame local_frame_;
   LandmarkPublication publication_;
   std::unique_ptr<BackgroundMapSmoothing> map_smoothing_;  // of 3-D landmarks
   std::unique_ptr<BackgroundPathSmoothing>
@@ -113,6 +119,7 @@ class FastSlam {
   SensorCalibration sensor_;  // as the smoothed path has it
   double smoothing_cost_ = 0;
   bool started_ = false;
+  Utime utime_ = 0;         // of the last step
   Utime agreed_utime_ = 0;  // of the newest step whose measurements agreed with the map
 };
 

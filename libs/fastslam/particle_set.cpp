@@ -65,6 +65,19 @@ Matrix6d ParticleSet::mean_square_from_start(const std::vector<double>& weights,
   return scatter(offsets, weights, Vector6d::Zero()) + undrawn_;
 }
 
+Eigen::Matrix3d ParticleSet::mean_square_from_start(int slot) const {
+  const auto at = static_cast<std::size_t>(slot);
+  const Eigen::Vector3d centre = best().map.find(at)->mean;
+  const std::vector<double> weights = this->weights();
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    const LandmarkGaussian landmark = *particles_[k].map.find(at);
+    const Eigen::Vector3d offset = particles_[k].T_world_start.inverse() * landmark.mean - centre;
+    sum += weights[k] * (landmark.covariance + offset * offset.transpose());
+  }
+  return sum;
+}
+
 bool ParticleSet::resample_when_due(const std::vector<double>& weights) {
   const double limit = settings_.resample_fraction * settings_.particles;
   const bool due = settings_.resample_fraction >= 1 || effective_sample_size(weights) < limit;

@@ -77,6 +77,10 @@ class ParticleSet {
   Matrix6d mean_square_from_start(const std::vector<double>& weights,
                                   const Eigen::Isometry3d& T_world_robot) const;
 
+  /// Mean square of a landmark's places as seen from the paths' beginnings about the best particle's; m^2,
+  /// world.
+  Eigen::Matrix3d mean_square_from_start(int slot) const;
+
   /// Draws the particles by their weights when the settings want it. Returns whether it did.
   bool resample_when_due(const std::vector<double>& weights);
   /// Resampling has made few ancestors' paths the past of all particles.

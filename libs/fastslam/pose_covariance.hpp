@@ -1,35 +1,55 @@
 #pragma once
-// The covariance that the filter publishes: the particles' spread, what they share of the past and what no
-// particle knows of.
+// The covariances that the filter publishes. Two questions, two answers: how far may the robot be from where
+// the map says, and how well does it stand among the landmarks in sight?
 
 #include <vector>
 
+#include <lcmslam/fastslam/error_ensemble.hpp>
 #include <lcmslam/fastslam/particle_set.hpp>
-#include <lcmslam/fastslam/smoothing/shared_error.hpp>
+#include <lcmslam/fastslam/sensor_error.hpp>
 
 namespace lcmslam {
+
+/// A step of the filter, as the errors of its measurements follow from it.
+struct MeasuredStep {
+  const FeatureFrame& frame;
+  const std::vector<FeaturePoint>& points;
+  const ParticleMap& map;  ///< of the best particle, after the step
+  const LandmarkIndex& index;
+  const Eigen::Isometry3d& T_world_robot;  ///< of the best particle
+  const Vector6d& twist;                   ///< m/s, rad/s, body frame
+};
 
 class PoseCovariance {
  public:
   explicit PoseCovariance(const FastSlamSettings& settings);
 
-  /// The pose rests on these landmarks.
-  void observe(const std::vector<LandmarkMatch>& accepted, const ParticleSet::Estimate& estimate) {
-    shared_error_.observe(accepted, minimum_consensus_, estimate.T_world_robot, estimate.spread);
-  }
+  /// From now on the pose has six degrees of freedom.
+  void leave_plane() { ensemble_.leave_plane(); }
+  /// The robot moved; covariance of this step alone.
+  void move(const Motion& step) { ensemble_.move(step); }
+  /// The pose rests on these landmarks, and they learned. `prior`: as the filter had it before it looked;
+  /// nothing where the landmarks alone said where the robot is.
+  void observe(const std::vector<LandmarkMatch>& accepted, const MeasuredStep& step,
+               const std::optional<Matrix6d>& prior);
   /// Landmarks are made.
-  void create(const std::vector<LandmarkMatch>& created) { shared_error_.create(created); }
+  void create(const std::vector<LandmarkMatch>& created, const MeasuredStep& step);
 
   /// Of the estimate exp(xi) as the robot's pose seen from its first one; body frame.
   Matrix6d from_start(const ParticleSet& particles, const std::vector<double>& weights,
                       const ParticleSet::Estimate& estimate) const;
   /// Of the estimate in the world in which the landmarks stand; body frame.
   Matrix6d in_map(const ParticleSet::Estimate& estimate) const { return estimate.spread + unmodelled_; }
+  /// Of a landmark's place seen from the robot's first pose, m^2, world.
+  Eigen::Matrix3d of_landmark(int slot, const ParticleSet& particles) const;
 
  private:
-  int minimum_consensus_;
+  std::vector<EnsembleObservation> with_errors(const std::vector<LandmarkMatch>& matches,
+                                               const MeasuredStep& step);
+
   Matrix6d unmodelled_ = Matrix6d::Zero();  // of the settings' shared sigmas
-  SharedError shared_error_;
+  SensorError sensor_error_;
+  ErrorEnsemble ensemble_;
 };
 
 }  // namespace lcmslam

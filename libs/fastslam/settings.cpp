@@ -56,9 +56,20 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "resamples when the effective sample size is below this share of the particles; 1: every step");
   s.choice("estimate", estimate, estimate_names, "which pose is reported: the best particle's or their mean");
   s.number("shared_translation_sigma", shared_translation_sigma, "m", {0, 10},
-           "added in variance to the reported covariance: what no particle knows of");
+           "added in variance to the reported covariance: what nothing else tells (the camera's mount)");
   s.number("shared_rotation_sigma", shared_rotation_sigma, "rad", {0, 10},
-           "added in variance to the reported covariance: what no particle knows of");
+           "added in variance to the reported covariance: what nothing else tells");
+
+  s.number("systematic_depth", systematic_depth, "", {0, 1},
+           "part of a depth's stated sigma that is alike for all that lies at one range, always");
+  s.number("view_share", view_share, "", {0, 1},
+           "part of a measurement's other variance that stays while the feature is seen from the same side");
+  s.number("view_step", view_step, "rad", {1e-3, 10},
+           "by which the view must turn, or the distance change in ratio, for that part to be another one");
+  s.number("focal_sigma", focal_sigma, "", {0, 0.1}, "of the calibrated focal lengths, ratio");
+  s.number("stamp_sigma", stamp_sigma, "s", {0, 1}, "of the images' stamps, all alike");
+  s.number("shutter_sigma", shutter_sigma, "s", {0, 1},
+           "of the time from an image's first row to its last, where rows are not all of one moment");
 
   s.flag("use_motion_covariance", use_motion_covariance,
          "odometry's own covariance is used; false: the noise is translation_noise and the like alone");

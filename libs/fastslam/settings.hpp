@@ -57,10 +57,16 @@ struct FastSlamSettings {
   ResamplingScheme resampling = ResamplingScheme::systematic;
   double resample_fraction = 0.5;
   PoseEstimate estimate = PoseEstimate::mean;
-  // Added in variance to the reported covariance: what no particle knows of (the depth's systematic errors,
-  // the camera's mount). What all particles share of the past is told apart from it (shared_error.hpp).
-  double shared_translation_sigma = 0.006;
-  double shared_rotation_sigma = 0.0025;
+  // Added in variance to the reported covariance: what nothing here knows of (the camera's mount).
+  double shared_translation_sigma = 0.002;
+  double shared_rotation_sigma = 0.001;
+  // What its other part is made of (sensor_error.hpp): how the stated noise of measurements goes together.
+  double systematic_depth = 0.6;
+  double view_share = 0.5;
+  double view_step = 0.1;
+  double focal_sigma = 0.001;
+  double stamp_sigma = 0.001;
+  double shutter_sigma = 0;
 
   // Motion noise of one step (standard deviations), added in variance to the odometry's own.
   bool use_motion_covariance = true;

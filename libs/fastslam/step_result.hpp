@@ -44,6 +44,12 @@ struct StepResult {
   /// Of T_world_robot exp(xi) as the robot's pose seen from its first one; body frame.
   Matrix6d covariance = Matrix6d::Zero();
   Matrix6d spread = Matrix6d::Zero();  ///< of the particles about T_world_robot, body frame
+  /// The same pose in two parts, T_world_robot = T_world_local * T_local_robot (local_frame.hpp): the second
+  /// one never jumps.
+  Eigen::Isometry3d T_local_robot = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_world_local = Eigen::Isometry3d::Identity();
+  Matrix6d local_covariance = Matrix6d::Zero();       ///< against the landmarks in sight, body frame
+  Matrix6d correction_covariance = Matrix6d::Zero();  ///< of T_world_local exp(xi), T_local_robot being exact
   double effective_sample_size = 0;
   int best = 0;  ///< index of the best particle after this step
   TrackStatus status = TrackStatus::initialising;

@@ -124,6 +124,9 @@ void FastSlamNode::publish(const FeatureFrame& frame, const StepResult& result, 
   pose.map_revision = revision_;
   pose.processing_time = cpu_time;
   publisher_.publish("FASTSLAM_POSE", pose);
+  const std::string local_frame = local_frame_of(pose.frame);
+  publisher_.publish("FASTSLAM_LOCAL_POSE", local_pose_message(pose, result, local_frame));
+  publisher_.publish("FASTSLAM_CORRECTION", correction_message(pose, result, local_frame));
   particles_t particles = particles_message(frame.utime, result, *slam_);
   particles.frame = map_frame();
   publisher_.publish("FASTSLAM_PARTICLES", particles);

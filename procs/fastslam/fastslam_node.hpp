@@ -1,5 +1,6 @@
 #pragma once
-// FEATURES + ODOMETRY -> FASTSLAM_POSE, FASTSLAM_PARTICLES, FASTSLAM_ASSOCIATIONS, FASTSLAM_LANDMARKS; at the
+// FEATURES + ODOMETRY -> FASTSLAM_POSE (and in two parts, FASTSLAM_LOCAL_POSE, which never jumps, and
+// FASTSLAM_CORRECTION), FASTSLAM_PARTICLES, FASTSLAM_ASSOCIATIONS, FASTSLAM_LANDMARKS; at the
 // end, and on the command "smooth", FASTSLAM_SMOOTHED: the path again as all measurements together show it.
 
 #include <lcmslam/fastslam/fastslam.hpp>

@@ -1,5 +1,8 @@
 #include "procs/fastslam/step_messages.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/runtime/node_settings.hpp>
@@ -48,6 +51,27 @@ pose_estimate_t pose_message(Utime utime, const StepResult& result) {
   pose.detail = result.slipped ? "wheels slipped" : "";
   if (result.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
   return pose;
+}
+
+pose_estimate_t local_pose_message(const pose_estimate_t& pose, const StepResult& result,
+                                   const std::string& local_frame) {
+  const pose_estimate_t part = make_pose_estimate(pose.utime, result.T_local_robot, result.local_covariance);
+  pose_estimate_t local = pose;
+  local.frame = local_frame;
+  local.T_map_robot = part.T_map_robot;
+  std::copy(std::begin(part.covariance), std::end(part.covariance), local.covariance);
+  return local;
+}
+
+pose_estimate_t correction_message(const pose_estimate_t& pose, const StepResult& result,
+                                   const std::string& local_frame) {
+  const pose_estimate_t part =
+      make_pose_estimate(pose.utime, result.T_world_local, result.correction_covariance);
+  pose_estimate_t correction = pose;
+  correction.child_frame = local_frame;
+  correction.T_map_robot = part.T_map_robot;
+  std::copy(std::begin(part.covariance), std::end(part.covariance), correction.covariance);
+  return correction;
 }
 
 particles_t particles_message(Utime utime, const StepResult& result, const FastSlam& slam) {

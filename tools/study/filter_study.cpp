@@ -13,6 +13,7 @@
 #include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
 #include "procs/odometry/odometry_settings.hpp"
 #include "tools/evaluate/pose_log.hpp"
 #include "tools/log/message_reader.hpp"
@@ -64,6 +65,36 @@ const FeatureFrame* earlier_view(const std::vector<FeatureFrame>& frames, const 
   return best;
 }
 
+// Where the first pose says where the map lies: what a covariance seen from there speaks of.
+EvaluationSettings at_first_pose() {
+  EvaluationSettings settings;
+  settings.association = Association::interpolate_truth;
+  settings.alignment = Alignment::first_pose;
+  return settings;
+}
+
+// The normal is the distance's gradient. What lies on no surface in sight (a corner that two things make in
+// the image) has none that would say anything.
+double share_inside(const std::vector<FilterRun::Landmark>& landmarks, const Eigen::Isometry3d& T_truth_map,
+                    const SurfaceDistance& surface) {
+  constexpr double step = 1e-3, farthest = 0.2;  // m
+  int inside = 0, all = 0;
+  for (const FilterRun::Landmark& landmark : landmarks) {
+    const Eigen::Vector3d place = T_truth_map * landmark.mean;
+    const double distance = surface(place);
+    if (distance > farthest) continue;
+    Eigen::Vector3d normal;
+    for (int i = 0; i < 3; ++i)
+      normal(i) =
+          surface(place + step * Eigen::Vector3d::Unit(i)) - surface(place - step * Eigen::Vector3d::Unit(i));
+    const Eigen::Matrix3d P = T_truth_map.linear() * landmark.covariance * T_truth_map.linear().transpose();
+    const Eigen::Vector3d along = normal.normalized();
+    inside += distance * distance < 9 * along.dot(P * along);
+    ++all;
+  }
+  return all > 0 ? static_cast<double>(inside) / all : nothing;
+}
+
 std::string cell(double value, int decimals) {
   return fixed_number(value, decimals);
 }
@@ -82,6 +113,7 @@ const ColumnOf columns[] = {
     {"p90", [](const FilterScore& s) { return s.landmarks_p90; }},
     {"first to last m", [](const FilterScore& s) { return s.reunion; }},
     {"by odometry", [](const FilterScore& s) { return s.odometry_reunion; }},
+    {"within 3 sigma", [](const FilterScore& s) { return s.landmarks_inside; }},
     {"NEES", [](const FilterScore& s) { return s.nees; }},
     {"beyond 95 % bound", [](const FilterScore& s) { return s.beyond; }},
 };
@@ -123,13 +155,13 @@ FilterRun run_filter(const PreparedLog& log, const ConfigNode& file, int seed) {
   config.set("odometry.seed", std::to_string(seed));
   config.set("odometry.noise.seed", std::to_string(seed));
   PoseLog poses;
-  std::map<std::int64_t, Eigen::Vector3d> landmarks;
+  std::map<std::int64_t, FilterRun::Landmark> landmarks;
   BatchGraph graph(config, {"odometry", "fastslam"}, 1, [&](const BatchMessage& m) {
     poses.add(m.channel, m.bytes.data(), m.bytes.size());
     if (m.channel != "FASTSLAM_LANDMARKS") return;
     const auto tile = decode_message<landmarks_t>(m.bytes.data(), m.bytes.size());
     for (const std::int64_t id : tile.removed) landmarks.erase(id);
-    for (const landmark_t& l : tile.landmarks) landmarks[l.id] = {l.mean[0], l.mean[1], l.mean[2]};
+    for (const Landmark& l : landmarks_of(tile)) landmarks[l.id] = {l.mean, l.covariance};
   });
   for (const BatchMessage& message : log.messages) graph.deliver(message);
   graph.finish();
@@ -143,7 +175,7 @@ FilterRun run_filter(const PreparedLog& log, const ConfigNode& file, int seed) {
   run.fastslam = path("FASTSLAM_POSE");
   run.smoothed = path("FASTSLAM_SMOOTHED");
   if (!run.fastslam.empty()) run.lost = poses.channels().at("FASTSLAM_POSE").lost;
-  for (const auto& [id, mean] : landmarks) run.landmarks.push_back(mean);
+  for (const auto& [id, landmark] : landmarks) run.landmarks.push_back(landmark);
   return run;
 }
 
@@ -180,8 +212,8 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
   score.clean = clean;
   score.corrected = (score.odometry - score.fastslam) / (score.odometry - clean);
   std::vector<double> off;
-  for (const Eigen::Vector3d& landmark : run.landmarks)
-    if (surface) off.push_back(surface(report.alignment.T_truth_estimate * landmark));
+  for (const FilterRun::Landmark& landmark : run.landmarks)
+    if (surface) off.push_back(surface(report.alignment.T_truth_estimate * landmark.mean));
   score.landmarks = median(off);
   score.landmarks_p90 = quantile(off, 0.9);
   const std::vector<double> reunions = reunion_distances(log.frames, log.truth, run.fastslam);
@@ -189,6 +221,9 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
   score.reunion = median(reunions);
   score.odometry_reunion = median(reunion_distances(log.frames, log.truth, run.odometry));
   score.lost = run.lost;
+  const TrajectoryReport anchored = evaluate(log.truth, run.fastslam, at_first_pose());
+  score.landmarks_inside =
+      surface ? share_inside(run.landmarks, anchored.alignment.T_truth_estimate, surface) : nothing;
   return score;
 }
 

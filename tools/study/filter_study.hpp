@@ -27,8 +27,12 @@ PreparedLog prepare_log(const std::string& log, const ConfigNode& config, int th
 
 struct FilterRun {
   Trajectory odometry, fastslam, smoothed;
-  std::vector<Eigen::Vector3d> landmarks;  ///< m, fastslam's map
-  int lost = 0;                            ///< poses of that status
+  struct Landmark {
+    Eigen::Vector3d mean;        ///< m, in the map
+    Eigen::Matrix3d covariance;  ///< m^2
+  };
+  std::vector<Landmark> landmarks;  ///< fastslam's map
+  int lost = 0;                     ///< poses of that status
 };
 FilterRun run_filter(const PreparedLog& log, const ConfigNode& config, int seed);
 
@@ -50,6 +54,8 @@ struct FilterScore {
   double landmarks = 0, landmarks_p90 = 0;  ///< median and 90 % of their distances from surfaces, m
   double nees = 0, beyond = 0;              ///< of fastslam: mean; share of poses beyond their 95 % bound
   double reunion = 0, odometry_reunion = 0;  ///< medians of reunion_distances, m
+  double landmarks_inside = 0;  ///< part of them that lie on a surface to three of their sigmas along its
+                                ///< normal, where the first pose says where the map lies
   int reunions = 0, lost = 0;
 };
 

@@ -19,7 +19,8 @@ bool LandmarkPublication::differs(const Sent& sent, const CompactLandmark& now) 
          std::abs(now.variance() - before) > 0.5 * before;
 }
 
-MapChanges LandmarkPublication::take(const ParticleMap& map, LandmarkIndex& index) {
+MapChanges LandmarkPublication::take(const ParticleMap& map, LandmarkIndex& index,
+                                     const std::function<Landmark(int)>& published) {
   MapChanges changes;
   sent_.resize(static_cast<std::size_t>(index.slots()));
   std::vector<int> moved;
@@ -41,7 +42,7 @@ MapChanges LandmarkPublication::take(const ParticleMap& map, LandmarkIndex& inde
     }
     if (!index.alive(slot) || record.observations < minimum_observations_) continue;
     if (sent.id == record.id && !std::binary_search(moved.begin(), moved.end(), slot)) continue;
-    changes.changed.push_back(make_public(slot, map, index));
+    changes.changed.push_back(published(slot));
     sent = {record.id, *map.find(static_cast<std::size_t>(slot))};
   }
   if (!changes.changed.empty() || !changes.removed.empty()) ++revision_;

@@ -3,6 +3,7 @@
 // becomes the best, only landmarks that really differ go out.
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <lcmslam/fastslam/landmarks/landmark_index.hpp>
@@ -26,8 +27,10 @@ class LandmarkPublication {
   explicit LandmarkPublication(int minimum_observations, double tolerance = 0.005)
       : minimum_observations_(minimum_observations), tolerance_(tolerance) {}
 
-  /// Cost: what changed since the last call, not the map.
-  MapChanges take(const ParticleMap& map, LandmarkIndex& index);
+  /// `published`: the landmark of a slot as others shall see it. Cost: what changed since the last call, not
+  /// the map.
+  MapChanges take(const ParticleMap& map, LandmarkIndex& index,
+                  const std::function<Landmark(int)>& published);
 
  private:
   struct Sent {

@@ -24,6 +24,7 @@ struct Outcome {
   double rmse = 0, worst = 0;  // m, of the pose
   double nees = 0;             // of (x, y, heading), mean over the run: 3 when consistent
   double nees_settled = 0;     // the same after the first half lap: the fit moves the first poses
+  double nees_of_spread = 0;   // the same by the particles' spread alone
   double nees_from_start = 0;  // the same, where the first pose says where the world lies
   double landmarks = 0;        // m, RMSE
   int removed = 0;
@@ -60,6 +61,8 @@ Outcome run(const PlanarDrive& drive, const FastSlamSettings& settings) {
     const Eigen::Vector3d e = PoseSpace<3>::reduce(se3_log(T.inverse() * drive.steps[i].T_start_robot));
     const double nees = e.dot(PoseSpace<3>::reduce(results[i].covariance).inverse() * e);
     outcome.nees += nees;
+    outcome.nees_of_spread += e.dot(PoseSpace<3>::reduce(results[i].local_covariance).inverse() * e) /
+                              static_cast<double>(results.size());
     if (i >= settled_frames)
       outcome.nees_settled += nees / static_cast<double>(results.size() - settled_frames);
     const Eigen::Vector3d d =
@@ -315,9 +318,11 @@ TEST(KnownLandmarks, ConsistencyOverSeeds) {
   }
 }
 
-// The particles drawn from the smoothed path keep the covariance honest where resampling alone loses it.
+// The particles drawn from the smoothed path keep the covariance honest where resampling alone, by what is
+// left of their spread, loses it. What is published then comes from the ensemble of errors and is honest,
+// too.
 TEST(KnownLandmarks, RejuvenationKeepsTheFilterConsistent) {
-  std::vector<double> with, without, error_with, error_without;
+  std::vector<double> with, without, published, error_with, error_without;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const PlanarDrive drive = make_planar_drive({}, seed);
     FastSlamSettings settings = settings_for(seed);
@@ -325,7 +330,8 @@ TEST(KnownLandmarks, RejuvenationKeepsTheFilterConsistent) {
     settings.rejuvenate = false;
     const Outcome b = run(drive, settings);
     with.push_back(a.nees);
-    without.push_back(b.nees);
+    without.push_back(b.nees_of_spread);
+    published.push_back(b.nees);
     error_with.push_back(a.rmse);
     error_without.push_back(b.rmse);
   }
@@ -334,6 +340,7 @@ TEST(KnownLandmarks, RejuvenationKeepsTheFilterConsistent) {
   EXPECT_LT(median(with), median(without));
   EXPECT_LT(median(error_with), 1.1 * median(error_without));
   EXPECT_LT(median(with), 12);
+  EXPECT_LT(median(published), 12);
 }
 
 }  // namespace
