@@ -63,7 +63,7 @@ DepthBuffer::DepthBuffer(cv::Size colour_size, float footprint)
     return static_cast<int>(static_cast<float>(pixels) * per_pixel_) + 2 + 2 * margin_;
   };
   nearest_.create(cells(colour_size.height), cells(colour_size.width));
-  std::fill(nearest_.begin(), nearest_.end(), infinity);
+  std::fill_n(nearest_.ptr<float>(), nearest_.total(), infinity);
 }
 
 void DepthBuffer::splat(const float* u, const float* v, const float* z, int columns) {
