@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include <lcmslam/configuration/config.hpp>
+#include <lcmslam/simulation/head_settings.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
 namespace lcmslam {
