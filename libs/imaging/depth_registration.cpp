@@ -4,8 +4,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include <lcmslam/imaging/depth_rows.hpp>
 #include <lcmslam/imaging/occlusion.hpp>
-#include <lcmslam/parallel/instruction_set.hpp>
 
 namespace lcmslam {
 namespace {
@@ -16,60 +16,20 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-// What a vectorised loop over a row needs to know.
-struct RowGeometry {
-  float nearest, farthest;            // mm
-  float constant, quadratic, offset;  // of the depth noise
-  float R[9], t[3];                   // row-major
-};
-
-RowGeometry row_geometry(const RgbdCalibration& calibration, const Eigen::Isometry3d& T) {
-  const DepthNoise& noise = calibration.depth_noise;
-  RowGeometry g{};
-  g.nearest = static_cast<float>(std::max(1.0, std::ceil(calibration.depth_min * 1000)));
-  g.farthest = static_cast<float>(std::min(65534.0, std::floor(calibration.depth_max * 1000)));
-  g.constant = static_cast<float>(noise.constant);
-  g.quadratic = static_cast<float>(noise.quadratic);
-  g.offset = static_cast<float>(noise.offset);
-  for (int i = 0; i < 9; ++i) g.R[i] = static_cast<float>(T.linear()(i / 3, i % 3));
-  for (int i = 0; i < 3; ++i) g.t[i] = static_cast<float>(T.translation()[i]);
-  return g;
-}
-
-// Valid depths become points z * ray with their standard deviation; the others NaN.
-LCMSLAM_VECTORISED(unproject_row,
-                   (const std::uint16_t* depth, const float* ray, int columns, const RowGeometry& g,
-                    float* point, float* sigma),
-                   (depth, ray, columns, g, point, sigma)) {
-  for (int u = 0; u < columns; ++u) {
-    const auto mm = static_cast<float>(depth[u]);
-    const float z = mm >= g.nearest && mm <= g.farthest ? 0.001f * mm : nan_value;
-    const float spread = z - g.offset;
-    point[3 * u] = z * ray[2 * u];
-    point[3 * u + 1] = z * ray[2 * u + 1];
-    point[3 * u + 2] = z;
-    sigma[u] = g.constant + g.quadratic * spread * spread;
-  }
-}
-
-LCMSLAM_VECTORISED(move_row, (int columns, const RowGeometry& g, float* point), (columns, g, point)) {
-  for (int u = 0; u < columns; ++u) {
-    const float x = point[3 * u], y = point[3 * u + 1], z = point[3 * u + 2];
-    for (int k = 0; k < 3; ++k)
-      point[3 * u + k] = g.R[3 * k] * x + g.R[3 * k + 1] * y + g.R[3 * k + 2] * z + g.t[k];
-  }
-}
-
-void project_points(const CameraModel& colour, int step, RegisteredDepth& result) {
-  for (int v = 0; v < result.points.rows; v += step) {
-    const auto* point = result.points.ptr<cv::Vec3f>(v);
-    auto* pixel = result.pixels.ptr<cv::Vec2f>(v);
-    for (int u = 0; u < result.points.cols; u += step) {
-      if (std::isnan(point[u][2])) continue;
-      const auto projected = colour.project({point[u][0], point[u][1], point[u][2]});
-      if (projected && colour.contains(*projected))
-        pixel[u] = {static_cast<float>(projected->x()), static_cast<float>(projected->y())};
+// Pixels of every step-th row and column, hidden ones included, which go into the buffer.
+void project_points(const CameraModel& colour, int step, RegisteredDepth& result, DepthBuffer& buffer) {
+  const LensRowGeometry lens = lens_row_geometry(colour);
+  const int columns = result.points.cols, kept = (columns + step - 1) / step;
+  std::vector<float> u(static_cast<std::size_t>(columns)), v(u), z(u);
+  for (int row = 0; row < result.points.rows; row += step) {
+    project_row(result.points.ptr<float>(row), columns, lens, u.data(), v.data(), z.data());
+    auto* pixel = result.pixels.ptr<cv::Vec2f>(row);
+    for (int i = 0; i < kept; ++i) {
+      const auto at = static_cast<std::size_t>(i * step), to = static_cast<std::size_t>(i);
+      u[to] = u[at], v[to] = v[at], z[to] = z[at];
+      pixel[at] = {u[to], v[to]};
     }
+    buffer.splat(u.data(), v.data(), z.data(), kept);
   }
 }
 
@@ -78,7 +38,8 @@ void copy_own_pixels(int step, RegisteredDepth& result) {
     const auto* point = result.points.ptr<cv::Vec3f>(v);
     auto* pixel = result.pixels.ptr<cv::Vec2f>(v);
     for (int u = 0; u < result.points.cols; u += step)
-      if (!std::isnan(point[u][2])) pixel[u] = {static_cast<float>(u), static_cast<float>(v)};
+      pixel[u] = std::isnan(point[u][2]) ? cv::Vec2f(nan_value, nan_value)
+                                         : cv::Vec2f(static_cast<float>(u), static_cast<float>(v));
   }
 }
 
@@ -91,6 +52,7 @@ DepthRegistration::DepthRegistration(RgbdCalibration calibration) : calibration_
   }
   calibration_.check();
   rays_ = ray_table(calibration_.depth);
+  tiles_ = DepthTiles(calibration_.colour, rays_);
 }
 
 void check_frame(const RgbdFrame& frame, const RgbdCalibration& calibration) {
@@ -126,22 +88,13 @@ RegisteredDepth DepthRegistration::unproject(const RgbdFrame& frame, const Eigen
     return result;
   }
   check_frame(frame, calibration_);
-  const DepthNoise& noise = calibration_.depth_noise;
-  const bool has_amplitude = noise.amplitude > 0 && !frame.amplitude.empty();
   const bool moved = !T.matrix().isIdentity(0);
-  const RowGeometry geometry = row_geometry(calibration_, T);
+  const DepthRowGeometry geometry = depth_row_geometry(calibration_, T);
   for (int v = 0; v < depth.height; ++v) {
-    const auto* millimetres = frame.depth.ptr<std::uint16_t>(v);
     auto* point = result.points.ptr<float>(v);
-    auto* sigma = result.sigma.ptr<float>(v);
-    unproject_row(millimetres, rays_.ptr<float>(v), depth.width, geometry, point, sigma);
-    if (noise.amplitude > 0) {
-      const auto* amplitude = has_amplitude ? frame.amplitude.ptr<std::uint8_t>(v) : nullptr;
-      for (int u = 0; u < depth.width; ++u)  // NaN stays NaN
-        if (!std::isnan(sigma[u]))
-          sigma[u] = static_cast<float>(
-              noise.sigma(0.001 * millimetres[u], has_amplitude ? amplitude[u] / 255.0 : 1.0));
-    }
+    unproject_row(frame.depth.ptr<std::uint16_t>(v),
+                  frame.amplitude.empty() ? nullptr : frame.amplitude.ptr<std::uint8_t>(v),
+                  rays_.ptr<float>(v), depth.width, geometry, point, result.sigma.ptr<float>(v));
     if (moved) move_row(depth.width, geometry, point);
   }
   return result;
@@ -155,24 +108,18 @@ RegisteredDepth DepthRegistration::operator()(const RgbdFrame& frame,
     throw std::invalid_argument("T_colour_depth_time must be finite");
   const CameraModel& colour = calibration_.colour;
   RegisteredDepth result = unproject(frame, T_colour_depth_time * calibration_.T_colour_depth);
-  result.pixels = cv::Mat(result.points.size(), CV_32FC2, cv::Scalar::all(nan_value));
+  result.pixels.create(result.points.size(), CV_32FC2);
   result.aligned = calibration_.depth_registered && T_colour_depth_time.matrix().isIdentity(0);
+  if (frame.depth.empty() || pixel_step > 1) result.pixels.setTo(cv::Scalar::all(nan_value));
   if (frame.depth.empty()) return result;
   if (result.aligned) {
     copy_own_pixels(pixel_step, result);
   } else {
-    project_points(colour, pixel_step, result);
-    hide_occluded(result, {colour.width, colour.height}, pixel_step);
+    DepthBuffer buffer({colour.width, colour.height}, static_cast<float>(pixel_step) * result.footprint);
+    project_points(colour, pixel_step, result, buffer);
+    buffer.close();
+    hide_occluded(result, buffer, pixel_step);
   }
-  return result;
-}
-
-RegisteredDepth DepthRegistration::for_depth_at_pixels(const RgbdFrame& frame,
-                                                       const Eigen::Isometry3d& T_colour_depth_time) const {
-  const bool own_pixels = calibration_.depth_registered && T_colour_depth_time.matrix().isIdentity(0);
-  if (!own_pixels) return (*this)(frame, T_colour_depth_time);
-  RegisteredDepth result = unproject(frame);
-  result.aligned = true;
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <lcmslam/imaging/calibration.hpp>
+#include <lcmslam/imaging/depth_tiles.hpp>
 #include <lcmslam/imaging/rgbd_frame.hpp>
 
 namespace lcmslam {
@@ -17,6 +18,14 @@ struct RegisteredDepth {
   float pitch = 0;      ///< angle between neighbouring depth pixels, rad (1 / focal length)
   float footprint = 1;  ///< colour pixels between neighbouring depth pixels
   bool aligned = false;  ///< depth pixel (u, v) is colour pixel (u, v)
+};
+
+/// Depth seen at a colour pixel: the 3-D point in the colour camera frame, m, and its standard deviation
+/// along the viewing ray, m. All NaN where there is no depth around the pixel or where the neighbours
+/// disagree by more than their noise (a depth edge).
+struct DepthAtPixel {
+  Eigen::Vector3f point;
+  float sigma;
 };
 
 /// Throws std::invalid_argument, with both sizes, when an image is not of the calibration's size.
@@ -44,10 +53,11 @@ class DepthRegistration {
   /// the depth image's time, `pixels` empty. Throws as the other one.
   RegisteredDepth unproject(const RgbdFrame& frame) const;
 
-  /// As operator() for those who only ask depth_at_pixels(): where depth pixels are colour's own, `pixels`
-  /// stay empty.
-  RegisteredDepth for_depth_at_pixels(const RgbdFrame& frame,
-                                      const Eigen::Isometry3d& T_colour_depth_time) const;
+  /// What depth_at_pixels() says of the whole registered image, bit for bit, but only what lies around these
+  /// pixels is registered. Throws as the other ones.
+  std::vector<DepthAtPixel> depth_at_pixels(
+      const RgbdFrame& frame, const std::vector<cv::Point2f>& colour_pixels,
+      const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity()) const;
 
   const RgbdCalibration& calibration() const { return calibration_; }
 
@@ -56,6 +66,7 @@ class DepthRegistration {
 
   RgbdCalibration calibration_;
   cv::Mat rays_;  // of the depth camera, CV_32FC2
+  DepthTiles tiles_;
 };
 
 /// The same without keeping tables: for single frames.
@@ -67,14 +78,6 @@ RegisteredDepth register_depth(const RgbdFrame& frame, const RgbdCalibration& ca
 /// with the noise; NaN where there is no point, at depth edges, and where noise or a grazing view leave
 /// the normal uncertain by more than 0.3 rad.
 cv::Mat estimate_normals(const RegisteredDepth& registered, int step = 1);
-
-/// Depth seen at a colour pixel: the 3-D point in the colour camera frame, m, and its standard deviation
-/// along the viewing ray, m. All NaN where there is no depth around the pixel or where the neighbours
-/// disagree by more than their noise (a depth edge).
-struct DepthAtPixel {
-  Eigen::Vector3f point;
-  float sigma;
-};
 
 /// 3-D points of sub-pixel positions in the (distorted) colour image: each is interpolated by a plane
 /// through the registered depth points within 1.5 depth pixels of it.

@@ -4,40 +4,100 @@
 #include <cmath>
 #include <limits>
 
+#include <lcmslam/parallel/instruction_set.hpp>
+
 namespace lcmslam {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Nearest depth for each cell of the colour image; a cell is half a depth pixel wide.
-class DepthBuffer {
- public:
-  DepthBuffer(cv::Size colour_size, float footprint)
-      : cell_(std::max(1.0f, 0.5f * footprint)),
-        half_(0.6f * footprint),  // a little over one half: slanted surfaces spread
-        nearest_(static_cast<int>(static_cast<float>(colour_size.height) / cell_) + 1,
-                 static_cast<int>(static_cast<float>(colour_size.width) / cell_) + 1, infinity) {}
-
-  void splat(const cv::Vec2f& pixel, float z) {
-    const int left = std::max(0, cell(pixel[0] - half_));
-    const int right = std::min(nearest_.cols - 1, cell(pixel[0] + half_));
-    const int top = std::max(0, cell(pixel[1] - half_));
-    const int bottom = std::min(nearest_.rows - 1, cell(pixel[1] + half_));
-    for (int y = top; y <= bottom; ++y)
-      for (int x = left; x <= right; ++x) nearest_(y, x) = std::min(nearest_(y, x), z);
-  }
-
-  float at(const cv::Vec2f& pixel) const { return nearest_(cell(pixel[1]), cell(pixel[0])); }
-
- private:
-  int cell(float position) const { return static_cast<int>(std::floor((position + 0.5f) / cell_)); }
-
-  float cell_;
-  float half_;
-  cv::Mat_<float> nearest_;
+struct CellGeometry {
+  float per_pixel, half;  // cells a colour pixel, colour pixels
+  int span, margin;       // cells
+  int stride;             // cells from row to row
 };
 
-// Smaller of the depth steps to the two neighbours: the surface's slope, not the edge beside it.
+inline int floor_of(float value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
+}
+
+// Where the windows of a row's points begin: the first one, and how far the last ones lie to the right and
+// down (0 where one window does). -1 for points without pixel.
+LCMSLAM_VECTORISED(find_windows,
+                   (const float* __restrict u, const float* __restrict v, int columns, const CellGeometry& in,
+                    std::int32_t* __restrict first, std::int32_t* __restrict right,
+                    std::int32_t* __restrict down),
+                   (u, v, columns, in, first, right, down)) {
+  const CellGeometry g = in;  // local: nothing that is written can change it
+  for (int i = 0; i < columns; ++i) {
+    const bool seen = u[i] >= -0.5f;  // not NaN
+    const float x = seen ? u[i] : 0.0f, y = seen ? v[i] : 0.0f;
+    const int left = floor_of((x - g.half + 0.5f) * g.per_pixel);
+    const int end = floor_of((x + g.half + 0.5f) * g.per_pixel);
+    const int top = floor_of((y - g.half + 0.5f) * g.per_pixel);
+    const int bottom = floor_of((y + g.half + 0.5f) * g.per_pixel);
+    first[i] = seen ? (top + g.margin) * g.stride + left + g.margin : -1;
+    right[i] = std::max(0, end - left + 1 - g.span);
+    down[i] = std::max(0, bottom - top + 1 - g.span) * g.stride;
+  }
+}
+
+LCMSLAM_VECTORISED(take_minimum, (const float* __restrict other, int columns, float* __restrict row),
+                   (other, columns, row)) {
+  for (int i = 0; i < columns; ++i) row[i] = other[i] < row[i] ? other[i] : row[i];
+}
+
+inline void lower(float& cell, float z) {
+  cell = z < cell ? z : cell;
+}
+
+}  // namespace
+
+DepthBuffer::DepthBuffer(cv::Size colour_size, float footprint)
+    : per_pixel_(1 / std::max(1.0f, 0.5f * footprint)),
+      half_(0.6f * footprint),  // a little over one half: slanted surfaces spread
+      span_(static_cast<int>(2 * half_ * per_pixel_) + 1),
+      margin_(span_ + 1) {
+  const auto cells = [&](int pixels) {
+    return static_cast<int>(static_cast<float>(pixels) * per_pixel_) + 2 + 2 * margin_;
+  };
+  nearest_.create(cells(colour_size.height), cells(colour_size.width));
+  std::fill_n(nearest_.ptr<float>(), nearest_.total(), infinity);
+}
+
+void DepthBuffer::splat(const float* u, const float* v, const float* z, int columns) {
+  const auto count = static_cast<std::size_t>(columns);
+  if (first_.size() < count)
+    for (auto* values : {&first_, &right_, &down_}) values->resize(count);
+  const CellGeometry geometry{per_pixel_, half_, span_, margin_, nearest_.cols};
+  find_windows(u, v, columns, geometry, first_.data(), right_.data(), down_.data());
+  auto* const cells = nearest_.ptr<float>();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (first_[i] < 0) continue;
+    float* const window = cells + first_[i];
+    const int right = right_[i], down = down_[i];
+    lower(window[0], z[i]);
+    if ((right | down) == 0) continue;
+    lower(window[right], z[i]);
+    lower(window[down], z[i]);
+    lower(window[right + down], z[i]);
+  }
+}
+
+// From the last row and column backwards, so that minima are taken of what was put in.
+void DepthBuffer::close() {
+  std::vector<float> copy(static_cast<std::size_t>(nearest_.cols));
+  for (int y = nearest_.rows - 1; y >= 0; --y) {
+    auto* row = nearest_.ptr<float>(y);
+    for (int above = 1; above < span_ && above <= y; ++above)
+      take_minimum(nearest_.ptr<float>(y - above), nearest_.cols, row);
+    std::copy(row, row + nearest_.cols, copy.begin());
+    for (int before = 1; before < span_; ++before)
+      take_minimum(copy.data(), nearest_.cols - before, row + before);
+  }
+}
+
 float smaller_step(float before, float z, float after) {
   const float a = std::abs(z - before);
   const float b = std::abs(after - z);
@@ -45,33 +105,24 @@ float smaller_step(float before, float z, float after) {
   return std::isnan(b) ? a : std::min(a, b);
 }
 
-}  // namespace
-
-void hide_occluded(RegisteredDepth& registered, cv::Size colour_size, int step) {
-  const cv::Mat_<cv::Vec3f> points = registered.points;
-  const cv::Mat_<float> sigma = registered.sigma;
-  cv::Mat_<cv::Vec2f> pixels = registered.pixels;
-
-  DepthBuffer buffer(colour_size, static_cast<float>(step) * registered.footprint);
-  for (int v = 0; v < points.rows; v += step)
-    for (int u = 0; u < points.cols; u += step)
-      if (!std::isnan(pixels(v, u)[0])) buffer.splat(pixels(v, u), points(v, u)[2]);
-
-  // Two (thinned) depth pixels of slope in each direction lie between a point and the farthest edge of a
-  // splat that covers it; three standard deviations for each of the two points.
+void hide_occluded(RegisteredDepth& registered, const DepthBuffer& buffer, int step) {
   constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
-  const auto slopes = 2 * static_cast<float>(step);
-  for (int v = 0; v < points.rows; v += step) {
-    for (int u = 0; u < points.cols; u += step) {
-      if (std::isnan(pixels(v, u)[0])) continue;
-      const float z = points(v, u)[2];
-      const float gap = z - buffer.at(pixels(v, u)) - 6 * sigma(v, u);
+  const int rows = registered.points.rows, columns = registered.points.cols;
+  for (int v = 0; v < rows; v += step) {
+    const auto* point = registered.points.ptr<cv::Vec3f>(v);
+    const auto* above = v > 0 ? registered.points.ptr<cv::Vec3f>(v - 1) : nullptr;
+    const auto* below = v + 1 < rows ? registered.points.ptr<cv::Vec3f>(v + 1) : nullptr;
+    const auto* sigma = registered.sigma.ptr<float>(v);
+    auto* pixel = registered.pixels.ptr<cv::Vec2f>(v);
+    for (int u = 0; u < columns; u += step) {
+      if (std::isnan(pixel[u][0])) continue;
+      const float z = point[u][2];
+      const float gap = gap_before(buffer.at(pixel[u][0], pixel[u][1]), z, sigma[u]);
       if (!(gap > 0)) continue;
-      const float horizontal = smaller_step(u > 0 ? points(v, u - 1)[2] : nothing, z,
-                                            u + 1 < points.cols ? points(v, u + 1)[2] : nothing);
-      const float vertical = smaller_step(v > 0 ? points(v - 1, u)[2] : nothing, z,
-                                          v + 1 < points.rows ? points(v + 1, u)[2] : nothing);
-      if (gap > slopes * (horizontal + vertical)) pixels(v, u) = {nothing, nothing};
+      const float horizontal =
+          smaller_step(u > 0 ? point[u - 1][2] : nothing, z, u + 1 < columns ? point[u + 1][2] : nothing);
+      const float vertical = smaller_step(above ? above[u][2] : nothing, z, below ? below[u][2] : nothing);
+      if (is_hidden(gap, step, horizontal, vertical)) pixel[u] = {nothing, nothing};
     }
   }
 }

@@ -48,10 +48,10 @@ Feature feature_of(const cv::KeyPoint& k, const float* descriptor, const DepthAt
   return f;
 }
 
-}  // namespace
-
-FeatureFrame describe_frame(const RgbdFrame& frame, const RegisteredDepth& depth,
-                            const RgbdCalibration& calibration, cv::Feature2D& detector) {
+// `depth_at(pixels)` gives the depths of colour's pixels.
+template <class DepthAt>
+FeatureFrame describe(const RgbdFrame& frame, const RgbdCalibration& calibration, cv::Feature2D& detector,
+                      const DepthAt& depth_at) {
   cv::Mat grey, descriptors;
   cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
   std::vector<cv::KeyPoint> keypoints;
@@ -60,7 +60,7 @@ FeatureFrame describe_frame(const RgbdFrame& frame, const RegisteredDepth& depth
     throw std::invalid_argument("describe_frame: the detector must give 64 floats a feature");
   std::vector<cv::Point2f> pixels;
   for (const auto& keypoint : keypoints) pixels.push_back(keypoint.pt);
-  const std::vector<DepthAtPixel> points = depth_at_pixels(depth, calibration, pixels);
+  const std::vector<DepthAtPixel> points = depth_at(pixels);
 
   FeatureFrame result = frame_of(frame, calibration);
   result.sharpness = sharpness(grey);
@@ -68,6 +68,21 @@ FeatureFrame describe_frame(const RgbdFrame& frame, const RegisteredDepth& depth
     result.features.push_back(feature_of(keypoints[i], descriptors.ptr<float>(static_cast<int>(i)), points[i],
                                          calibration.colour, frame.colour));
   return result;
+}
+
+}  // namespace
+
+FeatureFrame describe_frame(const RgbdFrame& frame, const RegisteredDepth& depth,
+                            const RgbdCalibration& calibration, cv::Feature2D& detector) {
+  return describe(frame, calibration, detector,
+                  [&](const auto& pixels) { return depth_at_pixels(depth, calibration, pixels); });
+}
+
+FeatureFrame describe_frame(const RgbdFrame& frame, const DepthRegistration& registration,
+                            const Eigen::Isometry3d& T_colour_depth_time, cv::Feature2D& detector) {
+  return describe(frame, registration.calibration(), detector, [&](const auto& pixels) {
+    return registration.depth_at_pixels(frame, pixels, T_colour_depth_time);
+  });
 }
 
 }  // namespace lcmslam

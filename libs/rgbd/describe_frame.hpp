@@ -11,4 +11,9 @@ namespace lcmslam {
 FeatureFrame describe_frame(const RgbdFrame& frame, const RegisteredDepth& depth,
                             const RgbdCalibration& calibration, cv::Feature2D& detector);
 
+/// The same, bit for bit, but only what lies around the features is registered. `T_colour_depth_time` as for
+/// DepthRegistration.
+FeatureFrame describe_frame(const RgbdFrame& frame, const DepthRegistration& registration,
+                            const Eigen::Isometry3d& T_colour_depth_time, cv::Feature2D& detector);
+
 }  // namespace lcmslam

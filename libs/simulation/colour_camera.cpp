@@ -26,19 +26,59 @@ ColourCamera::ColourCamera(const Scene& scene, const RayCaster& caster, const Ca
         std::sqrt(sensor.read_sigma * sensor.read_sigma + sensor.shot_variance * static_cast<double>(value)));
 }
 
-cv::Mat ColourCamera::render(const Eigen::Isometry3d& T_world_camera, const Vector6d& velocity,
-                             const PixelNoise& noise, int threads) const {
+cv::Mat ColourCamera::render(const RowPoses& poses, const PixelNoise& noise, int threads,
+                             float exposed) const {
   const cv::Size size(camera_.width, camera_.height);
   cv::Mat sharp(size, CV_8UC3), depth(size, CV_32FC1), image(size, CV_8UC3);
   const auto last = static_cast<std::uint64_t>(size.area());
-  const float gain = 1 + static_cast<float>(sensor_.gain_sigma) * PixelNoise::normal(noise.bits(last));
-  const Eigen::Isometry3f T = T_world_camera.cast<float>();
-  interleaved_rows(size.height, threads, [&](int row) { trace_row(row, T, gain, sharp, depth); });
+  const float gain =
+      exposed * (1 + static_cast<float>(sensor_.gain_sigma) * PixelNoise::normal(noise.bits(last)));
   interleaved_rows(size.height, threads, [&](int row) {
-    blur_row(row, velocity, sharp, depth, image);
+    trace_row(row, poses.at(row, size.height).cast<float>(), gain, sharp, depth);
+  });
+  interleaved_rows(size.height, threads, [&](int row) {
+    blur_row(row, poses.velocity, sharp, depth, image);
     noise_row(row, noise, image);
   });
   return image;
+}
+
+ColourCamera::Seen ColourCamera::see(const RayPacket& rays, int i, const Vector3f& origin) const {
+  const float pixel_angle = static_cast<float>(1 / camera_.fx);
+  const SceneTriangle& triangle = scene_.triangles[rays.triangle[i]];
+  const Vector3f direction(rays.x[i], rays.y[i], rays.z[i]);
+  const Vector3f normal = facing_normal(triangle, rays.u[i], rays.v[i], direction);
+  const float length = direction.norm(), cosine = -normal.dot(direction) / length;
+  // Across the slope the pixel covers more of the surface; the geometric mean of both directions.
+  const float footprint = pixel_angle * rays.range[i] * length / std::sqrt(std::max(cosine, 0.05f));
+  return {light_at(scene_, origin + rays.range[i] * direction, normal),
+          rays.range[i],  // directions have length 1 along the optical axis
+          reflectivity(scene_, triangle, rays.u[i], rays.v[i], footprint)};
+}
+
+double ColourCamera::brightness(const Eigen::Isometry3d& T_world_camera) const {
+  constexpr int apart = 40;  // pixels
+  const Eigen::Matrix3f R = T_world_camera.linear().cast<float>();
+  const Vector3f origin = T_world_camera.translation().cast<float>();
+  double sum = 0;
+  int count = 0;
+  for (int row = apart / 2; row < camera_.height; row += apart)
+    for (int left = apart / 2; left < camera_.width; left += apart * RayPacket::size) {
+      RayPacket rays;
+      for (int i = 0; i < RayPacket::size; ++i) {
+        const auto& ray = rays_.at<cv::Vec2f>(row, std::min(left + i * apart, camera_.width - 1));
+        const Vector3f direction = R * Vector3f(ray[0], ray[1], 1);
+        rays.x[i] = direction.x(), rays.y[i] = direction.y(), rays.z[i] = direction.z();
+      }
+      caster_.cast(origin, rays);
+      for (int i = 0; i < RayPacket::size; ++i) {
+        ++count;
+        if (rays.triangle[i] == RayPacket::none) continue;
+        const Seen seen = see(rays, i, origin);
+        sum += static_cast<double>(seen.light * (seen.colour[0] + seen.colour[1] + seen.colour[2]) / 3);
+      }
+    }
+  return sum / std::max(1, count);
 }
 
 void ColourCamera::trace_row(int row, const Eigen::Isometry3f& T_world_camera, float gain, cv::Mat& image,
@@ -48,7 +88,6 @@ void ColourCamera::trace_row(int row, const Eigen::Isometry3f& T_world_camera, f
   auto* z = depth.ptr<float>(row);
   const Eigen::Matrix3f R = T_world_camera.linear();
   const Vector3f origin = T_world_camera.translation();
-  const float pixel_angle = static_cast<float>(1 / camera_.fx);
   RayPacket rays;
   for (int left = 0; left < camera_.width; left += RayPacket::size) {
     rays.aim(ray, left, camera_.width, R);
@@ -60,17 +99,11 @@ void ColourCamera::trace_row(int row, const Eigen::Isometry3f& T_world_camera, f
         z[column] = 100;
         continue;
       }
-      const SceneTriangle& triangle = scene_.triangles[rays.triangle[i]];
-      const Vector3f direction(rays.x[i], rays.y[i], rays.z[i]);
-      const Vector3f normal = facing_normal(triangle, rays.u[i], rays.v[i], direction);
-      const float length = direction.norm(), cosine = -normal.dot(direction) / length;
-      // Across the slope the pixel covers more of the surface; the geometric mean of both directions.
-      const float footprint = pixel_angle * rays.range[i] * length / std::sqrt(std::max(cosine, 0.05f));
-      const cv::Vec4f colour = reflectivity(scene_, triangle, rays.u[i], rays.v[i], footprint);
-      const float light = gain * light_at(scene_, origin + rays.range[i] * direction, normal);
+      const Seen seen = see(rays, i, origin);
       for (int c = 0; c < 3; ++c)
-        pixel[column][c] = static_cast<std::uint8_t>(std::min(255.f, light * colour[c] + 0.5f));
-      z[column] = rays.range[i];  // directions have length 1 along the optical axis
+        pixel[column][c] =
+            static_cast<std::uint8_t>(std::min(255.f, gain * seen.light * seen.colour[c] + 0.5f));
+      z[column] = seen.depth;
     }
   }
 }

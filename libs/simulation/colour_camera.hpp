@@ -7,6 +7,7 @@
 #include <lcmslam/imaging/camera_model.hpp>
 #include <lcmslam/simulation/pixel_noise.hpp>
 #include <lcmslam/simulation/ray_caster.hpp>
+#include <lcmslam/simulation/row_poses.hpp>
 
 namespace lcmslam {
 
@@ -22,12 +23,19 @@ class ColourCamera {
   ColourCamera(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
                const ColourSensor& sensor = {});
 
-  /// CV_8UC3 BGR. `T_world_camera` in the middle of the exposure; `velocity`: of the camera in its
-  /// own frame (m/s, rad/s), for the blur.
-  cv::Mat render(const Eigen::Isometry3d& T_world_camera, const Vector6d& velocity, const PixelNoise& noise,
-                 int threads) const;
+  /// CV_8UC3 BGR. `poses` in the middle of the exposure, with the velocity that blurs. `gain`: of the
+  /// image's brightness.
+  cv::Mat render(const RowPoses& poses, const PixelNoise& noise, int threads, float gain = 1) const;
+
+  /// Mean grey value (0..255, more where it would be overexposed) of what the camera sees with gain 1.
+  double brightness(const Eigen::Isometry3d& T_world_camera) const;
 
  private:
+  struct Seen {
+    float light, depth;  // depth along the optical axis
+    cv::Vec4f colour;
+  };
+  Seen see(const RayPacket& rays, int i, const Eigen::Vector3f& origin) const;
   void trace_row(int row, const Eigen::Isometry3f& T_world_camera, float gain, cv::Mat& image,
                  cv::Mat& depth) const;
   void blur_row(int row, const Vector6d& velocity, const cv::Mat& sharp, const cv::Mat& depth,

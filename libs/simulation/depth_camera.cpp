@@ -16,11 +16,10 @@ DepthCamera::DepthCamera(const Scene& scene, const RayCaster& caster, const Came
   ray_table(camera).convertTo(rays_, CV_32F);
 }
 
-cv::Mat DepthCamera::render(const Eigen::Isometry3d& T_world_camera, const PixelNoise& noise,
-                            int threads) const {
+cv::Mat DepthCamera::render(const RowPoses& poses, const PixelNoise& noise, int threads) const {
   cv::Mat exact(camera_.height, camera_.width, CV_32FC2), depth(camera_.height, camera_.width, CV_16UC1);
-  const Eigen::Isometry3f T = T_world_camera.cast<float>();
-  interleaved_rows(camera_.height, threads, [&](int row) { trace_row(row, T, exact); });
+  interleaved_rows(camera_.height, threads,
+                   [&](int row) { trace_row(row, poses.at(row, camera_.height).cast<float>(), exact); });
   interleaved_rows(camera_.height, threads, [&](int row) { measure_row(row, exact, noise, depth); });
   return depth;
 }
@@ -46,6 +45,24 @@ void DepthCamera::trace_row(int row, const Eigen::Isometry3f& T_world_camera, cv
   }
 }
 
+// Standard normal. Between nodes `correlation` pixels apart it is interpolated, and scaled so that its
+// variance stays 1: weights w give a variance of the sum of w^2.
+double DepthCamera::noise_at(const PixelNoise& noise, int column, int row) const {
+  const auto node = [&](int x, int y) {
+    const auto bits = noise.bits(static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(camera_.width) +
+                                 static_cast<std::uint64_t>(x));
+    return static_cast<double>(PixelNoise::smooth_normal(bits));
+  };
+  const int apart = sensor_.correlation;
+  if (apart == 1) return node(column, row);
+  const int x = column / apart, y = row / apart;
+  const double right = static_cast<double>(column % apart) / apart, left = 1 - right;
+  const double lower = static_cast<double>(row % apart) / apart, upper = 1 - lower;
+  const double sum = upper * (left * node(x, y) + right * node(x + 1, y)) +
+                     lower * (left * node(x, y + 1) + right * node(x + 1, y + 1));
+  return sum / std::sqrt((upper * upper + lower * lower) * (left * left + right * right));
+}
+
 void DepthCamera::measure_row(int row, const cv::Mat& exact, const PixelNoise& noise, cv::Mat& depth) const {
   const auto at = [&](int x, int y) {
     return exact.at<cv::Vec2f>(std::clamp(y, 0, exact.rows - 1), std::clamp(x, 0, exact.cols - 1));
@@ -63,10 +80,10 @@ void DepthCamera::measure_row(int row, const cv::Mat& exact, const PixelNoise& n
          {std::pair{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}})
       edge = edge || z - static_cast<double>(at(column + dx, row + dy)[0]) > sensor_.edge_ratio * z;
     if (edge) continue;
-    const std::uint64_t bits = noise.bits(static_cast<std::uint64_t>(row * camera_.width + column));
     const double spread = z - sensor_.offset;
-    const double sigma = sensor_.constant + sensor_.quadratic * spread * spread;
-    const double noisy = z + sigma * static_cast<double>(PixelNoise::smooth_normal(bits));
+    const double sigma = sensor_.constant + sensor_.quadratic * spread * spread +
+                         sensor_.disparity_sigma * z * z / disparity_metres;
+    const double noisy = z + sigma * noise_at(noise, column, row);
     const double steps = std::round(disparity_metres / noisy / sensor_.disparity_step);
     const double measured = disparity_metres / (steps * sensor_.disparity_step);
     if (measured >= sensor_.minimum && measured <= sensor_.maximum)

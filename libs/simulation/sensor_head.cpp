@@ -40,11 +40,11 @@ Eigen::Isometry3d mount_pose(const HeadMount& mount) {
 
 class TofSource : public DepthSource {
  public:
-  TofSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera)
-      : camera_(scene, caster, camera) {}
-  void render(const Eigen::Isometry3d& T, const PixelNoise& noise, int threads,
-              RgbdFrame& frame) const override {
-    TofImage image = camera_.render(T, noise, threads);
+  TofSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
+            const TofSensor& sensor = {})
+      : camera_(scene, caster, camera, sensor) {}
+  void render(const RowPoses& poses, const PixelNoise& noise, int threads, RgbdFrame& frame) const override {
+    TofImage image = camera_.render(poses.T_world_camera, noise, threads);
     frame.depth = image.depth;
     frame.amplitude = image.grey;
   }
@@ -58,9 +58,8 @@ class StructuredLightSource : public DepthSource {
   StructuredLightSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
                         const StructuredLightSensor& sensor)
       : camera_(scene, caster, camera, sensor) {}
-  void render(const Eigen::Isometry3d& T, const PixelNoise& noise, int threads,
-              RgbdFrame& frame) const override {
-    frame.depth = camera_.render(T, noise, threads);
+  void render(const RowPoses& poses, const PixelNoise& noise, int threads, RgbdFrame& frame) const override {
+    frame.depth = camera_.render(poses, noise, threads);
   }
 
  private:
@@ -115,6 +114,45 @@ SensorHead make_head(const std::string& name, const Scene& scene, const RayCaste
   head.calibration.has_mount = true;
   head.calibration.T_robot_camera = mount_pose(scene.head);
   head.calibration.check();
+  return head;
+}
+
+// What a user of the head would measure of it: the noise's mean course, the wiggle's root mean square.
+SensorHead make_head(const HeadSettings& settings, const Scene& scene, const RayCaster& caster) {
+  SensorHead head;
+  RgbdCalibration& calibration = head.calibration;
+  calibration.sensor = settings.name;
+  calibration.colour = settings.colour.camera();
+  calibration.depth = settings.depth.camera();
+  calibration.T_colour_depth.translation() = Eigen::Vector3d(settings.translation.data());
+  calibration.T_colour_depth.linear() = (Eigen::AngleAxisd(settings.rpy[2], Eigen::Vector3d::UnitZ()) *
+                                         Eigen::AngleAxisd(settings.rpy[1], Eigen::Vector3d::UnitY()) *
+                                         Eigen::AngleAxisd(settings.rpy[0], Eigen::Vector3d::UnitX()))
+                                            .toRotationMatrix();
+  calibration.has_mount = true;
+  calibration.T_robot_camera = mount_pose(scene.head);
+  head.frame_rate = settings.frame_rate;
+  head.exposure = settings.exposure;
+  head.rolling_shutter = settings.rolling_shutter;
+  if (settings.depth_rolls)
+    calibration.rolling_shutter = head.depth_rolling_shutter = settings.rolling_shutter;
+  if (settings.kind == "time_of_flight") {
+    const TofSensor& sensor = settings.time_of_flight;
+    calibration.depth_noise = {sensor.wiggle / std::sqrt(2.0), 0, 0, sensor.noise};
+    calibration.depth_min = sensor.minimum_range;
+    calibration.depth_max = sensor.unambiguous_range;
+    head.depth = std::make_unique<TofSource>(scene, caster, calibration.depth, sensor);
+    head.tolerance = noise_tolerance(sensor);
+  } else {
+    const StructuredLightSensor& sensor = settings.triangulation;
+    const double disparity = sensor.disparity_sigma / (calibration.depth.fx * sensor.baseline);
+    calibration.depth_noise = {sensor.constant, sensor.quadratic + disparity, sensor.offset, 0};
+    calibration.depth_min = sensor.minimum;
+    calibration.depth_max = sensor.maximum;
+    head.depth = std::make_unique<StructuredLightSource>(scene, caster, calibration.depth, sensor);
+    head.tolerance = noise_tolerance(sensor, calibration.depth.fx);
+  }
+  calibration.check();
   return head;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The two sensor heads: exact calibration, and the depth half of a frame.
+// The sensor heads, the two pinned ones and those of files: exact calibration, and the depth half of a frame.
 
 #include <memory>
 #include <string>
@@ -7,8 +7,10 @@
 #include <lcmslam/imaging/calibration.hpp>
 #include <lcmslam/imaging/rgbd_frame.hpp>
 #include <lcmslam/simulation/depth_truth.hpp>
+#include <lcmslam/simulation/head_settings.hpp>
 #include <lcmslam/simulation/pixel_noise.hpp>
 #include <lcmslam/simulation/ray_caster.hpp>
+#include <lcmslam/simulation/row_poses.hpp>
 
 namespace lcmslam {
 
@@ -16,13 +18,16 @@ namespace lcmslam {
 class DepthSource {
  public:
   virtual ~DepthSource() = default;
-  virtual void render(const Eigen::Isometry3d& T_world_depth, const PixelNoise& noise, int threads,
+  virtual void render(const RowPoses& poses, const PixelNoise& noise, int threads,
                       RgbdFrame& frame) const = 0;
 };
 
 struct SensorHead {
   RgbdCalibration calibration;
-  double frame_rate = 10;  ///< Hz
+  double frame_rate = 10;            ///< Hz
+  double exposure = 1.0 / 60;        ///< s, of the colour camera
+  double rolling_shutter = 0;        ///< s, of the colour camera
+  double depth_rolling_shutter = 0;  ///< s
   std::unique_ptr<DepthSource> depth;
   DepthTolerance tolerance;  ///< of the depth camera's noise
 };
@@ -32,5 +37,8 @@ struct SensorHead {
 /// metres; empty: the pinned size, which alone Simulation uses.
 SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster,
                      cv::Size depth_size = {});
+
+/// A head as a file describes it.
+SensorHead make_head(const HeadSettings& settings, const Scene& scene, const RayCaster& caster);
 
 }  // namespace lcmslam

@@ -15,11 +15,23 @@ namespace lcmslam {
 namespace {
 
 constexpr Utime start_time = 1'000'000;
-enum Sensor : std::uint64_t { colour_sensor = 1, depth_sensor, stamp_jitter };
+enum Sensor : std::uint64_t { colour_sensor = 1, depth_sensor, depth_moment, colour_stamp, depth_stamp };
 
 // Bases that drive sideways turn up to 20 degrees away from their path, so that it matters.
 HeadingSway sway_of(const std::string& base) {
   return {is_holonomic(base) ? 0.35 : 0.0, 6.0};
+}
+
+SensorHead head_of(const SimulationSettings& settings, const Scene& scene, const RayCaster& caster) {
+  const std::filesystem::path file = head_file(settings);
+  if (file.empty()) return make_head(settings.head, scene, caster);
+  return make_head(load_head(file), scene, caster);
+}
+
+ColourSensor colour_sensor_of(const SensorHead& head) {
+  ColourSensor sensor;
+  sensor.exposure = head.exposure;
+  return sensor;
 }
 
 SimulationSettings checked(const SimulationSettings& settings) {
@@ -29,22 +41,67 @@ SimulationSettings checked(const SimulationSettings& settings) {
 
 }  // namespace
 
+std::filesystem::path head_file(const SimulationSettings& settings) {
+  if (settings.head == "tof" || settings.head == "rgbd") return {};
+  const std::filesystem::path given = settings.head;
+  if (given.extension() == ".yaml") return given;
+  const std::filesystem::path named =
+      settings.scene.parent_path().parent_path() / "heads" / (settings.head + ".yaml");
+  if (std::filesystem::exists(named)) return named;
+  throw std::invalid_argument("head '" + settings.head + "' is not known: use tof, rgbd, a name of " +
+                              named.parent_path().string() + " or a .yaml file");
+}
+
 struct Simulation::Parts {
   explicit Parts(const SimulationSettings& given)
       : settings(checked(given)),
         scene(load_scene(settings.scene)),
         caster(scene),
-        head(make_head(settings.head, scene, caster)),
-        colour(scene, caster, head.calibration.colour),
+        head(head_of(settings, scene, caster)),
+        colour(scene, caster, head.calibration.colour, colour_sensor_of(head)),
         path(PlanarPath(control_points(scene, settings.laps), PathLimits(), sway_of(settings.base)),
              scene.ground, carrying_wheels(settings.base)),
         encoders(simulate_encoders(path, settings.base, start_time, settings.seed)),
         depth_offset(static_cast<Utime>(Random(settings.seed, 0xde).uniform(-12'000, 12'000))) {
     if (settings.frame_rate > 0) head.frame_rate = settings.frame_rate;
+    if (settings.faults.rolling_shutter > 0) head.rolling_shutter = settings.faults.rolling_shutter;
   }
 
   Eigen::Isometry3d T_world_camera(Utime utime) const {
     return path.pose(static_cast<double>(utime - start_time) * 1e-6) * head.calibration.T_robot_camera;
+  }
+
+  /// Of a camera at T_colour_camera on the head.
+  RowPoses row_poses(Utime utime, const Eigen::Isometry3d& T_colour_camera, double readout) const {
+    const Eigen::Isometry3d before = T_world_camera(utime - 5000) * T_colour_camera,
+                            after = T_world_camera(utime + 5000) * T_colour_camera;
+    return {T_world_camera(utime) * T_colour_camera, se3_log(before.inverse() * after) / 0.01, readout};
+  }
+
+  /// Follows the light with a delay: the mean of the wanted gains' logarithms over the past, whose weights
+  /// fall off with the time constant.
+  float gain(Utime utime) const {
+    constexpr double wanted = 110;  // mean grey value
+    constexpr int samples = 6;
+    const double constant = settings.faults.exposure_adaptation;
+    if (!(constant > 0)) return 1;
+    double sum = 0, weights = 0;
+    for (int i = 0; i < samples; ++i) {
+      const double age = 0.5 * i, weight = std::exp(-age);
+      const auto then = utime - static_cast<Utime>(1e6 * age * constant);
+      const double brightness = std::max(1.0, colour.brightness(T_world_camera(then)));
+      sum += weight * std::log(std::clamp(wanted / brightness, 0.125, 8.0));
+      weights += weight;
+    }
+    return static_cast<float>(std::exp(sum / weights));
+  }
+
+  /// What a stamp says of a moment.
+  Utime stamp(Utime moment, Utime shot, Sensor sensor, double error) const {
+    const double jitter = settings.faults.stamp_jitter;
+    if (jitter > 0)
+      error += jitter * (2 * PixelNoise::uniform(PixelNoise(settings.seed, sensor, shot).bits(0)) - 1);
+    return moment + static_cast<Utime>(std::llround(1e6 * error));
   }
 
   const SimulationSettings settings;
@@ -90,23 +147,24 @@ const Encoders& Simulation::encoders(Utime utime) const {
 
 RgbdFrame Simulation::render(Utime utime) const {
   const SimulationSettings& settings = parts_->settings;
+  const CameraFaults& faults = settings.faults;
+  const SensorHead& head = parts_->head;
   RgbdFrame frame;
-  frame.utime = utime;
+  frame.utime = parts_->stamp(utime, utime, colour_stamp, faults.image_stamp_error);
   frame.seq = std::llround(static_cast<double>(utime - start_time) * 1e-6 * frame_rate());
-  frame.sensor = settings.head;
+  frame.sensor = head.calibration.sensor;
 
-  const Eigen::Isometry3d before = parts_->T_world_camera(utime - 5000),
-                          after = parts_->T_world_camera(utime + 5000);
-  const Vector6d velocity = se3_log(before.inverse() * after) / 0.01;
-  frame.colour = parts_->colour.render(parts_->T_world_camera(utime), velocity,
-                                       PixelNoise(settings.seed, colour_sensor, utime), settings.threads);
+  frame.colour = parts_->colour.render(
+      parts_->row_poses(utime, Eigen::Isometry3d::Identity(), head.rolling_shutter),
+      PixelNoise(settings.seed, colour_sensor, utime), settings.threads, parts_->gain(utime));
 
-  const double jitter = PixelNoise::uniform(PixelNoise(settings.seed, stamp_jitter, utime).bits(0));
-  frame.depth_utime = utime + parts_->depth_offset + static_cast<Utime>(4000 * jitter - 2000);
-  const Eigen::Isometry3d T_world_depth =
-      parts_->T_world_camera(frame.depth_utime) * parts_->head.calibration.T_colour_depth;
-  parts_->head.depth->render(T_world_depth, PixelNoise(settings.seed, depth_sensor, utime), settings.threads,
-                             frame);
+  const double jitter = PixelNoise::uniform(PixelNoise(settings.seed, depth_moment, utime).bits(0));
+  const Utime depth_moment_utime = utime + parts_->depth_offset + static_cast<Utime>(4000 * jitter - 2000);
+  frame.depth_utime = parts_->stamp(depth_moment_utime, utime, depth_stamp,
+                                    faults.image_stamp_error + faults.depth_stamp_error);
+  head.depth->render(
+      parts_->row_poses(depth_moment_utime, head.calibration.T_colour_depth, head.depth_rolling_shutter),
+      PixelNoise(settings.seed, depth_sensor, utime), settings.threads, frame);
   return frame;
 }
 

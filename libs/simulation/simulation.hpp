@@ -16,6 +16,25 @@
 
 namespace lcmslam {
 
+/// What real cameras do besides. All off: the pinned sensors.
+struct CameraFaults {
+  double rolling_shutter = 0;
+  double exposure_adaptation = 0;
+  double image_stamp_error = 0, depth_stamp_error = 0, stamp_jitter = 0;
+
+  void describe(SettingsVisitor& s) {
+    s.number("rolling_shutter", rolling_shutter, "s", {0, 0.1},
+             "from the colour image's first row to its last, which no calibration tells; 0: the head's own");
+    s.number("exposure_adaptation", exposure_adaptation, "s", {0, 60},
+             "in which the exposure follows the light but for 1/e of the difference; 0: it stays");
+    s.number("image_stamp_error", image_stamp_error, "s", {-1, 1},
+             "of both images' stamps against the wheels' clock, which nobody tells");
+    s.number("depth_stamp_error", depth_stamp_error, "s", {-1, 1},
+             "of the depth image's stamp against colour's, which nobody tells");
+    s.number("stamp_jitter", stamp_jitter, "s", {0, 0.1}, "of each image's stamp, at most, either way");
+  }
+};
+
 struct SimulationSettings {
   std::filesystem::path scene;
   std::string head = "tof";
@@ -25,20 +44,27 @@ struct SimulationSettings {
   double frame_rate = 0;
   int laps = 1;
   int threads = 1;
+  CameraFaults faults;
 
   void describe(SettingsVisitor& s) {
     s.required_path("scene", scene, "a file of config/scenes, relative to the file that names it");
-    s.choice("head", head, {"tof", "rgbd"}, "which cameras the robot has");
+    s.text("head", head,
+           "which cameras the robot has: tof, rgbd, or one of config/heads by its name or its file's path");
     s.choice("base", base, {"differential", "steered", "mecanum"}, "which wheels the robot has");
     s.number("seed", seed, "", {0, 2147483647},
              "of the sensors' errors; the scene and the path do not depend on it");
     s.number("seconds", seconds, "s", {0, 1e6}, "of the path; 0: the whole of it");
-    s.number("frame_rate", frame_rate, "Hz", {0, 200}, "of the images; 0: 10 for tof, 30 for rgbd");
+    s.number("frame_rate", frame_rate, "Hz", {0, 200},
+             "of the images; 0: the head's own, 10 for tof and 30 for rgbd");
     s.number("laps", laps, "", {1, 1000},
              "in which the path is driven, in a scene with a way back to its start");
     s.number("threads", threads, "", {1, 64}, "that render one image");
+    s.section("faults", faults, "what real cameras do besides");
   }
 };
+
+/// The file of config/heads that the settings name, beside the folder of the scene; empty for pinned heads.
+std::filesystem::path head_file(const SimulationSettings& settings);
 
 class Simulation {
  public:
@@ -61,8 +87,8 @@ class Simulation {
   /// The newest reading at or before `utime` (a multiple of 20 ms after start()).
   const Encoders& encoders(Utime utime) const;
 
-  /// One shot with the colour exposure's middle at `utime`. depth_utime is up to 15 ms off, and the depth is
-  /// that of the robot's pose then. `amplitude` is empty for the rgbd head.
+  /// One shot with the colour exposure's middle at `utime`, stamped with the settings' faults. depth_utime is
+  /// up to 15 ms off, and the depth is that of the robot's pose then. `amplitude` is empty for the rgbd head.
   RgbdFrame render(Utime utime) const;
 
   /// Metres from a point in the world to the nearest surface of the scene.

@@ -8,15 +8,12 @@
 #include <lcmslam/simulation/surface.hpp>
 
 namespace lcmslam {
-namespace {
-constexpr int split = 3;  // sub-rays of a pixel along each axis
-}
-
 using Eigen::Vector3f;
 
 TofCamera::TofCamera(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
                      const TofSensor& sensor)
     : scene_(scene), caster_(caster), camera_(camera), sensor_(sensor) {
+  const int split = sensor_.sub_rays;
   sub_rays_.create(split * camera.height, split * camera.width, CV_32FC3);
   for (int y = 0; y < sub_rays_.rows; ++y)
     for (int x = 0; x < sub_rays_.cols; ++x) {
@@ -36,9 +33,10 @@ TofImage TofCamera::render(const Eigen::Isometry3d& T_world_camera, const PixelN
   TofImage image{cv::Mat(size, CV_16UC1), cv::Mat(size, CV_8UC1), cv::Mat(size, CV_32FC1)};
   const Eigen::Isometry3f T = T_world_camera.cast<float>();
   interleaved_rows(size.height, threads, [&](int row) {
-    std::vector<Echo> sub_rows[split];
-    for (int k = 0; k < split; ++k) trace_row(split * row + k, T, sub_rows[k]);
-    measure_row(row, sub_rows, noise, image);
+    std::vector<std::vector<Echo>> sub_rows(static_cast<std::size_t>(sensor_.sub_rays));
+    for (int k = 0; k < sensor_.sub_rays; ++k)
+      trace_row(sensor_.sub_rays * row + k, T, sub_rows[static_cast<std::size_t>(k)]);
+    measure_row(row, sub_rows.data(), noise, image);
   });
   return image;
 }
@@ -48,7 +46,7 @@ void TofCamera::trace_row(int sub_row, const Eigen::Isometry3f& T_world_camera,
   const auto* ray = sub_rays_.ptr<cv::Vec3f>(sub_row);
   const Eigen::Matrix3f R = T_world_camera.linear();
   const Vector3f origin = T_world_camera.translation();
-  const auto sub_pixel_angle = static_cast<float>(1 / (split * camera_.fx));
+  const auto sub_pixel_angle = static_cast<float>(1 / (sensor_.sub_rays * camera_.fx));
   const int count = sub_rays_.cols;
   echoes.assign(static_cast<std::size_t>(count), Echo());
   RayPacket rays;
@@ -72,8 +70,13 @@ void TofCamera::trace_row(int sub_row, const Eigen::Isometry3f& T_world_camera,
   }
 }
 
+bool TofCamera::is_lit(int row, int column) const {
+  return static_cast<double>(cosine_.at<float>(row, column)) >= std::cos(sensor_.valid_angle);
+}
+
 void TofCamera::measure_row(int row, const std::vector<Echo>* sub_rows, const PixelNoise& noise,
                             TofImage& image) const {
+  const int split = sensor_.sub_rays;
   const double phase_per_metre = 2 * M_PI / sensor_.unambiguous_range;
   for (int column = 0; column < camera_.width; ++column) {
     // Phases relative to the first echo, so that the sum's angle does not wrap near 7.5 m.
@@ -91,7 +94,7 @@ void TofCamera::measure_row(int row, const std::vector<Echo>* sub_rows, const Pi
     image.amplitude.at<float>(row, column) = static_cast<float>(amplitude);
     image.depth.at<std::uint16_t>(row, column) = 0;
     image.grey.at<std::uint8_t>(row, column) = 0;
-    if (amplitude < sensor_.minimum_amplitude) continue;
+    if (amplitude < sensor_.minimum_amplitude || !is_lit(row, column)) continue;
     const double range = reference + std::atan2(imaginary, real) / phase_per_metre;
     const double corrected = amplitude * range * range;  // reflectivity x cos
     const double sigma = sensor_.noise * range * range / std::sqrt(corrected);

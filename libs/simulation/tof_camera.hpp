@@ -5,10 +5,12 @@
 // a_i = reflectivity cos(incidence) / r_i^2. Their sum gives range and amplitude, so a pixel on a
 // depth edge measures something in between (mixed or flying pixel).
 
+#include <cmath>
 #include <opencv2/core.hpp>
 
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/imaging/camera_model.hpp>
+#include <lcmslam/settings/settings.hpp>
 #include <lcmslam/simulation/pixel_noise.hpp>
 #include <lcmslam/simulation/ray_caster.hpp>
 
@@ -21,6 +23,20 @@ struct TofSensor {
   double wiggle = 0.006;             ///< m, systematic error wiggle sin(2 pi r / period)
   double wiggle_period = 1.9;        ///< m
   double minimum_amplitude = 0.002;  ///< 1/m^2: weaker pixels are invalid
+  int sub_rays = 3;                  ///< of a pixel along each axis
+  double valid_angle = M_PI / 2;     ///< rad from the optical axis: pixels farther out are invalid
+
+  void describe(SettingsVisitor& s) {
+    s.number("unambiguous_range", unambiguous_range, "m", {0.5, 100}, "half the modulation's wavelength");
+    s.number("minimum_range", minimum_range, "m", {0, 10}, "nearest range");
+    s.number("noise", noise, "1/m", {0, 1}, "sigma = noise r^2 / sqrt(reflectivity cos(incidence))");
+    s.number("wiggle", wiggle, "m", {0, 0.1}, "systematic error: wiggle sin(2 pi r / wiggle_period)");
+    s.number("wiggle_period", wiggle_period, "m", {0.01, 100}, "see wiggle");
+    s.number("minimum_amplitude", minimum_amplitude, "1/m^2", {0, 10}, "weaker pixels are invalid");
+    s.number("sub_rays", sub_rays, "", {1, 5}, "of a pixel along each axis: mixed pixels arise from them");
+    s.number("valid_angle", valid_angle, "rad", {0.01, 1.6},
+             "from the optical axis: the light does not reach pixels farther out");
+  }
 };
 
 struct TofImage {
@@ -42,6 +58,7 @@ class TofCamera {
     float range = 0;   ///< m
     float signal = 0;  ///< reflectivity cos / r^2, 1/m^2
   };
+  bool is_lit(int row, int column) const;
   void trace_row(int sub_row, const Eigen::Isometry3f& T_world_camera, std::vector<Echo>& echoes) const;
   void measure_row(int row, const std::vector<Echo>* sub_rows, const PixelNoise& noise,
                    TofImage& image) const;

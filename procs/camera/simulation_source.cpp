@@ -67,14 +67,24 @@ class SimulationSource : public CameraSource {
 
 /// Names everything that the rendered log depends on; raise `revision` when sensors or renderer change.
 std::filesystem::path cache_file(const SimulationSettings& s, int jpeg_quality) {
-  std::ifstream scene(s.scene);
-  const std::string text((std::istreambuf_iterator<char>(scene)), {});
+  std::string text;
+  for (const std::filesystem::path& file : {s.scene, head_file(s)}) {
+    std::ifstream in(file);
+    text.append(std::istreambuf_iterator<char>(in), {});
+  }
   constexpr int revision = 1;
   char name[256];
-  std::snprintf(name, sizeof name, "%s-%s-%s-seed%llu-%gs-%dlaps-%gHz-q%d-%016zx-r%d.lcmlog",
-                s.scene.stem().c_str(), s.head.c_str(), s.base.c_str(),
-                static_cast<unsigned long long>(s.seed), s.seconds, s.laps, s.frame_rate, jpeg_quality,
-                std::hash<std::string>()(text), revision);
+  const std::filesystem::path head = head_file(s);
+  const CameraFaults& f = s.faults;
+  char faults[128] = "";
+  if (f.rolling_shutter > 0 || f.exposure_adaptation > 0 || f.image_stamp_error != 0 ||
+      f.depth_stamp_error != 0 || f.stamp_jitter > 0)
+    std::snprintf(faults, sizeof faults, "-faults%g-%g-%g-%g-%g", f.rolling_shutter, f.exposure_adaptation,
+                  f.image_stamp_error, f.depth_stamp_error, f.stamp_jitter);
+  std::snprintf(name, sizeof name, "%s-%s%s-%s-seed%llu-%gs-%dlaps-%gHz-q%d-%016zx-r%d.lcmlog",
+                s.scene.stem().c_str(), head.empty() ? s.head.c_str() : head.stem().c_str(), faults,
+                s.base.c_str(), static_cast<unsigned long long>(s.seed), s.seconds, s.laps, s.frame_rate,
+                jpeg_quality, std::hash<std::string>()(text), revision);
   return std::filesystem::absolute("out") / "cache" / name;
 }
 

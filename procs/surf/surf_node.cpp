@@ -130,8 +130,7 @@ Eigen::Isometry3d SurfNode::motion_between_shots(const RgbdFrame& frame) const {
 
 FeatureFrame SurfNode::describe(const RgbdFrame& frame) {
   surf_.set_hessian_threshold(threshold_.value());
-  const RegisteredDepth depth = registration_->for_depth_at_pixels(frame, motion_between_shots(frame));
-  FeatureFrame result = describe_frame(frame, depth, registration_->calibration(), surf_);
+  FeatureFrame result = describe_frame(frame, *registration_, motion_between_shots(frame), surf_);
   threshold_.observe(surf_.blobs_found());
   blurred_ = sharpness_.observe(result.sharpness);
   blurred_frames_ += blurred_ ? 1 : 0;

@@ -116,7 +116,7 @@ class Room {
     RgbdFrame frame;
     frame.utime = ++time_;
     frame.depth_utime = frame.utime;
-    frame.colour = colour_.render(T, Vector6d::Zero(), PixelNoise(1, 1, time_), 2);
+    frame.colour = colour_.render(T, PixelNoise(1, 1, time_), 2);
     head_.depth->render(T * head_.calibration.T_colour_depth, PixelNoise(1, 2, time_), 2, frame);
     return make_(frame, T, [](Utime, Utime) { return Motion(); });
   }

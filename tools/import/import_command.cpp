@@ -96,12 +96,27 @@ int simulate_command(int argc, char** argv) {
       ->required()
       ->check(CLI::ExistingFile);
   output.add_to(app);
-  app.add_option("--head", simulation.head, "tof or rgbd");
+  app.add_option("--head", simulation.head, "tof, rgbd, or one of config/heads: its name or its file");
   app.add_option("--base", simulation.base, "differential, steered or mecanum");
   app.add_option("--seed", simulation.seed, "of the sensors' errors");
   app.add_option("--seconds", simulation.seconds, "only the first so many seconds");
-  app.add_option("--rate", simulation.frame_rate, "frames a second (default: 10 for tof, 30 for rgbd)")
+  app.add_option("--rate", simulation.frame_rate,
+                 "frames a second (default: the head's own; 10 for tof, 30 for rgbd)")
       ->check(CLI::Range(0, 1000));
+  CameraFaults& faults = simulation.faults;
+  app.add_option("--rolling-shutter", faults.rolling_shutter,
+                 "s from the colour image's first row to its last")
+      ->check(CLI::Range(0.0, 0.1));
+  app.add_option("--exposure-adaptation", faults.exposure_adaptation,
+                 "s in which the exposure follows the light (default: it stays)")
+      ->check(CLI::Range(0.0, 60.0));
+  app.add_option("--image-stamp-error", faults.image_stamp_error, "s, of both images' stamps, told to nobody")
+      ->check(CLI::Range(-1.0, 1.0));
+  app.add_option("--depth-stamp-error", faults.depth_stamp_error,
+                 "s, of depth's stamps besides, told to nobody")
+      ->check(CLI::Range(-1.0, 1.0));
+  app.add_option("--stamp-jitter", faults.stamp_jitter, "s, of each image's stamp at most")
+      ->check(CLI::Range(0.0, 0.1));
   app.add_option("--jpeg-quality", source.jpeg_quality, "of the colour images; less makes smaller logs")
       ->check(CLI::Range(1, 100));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;

@@ -39,7 +39,7 @@ TEST(ColourCamera, AgreesWithTheCameraModel) {
     const Scene scene = box_room(3, disc_at(y, z));
     const RayCaster caster(scene);
     const ColourCamera renderer(scene, caster, camera);
-    const cv::Mat image = renderer.render(level_camera(), Vector6d::Zero(), PixelNoise(1, 1, 0), 1);
+    const cv::Mat image = renderer.render(level_camera(), PixelNoise(1, 1, 0), 1);
     const auto expected = camera.project(level_camera().inverse() * Eigen::Vector3d(2.95, y, z));
     ASSERT_TRUE(expected.has_value());
     const cv::Point3d found = red_centre(image);
@@ -57,7 +57,7 @@ TEST(ColourCamera, BlurSpreadsAnEdgeOverItsMotion) {
   const auto width = [&](double rate) {  // pixels between red and grey
     Vector6d velocity = Vector6d::Zero();
     velocity[4] = rate;
-    const cv::Mat image = renderer.render(level_camera(), velocity, PixelNoise(1, 1, 0), 1);
+    const cv::Mat image = renderer.render({level_camera(), velocity}, PixelNoise(1, 1, 0), 1);
     int between = 0;
     for (int x = 250; x < 390; ++x) {
       const cv::Vec3b& pixel = image.at<cv::Vec3b>(240, x);
@@ -75,7 +75,7 @@ TEST(ColourCamera, NoiseHasThePinnedSize) {
   const RayCaster caster(scene);
   const ColourSensor sensor;
   const ColourCamera renderer(scene, caster, pinhole_camera(640, 480, 554), sensor);
-  const cv::Mat a = renderer.render(level_camera(), Vector6d::Zero(), PixelNoise(1, 1, 0), 1);
+  const cv::Mat a = renderer.render(level_camera(), PixelNoise(1, 1, 0), 1);
   std::vector<double> values;
   for (int y = 200; y < 280; ++y)
     for (int x = 280; x < 360; ++x) values.push_back(a.at<cv::Vec3b>(y, x)[1]);
@@ -91,8 +91,8 @@ TEST(ColourCamera, SameBytesForEveryThreadCount) {
   Vector6d velocity;
   velocity << 0.1, 0, 0.4, 0, 0.5, 0;
   const PixelNoise noise(3, 1, 123);
-  const cv::Mat one = renderer.render(level_camera(), velocity, noise, 1);
-  const cv::Mat three = renderer.render(level_camera(), velocity, noise, 3);
+  const cv::Mat one = renderer.render({level_camera(), velocity}, noise, 1);
+  const cv::Mat three = renderer.render({level_camera(), velocity}, noise, 3);
   EXPECT_EQ(cv::norm(one, three, cv::NORM_INF), 0);
 }
 

@@ -1,0 +1,170 @@
+// Heads of config/heads, and what cameras do besides, against the scene's exact geometry.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/simulation/head_settings.hpp>
+#include <lcmslam/simulation/simulation.hpp>
+
+namespace lcmslam {
+namespace {
+
+const std::filesystem::path config_folder = std::filesystem::path(LCMSLAM_SOURCE_DIR) / "config";
+
+SimulationSettings with_head(const std::string& head) {
+  SimulationSettings result;
+  result.scene = config_folder / "scenes/table.yaml";
+  result.head = head;
+  result.threads = 2;
+  return result;
+}
+
+// The moment at which the robot turns fastest.
+Utime fastest_turn(const Simulation& simulation) {
+  Utime best = simulation.start();
+  double most = 0;
+  for (Utime t = simulation.start(); t + 20'000 < simulation.end(); t += 100'000) {
+    const double angle =
+        rotation_angle(simulation.T_world_robot(t).inverse() * simulation.T_world_robot(t + 20'000));
+    if (angle > most) most = angle, best = t;
+  }
+  return best;
+}
+
+// Median distance of depth points from the scene, with the head where it truly was, m.
+double depth_error(const Simulation& simulation, const RgbdFrame& frame,
+                   const Eigen::Isometry3d& T_world_robot) {
+  const RgbdCalibration& c = simulation.calibration();
+  const Eigen::Isometry3d T = T_world_robot * c.T_robot_camera * c.T_colour_depth;
+  std::vector<double> errors;
+  for (int v = 3; v < frame.depth.rows; v += 29)
+    for (int u = 3; u < frame.depth.cols; u += 31)
+      if (const auto mm = frame.depth.at<std::uint16_t>(v, u))
+        errors.push_back(
+            simulation.distance_to_surface(T * Eigen::Vector3d(0.001 * mm * c.depth.ray({u, v}))));
+  EXPECT_GT(errors.size(), 50u);
+  std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
+                   errors.end());
+  return errors[errors.size() / 2];
+}
+
+class ShippedHead : public testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedHead, MeasuresTheSceneWithItsOwnNoise) {
+  const Simulation simulation(with_head(GetParam()));
+  const RgbdCalibration& c = simulation.calibration();
+  EXPECT_EQ(c.sensor, GetParam());
+  EXPECT_FALSE(c.depth_registered);
+  const Utime t = simulation.start() + 5'000'000;
+  const RgbdFrame frame = simulation.render(t);
+  EXPECT_EQ(frame.colour.size(), cv::Size(c.colour.width, c.colour.height));
+  EXPECT_EQ(frame.depth.size(), cv::Size(c.depth.width, c.depth.height));
+  EXPECT_EQ(frame.utime, t);
+  const double error = depth_error(simulation, frame, simulation.T_world_robot(frame.depth_utime));
+  EXPECT_LT(error, 3 * c.depth_noise.sigma(2.5));
+  EXPECT_GT(error, 0.0002);
+}
+
+INSTANTIATE_TEST_SUITE_P(Heads, ShippedHead,
+                         testing::Values("kinect_v1", "realsense_d435", "azure_kinect", "orbbec_astra",
+                                         "swissranger"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(Heads, TheSwissRangersFileMeasuresAsThePinnedHead) {
+  const Simulation pinned(with_head("tof")), file(with_head("swissranger"));
+  const Utime t = pinned.start() + 3'000'000;
+  const RgbdFrame a = pinned.render(t), b = file.render(t);
+  EXPECT_EQ(a.depth_utime, b.depth_utime);
+  cv::Mat difference;
+  cv::absdiff(a.depth, b.depth, difference);
+  EXPECT_LT(cv::mean(difference)[0], 5);  // mm; angles are rounded in the file
+}
+
+TEST(Heads, TheAzureKinectsCornersAreDark) {
+  const RgbdFrame frame = Simulation(with_head("azure_kinect")).render(4'000'000);
+  EXPECT_EQ(cv::countNonZero(frame.depth(cv::Rect(0, 0, 60, 60))), 0);
+  EXPECT_GT(cv::countNonZero(frame.depth(cv::Rect(290, 300, 60, 60))), 1800);
+}
+
+TEST(Heads, UnknownNamesAreRefused) {
+  EXPECT_THROW(Simulation(with_head("lidar")), std::invalid_argument);
+  EXPECT_THROW(Simulation(with_head("nowhere.yaml")), ConfigError);
+  const auto file = std::filesystem::temp_directory_path() / "lcmslam_wrong_head.yaml";
+  std::ofstream(file) << "kind: sonar\n";
+  EXPECT_THROW(load_head(file), ConfigError);
+  std::ofstream(file) << "frame_rat: 3\n";
+  EXPECT_THROW(load_head(file), ConfigError);
+  std::filesystem::remove(file);
+}
+
+// A rolling shutter's first and last row are those of global shutters half a readout earlier and later.
+TEST(Faults, ARollingShutterReadsItsRowsOneAfterTheOther) {
+  SimulationSettings s = with_head("tof");
+  const Simulation still(s);
+  s.faults.rolling_shutter = 0.06;
+  const Simulation rolling(s);
+  const Utime t = fastest_turn(still);
+  const cv::Mat seen = rolling.render(t).colour;
+  const auto difference = [&](Utime other, int row) {
+    cv::Mat rows;
+    cv::absdiff(seen.rowRange(row, row + 12), still.render(other).colour.rowRange(row, row + 12), rows);
+    const cv::Scalar mean = cv::mean(rows);
+    return mean[0] + mean[1] + mean[2];
+  };
+  EXPECT_LT(difference(t - 30'000, 0), 0.7 * difference(t + 30'000, 0));
+  EXPECT_LT(difference(t + 30'000, 468), 0.7 * difference(t - 30'000, 468));
+  EXPECT_EQ(rolling.calibration().rolling_shutter, 0);  // colour alone: nobody can be told
+  EXPECT_GT(Simulation(with_head("kinect_v1")).calibration().rolling_shutter, 0.02);
+}
+
+TEST(Faults, StampsAreWrongAndTheImagesAreNot) {
+  SimulationSettings s = with_head("tof");
+  const Simulation right(s);
+  s.faults.depth_stamp_error = 0.02;
+  const Simulation depth_wrong(s);
+  s.faults.image_stamp_error = -0.05;
+  const Simulation both_wrong(s);
+  const Utime t = fastest_turn(right);
+  const RgbdFrame a = right.render(t), b = depth_wrong.render(t), c = both_wrong.render(t);
+  EXPECT_EQ(b.utime, a.utime);
+  EXPECT_EQ(b.depth_utime, a.depth_utime + 20'000);
+  EXPECT_EQ(c.utime, a.utime - 50'000);
+  EXPECT_EQ(c.depth_utime, a.depth_utime - 30'000);
+  EXPECT_EQ(cv::norm(a.depth, c.depth, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(a.colour, c.colour, cv::NORM_INF), 0);
+
+  s.faults = {};
+  s.faults.stamp_jitter = 0.003;
+  const Simulation jittering(s);
+  double sum = 0, most = 0;
+  for (int i = 0; i < 16; ++i) {
+    const Utime at = right.start() + 100'000 * i;
+    const double jitter = 1e-6 * static_cast<double>(jittering.render(at).utime - at);
+    sum += jitter * jitter, most = std::max(most, std::abs(jitter));
+  }
+  EXPECT_LE(most, 0.003001);
+  EXPECT_NEAR(std::sqrt(sum / 16), 0.003 / std::sqrt(3), 0.0008);
+}
+
+TEST(Faults, TheExposureFollowsTheLight) {
+  SimulationSettings s = with_head("tof");
+  const Simulation fixed(s);
+  s.faults.exposure_adaptation = 0.5;
+  const Simulation adapting(s);
+  double spread_fixed = 0, spread_adapting = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Utime t = fixed.start() + 2'000'000 * i;
+    const auto grey = [&](const Simulation& simulation) {
+      const cv::Scalar mean = cv::mean(simulation.render(t).colour);
+      return std::log((mean[0] + mean[1] + mean[2]) / 3 / 110);
+    };
+    const double of_fixed = grey(fixed), of_adapting = grey(adapting);
+    spread_fixed += of_fixed * of_fixed, spread_adapting += of_adapting * of_adapting;
+  }
+  EXPECT_LT(spread_adapting, 0.5 * spread_fixed);
+}
+
+}  // namespace
+}  // namespace lcmslam
