@@ -69,6 +69,7 @@ class DenseMapper {
  private:
   PreparedFrame prepare(const DenseFrame& frame) const;
   void start_map(const PreparedFrame& prepared, Step& step);
+  void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot, bool registered);
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
   bool hangs_on_odometry();
