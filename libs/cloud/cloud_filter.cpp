@@ -13,6 +13,7 @@ class Usable {
  public:
   Usable(const AnyCloud& cloud, const CloudFilterSettings& settings)
       : cloud_(cloud),
+        normals_(settings.normals),
         min_range_(static_cast<float>(settings.min_range)),
         max_range_(static_cast<float>(settings.max_range)),
         max_sigma_(static_cast<float>(settings.max_sigma)),
@@ -21,15 +22,17 @@ class Usable {
   bool operator()(std::size_t i) const {
     const Eigen::Vector3f& point = cloud_.points[i];
     const Eigen::Vector3f& normal = cloud_.normals[i];
-    if (!point.allFinite() || !normal.allFinite()) return false;
+    if (!point.allFinite()) return false;
     const float range = point.norm();
-    if (!(range >= min_range_ && range <= max_range_ && std::abs(normal.dot(point)) >= min_cosine_ * range))
-      return false;
+    if (!(range >= min_range_ && range <= max_range_)) return false;
+    const bool grazing = !(std::abs(normal.dot(point)) >= min_cosine_ * range);
+    if (normal.allFinite() ? grazing : normals_) return false;
     return cloud_.sigmas.empty() || (cloud_.sigmas[i] > 0 && cloud_.sigmas[i] <= max_sigma_);
   }
 
  private:
   const AnyCloud& cloud_;
+  bool normals_;
   float min_range_, max_range_, max_sigma_, min_cosine_;
 };
 

@@ -43,7 +43,8 @@ void DeformableMap::restore(const std::vector<KeyframeStore::Keyframe>& keyframe
     if (2 * known >= asked) continue;
     Cloud cloud = geometry_of(keyframe.cloud, keyframe.T_world_camera);
     if (map_->has_intensities()) cloud.intensities = intensities_of(keyframe.cloud);
-    insert(voxel_filtered(cloud, settings_.voxel_size), T_world_camera.translation(), keyframe.node);
+    insert(settings_.voxel_size > 0 ? voxel_filtered(cloud, settings_.voxel_size) : cloud,
+           T_world_camera.translation(), keyframe.node);
   }
 }
 

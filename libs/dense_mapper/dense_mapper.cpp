@@ -44,7 +44,7 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   if (joins) {
     motion_.found();
     grow(prepared, step);
-    tracker_->accept(prepared, step.T_world_robot, registered);
+    accept(prepared, step.T_world_robot, registered);
   } else {
     motion_.lose(frame.motion);
   }
@@ -65,6 +65,7 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
 PreparedFrame DenseMapper::prepare(const DenseFrame& frame) const {
   Cloud usable = usable_points(frame.cloud, settings_.filter);
   move(usable, frame.T_robot_camera);
+  if (settings_.voxel_size == 0) return {frame, std::move(usable)};
   return {frame, voxel_filtered(usable, settings_.voxel_size)};
 }
 
@@ -99,8 +100,14 @@ void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
   step.status = MappingStatus::tracking;
   add_node(prepared, true, step);
   map_.insert(prepared.cloud, Eigen::Vector3d::Zero(), 0);
-  tracker_->accept(prepared, step.T_world_robot, true);
+  accept(prepared, step.T_world_robot, true);
   local_.advance(step.T_world_robot, {});
+}
+
+void DenseMapper::accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot,
+                         bool registered) {
+  tracker_->accept(prepared, T_world_robot, registered);
+  if (tracker_->grows()) keyframes_.grow(tracker_->joined());
 }
 
 bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step) {
@@ -196,7 +203,10 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   step.node = true;
   step.keyframe = keyframe;
   if (!keyframe) return;
-  keyframes_.add(node, frame.utime, T_world_camera, usable_points(frame.colouriser(), settings_.filter));
+  if (tracker_->grows())
+    keyframes_.begin(node, frame.utime, T_world_camera);
+  else
+    keyframes_.add(node, frame.utime, T_world_camera, usable_points(frame.colouriser(), settings_.filter));
   if (frame.features)
     tracker_->add_keyframe(strongest(*frame.features, settings_.keyframe_features), T_world_camera, node);
 }

@@ -80,6 +80,7 @@ class DenseMapper {
   Expectation expect(const DenseFrame& frame) const;
   void stand_on_ground(const Tracked& tracked, Step& step);
   void start_map(const PreparedFrame& prepared, Step& step);
+  void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot, bool registered);
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
   bool hangs_on_odometry();

@@ -29,7 +29,8 @@ void DenseMapperSettings::describe(SettingsVisitor& s) {
   s.choice(
       "variant", variant, variant_names,
       "modern, or what the thesis registers with instead of both passes (algorithms 3.1, 3.2, section 3.5)");
-  s.number("voxel_size", voxel_size, "m", {0.001, 10}, "of the cloud that is registered and inserted");
+  s.number("voxel_size", voxel_size, "m", {0, 10},
+           "of the cloud that is registered and inserted; 0: all of its points");
   s.choice("correspondence", correspondence, correspondence_names, "how the passes find partners in the map");
   s.number("view_radius", view_radius, "m", {0.1, 1000},
            "of the map around the camera that k-d trees and projections show");

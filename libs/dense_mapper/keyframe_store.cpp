@@ -29,10 +29,29 @@ bool KeyframeStore::is_far(const Eigen::Isometry3d& T_world_camera, const Eigen:
 
 void KeyframeStore::add(int node, Utime utime, const Eigen::Isometry3d& T_world_camera,
                         const ColouredCloud& cloud) {
+  settle();
   keyframes_.push_back({node, utime, T_world_camera, voxel_filtered(cloud, settings_.keyframe_voxel),
                         settings_.keyframe_voxel});
   ++made_;
   bound(T_world_camera);
+}
+
+void KeyframeStore::begin(int node, Utime utime, const Eigen::Isometry3d& T_world_camera) {
+  settle();
+  keyframes_.push_back({node, utime, T_world_camera, {}, 0});
+  ++made_;
+  bound(T_world_camera);
+}
+
+void KeyframeStore::grow(const ColouredCloud& cloud) {
+  Keyframe& newest = keyframes_.back();
+  append(transformed(cloud, newest.T_world_camera.inverse()), newest.cloud);
+  growing_ += cloud.size();
+}
+
+void KeyframeStore::settle() {
+  if (!keyframes_.empty()) keyframes_.back().changed += growing_;
+  growing_ = 0;
 }
 
 // Twice the voxel, about a quarter of the points: those far away first, until a tenth of the limit is free.
@@ -52,7 +71,7 @@ void KeyframeStore::bound(const Eigen::Isometry3d& T_world_camera) {
       if (points <= filled_after_thinning * settings_.keyframe_points) return;
       if (keyframe.voxel > coarsest_voxel) continue;
       points -= static_cast<double>(keyframe.cloud.size());
-      keyframe.voxel *= 2;
+      keyframe.voxel = std::max(2 * keyframe.voxel, settings_.keyframe_voxel);
       keyframe.cloud = voxel_filtered(keyframe.cloud, keyframe.voxel);
       points += static_cast<double>(keyframe.cloud.size());
       thinned = true;
@@ -77,6 +96,7 @@ void KeyframeStore::deform(const KeyframeGraph::Correction& correction) {
 }
 
 void KeyframeStore::thin(const KeyframeGraph::Thinned& thinned) {
+  settle();
   for (Keyframe& keyframe : retired_) keyframe.node = of_node(thinned.index, keyframe.node);
   std::vector<Keyframe> kept;
   for (Keyframe& keyframe : keyframes_) {
@@ -99,7 +119,7 @@ void KeyframeStore::merge_next() {
   Keyframe& successor = successor_of(retired);
   append(transformed(retired.cloud, successor.T_world_camera.inverse() * retired.T_world_camera),
          successor.cloud);
-  successor.cloud = voxel_filtered(successor.cloud, successor.voxel);
+  if (successor.voxel > 0) successor.cloud = voxel_filtered(successor.cloud, successor.voxel);
   successor.changed += retired.cloud.size();
 }
 
@@ -113,6 +133,7 @@ KeyframeStore::Keyframe& KeyframeStore::successor_of(const Keyframe& retired) {
 }
 
 std::vector<std::size_t> KeyframeStore::take_changed(bool all) {
+  if (all) settle();
   std::vector<std::size_t> changed;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     Keyframe& keyframe = keyframes_[i];

@@ -18,7 +18,7 @@ class KeyframeStore {
     Utime utime = 0;
     Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
     ColouredCloud cloud;      ///< camera frame, with normals
-    double voxel = 0;         ///< m, of that cloud
+    double voxel = 0;         ///< m, of that cloud; 0: points as they came
     std::size_t changed = 0;  ///< points that went or came since the cloud was published
   };
 
@@ -42,6 +42,12 @@ class KeyframeStore {
   /// thinned.
   void add(int node, Utime utime, const Eigen::Isometry3d& T_world_camera, const ColouredCloud& cloud);
 
+  /// For a map that grows by what each frame adds: a keyframe without points, and points of the world that
+  /// join the newest one. They stay as they are. They count as changed when the next keyframe begins, so that
+  /// a keyframe is not published anew with every frame.
+  void begin(int node, Utime utime, const Eigen::Isometry3d& T_world_camera);
+  void grow(const ColouredCloud& cloud);
+
   /// Points of the i-th keyframe that are no longer there (true).
   void remove_points(std::size_t i, const std::vector<bool>& gone);
 
@@ -57,6 +63,7 @@ class KeyframeStore {
   std::vector<std::size_t> take_changed(bool all);
 
  private:
+  void settle();
   void bound(const Eigen::Isometry3d& T_world_camera);
   Keyframe& successor_of(const Keyframe& retired);
 
@@ -64,6 +71,7 @@ class KeyframeStore {
   std::vector<Keyframe> keyframes_;
   std::deque<Keyframe> retired_;
   std::int64_t made_ = 0;
+  std::size_t growing_ = 0;  // points of the newest keyframe that do not count as changed yet
 };
 
 }  // namespace lcmslam

@@ -54,6 +54,11 @@ class Tracker {
   virtual void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot,
                       bool registered) = 0;
 
+  /// Whether the map that is published is a cloud of the tracker's own, which grows by what each accepted
+  /// frame adds: coloured, in the world. Else keyframes are published as they were seen.
+  virtual bool grows() const { return false; }
+  virtual ColouredCloud joined() const { return {}; }
+
   /// Features of a keyframe, at a node of the graph.
   virtual void add_keyframe(const FeatureFrame&, const Eigen::Isometry3d& /*T_world_camera*/, int /*node*/) {}
 

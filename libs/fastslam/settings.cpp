@@ -21,6 +21,7 @@ FastSlamSettings thesis_preset() {
   s.smooth_map = false;
   s.detect_slips = false;
   s.measurement_inflation = 1;
+  s.measurement_sigma = 0.03;  // its value is not given: a ToF camera of its time
   s.minimum_landmark_sigma = 0;
   s.rejection = RejectionWeight::constant;
   s.maximum_observations = std::numeric_limits<int>::max();
@@ -114,6 +115,8 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
   s.require(minimum_range <= maximum_range, "maximum_range", "must not be below minimum_range");
   s.number("measurement_inflation", measurement_inflation, "", {0.01, 1e4},
            "factor on each measurement covariance: errors of one feature are correlated in time");
+  s.number("measurement_sigma", measurement_sigma, "m", {0, 10},
+           "on each axis, of every 3-D point alike (the thesis's R); 0: what the sensor's model says of it");
   s.number("correlation_time", correlation_time, "s", {0, 1e4},
            "over which a sensor's errors on one landmark stay alike (fall to 1/e); 0: independent");
   s.number("minimum_landmark_sigma", minimum_landmark_sigma, "m", {0, 10},

@@ -99,6 +99,7 @@ struct FastSlamSettings {
   /// Errors of one feature are correlated in time (range wiggle, calibration), so a hundred observations say
   /// less than a hundred independent ones.
   double measurement_inflation = 2;
+  double measurement_sigma = 0;
   double correlation_time = 0;
   double minimum_landmark_sigma = 0.001;
   int maximum_observations = 100;

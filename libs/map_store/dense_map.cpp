@@ -149,6 +149,7 @@ void DenseMap::clear() {
 }
 
 ColouredCloud DenseMap::merge(double resolution) const {
+  if (resolution == 0) return merge_all();
   VoxelAverage average(resolution);
   for (const auto& [id, keyframe] : keyframes_) average.add(keyframe.cloud, keyframe.T_world_camera);
   return average.result();

@@ -60,7 +60,7 @@ class DenseMap {
   void remove(std::int32_t id);
   void clear();
 
-  /// All points in the world frame, averaged in cells of `resolution` m (see VoxelAverage).
+  /// All points in the world frame, averaged in cells of `resolution` m (see VoxelAverage); 0: as they are.
   ColouredCloud merge(double resolution) const;
   /// All points in the world frame as they are, keyframe by keyframe.
   ColouredCloud merge_all() const;

@@ -13,8 +13,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr Utime same_moment = 1000;       // us
-constexpr std::size_t features_kept = 8;  // frames; odometry may lag behind features
+constexpr Utime same_moment = 1000;        // us
+constexpr std::size_t features_kept = 32;  // frames; odometry may lag behind features
 
 double seconds_between(Utime from, Utime to) {
   return 1e-6 * static_cast<double>(to - from);
@@ -60,6 +60,17 @@ void RgbdFrameMaker::add(FeatureFrame features) {
   while (features_.size() > features_kept) features_.pop_front();
 }
 
+bool RgbdFrameMaker::has_features(const Prepared& prepared) const {
+  return std::any_of(features_.begin(), features_.end(),
+                     [&](const FeatureFrame& f) { return f.utime == prepared.frame.utime; });
+}
+
+bool RgbdFrameMaker::awaits_features(const Prepared& prepared) const {
+  return !has_features(prepared) &&
+         std::none_of(features_.begin(), features_.end(),
+                      [&](const FeatureFrame& f) { return f.utime > prepared.frame.utime; });
+}
+
 RgbdFrameMaker::Made RgbdFrameMaker::make(Prepared& prepared, const MotionBetween& motion_between,
                                           Utime previous) const {
   const RgbdCalibration& c = calibration();
@@ -92,7 +103,8 @@ RgbdFrameMaker::Made RgbdFrameMaker::make(Prepared& prepared, const MotionBetwee
   } else {
     frame.cloud = cloud_of(prepared.view, way.T_colour_depth_time, way.row_motion);
   }
-  if (std::abs(frame.utime - images.utime) <= same_moment) frame.features = features_at(prepared, way);
+  const auto within = std::max(same_moment, static_cast<Utime>(1e6 * settings_.features_within));
+  if (std::abs(frame.utime - images.utime) <= within) frame.features = features_at(prepared, way);
   frame.colour = ColourView{images.colour, c.colour, c.depth, c.T_colour_depth};
   return made;
 }
@@ -109,7 +121,10 @@ Vector6d RgbdFrameMaker::row_motion(const MotionBetween& motion_between, Utime p
 // Where colour cannot be had, the points are grey.
 ColouredCloud RgbdFrameMaker::colourise(Prepared& prepared, const Way& way) const {
   RgbdFrame& frame = prepared.frame;
-  const int step = prepared.view.step;
+  // Where registration compares colours, its cloud is the coloured one.
+  const int step = settings_.intensities
+                       ? prepared.view.step
+                       : step_for(prepared.view.depth.points.total(), settings_.keyframe_points);
   if (frame.colour.empty() && prepared.late_colour) frame.colour = std::exchange(prepared.late_colour, {})();
   RegisteredDepth depth = (*registration_)(frame, way.T_colour_depth_time, step);
   straighten_rows(depth.points, way.row_motion);

@@ -27,8 +27,10 @@ namespace lcmslam {
 struct RgbdFrameMakerSettings {
   DepthFilterSettings depth_filter;
   DepthClockSettings depth_clock;
-  double cloud_points = 12000;  ///< about as many points a cloud
-  bool intensities = false;     ///< clouds bring colour's; only points that the colour camera sees
+  double cloud_points = 12000;     ///< about as many points a cloud
+  double keyframe_points = 12000;  ///< about as many of a coloured cloud, before it is filtered
+  double features_within = 0;      ///< s from depth, that features serve where no motion joins both images
+  bool intensities = false;        ///< clouds bring colour's; only points that the colour camera sees
 };
 
 class RgbdFrameMaker {
@@ -56,8 +58,12 @@ class RgbdFrameMaker {
   Prepared prepare(RgbdFrame frame, LateColour late_colour = {});
 
   /// Features of a colour image; the newest few wait for their frame. `make` takes what is there: waiting
-  /// would add their latency to the pose's.
+  /// would add their latency to the pose's. Who needs them asks whether they have come, or will no more
+  /// because later ones have.
   void add(FeatureFrame features);
+  void forget_features() { features_.clear(); }  ///< time begins anew
+  bool has_features(const Prepared& prepared) const;
+  bool awaits_features(const Prepared& prepared) const;
 
   /// The robot's motion between two times, in any order; nothing where it is not known.
   using MotionBetween = std::function<std::optional<Motion>(Utime from, Utime to)>;

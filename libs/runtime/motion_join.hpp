@@ -30,6 +30,16 @@ class MotionJoin {
   const MotionBuffer& motion() const { return motion_; }
   std::optional<Motion> between(Utime from, Utime to) const { return motion_.between(from, to, beyond()); }
 
+  /// Something else that a measurement needs: it waits for that as well, up to `max_wait` s of message time
+  /// by itself, then goes on without, and that is counted. Whoever sees it come calls look().
+  void need(std::function<bool(const Measurement&)> is_there, double max_wait) {
+    is_there_ = std::move(is_there);
+    max_other_wait_ = static_cast<Utime>(1e6 * max_wait);
+  }
+  void look() {
+    if (now_) release(false);
+  }
+
   /// `needed` is the latest time that odometry must cover.
   void add(Utime needed, Measurement measurement) {
     advance(needed);
@@ -64,6 +74,7 @@ class MotionJoin {
   void flush() { release(true); }
 
   std::int64_t without_odometry() const { return without_odometry_; }
+  std::int64_t without_other() const { return without_other_; }
   std::int64_t dropped() const { return dropped_; }
 
  private:
@@ -76,8 +87,11 @@ class MotionJoin {
     while (!waiting_.empty()) {
       const Utime needed = waiting_.front().first;
       const bool covered = !motion_.empty() && motion_.newest() + beyond() >= needed;
+      const bool complete = !is_there_ || is_there_(waiting_.front().second);
       if (!covered && !all && *now_ - needed <= max_wait_) return;
+      if (!complete && !all && *now_ - needed <= max_other_wait_) return;
       if (!covered) ++without_odometry_;
+      if (!complete) ++without_other_;
       Measurement measurement = std::move(waiting_.front().second);
       waiting_.pop_front();
       handler_(measurement);
@@ -94,6 +108,9 @@ class MotionJoin {
   std::deque<std::pair<Utime, Measurement>> waiting_;
   std::optional<Utime> now_;  // the newest time
   std::int64_t without_odometry_ = 0;
+  std::function<bool(const Measurement&)> is_there_;  // of what need() names
+  Utime max_other_wait_ = 0;
+  std::int64_t without_other_ = 0;
   std::int64_t dropped_ = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/configuration/share.hpp>
+#include <lcmslam/dense_mapper/thesis/thesis_tracker.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
@@ -25,8 +26,18 @@ RgbdFrameMakerSettings frame_settings(const IcpNodeSettings& settings) {
   s.depth_filter = settings.depth_filter;
   s.depth_clock = settings.mapper.depth_clock;
   s.cloud_points = settings.cloud_points;
+  s.keyframe_points = settings.keyframe_pixels;
   s.intensities = settings.mapper.uses_colour();
+  if (needs_features(settings.mapper.variant, settings.mapper.thesis))
+    s.features_within = settings.mapper.thesis.features_within;
   return s;
+}
+
+/// Frames that may wait for odometry, or for their features at 60 Hz.
+std::size_t waiting_frames(const IcpNodeSettings& settings) {
+  const DenseMapperSettings& s = settings.mapper;
+  const double features = needs_features(s.variant, s.thesis) ? 60 * s.thesis.features_wait : 0;
+  return static_cast<std::size_t>(std::max({6.0, features, static_cast<double>(settings.frame_queue)}));
 }
 
 /// Logs from before calibrations told their rolling shutter know it by the sensor's name.
@@ -60,8 +71,12 @@ IcpNode::IcpNode(const IcpNodeSettings& settings, Publisher& publisher)
       new_map_after_(settings.new_map_after),
       maker_(frame_settings(settings)),
       join_(
-          settings.max_wait, std::max<std::size_t>(6, frame_queue_),
-          [this](Prepared& prepared) { on_frame(prepared); }, settings.extrapolation) {}
+          settings.max_wait, waiting_frames(settings), [this](Prepared& prepared) { on_frame(prepared); },
+          settings.extrapolation) {
+  if (needs_features(settings_.variant, settings_.thesis))
+    join_.need([this](const Prepared& prepared) { return !maker_.awaits_features(prepared); },
+               settings_.thesis.features_wait);
+}
 
 void IcpNode::connect(Inputs& inputs) {
   inputs.on_new_session = [this] { begin_session(); };
@@ -121,6 +136,7 @@ void IcpNode::on_features(const features_t& message) {
   FeatureFrame features = from_message(message);
   if (mapper_) mapper_->add_features(features, features.utime);
   maker_.add(std::move(features));
+  join_.look();
 }
 
 void IcpNode::on_frame(Prepared& prepared) {
@@ -138,6 +154,7 @@ void IcpNode::on_frame(Prepared& prepared) {
   gaps_ += frame.utime - last_utime_ > long_pause ? 1 : 0;
   frame.motion = join_.between(last_utime_, frame.utime);
   with_features_ += frame.features ? 1 : 0;
+  without_features_ += !frame.features && needs_features(settings_.variant, settings_.thesis) ? 1 : 0;
   T_world_previous_ = last_.T_world_robot;
   last_ = mapper_->step(frame);
   learn_clock(frame);
@@ -155,6 +172,7 @@ void IcpNode::on_frame(Prepared& prepared) {
 // The map that there is stays as it was published, under its own frame; what of it still waits goes out.
 void IcpNode::begin_session() {
   join_.begin_session();
+  maker_.forget_features();
   if (mapper_) begin_map_beside();
 }
 
@@ -290,6 +308,7 @@ NodeReport IcpNode::report() const {
   report.values = {{"steps", static_cast<double>(steps_)},
                    {"without_odometry", static_cast<double>(join_.without_odometry())},
                    {"with_features", static_cast<double>(with_features_)},
+                   {"without_features", static_cast<double>(without_features_)},
                    {"anchored", static_cast<double>(anchored_)},
                    {"skipped", static_cast<double>(join_.dropped())},
                    {"lost", static_cast<double>(lost_)},

@@ -74,8 +74,8 @@ class IcpNode : public Node {
   std::int64_t keyframes_queued_ = 0;  // over all maps
   std::chrono::steady_clock::time_point next_tile_{};
   std::int64_t session_ = 1;  // maps begun; each has a frame of its own
-  std::int64_t steps_ = 0, lost_ = 0, uncoloured_ = 0, with_features_ = 0, anchored_ = 0, gaps_ = 0,
-               off_ground_ = 0;
+  std::int64_t steps_ = 0, lost_ = 0, uncoloured_ = 0, with_features_ = 0, without_features_ = 0,
+               anchored_ = 0, gaps_ = 0, off_ground_ = 0;
   const StampJudge* stamps_ = nullptr;
 };
 

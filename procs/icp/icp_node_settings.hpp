@@ -12,6 +12,7 @@ struct IcpNodeSettings {
   std::string pose = "auto";
   std::string map_frame = "map";
   double cloud_points = 12000;
+  double keyframe_pixels = 12000;
   // A frame takes a third of its period: after a short stall of the machine five are soon worked off, and
   // none is missing. Where every frame takes longer, the pose comes so many frames late.
   int frame_queue = 5;
@@ -24,6 +25,10 @@ struct IcpNodeSettings {
     describe_map_frame(s, map_frame);
     s.number("cloud_points", cloud_points, "", {100, 1e7},
              "pixels of a depth image that are looked at: every second, third, ... row and column");
+    s.number(
+        "keyframe_pixels", keyframe_pixels, "", {100, 1e7},
+        "pixels of a depth image that a keyframe's cloud is made of; with keyframe_voxel the finest that "
+        "the map's file can show: 307200 of VGA and 0.005 m for 5 mm");
     describe_frame_queue(s, frame_queue);
     describe_max_wait(s, max_wait);
     s.number(

@@ -74,7 +74,7 @@ class MapFiles {
     const std::string title = "6-D SLAM: " + std::to_string(cloud.size()) + " points";
     save_pictures(map.name, title, map.path, [&](PictureRequest& r) {
       r.cloud = &cloud;
-      r.resolution = resolution;
+      if (resolution > 0) r.resolution = resolution;
     });
   }
 

@@ -39,7 +39,7 @@ struct MapServerSettings {
         "map: what comes is written into the store; localise: nothing is, and the robot is found in `map`");
     s.path("map", map, "file of a map that is only read, in which the robot is found (localise)");
     s.require((mode == "localise") != map.empty(), "map", "must name a map in mode localise, and only there");
-    s.number("resolution", resolution, "m", {0.001, 1}, "of the merged dense map");
+    s.number("resolution", resolution, "m", {0, 1}, "of the merged dense map; 0: its points as they came");
     s.number("snapshot_period", snapshot_period, "s", {0, 3600},
              "between two savings of what changed while mapping; 0: only at the end");
     s.number("export_folders", export_folders, "", {0, 10'000},

@@ -116,8 +116,19 @@ AlternatingSettings::AlternatingSettings() {
 
 std::optional<Eigen::Isometry3d> align_start(const FeaturePairs& features,
                                              const RegistrationSettings& settings) {
+  // The closed forms are there after one iteration; small angles are a linear step that is taken again.
+  constexpr int most = 50;
+  constexpr double still = 1e-9;  // m and rad
   FixedTurn turn(features, settings, 1);
-  return turn.take(Eigen::Isometry3d::Identity());
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < most; ++i) {
+    const auto next = turn.take(T);
+    if (!next) return std::nullopt;
+    const bool done = distance_between(*next, T) < still && angle_between(*next, T) < still;
+    T = *next;
+    if (done) break;
+  }
+  return T;
 }
 
 AlternatingResult register_alternating(const Cloud& overlap, const Target& target,
@@ -137,9 +148,9 @@ AlternatingResult register_alternating(const Cloud& overlap, const Target& targe
   Eigen::Isometry3d T = T_start;
   double last_error = std::numeric_limits<double>::infinity();
   for (int round = 0; round < settings.max_rounds; ++round) {
-    const auto after_cloud = cloud_turn.take(T);
+    const auto after_cloud = settings.cloud_iterations > 0 ? cloud_turn.take(T) : std::nullopt;
     const Eigen::Isometry3d T_cloud = after_cloud.value_or(T);
-    const auto after_features = feature_turn.take(T_cloud);
+    const auto after_features = settings.feature_iterations > 0 ? feature_turn.take(T_cloud) : std::nullopt;
     const Eigen::Isometry3d T_features = after_features.value_or(T_cloud);
     if (!after_cloud && !after_features) break;
 

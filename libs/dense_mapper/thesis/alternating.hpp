@@ -37,9 +37,12 @@ struct AlternatingSettings {
   void describe(SettingsVisitor& s) {
     s.section("registration", registration,
               "one iteration of every variant of the thesis: point to point, all points");
-    s.number("cloud_iterations", cloud_iterations, "", {1, 1000},
-             "of a round, on the overlapping part of the cloud");
-    s.number("feature_iterations", feature_iterations, "", {1, 1000}, "of a round, on the SURF points");
+    s.number("cloud_iterations", cloud_iterations, "", {0, 1000},
+             "of a round, on the overlapping part of the cloud; 0: the SURF subset alone (figure 3.9)");
+    s.number("feature_iterations", feature_iterations, "", {0, 1000},
+             "of a round, on the SURF points; 0: the overlapping part of the cloud alone");
+    s.require(cloud_iterations + feature_iterations > 0, "feature_iterations",
+              "must not be 0 where cloud_iterations is");
     s.choice("pairing", pairing, pairing_names,
              "SURF points pair with the nearest one (algorithm 3.2 as printed) or as their descriptors do");
     s.number("max_rounds", max_rounds, "", {1, 10000},
@@ -58,8 +61,8 @@ struct AlternatingResult {
   bool ok() const { return stop == StopReason::converged || stop == StopReason::max_iterations; }
 };
 
-/// M_initial: least squares over the pairs by the estimator of the settings; nothing when they do not fix a
-/// transform.
+/// M_initial: least squares over the pairs by the estimator of the settings, a linear one (small angles)
+/// repeated until it stands still; nothing when they do not fix a transform.
 std::optional<Eigen::Isometry3d> align_start(const FeaturePairs& features,
                                              const RegistrationSettings& settings);
 

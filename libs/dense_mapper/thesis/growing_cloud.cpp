@@ -1,5 +1,6 @@
 #include <lcmslam/dense_mapper/thesis/growing_cloud.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -29,6 +30,11 @@ std::size_t GrowingCloud::add(const Cloud& cloud) {
   }
   build(begin);
   return fresh.size();
+}
+
+Cloud GrowingCloud::newest(std::size_t count) const {
+  const std::size_t begin = cloud_.size() - std::min(count, cloud_.size());
+  return kept_points(cloud_, [&](std::size_t i) { return i >= begin; });
 }
 
 // Parts no larger than twice what comes after them are built anew together with it.

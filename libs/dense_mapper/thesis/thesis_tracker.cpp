@@ -3,10 +3,42 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <lcmslam/cloud/kd_tree.hpp>
 #include <lcmslam/registration/view_frustum.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
+namespace {
+
+/// A cloud of the world with the colours of the nearest points that a camera shows.
+ColouredCloud painted(const Cloud& cloud, const Eigen::Isometry3d& T_world_camera,
+                      const ColouredCloud& colours) {
+  constexpr float reach = 0.1F;  // m: more than a voxel's centre is from its points
+  const cv::Vec3b grey(128, 128, 128);
+  const KdTree tree(colours.points);
+  const Eigen::Isometry3f T_camera_world = T_world_camera.inverse().cast<float>();
+  ColouredCloud result;
+  result.points = cloud.points;
+  result.normals = cloud.normals;
+  result.sigmas = cloud.sigmas;
+  for (const Eigen::Vector3f& p : cloud.points) {
+    const int i = tree.nearest(T_camera_world * p, reach).index;
+    result.colours.push_back(i < 0 ? grey : colours.colours[static_cast<std::size_t>(i)]);
+  }
+  return result;
+}
+
+}  // namespace
+
+StartKind start_kind(VariantKind variant, const ThesisSettings& settings) {
+  if (settings.start != StartKind::by_variant) return settings.start;
+  return variant == VariantKind::alternating ? StartKind::features : StartKind::prediction;
+}
+
+bool needs_features(VariantKind variant, const ThesisSettings& settings) {
+  if (variant == VariantKind::modern) return false;
+  return variant == VariantKind::alternating || start_kind(variant, settings) == StartKind::features;
+}
 
 ThesisTracker::ThesisTracker(VariantKind kind, const ThesisSettings& settings)
     : kind_(kind), settings_(settings), target_(settings.merge_distance) {
@@ -26,9 +58,10 @@ Tracked ThesisTracker::track(const PreparedFrame& prepared, const Expectation& e
 
 RegistrationResult ThesisTracker::register_frame(const PreparedFrame& prepared,
                                                  const Eigen::Isometry3d& T_predicted) const {
-  RegistrationResult result = kind_ == VariantKind::alternating ? register_by_turns(prepared, T_predicted)
-                              : kind_ == VariantKind::frustum   ? register_in_view(prepared, T_predicted)
-                                                                : register_plain(prepared.cloud, T_predicted);
+  const Eigen::Isometry3d T_start = start_of(prepared, T_predicted);
+  RegistrationResult result = kind_ == VariantKind::alternating ? register_by_turns(prepared, T_start)
+                              : kind_ == VariantKind::frustum   ? register_in_view(prepared, T_start)
+                                                                : register_plain(prepared.cloud, T_start);
   const Eigen::Matrix3d R = result.T_target_source.linear();
   if (R.determinant() > 0.1) {
     result.T_target_source.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
@@ -37,6 +70,18 @@ RegistrationResult ThesisTracker::register_frame(const PreparedFrame& prepared,
     result.stop = StopReason::degenerate;
   }
   return result;
+}
+
+Eigen::Isometry3d ThesisTracker::start_of(const PreparedFrame& prepared,
+                                          const Eigen::Isometry3d& T_predicted) const {
+  switch (start_kind(kind_, settings_)) {
+    case StartKind::features:  // 3, 4 of algorithm 3.2
+      return align_start(surf_pairs(prepared.frame), settings_.icp.registration).value_or(T_predicted);
+    case StartKind::last_pose:
+      return T_world_robot_;
+    default:
+      return T_predicted;
+  }
 }
 
 // Algorithm 3.1.
@@ -56,14 +101,12 @@ RegistrationResult ThesisTracker::register_in_view(const PreparedFrame& prepared
   return register_plain(points_inside(prepared.cloud, last, T_world_last.inverse() * T_start), T_start);
 }
 
-// Algorithm 3.2; steps as there.
+// Algorithm 3.2; steps as there. 3 and 4 are start_of().
 RegistrationResult ThesisTracker::register_by_turns(const PreparedFrame& prepared,
                                                     const Eigen::Isometry3d& T_start) const {
-  const Cloud sub = seen_by_both(prepared);              // 1
-  const FeaturePairs surf = surf_pairs(prepared.frame);  // 2
-  const Eigen::Isometry3d T_initial =
-      align_start(surf, settings_.icp.registration).value_or(T_start);                    // 3, 4
-  const auto turns = register_alternating(sub, target_, surf, T_initial, settings_.icp);  // 5-10
+  const Cloud sub = seen_by_both(prepared);                                             // 1
+  const FeaturePairs surf = surf_pairs(prepared.frame);                                 // 2
+  const auto turns = register_alternating(sub, target_, surf, T_start, settings_.icp);  // 5-10
   RegistrationResult result = look(sub, target_, turns.T_target_source, settings_.icp.registration);
   result.rms = turns.from_features ? turns.feature_rms : turns.cloud_rms;
   if (result.stop == StopReason::converged || turns.from_features) result.stop = turns.stop;
@@ -90,8 +133,11 @@ FeaturePairs ThesisTracker::surf_pairs(const DenseFrame& frame) const {
 void ThesisTracker::accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot,
                            bool /*registered*/) {
   const DenseFrame& frame = prepared.frame;
-  target_.add(transformed(prepared.cloud, T_world_robot));
+  const std::size_t fresh = target_.add(transformed(prepared.cloud, T_world_robot));
+  T_world_robot_ = T_world_robot;
   T_world_camera_ = T_world_robot * frame.T_robot_camera;
+  joined_ = painted(target_.newest(fresh), T_world_camera_,
+                    frame.colouriser ? frame.colouriser() : ColouredCloud());
   features_ = frame.features;
   colour_.reset();
   if (frame.colour && !frame.colour->image.empty()) colour_ = frame.colour;

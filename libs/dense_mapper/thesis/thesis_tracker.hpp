@@ -12,6 +12,11 @@
 
 namespace lcmslam {
 
+/// The start that the settings name, or the variant's own.
+StartKind start_kind(VariantKind variant, const ThesisSettings& settings);
+/// Whether a registration is another one without its frame's SURF features: then frames wait for them.
+bool needs_features(VariantKind variant, const ThesisSettings& settings);
+
 class ThesisTracker : public Tracker {
  public:
   /// Throws std::invalid_argument for `modern`, which is none of them, and for settings out of range.
@@ -29,7 +34,12 @@ class ThesisTracker : public Tracker {
 
   const GrowingCloud& target() const { return target_; }
 
+  /// The published map is the target (section 3.3).
+  bool grows() const override { return true; }
+  ColouredCloud joined() const override { return joined_; }
+
  private:
+  Eigen::Isometry3d start_of(const PreparedFrame& prepared, const Eigen::Isometry3d& T_predicted) const;
   RegistrationResult register_plain(const Cloud& cloud, const Eigen::Isometry3d& T_start) const;
   RegistrationResult register_in_view(const PreparedFrame& prepared, const Eigen::Isometry3d& T_start) const;
   RegistrationResult register_by_turns(const PreparedFrame& prepared, const Eigen::Isometry3d& T_start) const;
@@ -40,7 +50,9 @@ class ThesisTracker : public Tracker {
   ThesisSettings settings_;
   GrowingCloud target_;
   // The last registered frame.
+  Eigen::Isometry3d T_world_robot_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();
+  ColouredCloud joined_;  // what it added to the target
   std::optional<FeatureFrame> features_;
   std::optional<ColourView> colour_;
 };

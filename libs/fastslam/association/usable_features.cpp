@@ -17,7 +17,10 @@ std::optional<FeaturePoint> camera_point(const Feature& feature, const FeatureFr
   FeaturePoint result;
   result.range = point.norm();
   if (result.range < s.minimum_range || result.range > s.maximum_range) return std::nullopt;
-  const Eigen::Matrix3d C = point_covariance(feature, frame);
+  const Eigen::Matrix3d C =
+      s.measurement_sigma > 0
+          ? Eigen::Matrix3d(std::pow(s.measurement_sigma, 2) * Eigen::Matrix3d::Identity())
+          : point_covariance(feature, frame);
   if (!C.allFinite() || C.diagonal().minCoeff() <= 0) return std::nullopt;
   const Eigen::Matrix3d R = frame.T_robot_camera.linear();
   const Eigen::Matrix3d covariance = s.measurement_inflation * (R * C * R.transpose());

@@ -119,5 +119,25 @@ TEST(Alternating, RefusesWhatMakesNoSense) {
   EXPECT_FALSE(align_start({}, AlternatingSettings().registration));
 }
 
+// The linear estimator, too, gives the pairs' least squares, however far the clouds are turned.
+TEST(AlignStart, SmallAnglesGoOnUntilTheyStandStill) {
+  Random random(5);
+  const Eigen::Isometry3d T = se3_exp((Vector6d() << 0.4, -0.3, 0.2, 0.1, -0.2, 0.8).finished());
+  FeaturePairs pairs;
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector3d p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 3));
+    pairs.source.push_back(p.cast<float>());
+    pairs.target.push_back((T * p).cast<float>());
+  }
+  for (const SolverKind solver : {SolverKind::svd, SolverKind::quaternion, SolverKind::small_angle}) {
+    RegistrationSettings settings = AlternatingSettings().registration;
+    settings.solver = solver;
+    const auto start = align_start(pairs, settings);
+    ASSERT_TRUE(start);
+    EXPECT_LT(distance_between(*start, T), 1e-5) << static_cast<int>(solver);
+    EXPECT_LT(angle_between(*start, T), 1e-5) << static_cast<int>(solver);
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam

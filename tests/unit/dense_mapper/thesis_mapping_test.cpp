@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include <lcmslam/dense_mapper/thesis/growing_cloud.hpp>
+#include <lcmslam/dense_mapper/thesis/thesis_tracker.hpp>
 #include "tests/support/cloud_scenes.hpp"
 
 namespace lcmslam {
@@ -162,6 +165,82 @@ TEST(Alternating, TheMapperFollowsLargeStepsWithoutOdometry) {
       EXPECT_GT(error, 0.1) << "the case is hard";
     }
   }
+}
+
+// Figures 3.8 to 3.11: without an initial alignment the raw clouds and the SURF subset alone stay off.
+TEST(Alternating, WithoutAStartTheSettingsDecideWhereItBegins) {
+  ThesisSettings settings;
+  EXPECT_EQ(start_kind(VariantKind::plain, settings), StartKind::prediction);
+  EXPECT_EQ(start_kind(VariantKind::alternating, settings), StartKind::features);
+  EXPECT_FALSE(needs_features(VariantKind::frustum, settings));
+  EXPECT_FALSE(needs_features(VariantKind::modern, settings));
+  EXPECT_TRUE(needs_features(VariantKind::alternating, settings));
+
+  // No iteration moves it: what comes out is the start.
+  const Eigen::Isometry3d mount = optical_axes();
+  const Eigen::Isometry3d T_last = se3_exp(twist(0.3, 0, 0, 0, 0, 0.2));
+  const Eigen::Isometry3d T = T_last * se3_exp(twist(0.2, 0.1, 0, 0, 0, 0.15));
+  const Eigen::Isometry3d T_predicted = T_last * se3_exp(twist(0.1, 0, 0, 0, 0, 0));
+  const View first = view_from(T_last * mount, 1), second = view_from(T * mount, 2);
+  const auto frame_of = [&](const View& view) {
+    DenseFrame frame = coloured_frame(0, view.cloud, mount);
+    frame.features = view.features;
+    return frame;
+  };
+  const DenseFrame last = frame_of(first), now = frame_of(second);
+  settings.icp.registration.max_distance = 1e-6;  // no pair
+  for (const auto& [start, T_expected, tolerance] :
+       {std::tuple(StartKind::prediction, T_predicted, 1e-9), std::tuple(StartKind::last_pose, T_last, 1e-9),
+        std::tuple(StartKind::features, T, 0.01)}) {
+    settings.start = start;
+    EXPECT_EQ(needs_features(VariantKind::plain, settings), start == StartKind::features);
+    ThesisTracker tracker(VariantKind::plain, settings);
+    tracker.accept({last, transformed(geometry_of(first.cloud), mount)}, T_last, true);
+    const auto result =
+        tracker.register_frame({now, transformed(geometry_of(second.cloud), mount)}, T_predicted);
+    EXPECT_LT(distance_between(result.T_target_source, T_expected), tolerance) << static_cast<int>(start);
+    EXPECT_LT(angle_between(result.T_target_source, T_expected), tolerance) << static_cast<int>(start);
+  }
+}
+
+// Section 3.3: what the mapper publishes is the growing cloud, point by point, with the frames' colours.
+TEST(Variants, ThePublishedMapIsTheGrowingCloud) {
+  DenseMapperSettings settings;
+  settings.variant = VariantKind::plain;
+  settings.voxel_size = 0;
+  settings.graph.enabled = false;
+  settings.thesis.icp.registration.max_distance = 0.3;
+  DenseMapper mapper(settings);
+  GrowingCloud expected(settings.thesis.merge_distance);
+  const Eigen::Isometry3d mount = optical_axes();
+  std::size_t published = 0;
+  for (int i = 0; i < 12; ++i) {
+    const DenseFrame frame = coloured_frame(
+        100'000 * i,
+        view_from(planar_pose(0.05 * i, 0, 0.05 * i) * mount, static_cast<std::uint64_t>(i)).cloud, mount);
+    const auto step = mapper.step(frame);
+    ASSERT_EQ(to_string(step.status), "tracking") << i;
+    Cloud cloud = usable_points(frame.cloud, settings.filter);
+    move(cloud, mount);
+    expected.add(transformed(cloud, step.T_world_robot));
+    published += (step.keyframe ? 1 : 0) + mapper.take_changed().size();
+  }
+  EXPECT_GE(mapper.keyframes().size(), 2U);
+  EXPECT_LE(published, 2 * mapper.keyframes().size())
+      << "a keyframe goes out when it begins and when it ends";
+  EXPECT_FALSE(mapper.take_changed(true).empty()) << "the newest one's later points go out at the end";
+  std::size_t points = 0;
+  for (const auto& keyframe : mapper.keyframes()) {
+    points += keyframe.cloud.size();
+    ASSERT_EQ(keyframe.cloud.colours.size(), keyframe.cloud.size());
+    for (std::size_t k = 0; k < keyframe.cloud.size(); ++k) {
+      TargetPoint found;
+      const Eigen::Vector3f point = keyframe.T_world_camera.cast<float>() * keyframe.cloud.points[k];
+      ASSERT_TRUE(expected.find(point, 1e-4F, found));
+      EXPECT_EQ(keyframe.cloud.colours[k], cv::Vec3b(10, 20, 30));
+    }
+  }
+  EXPECT_EQ(points, expected.size());
 }
 
 // What the uncorrected estimators give never leaves the mapper: rotations only.

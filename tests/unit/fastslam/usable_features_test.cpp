@@ -33,6 +33,18 @@ TEST(UsableFeatures, UnusableFeaturesAreLeftOut) {
   EXPECT_TRUE(usable_features(scene.frame, scene.settings).empty());
 }
 
+TEST(UsableFeatures, AFixedNoiseIsThatOfEveryPointAndAxis) {
+  Scene scene(1);
+  scene.settings.use_bearings = false;
+  scene.settings.measurement_sigma = 0.03;
+  scene.settings.measurement_inflation = 2;
+  const auto usable = usable_features(scene.frame, scene.settings);
+  ASSERT_FALSE(usable.empty());
+  const Eigen::Matrix3d expected = 2 * 0.03 * 0.03 * Eigen::Matrix3d::Identity();
+  for (const FeaturePoint& point : usable)
+    EXPECT_TRUE(point.measurement.covariance.isApprox(expected, 1e-12)) << point.measurement.covariance;
+}
+
 TEST(UsableFeatures, PlanarMeasurementsNeedASigmaAndAnIdentity) {
   FeatureFrame frame;
   frame.width = frame.height = 1;

@@ -141,5 +141,28 @@ TEST_F(Join, OdometryOfAnotherSenderDoesNotCompareWithTheFirsts) {
   ASSERT_TRUE(join_.motion().between(us(10.04), us(10.06)));
 }
 
+TEST_F(Join, WaitsForSomethingElseToo) {
+  bool there = false;
+  join_.need([&](int) { return there; }, 0.2);
+  join_.add(at(10.05));
+  measure(10.00, 1);
+  EXPECT_THAT(released_, IsEmpty());
+  join_.add(at(10.15));
+  join_.look();
+  EXPECT_THAT(released_, IsEmpty());
+  there = true;
+  join_.look();
+  EXPECT_THAT(released_, ElementsAre(1));
+  EXPECT_EQ(join_.without_other(), 0);
+  there = false;
+  measure(10.10, 2);
+  join_.add(at(10.30));
+  EXPECT_THAT(released_, ElementsAre(1));
+  join_.add(at(10.31));  // 0.2 s of message time have gone
+  EXPECT_THAT(released_, ElementsAre(1, 2));
+  EXPECT_EQ(join_.without_other(), 1);
+  EXPECT_EQ(join_.without_odometry(), 0);
+}
+
 }  // namespace
 }  // namespace lcmslam
