@@ -31,13 +31,15 @@ Entries information_of(const PoseGraph& graph, const PoseGraphSettings& settings
     add(WJ.transpose(), e.from, e.to, entries);
     add(W, e.to, e.to, entries);
   }
-  if (!graph.T_camera_on_ground) return entries;
-  Vector6d ground = Vector6d::Zero();
-  ground(2) = 1 / (settings.plane_height * settings.plane_height);
-  ground(3) = ground(4) = 1 / (settings.plane_tilt * settings.plane_tilt);
-  const Matrix6d A = adjoint(graph.T_camera_on_ground->inverse());
-  const Matrix6d block = A.transpose() * ground.asDiagonal() * A;
-  for (int i = 1; i < static_cast<int>(graph.poses.size()); ++i) add(block, i, i, entries);
+  if (!graph.ground) return entries;
+  const Matrix6d A = adjoint(graph.ground->T_camera_robot.inverse());
+  for (std::size_t i = 1; i < graph.poses.size(); ++i) {
+    const Eigen::Vector3d sigmas = graph.ground->sigmas(i);
+    Vector6d ground = Vector6d::Zero();
+    ground.segment<3>(2) = sigmas.cwiseAbs2().cwiseInverse();
+    const Matrix6d block = A.transpose() * ground.asDiagonal() * A;
+    add(block, static_cast<int>(i), static_cast<int>(i), entries);
+  }
   return entries;
 }
 

@@ -74,7 +74,7 @@ Vector6d error_at(const GraphEdge& e, const std::vector<Eigen::Isometry3d>& pose
 TEST(PoseCovariance, IsTheDenseInverseOfTheNumericInformation) {
   Round round(1);
   round.graph.poses = round.truth;
-  round.graph.T_camera_on_ground = se3_exp(twist(0.1, 0.2, -0.3, 0.4, 0.1, 0.2));
+  round.graph.ground = GroundConstraint{se3_exp(twist(0.1, 0.2, -0.3, 0.4, 0.1, 0.2)), {}, {}};
   for (GraphEdge& e : round.graph.edges)  // exact ones, where Jacobians are those of the error
     e.T_from_to.T =
         round.truth[static_cast<std::size_t>(e.from)].inverse() * round.truth[static_cast<std::size_t>(e.to)];
@@ -96,8 +96,8 @@ TEST(PoseCovariance, IsTheDenseInverseOfTheNumericInformation) {
   }
   for (Eigen::Index node = 1; node < n; ++node)  // the robot's height and tilt in its own frame
     for (const int k : {2, 3, 4}) {
-      const double sigma = k == 2 ? settings.plane_height : settings.plane_tilt;
-      const Vector6d row = adjoint(round.graph.T_camera_on_ground->inverse()).row(k).transpose() / sigma;
+      const double sigma = k == 2 ? round.graph.ground->plane.height : round.graph.ground->plane.tilt;
+      const Vector6d row = adjoint(round.graph.ground->T_camera_robot.inverse()).row(k).transpose() / sigma;
       H.block<6, 6>(6 * node, 6 * node) += row * row.transpose();
     }
   const Eigen::MatrixXd dense = H.bottomRightCorner(6 * (n - 1), 6 * (n - 1)).inverse();
