@@ -1,5 +1,5 @@
-// Algorithm 3.2 in its process: frames wait for their features, with wheels and without, however late they
-// come.
+// Algorithm 3.2 in its process: frames wait for their features, with wheels and without, however late
+// they come.
 
 #include <gmock/gmock.h>
 
@@ -19,7 +19,7 @@ using testing::SimulatedKitchen;
 using testing::TestBus;
 using testing::value_of;
 
-constexpr int frames = 10;
+constexpr int thesis_frames = 10;
 constexpr const char* alternating =
     "{variant: alternating, graph: {enabled: false}, "
     "thesis: {registration: {max_distance: 0.2, distance_sigmas: 3}}}";
@@ -29,18 +29,18 @@ std::vector<testing::Published> recorded(bool wheels) {
   TestBus bus;
   if (wheels) bus.add<OdometryNode>();
   bus.add<SurfNode>(ConfigNode::parse("{max_features: 400}"));
-  SimulatedKitchen::instance().play(bus, frames);
+  SimulatedKitchen::instance().play(bus, thesis_frames);
   bus.finish();
   return bus.published();
 }
 
-struct Run {
+struct ThesisRun {
   std::vector<pose_estimate_t> poses;
   double with = 0, without = 0;
 };
 
 /// Features reach the mapper `late` s of message time after their image.
-Run mapped(const std::vector<testing::Published>& made, const std::string& settings, double late) {
+ThesisRun mapped(const std::vector<testing::Published>& made, const std::string& settings, double late) {
   struct Event {
     Utime when;
     std::string channel;
@@ -48,7 +48,7 @@ Run mapped(const std::vector<testing::Published>& made, const std::string& setti
   };
   std::vector<Event> events;
   auto& kitchen = SimulatedKitchen::instance();
-  for (int k = 0; k < frames; ++k)
+  for (int k = 0; k < thesis_frames; ++k)
     events.push_back({kitchen.frame_time(k), "CAMERA", encode_message(kitchen.frame(k))});
   for (const auto& message : made) {
     if (message.channel == "ODOMETRY") {
@@ -77,10 +77,10 @@ INSTANTIATE_TEST_SUITE_P(Wheels, Features, ::testing::Bool());
 
 TEST_P(Features, AreWaitedForHoweverLateTheyCome) {
   const auto made = recorded(GetParam());
-  const Run early = mapped(made, alternating, 0.01), late = mapped(made, alternating, 0.25);
-  for (const Run& run : {early, late}) {
-    ASSERT_EQ(run.poses.size(), static_cast<std::size_t>(frames));
-    EXPECT_EQ(run.with, frames);
+  const ThesisRun early = mapped(made, alternating, 0.01), late = mapped(made, alternating, 0.25);
+  for (const ThesisRun& run : {early, late}) {
+    ASSERT_EQ(run.poses.size(), static_cast<std::size_t>(thesis_frames));
+    EXPECT_EQ(run.with, thesis_frames);
     EXPECT_EQ(run.without, 0);
   }
   for (std::size_t i = 0; i < early.poses.size(); ++i)
@@ -91,10 +91,10 @@ TEST(LateFeatures, AreCountedWhereTheWaitIsShorter) {
   const auto made = recorded(false);
   const std::string short_wait =
       "{variant: alternating, graph: {enabled: false}, thesis: {features_wait: 0.05}}";
-  const Run run = mapped(made, short_wait, 0.35);
-  EXPECT_EQ(run.poses.size(), static_cast<std::size_t>(frames));
-  EXPECT_GT(run.without, frames / 2);
-  EXPECT_EQ(run.with + run.without, frames);
+  const ThesisRun run = mapped(made, short_wait, 0.35);
+  EXPECT_EQ(run.poses.size(), static_cast<std::size_t>(thesis_frames));
+  EXPECT_GT(run.without, thesis_frames / 2);
+  EXPECT_EQ(run.with + run.without, thesis_frames);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/surface/mesh_export.hpp>
+#include "tools/map/image_cloud.hpp"
 #include "tools/map/map_commands.hpp"
 #include "tools/map/rebuilt_layers.hpp"
 #include "tools/output_file.hpp"
@@ -25,6 +26,7 @@ struct ExportOptions {
   std::vector<std::string> formats = all_formats;
   std::vector<std::string> sessions;  // empty: all
   double resolution = 0.02;           // m
+  bool images = false;
   bool force = false;
 };
 
@@ -45,8 +47,15 @@ std::optional<int> parse(ExportOptions& o, int argc, char** argv) {
       ->delimiter(',');
   app.add_option("--resolution", o.resolution, "m, of merged clouds (0.02); 0: all points as they are")
       ->check(CLI::Range(0.0, 1.0));
+  app.add_flag(
+      "--images", o.images,
+      "clouds from every pixel of the keyframes' images, at --resolution, instead of the clouds that "
+      "the mapper told, which it thins (icp.keyframe_voxel)");
   app.add_flag("--force", o.force, "overwrite files that exist");
-  return parse_command(app, argc, argv);
+  const auto exit_code = parse_command(app, argc, argv);
+  if (!exit_code && o.images && !(o.resolution > 0))
+    throw std::runtime_error("--images needs a --resolution above 0");
+  return exit_code;
 }
 
 class Exporter {
@@ -75,8 +84,7 @@ class Exporter {
   void save(const StoredSession& session, const std::string& name) {
     const SessionCounts counts = map_.counts(session.id);
     if (counts.clouds > 0 && (wants("ply") || wants("pcd"))) {
-      const DenseMap dense = map_.dense_map(session.id);
-      save_points(name, options_.resolution > 0 ? dense.merge(options_.resolution) : dense.merge_all());
+      save_points(name, merged(session.id, counts.images > 0));
     }
     if (counts.landmarks > 0) {
       const auto landmarks = map_.landmarks(session.id);
@@ -86,6 +94,12 @@ class Exporter {
     save_trajectory(session, name);
     if (counts.images > 0 && (wants("mesh") || wants("octomap") || wants("grid")))
       save_derived(session, name);
+  }
+
+  ColouredCloud merged(std::int64_t session, bool has_images) {
+    if (options_.images && has_images) return cloud_of_images(map_, session, options_.resolution);
+    const DenseMap dense = map_.dense_map(session);
+    return options_.resolution > 0 ? dense.merge(options_.resolution) : dense.merge_all();
   }
 
   template <class Points>

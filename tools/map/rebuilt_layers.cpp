@@ -6,9 +6,7 @@
 #include <lcmslam/messages/decode.hpp>
 
 namespace lcmslam {
-namespace {
 
-/// Of the sensor that took the images; the file's only one where nothing says which.
 RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
                                const std::vector<StoredKeyframe>& keyframes) {
   std::vector<StoredCalibration> known = map.calibrations();
@@ -25,8 +23,6 @@ RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
                         std::to_string(session) + ", and one is needed to derive anything from them");
   return from_message(decode_message<camera_calibration_t>(known[0].bytes.data(), known[0].bytes.size()));
 }
-
-}  // namespace
 
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session) {
   return rebuild_layers(map, PlacedSessions{{session, Eigen::Isometry3d::Identity()}});
