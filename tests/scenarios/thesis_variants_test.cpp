@@ -12,8 +12,9 @@ using testing::TestBus;
 
 TEST(ThesisVariantSettings, WrongOnesAreRefused) {
   for (const char* wrong :
-       {"{variant: sideways}", "{thesis: {pairing: both}}", "{thesis: {cloud_iterations: 0}}",
-        "{thesis: {registration: {solver: magic}}}", "{thesis: {overlap: {scale: 2}}}"}) {
+       {"{variant: sideways}", "{thesis: {pairing: both}}", "{thesis: {cloud_iterations: -1}}",
+        "{thesis: {cloud_iterations: 0, feature_iterations: 0}}", "{thesis: {registration: {solver: magic}}}",
+        "{thesis: {overlap: {scale: 2}}}"}) {
     TestBus bus;
     EXPECT_THROW(bus.add<IcpNode>(ConfigNode::parse(wrong)), ConfigError) << wrong;
   }

@@ -83,7 +83,8 @@ class Exporter {
 
   void save(const StoredSession& session, const std::string& name) {
     const SessionCounts counts = map_.counts(session.id);
-    if (counts.clouds > 0 && (wants("ply") || wants("pcd"))) {
+    const bool has_cloud = counts.clouds > 0 || (options_.images && counts.images > 0);
+    if (has_cloud && (wants("ply") || wants("pcd"))) {
       save_points(name, merged(session.id, counts.images > 0));
     }
     if (counts.landmarks > 0) {

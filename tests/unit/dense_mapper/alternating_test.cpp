@@ -109,7 +109,7 @@ TEST(Alternating, RefusesWhatMakesNoSense) {
   EXPECT_THROW(register_alternating(room(), target, uneven, Eigen::Isometry3d::Identity()),
                std::invalid_argument);
   AlternatingSettings settings;
-  settings.cloud_iterations = 0;
+  settings.cloud_iterations = settings.feature_iterations = 0;
   EXPECT_THROW(register_alternating(room(), target, {}, Eigen::Isometry3d::Identity(), settings),
                std::invalid_argument);
   settings = {};

@@ -113,6 +113,7 @@ FastSlamSettings small_thesis(std::uint64_t seed, double inflation = 50) {
   FastSlamSettings settings = thesis_preset();
   settings.particles = 15;
   settings.measurement_inflation = inflation;
+  settings.measurement_sigma = 0;  // as this world's sensor errs
   settings.seed = seed;
   return settings;
 }

@@ -24,7 +24,7 @@ class MovingHead : public testing::Test {
     calibration_.T_robot_camera = Eigen::Translation3d(0.1, 0.05, 0.3) *
                                   Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()) * optical_axes();
     settings_.depth_filter.parts = {};
-    settings_.cloud_points = 3000;
+    settings_.cloud_points = settings_.keyframe_points = 3000;
   }
 
   static Eigen::Isometry3d robot(Utime utime) {
@@ -204,8 +204,8 @@ TEST_F(MovingHead, FeaturesOfTheImageStandAtItsTime) {
   std::vector<Eigen::Vector3f> points;
   for (const Feature& f : made.frame.features->features) points.push_back(f.point);
   EXPECT_LT(off_the_walls(points, colour_time), 5 * millimetre);
-  // Only the newest eight are kept.
-  for (int i = 0; i < 8; ++i) maker.add(other);
+  // Only the newest few are kept.
+  for (int i = 0; i < 32; ++i) maker.add(other);
   EXPECT_FALSE(maker.make(prepared, odometry, last_time).frame.features);
 }
 

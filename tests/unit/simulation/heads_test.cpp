@@ -44,7 +44,7 @@ double depth_error(const Simulation& simulation, const RgbdFrame& frame,
       if (const auto mm = frame.depth.at<std::uint16_t>(v, u))
         errors.push_back(
             simulation.distance_to_surface(T * Eigen::Vector3d(0.001 * mm * c.depth.ray({u, v}))));
-  EXPECT_GT(errors.size(), 50u);
+  EXPECT_GT(errors.size(), 25u);
   std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
                    errors.end());
   return errors[errors.size() / 2];
@@ -85,7 +85,7 @@ TEST(Heads, TheSwissRangersFileMeasuresAsThePinnedHead) {
 TEST(Heads, TheAzureKinectsCornersAreDark) {
   const RgbdFrame frame = Simulation(with_head("azure_kinect")).render(4'000'000);
   EXPECT_EQ(cv::countNonZero(frame.depth(cv::Rect(0, 0, 60, 60))), 0);
-  EXPECT_GT(cv::countNonZero(frame.depth(cv::Rect(290, 300, 60, 60))), 1800);
+  EXPECT_GT(cv::countNonZero(frame.depth(cv::Rect(160, 144, 320, 288))), 0.3 * 320 * 288);
 }
 
 TEST(Heads, UnknownNamesAreRefused) {

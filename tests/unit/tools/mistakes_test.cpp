@@ -134,7 +134,7 @@ const Mistake mistakes[] = {
     {"SimulateScene", {"simulate", "kitchen.yaml", "out.lcmlog"}, "does not exist: kitchen.yaml"},
     {"SimulateHead",
      {"simulate", "@/config/scenes/kitchen.yaml", "out.lcmlog", "--head", "lidar"},
-     "head is lidar.*'tof', 'rgbd'"},
+     "head 'lidar' is not known: use tof, rgbd"},
     {"SimulateBase",
      {"simulate", "@/config/scenes/kitchen.yaml", "out.lcmlog", "--base", "tricycle"},
      "base is tricycle.*'differential'"},
