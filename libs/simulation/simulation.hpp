@@ -44,7 +44,7 @@ struct SimulationSettings {
   double frame_rate = 0;
   int laps = 1;
   int threads = 1;
-  CameraFaults faults;
+  CameraFaults faults = {};  // written so that a scene alone may be given in braces
 
   void describe(SettingsVisitor& s) {
     s.required_path("scene", scene, "a file of config/scenes, relative to the file that names it");
