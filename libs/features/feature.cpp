@@ -16,6 +16,11 @@ Descriptor to_bytes(const float* descriptor64) {
   return bytes;
 }
 
+double pixel_sigma(const Feature& feature, const FeatureFrame& frame) {
+  constexpr double size_of_sigma = 40, least = 0.5;  // pixels; of the frame's sigma
+  return frame.pixel_sigma * (feature.size > 0 ? std::max(least, feature.size / size_of_sigma) : 1);
+}
+
 Eigen::Matrix3d point_covariance(const Feature& feature, const FeatureFrame& frame) {
   if (feature.kind != MeasurementKind::point || !feature.point.allFinite() || !(feature.point.z() > 0))
     throw std::invalid_argument("point_covariance: the feature has no 3-D point in front of the camera");
@@ -24,7 +29,7 @@ Eigen::Matrix3d point_covariance(const Feature& feature, const FeatureFrame& fra
   const Eigen::Vector3d point = feature.point.cast<double>();
   const Eigen::Vector3d ray = point.normalized();
   const double along = feature.depth_sigma;
-  const double across = frame.pixel_sigma * point.z() / (0.5 * (frame.fx + frame.fy));
+  const double across = pixel_sigma(feature, frame) * point.z() / (0.5 * (frame.fx + frame.fy));
   // Isotropic across the ray: the same for every rotation that turns z into the ray.
   const Eigen::Matrix3d projector = ray * ray.transpose();
   return along * along * projector + across * across * (Eigen::Matrix3d::Identity() - projector);

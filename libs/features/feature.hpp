@@ -57,8 +57,14 @@ struct FeatureFrame {
   std::vector<Feature> features;
 };
 
+/// Standard deviation of one feature's pixel. A blob is found the less sharply the larger it is (Zeisl et al. 2009,
+/// "Estimation of location uncertainty for scale invariant feature points"): the frame's pixel_sigma is that of
+/// features of 40 pixels, and what is smaller than 20 is not found more sharply. Where a feature has no size, the
+/// frame's.
+double pixel_sigma(const Feature& feature, const FeatureFrame& frame);
+
 /// 3x3 covariance of a `point` feature in the camera frame: depth_sigma along the viewing ray,
-/// pixel_sigma * z / f across it. Throws std::invalid_argument when the feature is no `point`, does not
+/// pixel_sigma() * z / f across it. Throws std::invalid_argument when the feature is no `point`, does not
 /// lie in front of the camera, or a sigma or focal length is not positive.
 Eigen::Matrix3d point_covariance(const Feature& feature, const FeatureFrame& frame);
 

@@ -36,7 +36,8 @@ std::optional<FeaturePoint> camera_bearing(const Feature& feature, const Feature
   Measurement& m = result.measurement;
   m.kind = MeasurementKind::bearing;
   m.value << (feature.x - frame.cx) / frame.fx, (feature.y - frame.cy) / frame.fy, 0;
-  const double u = frame.pixel_sigma / frame.fx, v = frame.pixel_sigma / frame.fy;
+  const double sigma = pixel_sigma(feature, frame);
+  const double u = sigma / frame.fx, v = sigma / frame.fy;
   m.covariance.diagonal() << s.measurement_inflation * u * u, s.measurement_inflation * v * v, 1;
   m.T_robot_camera = &frame.T_robot_camera;
   return result;
