@@ -1,11 +1,24 @@
 #include <lcmslam/dense_mapper/feature_anchor.hpp>
 
 #include <algorithm>
+#include <iterator>
 
 #include <lcmslam/dense_mapper/by_node.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
 
 namespace lcmslam {
+namespace {
+
+std::vector<PointPair> seen_near(const std::vector<PointPair>& pairs, const Eigen::Isometry3d& T_world_camera,
+                                 double within) {
+  std::vector<PointPair> near;
+  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(near), [&](const PointPair& pair) {
+    return (T_world_camera * pair.point_b - pair.point_a).norm() < within;
+  });
+  return near;
+}
+
+}  // namespace
 
 FeatureAnchor::FeatureAnchor(const FeatureAnchorSettings& settings) : settings_(settings) {}
 
@@ -51,31 +64,37 @@ std::vector<const FeatureAnchor::Keyframe*> FeatureAnchor::around(
 std::optional<Prior> FeatureAnchor::locate(const FeatureFrame& features,
                                            const Eigen::Isometry3d& T_world_camera,
                                            const Eigen::Isometry3d& T_robot_camera) {
-  return locate_by(around(T_world_camera), features, T_robot_camera, settings_.min_inliers);
+  const std::vector<PointPair> pairs = matches(around(T_world_camera), features);
+  const auto place = agreed(seen_near(pairs, T_world_camera, settings_.expected_within), T_robot_camera,
+                            settings_.min_inliers);
+  if (!place) return agreed(pairs, T_robot_camera, 2 * settings_.min_inliers, settings_.recognised_share);
+  // Once more by all that is seen where it should be from there: what was expected shall not have chosen.
+  const Eigen::Isometry3d T_found = place->T_target_source * T_robot_camera;
+  const auto again =
+      agreed(seen_near(pairs, T_found, settings_.expected_within), T_robot_camera, settings_.min_inliers);
+  return again ? again : place;
 }
 
 std::optional<Prior> FeatureAnchor::recognise(const FeatureFrame& features,
                                               const Eigen::Isometry3d& T_world_camera,
                                               const Eigen::Isometry3d& T_robot_camera) {
-  return locate_by(around(T_world_camera), features, T_robot_camera, 2 * settings_.min_inliers,
-                   settings_.recognised_share);
+  return agreed(matches(around(T_world_camera), features), T_robot_camera, 2 * settings_.min_inliers,
+                settings_.recognised_share);
 }
 
 std::optional<Prior> FeatureAnchor::search(const FeatureFrame& features,
                                            const Eigen::Isometry3d& T_robot_camera) {
   for (int i = 0; i < settings_.searched_keyframes && !keyframes_.empty(); ++i) {
     const Keyframe& keyframe = keyframes_[next_search_++ % keyframes_.size()];
-    if (const auto found = locate_by({&keyframe}, features, T_robot_camera, settings_.min_inliers))
+    if (const auto found = agreed(matches({&keyframe}, features), T_robot_camera, settings_.min_inliers))
       return found;
   }
   return std::nullopt;
 }
 
 // All keyframes' matches at once, in the world: where one keyframe gives way to the next, nothing jumps.
-std::optional<Prior> FeatureAnchor::locate_by(const std::vector<const Keyframe*>& keyframes,
-                                              const FeatureFrame& features,
-                                              const Eigen::Isometry3d& T_robot_camera, int min_inliers,
-                                              double min_share) {
+std::vector<PointPair> FeatureAnchor::matches(const std::vector<const Keyframe*>& keyframes,
+                                              const FeatureFrame& features) {
   std::vector<PointPair> pairs;
   for (const Keyframe* keyframe : keyframes) {
     const Eigen::Matrix3d R = keyframe->T_world_camera.linear();
@@ -88,6 +107,12 @@ std::optional<Prior> FeatureAnchor::locate_by(const std::vector<const Keyframe*>
                        point_covariance(seen, features)});
     }
   }
+  return pairs;
+}
+
+std::optional<Prior> FeatureAnchor::agreed(const std::vector<PointPair>& pairs,
+                                           const Eigen::Isometry3d& T_robot_camera, int min_inliers,
+                                           double min_share) const {
   RigidRansacSettings ransac;
   ransac.min_inliers = min_inliers;
   Random random(1);

@@ -25,6 +25,7 @@ struct FeatureAnchorSettings {
   double floor_rotation = 0.003;
   double recognised_share = 0.75;
   double max_disagreement = 5;
+  double expected_within = 0.2;
 
   void describe(SettingsVisitor& s) {
     s.flag("enabled", enabled, "features place the robot against the keyframes around");
@@ -45,6 +46,10 @@ struct FeatureAnchorSettings {
              "noise floor of the alignment, added (squared)");
     s.number("max_disagreement", max_disagreement, "", {0, 1e6},
              "Mahalanobis distance from odometry, beyond which the map judges");
+    s.number(
+        "expected_within", expected_within, "m", {0, 1000},
+        "of where it is expected, a match is asked first, and all others only where too few of these agree: "
+        "tiles and doors look alike at the next place, too");
   }
 };
 
@@ -69,7 +74,8 @@ class FeatureAnchor {
   std::optional<Prior> search(const FeatureFrame& features, const Eigen::Isometry3d& T_robot_camera);
 
   /// T_world_robot with its information, by the matches with all keyframes around T_world_camera (where the
-  /// camera should be) together; nothing when too few agree.
+  /// camera should be) together. What is seen elsewhere than expected must be recognised; nothing when too
+  /// few agree.
   std::optional<Prior> locate(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera,
                               const Eigen::Isometry3d& T_robot_camera);
 
@@ -83,9 +89,10 @@ class FeatureAnchor {
     FeatureFrame features;
     int node = 0;
   };
-  std::optional<Prior> locate_by(const std::vector<const Keyframe*>& keyframes, const FeatureFrame& features,
-                                 const Eigen::Isometry3d& T_robot_camera, int min_inliers,
-                                 double min_share = 0);
+  /// What features of keyframes (point_a, in the world) and of this frame (point_b, in its camera) match.
+  std::vector<PointPair> matches(const std::vector<const Keyframe*>& keyframes, const FeatureFrame& features);
+  std::optional<Prior> agreed(const std::vector<PointPair>& pairs, const Eigen::Isometry3d& T_robot_camera,
+                              int min_inliers, double min_share = 0) const;
   std::vector<const Keyframe*> around(const Eigen::Isometry3d& T_world_camera) const;
 
   FeatureAnchorSettings settings_;

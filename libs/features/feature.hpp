@@ -57,10 +57,10 @@ struct FeatureFrame {
   std::vector<Feature> features;
 };
 
-/// Standard deviation of one feature's pixel. A blob is found the less sharply the larger it is (Zeisl et al. 2009,
-/// "Estimation of location uncertainty for scale invariant feature points"): the frame's pixel_sigma is that of
-/// features of 40 pixels, and what is smaller than 20 is not found more sharply. Where a feature has no size, the
-/// frame's.
+/// Standard deviation of one feature's pixel. A blob is found the less sharply the larger it is (Zeisl et al.
+/// 2009, "Estimation of location uncertainty for scale invariant feature points"), and a large one on a
+/// slanted wall slides along it as the robot goes by: pixel_sigma is that of features of 20 pixels, 14 and
+/// less have 0.7 of it. Without a size: pixel_sigma.
 double pixel_sigma(const Feature& feature, const FeatureFrame& frame);
 
 /// 3x3 covariance of a `point` feature in the camera frame: depth_sigma along the viewing ray,

@@ -86,6 +86,31 @@ TEST_F(AnchorTest, AsksOnlyKeyframesThatLookTheSameWay) {
   EXPECT_FALSE(anchor.locate(seen, Eigen::Isometry3d::Identity(), T_robot_camera_));
 }
 
+// Of 200 matches 60 stay where they are, and more agree on a place half a metre aside: the next tiles.
+TEST_F(AnchorTest, DoesNotJumpToThingsThatLookAlikeBesideTheExpectedPlace) {
+  FeatureAnchor anchor({});
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  anchor.add(here, frame(here));
+  const auto shifted = [&](int from) {
+    FeatureFrame seen = frame(here);
+    for (std::size_t i = static_cast<std::size_t>(from); i < seen.features.size(); ++i)
+      seen.features[i].point.x() += 0.5f;
+    return seen;
+  };
+  const auto beside = anchor.locate(shifted(60), here, T_robot_camera_);
+  ASSERT_TRUE(beside);
+  EXPECT_LT((beside->T_target_source * T_robot_camera_).translation().norm(), 0.01);
+  // Too few agree on the expected place, and not enough of all on the other one.
+  FeatureFrame few = shifted(0);
+  for (int i = 0; i < 80; ++i)
+    few.features[static_cast<std::size_t>(i)].point = {0, 0, 2 + 0.02f * static_cast<float>(i)};
+  EXPECT_FALSE(anchor.locate(few, here, T_robot_camera_));
+  // All agree: the robot was carried there.
+  const auto carried = anchor.locate(shifted(0), here, T_robot_camera_);
+  ASSERT_TRUE(carried);
+  EXPECT_NEAR((carried->T_target_source * T_robot_camera_).translation().norm(), 0.5, 0.01);
+}
+
 TEST_F(AnchorTest, SearchAsksAllKeyframesInTurn) {
   FeatureAnchorSettings settings;
   settings.searched_keyframes = 2;

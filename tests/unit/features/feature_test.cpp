@@ -80,6 +80,20 @@ TEST(PointCovariance, OnTheAxisIsDiagonal) {
   EXPECT_LT((covariance - Eigen::Matrix3d(expected.asDiagonal())).norm(), 1e-9);
 }
 
+TEST(PointCovariance, GrowsAcrossTheRayWithTheBlob) {
+  const FeatureFrame frame = kinect();
+  Feature feature = point_at(0, 0, 3, 0.05f);
+  EXPECT_EQ(pixel_sigma(feature, frame), 1.5);  // nobody told how large it is
+  const auto across = [&](float size) {
+    feature.size = size;
+    return std::sqrt(point_covariance(feature, frame)(0, 0)) * 515 / 3;
+  };
+  EXPECT_NEAR(across(20), 1.5, 1e-6);
+  EXPECT_NEAR(across(60), 3 * 1.5, 1e-6);
+  EXPECT_NEAR(across(9), 0.7 * 1.5, 1e-6);
+  EXPECT_NEAR(across(5), across(9), 1e-9);
+}
+
 TEST(PointCovariance, RefusesWhatHasNone) {
   EXPECT_THROW(point_covariance(Feature{}, kinect()), std::invalid_argument);
   EXPECT_THROW(point_covariance(point_at(0, 0, -1, 0.1f), kinect()), std::invalid_argument);
