@@ -44,7 +44,9 @@ struct PoseGraphSettings {
   int max_iterations = 30;
   double path_gate = 4.74;
   int loop_support = 3;
-  double edge_error = 0.5;
+  double edge_error = 0.35;
+  double motion_scale = 0.005;
+  double turn_scale = 0.005;
 
   void describe(SettingsVisitor& s) {
     s.number("kernel_width", kernel_width, "standard deviations", {0.1, 1e6},
@@ -56,10 +58,18 @@ struct PoseGraphSettings {
              "a loop this near (Mahalanobis; 6 DoF, 99.9 %) to what the graph expects is believed");
     s.number("loop_support", loop_support, "", {1, 100},
              "other loops are believed when so many from different places agree with each other");
-    s.number(
-        "edge_error", edge_error, "", {0.001, 1000},
-        "what an edge errs by, over the sigma that weighs it (cautiously: one wrong edge bends the map); for "
-        "the poses' covariances");
+    s.number("edge_error", edge_error, "", {0.001, 1000},
+             "what an edge errs by on its own, over the sigma that weighs it (cautiously: one wrong edge "
+             "bends the map); "
+             "for the poses' covariances");
+    s.number("motion_scale", motion_scale, "", {0, 1},
+             "standard deviation of a ratio by which all edges measure too long or too short ways, as depth "
+             "cameras "
+             "with a systematic error do; for the poses' covariances");
+    s.number("turn_scale", turn_scale, "", {0, 1},
+             "standard deviation of a ratio by which all edges measure too large or too small turns; for the "
+             "poses' "
+             "covariances");
   }
 };
 

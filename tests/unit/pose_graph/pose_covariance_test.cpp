@@ -33,6 +33,7 @@ Vector6d edge_noise(Random& random) {
 PoseGraphSettings exact_settings() {
   PoseGraphSettings settings;
   settings.edge_error = 1;
+  settings.motion_scale = settings.turn_scale = 0;
   settings.kernel_width = 1e6;  // plain least squares: what the covariances are of
   settings.max_error = 1e6;
   return settings;
@@ -125,6 +126,39 @@ TEST(PoseCovariance, IsWhatOptimisedPosesErrBy) {
     }
   }
   EXPECT_NEAR(sum / count, 6, 0.9);  // 180 chi squares of 6, those of one seed correlated: sigma below 0.45
+}
+
+// Every edge of a drive measures ways too long by one ratio and turns too far by another.
+TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
+  PoseGraphSettings settings = exact_settings();
+  settings.motion_scale = 0.01;
+  settings.turn_scale = 0.02;
+  constexpr int seeds = 150;
+  double sum = 0, alone = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    Round round(seed);
+    Random random(seed, 7);
+    const double longer = random.normal(0, settings.motion_scale),
+                 farther = random.normal(0, settings.turn_scale);
+    for (GraphEdge& e : round.graph.edges) {
+      Vector6d motion = se3_log(e.T_from_to.T);
+      motion.head<3>() = e.T_from_to.T.linear().transpose() * e.T_from_to.T.translation() * longer;
+      motion.tail<3>() *= farther;
+      e.T_from_to.T = e.T_from_to.T * se3_exp(motion);
+    }
+    optimise(round.graph, settings);
+    const auto covariances = pose_covariances(round.graph, settings);
+    const auto own = pose_covariances(round.graph, exact_settings());
+    for (const std::size_t node : {10U, 19U, 29U}) {
+      const Vector6d e = se3_log(round.graph.poses[node].inverse() * round.truth[node]);
+      sum += e.dot(covariances[node].inverse() * e);
+      alone += e.dot(own[node].inverse() * e);
+      ++count;
+    }
+  }
+  EXPECT_NEAR(sum / count, 6, 0.9);
+  EXPECT_GT(alone / count, 15);  // as if edges erred on their own
 }
 
 TEST(PoseCovariance, KnowsNothingOfWhatIsNotTied) {
