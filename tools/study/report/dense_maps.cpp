@@ -14,11 +14,12 @@ namespace {
 
 ExperimentResult study_dense_maps(const StudyContext& context, DriveStore& drives) {
   ExperimentResult result;
-  const double seconds = context.quick ? 8 : 40, rate = context.quick ? 3 : 5;
+  const DriveSettings usual = usual_drive(context.quick, "", 1);
   std::vector<int> seeds = context.seeds;
   if (context.quick) seeds.resize(std::min<std::size_t>(1, seeds.size()));
   result.seeds = seeds;
-  result.settings = {{"seconds", seconds}, {"frame_rate_hz", rate}, {"solver", "small_angle"}};
+  result.settings = {
+      {"seconds", usual.seconds}, {"frame_rate_hz", usual.frame_rate}, {"solver", "small_angle"}};
   ResultTable table{
       "Dense maps by ICP",
       {"scene", "preset", "seed", "points", "median off the surface cm", "95 % cm",
@@ -32,7 +33,7 @@ ExperimentResult study_dense_maps(const StudyContext& context, DriveStore& drive
                 {},
                 false};
     for (const int seed : seeds) {
-      const auto drive = drives.drive({scene, seed, seconds, rate});
+      const auto drive = drives.drive(usual_drive(context.quick, scene, seed));
       const SeenSurface seen = seen_surface(*drive);
       const std::vector<std::string> presets = {"thesis", "modern"};
       std::vector<MappingRun> runs(2);

@@ -15,7 +15,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t most_drives = 5;    // of some ten megabytes each
+constexpr std::size_t most_drives = 8;    // of some ten megabytes each
 constexpr Utime calibration_every = 1e6;  // us
 
 class MessageList : public Publisher {
@@ -75,6 +75,10 @@ std::shared_ptr<const Drive> render(const DriveSettings& settings) {
 
 double Drive::distance_to_surface(const Eigen::Vector3d& point_world) const {
   return simulation ? simulation->distance_to_surface(point_world) : std::nan("");
+}
+
+DriveSettings usual_drive(bool quick, const std::string& scene, int seed) {
+  return quick ? DriveSettings{scene, seed, 6, 3, 1} : DriveSettings{scene, seed, 30, 5, 1};
 }
 
 Drive take_drive(CameraSource& source) {

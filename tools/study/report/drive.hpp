@@ -29,6 +29,10 @@ struct DriveSettings {
   int laps = 1;
 };
 
+/// What the experiments have in common, so that they share their drives: half a minute at 5 Hz; quick, 6 s at
+/// 3 Hz.
+DriveSettings usual_drive(bool quick, const std::string& scene, int seed);
+
 struct Drive {
   RgbdCalibration calibration;
   std::vector<BatchMessage> messages;  ///< CAMERA_CALIBRATION, ENCODERS, CAMERA and FEATURES, in their order

@@ -27,7 +27,8 @@ cv::Mat colour_image(const Drive& drive, Utime utime) {
   return {};
 }
 
-/// The image with what became of its features, the ids of every few landmarks that were seen again.
+/// (The high bits of an id name the map; here is one.) The image with what became of its features, the ids of
+/// every few landmarks that were seen again.
 cv::Mat annotated(const cv::Mat& image, const associations_t& associations) {
   cv::Mat picture = image.clone();
   int again = 0;
@@ -38,8 +39,9 @@ cv::Mat annotated(const cv::Mat& image, const associations_t& associations) {
     cv::circle(picture, at, 4, colour, 2, cv::LINE_AA);
     if (!is_again || again++ % 8 != 0) continue;
     for (const bool shadow : {true, false})
-      cv::putText(picture, std::to_string(a.landmark), at + cv::Point(6, -4), cv::FONT_HERSHEY_SIMPLEX, 0.5,
-                  shadow ? cv::Scalar(255, 255, 255) : cv::Scalar(0, 0, 0), shadow ? 4 : 1, cv::LINE_AA);
+      cv::putText(picture, std::to_string(a.landmark & 0x7fffffff), at + cv::Point(6, -4),
+                  cv::FONT_HERSHEY_SIMPLEX, 0.5, shadow ? cv::Scalar(255, 255, 255) : cv::Scalar(0, 0, 0),
+                  shadow ? 4 : 1, cv::LINE_AA);
   }
   return picture;
 }
@@ -62,8 +64,8 @@ cv::Mat image_sequence(const Drive& drive, const MappingRun& run) {
 
 ExperimentResult study_kitchen_landmarks(const StudyContext& context, DriveStore& drives) {
   ExperimentResult result;
-  const double seconds = context.quick ? 8 : 0, rate = context.quick ? 5 : 10;
-  result.settings = {{"scene", "kitchen"}, {"seconds", seconds}, {"frame_rate_hz", rate}};
+  const DriveSettings usual = usual_drive(context.quick, "kitchen", 1);
+  result.settings = {{"scene", "kitchen"}, {"seconds", usual.seconds}, {"frame_rate_hz", usual.frame_rate}};
   Chart chart{"Landmarks off the true surfaces",
               {"distance from the nearest true surface", "cm"},
               {"landmarks nearer than that", "%"},
@@ -76,7 +78,7 @@ ExperimentResult study_kitchen_landmarks(const StudyContext& context, DriveStore
   std::map<std::string, std::vector<double>> off, errors, wheels;
   for (const int seed : context.seeds) {
     result.seeds.push_back(seed);
-    const auto drive = drives.drive({"kitchen", seed, seconds, rate});
+    const auto drive = drives.drive(usual_drive(context.quick, "kitchen", seed));
     const std::vector<std::string> presets = {"thesis", "modern"};
     std::vector<MappingRun> runs(presets.size());
     run_side_by_side(presets.size(), [&](std::size_t i) {

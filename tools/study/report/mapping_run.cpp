@@ -1,5 +1,6 @@
 #include "tools/study/report/mapping_run.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -150,7 +151,9 @@ void run_side_by_side(std::size_t count, const std::function<void(std::size_t)>&
 
 double path_error(const Trajectory& truth, const Trajectory& path) {
   constexpr std::size_t fewest = 3;
-  if (path.size() < fewest) return std::nan("");
+  if (path.size() < fewest || truth.empty()) return std::nan("");
+  if (2 * (path.back().utime - path.front().utime) < truth.back().utime - truth.front().utime)
+    return std::nan("");
   EvaluationSettings settings;
   settings.association = Association::interpolate_truth;
   try {
@@ -161,13 +164,26 @@ double path_error(const Trajectory& truth, const Trajectory& path) {
 }
 
 Eigen::Isometry3d fit_to_truth(const Trajectory& truth, const Trajectory& path) {
-  EvaluationSettings settings;
-  settings.association = Association::interpolate_truth;
-  try {
-    return evaluate(truth, path, settings).alignment.T_truth_estimate;
-  } catch (const std::invalid_argument&) {
-    return Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d there = Eigen::Vector3d::Zero(), here = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (const StampedPose& pose : path) {
+    const auto T_world_robot = pose_at(truth, pose.utime);
+    if (!T_world_robot) continue;
+    rotations += T_world_robot->linear() * pose.T_world_body.linear().transpose();
+    there += T_world_robot->translation();
+    here += pose.T_world_body.translation();
+    count += 1;
   }
+  if (count == 0) return T;
+  // The nearest rotation to the sum: the chordal mean (Hartley et al. 2013).
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotations, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d UV = svd.matrixU() * svd.matrixV().transpose();
+  T.linear() =
+      svd.matrixU() * Eigen::Vector3d(1, 1, UV.determinant()).asDiagonal() * svd.matrixV().transpose();
+  T.translation() = (there - T.linear() * here) / count;
+  return T;
 }
 
 std::vector<double> surface_distances(const Drive& drive, const Eigen::Isometry3d& T_world_map,

@@ -40,9 +40,10 @@ MappingRun map_drive(const Drive& drive, const MapperChoice& choice);
 /// Runs of one drive or several, two at a time; `count` times f(i), in any order.
 void run_side_by_side(std::size_t count, const std::function<void(std::size_t)>& f);
 
-/// Of positions after the best rigid fit, m; NaN without a path or where nearly all of it is missing.
+/// Of positions after the best rigid fit, m; NaN where less than half of the drive has a pose.
 double path_error(const Trajectory& truth, const Trajectory& path);
-/// The fit, T_world_map; identity without a path.
+/// T_world_map by all poses: the mean rotation and then the mean position agree. (A fit of positions alone,
+/// as above, leaves a straight path's roll open, and with it the map.) Identity without a path.
 Eigen::Isometry3d fit_to_truth(const Trajectory& truth, const Trajectory& path);
 
 /// Distances of a map's points from the scene's true surfaces, m, ascending, the map laid on the truth by the

@@ -13,13 +13,13 @@ namespace {
 
 ExperimentResult study_moving_people(const StudyContext& context, DriveStore& drives) {
   ExperimentResult result;
-  const double seconds = context.quick ? 8 : 20, rate = context.quick ? 3 : 5;
+  const DriveSettings usual = usual_drive(context.quick, "", 1);
   std::vector<int> seeds = context.seeds;
   if (context.quick) seeds.resize(std::min<std::size_t>(1, seeds.size()));
   result.seeds = seeds;
   result.settings = {{"scene", "kitchen"},
-                     {"seconds", seconds},
-                     {"frame_rate_hz", rate},
+                     {"seconds", usual.seconds},
+                     {"frame_rate_hz", usual.frame_rate},
                      {"person", "pillar of 0.25 m radius and 1.75 m height, 2 m ahead, 0.8 m/s across"}};
   ResultTable table{
       "A person crosses before the robot",
@@ -27,7 +27,7 @@ ExperimentResult study_moving_people(const StudyContext& context, DriveStore& dr
       {}};
   std::vector<std::vector<double>> alone(4), with(4);
   for (const int seed : seeds) {
-    const auto drive = drives.drive({"kitchen", seed, seconds, rate});
+    const auto drive = drives.drive(usual_drive(context.quick, "kitchen", seed));
     const Drive changed = with_images(*drive, with_person(*drive));
     const auto errors = run_grid({{"alone", drive.get(), {}, seed}, {"with her", &changed, {}, seed}});
     for (std::size_t m = 0; m < 4; ++m) {
@@ -64,11 +64,11 @@ ExperimentResult study_moving_people(const StudyContext& context, DriveStore& dr
 
 ExperimentResult study_presets(const StudyContext& context, DriveStore& drives) {
   ExperimentResult result;
-  const double seconds = context.quick ? 8 : 40, rate = context.quick ? 3 : 5;
+  const DriveSettings usual = usual_drive(context.quick, "", 1);
   std::vector<int> seeds = context.seeds;
   if (context.quick) seeds.resize(std::min<std::size_t>(1, seeds.size()));
   result.seeds = seeds;
-  result.settings = {{"seconds", seconds}, {"frame_rate_hz", rate}};
+  result.settings = {{"seconds", usual.seconds}, {"frame_rate_hz", usual.frame_rate}};
   ResultTable table{
       "Thesis preset against modern preset",
       {"scene", "mapper", "seed", "pose error cm", "odometry's error cm", "map off the surface cm"},
@@ -83,7 +83,7 @@ ExperimentResult study_presets(const StudyContext& context, DriveStore& drives) 
   for (const char* scene : {"kitchen", "table", "office"}) {
     for (auto& method : errors) method.emplace_back();
     for (const int seed : seeds) {
-      const auto drive = drives.drive({scene, seed, seconds, rate});
+      const auto drive = drives.drive(usual_drive(context.quick, scene, seed));
       const GridErrors e = run_grid({{scene, drive.get(), {}, seed}}).front();
       const std::vector<double> found = grid_errors(e);
       ++all;

@@ -22,14 +22,10 @@ ExperimentResult study_path_noise(const StudyContext& context, DriveStore& drive
   constexpr double sigma = 0.02;  // m
   constexpr int seeds = 20, quick_seeds = 2;
   ExperimentResult result;
-  const double seconds = context.quick ? 8 : 30, rate = 5;
   const int drive_seed = context.seeds.front();
-  const auto drive = drives.drive({"kitchen", drive_seed, seconds, rate});
-  result.settings = {{"scene", "kitchen"},
-                     {"seconds", seconds},
-                     {"frame_rate_hz", rate},
-                     {"sigma_m", sigma},
-                     {"drive_seed", drive_seed}};
+  const auto drive = drives.drive(usual_drive(context.quick, "kitchen", drive_seed));
+  result.settings = {
+      {"scene", "kitchen"}, {"seconds", drive->seconds}, {"sigma_m", sigma}, {"drive_seed", drive_seed}};
   std::vector<NoisyPath> paths;
   for (const char* mode : {"white", "random_walk"})
     for (const char* preset : {"thesis", "modern"})

@@ -42,7 +42,8 @@ void add_heat_maps(const RobustnessPlane& plane, const std::vector<std::vector<s
 
 ExperimentResult study_robustness(const StudyContext& context, DriveStore& drives) {
   ExperimentResult result;
-  const double seconds = context.quick ? 6 : 15, rate = 6;
+  const DriveSettings usual = usual_drive(context.quick, "kitchen", 1);
+  const double rate = usual.frame_rate;
   std::vector<int> seeds = context.seeds;
   if (context.quick) seeds.resize(std::min<std::size_t>(1, seeds.size()));
   if (seeds.size() > 2) seeds.resize(2);
@@ -56,14 +57,16 @@ ExperimentResult study_robustness(const StudyContext& context, DriveStore& drive
        noise},
       {"noise and frame rate",
        {"images used", "Hz"},
-       context.quick ? std::vector<double>{6, 2} : std::vector<double>{6, 3, 2, 1},
+       context.quick ? std::vector<double>{3, 1} : std::vector<double>{5, 2.5, 1.25},
        noise},
       {"noise and change of light",
        {"swing of the light", "stops"},
        context.quick ? std::vector<double>{0, 2} : std::vector<double>{0, 1, 2, 3},
        noise}};
-  result.settings = {
-      {"scene", "kitchen"}, {"seconds", seconds}, {"frame_rate_hz", rate}, {"noise", "random_walk, 10 Hz"}};
+  result.settings = {{"scene", "kitchen"},
+                     {"seconds", usual.seconds},
+                     {"frame_rate_hz", rate},
+                     {"noise", "random_walk, 10 Hz"}};
   ResultTable table{
       "Robustness",
       {"changed", "value", "odometry noise cm", "mapper", "seed", "pose error cm", "odometry's error cm"},
@@ -75,7 +78,7 @@ ExperimentResult study_robustness(const StudyContext& context, DriveStore& drive
     std::vector<std::vector<std::vector<double>>> errors(plane.noise.size() * plane.columns.size(),
                                                          std::vector<std::vector<double>>(4));
     for (const int seed : seeds) {
-      const auto drive = drives.drive({"kitchen", seed, seconds, rate});
+      const auto drive = drives.drive(usual_drive(context.quick, "kitchen", seed));
       std::vector<Drive> changed;
       for (const double value : plane.columns) {
         if (p == 0) changed.push_back(value < 100 ? with_images(*drive, smoothed(0.01 * value)) : *drive);

@@ -21,14 +21,15 @@ struct WeakCase {
 
 ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drives) {
   ExperimentResult result;
-  const double seconds = context.quick ? 8 : 30, rate = context.quick ? 3 : 5;
+  const DriveSettings usual = usual_drive(context.quick, "", 1);
   std::vector<int> seeds = context.seeds;
   if (context.quick) seeds.resize(std::min<std::size_t>(1, seeds.size()));
   result.seeds = seeds;
   const std::vector<WeakCase> cases = {
       {"kitchen", "kitchen", 1}, {"bare corridor", "corridor", 1}, {"kitchen in the dark", "kitchen", 0.03}};
   const std::vector<std::string> presets = {"thesis", "modern"};
-  result.settings = {{"seconds", seconds}, {"frame_rate_hz", rate}, {"light_in_the_dark", 0.03}};
+  result.settings = {
+      {"seconds", usual.seconds}, {"frame_rate_hz", usual.frame_rate}, {"light_in_the_dark", 0.03}};
   ResultTable table{"Little geometry, little to see",
                     {"case", "preset", "seed", "features with depth a frame", "FastSLAM's pose error cm",
                      "ICP's pose error cm", "odometry's error cm"},
@@ -38,7 +39,7 @@ ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drive
   for (std::size_t c = 0; c < cases.size(); ++c) {
     Chart chart{"Paths: " + cases[c].name, {"x", "m"}, {"y", "m"}, {}, true};
     for (const int seed : seeds) {
-      const auto lit = drives.drive({cases[c].scene, seed, seconds, rate});
+      const auto lit = drives.drive(usual_drive(context.quick, cases[c].scene, seed));
       const Drive dark = cases[c].light < 1 ? with_images(*lit, dimmed(cases[c].light)) : Drive();
       const Drive& drive = cases[c].light < 1 ? dark : *lit;
       double features = 0;
