@@ -32,20 +32,23 @@ ExperimentResult study_dense_maps(const StudyContext& context, DriveStore& drive
                 {"points nearer than that", "%"},
                 {},
                 false};
-    for (const int seed : seeds) {
-      const auto drive = drives.drive(usual_drive(context.quick, scene, seed));
+    const std::vector<std::string> presets = {"thesis", "modern"};
+    std::vector<std::shared_ptr<const Drive>> driven;
+    for (const int seed : seeds) driven.push_back(drives.drive(usual_drive(context.quick, scene, seed)));
+    std::vector<MappingRun> all(presets.size() * seeds.size());
+    run_side_by_side(all.size(), [&](std::size_t i) {
+      MapperChoice choice;
+      choice.preset = presets[i % 2];
+      choice.fastslam = false;
+      choice.seed = seeds[i / 2];
+      all[i] = map_drive(*driven[i / 2], choice);
+    });
+    for (std::size_t n = 0; n < seeds.size(); ++n) {
+      const int seed = seeds[n];
+      const auto& drive = driven[n];
       const SeenSurface seen = seen_surface(*drive);
-      const std::vector<std::string> presets = {"thesis", "modern"};
-      std::vector<MappingRun> runs(2);
-      run_side_by_side(2, [&](std::size_t i) {
-        MapperChoice choice;
-        choice.preset = presets[i];
-        choice.fastslam = false;
-        choice.seed = seed;
-        runs[i] = map_drive(*drive, choice);
-      });
       for (std::size_t i = 0; i < 2; ++i) {
-        const MappingRun& run = runs[i];
+        const MappingRun& run = all[2 * n + i];
         const Trajectory& path = run.icp_final.empty() ? run.icp : run.icp_final;
         const Eigen::Isometry3d T = fit_to_truth(drive->truth, path);
         const auto places = places_of(run.cloud);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include <lcmslam/runtime/machine.hpp>
 #include "tools/study/report/map_pictures.hpp"
 #include "tools/study/report/mapping_parts.hpp"
 #include "tools/study/report/mapping_run.hpp"
@@ -223,6 +224,8 @@ ExperimentResult study_mapper_comparison(const StudyContext& context, DriveStore
       for (const auto& [process, cpu] : run.cpu_seconds)
         result.timing[presets[p] + " " + process + ", CPU s a frame"] =
             cpu / static_cast<double>(drive->frames.size());
+      if (std::isfinite(run.icp_megabytes))
+        result.memory[presets[p] + " icp's map, bytes"] = std::llround(1e6 * run.icp_megabytes);
       for (const bool fastslam : {true, false}) {
         MapPictures pictures(context.work, "compare_" + presets[p] + (fastslam ? "_fastslam" : "_icp"));
         if (fastslam)
@@ -236,6 +239,7 @@ ExperimentResult study_mapper_comparison(const StudyContext& context, DriveStore
       }
     }
   }
+  result.memory["resident after all runs, bytes"] = resident_bytes();
   Chart chart{"Pose error as odometry gets worse",
               {"noise added a draw", "cm"},
               {"pose error", "cm", true},

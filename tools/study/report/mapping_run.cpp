@@ -127,7 +127,12 @@ MappingRun map_drive(const Drive& drive, const MapperChoice& choice) {
     if (graph.is_input(message.channel)) graph.deliver(message);
   graph.finish();
   listener.finish();
-  for (const auto& process : graph.summary()) run.cpu_seconds[process.process] = process.cpu_seconds;
+  run.icp_megabytes = std::nan("");
+  for (const auto& process : graph.summary()) {
+    run.cpu_seconds[process.process] = process.cpu_seconds;
+    for (const auto& [name, value] : process.report.values)
+      if (process.process == "icp" && name == "memory_mb") run.icp_megabytes = value;
+  }
   return run;
 }
 

@@ -32,6 +32,7 @@ struct MappingRun {
   std::vector<double> iterations, residuals;  ///< of icp's registrations: how many; RMS at their end, m
   int fastslam_lost = 0, icp_lost = 0;
   std::map<std::string, double> cpu_seconds;      ///< by process; differs from run to run
+  double icp_megabytes = 0;                       ///< of its map, as icp says itself; NaN: it does not
   std::map<std::string, std::int64_t> map_bytes;  ///< fastslam, icp: that they published of their maps
 };
 

@@ -82,9 +82,16 @@ ExperimentResult study_presets(const StudyContext& context, DriveStore& drives) 
   int wins[2] = {0, 0}, beaten_by_wheels[4] = {0, 0, 0, 0}, all = 0;
   for (const char* scene : {"kitchen", "table", "office"}) {
     for (auto& method : errors) method.emplace_back();
+    std::vector<std::shared_ptr<const Drive>> driven;
+    std::vector<GridCase> cases;
     for (const int seed : seeds) {
-      const auto drive = drives.drive(usual_drive(context.quick, scene, seed));
-      const GridErrors e = run_grid({{scene, drive.get(), {}, seed}}).front();
+      driven.push_back(drives.drive(usual_drive(context.quick, scene, seed)));
+      cases.push_back({scene, driven.back().get(), {}, seed});
+    }
+    const std::vector<GridErrors> found_errors = run_grid(cases);
+    for (std::size_t n = 0; n < seeds.size(); ++n) {
+      const int seed = seeds[n];
+      const GridErrors& e = found_errors[n];
       const std::vector<double> found = grid_errors(e);
       ++all;
       for (std::size_t m = 0; m < 4; ++m) {

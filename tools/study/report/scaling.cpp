@@ -53,10 +53,9 @@ double step_milliseconds(int landmarks, int steps) {
 
 ExperimentResult study_scaling(const StudyContext& context, DriveStore& drives) {
   ExperimentResult result;
-  const int seed = context.seeds.front(), laps = context.quick ? 2 : 4;
+  const int seed = context.seeds.front(), laps = context.quick ? 2 : 3;
   result.seeds = {seed};
-  // A lap of the kitchen takes about a minute; at 1 Hz (quick) the filter still knows the next view.
-  const double rate = context.quick ? 0.5 : 2;
+  const double rate = context.quick ? 1.5 : 5;
   const auto drive = drives.drive({"kitchen", seed, 0, rate, laps});
   result.settings = {{"scene", "kitchen"}, {"laps", laps}, {"frame_rate_hz", rate}, {"preset", "modern"}};
   MapperChoice choice;

@@ -38,21 +38,26 @@ ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drive
   std::vector<std::vector<std::vector<double>>> filter(cases.size(), {{}, {}}), icp = filter, wheels = filter;
   for (std::size_t c = 0; c < cases.size(); ++c) {
     Chart chart{"Paths: " + cases[c].name, {"x", "m"}, {"y", "m"}, {}, true};
+    std::vector<Drive> driven;
     for (const int seed : seeds) {
       const auto lit = drives.drive(usual_drive(context.quick, cases[c].scene, seed));
-      const Drive dark = cases[c].light < 1 ? with_images(*lit, dimmed(cases[c].light)) : Drive();
-      const Drive& drive = cases[c].light < 1 ? dark : *lit;
+      driven.push_back(cases[c].light < 1 ? with_images(*lit, dimmed(cases[c].light)) : *lit);
+    }
+    std::vector<MappingRun> all(2 * seeds.size());
+    run_side_by_side(all.size(), [&](std::size_t i) {
+      MapperChoice choice;
+      choice.preset = presets[i % 2];
+      choice.seed = seeds[i / 2];
+      all[i] = map_drive(driven[i / 2], choice);
+    });
+    for (std::size_t n = 0; n < seeds.size(); ++n) {
+      const int seed = seeds[n];
+      const Drive& drive = driven[n];
+      const MappingRun* runs = &all[2 * n];
       double features = 0;
       for (const FeatureFrame& frame : drive.frames)
         for (const Feature& f : frame.features)
           features += f.kind == MeasurementKind::point ? 1.0 / static_cast<double>(drive.frames.size()) : 0;
-      std::vector<MappingRun> runs(2);
-      run_side_by_side(2, [&](std::size_t p) {
-        MapperChoice choice;
-        choice.preset = presets[p];
-        choice.seed = seed;
-        runs[p] = map_drive(drive, choice);
-      });
       for (std::size_t p = 0; p < 2; ++p) {
         filter[c][p].push_back(path_error(drive.truth, runs[p].fastslam));
         icp[c][p].push_back(path_error(drive.truth, runs[p].icp));
