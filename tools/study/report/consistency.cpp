@@ -91,7 +91,7 @@ ExperimentResult study_nees(const StudyContext& context, DriveStore& drives) {
 }  // namespace
 
 Experiment consistency_experiment(SharedDrives drives) {
-  return {"consistency", "Do the mappers err as much as they say?", "",
+  return {"mapper-consistency", "Do the mappers err as much as they say?", "",
           [drives](const StudyContext& context) { return study_nees(context, *drives); }};
 }
 

@@ -1,0 +1,49 @@
+// One experiment: what was found first, how it was done last.
+import { chartFigure } from "./chart.js";
+import { element, shown } from "./dom.js";
+import { heatMapFigure } from "./heat_map.js";
+
+const openRows = 14; // longer tables are folded away
+
+export const verdict = (experiment) => (experiment.status === "failed" ? "failed" : experiment.agreement);
+export const badge = (experiment) => element("span", { class: `badge ${verdict(experiment).replaceAll(" ", "-")}` }, verdict(experiment));
+
+function table({ title, columns, rows }) {
+  const cell = (value, i) => element("td", { "data-column": columns[i], class: typeof value === "number" && "number" }, shown(value));
+  const body = element("table", {},
+    element("thead", {}, element("tr", {}, ...columns.map((name) => element("th", { scope: "col" }, name)))),
+    element("tbody", {}, ...rows.map((row) => element("tr", {}, ...row.map(cell)))));
+  const fold = element("details", { class: "table" }, element("summary", {}, `${title} (${rows.length} rows)`), body);
+  fold.open = rows.length <= openRows;
+  return fold;
+}
+
+function picture({ title, text, data }) {
+  return element("figure", { class: "picture" }, element("figcaption", {}, title), element("img", { src: data, alt: text }),
+    element("p", { class: "axis" }, text));
+}
+
+function method({ settings, seeds, timing }) {
+  const lines = Object.entries(settings ?? {}).map(([key, value]) =>
+    element("tr", {}, element("th", { scope: "row" }, key), element("td", {}, shown(value))));
+  return element("details", { class: "method" },
+    element("summary", {}, `Settings, seeds and time (${shown(Number((timing.seconds ?? 0).toFixed(1)))} s)`),
+    element("table", {}, element("tbody", {}, element("tr", {}, element("th", { scope: "row" }, "seeds"), element("td", {}, seeds.join(", "))), ...lines)));
+}
+
+export function section(experiment) {
+  const head = [
+    element("p", { class: "kicker" }, experiment.thesis || "beyond the thesis", " ", badge(experiment)),
+    element("h2", {}, experiment.title),
+  ];
+  const body = experiment.status === "failed"
+    ? [element("p", { class: "finding error" }, `It failed: ${experiment.error}`)]
+    : [
+      element("p", { class: "finding" }, experiment.finding),
+      element("div", { class: "figures" }, ...experiment.charts.map(chartFigure), ...experiment.heat_maps.map(heatMapFigure),
+        ...experiment.pictures.map(picture)),
+      ...experiment.tables.map(table),
+      method(experiment),
+    ];
+  return element("section", { id: experiment.name }, ...head, ...body);
+}
