@@ -4,7 +4,7 @@ import { drawToWidth, element, shown, withUnit } from "./dom.js";
 import { lookOf } from "./looks.js";
 
 const fewPoints = 40; // a line of more points needs no symbols
-const margins = { marginLeft: 56, marginRight: 16, marginTop: 12, marginBottom: 32 };
+const margins = { marginLeft: 56, marginRight: 24, marginTop: 12, marginBottom: 32 };
 const style = { fontSize: "12px", overflow: "hidden", background: "transparent" };
 
 /** Points that the axes can show: nothing that was not measured, and on a logarithmic axis nothing at or below zero. */
@@ -81,19 +81,39 @@ function equalScales(list, width) {
   return { x: widened(x, inner), y: widened(y, height), height: height + margins.marginTop + margins.marginBottom };
 }
 
-function axis({ logarithmic }, domain, ticks, rest) {
-  return { type: logarithmic ? "log" : "linear", label: null, ticks, grid: true, ...(domain && { domain }), ...rest };
+/** 1, 2, 5, 10, ... within the values, and no more than there is room for. */
+function logarithmicTicks(values, most) {
+  const low = Math.min(...values), high = Math.max(...values);
+  const ticks = (steps) => {
+    const list = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power += 1)
+      list.push(...steps.map((step) => Number(`${step}e${power}`)).filter((tick) => tick >= low && tick <= high));
+    return list;
+  };
+  const candidates = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 5], [1, 3], [1]].map(ticks).filter((list) => list.length >= 2);
+  const fine = candidates.find((list) => list.length <= most) ?? candidates.at(-1) ?? [low];
+  return fine.filter((_, i) => i % Math.ceil(fine.length / most) === 0);
+}
+
+/** `rest` says more of a linear axis. */
+function axis({ logarithmic }, values, room, rest) {
+  const finite = values.filter(Number.isFinite);
+  return { label: null, grid: true, ...(logarithmic
+    ? { type: "log", ticks: logarithmicTicks(finite, room), tickFormat: shown }
+    : { type: "linear", ticks: room, ...rest }) };
 }
 
 function draw(chart, list, width) {
   const equal = chart.equal_scales ? equalScales(list, width) : null;
   const bars = list.filter(({ series }) => series.mark === "bars");
+  const all = list.flatMap(({ data }) => drawn(data));
   const places = [...new Set(bars.flatMap(({ data }) => drawn(data).map(({ x }) => x)))];
-  const xTicks = bars.length && places.length <= 12 ? places : Math.max(3, Math.floor(width / 80));
+  const barTicks = bars.length > 0 && places.length <= 12 && { ticks: places, tickFormat: shown };
   return Plot.plot({
     width, height: equal?.height ?? Math.round(Math.min(360, Math.max(260, width * 0.5))), ...margins, style,
-    x: axis(chart.x, equal?.x, xTicks, bars.length ? { tickFormat: shown } : {}),
-    y: axis(chart.y, equal?.y, 6, { nice: !equal, zero: bars.length > 0 && !chart.y.logarithmic }),
+    inset: equal || bars.length ? 0 : 6,
+    x: axis(chart.x, all.map(({ x }) => x), Math.max(3, Math.floor(width / 80)), { ...(equal && { domain: equal.x }), ...barTicks }),
+    y: axis(chart.y, all.flatMap(({ y, low, high }) => [y, low, high]), 6, equal ? { domain: equal.y } : { nice: true, zero: bars.length > 0 }),
     ariaLabel: chart.title,
     marks: [
       ...barMarks(bars, chart),

@@ -39,8 +39,9 @@ export function heatMapFigure(map) {
       ],
     });
   });
-  const legend = Plot.legend({ color: { ...color, label: null }, width: 240, height: 40, marginLeft: 12, marginRight: 20, marginTop: 2,
-    ticks: 3, tickFormat: short, style: { fontSize: "12px" } });
+  const middle = logarithmic ? Math.sqrt(low * high) : (low + high) / 2;
+  const legend = Plot.legend({ color: { ...color, label: null }, width: 240, height: 40, marginLeft: 16, marginRight: 24, marginTop: 2,
+    ticks: flat ? [low] : [low, middle, high], tickFormat: short, style: { fontSize: "12px" } });
   return element("figure", { class: "chart" }, title,
     element("div", { class: "legend scale" }, element("span", {}, withUnit(map.value)), legend,
       missing.length ? element("span", {}, "dashed: not measured") : null),

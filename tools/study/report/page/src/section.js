@@ -33,7 +33,7 @@ function method({ settings, seeds, timing }) {
 
 export function section(experiment) {
   const head = [
-    element("p", { class: "kicker" }, experiment.thesis || "beyond the thesis", " ", badge(experiment)),
+    element("p", { class: "kicker" }, experiment.thesis, " ", badge(experiment)),
     element("h2", {}, experiment.title),
   ];
   const body = experiment.status === "failed"
