@@ -23,12 +23,14 @@ function picture({ title, text, data }) {
     element("p", { class: "axis" }, text));
 }
 
-function method({ settings, seeds, timing }) {
-  const lines = Object.entries(settings ?? {}).map(([key, value]) =>
-    element("tr", {}, element("th", { scope: "row" }, key), element("td", {}, shown(value))));
+/** How it was measured, and what it cost: the only figures that another run may change. */
+function method({ settings, seeds, timing, memory }) {
+  const row = ([key, value]) => element("tr", {}, element("th", { scope: "row" }, key), element("td", {}, shown(value)));
+  const { seconds, ...times } = timing;
+  const rows = Object.entries({ seeds: seeds.join(", "), ...settings, ...times, ...memory });
   return element("details", { class: "method" },
-    element("summary", {}, `Settings, seeds and time (${shown(Number((timing.seconds ?? 0).toFixed(1)))} s)`),
-    element("table", {}, element("tbody", {}, element("tr", {}, element("th", { scope: "row" }, "seeds"), element("td", {}, seeds.join(", "))), ...lines)));
+    element("summary", {}, `Settings, seeds and costs (it took ${shown(Number(seconds.toPrecision(2)))} s)`),
+    element("table", {}, element("tbody", {}, ...rows.map(row))));
 }
 
 export function section(experiment) {
