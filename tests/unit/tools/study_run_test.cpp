@@ -51,7 +51,7 @@ class StudyRun : public ::testing::Test {
   StudyRun() {
     std::filesystem::create_directories(settings_.page);
     scratch_.write("page/index.html", R"(<link rel="icon" href="icon.svg"><link href="report.css">
-<script src="report.js"></script>)");
+<noscript>See report.json.</noscript><script src="report.js"></script>)");
     scratch_.write("page/report.css", "p {}");
     scratch_.write("page/report.js", "draw();");
   }
