@@ -10,14 +10,19 @@ function short(value) {
   return String(Number(value.toPrecision(2)));
 }
 
-export function heatMapFigure(map) {
+const isMeasured = (map) => (value) => value !== null && (!map.value.logarithmic || value > 0);
+
+/** `others`: heat maps of the same experiment. Those of the same quantity have one scale, so that colours compare. */
+export function heatMapFigure(map, _, others) {
   const logarithmic = map.value.logarithmic;
+  const alike = others.filter(({ value }) => withUnit(value) === withUnit(map.value) && value.logarithmic === logarithmic);
+  const values = alike.flatMap((other) => other.values.flat()).filter(isMeasured(map));
   const cells = map.values.flatMap((row, r) => row.map((value, c) => ({ x: map.columns[c], y: map.rows[r], value })));
-  const measured = cells.filter(({ value }) => value !== null && (!logarithmic || value > 0));
+  const measured = cells.filter(({ value }) => isMeasured(map)(value));
   const missing = cells.filter((cell) => !measured.includes(cell));
   const title = element("figcaption", {}, map.title);
   if (measured.length === 0) return element("figure", { class: "chart missing" }, title, element("p", {}, "Nothing was measured."));
-  const low = Math.min(...measured.map((d) => d.value)), high = Math.max(...measured.map((d) => d.value));
+  const low = Math.min(...values), high = Math.max(...values);
   const flat = low === high;
   const share = ({ value }) => (flat ? 0.5 : logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
   const color = { type: flat || !logarithmic ? "linear" : "log", scheme: "cividis", domain: flat ? [low - 1, high + 1] : [low, high] };
