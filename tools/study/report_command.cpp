@@ -1,6 +1,7 @@
 #include "tools/study/report_command.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 #include <iostream>
 
@@ -32,6 +33,7 @@ std::vector<std::string> report_names() {
 int report_command(std::string out, const std::string& only, const std::string& data, bool quick,
                    std::vector<int> seeds) {
   keep_freed_memory();
+  spdlog::set_level(spdlog::level::warn);  // mappers say much, and there are hundreds of runs
   const auto experiments = experiments_named(study_experiments(), only);
   if (seeds.empty()) seeds = quick ? std::vector<int>{1, 2} : std::vector<int>{1, 2, 3, 4, 5};
   if (out.empty()) out = new_run_folder("study-report");
