@@ -14,6 +14,8 @@ foreach(folder config logs python lcmtypes)
 endforeach()
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/libs/web/page/dist ${LCMSLAM_SHARE}/page SYMBOLIC)
 install(DIRECTORY libs/web/page/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmslam/page COMPONENT runtime)
+file(CREATE_LINK ${CMAKE_SOURCE_DIR}/tools/study/report/page/dist ${LCMSLAM_SHARE}/study SYMBOLIC)
+install(DIRECTORY tools/study/report/page/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmslam/study COMPONENT runtime)
 
 # lcmslam_install_library(surf LINKS lcmslam_parallel opencv_core ...): of the folder of libs/ that calls it.
 function(lcmslam_install_library name)

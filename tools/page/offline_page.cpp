@@ -1,46 +1,8 @@
 #include "tools/page/offline_page.hpp"
 
-#include <sodium.h>
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
+#include "tools/page/self_contained_page.hpp"
 
 namespace lcmslam {
-namespace {
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error(file.string() + ": is missing from the page");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-std::string base64(const std::string& bytes) {
-  std::string text(sodium_base64_encoded_len(bytes.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
-  sodium_bin2base64(text.data(), text.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
-                    bytes.size(), sodium_base64_VARIANT_ORIGINAL);
-  text.pop_back();  // its final zero
-  return text;
-}
-
-/// The element from `begin` to `end` that holds `mark` becomes `text`.
-void replace_element(std::string& page, const std::string& begin, const std::string& mark,
-                     const std::string& end, const std::string& text) {
-  const std::size_t at = page.find(mark);
-  const std::size_t from = at == std::string::npos ? at : page.rfind(begin, at);
-  const std::size_t to = at == std::string::npos ? at : page.find(end, at);
-  if (from == std::string::npos || to == std::string::npos)
-    throw std::runtime_error("the page's index.html has no " + begin + "... " + mark);
-  page.replace(from, to + end.size() - from, text);
-}
-
-/// A script that holds the end of a script would end there.
-std::string safe_in_script(std::string script) {
-  for (std::size_t at = script.find("</script"); at != std::string::npos; at = script.find("</script", at))
-    script.replace(at, 8, "<\\/script");
-  return script;
-}
-
-}  // namespace
 
 std::string offline_page(const std::filesystem::path& folder, const Board& board) {
   std::string items;
@@ -49,13 +11,9 @@ std::string offline_page(const std::filesystem::path& folder, const Board& board
     for (int i = 0; i < 4; ++i) items.push_back(static_cast<char>(size >> (8 * i)));
     items += *message;
   }
-  std::string page = read_file(folder / "index.html");
-  replace_element(page, "<link", "icon.svg", ">", "");
-  replace_element(page, "<link", "page.css", ">", "<style>" + read_file(folder / "page.css") + "</style>");
-  replace_element(page, "<script", "page.js", "</script>",
-                  "<script type=\"application/octet-stream;base64\" id=\"lcmslam-items\">" + base64(items) +
-                      "</script>\n<script>" + safe_in_script(read_file(folder / "page.js")) + "</script>");
-  return page;
+  return self_contained_page(
+      folder, "page",
+      "<script type=\"application/octet-stream;base64\" id=\"lcmslam-items\">" + base64(items) + "</script>");
 }
 
 }  // namespace lcmslam

@@ -1,0 +1,82 @@
+#include "tools/study/demo_study.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include <lcmslam/evaluation/table.hpp>
+#include "tools/launch/graph.hpp"
+#include "tools/run_folder.hpp"
+#include "tools/study/measures.hpp"
+
+namespace lcmslam {
+namespace {
+
+const char* const path_names[] = {"odometry", "fastslam", "icp"};
+
+/// One live run; its summary.json.
+nlohmann::json run_demo(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+  std::string command =
+      (program_folder() / "lcmslam").string() + " demo --headless --out '" + folder.string() + "'";
+  for (const auto& argument : arguments) command += " '" + argument + "'";
+  command += " > '" + (folder.string() + ".txt") + "' 2>&1";
+  const int status = std::system(command.c_str());
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw std::runtime_error("the run failed; see " + folder.string() + ".txt");
+  std::ifstream file(folder / "summary.json");
+  return nlohmann::json::parse(file);
+}
+
+double ate(const nlohmann::json& summary, const std::string& path) {
+  return summary.at("paths").at(path).at("ate").at("translation_rmse_m").get<double>();
+}
+
+}  // namespace
+
+int study_demo(const DemoStudySettings& settings) {
+  const std::filesystem::path folder = new_run_folder("study");
+  Table table({"seed", "frames", "odometry ATE m", "fastslam ATE m", "icp ATE m", "icp frames", "lost"});
+  std::map<std::string, std::vector<double>> errors;
+  for (const int seed : settings.seeds) {
+    std::vector<std::string> arguments = {"--seed", std::to_string(seed)};
+    if (!settings.config.empty()) arguments.insert(arguments.end(), {"--config", settings.config});
+    if (!settings.data.empty()) arguments.insert(arguments.end(), {"--data", settings.data});
+    if (settings.seconds > 0)
+      arguments.insert(arguments.end(), {"--seconds", std::to_string(settings.seconds)});
+    for (const auto& value : settings.overrides) arguments.insert(arguments.end(), {"--set", value});
+    const nlohmann::json summary = run_demo(arguments, folder / ("seed-" + std::to_string(seed)));
+    std::vector<std::string> row = {std::to_string(seed),
+                                    fmt::format("{:.0f}", summary.at("frames").get<double>())};
+    for (const char* name : path_names) {
+      errors[name].push_back(ate(summary, name));
+      row.push_back(fixed_number(errors[name].back(), 4));
+    }
+    const auto& paths = summary.at("paths");
+    row.push_back(std::to_string(paths.at("icp").at("poses").get<int>()));
+    row.push_back(
+        std::to_string(paths.at("icp").at("lost").get<int>() + paths.at("fastslam").at("lost").get<int>()));
+    table.add(row);
+    std::cout << "seed " << seed << ": done" << std::endl;
+  }
+  for (const bool worst : {false, true}) {
+    std::vector<std::string> row = {worst ? "worst" : "median", ""};
+    for (const char* name : path_names) {
+      const auto& values = errors[name];
+      row.push_back(
+          fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 4));
+    }
+    row.insert(row.end(), {"", ""});
+    table.add(row);
+  }
+  std::cout << table.text() << "\nruns: " << folder.string() << "\n";
+  return 0;
+}
+
+}  // namespace lcmslam
