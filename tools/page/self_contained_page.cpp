@@ -45,10 +45,11 @@ std::string base64(const std::string& bytes) {
 std::string self_contained_page(const std::filesystem::path& folder, const std::string& name,
                                 const std::string& data) {
   const std::string script = name + ".js", style = name + ".css";
+  const auto quoted = [](const std::string& file) { return '"' + file + '"'; };  // as an attribute names it
   std::string page = read_page_file(folder / "index.html");
-  replace_element(page, "<link", "icon.svg", ">", "");
-  replace_element(page, "<link", style, ">", "<style>" + read_page_file(folder / style) + "</style>");
-  replace_element(page, "<script", script, "</script>",
+  replace_element(page, "<link", quoted("icon.svg"), ">", "");
+  replace_element(page, "<link", quoted(style), ">", "<style>" + read_page_file(folder / style) + "</style>");
+  replace_element(page, "<script", quoted(script), "</script>",
                   data + "\n<script>" + safe_in_script(read_page_file(folder / script)) + "</script>");
   return page;
 }

@@ -68,7 +68,7 @@ std::vector<const RegistrationPair*> chosen(const StudyContext& context, PairSto
                                               : std::vector<std::string>{"kitchen", "office", "table"};
   const int count = context.quick ? 3 : 6;
   for (const std::string& scene : scenes)
-    for (const RegistrationPair& pair : store.pairs({scene, context.seeds.front(), count, 1.0, 0.04}))
+    for (const RegistrationPair& pair : store.pairs({scene, context.seeds.front(), count, 1.0, 0.04, 0.5}))
       pairs.push_back(&pair);
   settings = {{"scenes", scenes},
               {"pairs", pairs.size()},

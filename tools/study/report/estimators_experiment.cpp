@@ -58,7 +58,7 @@ ExperimentResult study_estimators(const StudyContext& context, PairStore& store)
                      false};
     std::map<SolverKind, std::vector<EstimatorTally>> by_turn;
     int number = 0;
-    for (const RegistrationPair& pair : store.pairs({scene, context.seeds.front(), count, 0.5, 0.04})) {
+    for (const RegistrationPair& pair : store.pairs({scene, context.seeds.front(), count, 0.5, 0.04, 0.5})) {
       const KdTreeTarget target(pair.target.cloud);
       ++number;
       for (const SolverKind solver : estimators) {

@@ -42,8 +42,8 @@ ExperimentResult study_noise_overlap(const StudyContext& context, PairStore& sto
     for (const double sigma : sigmas) map->rows.push_back(100 * sigma);
     map->values.assign(sigmas.size(), std::vector<double>(aparts.size(), 0));
   }
-  for (std::size_t a = 0; a < aparts.size(); ++a) {
-    const auto& pairs = store.pairs({"kitchen", context.seeds.front(), count, aparts[a], 0.04});
+  for (std::size_t a = 0; a < aparts.size(); ++a) {  // farther apart there is less overlap
+    const auto& pairs = store.pairs({"kitchen", context.seeds.front(), count, aparts[a], 0.04, 0.1});
     std::vector<double> overlaps;
     for (const RegistrationPair& pair : pairs) overlaps.push_back(pair.overlap);
     for (HeatMap* map : {&right, &steps, &errors})
@@ -102,7 +102,7 @@ ExperimentResult study_alternation(const StudyContext& context, PairStore& store
     for (const double voxel : voxels) {
       std::vector<double> rounds, rising, translations;
       int good = 0;
-      const auto& pairs = store.pairs({"kitchen", context.seeds.front(), count, 1, voxel});
+      const auto& pairs = store.pairs({"kitchen", context.seeds.front(), count, 1, voxel, 0.5});
       for (const RegistrationPair& pair : pairs) {
         AlternatingSettings settings;
         settings.registration.solver = SolverKind::svd;
@@ -196,7 +196,8 @@ ExperimentResult study_parts(const StudyContext& context, PairStore& store) {
     variant.change(settings);
     std::vector<double> iterations, translations;
     int good = 0, number_of = 0;
-    for (const RegistrationPair& pair : store.pairs({"kitchen", context.seeds.front(), count, 1, 0.04})) {
+    for (const RegistrationPair& pair :
+         store.pairs({"kitchen", context.seeds.front(), count, 1, 0.04, 0.5})) {
       const RegistrationResult found = register_clouds(pair.source.cloud, pair.target.cloud,
                                                        start_beside(pair, 0.15, 8, ++number_of), {settings});
       const PairError error = error_of(pair, found.T_target_source);

@@ -91,7 +91,7 @@ ExperimentResult study_overlap(const StudyContext& context, PairStore& store) {
   for (std::size_t a = 0; a < aparts.size(); ++a) {
     std::vector<double> overlaps, matches;
     for (const RegistrationPair& pair :
-         store.pairs({"kitchen", context.seeds.front(), count, aparts[a], 0.04})) {
+         store.pairs({"kitchen", context.seeds.front(), count, aparts[a], 0.04, 0.1})) {
       const KdTreeTarget target(pair.target.cloud);
       const ImageOverlap overlap = colour_overlap(pair.source.colour, pair.target.colour);
       const std::vector<bool> shared = truly_shared(pair, target);
@@ -160,7 +160,7 @@ ExperimentResult study_frustum(const StudyContext& context, PairStore& store) {
   Agreeing agreeing;
   std::vector<double> with, without;
   int right_with = 0, right_without = 0, pairs = 0;
-  for (const RegistrationPair& pair : store.pairs({"office", context.seeds.front(), count, 2, 0.04})) {
+  for (const RegistrationPair& pair : store.pairs({"office", context.seeds.front(), count, 2, 0.04, 0.5})) {
     const ViewFrustum frustum(pair.target.camera);
     const std::vector<bool> seen = truly_in_view(pair);
     const Eigen::Isometry3d T_start = start_beside(pair, 0.1, 5, pairs);

@@ -29,17 +29,21 @@ std::vector<RegistrationPair> rendered(const PairChoice& choice) {
   };
   const auto apart = static_cast<Utime>(1e6 * choice.apart);
   const Utime first = simulation.start() + 1'500'000;  // it stands still at first
-  const Utime step = (simulation.end() - apart - first) / std::max(1, choice.pairs);
+  // Of three times as many places as are needed, those in an order that covers the path however many are left
+  // out.
+  const int places = 3 * choice.pairs;
+  const Utime step = (simulation.end() - apart - first) / std::max(1, places);
   std::vector<RegistrationPair> pairs;
-  for (int i = 0; i < choice.pairs; ++i) {
+  for (int i = 0; i < places && static_cast<int>(pairs.size()) < choice.pairs; ++i) {
+    const int place = (i % choice.pairs) * 3 + i / choice.pairs;
     RegistrationPair pair;
     pair.scene = choice.scene;
     pair.apart = choice.apart;
-    pair.target = view(first + i * step);
-    pair.source = view(first + i * step + apart);
+    pair.target = view(first + place * step);
+    pair.source = view(first + place * step + apart);
     pair.T_target_source = camera(pair.target).inverse() * camera(pair.source);
     pair.overlap = pair_overlap(pair.source, pair.target, pair.T_target_source, 2 * choice.voxel_size);
-    pairs.push_back(std::move(pair));
+    if (pair.overlap >= choice.min_overlap) pairs.push_back(std::move(pair));
   }
   return pairs;
 }
@@ -47,8 +51,8 @@ std::vector<RegistrationPair> rendered(const PairChoice& choice) {
 }  // namespace
 
 const std::vector<RegistrationPair>& PairStore::pairs(const PairChoice& choice) {
-  const std::string key =
-      fmt::format("{} {} {} {} {}", choice.scene, choice.seed, choice.pairs, choice.apart, choice.voxel_size);
+  const std::string key = fmt::format("{} {} {} {} {} {}", choice.scene, choice.seed, choice.pairs,
+                                      choice.apart, choice.voxel_size, choice.min_overlap);
   const std::lock_guard<std::mutex> lock(mutex_);
   for (const auto& [name, pairs] : kept_)
     if (name == key) return *pairs;

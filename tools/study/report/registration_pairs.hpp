@@ -20,13 +20,14 @@ struct RegistrationPair {
   double overlap = 0;                 ///< share of the source that the target shows
 };
 
-/// ToF head, one pair every few seconds of the scene's path, `apart` s between its images.
+/// ToF head, pairs spread over the scene's path, `apart` s between their images.
 struct PairChoice {
   std::string scene = "kitchen";
   int seed = 1;
   int pairs = 8;
   double apart = 1;          ///< s
   double voxel_size = 0.04;  ///< m
+  double min_overlap = 0.5;  ///< of the source by the target; pairs with less are left out
 };
 
 /// Renders pairs once.
