@@ -9,19 +9,15 @@
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 
-#include <lcmslam/cloud/cloud_filter.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/evaluation/trajectory.hpp>
-#include <lcmslam/imaging/depth_filter.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
-#include <lcmslam/registration/kd_tree_target.hpp>
-#include <lcmslam/rgbd/describe_frame.hpp>
-#include <lcmslam/rgbd/make_cloud.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/surf/surf.hpp>
 #include "tools/study/feature_study.hpp"
 #include "tools/study/measures.hpp"
+#include "tools/study/pair_view.hpp"
 
 namespace lcmslam {
 namespace {
@@ -52,35 +48,6 @@ Recording read(CameraSource& source) {
   return recording;
 }
 
-PairView make_view(const RgbdFrame& frame, const DepthRegistration& registration, double voxel_size,
-                   Surf& surf) {
-  const RgbdCalibration& calibration = registration.calibration();
-  PairView view;
-  view.utime = frame.utime;
-  view.depth_utime = calibration.depth_time(frame.depth_utime);
-  view.colour = frame.colour;
-  view.camera = calibration.colour;
-  view.features = describe_frame(frame, registration(frame), calibration, surf);
-  RgbdFrame filtered = frame;
-  filtered.depth = frame.depth.clone();
-  DepthFilter filter(calibration);
-  filter(filtered.depth, frame.amplitude);
-  const ColouredCloud cloud = make_cloud(filtered, registration(filtered), 2, true);
-  view.cloud = voxel_filtered(geometry_of(usable_points(cloud)), voxel_size);
-  return view;
-}
-
-/// Share of the source's points that have a neighbour in the target.
-double overlap(const PairView& source, const PairView& target, const Eigen::Isometry3d& T, double reach) {
-  const KdTreeTarget tree(target.cloud);
-  const Eigen::Isometry3f T_float = T.cast<float>();
-  TargetPoint found;
-  const auto near = std::count_if(source.cloud.points.begin(), source.cloud.points.end(), [&](const auto& p) {
-    return tree.find(T_float * p, static_cast<float>(reach), found);
-  });
-  return source.cloud.size() > 0 ? static_cast<double>(near) / static_cast<double>(source.cloud.size()) : 0;
-}
-
 class PairStudy {
  public:
   PairStudy(CameraSource& source, const std::vector<PairMethod>& methods, const PairStudySettings& settings)
@@ -109,7 +76,7 @@ class PairStudy {
  private:
   std::optional<PairView> view(std::size_t index) {
     try {
-      return make_view(decode(recording_.frames[index]), registration_, settings_.voxel_size, surf_);
+      return make_pair_view(decode(recording_.frames[index]), registration_, settings_.voxel_size, surf_);
     } catch (const std::runtime_error&) {
       return std::nullopt;  // a damaged image
     }
@@ -128,7 +95,7 @@ class PairStudy {
       return;
     }
     const Eigen::Isometry3d truth = T_world_target->inverse() * *T_world_source;
-    if (overlap(source, target, truth, 2 * settings_.voxel_size) < settings_.min_overlap) {
+    if (pair_overlap(source, target, truth, 2 * settings_.voxel_size) < settings_.min_overlap) {
       ++result_.little_overlap;
       return;
     }

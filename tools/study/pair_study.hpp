@@ -7,20 +7,10 @@
 #include <string>
 #include <vector>
 
-#include <lcmslam/cloud/cloud.hpp>
-#include <lcmslam/features/feature.hpp>
 #include "procs/camera/camera_source.hpp"
+#include "tools/study/pair_view.hpp"
 
 namespace lcmslam {
-
-/// One image as registration sees it, all in its colour camera's frame.
-struct PairView {
-  Utime utime = 0, depth_utime = 0;  ///< us, on the colour camera's clock
-  cv::Mat colour;                    ///< CV_8UC3
-  CameraModel camera;
-  Cloud cloud;  ///< thinned, with normals and sigmas
-  FeatureFrame features;
-};
 
 /// T_target_source by some method; nothing when it gives up.
 struct PairMethod {
