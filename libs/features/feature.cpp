@@ -17,7 +17,7 @@ Descriptor to_bytes(const float* descriptor64) {
 }
 
 double pixel_sigma(const Feature& feature, const FeatureFrame& frame) {
-  constexpr double size_of_sigma = 20, least = 0.7;  // pixels; of the frame's sigma
+  constexpr double size_of_sigma = 25, least = 0.7;  // pixels; of the frame's sigma
   return frame.pixel_sigma * (feature.size > 0 ? std::max(least, feature.size / size_of_sigma) : 1);
 }
 

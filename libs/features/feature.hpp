@@ -59,7 +59,7 @@ struct FeatureFrame {
 
 /// Standard deviation of one feature's pixel. A blob is found the less sharply the larger it is (Zeisl et al.
 /// 2009, "Estimation of location uncertainty for scale invariant feature points"), and a large one on a
-/// slanted wall slides along it as the robot goes by: pixel_sigma is that of features of 20 pixels, 14 and
+/// slanted wall slides along it as the robot goes by: pixel_sigma is that of features of 25 pixels, 17 and
 /// less have 0.7 of it. Without a size: pixel_sigma.
 double pixel_sigma(const Feature& feature, const FeatureFrame& frame);
 

@@ -88,8 +88,8 @@ TEST(PointCovariance, GrowsAcrossTheRayWithTheBlob) {
     feature.size = size;
     return std::sqrt(point_covariance(feature, frame)(0, 0)) * 515 / 3;
   };
-  EXPECT_NEAR(across(20), 1.5, 1e-6);
-  EXPECT_NEAR(across(60), 3 * 1.5, 1e-6);
+  EXPECT_NEAR(across(25), 1.5, 1e-6);
+  EXPECT_NEAR(across(75), 3 * 1.5, 1e-6);
   EXPECT_NEAR(across(9), 0.7 * 1.5, 1e-6);
   EXPECT_NEAR(across(5), across(9), 1e-9);
 }
