@@ -34,7 +34,8 @@ int study_command(int argc, char** argv) {
       "lcmslam study"};
   app.add_option("--seeds,--seed", seeds, "of sensors and particles")->delimiter(',');
   app.add_option("--config", o.config, "as for the demo")->check(CLI::ExistingFile);
-  app.add_option("--data", o.data, "a recording instead of the simulation (pairs: also a log)")
+  app.add_option("--data", o.data,
+                 "a recording instead of the simulation (pairs: also a log; report: a folder of them)")
       ->check(CLI::ExistingPath);
   app.add_option("--seconds", seconds, "only the first so many seconds");
   app.add_option("--set", o.overrides, "override: section.key=value");

@@ -78,7 +78,7 @@ double Drive::distance_to_surface(const Eigen::Vector3d& point_world) const {
 }
 
 DriveSettings usual_drive(bool quick, const std::string& scene, int seed) {
-  return quick ? DriveSettings{scene, seed, 6, 3, 1} : DriveSettings{scene, seed, 30, 5, 1};
+  return quick ? DriveSettings{scene, seed, 6, 3, 1} : DriveSettings{scene, seed, 20, 4, 1};
 }
 
 Drive take_drive(CameraSource& source) {
@@ -119,6 +119,14 @@ std::shared_ptr<const Drive> DriveStore::drive(const DriveSettings& settings) {
   if (kept_.size() >= most_drives) kept_.pop_front();
   kept_.emplace_back(name, render(settings));
   return kept_.back().second;
+}
+
+cv::Mat colour_image(const Drive& drive, Utime utime) {
+  for (const BatchMessage& message : drive.messages)
+    if (message.channel == "CAMERA" && message.utime == utime)
+      return decode_colour(
+          from_message(decode_message<images_t>(message.bytes.data(), message.bytes.size())).colour);
+  return {};
 }
 
 Drive with_images(const Drive& drive, const ImageChange& change) {

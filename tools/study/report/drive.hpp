@@ -29,7 +29,7 @@ struct DriveSettings {
   int laps = 1;
 };
 
-/// What the experiments have in common, so that they share their drives: half a minute at 5 Hz; quick, 6 s at
+/// What the experiments have in common, so that they share their drives: 20 s at 4 Hz; quick, 6 s at
 /// 3 Hz.
 DriveSettings usual_drive(bool quick, const std::string& scene, int seed);
 
@@ -60,6 +60,9 @@ class DriveStore {
   std::mutex mutex_;
   std::deque<std::pair<std::string, std::shared_ptr<const Drive>>> kept_;
 };
+
+/// The colour image of that stamp, CV_8UC3; empty where there is none.
+cv::Mat colour_image(const Drive& drive, Utime utime);
 
 /// Every image decoded, changed and coded anew; features found in what it is then. `number` of the frame
 /// from 0, `seconds` since the first message.

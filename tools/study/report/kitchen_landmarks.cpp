@@ -5,10 +5,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include <lcmslam/images_t.hpp>
-#include <lcmslam/imaging/io/codec.hpp>
-#include <lcmslam/messages/camera_messages.hpp>
-#include <lcmslam/messages/decode.hpp>
 #include "tools/study/report/map_pictures.hpp"
 #include "tools/study/report/mapping_parts.hpp"
 #include "tools/study/report/mapping_run.hpp"
@@ -18,14 +14,6 @@ namespace lcmslam {
 namespace {
 
 const cv::Scalar seen_again(178, 114, 0), refused(0, 94, 213), made(115, 158, 0);  // BGR, Okabe and Ito
-
-cv::Mat colour_image(const Drive& drive, Utime utime) {
-  for (const BatchMessage& message : drive.messages)
-    if (message.channel == "CAMERA" && message.utime == utime)
-      return decode_colour(
-          from_message(decode_message<images_t>(message.bytes.data(), message.bytes.size())).colour);
-  return {};
-}
 
 /// (The high bits of an id name the map; here is one.) The image with what became of its features, the ids of
 /// every few landmarks that were seen again.

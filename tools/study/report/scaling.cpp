@@ -55,7 +55,7 @@ ExperimentResult study_scaling(const StudyContext& context, DriveStore& drives) 
   ExperimentResult result;
   const int seed = context.seeds.front(), laps = context.quick ? 2 : 3;
   result.seeds = {seed};
-  const double rate = context.quick ? 1.5 : 5;
+  const double rate = context.quick ? 1 : 5;
   const auto drive = drives.drive({"kitchen", seed, 0, rate, laps});
   result.settings = {{"scene", "kitchen"}, {"laps", laps}, {"frame_rate_hz", rate}, {"preset", "modern"}};
   MapperChoice choice;

@@ -41,7 +41,7 @@ Chart features_chart(const std::string& title, const Drive& drive, const Traject
 
 ExperimentResult study_table_loop(const StudyContext& context, DriveStore& drives) {
   ExperimentResult result;
-  const double rate = context.quick ? 3 : 10;
+  const double rate = usual_drive(context.quick, "table", 1).frame_rate;
   std::vector<int> seeds = context.seeds;
   if (context.quick) seeds.resize(std::min<std::size_t>(1, seeds.size()));
   result.seeds = seeds;

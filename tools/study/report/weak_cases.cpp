@@ -17,6 +17,7 @@ namespace {
 struct WeakCase {
   std::string name, scene;
   double light = 1;
+  bool whole = false;  ///< all of the path
 };
 
 ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drives) {
@@ -25,8 +26,9 @@ ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drive
   std::vector<int> seeds = context.seeds;
   if (context.quick) seeds.resize(std::min<std::size_t>(1, seeds.size()));
   result.seeds = seeds;
-  const std::vector<WeakCase> cases = {
-      {"kitchen", "kitchen", 1}, {"bare corridor", "corridor", 1}, {"kitchen in the dark", "kitchen", 0.03}};
+  std::vector<WeakCase> cases = {
+      {"kitchen", "kitchen"}, {"bare corridor", "corridor"}, {"kitchen in the dark", "kitchen", 0.03}};
+  if (!context.quick) cases.push_back({"once around the table", "table", 1, true});
   const std::vector<std::string> presets = {"thesis", "modern"};
   result.settings = {
       {"seconds", usual.seconds}, {"frame_rate_hz", usual.frame_rate}, {"light_in_the_dark", 0.03}};
@@ -40,7 +42,9 @@ ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drive
     Chart chart{"Paths: " + cases[c].name, {"x", "m"}, {"y", "m"}, {}, true};
     std::vector<Drive> driven;
     for (const int seed : seeds) {
-      const auto lit = drives.drive(usual_drive(context.quick, cases[c].scene, seed));
+      DriveSettings settings = usual_drive(context.quick, cases[c].scene, seed);
+      if (cases[c].whole) settings.seconds = 0;
+      const auto lit = drives.drive(settings);
       driven.push_back(cases[c].light < 1 ? with_images(*lit, dimmed(cases[c].light)) : *lit);
     }
     std::vector<MappingRun> all(2 * seeds.size());
@@ -84,23 +88,29 @@ ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drive
   }
   result.tables = {table};
   const auto middle = [](const std::vector<double>& v) { return spread_of(v).median; };
-  const auto worse = [&](double a, double b) { return !std::isfinite(a) || a > 2 * b; };
-  const bool bare = worse(middle(icp[1][0]), middle(filter[1][0]));
-  const bool dark = worse(middle(filter[2][0]), middle(icp[2][0]));
-  result.agreement = bare && dark   ? Agreement::agrees
-                     : bare || dark ? Agreement::agrees_in_part
-                                    : Agreement::differs;
-  const auto words = [&](const std::vector<std::vector<double>>& v, std::size_t p) {
-    return in_words(v[p], 100, "cm");
-  };
+  const auto ratio = [&](double a, double b) {
+    return std::isfinite(a) ? a / b : 99;
+  };                // lost: as bad as can be
+  double bare = 0;  // the worst of the cases with little geometry, and the table that figure 4.2 shows
+  for (std::size_t c = 1; c < cases.size(); ++c)
+    if (cases[c].light == 1) bare = std::max(bare, ratio(middle(icp[c][0]), middle(filter[c][0])));
+  const double dark = ratio(middle(filter[2][0]), middle(icp[2][0]));
+  constexpr double failure = 2;
+  result.agreement = bare > failure && dark > failure   ? Agreement::agrees
+                     : bare > failure || dark > failure ? Agreement::agrees_in_part
+                                                        : Agreement::differs;
+  std::string words;
+  for (std::size_t c = 1; c < cases.size(); ++c)
+    words += fmt::format("{}{} the thesis's FastSLAM errs by {} and its ICP by {} (modern: {} and {})",
+                         c > 1 ? "; " : "", cases[c].name + ":", in_words(filter[c][0], 100, "cm"),
+                         in_words(icp[c][0], 100, "cm"), in_words(filter[c][1], 100, "cm"),
+                         in_words(icp[c][1], 100, "cm"));
   result.finding = fmt::format(
-      "In the bare corridor the thesis's FastSLAM errs by {} and its ICP by {} (modern: {} and {}): {}; in "
-      "the dark "
-      "kitchen by {} and {} (modern: {} and {}): {}.",
-      words(filter[1], 0), words(icp[1], 0), words(filter[1], 1), words(icp[1], 1),
-      bare ? "ICP fails and FastSLAM does not, as figure 4.2 shows" : "what figure 4.2 shows is not seen",
-      words(filter[2], 0), words(icp[2], 0), words(filter[2], 1), words(icp[2], 1),
-      dark ? "the opposite" : "FastSLAM does not fail more than ICP");
+      "{}. With little geometry the thesis's ICP errs up to {:.1f} times as much as its FastSLAM, which {} "
+      "what figure 4.2 "
+      "shows; without light FastSLAM errs {:.1f} times as much as ICP, {}.",
+      words, bare, bare > failure ? "is" : "is not yet", dark,
+      dark > failure ? "the opposite" : "which is no failure of its own");
   return result;
 }
 

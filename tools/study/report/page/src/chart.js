@@ -19,6 +19,9 @@ function points(series, chart) {
   });
 }
 
+/** Paths from above have none: they would hide each other. */
+const hasSymbols = (data, chart) => drawn(data).length <= fewPoints && !chart.equal_scales;
+
 const drawn = (data) => data.filter(({ x, y }) => Number.isFinite(x) && Number.isFinite(y));
 const spreads = (data) => data.filter(({ low, high }) => Number.isFinite(low) && high > low);
 
@@ -42,7 +45,7 @@ const drawings = {
     if (spreads(data).length > 1)
       marks.unshift(Plot.areaY(spreads(data), { x: "x", y1: "low", y2: "high", fill: look.colour, fillOpacity: 0.16 }));
     else marks.unshift(whiskers(data, look));
-    if (drawn(data).length <= fewPoints) marks.push(dots(data, look, chart, name, 3.5));
+    if (hasSymbols(data, chart)) marks.push(dots(data, look, chart, name, 3.5));
     return marks;
   },
   dots: (data, look, chart, name) => [whiskers(data, look), dots(data, look, chart, name, drawn(data).length > 300 ? 2 : 3.5)],
@@ -107,12 +110,14 @@ function draw(chart, list, width) {
   const equal = chart.equal_scales ? equalScales(list, width) : null;
   const bars = list.filter(({ series }) => series.mark === "bars");
   const all = list.flatMap(({ data }) => drawn(data));
-  const places = [...new Set(bars.flatMap(({ data }) => drawn(data).map(({ x }) => x)))];
-  const barTicks = bars.length > 0 && places.length <= 12 && { ticks: places, tickFormat: shown };
+  const places = [...new Set(all.map(({ x }) => x))].sort((one, other) => one - other);
+  const apart = Math.min(...places.slice(1).map((x, i) => x - places[i])) / (places.at(-1) - places[0]);
+  const fit = places.length === 1 || apart * (width - margins.marginLeft - margins.marginRight) > 44;
+  const ownTicks = fit && places.length <= 12 && { ticks: places, tickFormat: shown };
   return Plot.plot({
     width, height: equal?.height ?? Math.round(Math.min(360, Math.max(260, width * 0.5))), ...margins, style,
     inset: equal || bars.length ? 0 : 6,
-    x: axis(chart.x, all.map(({ x }) => x), Math.max(3, Math.floor(width / 80)), { ...(equal && { domain: equal.x }), ...barTicks }),
+    x: axis(chart.x, all.map(({ x }) => x), Math.max(3, Math.floor(width / 80)), { ...(equal ? { domain: equal.x } : ownTicks) }),
     y: axis(chart.y, all.flatMap(({ y, low, high }) => [y, low, high]), 6, equal ? { domain: equal.y } : { nice: true, zero: bars.length > 0 }),
     ariaLabel: chart.title,
     marks: [
@@ -123,8 +128,8 @@ function draw(chart, list, width) {
   });
 }
 
-function key({ look, series, name, data }) {
-  const bar = series.mark === "bars", symbol = series.mark === "dots" || (series.mark === "line" && drawn(data).length <= fewPoints);
+function key({ look, series, name, data }, chart) {
+  const bar = series.mark === "bars", symbol = series.mark === "dots" || (series.mark === "line" && hasSymbols(data, chart));
   const sample = Plot.plot({ width: 34, height: 14, margin: 0, axis: null, style: { ...style, width: "34px" }, x: { domain: [0, 1] }, y: { domain: [0, 1] }, marks: [
     bar ? Plot.rect([0], { x1: 0.1, x2: 0.9, y1: 0.1, y2: 0.9, fill: look.colour, fillOpacity: look.strong ? 0.85 : 0.4, stroke: look.colour }) : null,
     bar || series.mark === "dots" ? null : Plot.line([[0, 0.5], [1, 0.5]], { stroke: look.colour, strokeWidth: 2, strokeDasharray: look.dash }),
@@ -141,6 +146,6 @@ export function chartFigure(chart) {
   if (list.length === 0) return element("figure", { class: "chart missing" }, title, element("p", {}, "Nothing was measured."));
   const frame = element("div", { class: "frame" });
   drawToWidth(frame, (width) => draw(chart, list, width));
-  return element("figure", { class: "chart" }, title, element("ul", { class: "legend" }, ...list.map(key)),
+  return element("figure", { class: "chart" }, title, element("ul", { class: "legend" }, ...list.map((one) => key(one, chart))),
     element("p", { class: "axis" }, `↑ ${withUnit(chart.y)}`), frame, element("p", { class: "axis x" }, `${withUnit(chart.x)} →`));
 }

@@ -7,10 +7,10 @@ const report = JSON.parse(document.getElementById("lcmslam-report").textContent)
 function summary({ experiments, versions, seeds, quick }) {
   const counts = new Map();
   for (const experiment of experiments) counts.set(verdict(experiment), (counts.get(verdict(experiment)) ?? 0) + 1);
-  const found = [...counts].map(([words, count]) => `${count} ${words}`).join(", ");
+  const found = [...counts].map(([words, count]) => `${words} ${count}`).join(", ");
   return element("header", {},
     element("h1", {}, "The thesis's experiments, run again"),
-    element("p", {}, `FastSLAM with SURF landmarks and 6-D SLAM by ICP, on simulated drives with exact truth and on recordings. Experiments: ${found}.`),
+    element("p", {}, `FastSLAM with SURF landmarks and 6-D SLAM by ICP, on simulated drives with exact truth and on recordings. ${experiments.length} experiments: ${found}.`),
     element("p", { class: "axis" }, `lcmslam ${versions.lcmslam}, seeds ${seeds.join(", ")}${quick ? "; a quick run: few seeds and short drives, so spreads are wide" : ""}. ` +
       "Bands and bars span the seeds, lowest to highest; curves are medians. All numbers stand in report.json."));
 }
