@@ -45,7 +45,7 @@ class Gallery {
       feature.descriptor = descriptors_[i];
       f.features.push_back(feature);
       view.cloud.points.push_back(feature.point);
-      view.cloud.normals.push_back((T.linear() * normals_[i]).cast<float>());
+      view.cloud.normals.emplace_back((T.linear() * normals_[i]).cast<float>());
       view.cloud.sigmas.push_back(0.003f);
     }
     return view;

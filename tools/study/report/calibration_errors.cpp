@@ -91,10 +91,9 @@ ExperimentResult study_calibration(const StudyContext& context, DriveStore& driv
     result.charts.push_back(chart);
     words += fmt::format("{}{} by {:g} {}: {} and {}", words.empty() ? "" : "; ", kind.name, values.back(),
                          kind.unit, in_words(filter.back(), 100, "cm"), in_words(icp.back(), 100, "cm"));
-    if (words.size() > 0 && &kind == &wrong_calibrations.front())
-      words = fmt::format("Well calibrated FastSLAM and ICP err by {} and {}; with a wrong ",
-                          in_words(filter.front(), 100, "cm"), in_words(icp.front(), 100, "cm")) +
-              words;
+    if (!words.empty() && &kind == &wrong_calibrations.front())
+      words.insert(0, fmt::format("Well calibrated FastSLAM and ICP err by {} and {}; with a wrong ",
+                                  in_words(filter.front(), 100, "cm"), in_words(icp.front(), 100, "cm")));
   }
   result.tables = {table};
   result.finding = words + ".";
@@ -103,7 +102,7 @@ ExperimentResult study_calibration(const StudyContext& context, DriveStore& driv
 
 }  // namespace
 
-Experiment calibration_experiment(SharedDrives drives) {
+Experiment calibration_experiment(const SharedDrives& drives) {
   return {"calibration", "Calibration error against pose error", "",
           [drives](const StudyContext& context) { return study_calibration(context, *drives); }};
 }

@@ -90,7 +90,7 @@ ExperimentResult study_nees(const StudyContext& context, DriveStore& drives) {
 
 }  // namespace
 
-Experiment consistency_experiment(SharedDrives drives) {
+Experiment consistency_experiment(const SharedDrives& drives) {
   return {"mapper-consistency", "Do the mappers err as much as they say?", "",
           [drives](const StudyContext& context) { return study_nees(context, *drives); }};
 }

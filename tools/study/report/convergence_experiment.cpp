@@ -215,12 +215,12 @@ ExperimentResult study_convergence(const StudyContext& context, PairStore& store
 
 }  // namespace
 
-Experiment known_start_experiment(SharedPairs pairs) {
+Experiment known_start_experiment(const SharedPairs& pairs) {
   return {"known-start", "Convergence from SURF's initial alignment", "figure 3.7",
           [pairs](const StudyContext& context) { return study_known_start(context, *pairs); }};
 }
 
-Experiment convergence_experiment(SharedPairs pairs) {
+Experiment convergence_experiment(const SharedPairs& pairs) {
   return {"convergence", "Convergence without an initial alignment", "figures 3.8 to 3.11",
           [pairs](const StudyContext& context) { return study_convergence(context, *pairs); }};
 }

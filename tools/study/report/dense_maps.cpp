@@ -34,6 +34,7 @@ ExperimentResult study_dense_maps(const StudyContext& context, DriveStore& drive
                 false};
     const std::vector<std::string> presets = {"thesis", "modern"};
     std::vector<std::shared_ptr<const Drive>> driven;
+    driven.reserve(seeds.size());
     for (const int seed : seeds) driven.push_back(drives.drive(usual_drive(context.quick, scene, seed)));
     std::vector<MappingRun> all(presets.size() * seeds.size());
     run_side_by_side(all.size(), [&](std::size_t i) {
@@ -88,7 +89,7 @@ ExperimentResult study_dense_maps(const StudyContext& context, DriveStore& drive
 
 }  // namespace
 
-Experiment dense_maps_experiment(SharedDrives drives) {
+Experiment dense_maps_experiment(const SharedDrives& drives) {
   return {"dense-maps", "Kitchen and office by ICP", "figures 3.5, 3.6 and 3.12 to 3.14",
           [drives](const StudyContext& context) { return study_dense_maps(context, *drives); }};
 }

@@ -123,7 +123,7 @@ ExperimentResult study_estimators(const StudyContext& context, PairStore& store)
 
 }  // namespace
 
-Experiment estimators_experiment(SharedPairs pairs) {
+Experiment estimators_experiment(const SharedPairs& pairs) {
   return {"estimators", "SVD, unit quaternion and small angles", "section 3.6",
           [pairs](const StudyContext& context) { return study_estimators(context, *pairs); }};
 }

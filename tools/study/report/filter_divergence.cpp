@@ -35,6 +35,7 @@ FilterErrors drive_among_beacons(ProposalKind proposal, double measurement_sigma
   constexpr double outside = 11.34;  // chi square of three degrees of freedom, 99 %
   Random random(static_cast<std::uint64_t>(seed), 21);
   std::vector<Eigen::Vector3d> places;
+  places.reserve(beacons);
   for (int i = 0; i < beacons; ++i) places.emplace_back(random.uniform(-7, 7), random.uniform(-6, 6), 0);
   FastSlamSettings settings = thesis_preset();
   settings.proposal = proposal;

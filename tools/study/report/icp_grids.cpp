@@ -45,6 +45,7 @@ ExperimentResult study_noise_overlap(const StudyContext& context, PairStore& sto
   for (std::size_t a = 0; a < aparts.size(); ++a) {  // farther apart there is less overlap
     const auto& pairs = store.pairs({"kitchen", context.seeds.front(), count, aparts[a], 0.04, 0.1});
     std::vector<double> overlaps;
+    overlaps.reserve(pairs.size());
     for (const RegistrationPair& pair : pairs) overlaps.push_back(pair.overlap);
     for (HeatMap* map : {&right, &steps, &errors})
       map->columns.push_back(std::round(100 * spread_of(overlaps).median));
@@ -227,17 +228,17 @@ ExperimentResult study_parts(const StudyContext& context, PairStore& store) {
 
 }  // namespace
 
-Experiment noise_overlap_experiment(SharedPairs pairs) {
+Experiment noise_overlap_experiment(const SharedPairs& pairs) {
   return {"noise-overlap", "ICP over range noise and overlap", "section 3.2",
           [pairs](const StudyContext& context) { return study_noise_overlap(context, *pairs); }};
 }
 
-Experiment alternation_experiment(SharedPairs pairs) {
+Experiment alternation_experiment(const SharedPairs& pairs) {
   return {"alternation", "Turns between cloud and SURF points", "section 3.4.1.1",
           [pairs](const StudyContext& context) { return study_alternation(context, *pairs); }};
 }
 
-Experiment icp_parts_experiment(SharedPairs pairs) {
+Experiment icp_parts_experiment(const SharedPairs& pairs) {
   return {"icp-parts", "ICP's parts, one changed at a time", "",
           [pairs](const StudyContext& context) { return study_parts(context, *pairs); }};
 }

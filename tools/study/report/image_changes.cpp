@@ -46,7 +46,7 @@ void paint_person(const cv::Size& size, const CameraModel& camera, const Eigen::
   const Eigen::Vector3d origin = T_person_camera.translation();
   for (int v = 0; v < size.height; ++v)
     for (int u = 0; u < size.width; ++u) {
-      const cv::Vec2f r = rays.at<cv::Vec2f>(v, u);
+      const cv::Vec2f& r = rays.at<cv::Vec2f>(v, u);
       const Eigen::Vector3d ray = T_person_camera.linear() * Eigen::Vector3d(r[0], r[1], 1);
       if (const auto at = hit(origin, ray)) paint(v, u, *at);
     }

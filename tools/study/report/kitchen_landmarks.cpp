@@ -120,7 +120,7 @@ ExperimentResult study_kitchen_landmarks(const StudyContext& context, DriveStore
 
 }  // namespace
 
-Experiment kitchen_landmarks_experiment(SharedDrives drives) {
+Experiment kitchen_landmarks_experiment(const SharedDrives& drives) {
   return {"kitchen-landmarks", "The kitchen by FastSLAM", "figures 2.3 to 2.5",
           [drives](const StudyContext& context) { return study_kitchen_landmarks(context, *drives); }};
 }

@@ -40,7 +40,7 @@ void MapPictures::add_views(ExperimentResult& result, const std::string& title) 
   for (const Path& path : paths) {
     PicturePath drawn{path.name, path.colour, {}};
     for (const StampedPose& pose : path.path)
-      drawn.points.push_back((path.T_world_path * pose.T_world_body).translation());
+      drawn.points.emplace_back((path.T_world_path * pose.T_world_body).translation());
     request.paths.push_back(std::move(drawn));
   }
   for (const MapView view : {MapView::front, MapView::top}) {

@@ -109,6 +109,7 @@ using Figures = std::map<std::string, std::vector<std::array<std::vector<MapFigu
 
 std::vector<double> values_of(const std::vector<MapFigures>& figures, double MapFigures::*value) {
   std::vector<double> values;
+  values.reserve(figures.size());
   for (const MapFigures& f : figures) values.push_back(f.*value);
   return values;
 }
@@ -289,7 +290,7 @@ ExperimentResult study_mapper_comparison(const StudyContext& context, DriveStore
 
 }  // namespace
 
-Experiment mapper_comparison_experiment(SharedDrives drives) {
+Experiment mapper_comparison_experiment(const SharedDrives& drives) {
   return {"mappers", "FastSLAM against 6-D SLAM", "chapter 4, figures 4.1, 4.3, 4.4 and table 4.1",
           [drives](const StudyContext& context) { return study_mapper_comparison(context, *drives); }};
 }

@@ -11,19 +11,19 @@ namespace lcmslam {
 using SharedDrives = std::shared_ptr<DriveStore>;
 
 Experiment sampled_poses_experiment();
-Experiment kitchen_landmarks_experiment(SharedDrives drives);
-Experiment table_loop_experiment(SharedDrives drives);
-Experiment path_noise_experiment(SharedDrives drives);
-Experiment dense_maps_experiment(SharedDrives drives);
+Experiment kitchen_landmarks_experiment(const SharedDrives& drives);
+Experiment table_loop_experiment(const SharedDrives& drives);
+Experiment path_noise_experiment(const SharedDrives& drives);
+Experiment dense_maps_experiment(const SharedDrives& drives);
 Experiment filter_divergence_experiment();
-Experiment mapper_comparison_experiment(SharedDrives drives);
-Experiment weak_cases_experiment(SharedDrives drives);
-Experiment moving_people_experiment(SharedDrives drives);
-Experiment presets_experiment(SharedDrives drives);
-Experiment robustness_experiment(SharedDrives drives);
-Experiment consistency_experiment(SharedDrives drives);
-Experiment scaling_experiment(SharedDrives drives);
-Experiment calibration_experiment(SharedDrives drives);
+Experiment mapper_comparison_experiment(const SharedDrives& drives);
+Experiment weak_cases_experiment(const SharedDrives& drives);
+Experiment moving_people_experiment(const SharedDrives& drives);
+Experiment presets_experiment(const SharedDrives& drives);
+Experiment robustness_experiment(const SharedDrives& drives);
+Experiment consistency_experiment(const SharedDrives& drives);
+Experiment scaling_experiment(const SharedDrives& drives);
+Experiment calibration_experiment(const SharedDrives& drives);
 Experiment recordings_experiment();
 
 }  // namespace lcmslam

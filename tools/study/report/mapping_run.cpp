@@ -203,13 +203,14 @@ std::vector<double> surface_distances(const Drive& drive, const Eigen::Isometry3
 
 std::vector<Eigen::Vector3d> places_of(const std::vector<Landmark>& landmarks) {
   std::vector<Eigen::Vector3d> places;
+  places.reserve(landmarks.size());
   for (const Landmark& landmark : landmarks) places.push_back(landmark.mean);
   return places;
 }
 
 std::vector<Eigen::Vector3d> places_of(const ColouredCloud& cloud) {
   std::vector<Eigen::Vector3d> places;
-  for (const Eigen::Vector3f& point : cloud.points) places.push_back(point.cast<double>());
+  for (const Eigen::Vector3f& point : cloud.points) places.emplace_back(point.cast<double>());
   return places;
 }
 
@@ -239,7 +240,7 @@ SeenSurface seen_surface(const Drive& drive) {
   constexpr int fewest = 3;  // fewer are mixed pixels, in the air
   SeenSurface seen;
   for (const auto& [key, cell] : cells)
-    if (cell.second >= fewest) seen.cells.push_back(cell.first / cell.second);
+    if (cell.second >= fewest) seen.cells.emplace_back(cell.first / cell.second);
   return seen;
 }
 

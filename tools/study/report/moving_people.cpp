@@ -130,12 +130,12 @@ ExperimentResult study_presets(const StudyContext& context, DriveStore& drives) 
 
 }  // namespace
 
-Experiment moving_people_experiment(SharedDrives drives) {
+Experiment moving_people_experiment(const SharedDrives& drives) {
   return {"moving-people", "A person crosses before the robot", "future work: dynamic environments",
           [drives](const StudyContext& context) { return study_moving_people(context, *drives); }};
 }
 
-Experiment presets_experiment(SharedDrives drives) {
+Experiment presets_experiment(const SharedDrives& drives) {
   return {"presets", "Thesis preset against modern preset", "",
           [drives](const StudyContext& context) { return study_presets(context, *drives); }};
 }

@@ -216,12 +216,12 @@ ExperimentResult study_frustum(const StudyContext& context, PairStore& store) {
 
 }  // namespace
 
-Experiment overlap_experiment(SharedPairs pairs) {
+Experiment overlap_experiment(const SharedPairs& pairs) {
   return {"overlap", "Which part of two views overlaps", "figures 3.2 to 3.4",
           [pairs](const StudyContext& context) { return study_overlap(context, *pairs); }};
 }
 
-Experiment frustum_experiment(SharedPairs pairs) {
+Experiment frustum_experiment(const SharedPairs& pairs) {
   return {"frustum", "Culling by the target's frustum", "figure 3.16",
           [pairs](const StudyContext& context) { return study_frustum(context, *pairs); }};
 }

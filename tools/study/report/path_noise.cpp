@@ -107,7 +107,7 @@ ExperimentResult study_path_noise(const StudyContext& context, DriveStore& drive
 
 }  // namespace
 
-Experiment path_noise_experiment(SharedDrives drives) {
+Experiment path_noise_experiment(const SharedDrives& drives) {
   return {"path-noise", "Noise added to the path", "figure 2.10",
           [drives](const StudyContext& context) { return study_path_noise(context, *drives); }};
 }

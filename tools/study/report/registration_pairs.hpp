@@ -58,14 +58,14 @@ RegistrationSettings thesis_icp(SolverKind solver);
 /// Points seen from above in the target's frame (x right, z forward), at most a few hundred.
 ChartSeries cloud_from_above(const std::string& name, const Cloud& cloud, const Eigen::Isometry3d& T);
 
-Experiment overlap_experiment(SharedPairs pairs);
-Experiment known_start_experiment(SharedPairs pairs);
-Experiment convergence_experiment(SharedPairs pairs);
-Experiment frustum_experiment(SharedPairs pairs);
-Experiment estimators_experiment(SharedPairs pairs);
-Experiment noise_overlap_experiment(SharedPairs pairs);
-Experiment alternation_experiment(SharedPairs pairs);
-Experiment icp_parts_experiment(SharedPairs pairs);
+Experiment overlap_experiment(const SharedPairs& pairs);
+Experiment known_start_experiment(const SharedPairs& pairs);
+Experiment convergence_experiment(const SharedPairs& pairs);
+Experiment frustum_experiment(const SharedPairs& pairs);
+Experiment estimators_experiment(const SharedPairs& pairs);
+Experiment noise_overlap_experiment(const SharedPairs& pairs);
+Experiment alternation_experiment(const SharedPairs& pairs);
+Experiment icp_parts_experiment(const SharedPairs& pairs);
 Experiment prefilter_experiment();
 Experiment real_pairs_experiment();
 

@@ -140,7 +140,7 @@ ExperimentResult study_robustness(const StudyContext& context, DriveStore& drive
 
 }  // namespace
 
-Experiment robustness_experiment(SharedDrives drives) {
+Experiment robustness_experiment(const SharedDrives& drives) {
   return {"robustness", "Odometry noise, texture, frame rate and light", "",
           [drives](const StudyContext& context) { return study_robustness(context, *drives); }};
 }

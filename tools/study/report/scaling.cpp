@@ -111,7 +111,7 @@ ExperimentResult study_scaling(const StudyContext& context, DriveStore& drives) 
 
 }  // namespace
 
-Experiment scaling_experiment(SharedDrives drives) {
+Experiment scaling_experiment(const SharedDrives& drives) {
   return {"scaling", "What grows with the way", "",
           [drives](const StudyContext& context) { return study_scaling(context, *drives); }};
 }

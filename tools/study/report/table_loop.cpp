@@ -111,7 +111,7 @@ ExperimentResult study_table_loop(const StudyContext& context, DriveStore& drive
 
 }  // namespace
 
-Experiment table_loop_experiment(SharedDrives drives) {
+Experiment table_loop_experiment(const SharedDrives& drives) {
   return {"table-loop", "Around the table and back to the start", "figures 2.6 to 2.9",
           [drives](const StudyContext& context) { return study_table_loop(context, *drives); }};
 }

@@ -116,7 +116,7 @@ ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drive
 
 }  // namespace
 
-Experiment weak_cases_experiment(SharedDrives drives) {
+Experiment weak_cases_experiment(const SharedDrives& drives) {
   return {"weak-cases", "Where ICP fails and FastSLAM does not, and the opposite", "figure 4.2",
           [drives](const StudyContext& context) { return study_weak_cases(context, *drives); }};
 }
