@@ -119,6 +119,16 @@ Mesh LiveMap::mesh() const {
   return surface_.mesh();
 }
 
+ColouredCloud LiveMap::cloud(double resolution) const {
+  std::vector<std::int64_t> ids;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const auto& [id, keyframe] : keyframes_) ids.push_back(id);
+  }
+  const std::lock_guard<std::mutex> lock(surface_mutex_);
+  return surface_.cloud(ids, resolution);
+}
+
 std::int64_t LiveMap::changed_mesh(std::int64_t changed, const SeeCube& see) const {
   std::vector<std::pair<MeshCube, Mesh>> cubes;
   {

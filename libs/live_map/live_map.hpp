@@ -62,6 +62,8 @@ class LiveMap {
   std::vector<PlanePatch> planes() const { return planes_.patches(); }
   /// Takes its time (a second for a flat); only what changed since it was last asked for is meshed anew.
   Mesh mesh() const;
+  /// What the keyframes saw: the mean of each voxel of `resolution` (m). Takes its time, too.
+  ColouredCloud cloud(double resolution) const;
   /// The cubes of the mesh that changed after `changed` (SurfaceMesh), each with what is in it now. Returns
   /// the newest change.
   using SeeCube = std::function<void(const MeshCube&, const Mesh&)>;

@@ -73,7 +73,7 @@ cv::Mat draw_map(const PictureRequest& request) {
   const std::vector<SplatPoint> splats = points.visible(camera);
   if (request.view == MapView::front && splats.empty())
     draw_ground(picture, camera, points.extent(nullptr), style);
-  draw_splats(picture, camera, splats, request.resolution);
+  draw_splats(picture, camera, splats);
   if (request.landmarks) draw_landmarks(picture, camera, *request.landmarks, style);
   for (const PicturePath& path : request.paths) draw_path(picture, camera, path, style);
   if (request.view == MapView::top) draw_top_axes(picture, camera, frame, style);

@@ -35,9 +35,11 @@ struct PictureRequest {
   int width = 1600, height = 1200;  ///< pixels, 64 to 8192
   std::string title;
   const ColouredCloud* cloud = nullptr;
+  /// More points of the surfaces of `cloud`, sharper but rougher: where that is, they colour it.
+  const ColouredCloud* paint = nullptr;
   const std::vector<Landmark>* landmarks = nullptr;  ///< dots, larger where more certain
   std::vector<PicturePath> paths;
-  double resolution = 0.02;  ///< m, spacing of the cloud's points: splats close the surface
+  double resolution = 0.02;  ///< m, spacing of the cloud's points where they are densest
   bool dark = false;         ///< dark background instead of light
   /// Points above are left out; automatic when absent (only points without normal are cut then).
   std::optional<double> cut_height;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <lcmslam/rendering/point_spacing.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -40,11 +42,11 @@ double automatic_cut(const PictureRequest& request) {
   return std::isfinite(highest) ? highest + head_room : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace
-
-bool PicturePoints::has_normal(std::size_t i) const {
-  return request_.cloud->normals.size() == request_.cloud->size() && request_.cloud->normals[i].allFinite();
+bool has_normal(const ColouredCloud& cloud, std::size_t i) {
+  return cloud.normals.size() == cloud.size() && cloud.normals[i].allFinite();
 }
+
+}  // namespace
 
 PicturePoints::PicturePoints(const PictureRequest& request) : request_(request) {
   if (request.landmarks) nothing_ = request.landmarks->empty();
@@ -54,7 +56,7 @@ PicturePoints::PicturePoints(const PictureRequest& request) : request_(request) 
   for (std::size_t i = 0; i < request.cloud->size(); ++i) {
     const Eigen::Vector3f& point = request.cloud->points[i];
     if (!point.allFinite()) continue;
-    const bool normal = has_normal(i);
+    const bool normal = has_normal(*request.cloud, i);
     if ((request.cut_height || !normal) && point.z() > automatic) continue;
     candidates_.push_back(i);
     if (!normal) ++without_normal_;
@@ -73,10 +75,11 @@ double PicturePoints::nearest_depth(const ViewCamera& camera) const {
   return low + share * (high - low);
 }
 
-bool PicturePoints::shown(std::size_t i, const ViewCamera& camera, double nearest) const {
-  const Eigen::Vector3d point = request_.cloud->points[i].cast<double>();
-  if (has_normal(i)) {
-    const double cosine = request_.cloud->normals[i].cast<double>().dot(camera.towards_viewer(point));
+bool PicturePoints::shown(const ColouredCloud& cloud, std::size_t i, const ViewCamera& camera,
+                          double nearest) const {
+  const Eigen::Vector3d point = cloud.points[i].cast<double>();
+  if (has_normal(cloud, i)) {
+    const double cosine = cloud.normals[i].cast<double>().dot(camera.towards_viewer(point));
     return cosine > (camera.orthographic ? grazing : 0);
   }
   return camera.orthographic || camera.project(point).z() > nearest - 1e-6;
@@ -86,7 +89,7 @@ std::vector<Eigen::Vector3d> PicturePoints::extent(const ViewCamera* camera) con
   std::vector<Eigen::Vector3d> points;
   const double nearest = camera ? nearest_depth(*camera) : 0;
   for (std::size_t k = 0; k < candidates_.size(); k += candidates_.size() / sample + 1)
-    if (!camera || shown(candidates_[k], *camera, nearest))
+    if (!camera || shown(*request_.cloud, candidates_[k], *camera, nearest))
       points.push_back(request_.cloud->points[candidates_[k]].cast<double>());
   if (request_.landmarks)
     for (const Landmark& landmark : *request_.landmarks)
@@ -97,12 +100,31 @@ std::vector<Eigen::Vector3d> PicturePoints::extent(const ViewCamera* camera) con
   return points;
 }
 
+void PicturePoints::add(const ColouredCloud& cloud, const std::vector<std::size_t>& candidates,
+                        const ViewCamera& camera, bool paint, std::vector<SplatPoint>& splats) const {
+  constexpr double sparsest = 0.025;  // m; gaps that are wider stay open
+  std::vector<Eigen::Vector3f> places;
+  const double nearest = nearest_depth(camera);
+  const std::size_t first = splats.size();
+  for (const std::size_t i : candidates) {
+    if (!shown(cloud, i, camera, nearest)) continue;
+    places.push_back(cloud.points[i]);
+    splats.push_back({places.back().cast<double>(), cloud.colours[i], 0, paint});
+  }
+  const std::vector<float> spacing =
+      point_spacing(places, request_.resolution, std::max(sparsest, request_.resolution));
+  for (std::size_t i = 0; i < spacing.size(); ++i) splats[first + i].spacing = spacing[i];
+}
+
 std::vector<SplatPoint> PicturePoints::visible(const ViewCamera& camera) const {
   std::vector<SplatPoint> splats;
-  const double nearest = nearest_depth(camera);
-  for (const std::size_t i : candidates_)
-    if (shown(i, camera, nearest))
-      splats.push_back({request_.cloud->points[i].cast<double>(), request_.cloud->colours[i]});
+  if (!request_.cloud) return splats;
+  add(*request_.cloud, candidates_, camera, false, splats);
+  if (!request_.paint) return splats;
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < request_.paint->size(); ++i)
+    if (request_.paint->points[i].allFinite()) all.push_back(i);
+  add(*request_.paint, all, camera, true, splats);
   return splats;
 }
 

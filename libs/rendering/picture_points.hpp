@@ -24,8 +24,9 @@ class PicturePoints {
   std::vector<SplatPoint> visible(const ViewCamera& camera) const;
 
  private:
-  bool has_normal(std::size_t i) const;
-  bool shown(std::size_t i, const ViewCamera& camera, double nearest) const;
+  bool shown(const ColouredCloud& cloud, std::size_t i, const ViewCamera& camera, double nearest) const;
+  void add(const ColouredCloud& cloud, const std::vector<std::size_t>& candidates, const ViewCamera& camera,
+           bool paint, std::vector<SplatPoint>& splats) const;
   /// Depth before which points without normal are cut away in the front view.
   double nearest_depth(const ViewCamera& camera) const;
 

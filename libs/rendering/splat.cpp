@@ -9,15 +9,20 @@ namespace lcmslam {
 namespace {
 
 constexpr int supersampling = 2;
-constexpr double overlap = 0.95;   // disc radius over point spacing: closes a square grid (0.71) and noise
-constexpr double max_radius = 60;  // pixels
+// Disc radius over point spacing: closes a square grid (0.71), noise and clusters; paint has nothing to
+// close.
+constexpr double overlap = 1.2, paint_overlap = 0.95;
+constexpr double max_radius = 60;   // pixels
+constexpr float roughness = 0.03F;  // m, of a surface as depth cameras see it: what lies deeper is hidden
 constexpr float nothing = std::numeric_limits<float>::infinity();
 
 struct Disc {
   int left, right, top, bottom;  // clipped bounds, inclusive
   double x, y, radius;
   float depth;
+  float share;  // of the colour where discs overlap: the smaller, the sharper
   cv::Vec3b colour;
+  bool paint;
 };
 
 template <class Visit>
@@ -32,7 +37,7 @@ void for_pixels(const Disc& disc, const Visit& visit) {
 }
 
 std::vector<Disc> project_discs(const ViewCamera& camera, const std::vector<SplatPoint>& points,
-                                double spacing, const cv::Size& size) {
+                                const cv::Size& size) {
   constexpr double near = 0.05;  // m
   std::vector<Disc> discs;
   discs.reserve(points.size());
@@ -40,7 +45,8 @@ std::vector<Disc> project_discs(const ViewCamera& camera, const std::vector<Spla
     const Eigen::Vector3d pixel = camera.project(point.position);
     if (!camera.orthographic && !(pixel.z() > near)) continue;
     Disc disc;
-    disc.radius = std::clamp(overlap * spacing * camera.pixels_per_metre(pixel.z()) * supersampling,
+    disc.radius = std::clamp((point.paint ? paint_overlap : overlap) * static_cast<double>(point.spacing) *
+                                 camera.pixels_per_metre(pixel.z()) * supersampling,
                              0.5 * supersampling, max_radius);
     // The centre of output pixel c is at supersampled column s (c + 1/2) - 1/2.
     disc.x = supersampling * (pixel.x() + 0.5) - 0.5;
@@ -53,7 +59,9 @@ std::vector<Disc> project_discs(const ViewCamera& camera, const std::vector<Spla
     disc.top = std::max(0, static_cast<int>(std::ceil(disc.y - r)));
     disc.bottom = std::min(size.height - 1, static_cast<int>(std::floor(disc.y + r)));
     disc.depth = static_cast<float>(pixel.z());
+    disc.share = 1e-4F / (point.spacing * point.spacing);
     disc.colour = point.colour;
+    disc.paint = point.paint;
     discs.push_back(disc);
   }
   return discs;
@@ -76,24 +84,24 @@ float eye_dome_light(const cv::Mat1f& depth, int row, int column, bool orthograp
 
 }  // namespace
 
-void draw_splats(cv::Mat& picture, const ViewCamera& camera, const std::vector<SplatPoint>& points,
-                 double spacing) {
+void draw_splats(cv::Mat& picture, const ViewCamera& camera, const std::vector<SplatPoint>& points) {
   const cv::Size size(picture.cols * supersampling, picture.rows * supersampling);
-  const std::vector<Disc> discs = project_discs(camera, points, spacing, size);
+  const std::vector<Disc> discs = project_discs(camera, points, size);
 
   cv::Mat1f depth(size, nothing);
-  for (const Disc& disc : discs)
+  for (const Disc& disc : discs) {
+    if (disc.paint) continue;
     for_pixels(disc, [&](int row, int column, float) {
       depth(row, column) = std::min(depth(row, column), disc.depth);
     });
+  }
 
   // Colours of the front surface blend; what lies behind it by more than its roughness is hidden.
-  const auto thickness = static_cast<float>(1.5 * spacing);
   cv::Mat4f sum(size, cv::Vec4f::all(0));  // weighted BGR, weight
   for (const Disc& disc : discs)
     for_pixels(disc, [&](int row, int column, float distance) {
-      if (disc.depth > depth(row, column) + thickness) return;
-      const float weight = std::exp(-4 * distance);
+      if (std::abs(disc.depth - depth(row, column)) > roughness) return;
+      const float weight = disc.share * std::exp(-4 * distance);
       const cv::Vec3f colour = disc.colour;
       sum(row, column) += weight * cv::Vec4f(colour[0], colour[1], colour[2], 1);
     });

@@ -13,10 +13,12 @@ namespace lcmslam {
 struct SplatPoint {
   Eigen::Vector3d position;  ///< m, world
   cv::Vec3b colour;          ///< BGR
+  float spacing;             ///< m, to the neighbouring points of its surface
+  bool paint = false;        ///< gives its colour to what other points show there, and is nothing itself
 };
 
-/// Draws over `picture` (CV_8UC3). `spacing` in m between neighbouring points of a surface.
-void draw_splats(cv::Mat& picture, const ViewCamera& camera, const std::vector<SplatPoint>& points,
-                 double spacing);
+/// Draws over `picture` (CV_8UC3). Where dense points and sparse ones lie on the same surface, the dense ones
+/// count.
+void draw_splats(cv::Mat& picture, const ViewCamera& camera, const std::vector<SplatPoint>& points);
 
 }  // namespace lcmslam

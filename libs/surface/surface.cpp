@@ -1,9 +1,11 @@
 #include <lcmslam/surface/surface.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include <lcmslam/cloud/voxel_average.hpp>
 #include <lcmslam/settings/check.hpp>
 #include <lcmslam/surface/view_fusion.hpp>
 
@@ -14,6 +16,22 @@ constexpr double fine_share = 0.8;  // of the memory; coarse blocks are few
 
 std::size_t blocks_in(double megabytes) {
   return std::max<std::size_t>(static_cast<std::size_t>(megabytes * 1e6) / sizeof(VoxelBlock), 16);
+}
+
+/// In the depth camera's frame.
+ColouredCloud coloured_points(const SurfaceView& view) {
+  ColouredCloud cloud;
+  for (int v = 0; v < view.points.rows; ++v)
+    for (int u = 0; u < view.points.cols; ++u) {
+      const SurfacePixel& pixel = view.pixels[view.at(v, u)];
+      const auto& point = view.points.at<cv::Vec3f>(v, u);
+      const auto& normal = view.normals.at<cv::Vec3f>(v, u);
+      if ((pixel.look & SurfacePixel::coloured) == 0 || std::isnan(point[2])) continue;
+      cloud.points.emplace_back(point[0], point[1], point[2]);
+      cloud.normals.emplace_back(normal[0], normal[1], normal[2]);
+      cloud.colours.emplace_back(pixel.colour[0], pixel.colour[1], pixel.colour[2]);
+    }
+  return cloud;
 }
 
 void require_finite(const Eigen::Isometry3d& T, const char* name) {
@@ -103,6 +121,17 @@ void Surface::keep_bounds(const Eigen::Vector3d& camera) {
 double Surface::shift(const Keyframe& keyframe) const {
   return std::max(distance_between(keyframe.T_map_camera, keyframe.T_wanted) / settings_.moved_distance,
                   angle_between(keyframe.T_map_camera, keyframe.T_wanted) / settings_.moved_angle);
+}
+
+ColouredCloud Surface::cloud(const std::vector<std::int64_t>& keyframes, double resolution) const {
+  VoxelAverage average(resolution);
+  for (const std::int64_t id : keyframes) {
+    const auto found = keyframes_.find(id);
+    if (found == keyframes_.end() || !found->second.view) continue;
+    const SurfaceImage image = found->second.view->unpacked();
+    average.add(coloured_points(maker_.view(image)), found->second.T_wanted * image.T_camera_depth);
+  }
+  return average.result();
 }
 
 const SurfaceMesh& Surface::meshed() {

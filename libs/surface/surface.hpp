@@ -14,6 +14,7 @@
 #include <map>
 #include <optional>
 
+#include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/surface/kept_view.hpp>
 #include <lcmslam/surface/surface_mesh.hpp>
 #include <lcmslam/surface/surface_view.hpp>
@@ -44,6 +45,10 @@ class Surface {
   Mesh mesh();
   /// The same in its cubes, for who follows it; until something else is called.
   const SurfaceMesh& meshed();
+
+  /// What these keyframes saw, pixel by pixel, at their poses as they are known now; the mean of each voxel
+  /// of `resolution` (m). As sharp as the images are that are kept; the mesh is as sharp as its voxels.
+  ColouredCloud cloud(const std::vector<std::int64_t>& keyframes, double resolution) const;
 
   std::size_t memory_bytes() const;
   const VoxelBlocks& fine() const { return fine_; }

@@ -78,6 +78,23 @@ class MapFiles {
     });
   }
 
+  /// Of the surface, coloured as the images of the keyframes are. False: there is none.
+  bool save_pictures(const MapsToSave::Dense& map, const LiveMap& live) {
+    constexpr double finest = 0.005;  // m
+    if (!wants("png")) return false;
+    const Mesh mesh = live.mesh();
+    if (mesh.vertices.empty()) return false;
+    const ColouredCloud surface{mesh.vertices, mesh.colours, mesh.normals, {}};
+    const ColouredCloud seen = live.cloud(finest);
+    const std::string title = "6-D SLAM: " + std::to_string(mesh.triangles.size()) + " triangles";
+    save_pictures(map.name, title, map.path, [&](PictureRequest& r) {
+      r.cloud = &surface;
+      r.paint = &seen;
+      r.resolution = finest;
+    });
+    return true;
+  }
+
   const std::vector<std::string>& written() const { return written_; }
 
  private:
@@ -116,7 +133,7 @@ void save_kept(const MapsToSave& maps, MapFiles& files) {
       files.save_points(map.name, map.landmarks);
       files.save_pictures(map);
     } else {
-      const MapsToSave::Dense map{kept.name, file.dense_map(kept.id), {}};
+      const MapsToSave::Dense map{kept.name, file.dense_map(kept.id), {}, false};
       const ColouredCloud cloud = map.map.merge(maps.resolution);
       files.save_points(map.name, cloud);
       files.save_pictures(map, cloud, maps.resolution);
@@ -138,8 +155,11 @@ std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& fol
   if (maps.live) files.save_derived(*maps.live, maps.T_map_robot);
   // Last: where the disk is full, the maps come before pictures of them.
   for (const MapsToSave::Landmarks& map : maps.landmarks) files.save_pictures(map);
-  for (std::size_t i = 0; i < clouds.size(); ++i)
-    files.save_pictures(maps.dense[i], clouds[i], maps.resolution);
+  for (std::size_t i = 0; i < clouds.size(); ++i) {
+    const MapsToSave::Dense& map = maps.dense[i];
+    if (!map.is_live || !maps.live || !files.save_pictures(map, *maps.live))
+      files.save_pictures(map, clouds[i], maps.resolution);
+  }
   save_kept(maps, files);
   return files.written();
 }

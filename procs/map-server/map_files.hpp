@@ -25,6 +25,7 @@ struct MapsToSave {
     std::string name;
     DenseMap map;
     Path path;
+    bool is_live = false;  ///< `live` below is derived of it
   };
   std::vector<Landmarks> landmarks;
   std::vector<Dense> dense;

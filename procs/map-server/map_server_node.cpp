@@ -312,7 +312,7 @@ MapsToSave MapServerNode::maps_to_save(bool with_kept) const {
                               i == landmark_maps_.current() ? fastslam_path_ : Path()});
   for (std::size_t i = 0; i < dense_maps_.size(); ++i)
     maps.dense.push_back({dense_maps_.name("icp", i, before("icp")), dense_maps_.all()[i].map,
-                          i == dense_maps_.current() ? icp_path_ : Path()});
+                          i == dense_maps_.current() ? icp_path_ : Path(), i == dense_maps_.current()});
   return maps;
 }
 

@@ -8,6 +8,7 @@
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/rendering/front_heading.hpp>
 #include <lcmslam/rendering/picture_points.hpp>
+#include <lcmslam/rendering/point_spacing.hpp>
 #include "tests/unit/map_store/sample_map.hpp"
 
 namespace lcmslam {
@@ -96,6 +97,43 @@ TEST(MapPicture, NearSurfacesHideFarOnes) {
   const cv::Mat picture = draw_map(request);
   EXPECT_TRUE(near_colour(picture.at<cv::Vec3b>(150, 200), red));
   EXPECT_TRUE(near_colour(picture.at<cv::Vec3b>(150, 270), blue));
+}
+
+TEST(MapPicture, PaintColoursSurfacesAndIsNothingItself) {
+  ColouredCloud wall, paint;
+  add_patch(wall, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}, -Eigen::Vector3d::UnitX(), grey);
+  for (float z = -1; z <= 1; z += 0.01F)
+    for (float y = -1; y <= 1; y += 0.01F) {
+      paint.points.emplace_back(2.01F, 0.5F * y, z);  // a little behind the wall, which is no obstacle
+      paint.points.emplace_back(1.5F, 3 + y, z);      // where no surface is
+    }
+  paint.colours.resize(paint.size(), red);
+  PictureRequest request = request_of(wall, MapView::front);
+  request.resolution = 0.01;
+  request.T_world_viewer = Eigen::Translation3d(-1, 0, 0) * optical_axes();
+  EXPECT_EQ(share_of(draw_map(request), red), 0);
+  const double all = share_of(draw_map(request), grey);
+  request.paint = &paint;
+  const cv::Mat picture = draw_map(request);
+  EXPECT_NEAR(share_of(picture, red), all / 2, all / 10);
+  EXPECT_NEAR(share_of(picture, grey), all / 2, all / 10);
+}
+
+TEST(MapPicture, SparseSurfacesAreClosedAndDenseOnesSharp) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 200; ++i)
+    for (int j = 0; j < 200; ++j)
+      points.emplace_back(0.005F * static_cast<float>(i), 0.005F * static_cast<float>(j), 0.001F);
+  const std::size_t dense = points.size();
+  for (int i = 0; i < 50; ++i)
+    for (int j = 0; j < 50; ++j)
+      points.emplace_back(5 + 0.02F * static_cast<float>(i), 0.02F * static_cast<float>(j), 0.001F);
+  const std::size_t sparse = points.size();
+  points.emplace_back(0, 0, 7);
+  const std::vector<float> spacing = point_spacing(points, 0.005, 0.03);
+  EXPECT_NEAR(spacing[100 * 200 + 100], 0.005F, 1e-4F);
+  EXPECT_NEAR(spacing[dense + 25 * 50 + 25], 0.02F, 0.003F);
+  EXPECT_EQ(spacing[sparse], 0.005F) << "a lonely point";
 }
 
 TEST(MapPicture, TheTopViewShowsTheFloorAndNotTheCeiling) {

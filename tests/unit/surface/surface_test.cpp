@@ -60,6 +60,27 @@ double off_surface(const Room& scene, const Eigen::Vector3f& point) {
   return nearest;
 }
 
+TEST(Surface, WhatKeyframesSawStandsAtTheirNewestPoses) {
+  Surface surface(camera_head(), settings());
+  for (std::size_t i = 0; i < 2; ++i)
+    surface.fuse(static_cast<std::int64_t>(i), frame_of(room(), poses()[i]), poses()[i]);
+  const ColouredCloud cloud = surface.cloud({0, 1}, 0.005);
+  ASSERT_GT(cloud.size(), 10000u);
+  EXPECT_GT(cloud.size(), surface.cloud({0}, 0.005).size());
+  std::vector<double> off;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    off.push_back(off_surface(room(), cloud.points[i]));
+    EXPECT_LT(cv::norm(cloud.colours[i], cv::Vec3b(20, 60, 200), cv::NORM_INF), 8) << "as JPEG keeps it";
+  }
+  std::sort(off.begin(), off.end());
+  EXPECT_LT(off[off.size() * 95 / 100], 2e-3);
+  surface.move(1, poses()[1] * Eigen::Translation3d(0, 0, -0.3));
+  const ColouredCloud moved = surface.cloud({1}, 0.005);
+  double nearest = 10;
+  for (const Eigen::Vector3f& p : moved.points) nearest = std::min(nearest, static_cast<double>(p.z()));
+  EXPECT_NEAR(nearest, 0.8, 0.03) << "the box stands at 1.1 m";
+}
+
 TEST(Surface, StandsWhereTheSurfacesStand) {
   Surface surface(camera_head(), settings());
   for (std::size_t i = 0; i < poses().size(); ++i)
