@@ -117,7 +117,9 @@ export const tests = {
       await page.getByText("The connection to the map server is lost").waitFor({ timeout: slow });
       await until(() => page.evaluate(() => document.documentElement.dataset.connection === "open"), "the page after map-server died", slow);
       await until(async () => (await figures(page)).landmarks > 0, "the map that the mappers told again", slow);
-      await page.getByText(/^icp/).first().waitFor({ timeout: slow, state: "attached" }); // its STATUS was heard
+      const statuses = graph.run("lcmslam-tools", ["echo", "STATUS", "--json"]);
+      await until(() => statuses.lines.some((line) => /"process":\s*"icp"/.test(line)), "STATUS of icp, which the new map-server hears, too", slow);
+      statuses.kill();
       graph.kill("icp");
       await page.getByText("icp began anew").first().waitFor({ timeout: slow, state: "attached" });
       await picture(page, "graph_after_deaths");
