@@ -13,6 +13,7 @@ DenseMapper::DenseMapper(const DenseMapperSettings& settings)
       map_(settings),
       tracker_(make_tracker(settings, map_, keyframes_)),
       changed_space_(settings),
+      carried_(settings),
       graph_(settings.graph) {
   check(settings_, "icp");
 }
@@ -124,14 +125,23 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
   step.T_world_robot = believed ? tracked.registration.T_target_source : prior.T_target_source;
   step.covariance = believed ? tracked.registration.covariance
                              : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+  step.blind = static_cast<int>(prepared.cloud.size()) < settings_.min_points;
+  if (tracker_->searches_map() && !step.blind)
+    carried_.observe(prepared, prior.T_target_source, tracking, was_adrift, map_.voxels());
+  if (carried_.carried()) {
+    motion_.be_carried(settings_.carried_after);
+    step.adrift = true;
+    step.status = MappingStatus::lost;
+  }
+  step.unplaced = carried_.unplaced();
   step.relocalised = (bad_steps_ > 0 || was_adrift) && tracking &&
                      (distance_between(step.T_world_robot, prior.T_target_source) > settings_.max_jump ||
                       angle_between(step.T_world_robot, prior.T_target_source) > settings_.max_turn);
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
   bad_steps_ = tracking ? 0 : bad_steps_ + 1;
-  const bool reseed = prepared.frame.motion && !step.adrift && bad_steps_ > settings_.reseed_after &&
-                      static_cast<int>(prepared.cloud.size()) >= settings_.min_points;
+  const bool reseed = prepared.frame.motion && !step.adrift && !step.blind && !carried_.contradicted() &&
+                      bad_steps_ > settings_.reseed_after;
   if (reseed) {
     step.status = MappingStatus::degraded;
     step.covariance = prior.information.inverse();

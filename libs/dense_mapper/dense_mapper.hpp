@@ -14,6 +14,7 @@
 #include <optional>
 #include <vector>
 
+#include <lcmslam/dense_mapper/carried_watch.hpp>
 #include <lcmslam/dense_mapper/changed_space.hpp>
 #include <lcmslam/dense_mapper/deformable_map.hpp>
 #include <lcmslam/dense_mapper/keyframe_store.hpp>
@@ -42,11 +43,14 @@ class DenseMapper {
     MappingStatus status = MappingStatus::initialising;
     bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
     Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();
-    double quality = 0;              ///< 0..1: overlap times share of inliers
-    bool keyframe = false;           ///< keyframes().back() is new
-    bool node = false;               ///< graph().nodes().back() is new
-    bool relocalised = false;        ///< lost before, and found far from the prediction
-    bool adrift = false;             ///< after a gap without odometry, not found again yet
+    double quality = 0;        ///< 0..1: overlap times share of inliers
+    bool keyframe = false;     ///< keyframes().back() is new
+    bool node = false;         ///< graph().nodes().back() is new
+    bool relocalised = false;  ///< lost before, and found far from the prediction
+    bool adrift = false;       ///< after a gap without odometry, or carried elsewhere: not found again yet
+    double unplaced =
+        0;  ///< s of usable frames since the robot was carried, none of which had a place in the map
+    bool blind = false;              ///< the depth image gives too few points to say anything
     bool hangs_on_odometry = false;  ///< the map around was begun where odometry led, and is tied to the rest
                                      ///< by nothing else yet
     Floor floor = Floor::plane;      ///< on wheels: what measurements leave of the ground's plane
@@ -100,6 +104,7 @@ class DenseMapper {
   DeformableMap map_;
   std::unique_ptr<Tracker> tracker_;  // sees map and keyframes
   ChangedSpace changed_space_;
+  CarriedWatch carried_;
   KeyframeGraph graph_;
   int bad_steps_ = 0;                                                   // in a row
   std::optional<int> hanging_from_;                                     // id of the first node of such a part

@@ -67,8 +67,13 @@ void DenseMapperSettings::describe(SettingsVisitor& s) {
            "share of the pairs within three sigmas, below which tracking is degraded");
   s.number("max_jump", max_jump, "m", {0, 1000}, "beyond the prediction: lost");
   s.number("max_turn", max_turn, "rad", {0, 3.1416}, "beyond the prediction: lost");
-  s.number("reseed_after", reseed_after, "", {1, 1e6},
-           "bad frames after which odometry, if there is any, is believed");
+  s.number(
+      "reseed_after", reseed_after, "", {1, 1e6},
+      "bad frames after which odometry, if there is any, is believed where the map does not contradict it");
+  s.number(
+      "carried_after", carried_after, "s", {0, 1e6},
+      "of frames that show another place than the map has where the wheels say the robot is; then it was "
+      "carried: it is looked for in the whole map, and maps nothing until it is found; 0: never");
   s.number("recovery_keyframes", recovery_keyframes, "", {0, 1000},
            "tried as starts in each frame while lost, without wheels");
 

@@ -44,6 +44,7 @@ struct DenseMapperSettings {
   double max_jump = 0.30;
   double max_turn = 0.35;
   int reseed_after = 10;
+  double carried_after = 1;
   int recovery_keyframes = 3;
 
   // growth

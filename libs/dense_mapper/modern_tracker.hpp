@@ -21,6 +21,7 @@ class ModernTracker : public Tracker {
   Tracked track(const PreparedFrame& prepared, const Expectation& expected) override;
   void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot,
               bool registered) override;
+  bool searches_map() const override { return true; }
   void add_keyframe(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera, int node) override;
   void deform(const KeyframeGraph::Correction& correction) override;
   void renumber(const KeyframeGraph::Thinned& thinned) override;

@@ -2,6 +2,7 @@
 // What the mapper knows before it looks: odometry, or that the robot keeps its velocity, and, for
 // wheeled robots, that it stays on the ground.
 
+#include <algorithm>
 #include <optional>
 
 #include <lcmslam/geometry/ground_plane.hpp>
@@ -53,6 +54,8 @@ class MotionModel {
   /// found: the prediction is where it was last, and its covariance grows.
   void look_for_gap(Utime utime, const std::optional<Motion>& motion);
   bool adrift() const { return adrift_ > 0; }
+  /// What is seen contradicts the map for `seconds`, whatever odometry says: adrift from now on, too.
+  void be_carried(double seconds) { adrift_ = std::max(adrift_, seconds); }
 
   /// Afterwards, by what became of the step: the map tells where the robot is, or its place is as uncertain
   /// as it was and by this motion more.

@@ -59,6 +59,9 @@ class Tracker {
   virtual bool grows() const { return false; }
   virtual ColouredCloud joined() const { return {}; }
 
+  /// Whether a robot that may be anywhere (Expectation::adrift) is looked for in the whole map.
+  virtual bool searches_map() const { return false; }
+
   /// Features of a keyframe, at a node of the graph.
   virtual void add_keyframe(const FeatureFrame&, const Eigen::Isometry3d& /*T_world_camera*/, int /*node*/) {}
 

@@ -84,6 +84,11 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     // its landmarks learn from it (particle_update.cpp). Where it observes nothing and may map nothing, no
     // particle is better than another.
     mapping = may_map(association);
+    if (association.contradicted)
+      contradicted_ += std::min(1e-6 * static_cast<double>(frame.utime - utime_), 1.0);
+    else if (!points.empty())
+      contradicted_ = 0;
+    result.contradicted = contradicted_;
     blind = observations.seen.empty() && (points.empty() || !mapping);
     Verdict verdict;
     if (blind)
@@ -225,13 +230,11 @@ TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed, U
 }
 
 // A robot that may be anywhere in its map would map what it knows at a wrong place. Where known landmarks
-// should be and none is, it is elsewhere: do not map that. After a long time without finding back although
-// the odometry knows the way, the world has changed: go on.
+// should be and none is, it is elsewhere, whatever the odometry knows: do not map that (StepResult tells for
+// how long, so that another map can begin).
 bool FastSlam::may_map(const FrameAssociation& association) const {
   if (unknown_.lost() && !association.agreed && association.known.empty()) return false;
-  if (association.contradicted)
-    return associator_.steps_without_agreement() > 10 * settings_.relocalise_after;
-  return !association.doubtful;
+  return !association.contradicted && !association.doubtful;
 }
 
 // A landmark came back after long, or is not where it was.

@@ -119,8 +119,9 @@ class FastSlam {
   SensorCalibration sensor_;  // as the smoothed path has it
   double smoothing_cost_ = 0;
   bool started_ = false;
-  Utime utime_ = 0;         // of the last step
-  Utime agreed_utime_ = 0;  // of the newest step whose measurements agreed with the map
+  double contradicted_ = 0;  // s
+  Utime utime_ = 0;          // of the last step
+  Utime agreed_utime_ = 0;   // of the newest step whose measurements agreed with the map
 };
 
 }  // namespace lcmslam

@@ -58,7 +58,9 @@ struct StepResult {
   int used = 0;                  ///< of these, in the filter
   int rejected = 0;              ///< look-alikes that the pose or the best particle rejected
   int created = 0, removed = 0;  ///< landmarks
-  bool loop_closed = false;    ///< relocalised where only drift had led it astray: the map is deformed to fit
+  bool loop_closed = false;  ///< relocalised where only drift had led it astray: the map is deformed to fit
+  double contradicted =
+      0;  ///< s that features have shown something else than the landmarks that should be there
   bool slipped = false;        ///< observations contradicted the odometry, and won
   Floor floor = Floor::plane;  ///< of a robot on wheels: what measurements leave of the plane
   bool resampled = false;

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <string_view>
 
+#include <lcmslam/imaging/constant_depth.hpp>
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
@@ -196,8 +197,9 @@ EncodedFrame checked_images(const images_t& message, const RgbdCalibration& cali
 
 RgbdFrame decode_images(const EncodedFrame& encoded, const RgbdCalibration& calibration) {
   try {
-    const RgbdFrame frame = decode(encoded);
+    RgbdFrame frame = decode(encoded);
     check_frame(frame, calibration);
+    if (is_constant_depth(frame.depth)) frame.depth.setTo(0);
     return frame;
   } catch (const CodecError& error) {
     throw DecodeError(error.what());

@@ -36,6 +36,7 @@ FastSlamNode::FastSlamNode(const FastSlamNodeSettings& settings, Publisher& publ
       pose_(settings.pose),
       first_map_frame_(settings.map_frame),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
+      new_map_when_carried_(settings.new_map_when_carried),
       join_(settings.max_wait, std::max<std::size_t>(6, frame_queue_),
             [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
 
@@ -79,10 +80,19 @@ void FastSlamNode::publish_smoothed(const std::vector<SmoothedPose>& path) {
 // The map that there is stays as it was published, under its own frame.
 void FastSlamNode::begin_session() {
   join_.begin_session();
-  if (!slam_) return;
+  if (slam_) begin_map_beside();
+}
+
+void FastSlamNode::begin_map_beside() {
   publish_changes(last_utime_);
   slam_.reset();
+  last_ = {};
   ++session_;
+}
+
+// What is seen has contradicted the map for long: the robot was carried to where it has not been.
+bool FastSlamNode::is_elsewhere() const {
+  return new_map_when_carried_ > 0 && last_.contradicted >= new_map_when_carried_;
 }
 
 void FastSlamNode::start(const FeatureFrame& frame) {
@@ -100,6 +110,7 @@ Motion FastSlamNode::motion_to(Utime utime) const {
 void FastSlamNode::on_features(FeatureFrame frame) {
   const double begin = publisher_.cpu_time();
   if (slam_ && frame.utime <= last_utime_) return;
+  if (slam_ && is_elsewhere()) begin_map_beside();
   // Nothing mapped, and no word on the motion since: the world may as well begin here.
   const bool blank =
       slam_ && revision_ == 0 && slam_->index().size() == 0 && !join_.motion().covers(last_utime_);
@@ -120,6 +131,7 @@ void FastSlamNode::on_features(FeatureFrame frame) {
 void FastSlamNode::publish(const FeatureFrame& frame, const StepResult& result, double cpu_time) {
   pose_estimate_t pose = pose_message(frame.utime, result);
   pose.frame = map_frame();
+  if (result.contradicted > 0) add_detail(pose.detail, "what is seen contradicts the map");
   add_detail(pose.detail, unplaced_map(pose.frame));
   pose.map_revision = revision_;
   pose.processing_time = cpu_time;

@@ -28,6 +28,8 @@ class FastSlamNode : public Node {
   void on_features(FeatureFrame frame);
   void start(const FeatureFrame& frame);
   void begin_session();
+  void begin_map_beside();
+  bool is_elsewhere() const;
   std::string map_frame() const { return map_frame_of(first_map_frame_, session_); }
   Motion motion_to(Utime utime) const;
   void publish(const FeatureFrame& frame, const StepResult& result, double cpu_time);
@@ -39,7 +41,8 @@ class FastSlamNode : public Node {
   FastSlamSettings settings_;
   std::string pose_;  // "auto": planar when the camera is mounted on a robot
   std::string first_map_frame_;
-  std::size_t frame_queue_;  // frames that may wait
+  std::size_t frame_queue_;      // frames that may wait
+  double new_map_when_carried_;  // s
   MotionJoin<FeatureFrame> join_;
   std::optional<FastSlam> slam_;
   Utime last_utime_ = 0;

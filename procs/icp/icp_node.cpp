@@ -69,6 +69,7 @@ IcpNode::IcpNode(const IcpNodeSettings& settings, Publisher& publisher)
       first_map_frame_(settings.map_frame),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
       new_map_after_(settings.new_map_after),
+      new_map_when_carried_(settings.new_map_when_carried),
       maker_(frame_settings(settings)),
       join_(
           settings.max_wait, waiting_frames(settings), [this](Prepared& prepared) { on_frame(prepared); },
@@ -165,6 +166,7 @@ void IcpNode::on_frame(Prepared& prepared) {
   anchored_ += last_.anchored ? 1 : 0;
   ++steps_;
   lost_ += last_.status == MappingStatus::lost ? 1 : 0;
+  blind_ += last_.blind ? 1 : 0;
   off_ground_ += last_.floor != Floor::plane ? 1 : 0;
   publish(prepared.frame.utime, made, publisher_.cpu_time() - begin);
 }
@@ -182,9 +184,10 @@ void IcpNode::begin_map_beside() {
   ++session_;
 }
 
-// After a gap the robot may have been carried out of its map.
+// After a gap, or where what it sees contradicts its wheels, the robot may have been carried out of its map.
 bool IcpNode::is_elsewhere(Utime utime) {
   if (!last_.adrift) found_utime_ = last_utime_;
+  if (new_map_when_carried_ > 0 && last_.unplaced >= new_map_when_carried_) return true;
   return new_map_after_ > 0 && static_cast<double>(utime - found_utime_) > 1e6 * new_map_after_ &&
          last_.adrift;
 }
@@ -212,6 +215,8 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   pose.frame = map_frame();
   if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
   if (step.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
+  if (step.blind) add_detail(pose.detail, "the depth image shows too little");
+  if (step.unplaced > 0) add_detail(pose.detail, "carried out of the map: what is seen has no place in it");
   add_detail(pose.detail, unplaced_map(pose.frame));
   pose.map_revision = mapper_->keyframes_made();
   pose.processing_time = cpu_time;
@@ -312,6 +317,7 @@ NodeReport IcpNode::report() const {
                    {"anchored", static_cast<double>(anchored_)},
                    {"skipped", static_cast<double>(join_.dropped())},
                    {"lost", static_cast<double>(lost_)},
+                   {"blind", static_cast<double>(blind_)},
                    {"off_ground", static_cast<double>(off_ground_)},
                    {"unpainted", static_cast<double>(uncoloured_)},
                    {"sessions", static_cast<double>(session_)},

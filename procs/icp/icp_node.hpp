@@ -57,8 +57,8 @@ class IcpNode : public Node {
   DenseMapperSettings settings_;
   std::string pose_;  // "auto": on the ground when the camera is mounted on a robot
   std::string first_map_frame_;
-  std::size_t frame_queue_;  // frames that may wait
-  double new_map_after_;     // s
+  std::size_t frame_queue_;                      // frames that may wait
+  double new_map_after_, new_map_when_carried_;  // s
   RgbdFrameMaker maker_;
   MotionJoin<Prepared> join_;
   camera_calibration_t calibration_message_;
@@ -75,7 +75,7 @@ class IcpNode : public Node {
   std::chrono::steady_clock::time_point next_tile_{};
   std::int64_t session_ = 1;  // maps begun; each has a frame of its own
   std::int64_t steps_ = 0, lost_ = 0, uncoloured_ = 0, with_features_ = 0, without_features_ = 0,
-               anchored_ = 0, gaps_ = 0, off_ground_ = 0;
+               anchored_ = 0, gaps_ = 0, off_ground_ = 0, blind_ = 0;
   const StampJudge* stamps_ = nullptr;
 };
 

@@ -19,6 +19,7 @@ struct IcpNodeSettings {
   double max_wait = 0.15;
   double extrapolation = 0.01;
   double new_map_after = 30;
+  double new_map_when_carried = 5;
 
   void describe(SettingsVisitor& s) {
     describe_pose(s, pose);
@@ -38,6 +39,10 @@ struct IcpNodeSettings {
     s.number("new_map_after", new_map_after, "s", {0, 1e6},
              "that the robot may not be found in the map after a gap without odometry; then a new map begins "
              "beside the old one; 0: never");
+    s.number(
+        "new_map_when_carried", new_map_when_carried, "s", {0, 1e6},
+        "of usable frames that have no place in the map since the robot was carried (carried_after); then a "
+        "new map begins beside the old one; 0: never");
     s.section("depth_filter", depth_filter, "takes out of a depth image what no surface gave");
     mapper.describe(s);
   }

@@ -81,6 +81,7 @@ void SurfNode::on_camera(const images_t& message) {
   }
   if (too_soon(message.utime)) return;
   const RgbdFrame frame = decode_images(message, registration_->calibration());
+  no_depth_ = cv::countNonZero(frame.depth) == 0;
   const FeatureFrame features = describe(frame);
   publisher_.publish("FEATURES", to_message(features));
   ++frames_;
@@ -151,6 +152,7 @@ NodeReport SurfNode::report() const {
         fmt::format("image blurred: sharpness {:.1f}, usually {:.1f}", last_sharpness_, sharpness_.usual());
   else if (threshold_.at_lowest() && frames_ > 0)
     report.detail = fmt::format("little texture: {:.0f} keypoints at the lowest threshold", keypoints_);
+  if (frames_ > 0 && no_depth_) report.detail = "the depth image shows nothing";
   if (registration_ && !motion_doubt_.empty()) report.detail = motion_doubt_;
   if (registration_ && !doubt_.empty()) report.detail = doubt_;
   report.values = {{"frames", static_cast<double>(frames_)},

@@ -53,7 +53,7 @@ class SurfNode : public Node {
   Utime last_utime_ = 0;
   std::int64_t frames_ = 0, left_out_ = 0, blurred_frames_ = 0;
   double keypoints_ = 0, with_depth_ = 0, last_sharpness_ = 0;  // of the newest frame
-  bool blurred_ = false;
+  bool blurred_ = false, no_depth_ = false;
   std::optional<Plausibility> plausibility_;  // until a dozen frames were looked at
   Utime looked_ = 0;                          // at the last of them
   std::optional<MountMotion> mount_motion_;   // likewise, some motions

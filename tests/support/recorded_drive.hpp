@@ -4,6 +4,7 @@
 // estimate that stands still, or that only follows the wheels, shows in a share of what odometry errs by in
 // the same run.
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <utility>
@@ -82,6 +83,18 @@ class RecordedDrive {
       }
     }
     for (const auto& [utime, message] : waiting) deliver(utime, {"FEATURES", encode_message(*message)});
+  }
+
+  /// The drive's start.
+  Utime start() const { return truth_.front().utime; }
+  /// Of the robot, interpolated.
+  Eigen::Isometry3d truth_at(Utime utime) const {
+    const auto after = std::lower_bound(truth_.begin() + 1, truth_.end() - 1, utime,
+                                        [](const StampedPose& pose, Utime t) { return pose.utime < t; });
+    const auto before = after - 1;
+    const double fraction =
+        static_cast<double>(utime - before->utime) / static_cast<double>(after->utime - before->utime);
+    return interpolate(before->T_world_body, after->T_world_body, fraction);
   }
 
   /// m, RMS of the positions after they have been laid onto the truth (ATE).

@@ -1,0 +1,40 @@
+#pragma once
+// Whether somebody has carried the robot. Where the map ends a frame fits nowhere, either, and there odometry
+// is right; a carried robot sees something else than the map has where odometry says it is:
+// - its wheels have not led out of what it saw when it was placed last, or
+// - it looks through surfaces of the map.
+// A frame is one or the other; only a second of frames that agree says that the robot was carried.
+
+#include <lcmslam/dense_mapper/tracker.hpp>
+
+namespace lcmslam {
+
+class VoxelMap;
+
+class CarriedWatch {
+ public:
+  explicit CarriedWatch(const DenseMapperSettings& settings) : settings_(settings) {}
+
+  /// A frame that has points enough. `T_world_predicted`: of the robot, by odometry; `placed`: the map says
+  /// where it is; `adrift`: odometry has lost the way, so that it contradicts nothing.
+  void observe(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_predicted, bool placed,
+               bool adrift, const VoxelMap& map);
+
+  /// The last frame contradicts the map.
+  bool contradicted() const { return contradicted_ > 0; }
+  bool carried() const { return carried_; }
+  /// s of frames since then; 0 while the robot is where it is thought to be.
+  double unplaced() const { return unplaced_; }
+
+ private:
+  bool is_contradicted(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_predicted,
+                       const VoxelMap& map) const;
+
+  DenseMapperSettings settings_;
+  Utime last_utime_ = 0;
+  Eigen::Isometry3d T_placed_robot_ = Eigen::Isometry3d::Identity();  // by the wheels, since it was placed
+  double contradicted_ = 0, unplaced_ = 0;                            // s
+  bool carried_ = false;
+};
+
+}  // namespace lcmslam

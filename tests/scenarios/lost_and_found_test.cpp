@@ -1,0 +1,164 @@
+// Lost and found: cameras that see nothing or nonsense, and a robot that is carried while its wheels stand
+// still. Whoever is lost says so within a second, maps no nonsense, and is found again within three in a
+// mapped place.
+
+#include <gmock/gmock.h>
+
+#include <iostream>
+
+#include "procs/map-server/map_server_node.hpp"
+#include "tests/support/lost_drive.hpp"
+#include "tests/unit/tools/scratch.hpp"
+
+namespace lcmslam {
+namespace {
+
+using testing::LostDrive;
+using testing::RecordedDrive;
+using testing::value_of;
+
+constexpr double middle = 8, there_again = 20;  // s after the first part's begin
+const std::string channels[] = {"FASTSLAM_POSE", "ICP_POSE"};
+
+const LostDrive& undisturbed() {
+  static const LostDrive drive({});
+  return drive;
+}
+
+std::string text(const std::optional<double>& seconds) {
+  return seconds ? std::to_string(*seconds).substr(0, 4) + " s" : "-";
+}
+
+void print(const char* name, const LostDrive& drive, double begin, double end) {
+  for (const std::string& channel : channels) {
+    std::cout << "| " << name << " | " << channel << " | " << text(drive.told_after(channel, begin)) << " | "
+              << text(drive.found_after(channel, end)) << " | " << drive.rms(channel, end + 3) << " | "
+              << undisturbed().rms(channel, end + 3) << " |\n";
+  }
+  const auto landmarks = drive.landmarks(), keyframes = drive.keyframes();
+  std::cout << "  " << landmarks.wrong << " of " << landmarks.all << " landmarks wrong, " << keyframes.wrong
+            << " of " << keyframes.all << " nodes; maps " << value_of(drive.fastslam, "sessions") << ", "
+            << value_of(drive.icp, "sessions") << "\n";
+}
+
+/// Nothing in the map is more wrong than without the disturbance.
+void expect_no_nonsense(const LostDrive& drive, const std::string& frame = "map") {
+  const auto usual = undisturbed().landmarks(), landmarks = drive.landmarks(frame);
+  EXPECT_GT(landmarks.all, 100);
+  EXPECT_LE(landmarks.wrong * usual.all, 1.2 * usual.wrong * landmarks.all + 3 * usual.all);
+  const auto keyframes = drive.keyframes(frame);
+  EXPECT_GT(keyframes.all, 3);
+  EXPECT_EQ(keyframes.wrong, 0);
+}
+
+LostDrive spoiled(double seconds, const std::function<void(RgbdFrame&)>& spoil) {
+  LostDrive::Plan plan;
+  plan.spoil = [=](RgbdFrame& frame, double now) {
+    if (now >= middle && now < middle + seconds) spoil(frame);
+  };
+  return LostDrive(plan);
+}
+
+struct Mappers {
+  bool fastslam, icp;
+};
+
+/// Who is lost by it says so and is found; who is not lost needs to be no worse.
+void expect_lost_and_found(const char* name, const LostDrive& drive, double seconds, Mappers told) {
+  print(name, drive, middle, middle + seconds);
+  for (const std::string& channel : channels) {
+    SCOPED_TRACE(channel);
+    if (channel == "ICP_POSE" ? told.icp : told.fastslam) {
+      EXPECT_LE(drive.told_after(channel, middle).value_or(99), 1);
+    }
+    EXPECT_LE(drive.found_after(channel, middle + seconds).value_or(99), 3);
+    EXPECT_LE(drive.rms(channel, middle + seconds + 3), 2 * undisturbed().rms(channel, middle + seconds + 3));
+  }
+  EXPECT_EQ(value_of(drive.fastslam, "sessions"), 1);
+  EXPECT_EQ(value_of(drive.icp, "sessions"), 1);
+  expect_no_nonsense(drive);
+}
+
+TEST(LostAndFound, CameraCovered) {
+  expect_lost_and_found("covered",
+                        spoiled(5,
+                                [](RgbdFrame& frame) {
+                                  frame.colour.setTo(cv::Scalar::all(0));
+                                  frame.depth.setTo(0);
+                                }),
+                        5, {true, true});
+}
+
+TEST(LostAndFound, ConstantImages) {
+  expect_lost_and_found("constant",
+                        spoiled(5,
+                                [](RgbdFrame& frame) {
+                                  frame.colour.setTo(cv::Scalar::all(90));
+                                  frame.depth.setTo(2000);
+                                }),
+                        5, {true, true});
+}
+
+TEST(LostAndFound, ConstantDepth) {
+  expect_lost_and_found("constant depth", spoiled(5, [](RgbdFrame& frame) { frame.depth.setTo(1500); }), 5,
+                        {true, true});
+}
+
+TEST(LostAndFound, DepthOnly) {
+  expect_lost_and_found("depth only",
+                        spoiled(10, [](RgbdFrame& frame) { frame.colour.setTo(cv::Scalar::all(0)); }), 10,
+                        {true, false});
+}
+
+TEST(LostAndFound, ColourOnly) {
+  expect_lost_and_found("colour only", spoiled(10, [](RgbdFrame& frame) { frame.depth.setTo(0); }), 10,
+                        {true, true});
+}
+
+// From its way after the bend back to the first metres of it.
+TEST(LostAndFound, CarriedToAMappedPlace) {
+  LostDrive::Plan plan;
+  plan.parts = {{RecordedDrive::moves, 16}, {3, 10}};
+  const LostDrive drive(plan);
+  const double carried = drive.begin_of(1);
+  print("carried to a mapped place", drive, carried, carried);
+  for (const std::string& channel : channels) {
+    SCOPED_TRACE(channel);
+    EXPECT_LE(drive.told_after(channel, carried).value_or(99), 1);
+    EXPECT_LE(drive.found_after(channel, carried).value_or(99), 3);
+    EXPECT_LE(drive.rms(channel, carried + 3), 2 * undisturbed().rms(channel, 0, 8));
+  }
+  EXPECT_EQ(value_of(drive.fastslam, "sessions"), 1);
+  EXPECT_EQ(value_of(drive.icp, "sessions"), 1);
+  expect_no_nonsense(drive);
+}
+
+// It sees what it has not seen, maps that beside the old map, and at the end comes by where it began.
+TEST(LostAndFound, CarriedToANewPlaceThatLeadsToTheOldOne) {
+  LostDrive::Plan plan;
+  plan.parts = {{0, 7}, {12, RecordedDrive::ends}};
+  const LostDrive drive(plan);
+  const double carried = drive.begin_of(1);
+  print("carried to a new place", drive, carried, carried);
+  for (const std::string& channel : channels) {
+    SCOPED_TRACE(channel);
+    EXPECT_LE(drive.told_after(channel, carried).value_or(99), 1);
+    EXPECT_THAT(drive.bus.on<pose_estimate_t>(channel).back().frame, "map-2");
+    EXPECT_LE(drive.rms(channel, 0, 1e9, "map-2"), 0.05);
+  }
+  expect_no_nonsense(drive);
+  expect_no_nonsense(drive, "map-2");
+
+  // The map server joins both.
+  testing::ScratchFolder folder;
+  testing::TestBus server;
+  const auto& map = server.add<MapServerNode>(ConfigNode::parse(
+      "{folder: " + folder.path().string() + ", layers: {make: false, background: false}}"));
+  for (const auto& message : drive.bus.published())
+    server.deliver(message.channel, message.bytes), server.work();
+  for (int i = 0; i < 50; ++i) server.work();
+  EXPECT_EQ(value_of(map, "sessions_joined"), 1);
+}
+
+}  // namespace
+}  // namespace lcmslam
