@@ -36,6 +36,7 @@ double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_ca
 
 void CarriedWatch::observe(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_predicted,
                            bool placed, bool adrift, const VoxelMap& map) {
+  const bool blind = static_cast<int>(prepared.cloud.size()) < settings_.min_points;
   const DenseFrame& frame = prepared.frame;
   const double since = 1e-6 * static_cast<double>(frame.utime - last_utime_);
   const double seconds = last_utime_ == 0 ? 0 : std::min(since, longest_frame);
@@ -47,13 +48,15 @@ void CarriedWatch::observe(const PreparedFrame& prepared, const Eigen::Isometry3
     return;
   }
   if (carried_) {
-    unplaced_ += seconds;
+    unplaced_ += blind ? 0 : seconds;
     return;
   }
   const bool wheels = frame.motion && !frame.motion->visual;
   if (wheels) T_placed_robot_ = T_placed_robot_ * frame.motion->T_from_to;
-  const bool against = wheels && !adrift && is_contradicted(prepared, T_world_predicted, map);
-  contradicted_ = against ? contradicted_ + seconds : 0;
+  if (blind || !wheels) return;
+  // Once it was elsewhere, odometry goes on from a wrong place.
+  const bool against = contradicted() || (!adrift && is_contradicted(prepared, T_world_predicted, map));
+  contradicted_ = against ? contradicted_ + std::max(seconds, 1e-6) : 0;
   carried_ = settings_.carried_after > 0 && contradicted_ >= settings_.carried_after;
 }
 

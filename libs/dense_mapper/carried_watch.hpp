@@ -15,12 +15,12 @@ class CarriedWatch {
  public:
   explicit CarriedWatch(const DenseMapperSettings& settings) : settings_(settings) {}
 
-  /// A frame that has points enough. `T_world_predicted`: of the robot, by odometry; `placed`: the map says
+  /// `T_world_predicted`: of the robot, by odometry; `placed`: the map says
   /// where it is; `adrift`: odometry has lost the way, so that it contradicts nothing.
   void observe(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_predicted, bool placed,
                bool adrift, const VoxelMap& map);
 
-  /// The last frame contradicts the map.
+  /// Frames have contradicted the map since the robot was placed last.
   bool contradicted() const { return contradicted_ > 0; }
   bool carried() const { return carried_; }
   /// s of frames since then; 0 while the robot is where it is thought to be.

@@ -126,7 +126,7 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
   step.covariance = believed ? tracked.registration.covariance
                              : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
   step.blind = static_cast<int>(prepared.cloud.size()) < settings_.min_points;
-  if (tracker_->searches_map() && !step.blind)
+  if (tracker_->searches_map())
     carried_.observe(prepared, prior.T_target_source, tracking, was_adrift, map_.voxels());
   if (carried_.carried()) {
     motion_.be_carried(settings_.carried_after);

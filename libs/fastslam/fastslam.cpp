@@ -83,12 +83,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     // Propose, weigh, update: each particle draws its pose, is weighed by what it observes from there, and
     // its landmarks learn from it (particle_update.cpp). Where it observes nothing and may map nothing, no
     // particle is better than another.
+    look_whether_carried(association, points, frame.utime);
     mapping = may_map(association);
-    if (association.contradicted)
-      contradicted_ += std::min(1e-6 * static_cast<double>(frame.utime - utime_), 1.0);
-    else if (!points.empty())
-      contradicted_ = 0;
-    result.contradicted = contradicted_;
     blind = observations.seen.empty() && (points.empty() || !mapping);
     Verdict verdict;
     if (blind)
@@ -106,6 +102,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();
     if (agreed) agreed_utime_ = frame.utime;
+    if (agreed) unplaced_ = 0;
+    result.unplaced = unplaced_;
     result.status = status(association, agreed, frame.utime);
     if (result.status == TrackStatus::tracking || result.status == TrackStatus::relocalised)
       observations.expected = std::move(association.visible);  // a robot that may be elsewhere misses nobody
@@ -229,12 +227,21 @@ TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed, U
   return lost ? TrackStatus::lost : TrackStatus::predicting;
 }
 
-// A robot that may be anywhere in its map would map what it knows at a wrong place. Where known landmarks
-// should be and none is, it is elsewhere, whatever the odometry knows: do not map that (StepResult tells for
-// how long, so that another map can begin).
+// Where known landmarks should be and none is, the robot is elsewhere, whatever odometry knows: somebody has
+// carried it, and odometry's way has begun at a wrong place until something is recognised.
+void FastSlam::look_whether_carried(const FrameAssociation& association,
+                                    const std::vector<FeaturePoint>& points, Utime utime) {
+  constexpr double longest_frame = 1;  // s that one frame speaks for
+  if (association.agreed) unplaced_ = 0;
+  const bool enough = static_cast<int>(points.size()) >= settings_.minimum_consensus;
+  if (association.contradicted || (unplaced_ > 0 && !association.agreed && enough))
+    unplaced_ += std::min(1e-6 * static_cast<double>(utime - utime_), longest_frame);
+}
+
+// A robot that may be anywhere in its map would map what it knows at a wrong place.
 bool FastSlam::may_map(const FrameAssociation& association) const {
   if (unknown_.lost() && !association.agreed && association.known.empty()) return false;
-  return !association.contradicted && !association.doubtful;
+  return unplaced_ == 0 && !association.doubtful;
 }
 
 // A landmark came back after long, or is not where it was.

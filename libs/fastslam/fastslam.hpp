@@ -87,6 +87,8 @@ class FastSlam {
   StepResult begin_anew(const Motion& motion, const FeatureFrame& frame);
   bool agree(const FrameAssociation& association, const Verdict& verdict, bool located) const;
   TrackStatus status(const FrameAssociation& association, bool agreed, Utime utime) const;
+  void look_whether_carried(const FrameAssociation& association, const std::vector<FeaturePoint>& points,
+                            Utime utime);
   bool may_map(const FrameAssociation& association) const;
   bool reunion(const StepObservations& observations) const;
   std::vector<std::int32_t> remove_landmarks(const FeatureFrame& frame,
@@ -119,9 +121,9 @@ class FastSlam {
   SensorCalibration sensor_;  // as the smoothed path has it
   double smoothing_cost_ = 0;
   bool started_ = false;
-  double contradicted_ = 0;  // s
-  Utime utime_ = 0;          // of the last step
-  Utime agreed_utime_ = 0;   // of the newest step whose measurements agreed with the map
+  double unplaced_ = 0;     // s, StepResult::unplaced
+  Utime utime_ = 0;         // of the last step
+  Utime agreed_utime_ = 0;  // of the newest step whose measurements agreed with the map
 };
 
 }  // namespace lcmslam

@@ -92,7 +92,7 @@ void FastSlamNode::begin_map_beside() {
 
 // What is seen has contradicted the map for long: the robot was carried to where it has not been.
 bool FastSlamNode::is_elsewhere() const {
-  return new_map_when_carried_ > 0 && last_.contradicted >= new_map_when_carried_;
+  return new_map_when_carried_ > 0 && last_.unplaced >= new_map_when_carried_;
 }
 
 void FastSlamNode::start(const FeatureFrame& frame) {
@@ -131,7 +131,7 @@ void FastSlamNode::on_features(FeatureFrame frame) {
 void FastSlamNode::publish(const FeatureFrame& frame, const StepResult& result, double cpu_time) {
   pose_estimate_t pose = pose_message(frame.utime, result);
   pose.frame = map_frame();
-  if (result.contradicted > 0) add_detail(pose.detail, "what is seen contradicts the map");
+  if (result.unplaced > 0) add_detail(pose.detail, "what is seen contradicts the map");
   add_detail(pose.detail, unplaced_map(pose.frame));
   pose.map_revision = revision_;
   pose.processing_time = cpu_time;

@@ -17,10 +17,12 @@ using testing::LostDrive;
 using testing::RecordedDrive;
 using testing::value_of;
 
-constexpr double middle = 8, there_again = 20;  // s after the first part's begin
-const std::string channels[] = {"FASTSLAM_POSE", "ICP_POSE"};
+// s after the first part's begin: where the robot is again on its way of the beginning, and until when it is
+// so.
+constexpr double mapped_again = 20;
+const std::string both_poses[] = {"FASTSLAM_POSE", "ICP_POSE"};
 
-const LostDrive& undisturbed() {
+const LostDrive& as_it_was() {
   static const LostDrive drive({});
   return drive;
 }
@@ -30,10 +32,10 @@ std::string text(const std::optional<double>& seconds) {
 }
 
 void print(const char* name, const LostDrive& drive, double begin, double end) {
-  for (const std::string& channel : channels) {
+  for (const std::string& channel : both_poses) {
     std::cout << "| " << name << " | " << channel << " | " << text(drive.told_after(channel, begin)) << " | "
-              << text(drive.found_after(channel, end)) << " | " << drive.rms(channel, end + 3) << " | "
-              << undisturbed().rms(channel, end + 3) << " |\n";
+              << text(drive.found_after(channel, end)) << " | " << drive.rms(channel, end + 2) << " | "
+              << as_it_was().rms(channel, end + 2) << " |\n";
   }
   const auto landmarks = drive.landmarks(), keyframes = drive.keyframes();
   std::cout << "  " << landmarks.wrong << " of " << landmarks.all << " landmarks wrong, " << keyframes.wrong
@@ -43,7 +45,7 @@ void print(const char* name, const LostDrive& drive, double begin, double end) {
 
 /// Nothing in the map is more wrong than without the disturbance.
 void expect_no_nonsense(const LostDrive& drive, const std::string& frame = "map") {
-  const auto usual = undisturbed().landmarks(), landmarks = drive.landmarks(frame);
+  const auto usual = as_it_was().landmarks(), landmarks = drive.landmarks(frame);
   EXPECT_GT(landmarks.all, 100);
   EXPECT_LE(landmarks.wrong * usual.all, 1.2 * usual.wrong * landmarks.all + 3 * usual.all);
   const auto keyframes = drive.keyframes(frame);
@@ -54,25 +56,25 @@ void expect_no_nonsense(const LostDrive& drive, const std::string& frame = "map"
 LostDrive spoiled(double seconds, const std::function<void(RgbdFrame&)>& spoil) {
   LostDrive::Plan plan;
   plan.spoil = [=](RgbdFrame& frame, double now) {
-    if (now >= middle && now < middle + seconds) spoil(frame);
+    if (now >= mapped_again - seconds && now < mapped_again) spoil(frame);
   };
   return LostDrive(plan);
 }
 
-struct Mappers {
+struct WhoIsLost {
   bool fastslam, icp;
 };
 
 /// Who is lost by it says so and is found; who is not lost needs to be no worse.
-void expect_lost_and_found(const char* name, const LostDrive& drive, double seconds, Mappers told) {
-  print(name, drive, middle, middle + seconds);
-  for (const std::string& channel : channels) {
+void expect_lost_and_found(const char* name, const LostDrive& drive, double seconds, WhoIsLost told) {
+  print(name, drive, mapped_again - seconds, mapped_again);
+  for (const std::string& channel : both_poses) {
     SCOPED_TRACE(channel);
     if (channel == "ICP_POSE" ? told.icp : told.fastslam) {
-      EXPECT_LE(drive.told_after(channel, middle).value_or(99), 1);
+      EXPECT_LE(drive.told_after(channel, mapped_again - seconds).value_or(99), 1);
     }
-    EXPECT_LE(drive.found_after(channel, middle + seconds).value_or(99), 3);
-    EXPECT_LE(drive.rms(channel, middle + seconds + 3), 2 * undisturbed().rms(channel, middle + seconds + 3));
+    EXPECT_LE(drive.found_after(channel, mapped_again).value_or(99), 3);
+    EXPECT_LE(drive.rms(channel, mapped_again + 2), 2 * as_it_was().rms(channel, mapped_again + 2));
   }
   EXPECT_EQ(value_of(drive.fastslam, "sessions"), 1);
   EXPECT_EQ(value_of(drive.icp, "sessions"), 1);
@@ -122,11 +124,11 @@ TEST(LostAndFound, CarriedToAMappedPlace) {
   const LostDrive drive(plan);
   const double carried = drive.begin_of(1);
   print("carried to a mapped place", drive, carried, carried);
-  for (const std::string& channel : channels) {
+  for (const std::string& channel : both_poses) {
     SCOPED_TRACE(channel);
     EXPECT_LE(drive.told_after(channel, carried).value_or(99), 1);
     EXPECT_LE(drive.found_after(channel, carried).value_or(99), 3);
-    EXPECT_LE(drive.rms(channel, carried + 3), 2 * undisturbed().rms(channel, 0, 8));
+    EXPECT_LE(drive.rms(channel, carried + 3), 2 * as_it_was().rms(channel, 0, 8));
   }
   EXPECT_EQ(value_of(drive.fastslam, "sessions"), 1);
   EXPECT_EQ(value_of(drive.icp, "sessions"), 1);
@@ -140,7 +142,7 @@ TEST(LostAndFound, CarriedToANewPlaceThatLeadsToTheOldOne) {
   const LostDrive drive(plan);
   const double carried = drive.begin_of(1);
   print("carried to a new place", drive, carried, carried);
-  for (const std::string& channel : channels) {
+  for (const std::string& channel : both_poses) {
     SCOPED_TRACE(channel);
     EXPECT_LE(drive.told_after(channel, carried).value_or(99), 1);
     EXPECT_THAT(drive.bus.on<pose_estimate_t>(channel).back().frame, "map-2");
