@@ -6,6 +6,7 @@
 
 #include <iostream>
 
+#include <lcmslam/map_store/file/map_file.hpp>
 #include "procs/map-server/map_server_node.hpp"
 #include "tests/support/lost_drive.hpp"
 #include "tests/unit/tools/scratch.hpp"
@@ -32,10 +33,11 @@ std::string text(const std::optional<double>& seconds) {
 }
 
 void print(const char* name, const LostDrive& drive, double begin, double end) {
+  const LostDrive& usual = as_it_was();
   for (const std::string& channel : both_poses) {
     std::cout << "| " << name << " | " << channel << " | " << text(drive.told_after(channel, begin)) << " | "
               << text(drive.found_after(channel, end)) << " | " << drive.rms(channel, end + 2) << " | "
-              << as_it_was().rms(channel, end + 2) << " |\n";
+              << usual.rms(channel, end + 2) << " |\n";
   }
   const auto landmarks = drive.landmarks(), keyframes = drive.keyframes();
   std::cout << "  " << landmarks.wrong << " of " << landmarks.all << " landmarks wrong, " << keyframes.wrong
@@ -117,6 +119,22 @@ TEST(LostAndFound, ColourOnly) {
                         {true, true});
 }
 
+// In the bend: uncovered, it sees what it has not seen before, and odometry leads on, in the same map.
+TEST(LostAndFound, CameraCoveredUntilTheMapHasEnded) {
+  LostDrive::Plan plan;
+  plan.spoil = [](RgbdFrame& frame, double now) {
+    if (now < 8 || now >= 13) return;
+    frame.colour.setTo(cv::Scalar::all(0));
+    frame.depth.setTo(0);
+  };
+  const LostDrive drive(plan);
+  print("covered until the map has ended", drive, 8, 13);
+  for (const std::string& channel : both_poses)
+    EXPECT_LE(drive.told_after(channel, 8).value_or(99), 1) << channel;
+  EXPECT_EQ(value_of(drive.fastslam, "sessions"), 1);
+  EXPECT_EQ(value_of(drive.icp, "sessions"), 1);
+}
+
 // From its way after the bend back to the first metres of it.
 TEST(LostAndFound, CarriedToAMappedPlace) {
   LostDrive::Plan plan;
@@ -160,6 +178,17 @@ TEST(LostAndFound, CarriedToANewPlaceThatLeadsToTheOldOne) {
     server.deliver(message.channel, message.bytes), server.work();
   for (int i = 0; i < 50; ++i) server.work();
   EXPECT_EQ(value_of(map, "sessions_joined"), 1);
+  server.finish();
+  const auto sessions = MapFile(folder.path() / "map.lcmslam").sessions();
+  const auto second = std::find_if(sessions.begin(), sessions.end(),
+                                   [](const auto& session) { return session.state == SessionState::joined; });
+  ASSERT_NE(second, sessions.end());
+  const Eigen::Isometry3d right =
+      drive.T_world_map("ICP_POSE").inverse() * drive.T_world_map("ICP_POSE", "map-2");
+  std::cout << "joined " << distance_between(*second->T_map_session, right) << " m and "
+            << angle_between(*second->T_map_session, right) << " rad from the truth\n";
+  EXPECT_LT(distance_between(*second->T_map_session, right), 0.05);
+  EXPECT_LT(angle_between(*second->T_map_session, right), 0.02);
 }
 
 }  // namespace
