@@ -60,8 +60,8 @@ struct StepResult {
   int created = 0, removed = 0;  ///< landmarks
   bool loop_closed = false;  ///< relocalised where only drift had led it astray: the map is deformed to fit
   double unplaced = 0;       ///< s since features first contradicted the landmarks that should be there, and
-                        ///< nothing was recognised: somebody has carried the robot
-  bool slipped = false;        ///< observations contradicted the odometry, and won
+                             ///< nothing was recognised: somebody has carried the robot
+  bool slipped = false;      ///< observations contradicted the odometry, and won
   Floor floor = Floor::plane;  ///< of a robot on wheels: what measurements leave of the plane
   bool resampled = false;
   bool rejuvenated = false;
