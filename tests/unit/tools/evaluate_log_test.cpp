@@ -124,8 +124,9 @@ TEST_F(Evaluate, MapIsComparedWithTheScene) {
   EXPECT_NE(run({path("run.lcmlog"), "--scene", path("none.yaml"), "--map", path("map.ply")}), 0);
   ColouredCloud cloud;  // the kitchen's floor, 2 cm too high; the log's map lies elsewhere
   for (int i = 0; i < 400; ++i) {
-    cloud.points.emplace_back(0.5f + 0.01f * static_cast<float>(i % 20),
-                              0.5f + 0.01f * static_cast<float>(i / 20), 0.02f);
+    const int row = i / 20, column = i % 20;
+    cloud.points.emplace_back(0.5f + 0.01f * static_cast<float>(column),
+                              0.5f + 0.01f * static_cast<float>(row), 0.02f);
     cloud.colours.emplace_back(1, 2, 3);
   }
   save_ply(std::filesystem::path(path("map.ply")), cloud);
@@ -167,8 +168,9 @@ TEST_F(Evaluate, MapIsComparedWithAReferenceLogsImages) {
       path_.front().T_world_body * calibration.T_robot_camera * calibration.T_colour_depth;
   ColouredCloud cloud;
   for (int i = 0; i < 400; ++i) {
-    const Eigen::Vector3d p(0.01 * (i % 20), 0.01 * (i / 20), 1.97);
-    cloud.points.push_back((T_world_depth * p).cast<float>());
+    const int row = i / 20, column = i % 20;
+    const Eigen::Vector3d p(0.01 * column, 0.01 * row, 1.97);
+    cloud.points.emplace_back((T_world_depth * p).cast<float>());
     cloud.colours.emplace_back(1, 2, 3);
   }
   save_ply(std::filesystem::path(path("map.ply")), cloud);
