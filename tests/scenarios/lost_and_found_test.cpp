@@ -135,6 +135,47 @@ TEST(LostAndFound, CameraCoveredUntilTheMapHasEnded) {
   EXPECT_EQ(value_of(drive.icp, "sessions"), 1);
 }
 
+/// Wheels that turn for nothing, 0.1 m in radius.
+LostDrive slipping(double metres, double begin, double end) {
+  LostDrive::Plan plan;
+  plan.slip = [=](double now) { return metres / 0.1 * std::clamp((now - begin) / (end - begin), 0.0, 1.0); };
+  return LostDrive(plan);
+}
+
+/// What is seen overrules the wheels: who claims to be tracked is, and as well as without.
+void expect_overruled(const char* name, const LostDrive& drive, double begin, double end) {
+  print(name, drive, begin, end);
+  for (const std::string& channel : both_poses) {
+    SCOPED_TRACE(channel);
+    for (const auto& m : drive.poses(channel)) {
+      if (!LostDrive::claims(m)) continue;
+      EXPECT_LT(drive.error_of(m, channel), 0.1) << drive.seconds_of(m.utime);
+    }
+    EXPECT_LE(drive.found_after(channel, end).value_or(99), 1);
+    EXPECT_LE(drive.rms(channel, end + 2), 2 * as_it_was().rms(channel, end + 2));
+  }
+  EXPECT_EQ(value_of(drive.fastslam, "sessions"), 1);
+  EXPECT_EQ(value_of(drive.icp, "sessions"), 1);
+  expect_no_nonsense(drive);
+}
+
+TEST(LostAndFound, WheelsThatSpin) {
+  expect_overruled("slip", slipping(0.5, 12, 13), 12, 13);
+}
+TEST(LostAndFound, WheelsThatAreStuck) {
+  expect_overruled("stuck", slipping(-0.5, 4, 6), 4, 6);
+}
+
+// A processor that is busy otherwise gets to every second image for five seconds, and to none for two of
+// them.
+TEST(LostAndFound, ABusyProcessor) {
+  LostDrive::Plan plan;
+  plan.taken = [](int image, double now) {
+    return now < 3 || now >= 8 || (image % 2 == 0 && (now < 5 || now >= 7));
+  };
+  expect_overruled("busy", LostDrive(plan), 3, 8);
+}
+
 // From its way after the bend back to the first metres of it.
 TEST(LostAndFound, CarriedToAMappedPlace) {
   LostDrive::Plan plan;

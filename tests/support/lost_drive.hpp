@@ -26,6 +26,10 @@ class LostDrive {
     std::vector<Part> parts = {{RecordedDrive::moves, RecordedDrive::ends}};
     /// Changes the images of a time, s after the first part's begin.
     std::function<void(RgbdFrame&, double seconds)> spoil;
+    /// rad that all wheels have turned for nothing until then.
+    std::function<double(double seconds)> slip = [](double) { return 0.0; };
+    /// Whether the processor gets to an image at all.
+    std::function<bool(int image, double seconds)> taken = [](int, double) { return true; };
   };
 
   explicit LostDrive(const Plan& plan) : plan_(plan) {
@@ -187,11 +191,12 @@ class LostDrive {
     }
     const auto& [channel, bytes] = timed.message;
     if (channel == "CAMERA") {
+      if (!plan_.taken(recorded_images_++, seconds)) return;
       bus.deliver(channel, images(decode_message<images_t>(bytes.data(), bytes.size()), shift, seconds));
       bus.work();  // keyframes go out
     } else if (channel == "ENCODERS") {
-      bus.deliver(channel,
-                  wheels(decode_message<encoders_t>(bytes.data(), bytes.size()), shift, first_wheels));
+      bus.deliver(channel, wheels(decode_message<encoders_t>(bytes.data(), bytes.size()), shift, seconds,
+                                  first_wheels));
       first_wheels = false;
     }
   }
@@ -212,7 +217,7 @@ class LostDrive {
   }
 
   // Turned since the start: nothing between two parts.
-  encoders_t wheels(encoders_t m, double shift, bool first) {
+  encoders_t wheels(encoders_t m, double shift, double seconds, bool first) {
     if (first) {
       before_.resize(m.wheels.size(), 0);
       if (last_.empty()) last_ = before_;
@@ -222,6 +227,7 @@ class LostDrive {
     for (std::size_t i = 0; i < m.wheels.size(); ++i) {
       m.wheels[i].angle += before_[i];
       last_[i] = m.wheels[i].angle;
+      m.wheels[i].angle += plan_.slip(seconds);
     }
     m.utime += micro(shift);
     set_origin(m, {encoders_++, 1001});
@@ -232,6 +238,7 @@ class LostDrive {
   std::vector<Piece> pieces_;
   std::vector<double> before_, last_;  // rad of each wheel: added to what was recorded, and as it stood last
   std::int64_t images_ = 0, encoders_ = 0;
+  int recorded_images_ = 0;
   bool calibrated_ = false;
 };
 

@@ -143,12 +143,22 @@ int run_faults_study(FaultsStudySettings settings, const std::vector<int>& seeds
   return 0;
 }
 
+int run_kills_study(FaultsStudySettings settings, const std::vector<int>& seeds) {
+  settings.seed = static_cast<std::uint64_t>(seeds.front());
+  settings.lcm_url = lcm_url_from_environment();
+  if (!enter_private_bus()) throw std::runtime_error("--only kills needs a network namespace of its own");
+  const std::filesystem::path folder = new_run_folder("study-kills");
+  const std::vector<FaultsStudyRun> runs = study_kills(settings, folder);
+  write_report(folder, faults_json(runs), kills_table(runs));
+  return 0;
+}
+
 }  // namespace
 
 const std::vector<std::string>& own_studies() {
-  static const std::vector<std::string> names = {"features", "pairs",        "landmarks",
-                                                 "filter",   "depth-filter", "resampling",
-                                                 "faults",   "endurance",    "consistency"};
+  static const std::vector<std::string> names = {"features",     "pairs",      "landmarks", "filter",
+                                                 "depth-filter", "resampling", "faults",    "endurance",
+                                                 "consistency",  "kills"};
   return names;
 }
 
@@ -161,6 +171,7 @@ int run_own_study(const std::string& name, OwnStudyOptions o) {
     o.faults.recording = o.data;
     return run_faults_study(o.faults, o.seeds);
   }
+  if (name == "kills") return run_kills_study(o.faults, o.seeds);
   if (name == "depth-filter") return run_depth_filter_study(o.seeds);
   if (name == "pairs") {
     need(!o.data.empty(), "--data, a folder or a log");

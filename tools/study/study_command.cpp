@@ -27,7 +27,8 @@ int study_command(int argc, char** argv) {
       "--only depth-filter: mixed pixels removed and good points lost in simulated depth images. "
       "--only resampling: FastSLAM's four schemes on a log. "
       "--only faults: the live graph while stamps jump, processes die, the camera is covered, strangers send "
-      "and the disk fills. "
+      "and the disk fills. --only kills: laps of the kitchen, live, while every half minute a process is "
+      "killed. "
       "--only endurance: memory, traffic and CPU of many laps of the kitchen in one process; ends with 0 "
       "only "
       "where they stay flat.",
@@ -77,7 +78,8 @@ int study_command(int argc, char** argv) {
                  "pairs, consistency: s, added to images' stamps for the truth's clock")
       ->needs(only_option)
       ->capture_default_str();
-  app.add_option("--minutes", o.faults.minutes, "faults: that the runs take together")
+  app.add_option("--minutes", o.faults.minutes,
+                 "faults: that the runs take together; kills: that each of two runs takes")
       ->needs(only_option)
       ->capture_default_str();
   app.add_option("--laps", o.laps, "endurance: of the kitchen, about a minute each")

@@ -46,7 +46,7 @@ bool DisturbedSource::publish_until(double elapsed, const Fault* active) {
 
 void DisturbedSource::publish_calibration(Utime utime) {
   camera_calibration_t message = to_message(source_.calibration());
-  message.utime = utime;
+  message.utime = utime + jump_;
   publisher_.publish("CAMERA_CALIBRATION", message);
   calibrated_ = utime;
 }
@@ -54,16 +54,26 @@ void DisturbedSource::publish_calibration(Utime utime) {
 void DisturbedSource::publish(CameraEvent event, const Fault* active) {
   if (const auto* frame = std::get_if<EncodedFrame>(&event)) {
     if (!first_) first_ = *frame;
-    last_ = *frame;
-    publish_frame(*frame, active);
+    last_ = shifted(*frame, jump_);
+    publish_frame(*last_, active);
+  } else if (auto* encoders = std::get_if<Encoders>(&event)) {
+    publish_wheels(std::move(*encoders), active);
   } else if (const auto* truth = std::get_if<GroundTruth>(&event)) {
     const Eigen::Isometry3d T_child_robot = truth->child_frame == "camera"
                                                 ? source_.calibration().T_robot_camera.inverse()
                                                 : Eigen::Isometry3d::Identity();
-    truth_.push_back({truth->utime, truth->T_world_child * T_child_robot});
-  } else {
-    publish_event(publisher_, event);
+    truth_.push_back({truth->utime + jump_, truth->T_world_child * T_child_robot});
   }
+}
+
+void DisturbedSource::publish_wheels(Encoders encoders, const Fault* active) {
+  constexpr double speed = 5;  // rad/s: half a metre in a second where a wheel's radius is 0.1 m
+  if (is(active, FaultKind::slip) && wheels_utime_ != 0)
+    slipped_ += speed * 1e-6 * static_cast<double>(encoders.utime - wheels_utime_);
+  wheels_utime_ = encoders.utime;
+  encoders.utime += jump_;
+  for (Wheel& wheel : encoders.wheels) wheel.angle += slipped_;
+  publish_event(publisher_, encoders);
 }
 
 Trajectory DisturbedSource::truth() const {
@@ -91,6 +101,7 @@ void DisturbedSource::publish_frame(const EncodedFrame& frame, const Fault* acti
 void DisturbedSource::begin(const Fault& fault) {
   if (!last_) return;
   if (fault.kind == FaultKind::stamp_ahead) publish_event(publisher_, shifted(*last_, 10'000'000));
+  if (fault.kind == FaultKind::clock_jump) jump_ += 100'000'000;
   if (fault.kind == FaultKind::stamp_zero) publish_event(publisher_, shifted(*last_, -last_->utime));
 }
 

@@ -27,12 +27,14 @@ class DisturbedSource {
 
   /// Time of the first event, once it is published.
   const std::optional<Utime>& begun() const { return start_; }
+  const Eigen::Isometry3d& T_robot_camera() const { return source_.calibration().T_robot_camera; }
   /// T_world_robot of what was published, for the judge alone: it is not sent.
   Trajectory truth() const;
 
  private:
   void publish(CameraEvent event, const Fault* active);
   void publish_frame(const EncodedFrame& frame, const Fault* active);
+  void publish_wheels(Encoders encoders, const Fault* active);
   void publish_calibration(Utime utime);
 
   CameraSource& source_;
@@ -43,6 +45,9 @@ class DisturbedSource {
   Utime calibrated_ = 0;
   std::deque<EncodedFrame> waiting_;  // of a camera that is late
   std::optional<EncodedFrame> first_, last_;
+  Utime jump_ = 0;      // of the clock, until now
+  double slipped_ = 0;  // rad that each wheel turned for nothing
+  Utime wheels_utime_ = 0;
   Trajectory truth_;
 };
 

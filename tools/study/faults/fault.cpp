@@ -22,7 +22,10 @@ constexpr KindFacts kinds[] = {{FaultKind::stamp_ahead, "stamp ahead", 0},
                                {FaultKind::disk_full, "disk full", 4},
                                {FaultKind::stamp_zero, "stamp zero", 0},
                                {FaultKind::doubled, "doubled", 3},
-                               {FaultKind::silent, "silent", 4}};
+                               {FaultKind::silent, "silent", 4},
+                               {FaultKind::slip, "slip", 1},
+                               {FaultKind::busy, "busy", 5},
+                               {FaultKind::clock_jump, "clock jump", 0}};
 
 constexpr const char* processes[] = {"fastslam", "icp", "surf", "odometry", "map-server"};
 
@@ -48,6 +51,16 @@ std::vector<Fault> fault_schedule(std::uint64_t seed, double seconds, const Faul
     if (facts.kind == FaultKind::killed || facts.kind == FaultKind::paused)
       fault.process = processes[(number / std::size(kinds) + seed) % std::size(processes)];
     faults.push_back(fault);
+  }
+  return faults;
+}
+
+std::vector<Fault> kill_schedule(std::uint64_t seed, double seconds, double apart) {
+  std::vector<Fault> faults;
+  Random random(seed);
+  for (double at = apart; at + apart <= seconds; at += apart) {
+    const auto process = static_cast<std::size_t>(random.uniform(0, std::size(processes)));
+    faults.push_back({FaultKind::killed, at + random.uniform(-2, 2), 0, processes[process]});
   }
   return faults;
 }

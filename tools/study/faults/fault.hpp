@@ -16,9 +16,13 @@ enum class FaultKind {
   doubled,       ///< each frame comes twice
   other_camera,  ///< another publisher sends old frames beside
   silent,        ///< no frame at all
+  // What else the robot measures.
+  slip,        ///< the wheels spin for nothing, half a metre
+  clock_jump,  ///< all stamps are 100 s later from then on
   // The processes.
   killed,  ///< kill -9
   paused,  ///< SIGSTOP, then SIGCONT
+  busy,    ///< others take all processors, twice over
   // Strangers.
   stranger,   ///< real messages of the graph, of another sender and older
   garbage,    ///< mutated messages, wrong fragments among them
@@ -44,5 +48,8 @@ struct FaultScheduleSettings {
 /// seeds together have all of them.
 std::vector<Fault> fault_schedule(std::uint64_t seed, double seconds,
                                   const FaultScheduleSettings& settings = {});
+
+/// One process after the other killed, in an order that `seed` shuffles, a fault each `apart` s.
+std::vector<Fault> kill_schedule(std::uint64_t seed, double seconds, double apart);
 
 }  // namespace lcmslam

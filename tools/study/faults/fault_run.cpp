@@ -2,6 +2,7 @@
 
 #include <sched.h>
 #include <sys/mount.h>
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <optional>
@@ -33,6 +34,25 @@ constexpr std::chrono::seconds longest_start{60}, longest_export{20}, last_frame
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
+
+/// Takes all processors, twice over, as long as it lives.
+class BusyProcessors {
+ public:
+  BusyProcessors() {
+    for (unsigned i = 0; i < 2 * std::max(1u, std::thread::hardware_concurrency()); ++i)
+      threads_.emplace_back([this] {
+        while (!stop_) continue;
+      });
+  }
+  ~BusyProcessors() {
+    stop_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
 
 class FaultRun {
  public:
@@ -67,6 +87,9 @@ class FaultRun {
     inputs_.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000, [this](const auto& m) { fastslam_.add(m); });
     inputs_.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const auto& m) { icp_.add(m); });
     inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { board_[m.process] = m; });
+    inputs_.subscribe<graph_t>("ICP_GRAPH", 1000, [this](const auto& m) {
+      told_[{m.sender, m.frame}].apply(m);
+    });
     inputs_.subscribe<map_reply_t>("MAP_REPLY", 100, [this](const auto& m) { replied_ = m.request_id; });
     stranger_.listen<features_t>(inputs_, "FEATURES");
     stranger_.listen<odometry_t>(inputs_, "ODOMETRY");
@@ -96,6 +119,7 @@ class FaultRun {
 
   /// False at the end of the recording.
   bool step(double elapsed) {
+    note_memory(elapsed);
     if (active_ && elapsed > active_->at + active_->seconds) end_fault();
     if (!active_ && next_fault_ < settings_.faults.size() && elapsed > settings_.faults[next_fault_].at)
       begin_fault(settings_.faults[next_fault_++]);
@@ -107,19 +131,28 @@ class FaultRun {
     return source_.publish_until(elapsed, active_ ? &*active_ : nullptr);
   }
 
+  void note_memory(double elapsed) {
+    double memory = 0;
+    for (const auto& [name, status] : board_) memory += static_cast<double>(status.memory);
+    result_.memory.resize(static_cast<std::size_t>(elapsed / 60) + 1);
+    result_.memory.back() = std::max(result_.memory.back(), memory);
+  }
+
   void begin_fault(const Fault& fault) {
-    export_maps("before-" + std::to_string(next_fault_));
+    if (settings_.export_before) export_maps("before-" + std::to_string(next_fault_));
     active_ = fault;
     source_.begin(fault);
     if (fault.kind == FaultKind::killed) signal_process(SIGKILL);
     if (fault.kind == FaultKind::paused) signal_process(SIGSTOP);
     if (fault.kind == FaultKind::disk_full) fill_disk();
+    if (fault.kind == FaultKind::busy) busy_.emplace();
   }
 
   void end_fault() {
     if (!active_) return;
     if (active_->kind == FaultKind::paused) signal_process(SIGCONT);
     if (active_->kind == FaultKind::disk_full) std::filesystem::remove(ballast());
+    busy_.reset();
     active_.reset();
   }
 
@@ -153,6 +186,7 @@ class FaultRun {
     if (!settings_.faults.empty() && source_.begun())
       undisturbed = *source_.begun() + static_cast<Utime>(1e6 * settings_.faults.front().at);
     const Trajectory truth = source_.truth();
+    result_.map = judge_kept_map(settings_.folder / "map.lcmslam", told_, truth, source_.T_robot_camera());
     for (const auto& [watch, outcome, map] : {std::tuple(&fastslam_, &result_.fastslam, "fastslam_map.pcd"),
                                               std::tuple(&icp_, &result_.icp, "icp_map.pcd")}) {
       outcome->ate = watch->ate(truth);
@@ -181,9 +215,11 @@ class FaultRun {
   std::optional<Receiver> receiver_;
   Supervisor supervisor_;
   StatusBoard board_;
+  ToldGraphs told_;
   MapperWatch fastslam_, icp_;
   FaultRunResult result_;
   std::optional<Fault> active_;
+  std::optional<BusyProcessors> busy_;
   std::size_t next_fault_ = 0;
   double next_message_ = 0;
   std::int64_t requests_ = 0, replied_ = 0;

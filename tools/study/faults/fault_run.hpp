@@ -8,6 +8,7 @@
 
 #include "procs/camera/camera_source.hpp"
 #include "tools/study/faults/fault.hpp"
+#include "tools/study/faults/kept_map.hpp"
 #include "tools/study/faults/mapper_watch.hpp"
 
 namespace lcmslam {
@@ -19,6 +20,7 @@ struct FaultRunSettings {
   std::filesystem::path folder;  ///< of the results
   std::vector<Fault> faults;     ///< by time
   std::uint64_t seed = 1;
+  bool export_before = true;  ///< maps, before each fault, to be found again after the run
 };
 
 /// A mapper's part in a run.
@@ -33,6 +35,8 @@ struct MapperOutcome {
 
 struct FaultRunResult {
   MapperOutcome fastslam, icp;
+  KeptMap map;                      ///< in the map's file at the end
+  std::vector<double> memory;       ///< bytes resident of all processes, a minute each: the largest
   double stop_seconds = 0;          ///< from the request to stop to the end of the last process
   std::vector<std::string> events;  ///< processes that ended or restarted
 };
