@@ -146,6 +146,12 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
     return result;
   }
   Attempt found = search(points, result.visible, frame, T_predicted, Q, map, index);
+  if (found.consensus && slips(*found.consensus, T_predicted, prior.covariance)) {
+    // What is near, and tells most, lay outside the gates: once more from where the robot is.
+    const Eigen::Isometry3d& T_seen = found.consensus->T_world_robot;
+    Attempt again = agree(matcher_.guided(result.visible, map, index, T_seen, Q, s), points, map, T_seen);
+    if (again.inliers() > found.inliers()) found = std::move(again);
+  }
   result.free = s.planar ? agree_in_space(found, points, map, T_predicted) : found.consensus;
   result.matches = std::move(found.matches);
   const std::optional<Consensus>& consensus = found.consensus;
@@ -156,9 +162,7 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
     result.agreed = true;
     keep_agreeing(*consensus, points, map, s, result);
     const Vector6d correction = se3_log(T_predicted.inverse() * consensus->T_world_robot);
-    const Matrix6d expected = prior.covariance + consensus->covariance;
-    const double d2 = s.planar ? distance2<3>(correction, expected) : distance2<6>(correction, expected);
-    result.slipped = s.detect_slips && d2 > s.slip_gate;
+    result.slipped = slips(*consensus, T_predicted, prior.covariance);
     // A large correction, even an expected one, is also where the proposal should be linearised.
     const bool large =
         correction.head<3>().norm() > large_translation || correction.tail<3>().norm() > large_rotation;
@@ -179,6 +183,16 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
     if (find_back(points, map, index, s.minimum_consensus, result)) steps_without_agreement_ = 0;
   }
   return result;
+}
+
+// The observations agree on a motion that the odometry excludes.
+bool FrameAssociator::slips(const Consensus& consensus, const Eigen::Isometry3d& T_predicted,
+                            const Matrix6d& covariance) const {
+  const Vector6d correction = se3_log(T_predicted.inverse() * consensus.T_world_robot);
+  const Matrix6d expected = covariance + consensus.covariance;
+  const double d2 =
+      settings_.planar ? distance2<3>(correction, expected) : distance2<6>(correction, expected);
+  return settings_.detect_slips && d2 > settings_.slip_gate;
 }
 
 FrameAssociator::Attempt FrameAssociator::agree(std::vector<LandmarkMatch> matches,

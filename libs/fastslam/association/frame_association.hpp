@@ -51,6 +51,8 @@ class FrameAssociator {
     std::optional<Consensus> consensus;  // of the 3-D points
     int inliers() const { return consensus ? consensus->inliers : 0; }
   };
+  bool slips(const Consensus& consensus, const Eigen::Isometry3d& T_predicted,
+             const Matrix6d& covariance) const;
   Attempt agree(std::vector<LandmarkMatch> matches, const std::vector<FeaturePoint>& points,
                 const ParticleMap& map, const Eigen::Isometry3d& T_predicted);
   std::optional<Consensus> agree_in_space(const Attempt& attempt, const std::vector<FeaturePoint>& points,
