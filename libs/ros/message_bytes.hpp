@@ -66,7 +66,7 @@ class RosReader {
 /// ROS 2's layout, little-endian.
 class CdrWriter {
  public:
-  CdrWriter() { bytes_.raw(std::string_view("\0\1\0\0", 4)); }
+  CdrWriter() { bytes_.number(std::uint32_t{0x100}); }  // plain, little-endian
 
   template <class T>
   void number(T value) {
