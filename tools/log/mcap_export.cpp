@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -129,9 +131,12 @@ class McapExporter {
 
   void take(const pose_estimate_t& message) {
     const Eigen::Isometry3d pose = from_message(message.T_map_robot, "T_map_robot");
+    const bool is_known = std::all_of(std::begin(message.covariance), std::end(message.covariance),
+                                      [](double value) { return std::isfinite(value); });
+    const Matrix6d covariance = is_known ? covariance_from_message(message.covariance, "covariance")
+                                         : Matrix6d(Matrix6d::Zero());  // ROS's word for unknown
     write(topic_of(channel_), "geometry_msgs/msg/PoseWithCovarianceStamped", message.utime,
-          ros::write_pose_with_covariance({message.utime, frame_of(message.frame)}, pose,
-                                          covariance_from_message(message.covariance, "covariance")));
+          ros::write_pose_with_covariance({message.utime, frame_of(message.frame)}, pose, covariance));
     place_robot(message.utime, frame_of(message.frame), pose);
   }
 

@@ -54,7 +54,7 @@ Bytes written(const std::string& compression) {
   options.chunk_size = 1000;
   McapWriter writer(file, options);
   const auto a = writer.add_channel("/a", "std_msgs/msg/A", "string text\n");
-  const auto b = writer.add_channel("/b", "std_msgs/msg/B", "string text\n");
+  const auto b = writer.add_channel("/b", "std_msgs/msg/A", "string text\n");
   for (int i = 0; i < 6; ++i) {
     const std::string text = std::to_string(i) + std::string(300, 'x');
     writer.write(i % 2 == 0 ? a : b, 100 + i, 90 + i,
@@ -189,6 +189,7 @@ TEST(Crc32, IsThatOfTheCheckValue) {
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(digits.data());
   EXPECT_EQ(crc32({bytes, 9}), 0xCBF43926U);
   EXPECT_EQ(crc32({bytes + 4, 5}, crc32({bytes, 4})), 0xCBF43926U);
+  EXPECT_EQ(crc32({}, 0xCBF43926U), 0xCBF43926U);
 }
 
 }  // namespace
