@@ -136,8 +136,8 @@ std::vector<std::uint8_t> pack(const std::string& compression, ByteView bytes) {
 }
 
 std::uint32_t crc32(ByteView bytes, std::uint32_t before) {
-  return bytes.size == 0 ? before
-                         : libdeflate_crc32(before, bytes.data, bytes.size);  // which begins anew at nullptr
+  if (bytes.size == 0) return before;  // libdeflate begins anew where there are no bytes
+  return libdeflate_crc32(before, bytes.data, bytes.size);
 }
 
 }  // namespace lcmslam
