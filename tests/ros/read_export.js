@@ -35,12 +35,13 @@ async function main(file) {
   console.log(JSON.stringify({ topics, chunks: reader.chunkIndexes.length, compression: reader.chunkIndexes[0].compression }));
 }
 
-// The types and members are those that ROS defines.
+// The types and members are those that ROS defines, but for constants and default values, which viewers do not need.
 function check(definitions, official, rosmsg) {
-  for (const { name, definitions: members } of definitions) {
-    const ours = rosmsg.stringify([{ name, definitions: members }]);
+  for (const { name, definitions: written } of definitions) {
+    const ours = rosmsg.stringify([{ name, definitions: written }]);
     const theirs = official[name.replace("/msg/", "/")];
-    const plain = { name, definitions: theirs.definitions.filter((member) => member.isConstant !== true) };
+    const members = theirs.definitions.filter((member) => member.isConstant !== true);
+    const plain = { name, definitions: members.map((member) => ({ ...member, defaultValue: undefined })) };
     if (ours.replaceAll("/msg/", "/") !== rosmsg.stringify([plain]).replaceAll("/msg/", "/"))
       throw new Error(`${name} is not ROS's:\n${ours}\n--\n${rosmsg.stringify([plain])}`);
   }
