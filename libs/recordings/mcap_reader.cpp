@@ -36,15 +36,22 @@ class McapReader : public RecordingFile {
   }
 
   void scan(const Visitor& visit) override {
+    read_summary();
     ByteReader bytes(bytes_);
     bytes.take(mcap::magic.size());
+    bool in_summary = false;
     while (!bytes.done()) {
       const auto record = next_record(bytes);
       if (!record) {
         damage(bytes.position(), "a record ends behind the file: the file is cut off or damaged");
         return;
       }
-      if (record->kind == Record::footer) return check_summary(*record);
+      if (record->kind == Record::footer) {
+        if (!whole_summary(*record)) damage(record->at, "the summary is damaged: it does not have its CRC");
+        return;
+      }
+      if (in_summary) continue;
+      in_summary = record->kind == Record::data_end;
       guarded(*record, [&] {
         if (record->kind == Record::chunk)
           scan_chunk(*record, visit);
@@ -147,19 +154,34 @@ class McapReader : public RecordingFile {
       throw RecordingError("the data up to here are damaged: they do not have their CRC");
   }
 
-  void check_summary(const McapRecord& footer) {
-    guarded(footer, [&] {
-      ByteReader content(footer.content);
-      const auto begin = content.number<std::uint64_t>();
-      content.take(8);
-      const auto crc = content.number<std::uint32_t>();
-      const std::uint64_t end = footer.at + mcap::record_head + 16;
-      if (begin > end) throw RecordingError("the footer says that the summary begins behind it");
-      const std::uint64_t from = begin == 0 ? footer.at : begin;
-      const ByteView summary{bytes_.data + from, static_cast<std::size_t>(end - from)};
-      if (crc != 0 && crc32(summary) != crc)
-        throw RecordingError("the summary is damaged: it does not have its CRC");
-    });
+  /// The summary that a footer speaks of, with the footer's head; nothing when it is damaged.
+  std::optional<ByteView> whole_summary(const McapRecord& footer) const {
+    if (footer.content.size != mcap::footer_size) return std::nullopt;
+    ByteReader content(footer.content);
+    const auto begin = content.number<std::uint64_t>();
+    content.take(8);
+    const auto crc = content.number<std::uint32_t>();
+    const std::uint64_t from = begin == 0 ? footer.at : begin;
+    const std::uint64_t end = footer.at + mcap::record_head + 16;
+    if (from > footer.at) return std::nullopt;
+    const ByteView summary{bytes_.data + from, static_cast<std::size_t>(end - from)};
+    return crc == 0 || crc32(summary) == crc ? std::optional(summary) : std::nullopt;
+  }
+
+  /// Types and topics stand there once more: a chunk that is damaged does not take them along.
+  void read_summary() {
+    constexpr std::size_t tail = mcap::record_head + mcap::footer_size + mcap::magic.size();
+    if (bytes_.size < mcap::magic.size() + tail) return;
+    ByteReader bytes(bytes_);
+    bytes.take(bytes_.size - tail);
+    const auto footer = next_record(bytes);
+    if (!footer || footer->kind != Record::footer) return;
+    const auto summary = whole_summary(*footer);
+    if (!summary) return;
+    ByteReader records(*summary);
+    while (const auto record = next_record(records))
+      if (record->kind == Record::schema || record->kind == Record::channel)
+        guarded(*record, [&] { take(*record, 0, nullptr); });
   }
 
   std::map<std::uint16_t, Schema> schemas_;
