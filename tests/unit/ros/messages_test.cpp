@@ -42,7 +42,8 @@ ByteView view(const Bytes& bytes) {
 
 TEST(RosMessages, OfRos1AndOfRos2SayTheSame) {
   const Bytes pixels = {1, 2, 3, 4, 5, 6, 7, 8};
-  const Image packed = PackedImage(2, 2, "16UC1", 4, view(pixels)).read();
+  const PackedImage of_ros1(2, 2, "16UC1", 4, view(pixels));
+  const Image packed = of_ros1.read();
   const CdrWriter written =
       write_image({12'345'678, "camera"}, cv::Mat(2, 2, CV_16UC1, const_cast<std::uint8_t*>(pixels.data())));
   const Image aligned = read_image(written.view(), "sensor_msgs/Image", "cdr");
