@@ -107,10 +107,10 @@ TEST(RosMessages, PosesAndTransformsComeBack) {
 
 TEST(RosMessages, CovariancesTurnIntoTheParentsAxes) {
   Matrix6d covariance = Matrix6d::Identity();
-  covariance(0, 0) = 4;  // along the robot's x, which is the parent's y
-  const Matrix6d turned = covariance_in_parent(planar_pose(3, 4, M_PI / 2), covariance);
-  EXPECT_NEAR(turned(1, 1), 4, 1e-12);
-  EXPECT_NEAR(turned(0, 0), 1, 1e-12);
+  covariance(0, 0) = 4;  // along the robot's x, which lies between the parent's x and y
+  const Matrix6d turned = covariance_in_parent(planar_pose(3, 4, M_PI / 4), covariance);
+  EXPECT_NEAR(turned(0, 0), 2.5, 1e-12);
+  EXPECT_NEAR(turned(0, 1), 1.5, 1e-12);
 }
 
 TEST(RosImages, ColoursOfEachEncodingAreTheSame) {

@@ -193,11 +193,11 @@ TEST(TopicChoice, TakesTheCamerasOwnImagesAndRegisteredDepth) {
                                     image("/camera/aligned_depth_to_color/image_raw", ImageKind::depth),
                                     {"/ground_truth/odom", "nav_msgs/Odometry", 10, {}, "", {}, "base_link"},
                                     {"/slam/odom", "nav_msgs/Odometry", 10, {}, "", {}, "base_link"},
-                                    {"/wheel_odom", "nav_msgs/Odometry", 5, {}, "", {}, "base_link"}};
+                                    {"/base/odom", "nav_msgs/Odometry", 5, {}, "", {}, "base_link"}};
   TopicChoice choice = choose_topics(topics, {});
   EXPECT_EQ(choice.topics.colour, "/camera/color/image_raw");
   EXPECT_EQ(choice.topics.depth, "/camera/aligned_depth_to_color/image_raw");
-  EXPECT_EQ(choice.topics.odometry, "/wheel_odom");
+  EXPECT_EQ(choice.topics.odometry, "/base/odom");
   EXPECT_EQ(choice.topics.truth, "/ground_truth/odom");
   Topics wanted;
   wanted.colour = "/infra1/image";
