@@ -66,7 +66,9 @@ std::vector<std::uint8_t> unpack_lz4(ByteView packed, std::uint64_t size) {
 std::vector<std::uint8_t> unpack_zstd(ByteView packed, std::uint64_t size) {
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
   if (!context) throw std::bad_alloc();
-  ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, 27);  // 128 MiB, its own default
+  int window = 23;  // 8 MiB, which every decoder must bear; more only for as much as there is to come out
+  while (window < 27 && (std::uint64_t{1} << window) < size) ++window;
+  ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, window);
   return unpack_by(
       [&](ByteView packed_now, std::uint8_t* bytes, std::size_t room) {
         ZSTD_inBuffer in{packed_now.data, packed_now.size, 0};
