@@ -27,8 +27,8 @@ kitchen and shows both maps.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME lcmslam-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libopencv-dev")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libceres-dev, libcli11-dev, libdeflate-dev, libembree-dev, liblcm-dev, \
-liboctomap-dev, libpcl-dev, libsodium-dev, libspdlog-dev, libsqlite3-dev, libturbojpeg0-dev, libyaml-cpp-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libbz2-dev, libceres-dev, libcli11-dev, libdeflate-dev, libembree-dev, liblcm-dev, \
+liboctomap-dev, libpcl-dev, libsodium-dev, libspdlog-dev, libsqlite3-dev, libturbojpeg0-dev, libyaml-cpp-dev, libzstd-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "libraries of lcmslam to link
 SURF, registration, FastSLAM's landmark filters and more as static
 libraries with headers: find_package(lcmslam COMPONENTS surf). The

@@ -66,6 +66,6 @@ function(lcmslam_install_package)
   install(EXPORT lcmslamTargets NAMESPACE lcmslam:: DESTINATION ${LCMSLAM_CMAKE_FOLDER} COMPONENT development)
   install(FILES ${folder}/lcmslamConfig.cmake ${folder}/lcmslamConfigVersion.cmake cmake/LcmSlamPackages.cmake
                 cmake/Findlcm.cmake cmake/Findlibdeflate.cmake cmake/Findlz4.cmake cmake/Findoctomap.cmake
-                cmake/Findsodium.cmake
+                cmake/Findsodium.cmake cmake/Findzstd.cmake
           DESTINATION ${LCMSLAM_CMAKE_FOLDER} COMPONENT development)
 endfunction()

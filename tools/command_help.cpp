@@ -15,7 +15,7 @@ const char* command_help(const std::string& command) {
       {"evaluate", "errors of trajectories against the truth"},
       {"echo", "print the messages of a channel, decoded"},
       {"export", "a kept map as one page that opens offline in any browser"},
-      {"import", "turn a data set folder into an .lcmlog"},
+      {"import", "turn a data set folder, a ROS bag or an MCAP file into an .lcmlog"},
       {"launch", "start the process graph that a configuration names"},
       {"lcm-spy", "the stock graphical spy with our types"},
       {"log", "recordings: info, check, repair, cut, calibrate, play, view"},

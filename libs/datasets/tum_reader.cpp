@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include <lcmslam/datasets/pose_files.hpp>
 #include <lcmslam/datasets/readers.hpp>
+#include <lcmslam/datasets/stamp_pairs.hpp>
 #include <lcmslam/datasets/text_rows.hpp>
 
 namespace lcmslam {
@@ -39,23 +39,15 @@ std::vector<StampedFile> read_list(const fs::path& list, Recording& recording) {
 // One to one, nearest stamps first.
 void associate(const std::vector<StampedFile>& colour, const std::vector<StampedFile>& depth,
                Utime max_difference, const fs::path& folder, Recording& recording) {
-  std::vector<std::tuple<Utime, std::size_t, std::size_t>> candidates;
-  std::size_t first = 0;
-  for (std::size_t i = 0; i < colour.size(); ++i) {
-    while (first < depth.size() && depth[first].utime < colour[i].utime - max_difference) ++first;
-    for (std::size_t j = first; j < depth.size() && depth[j].utime <= colour[i].utime + max_difference; ++j)
-      candidates.emplace_back(std::abs(colour[i].utime - depth[j].utime), i, j);
-  }
-  std::sort(candidates.begin(), candidates.end());
-  std::vector<bool> colour_used(colour.size());
-  std::vector<bool> depth_used(depth.size());
-  for (const auto& [difference, i, j] : candidates) {
-    if (colour_used[i] || depth_used[j]) continue;
-    colour_used[i] = depth_used[j] = true;
+  const auto stamps = [](const std::vector<StampedFile>& files) {
+    std::vector<Utime> utimes;
+    for (const StampedFile& file : files) utimes.push_back(file.utime);
+    return utimes;
+  };
+  for (const auto& [i, j] : pair_by_stamps(stamps(colour), stamps(depth), max_difference))
     recording.frames.push_back(
         {colour[i].utime, depth[j].utime, folder / colour[i].file, folder / depth[j].file});
-  }
-  const auto unpaired = std::count(colour_used.begin(), colour_used.end(), false);
+  const std::size_t unpaired = colour.size() - recording.frames.size();
   if (unpaired > 0)
     recording.notes.push_back(std::to_string(unpaired) + " of " + std::to_string(colour.size()) +
                               " colour images have no depth image within " +

@@ -16,6 +16,8 @@
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/recordings/mcap_writer.hpp>
+#include <lcmslam/ros/message_writers.hpp>
 #include "tests/support/datagrams.hpp"
 #include "tests/unit/messages/samples.hpp"
 #include "tests/unit/messages/wire_sample.hpp"
@@ -272,6 +274,47 @@ void make_store(SeedFolder folder) {
   add(BlobKind::covariance, false, encode_covariance(testing::some_covariance(random)));
 }
 
+/// As recording_fuzzer.cpp reads it: what it is, then its bytes.
+void make_recordings(SeedFolder folder, const fs::path& scratch) {
+  const auto add = [&](std::uint8_t kind, ByteView bytes) {
+    Bytes seed = {kind};
+    seed.insert(seed.end(), bytes.data, bytes.data + bytes.size);
+    folder.add(seed);
+  };
+  const Eigen::Isometry3d pose = planar_pose(1, 2, 0.3);
+  const CdrWriter messages[] = {ros::write_image({1, "c"}, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500))),
+                                ros::write_camera_info({1, "c"}, {6, 4, 5, 5, 3, 2, {0.1, 0, 0, 0, 0}}),
+                                ros::write_pose({1, "c"}, pose),
+                                ros::write_transforms({{{1, "a"}, "b", pose}})};
+  const std::uint8_t kinds[] = {16, 10, 12, 13};
+  for (std::size_t i = 0; i < std::size(messages); ++i) add(kinds[i], messages[i].view());
+  for (const char* compression : {"", "lz4", "zstd"}) {
+    const fs::path file = scratch / "seed.mcap";
+    McapWriter::Options options;
+    options.compression = compression;
+    McapWriter writer(file.string(), options);
+    const auto channel = writer.add_channel("/image", "sensor_msgs/msg/Image", "");
+    writer.write(channel, 1, 1, messages[0].view());
+    writer.close();
+    std::ifstream stream(file, std::ios::binary);
+    const Bytes bytes{std::istreambuf_iterator<char>(stream), {}};
+    add(0, {bytes.data(), bytes.size()});
+    fs::remove(file);
+  }
+  ByteWriter connection, topic, message, bag;
+  using namespace std::string_view_literals;
+  for (const auto field : {"op=\7"sv, "conn=\1\0\0\0"sv, "topic=/t"sv}) connection.text(field);
+  topic.text("type=nav_msgs/Odometry");
+  for (const auto field : {"op=\2"sv, "conn=\1\0\0\0"sv, "time=12345678"sv}) message.text(field);
+  bag.raw(std::string_view("#ROSBAG V2.0\n"));
+  for (const auto& [header, data] :
+       {std::pair(&connection, topic.view().text()), std::pair(&message, std::string_view("text"))}) {
+    bag.text(header->view().text());
+    bag.text(data);
+  }
+  add(1, bag.view());
+}
+
 }  // namespace
 }  // namespace lcmslam
 
@@ -294,5 +337,6 @@ int main(int argc, char** argv) {
   make_wire(SeedFolder(folder / "wire"));
   make_store(SeedFolder(folder / "store"));
   make_surf_inputs(SeedFolder(folder / "surf"));
+  make_recordings(SeedFolder(folder / "recording"), folder);
   return 0;
 }

@@ -2,11 +2,13 @@
 #include <iostream>
 
 #include <lcmslam/datasets/problem_summary.hpp>
+#include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
 #include "procs/camera/camera_log.hpp"
 #include "procs/camera/repeated_source.hpp"
 #include "tools/commands.hpp"
 #include "tools/import/landmark_log.hpp"
+#include "tools/import/ros_log.hpp"
 #include "tools/log/log_plausibility.hpp"
 #include "tools/output_file.hpp"
 #include "tools/parse_command.hpp"
@@ -37,6 +39,47 @@ int write(const LandmarkRecording& recording, const std::string& log) {
   return 0;
 }
 
+int write(ros::RosRecording& recording, bool odometry_as_twist, const std::string& log) {
+  std::cout << fmt::format("  {} frames\n", recording.frames());
+  for (const auto& note : recording.notes()) std::cout << "  " << note << "\n";
+  std::cout << "  " << describe(recording.calibration()) << "\n";
+  const RosLogCounts counts = write_ros_log(recording, odometry_as_twist, log, throw_when_stopped);
+  std::cout << fmt::format("  {}: {} frames, {} odometry readings on {}, {} true poses, {:.1f} MB\n", log,
+                           counts.frames, counts.odometry, odometry_as_twist ? "TWIST" : "POSE_BODY",
+                           counts.truths, static_cast<double>(counts.bytes) / 1e6);
+  for (const auto& problem : summarise_problems(recording.problems())) std::cout << "  " << problem << "\n";
+  std::cout << format_plausibility(plausibility_of_log(log));
+  return 0;
+}
+
+/// What is asked of recordings of ROS alone.
+struct RosInput {
+  ros::RosOptions options;
+  bool odometry_as_twist = false;
+
+  void add_to(CLI::App& app) {
+    ros::Topics& topics = options.topics;
+    const std::string group = "ROS bags and MCAP files";
+    const auto add = [&](const char* name, std::string& topic, const char* help) {
+      app.add_option(name, topic, help)->group(group);
+    };
+    add("--colour-topic", topics.colour,
+        "images of the colour camera (default: by type and name, as the rest)");
+    add("--depth-topic", topics.depth, "images of the depth camera");
+    add("--colour-info-topic", topics.colour_info, "CameraInfo of the colour camera");
+    add("--depth-info-topic", topics.depth_info, "CameraInfo of the depth camera");
+    add("--odometry-topic", topics.odometry, "nav_msgs/Odometry");
+    add("--truth-topic", topics.truth,
+        "true poses of the robot (Odometry, PoseStamped), for evaluation only");
+    app.add_flag("--twist", odometry_as_twist, "take the velocities of the odometry, not its poses")
+        ->group(group);
+    app.add_option("--max-stamp-difference", options.max_stamp_difference,
+                   "s between a colour image and its depth image")
+        ->check(CLI::Range(0.0, 1.0))
+        ->group(group);
+  }
+};
+
 /// The log that a command writes.
 struct Output {
   std::string file;
@@ -58,9 +101,13 @@ int import_command(int argc, char** argv) {
   std::string folder, calibration, description;
   Output output;
   int robot = 0;
-  CLI::App app{"Turns a data set folder into an .lcmlog that lcm-logplayer replays.", "lcmslam import"};
-  app.add_option("folder", folder,
-                 "TUM RGB-D, 7-Scenes, numbered images or UTIAS MRCLAM; or the file victoria_park.txt")
+  CLI::App app{
+      "Turns a data set folder, a ROS bag or an MCAP file into an .lcmlog that lcm-logplayer replays.",
+      "lcmslam import"};
+  app.add_option(
+         "folder", folder,
+         "TUM RGB-D, 7-Scenes, numbered images or UTIAS MRCLAM; a .bag or .mcap file or a folder of them "
+         "(docs/ROS.md); or the file victoria_park.txt")
       ->required()
       ->check(CLI::ExistingPath);
   output.add_to(app);
@@ -73,8 +120,15 @@ int import_command(int argc, char** argv) {
   int passes = 1;
   app.add_option("--repeat", passes, "the recording so many times, times shifted on: for endurance tests")
       ->check(CLI::Range(1, 1000));
+  RosInput ros_input;
+  ros_input.add_to(app);
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   output.begin();
+  if (const auto files = ros::ros_files(folder); !files.empty()) {
+    ros_input.options.calibration = calibration;
+    ros::RosRecording recording(files, ros_input.options);
+    return write(recording, ros_input.odometry_as_twist, output.file);
+  }
   DatasetOptions options;
   options.description = description;
   if (const auto recording = open_landmark_dataset(folder, robot, options))

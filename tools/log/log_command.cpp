@@ -10,6 +10,7 @@ const std::vector<Command>& log_subcommands() {
       {"repair", log_repair_command, "a new log with every whole event of a damaged one"},
       {"cut", log_cut_command, "a new log with some of the time or of the channels"},
       {"calibrate", log_calibrate_command, "a new log with a camera's calibration from a file"},
+      {"export", log_export_command, "an MCAP file for Foxglove, Lichtblick and other viewers"},
       {"play", log_play_command, "sends a log's messages, at any speed or in step with the mappers"},
       {"view", log_view_command, "shows it in a browser, with a time slider"}};
   return subcommands;

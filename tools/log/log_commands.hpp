@@ -12,6 +12,7 @@ int log_check_command(int argc, char** argv);
 int log_repair_command(int argc, char** argv);
 int log_cut_command(int argc, char** argv);
 int log_calibrate_command(int argc, char** argv);
+int log_export_command(int argc, char** argv);
 int log_play_command(int argc, char** argv);
 int log_view_command(int argc, char** argv);
 

@@ -1,0 +1,163 @@
+#include <lcmslam/ros/topic_choice.hpp>
+
+#include <algorithm>
+#include <functional>
+#include <tuple>
+
+#include <lcmslam/datasets/dataset.hpp>
+
+namespace lcmslam::ros {
+namespace {
+
+using Fits = std::function<bool(const TopicFacts&)>;
+using Score = std::function<int(const std::string& name)>;
+
+bool has_word(const std::string& name, std::initializer_list<const char*> words) {
+  return std::any_of(words.begin(), words.end(),
+                     [&](const char* word) { return name.find(word) != std::string::npos; });
+}
+
+// What names usually say; the camera's own colour image before those of detectors, which draw into it.
+int colour_score(const std::string& name) {
+  return (has_word(name, {"color", "colour", "rgb"}) ? 4 : 0) -
+         (has_word(name, {"infra", "/ir/", "_ir"}) ? 6 : 0) -
+         (has_word(name, {"debug", "overlay", "result", "detect", "annotated", "theora"}) ? 6 : 0) +
+         (has_word(name, {"compressed"}) ? 0 : 1);
+}
+// Depth that is registered to colour needs no transform between the cameras.
+int depth_score(const std::string& name) {
+  return (has_word(name, {"registered", "aligned"}) ? 4 : 0) + (has_word(name, {"depth"}) ? 2 : 0) +
+         (has_word(name, {"compressed"}) ? 0 : 1);
+}
+bool names_truth(const std::string& name) {
+  return has_word(name, {"ground_truth", "groundtruth", "/gt", "_gt", "mocap", "vicon"});
+}
+// Others' maps correct their poses, which jump: no odometry.
+int odometry_score(const std::string& name) {
+  return (has_word(name, {"odom"}) ? 4 : 0) + (has_word(name, {"wheel"}) ? 1 : 0) -
+         (has_word(name, {"map", "slam", "amcl", "global", "gps"}) ? 6 : 0);
+}
+
+std::string line(const std::string& what, const TopicFacts& topic) {
+  std::string text = what + ": " + topic.name + " (" + topic.type;
+  if (is_image(topic.type))
+    text += ", " + topic.encoding + ", " + std::to_string(topic.size.width) + "x" +
+            std::to_string(topic.size.height);
+  text += ", " + std::to_string(topic.messages) + (topic.messages == 1 ? " message" : " messages");
+  if (!topic.frame.empty()) text += ", of " + topic.frame;
+  return text + ")";
+}
+
+class Chooser {
+ public:
+  Chooser(const std::vector<TopicFacts>& topics, TopicChoice& choice) : topics_(topics), choice_(choice) {}
+
+  /// Sets `name` to the wanted topic or the best of those that fit, and notes it.
+  const TopicFacts* choose(const std::string& what, const std::string& option, const Fits& fits,
+                           const Score& score, std::string& name) {
+    std::vector<const TopicFacts*> found;
+    for (const TopicFacts& topic : topics_)
+      if (fits(topic) && topic.messages > 0) found.push_back(&topic);
+    const auto order = [&](const TopicFacts* t) {
+      return std::make_tuple(-score(t->name), -t->messages, t->name);
+    };
+    std::sort(found.begin(), found.end(), [&](auto* a, auto* b) { return order(a) < order(b); });
+    if (!name.empty()) {
+      const auto wanted = std::find_if(found.begin(), found.end(), [&](auto* t) { return t->name == name; });
+      if (wanted == found.end()) refuse(what, option, name);
+      std::swap(found.front(), *wanted);
+    }
+    if (found.empty()) return nullptr;
+    const bool was_named = !name.empty();
+    name = found.front()->name;
+    std::string note = line(what, *found.front());
+    for (std::size_t i = 1; i < found.size() && !was_named; ++i)
+      note += (i == 1 ? "; --" + option + " would take " : ", ") + found[i]->name;
+    choice_.notes.push_back(note);
+    return found.front();
+  }
+
+  [[noreturn]] void refuse(const std::string& what, const std::string& option,
+                           const std::string& name) const {
+    const auto there = std::find_if(topics_.begin(), topics_.end(), [&](auto& t) { return t.name == name; });
+    if (there == topics_.end())
+      throw DatasetError("--" + option + " " + name + ": there is no such topic; there are " + list());
+    throw DatasetError("--" + option + " " + name + ": is no " + what +
+                       " that can be read: " + line("it", *there));
+  }
+
+  std::string list() const {
+    std::string text;
+    for (const TopicFacts& topic : topics_)
+      text += (text.empty() ? "" : ", ") + topic.name + " (" + topic.type +
+              (topic.encoding.empty() ? "" : ", " + topic.encoding) + ")";
+    return text.empty() ? "none" : text;
+  }
+
+ private:
+  const std::vector<TopicFacts>& topics_;
+  TopicChoice& choice_;
+};
+
+/// The CameraInfo beside the images; else one of their frame.
+void choose_info(Chooser& chooser, const std::string& what, const std::string& option,
+                 const TopicFacts& images, std::string& name) {
+  const std::string beside = camera_info_beside(images.name);
+  const bool is_named = !name.empty();
+  const Fits fits = [&](const TopicFacts& topic) {
+    return is_camera_info(topic.type) && (is_named || topic.name == beside || topic.frame == images.frame);
+  };
+  chooser.choose(
+      what, option, fits, [&](const std::string& topic) { return topic == beside ? 1 : 0; }, name);
+}
+
+}  // namespace
+
+std::string camera_info_beside(const std::string& image_topic) {
+  std::string parent = image_topic;
+  const auto cut = [&] { parent.erase(std::min(parent.size(), parent.rfind('/'))); };
+  for (const char* transport : {"/compressed", "/compressedDepth"})
+    if (const std::string ending = transport;
+        parent.size() > ending.size() &&
+        parent.compare(parent.size() - ending.size(), ending.size(), ending) == 0) {
+      cut();
+      break;
+    }
+  cut();
+  return parent + "/camera_info";
+}
+
+TopicChoice choose_topics(const std::vector<TopicFacts>& topics, const Topics& wanted) {
+  TopicChoice choice;
+  choice.topics = wanted;
+  Chooser chooser(topics, choice);
+  const auto is_of_kind = [](ImageKind kind) {
+    return [kind](const TopicFacts& topic) { return is_image(topic.type) && topic.kind == kind; };
+  };
+  Topics& chosen = choice.topics;
+  const TopicFacts* colour = chooser.choose("colour images", "colour-topic", is_of_kind(ImageKind::colour),
+                                            colour_score, chosen.colour);
+  const TopicFacts* depth =
+      chooser.choose("depth images", "depth-topic", is_of_kind(ImageKind::depth), depth_score, chosen.depth);
+  if (colour == nullptr || depth == nullptr)
+    throw DatasetError(std::string("has no topic of ") + (colour == nullptr ? "colour" : "depth") +
+                       " images (sensor_msgs/Image or CompressedImage, of depth 16UC1 or 32FC1); there are " +
+                       chooser.list());
+  choose_info(chooser, "colour camera", "colour-info-topic", *colour, chosen.colour_info);
+  choose_info(chooser, "depth camera", "depth-info-topic", *depth, chosen.depth_info);
+  chooser.choose(
+      "odometry", "odometry-topic",
+      [&](const TopicFacts& topic) {
+        return is_odometry(topic.type) && (!wanted.odometry.empty() || !names_truth(topic.name));
+      },
+      odometry_score, chosen.odometry);
+  chooser.choose(
+      "true poses", "truth-topic",
+      [&](const TopicFacts& topic) {
+        return is_pose(topic.type) && (!wanted.truth.empty() || names_truth(topic.name));
+      },
+      [](const std::string&) { return 0; }, chosen.truth);
+  return choice;
+}
+
+}  // namespace lcmslam::ros

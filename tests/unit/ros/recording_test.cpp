@@ -1,0 +1,239 @@
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include <lcmslam/datasets/dataset.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/recordings/mcap_writer.hpp>
+#include <lcmslam/ros/definitions.hpp>
+#include <lcmslam/ros/head_calibration.hpp>
+#include <lcmslam/ros/message_writers.hpp>
+#include <lcmslam/ros/ros_recording.hpp>
+
+namespace lcmslam::ros {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const CameraModel camera{32, 24, 30, 31, 15.5, 11.5, {0.1, 0, 0, 0, 0}};
+
+/// A drive of a robot that a test writes: colour at 0, 100, 200 ms ..., depth 5 ms later.
+class RosDrive : public ::testing::Test {
+ protected:
+  void begin() { writer_ = std::make_unique<McapWriter>(file(), McapWriter::Options{}); }
+  std::string file() const {
+    return ::testing::TempDir() + "ros_drive_" + std::to_string(getpid()) + ".mcap";
+  }
+  ~RosDrive() override { std::filesystem::remove(file()); }
+
+  void write(const std::string& topic, const std::string& type, Utime utime, const CdrWriter& message) {
+    auto known = channels_.find(topic);
+    if (known == channels_.end())
+      known = channels_.emplace(topic, writer_->add_channel(topic, type, message_definition(type))).first;
+    writer_->write(known->second, utime * 1000, utime * 1000, message.view());
+  }
+  void write_colour(Utime utime, const std::string& topic = "/cam/color/image_raw") {
+    write(topic, "sensor_msgs/msg/Image", utime,
+          write_image({utime, "colour"}, cv::Mat(24, 32, CV_8UC3, cv::Scalar(1, 2, 3))));
+  }
+  void write_depth(Utime utime, const std::string& frame = "depth", cv::Size size = {32, 24}) {
+    write("/cam/depth/image", "sensor_msgs/msg/Image", utime,
+          write_image({utime, frame}, cv::Mat(size, CV_16UC1, cv::Scalar(1000))));
+  }
+  void write_infos() {
+    write("/cam/color/camera_info", "sensor_msgs/msg/CameraInfo", 1000,
+          write_camera_info({1000, "colour"}, camera));
+    write("/cam/depth/camera_info", "sensor_msgs/msg/CameraInfo", 1000,
+          write_camera_info({1000, "depth"}, camera));
+  }
+  void write_tf(const std::string& parent, const std::string& child, const Eigen::Isometry3d& T) {
+    write("/tf_static", "tf2_msgs/msg/TFMessage", 1000, write_transforms({{{1000, parent}, child, T}}));
+  }
+  void write_odometry_at(Utime utime, double x, const std::string& topic = "/odom") {
+    write(topic, "nav_msgs/msg/Odometry", utime,
+          write_odometry({utime, "odom"}, "base_link", planar_pose(x, 0, 0), Matrix6d::Zero(), {0.5, 0, 0},
+                         {0, 0, 0}, Matrix6d::Zero()));
+  }
+  RosRecording open(const RosOptions& options = {}) {
+    if (writer_) writer_->close();
+    writer_.reset();
+    return RosRecording({file()}, options);
+  }
+  std::string refusal(const RosOptions& options = {}) {
+    try {
+      open(options);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+ private:
+  std::unique_ptr<McapWriter> writer_;
+  std::map<std::string, std::uint16_t> channels_;
+};
+
+Eigen::Isometry3d moved(double x, double y, double z) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << x, y, z;
+  return T;
+}
+
+TEST_F(RosDrive, BecomesFramesAndOdometryInOrderOfTime) {
+  begin();
+  for (int i = 0; i < 4; ++i) write_depth(100'000 + 100'000 * i + 5000);  // written before all colour
+  for (int i = 0; i < 5; ++i) write_colour(100'000 + 100'000 * i);        // the last one has no depth
+  for (int i = 0; i < 3; ++i) write_odometry_at(50'000 + 100'000 * i, i);
+  write_infos();
+  write_tf("base_link", "head", moved(0, 0, 1));
+  write_tf("head", "colour", moved(0.1, 0, 0));
+  write_tf("head", "depth", moved(0.1, 0.05, 0));
+  RosRecording recording = open();
+  EXPECT_EQ(recording.frames(), 4U);
+  EXPECT_THAT(recording.notes(),
+              Contains(HasSubstr("1 of 5 images of /cam/color/image_raw have no depth image")));
+  const RgbdCalibration& calibration = recording.calibration();
+  EXPECT_TRUE(calibration.has_mount);
+  EXPECT_TRUE(calibration.T_robot_camera.isApprox(moved(0.1, 0, 1)));
+  EXPECT_TRUE(calibration.T_colour_depth.isApprox(moved(0, 0.05, 0)));
+  EXPECT_FALSE(calibration.depth_registered);
+  EXPECT_EQ(calibration.colour.distortion.front(), 0.1);
+  std::string order;
+  Utime last = 0;
+  while (const auto event = recording.next()) {
+    if (const auto* frame = std::get_if<EncodedFrame>(&*event)) {
+      order += 'f';
+      EXPECT_GE(frame->utime, last);
+      last = frame->utime;
+      EXPECT_EQ(frame->depth.utime, frame->utime + 5000);
+      EXPECT_EQ(decode_depth(frame->depth).at<std::uint16_t>(5, 5), 1000);
+    } else if (const auto* odometry = std::get_if<OdometryEvent>(&*event)) {
+      order += 'o';
+      EXPECT_GE(odometry->utime, last);
+      last = odometry->utime;
+      EXPECT_EQ(odometry->twist.linear.x(), 0.5);
+      EXPECT_NEAR(odometry->T_odom_robot.translation().x(), static_cast<double>(last - 50'000) / 1e5, 1e-9);
+    }
+  }
+  EXPECT_EQ(order, "ofofoff");
+  EXPECT_THAT(recording.problems(), IsEmpty());
+}
+
+TEST_F(RosDrive, DepthOfColoursFrameIsRegistered) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000, "colour");
+  write_infos();
+  const RosRecording recording = open();
+  EXPECT_TRUE(recording.calibration().depth_registered);
+  EXPECT_FALSE(recording.calibration().has_mount);
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("no mount")));
+}
+
+TEST_F(RosDrive, WithoutAWayBetweenTheCamerasItSaysWhatHelps) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000);
+  write_infos();
+  EXPECT_THAT(refusal(), ::testing::AllOf(HasSubstr("from colour to depth"), HasSubstr("--calibration")));
+}
+
+TEST_F(RosDrive, WithoutIntrinsicsItSaysWhatHelps) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000);
+  EXPECT_THAT(refusal(),
+              ::testing::AllOf(HasSubstr("/cam/color/camera_info is not there"), HasSubstr("--calibration")));
+}
+
+TEST_F(RosDrive, WithoutDepthItListsTheTopics) {
+  begin();
+  write_colour(100'000);
+  EXPECT_THAT(refusal(),
+              ::testing::AllOf(HasSubstr("no topic of depth images"), HasSubstr("/cam/color/image_raw")));
+}
+
+TEST_F(RosDrive, OdometryOfAFrameThatNobodyPlacesIsLeftOut) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000, "colour");
+  write_infos();
+  write_odometry_at(100'000, 1);
+  RosRecording recording = open();
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("odometry is left out")));
+  while (const auto event = recording.next()) EXPECT_TRUE(std::holds_alternative<EncodedFrame>(*event));
+}
+
+TEST_F(RosDrive, ImagesOfAnotherSizeAreLeftOutAndCounted) {
+  begin();
+  for (int i = 1; i < 4; ++i) write_colour(100'000 * i);
+  write_depth(100'000, "colour");
+  write_depth(200'000, "colour", {16, 12});
+  write_depth(300'000, "colour");
+  write_infos();
+  RosRecording recording = open();
+  int frames = 0;
+  while (recording.next()) ++frames;
+  EXPECT_EQ(frames, 2);
+  EXPECT_THAT(recording.problems(), Contains(HasSubstr("by the calibration it must be 32x24")));
+}
+
+TEST(TopicChoice, TakesTheCamerasOwnImagesAndRegisteredDepth) {
+  const auto image = [](const std::string& name, ImageKind kind) {
+    return TopicFacts{name, "sensor_msgs/Image", 10, kind, "", {640, 480}, "f"};
+  };
+  std::vector<TopicFacts> topics = {image("/infra1/image", ImageKind::colour),
+                                    image("/camera/color/image_raw", ImageKind::colour),
+                                    image("/detector/color/debug_image", ImageKind::colour),
+                                    image("/camera/depth/image_rect_raw", ImageKind::depth),
+                                    image("/camera/aligned_depth_to_color/image_raw", ImageKind::depth),
+                                    {"/ground_truth/odom", "nav_msgs/Odometry", 10, {}, "", {}, "base_link"},
+                                    {"/slam/odom", "nav_msgs/Odometry", 10, {}, "", {}, "base_link"},
+                                    {"/base/odom", "nav_msgs/Odometry", 5, {}, "", {}, "base_link"}};
+  TopicChoice choice = choose_topics(topics, {});
+  EXPECT_EQ(choice.topics.colour, "/camera/color/image_raw");
+  EXPECT_EQ(choice.topics.depth, "/camera/aligned_depth_to_color/image_raw");
+  EXPECT_EQ(choice.topics.odometry, "/base/odom");
+  EXPECT_EQ(choice.topics.truth, "/ground_truth/odom");
+  Topics wanted;
+  wanted.colour = "/infra1/image";
+  wanted.odometry = "/ground_truth/odom";
+  choice = choose_topics(topics, wanted);
+  EXPECT_EQ(choice.topics.colour, "/infra1/image");
+  EXPECT_EQ(choice.topics.odometry, "/ground_truth/odom");
+  wanted.depth = "/camera/color/image_raw";
+  EXPECT_THROW(choose_topics(topics, wanted), DatasetError);
+  wanted.depth = "/nowhere";
+  EXPECT_THROW(choose_topics(topics, wanted), DatasetError);
+}
+
+TEST(TopicChoice, KnowsWhereCameraInfoStands) {
+  EXPECT_EQ(camera_info_beside("/camera/color/image_raw"), "/camera/color/camera_info");
+  EXPECT_EQ(camera_info_beside("/camera/color/image_raw/compressed"), "/camera/color/camera_info");
+  EXPECT_EQ(camera_info_beside("/camera/depth/image/compressedDepth"), "/camera/depth/camera_info");
+}
+
+TEST(TransformTree, LeadsUpAndDownAndSeesWhatMoves) {
+  TransformTree tree;
+  tree.add({{1, "base"}, "neck", planar_pose(0, 0, M_PI / 2)});
+  tree.add({{1, "neck"}, "left", moved(1, 0, 0)});
+  tree.add({{1, "neck"}, "right", moved(0, 1, 0)});
+  const auto found = tree.find("left", "right");
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->T_a_b.isApprox(moved(-1, 1, 0)));
+  EXPECT_EQ(found->moved, 0);
+  EXPECT_TRUE(tree.find("base", "left")->T_a_b.translation().isApprox(Eigen::Vector3d(0, 1, 0)));
+  EXPECT_FALSE(tree.find("base", "elsewhere"));
+  tree.add({{2, "base"}, "neck", planar_pose(0, 0, M_PI / 2 + 0.5)});
+  EXPECT_NEAR(tree.find("base", "left")->turned, 0.5, 1e-9);
+  EXPECT_EQ(tree.find("left", "right")->turned, 0);
+  tree.add({{1, "left"}, "base", moved(0, 0, 0)});  // a circle ends
+  EXPECT_TRUE(tree.find("base", "right"));
+}
+
+}  // namespace
+}  // namespace lcmslam::ros
