@@ -26,6 +26,7 @@ class DeviceClock {
 
  private:
   void begin(Utime device, Utime arrival);
+  bool clock_was_set(Utime offset);
   void judge(Utime device, Utime arrival);
 
   static constexpr Utime none = std::numeric_limits<Utime>::max();
@@ -34,7 +35,8 @@ class DeviceClock {
   Utime last_device_ = 0, last_ = 0;            // the latest stamp, and what was given for it
   Utime window_start_ = 0;                      // device's time
   Utime least_ = none, least_before_ = none;    // of arrival - device, in this window and the one before
-  int late_ = 0;                                // arrivals in a row that are far later than any before
+  Utime last_offset_ = 0;
+  int late_ = 0, doubts_ = 0;  // images in a row
 };
 
 /// A 32-bit counter that begins anew at 2^32, as one that goes on.

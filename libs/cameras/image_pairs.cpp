@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <limits>
-#include <tuple>
 
 namespace lcmslam {
 namespace {
 
 constexpr Utime time_began_anew = 1'000'000;  // us back
+constexpr int known_pace = 8;                 // intervals
 constexpr std::size_t longest_wait = 8;  // images of one camera: one whose partner is silent must not pile up
 
 }  // namespace
@@ -16,18 +15,29 @@ constexpr std::size_t longest_wait = 8;  // images of one camera: one whose part
 bool ImagePairs::Stream::may_give(Utime latest) const {
   // The next one follows after the shortest interval so far, less a tenth: a camera's pace does not double at
   // once.
-  return !begun || last + std::max<Utime>(least_interval - least_interval / 10, 1) <= latest;
+  const Utime soonest = intervals < known_pace ? 0 : least_interval - least_interval / 10;
+  return !begun || last + std::max<Utime>(soonest, 1) <= latest;
+}
+
+std::optional<Utime> ImagePairs::Stream::nearest(Utime utime) const {
+  if (waiting.empty()) return std::nullopt;
+  const auto after = waiting.lower_bound(utime);
+  if (after == waiting.begin()) return after->first;
+  const Utime before = std::prev(after)->first;
+  if (after == waiting.end() || utime - before <= after->first - utime) return before;
+  return after->first;
 }
 
 bool ImagePairs::admit(Stream& stream, Utime stamp) {
   if (stream.begun && stamp <= stream.last) {
     if (stamp > stream.last - time_began_anew) return false;
     finish();
-    finished_ = false;
+    for (auto& [utime, pair] : pairs_) begun_before_.push_back(std::move(pair));
+    pairs_.clear();
     colours_ = depths_ = Stream();
   }
   const Utime interval = stamp - stream.last;
-  if (stream.begun && (stream.least_interval == 0 || interval < stream.least_interval))
+  if (stream.begun && (stream.intervals++ == 0 || interval < stream.least_interval))
     stream.least_interval = interval;
   stream.begun = true;
   stream.last = stamp;
@@ -35,115 +45,89 @@ bool ImagePairs::admit(Stream& stream, Utime stamp) {
 }
 
 void ImagePairs::add_colour(RgbdFrame frame) {
-  if (admit(colours_, frame.utime))
-    colours_.waiting.push_back(std::move(frame));
+  const Utime stamp = frame.utime;
+  if (admit(colours_, stamp))
+    colours_.waiting.emplace(stamp, std::move(frame));
   else
     ++counts_.unmatched_colour;
 }
 
 void ImagePairs::add_depth(RgbdFrame frame) {
-  if (admit(depths_, frame.depth_utime))
-    depths_.waiting.push_back(std::move(frame));
+  const Utime stamp = frame.depth_utime;
+  if (admit(depths_, stamp))
+    depths_.waiting.emplace(stamp, std::move(frame));
   else
     ++counts_.unmatched_depth;
 }
 
 std::optional<RgbdFrame> ImagePairs::next() {
-  while (pairs_.empty()) {
-    const auto group = decided_group();
-    if (!group) return std::nullopt;
-    decide(*group);
+  while (decide(true)) {
   }
-  RgbdFrame pair = std::move(pairs_.front());
-  pairs_.pop_front();
+  if (std::max(colours_.waiting.size(), depths_.waiting.size()) > longest_wait) finish();
+  std::optional<RgbdFrame> pair;
+  if (!begun_before_.empty()) {
+    pair = std::move(begun_before_.front());
+    begun_before_.pop_front();
+  } else if (!pairs_.empty() &&
+             (colours_.waiting.empty() || pairs_.begin()->first < colours_.waiting.begin()->first)) {
+    pair = std::move(pairs_.begin()->second);
+    pairs_.erase(pairs_.begin());
+  }
   return pair;
 }
 
 void ImagePairs::finish() {
-  finished_ = true;
-  while (const auto group = decided_group()) decide(*group);
-}
-
-/// The first images that are linked, each to the next, by possible pairs.
-ImagePairs::Group ImagePairs::front_group() const {
-  const auto& colours = colours_.waiting;
-  const auto& depths = depths_.waiting;
-  Group g;
-  if (colours.empty() || (!depths.empty() && depths.front().depth_utime < colours.front().utime))
-    g.depths = 1;
-  else
-    g.colours = 1;
-  for (bool grows = true; grows;) {
-    grows = false;
-    if (g.colours > 0 && g.depths < depths.size() &&
-        depths[g.depths].depth_utime - colours[g.colours - 1].utime <= tolerance_)
-      ++g.depths, grows = true;
-    if (g.depths > 0 && g.colours < colours.size() &&
-        colours[g.colours].utime - depths[g.depths - 1].depth_utime <= tolerance_)
-      ++g.colours, grows = true;
+  while (decide(false)) {
   }
-  return g;
 }
 
-std::optional<ImagePairs::Group> ImagePairs::decided_group() const {
-  const auto& colours = colours_.waiting;
-  const auto& depths = depths_.waiting;
-  if (colours.empty() && depths.empty()) return std::nullopt;
-  const Group g = front_group();
-  // May an image that comes later be linked to the group's last one of the other camera?
-  const bool colour_may_join = g.depths > 0 && g.colours == colours.size() &&
-                               colours_.may_give(depths[g.depths - 1].depth_utime + tolerance_);
-  const bool depth_may_join = g.colours > 0 && g.depths == depths.size() &&
-                              depths_.may_give(colours[g.colours - 1].utime + tolerance_);
-  const bool too_long = std::max(colours.size(), depths.size()) > longest_wait;
-  if (finished_ || too_long || (!colour_may_join && !depth_may_join)) return g;
-  return std::nullopt;
+/// Whether no image of `other` that comes later can be nearer to `utime` than `nearest`, or, where nothing is
+/// near, be near at all.
+bool ImagePairs::is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest,
+                            bool more_may_come) const {
+  if (!more_may_come) return true;
+  const bool near = nearest && std::abs(*nearest - utime) <= tolerance_;
+  return !other.may_give(utime + (near ? std::abs(*nearest - utime) - 1 : tolerance_));
 }
 
-void ImagePairs::note_miss(Utime colour) {
-  std::optional<Utime> nearest;
-  for (const RgbdFrame& depth : depths_.waiting) {
-    const Utime apart = std::abs(depth.depth_utime - colour);
-    if (!nearest || apart < *nearest) nearest = apart;
-  }
-  if (nearest) last_miss_ = nearest;
-}
-
-void ImagePairs::decide(const Group& group) {
-  std::vector<std::tuple<Utime, std::size_t, std::size_t>> possible;  // distance, colour, depth
-  for (std::size_t c = 0; c < group.colours; ++c)
-    for (std::size_t d = 0; d < group.depths; ++d) {
-      const Utime apart = std::abs(colours_.waiting[c].utime - depths_.waiting[d].depth_utime);
-      if (apart <= tolerance_) possible.emplace_back(apart, c, d);
-    }
-  std::sort(possible.begin(), possible.end());
-  constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> depth_of(group.colours, none);
-  std::vector<bool> taken(group.depths, false);
-  for (const auto& [apart, c, d] : possible) {
-    if (depth_of[c] != none || taken[d]) continue;
-    depth_of[c] = d;
-    taken[d] = true;
-  }
-  for (std::size_t c = 0; c < group.colours; ++c) {
-    RgbdFrame& colour = colours_.waiting[c];
-    if (depth_of[c] == none) {
+/// Makes one pair, or finds one image to be without; false when nothing can be decided.
+bool ImagePairs::decide(bool more_may_come) {
+  for (const auto& [colour, frame] : colours_.waiting) {
+    const auto depth = depths_.nearest(colour);
+    if (!is_settled(depths_, colour, depth, more_may_come)) continue;
+    if (!depth || std::abs(*depth - colour) > tolerance_) {
+      if (depth) last_miss_ = std::abs(*depth - colour);
       ++counts_.unmatched_colour;
-      note_miss(colour.utime);
-      continue;
+      colours_.waiting.erase(colour);
+      return true;
     }
-    RgbdFrame& depth = depths_.waiting[depth_of[c]];
-    colour.depth = depth.depth;
-    colour.depth_utime = depth.depth_utime;
-    colour.amplitude = depth.amplitude;
-    pairs_.push_back(std::move(colour));
-    ++counts_.pairs;
+    const auto back = colours_.nearest(*depth);
+    if (back == colour && is_settled(colours_, *depth, back, more_may_come)) {
+      make_pair(colour, *depth);
+      return true;
+    }
   }
-  counts_.unmatched_depth += std::count(taken.begin(), taken.end(), false);
-  colours_.waiting.erase(colours_.waiting.begin(),
-                         colours_.waiting.begin() + static_cast<std::ptrdiff_t>(group.colours));
-  depths_.waiting.erase(depths_.waiting.begin(),
-                        depths_.waiting.begin() + static_cast<std::ptrdiff_t>(group.depths));
+  for (const auto& [depth, frame] : depths_.waiting) {
+    const auto colour = colours_.nearest(depth);
+    const bool near = colour && std::abs(*colour - depth) <= tolerance_;
+    if (near || !is_settled(colours_, depth, colour, more_may_come)) continue;
+    ++counts_.unmatched_depth;
+    depths_.waiting.erase(depth);
+    return true;
+  }
+  return false;
+}
+
+void ImagePairs::make_pair(Utime colour, Utime depth) {
+  RgbdFrame pair = std::move(colours_.waiting.at(colour));
+  const RgbdFrame& other = depths_.waiting.at(depth);
+  pair.depth = other.depth;
+  pair.depth_utime = other.depth_utime;
+  pair.amplitude = other.amplitude;
+  pairs_.emplace(colour, std::move(pair));
+  ++counts_.pairs;
+  colours_.waiting.erase(colour);
+  depths_.waiting.erase(depth);
 }
 
 }  // namespace lcmslam

@@ -1,15 +1,15 @@
 #pragma once
 // Colour and depth images of two cameras become shots of one moment.
 //
-// Two images may be a pair when their stamps are at most the tolerance apart. Of all such pairs the closest
-// is made first, then the closest of what is left, and so on: each image is in one pair at most, and no two
-// images would both rather have had each other. That is decided as soon as no image that may still come can
-// change it.
+// Two images may be a pair when their stamps are at most the tolerance apart. Two of which each is the
+// other's nearest are one; then of what is left, and so on: each image is in one pair at most, and no two
+// images would both rather have had each other. A pair is made as soon as no image that may still come can be
+// nearer to either.
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
-#include <vector>
 
 #include <lcmslam/imaging/rgbd_frame.hpp>
 
@@ -27,12 +27,12 @@ class ImagePairs {
 
   /// `utime` is the colour image's stamp, `depth_utime` the depth image's. Each camera's images come in the
   /// order of their stamps; one that is not later than the last is refused (unmatched), unless it is more
-  /// than a second earlier: then time has begun anew, and what waited is unmatched.
+  /// than a second earlier: then time has begun anew, and what waited is decided.
   void add_colour(RgbdFrame frame);
   void add_depth(RgbdFrame frame);
 
-  /// The next pair that is decided, in the order of time: the colour image, and of the other camera the depth
-  /// image, its stamp and its amplitude.
+  /// The next pair, in the order of the colour images: of the other camera it has the depth image, its stamp
+  /// and its amplitude.
   std::optional<RgbdFrame> next();
 
   /// No image comes any more: all that wait can be decided.
@@ -45,28 +45,28 @@ class ImagePairs {
 
  private:
   struct Stream {
-    std::deque<RgbdFrame> waiting;
+    std::map<Utime, RgbdFrame> waiting;  // by stamp
     Utime last = 0;
-    Utime least_interval = 0;  // seen so far; 0: unknown
     bool begun = false;
+    int intervals = 0;  // seen so far
+    Utime least_interval = 0;
+
     /// Whether an image that has not come yet may have a stamp up to `latest`.
     bool may_give(Utime latest) const;
-  };
-  struct Group {  // how many of each camera's waiting images belong together
-    std::size_t colours = 0, depths = 0;
+    /// The stamp of the waiting image that is nearest to `utime`; of two, the earlier.
+    std::optional<Utime> nearest(Utime utime) const;
   };
   bool admit(Stream& stream, Utime stamp);
-  std::optional<Group> decided_group() const;
-  Group front_group() const;
-  void decide(const Group& group);
-  void note_miss(Utime colour);
+  bool decide(bool more_may_come);
+  bool is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest, bool more_may_come) const;
+  void make_pair(Utime colour, Utime depth);
 
   Utime tolerance_;
   Stream colours_, depths_;
-  std::deque<RgbdFrame> pairs_;
+  std::deque<RgbdFrame> begun_before_;  // pairs of a time that has ended
+  std::map<Utime, RgbdFrame> pairs_;    // by the colour image's stamp
   PairCounts counts_;
   std::optional<Utime> last_miss_;
-  bool finished_ = false;
 };
 
 }  // namespace lcmslam

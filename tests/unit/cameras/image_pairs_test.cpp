@@ -87,6 +87,7 @@ Stamps stream(Random& random, Utime start, double period, double jitter, double 
 }
 
 TEST(ImagePairs, AreTheClosestWhateverBothCamerasPacesAndLosses) {
+  std::size_t pairs = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     Random random(seed);
     const double colour_period = random.uniform(0, 1) < 0.5 ? 33'333 : 66'667;
@@ -99,9 +100,10 @@ TEST(ImagePairs, AreTheClosestWhateverBothCamerasPacesAndLosses) {
         stream(random, 1'000'000 + static_cast<Utime>(random.uniform(0, 1e5)), depth_period, jitter, 0.05);
     const Result result = match(colours, depths, tolerance);
     EXPECT_EQ(result.pairs, best_pairs(colours, depths, tolerance)) << "seed " << seed;
-    EXPECT_GT(result.pairs.size(), 20U) << "seed " << seed;
     expect_counts(result, colours, depths);
+    pairs += result.pairs.size();
   }
+  EXPECT_GT(pairs, 200U * 50U);
 }
 
 TEST(ImagePairs, OfStampsWithoutAnyOrderAreOneToOneAndWithinTheTolerance) {
@@ -154,7 +156,7 @@ TEST(ImagePairs, TakeTheDepthImageWithItsStampAndAmplitude) {
   depth.amplitude = cv::Mat(2, 2, CV_8UC1, cv::Scalar(9));
   matcher.add_colour(colour);
   matcher.add_depth(depth);
-  EXPECT_FALSE(matcher.next()) << "a nearer one may come";
+  EXPECT_FALSE(matcher.next()) << "a nearer colour image may come";
   matcher.finish();
   const auto pair = matcher.next();
   ASSERT_TRUE(pair);
