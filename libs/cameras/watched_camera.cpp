@@ -8,7 +8,7 @@ namespace lcmslam {
 namespace {
 
 constexpr std::chrono::milliseconds patience{100};
-constexpr Utime time_began_anew = 1'000'000;  // us back
+constexpr Utime stamps_began_anew = 1'000'000;  // us back
 
 using Seconds = std::chrono::duration<double>;
 
@@ -103,7 +103,7 @@ Seconds WatchedCamera::pause() const {
 
 std::string WatchedCamera::what_is_wrong(const RgbdFrame& frame) const {
   std::string wrong = misfit(frame, expected_);
-  const bool earlier = frame.utime <= last_utime_ && frame.utime > last_utime_ - time_began_anew;
+  const bool earlier = frame.utime <= last_utime_ && frame.utime > last_utime_ - stamps_began_anew;
   if (wrong.empty() && earlier) wrong = "an image's stamp is not later than the one's before";
   return wrong;
 }

@@ -75,6 +75,33 @@ cv::Mat depth_of(const openni::VideoFrameRef& frame) {
   return depth;
 }
 
+/// A device and its streams, closed in the order that OpenNI2 needs. Those of a file stay open to the
+/// process's end (so it can be read but once): the thread of OpenNI2 2.2 that plays it looks at its streams
+/// without a lock while they are taken away.
+class Opened {
+ public:
+  explicit Opened(bool recorded) : recorded_(recorded), parts_(std::make_unique<Parts>()) {}
+  ~Opened() {
+    for (openni::VideoStream* stream : streams) stream->stop();
+    if (recorded_) static_cast<void>(parts_.release());
+  }
+  Opened(const Opened&) = delete;
+  Opened& operator=(const Opened&) = delete;
+  openni::Device& device() { return parts_->device; }
+  const openni::Device& device() const { return parts_->device; }
+  openni::VideoStream& colour() { return parts_->colour; }
+  openni::VideoStream& depth() { return parts_->depth; }
+  std::vector<openni::VideoStream*> streams;  // those that are used
+
+ private:
+  struct Parts {
+    openni::Device device;
+    openni::VideoStream colour, depth;  // destroyed before the device
+  };
+  bool recorded_;
+  std::unique_ptr<Parts> parts_;
+};
+
 class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconnectedListener {
  public:
   OpenNi2Camera(const OpenNi2Settings& settings, const WantedImages& wanted)
@@ -83,33 +110,27 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
         name_(recorded_                 ? settings.file
               : settings.device.empty() ? "OpenNI2"
                                         : settings.device),
+        opened_(recorded_),
         pairs_(static_cast<Utime>(0.5e6 / settings.rate)) {
     initialise();
     const char* uri = recorded_ ? settings.file.c_str() : settings.device.c_str();
-    if (device_.open(*uri == '\0' ? openni::ANY_DEVICE : uri) != openni::STATUS_OK)
+    if (opened_.device().open(*uri == '\0' ? openni::ANY_DEVICE : uri) != openni::STATUS_OK)
       throw CameraError(name_ + ": " + openni_error());
-    if (wanted.colour) add_stream(colour_, openni::SENSOR_COLOR, "colour");
-    if (wanted.depth) add_stream(depth_, openni::SENSOR_DEPTH, "depth");
+    if (wanted.colour) add_stream(opened_.colour(), openni::SENSOR_COLOR, "colour");
+    if (wanted.depth) add_stream(opened_.depth(), openni::SENSOR_DEPTH, "depth");
     if (recorded_)
       prepare_file();
     else
       prepare_camera(wanted);
-    for (openni::VideoStream* stream : streams_)
+    for (openni::VideoStream* stream : opened_.streams)
       if (stream->start() != openni::STATUS_OK) throw CameraError(name_ + ": " + openni_error());
     openni::OpenNI::addDeviceDisconnectedListener(this);
   }
 
-  ~OpenNi2Camera() override {
-    openni::OpenNI::removeDeviceDisconnectedListener(this);
-    for (openni::VideoStream* stream : streams_) {
-      stream->stop();
-      stream->destroy();
-    }
-    device_.close();
-  }
+  ~OpenNi2Camera() override { openni::OpenNI::removeDeviceDisconnectedListener(this); }
 
   std::optional<RgbdFrame> read(std::chrono::milliseconds patience) override {
-    if (streams_.size() == 1) return read_image(patience);
+    if (opened_.streams.size() == 1) return read_image(patience);
     if (auto pair = pairs_.next()) return pair;
     while (const auto image = read_image(patience)) {
       image->colour.empty() ? pairs_.add_depth(*image) : pairs_.add_colour(*image);
@@ -122,43 +143,43 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
   bool ended() const override { return ended_; }
 
   std::string describe() const override {
-    const openni::VideoMode mode = streams_.front()->getVideoMode();
-    return name_ + ": " + device_.getDeviceInfo().getVendor() + " " + device_.getDeviceInfo().getName() +
-           ", " + std::to_string(mode.getResolutionX()) + "x" + std::to_string(mode.getResolutionY()) + ", " +
-           std::to_string(mode.getFps()) + " Hz" +
+    const openni::VideoMode mode = opened_.streams.front()->getVideoMode();
+    return name_ + ": " + opened_.device().getDeviceInfo().getVendor() + " " +
+           opened_.device().getDeviceInfo().getName() + ", " + std::to_string(mode.getResolutionX()) + "x" +
+           std::to_string(mode.getResolutionY()) + ", " + std::to_string(mode.getFps()) + " Hz" +
            (clock_.believed() ? "" : ", stamped at arrival: its own stamps are no microseconds");
   }
 
  private:
   void add_stream(openni::VideoStream& stream, openni::SensorType sensor, const char* name) {
-    if (!device_.hasSensor(sensor) || stream.create(device_, sensor) != openni::STATUS_OK)
+    if (!opened_.device().hasSensor(sensor) || stream.create(opened_.device(), sensor) != openni::STATUS_OK)
       throw CameraError(name_ + ": has no " + name + " images: " + openni_error());
-    streams_.push_back(&stream);
+    opened_.streams.push_back(&stream);
   }
 
   /// Reading asks for the next image: nothing is lost, however slow the reader.
   void prepare_file() {
-    openni::PlaybackControl* playback = device_.getPlaybackControl();
+    openni::PlaybackControl* playback = opened_.device().getPlaybackControl();
     if (playback == nullptr) throw CameraError(name_ + ": is no recording");
     playback->setRepeatEnabled(false);
     playback->setSpeed(-1);
-    for (openni::VideoStream* stream : streams_) left_ += playback->getNumberOfFrames(*stream);
+    for (openni::VideoStream* stream : opened_.streams) left_ += playback->getNumberOfFrames(*stream);
     start_ = start_utime(settings_.start);
   }
 
   void prepare_camera(const WantedImages& wanted) {
-    for (openni::VideoStream* stream : streams_) {
+    for (openni::VideoStream* stream : opened_.streams) {
       openni::VideoMode mode = stream->getVideoMode();
       mode.setResolution(settings_.width, settings_.height);
       mode.setFps(static_cast<int>(settings_.rate));
       stream->setVideoMode(mode);  // where it is refused the images' size tells
       stream->setMirroringEnabled(false);
     }
-    if (streams_.size() < 2) return;
-    device_.setDepthColorSyncEnabled(true);
+    if (opened_.streams.size() < 2) return;
+    opened_.device().setDepthColorSyncEnabled(true);
     const auto registration =
         wanted.registered ? openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR : openni::IMAGE_REGISTRATION_OFF;
-    if (device_.setImageRegistrationMode(registration) != openni::STATUS_OK && wanted.registered)
+    if (opened_.device().setImageRegistrationMode(registration) != openni::STATUS_OK && wanted.registered)
       throw CameraError(name_ +
                         ": does not register depth to colour, as its calibration says (depth_registered)");
   }
@@ -172,18 +193,18 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
     }
     int index = -1;
     const int wait = recorded_ ? file_patience : static_cast<int>(patience.count());
-    const auto status =
-        openni::OpenNI::waitForAnyStream(streams_.data(), static_cast<int>(streams_.size()), &index, wait);
+    const auto status = openni::OpenNI::waitForAnyStream(
+        opened_.streams.data(), static_cast<int>(opened_.streams.size()), &index, wait);
     if (status == openni::STATUS_TIME_OUT) {
       ended_ = recorded_;
       return std::nullopt;
     }
     openni::VideoFrameRef image;
-    openni::VideoStream* stream = index >= 0 ? streams_[static_cast<std::size_t>(index)] : nullptr;
+    openni::VideoStream* stream = index >= 0 ? opened_.streams[static_cast<std::size_t>(index)] : nullptr;
     if (status != openni::STATUS_OK || stream == nullptr || stream->readFrame(&image) != openni::STATUS_OK)
       throw CameraError(name_ + ": " + openni_error());
     --left_;
-    return frame_of(image, stream == &depth_);
+    return frame_of(image, stream == &opened_.depth());
   }
 
   RgbdFrame frame_of(const openni::VideoFrameRef& image, bool is_depth) {
@@ -203,15 +224,14 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
   }
 
   void onDeviceDisconnected(const openni::DeviceInfo* info) override {
-    if (info != nullptr && std::string(info->getUri()) == device_.getDeviceInfo().getUri()) gone_ = true;
+    if (info != nullptr && std::string(info->getUri()) == opened_.device().getDeviceInfo().getUri())
+      gone_ = true;
   }
 
   OpenNi2Settings settings_;
   bool recorded_;
   std::string name_;
-  openni::Device device_;
-  openni::VideoStream colour_, depth_;
-  std::vector<openni::VideoStream*> streams_;
+  Opened opened_;
   ImagePairs pairs_;
   DeviceClock clock_;  // both cameras have one
   Utime start_ = 0;
