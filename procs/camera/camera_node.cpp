@@ -18,12 +18,12 @@ constexpr std::chrono::seconds calibration_period{1};
 
 }  // namespace
 
-CameraNode::CameraNode(const ConfigNode& config, Publisher& publisher)
-    : CameraNode(read(config), publisher) {}
+CameraNode::CameraNode(const ConfigNode& config, Publisher& publisher, OpenSource open)
+    : CameraNode(read(config), publisher, open) {}
 
-CameraNode::CameraNode(const CameraSettings& settings, Publisher& publisher)
+CameraNode::CameraNode(const CameraSettings& settings, Publisher& publisher, OpenSource open)
     : publisher_(publisher),
-      source_(make_camera_source(settings)),
+      source_(open(settings)),
       speed_(settings.speed),
       wait_for_(settings.wait_for.begin(), settings.wait_for.end()) {
   const std::chrono::duration<double> patience(settings.wait_at_most);

@@ -20,8 +20,11 @@ class CameraNode : public Node {
   using Settings = CameraSettings;
   static Settings read(const ConfigNode& config) { return read_camera_settings(config); }
 
-  CameraNode(const ConfigNode& config, Publisher& publisher);
-  CameraNode(const Settings& settings, Publisher& publisher);
+  /// Gives what is published.
+  using OpenSource = std::unique_ptr<CameraSource> (*)(const Settings& settings);
+
+  CameraNode(const ConfigNode& config, Publisher& publisher, OpenSource open = make_camera_source);
+  CameraNode(const Settings& settings, Publisher& publisher, OpenSource open = make_camera_source);
   ~CameraNode() override;
 
   void connect(Inputs& inputs) override;

@@ -98,11 +98,12 @@ struct CameraSettings {
              "that the first image waits for the processes of wait_for");
   }
 
-  /// A camera, a recording in its place, or another driver's channel: they share the section `live`.
-  bool is_live_kind() const {
-    return source == "video" || source == "openni2" || source == "freenect" || source == "pair" ||
-           source == "channel";
+  /// A camera, or a recording in its place.
+  bool is_device() const {
+    return source == "video" || source == "openni2" || source == "freenect" || source == "pair";
   }
+  /// Those, or another driver's channel: they share the section `live`.
+  bool is_live_kind() const { return is_device() || source == "channel"; }
 };
 
 /// Scenes and calibrations beside a driver are named relative to the file that names them. Throws

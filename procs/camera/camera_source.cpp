@@ -27,7 +27,8 @@ std::unique_ptr<CameraSource> make_camera_source(const CameraSettings& settings)
   if (settings.source == "log") return open_log(settings.log.file);
   if (settings.source == "calibration") return make_calibration_source(settings.calibration);
   if (settings.source == "channel") return make_channel_source(settings.channel, settings.live);
-  if (settings.is_live_kind()) return make_device_source(settings);
+  if (settings.is_device())
+    throw std::runtime_error("camera.source: " + settings.source + " is opened by the process camera alone");
   return make_simulation_source(settings.simulation);
 }
 

@@ -57,7 +57,7 @@ class CameraSource {
   virtual SourceHealth health() const { return {}; }
 };
 
-/// As `source` says.
+/// As `source` says; cameras are opened by drivers/device_source.hpp. Throws std::runtime_error.
 std::unique_ptr<CameraSource> make_camera_source(const CameraSettings& settings);
 
 /// Live, or cached: rendered once into a log below out/cache, then played from there.
@@ -66,9 +66,6 @@ std::unique_ptr<CameraSource> make_simulation_source(const SimulationSourceSetti
 std::unique_ptr<CameraSource> make_live_simulation(const SimulationSourceSettings& settings);
 std::unique_ptr<CameraSource> make_dataset_source(const DatasetSourceSettings& settings);
 std::unique_ptr<CameraSource> make_calibration_source(const CalibrationSourceSettings& settings);
-/// Throws CameraError when the build lacks a driver, or a recording cannot be opened; a camera may come
-/// later.
-std::unique_ptr<CameraSource> make_device_source(const CameraSettings& settings);
 std::unique_ptr<CameraSource> make_channel_source(const ChannelSourceSettings& settings,
                                                   const LiveSettings& live);
 

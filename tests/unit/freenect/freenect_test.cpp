@@ -10,6 +10,7 @@
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/status_t.hpp>
 #include "procs/camera/camera_node.hpp"
+#include "procs/camera/drivers/device_source.hpp"
 #include "procs/camera/drivers/open_driver.hpp"
 #include "procs/camera/drivers/wall_clock.hpp"
 #include "tests/support/written_head.hpp"
@@ -109,7 +110,8 @@ TEST(Freenect, TheDriverAndTheCameraProcessGiveWhatTheKinectMeasured) {
   testing::write_head(folder / "head.yaml", size, size);
   testing::CapturingPublisher publisher;
   const std::string config = "{source: freenect, live: {calibration: head.yaml}}";
-  CameraNode node(ConfigNode::parse(config, (folder / "robot.yaml").string()), publisher);
+  CameraNode node(ConfigNode::parse(config, (folder / "robot.yaml").string()), publisher,
+                  make_source_or_device);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (node.report().detail.find("unplugged") == std::string::npos &&
          std::chrono::steady_clock::now() < end) {

@@ -7,12 +7,14 @@
 #include <thread>
 
 #include <lcmslam/camera_calibration_t.hpp>
+#include <lcmslam/geometry/random.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/status_t.hpp>
 #include "procs/camera/camera_node.hpp"
+#include "procs/camera/drivers/device_source.hpp"
 #include "procs/camera/live_source.hpp"
 #include "tests/support/written_head.hpp"
 #include "tests/unit/runtime/capturing_publisher.hpp"
@@ -41,8 +43,8 @@ class CameraDevices : public ::testing::Test {
 
   CameraNode& start(const std::string& config) {
     node.reset();
-    node =
-        std::make_unique<CameraNode>(ConfigNode::parse(config, (folder / "robot.yaml").string()), publisher);
+    node = std::make_unique<CameraNode>(ConfigNode::parse(config, (folder / "robot.yaml").string()),
+                                        publisher, make_source_or_device);
     node->connect(inputs);
     return *node;
   }
@@ -328,6 +330,32 @@ TEST_F(ForeignDriver, ImagesWithoutAnyStampGetTheirArrivals) {
   const auto now = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
   EXPECT_NEAR(static_cast<double>(messages[0].utime), static_cast<double>(now), 5e6);
   EXPECT_EQ(messages[0].images[1].utime, messages[0].utime);
+}
+
+TEST_F(ForeignDriver, DamagedBytesAreCountedAndNeverFatal) {
+  start_relay();
+  Random random(3);
+  std::int64_t delivered = 0;
+  for (const auto coding : {ImageCoding::jpeg, ImageCoding::raw_rgb})
+    for (const bool raw_depth : {false, true}) {
+      const auto whole = encode_message(foreign(1, coding, raw_depth));
+      for (int i = 0; i < 200; ++i) {
+        auto bytes = whole;
+        // Among the fields before the pixels, and anywhere.
+        const auto limit = i % 2 == 0 ? std::min<std::size_t>(bytes.size(), 80) : bytes.size();
+        for (int flips = 0; flips < 3; ++flips)
+          bytes[static_cast<std::size_t>(random.uniform(0, 0.999) * static_cast<double>(limit))] =
+              static_cast<std::uint8_t>(random.uniform(0, 255));
+        if (i % 10 == 9) bytes.resize(bytes.size() / 2);
+        inputs.deliver("OPENNI_FRAME", bytes.data(), bytes.size());
+        ++delivered;
+      }
+    }
+  const NodeReport report = node->report();
+  const auto errors = static_cast<double>(inputs.all().back()->decode_errors);
+  EXPECT_EQ(value_of(report, "relayed") + value_of(report, "refused") + errors, delivered);
+  EXPECT_GT(value_of(report, "refused"), 10);
+  EXPECT_GT(errors, 10);
 }
 
 TEST_F(ForeignDriver, ItsSilenceIsTold) {

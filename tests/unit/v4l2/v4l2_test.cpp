@@ -8,6 +8,7 @@
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/status_t.hpp>
 #include "procs/camera/camera_node.hpp"
+#include "procs/camera/drivers/device_source.hpp"
 #include "procs/camera/drivers/open_driver.hpp"
 #include "procs/camera/drivers/wall_clock.hpp"
 #include "tests/support/written_head.hpp"
@@ -117,8 +118,8 @@ class V4l2Node : public V4l2 {
         "{source: video, video: {device: " + std::string(FakeV4l2::name) +
         ", width: 320, height: 240, rate: 50}, live: {calibration: head.yaml, watch: " +
         "{retry_after: 0.1}}}";
-    node =
-        std::make_unique<CameraNode>(ConfigNode::parse(config, (folder / "robot.yaml").string()), publisher);
+    node = std::make_unique<CameraNode>(ConfigNode::parse(config, (folder / "robot.yaml").string()),
+                                        publisher, make_source_or_device);
   }
   /// Works until what is asked for is so.
   bool wait_for(const std::function<bool()>& is_so, double seconds = 10) {

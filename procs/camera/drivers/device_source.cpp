@@ -1,4 +1,6 @@
-// Cameras, or recordings in their place, by the drivers of drivers/.
+// Cameras, or recordings in their place.
+
+#include "procs/camera/drivers/device_source.hpp"
 
 #include <lcmslam/cameras/paired_recording.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
@@ -96,8 +98,6 @@ std::unique_ptr<CameraSource> make_pair_source(const PairSourceSettings& pair,
   return std::make_unique<LiveSource>(calibration, std::move(parts), tolerance, live);
 }
 
-}  // namespace
-
 std::unique_ptr<CameraSource> make_device_source(const CameraSettings& settings) {
   const RgbdCalibration calibration = load_calibration(settings.live.calibration);
   if (settings.source == "pair") {
@@ -108,6 +108,12 @@ std::unique_ptr<CameraSource> make_device_source(const CameraSettings& settings)
   require_driver(settings.source);
   const DriverSettings driver{settings.source, settings.video, settings.openni2, settings.freenect};
   return make_single(driver, calibration, settings.live);
+}
+
+}  // namespace
+
+std::unique_ptr<CameraSource> make_source_or_device(const CameraSettings& settings) {
+  return settings.is_device() ? make_device_source(settings) : make_camera_source(settings);
 }
 
 }  // namespace lcmslam
