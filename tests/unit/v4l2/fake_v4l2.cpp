@@ -223,12 +223,15 @@ int ioctl(int file, unsigned long request, ...) noexcept {
   return real<int (*)(int, unsigned long, ...)>("ioctl")(file, request, argument);
 }
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // glibc declares that poll() only writes
 int poll(pollfd* files, nfds_t count, int timeout) {
   if (count != 1 || files[0].fd < 0 || files[0].fd != handle)
     return real<int (*)(pollfd*, nfds_t, int)>("poll")(files, count, timeout);
   files[0].revents = wait_for_image(timeout * 1000LL);
   return files[0].revents != 0 ? 1 : 0;
 }
+#pragma GCC diagnostic pop
 
 int select(int count, fd_set* read, fd_set* write, fd_set* except, timeval* timeout) {
   const int camera = handle;
