@@ -18,7 +18,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::largest_difference;
 
-const cv::Size size{320, 240};  // the dummy's
+const cv::Size dummy_size{320, 240};
 
 /// Opens the dummy for the whole process: its threads go on for a moment when it is closed, and then meet
 /// nothing.
@@ -182,8 +182,8 @@ TEST_F(OpenNi2, BothImagesOfARecordingComeAsPairs) {
   const auto frames = read_all(settings, {true, true, false});
   ASSERT_GE(frames.size(), 20U);
   for (const RgbdFrame& frame : frames) {
-    EXPECT_EQ(frame.colour.size(), size);
-    EXPECT_EQ(frame.depth.size(), size);
+    EXPECT_EQ(frame.colour.size(), dummy_size);
+    EXPECT_EQ(frame.depth.size(), dummy_size);
     EXPECT_EQ(frame.utime, frame.depth_utime) << "both began at 0 and count in steps of 33 ms";
   }
 }
@@ -191,8 +191,8 @@ TEST_F(OpenNi2, BothImagesOfARecordingComeAsPairs) {
 TEST_F(OpenNi2, ACameraGivesPairsAtItsPaceStampedByItsOwnClock) {
   OpenNi2Settings settings;
   settings.device = "Dummy";
-  settings.width = size.width;
-  settings.height = size.height;
+  settings.width = dummy_size.width;
+  settings.height = dummy_size.height;
   const auto camera = open_openni2(settings, {true, true, false});
   EXPECT_THAT(camera->describe(), ::testing::HasSubstr("320x240, 30 Hz"));
   std::vector<RgbdFrame> frames;

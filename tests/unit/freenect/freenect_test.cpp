@@ -98,10 +98,11 @@ TEST(Freenect, TheDriverAndTheCameraProcessGiveWhatTheKinectMeasured) {
       EXPECT_EQ(frame.depth.at<std::uint16_t>(0, 0), 0);
       EXPECT_NEAR(static_cast<double>(frame.depth_utime - frame.utime), 4'000, 3'000) << i;
       // Delays that are shorter than any before move the clock's offset, at most by what the first ones had.
-      if (i > 5)
+      if (i > 5) {
         EXPECT_NEAR(static_cast<double>(frame.utime - frames[static_cast<std::size_t>(i - 1)].utime), 33'333,
                     3'000)
             << i;
+      }
     }
     EXPECT_THAT(camera->describe(), ::testing::HasSubstr("from disparities"));
   }
