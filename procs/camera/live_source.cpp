@@ -37,15 +37,19 @@ void LiveSource::stop() {
 
 void LiveSource::run(std::size_t camera) {
   WatchedCamera& watch = *cameras_[camera].watch;
-  std::int64_t opened = 0, opening = 0;
+  std::int64_t opened = 0, opening = 0, failed = 0;
   while (true) {
     auto step = watch.step();
     const CameraHealth health = watch.health();
     if (health.opened != opened) spdlog::info("{}", watch.description());
-    if (!health.open && (health.opening != opening || health.opened != opened))
-      spdlog::warn("{}", health.trouble);
+    if (health.opened != opened) failed = 0;
+    if (!health.open && health.opening != opening) {
+      const bool told = (failed & (failed + 1)) == 0;  // the 1st time, the 2nd, the 4th ...
+      if (told) spdlog::warn("{}", health.trouble);
+      ++failed;
+      opening = health.opening;
+    }
     opened = health.opened;
-    if (!health.open) opening = health.opening;
     if (step.frame) take(camera, std::move(*step.frame));
     std::unique_lock<std::mutex> lock(mutex_);
     if (changed_.wait_for(lock, step.wait, [&] { return stop_; })) return;

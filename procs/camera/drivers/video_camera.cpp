@@ -52,12 +52,13 @@ class VideoCamera : public CameraDevice {
     return frame;
   }
 
-  std::string size_and_rate() const {
+  std::string size_and_rate(double rate) const {
     char text[64];
     std::snprintf(text, sizeof text, "%.0fx%.0f, %g Hz", capture_.get(cv::CAP_PROP_FRAME_WIDTH),
-                  capture_.get(cv::CAP_PROP_FRAME_HEIGHT), capture_.get(cv::CAP_PROP_FPS));
+                  capture_.get(cv::CAP_PROP_FRAME_HEIGHT), rate);
     return text;
   }
+  double own_rate() const { return capture_.get(cv::CAP_PROP_FPS); }
 
   VideoSettings settings_;
   cv::VideoCapture capture_;
@@ -85,14 +86,17 @@ class VideoFile : public VideoCamera {
   }
 
   bool ended() const override { return ended_; }
-  std::string describe() const override { return settings_.file + ": " + size_and_rate(); }
+  std::string describe() const override {
+    return settings_.file + ": " + size_and_rate(sequence_ ? rate() : own_rate());
+  }
 
  private:
+  double rate() const { return settings_.rate > 0 ? settings_.rate : sequence_rate; }
+
   /// us; images of a sequence have no stamps.
   Utime since_start(std::int64_t image) const {
-    const double rate = settings_.rate > 0 ? settings_.rate : sequence_rate;
     const double ms =
-        sequence_ ? 1000 / rate * static_cast<double>(image) : capture_.get(cv::CAP_PROP_POS_MSEC);
+        sequence_ ? 1000 / rate() * static_cast<double>(image) : capture_.get(cv::CAP_PROP_POS_MSEC);
     return static_cast<Utime>(std::llround(ms * 1000));
   }
 
@@ -140,7 +144,7 @@ class VideoDevice : public VideoCamera {
   }
 
   std::string describe() const override {
-    return settings_.device + ": " + size_and_rate() + ", " + format() + notes_;
+    return settings_.device + ": " + size_and_rate(own_rate()) + ", " + format() + notes_;
   }
 
  private:

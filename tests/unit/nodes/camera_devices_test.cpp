@@ -141,8 +141,8 @@ TEST_F(CameraDevices, ImagesOfAnotherSizeInARecordingAreCountedAsMalformed) {
 /// Gives images at a pace by the real clock, until it is unplugged.
 class PacedCamera : public CameraDevice {
  public:
-  PacedCamera(bool depth, Utime period, const std::atomic<bool>& plugged)
-      : depth_(depth), period_(period), plugged_(plugged) {
+  PacedCamera(bool depth, Utime period, const std::atomic<bool>& plugged, int& number)
+      : depth_(depth), period_(period), plugged_(plugged), number_(number) {
     if (!plugged) throw CameraError("nothing is plugged in");
   }
   std::optional<RgbdFrame> read(milliseconds) override {
@@ -160,16 +160,21 @@ class PacedCamera : public CameraDevice {
   bool depth_;
   Utime period_;
   const std::atomic<bool>& plugged_;
-  int number_ = 0;
+  int& number_;  // goes on when it is opened again
 };
 
 TEST_F(CameraDevices, OfAPairOneMayBeUnpluggedAndIsNamed) {
   std::atomic<bool> colour{true}, depth{true};
+  int colours = 0, depths = 0;
   LiveSettings settings;
   settings.watch.retry_after = 0.05;
   std::vector<WatchedPart> parts = {
-      {"colour", [&] { return std::make_unique<PacedCamera>(false, 33'333, colour); }, {colour_size, {}}},
-      {"depth", [&] { return std::make_unique<PacedCamera>(true, 100'000, depth); }, {{}, depth_size}}};
+      {"colour",
+       [&] { return std::make_unique<PacedCamera>(false, 33'333, colour, colours); },
+       {colour_size, {}}},
+      {"depth",
+       [&] { return std::make_unique<PacedCamera>(true, 100'000, depth, depths); },
+       {{}, depth_size}}};
   LiveSource source(load_calibration(folder / "head.yaml"), std::move(parts), 15'000, settings);
   for (int i = 0; i < 5; ++i) {
     const auto event = source.next();
