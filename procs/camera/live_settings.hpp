@@ -26,9 +26,11 @@ struct PairSourceSettings {
   DriverSettings colour, depth;
   double tolerance = 0.015;
 
+  PairSourceSettings() { depth.video.images = "depth"; }
+
   void describe(SettingsVisitor& s) {
     s.section("colour", colour, "the colour camera");
-    s.section("depth", depth, "the depth camera; with the driver video, `images: depth`");
+    s.section("depth", depth, "the depth camera");
     s.number("tolerance", tolerance, "s", {0, 0.5},
              "between a colour and a depth image of one moment, at most; half the faster camera's interval "
              "is right");

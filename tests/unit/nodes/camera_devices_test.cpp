@@ -85,8 +85,7 @@ class PairOfRecordings : public CameraDevices {
   std::string config(const std::string& tolerance) const {
     return "{source: pair, pair: {tolerance: " + tolerance +
            ", colour: {video: {start: 1000, rate: 30, file: " + (folder / "colour%03d.png").string() +
-           "}}, depth: {video: {images: depth, start: 1000.006, rate: 10, file: " +
-           (folder / "depth%03d.png").string() +
+           "}}, depth: {video: {start: 1000.006, rate: 10, file: " + (folder / "depth%03d.png").string() +
            "}}}, live: {calibration: head.yaml, jpeg_quality: 100}, speed: 5}";
   }
 };
