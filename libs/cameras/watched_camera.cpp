@@ -128,6 +128,8 @@ CameraHealth WatchedCamera::health() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   CameraHealth health = health_;
   const Time now = clock_();
+  const Seconds without = now - last_good_;
+  health.silent = !health.open || without.count() > settings_.late_after;
   if (opening_since_) {
     const Seconds since = now - *opening_since_;
     if (since.count() > settings_.late_after) health.trouble = "is being opened for " + in_seconds(since);
@@ -136,8 +138,8 @@ CameraHealth WatchedCamera::health() const {
     if (failures_ > 1) health.trouble += " (failed " + std::to_string(failures_) + " times)";
   } else if (!misfit_.empty()) {
     health.trouble = misfit_;
-  } else if (const Seconds since = now - last_good_; health.open && since.count() > settings_.late_after) {
-    health.trouble = "no image for " + in_seconds(since);
+  } else if (health.open && health.silent) {
+    health.trouble = "no image for " + in_seconds(without);
   }
   return health;
 }

@@ -29,6 +29,7 @@ struct WatchSettings {
 
 struct CameraHealth {
   bool open = false;
+  bool silent = true;        ///< not open, or without a good image for longer than late_after
   std::string trouble;       ///< in words; empty: none
   std::int64_t images = 0;   ///< shots that were good
   std::int64_t dropped = 0;  ///< that the camera left out, by the stamps

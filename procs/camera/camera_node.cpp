@@ -174,6 +174,7 @@ void CameraNode::publish_calibration() {
 }
 
 NodeReport CameraNode::report() const {
+  const SourceHealth health = foreign_ ? foreign_->health() : source_->health();
   const std::lock_guard<std::mutex> lock(mutex_);
   NodeReport report;
   if (!failure_.empty()) {
@@ -184,11 +185,10 @@ NodeReport CameraNode::report() const {
     report.detail = "waits for " + *wait_for_.begin();
   } else if (source_->calibrates_only()) {
     report.detail = misfit_.empty() ? "calibration for another driver's CAMERA" : misfit_;
-  } else if (foreign_) {
-    report.detail = foreign_->health().trouble;
-  } else if (source_->is_live()) {
-    report.detail = source_->health().trouble;
-    if (frames_sent_ == 0) report.state = status_t::STARTING;
+  } else if (foreign_ || source_->is_live()) {
+    report.detail = health.trouble;
+    if (health.silent || frames_sent_ == 0)
+      report.state = status_t::STARTING;  // a change of state is told at once
   } else if (source_ended_ && ready_.empty() && !next_) {
     report.state = status_t::FINISHED;
     report.detail = "source is at its end";
@@ -197,7 +197,6 @@ NodeReport CameraNode::report() const {
                    {"frames_total", static_cast<double>(source_->frames())},
                    {"malformed_frames", static_cast<double>(malformed_)},
                    {"slowed_seconds", slowed_}};
-  const SourceHealth health = foreign_ ? foreign_->health() : source_->health();
   report.values.insert(report.values.end(), health.values.begin(), health.values.end());
   if (source_->is_live()) report.values.emplace_back("out_of_date", static_cast<double>(skipped_));
   return report;

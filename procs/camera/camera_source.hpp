@@ -28,6 +28,7 @@ Utime event_utime(const CameraEvent& event);
 
 /// How a camera is, for STATUS.
 struct SourceHealth {
+  bool silent = false;  ///< gives no images at present
   std::string trouble;  ///< in words; empty: none
   std::vector<std::pair<std::string, double>> values;
 };

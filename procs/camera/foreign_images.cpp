@@ -67,9 +67,10 @@ SourceHealth ForeignImages::health() const {
                    {"refused", static_cast<double>(refused_)},
                    {"dropped", static_cast<double>(dropped_)}};
   const std::chrono::duration<double> since = clock_() - last_;
+  health.silent = since.count() > settings_.watch.late_after;
   if (!misfit_.empty()) {
     health.trouble = channel_ + ": " + misfit_;
-  } else if (since.count() > settings_.watch.late_after) {
+  } else if (health.silent) {
     char text[64];
     std::snprintf(text, sizeof text, ": no image for %.1f s", since.count());
     health.trouble = channel_ + text;

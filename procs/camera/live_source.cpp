@@ -94,6 +94,7 @@ SourceHealth LiveSource::health() const {
   SourceHealth all;
   for (const Camera& camera : cameras_) {
     const CameraHealth health = camera.watch->health();
+    all.silent = all.silent || health.silent;
     const std::string prefix = camera.name.empty() ? "" : camera.name + "_";
     if (!health.trouble.empty()) {
       if (!all.trouble.empty()) all.trouble += "; ";

@@ -170,13 +170,16 @@ TEST_F(V4l2Node, ACameraThatIsUnpluggedIsToldWithinASecondAndComesBack) {
   EXPECT_EQ(node->report().state, status_t::RUNNING);
   fake_v4l2().plugged = false;
   EXPECT_TRUE(wait_for([&] { return node->report().detail.find("is tried again") != std::string::npos; }, 1));
+  EXPECT_EQ(node->report().state, status_t::STARTING) << "a change of state goes out at once";
   fake_v4l2().plugged = true;
   const auto before = sent();
   ASSERT_TRUE(wait_for([&] { return sent() >= before + 5; }));
   EXPECT_TRUE(wait_for([&] { return node->report().detail.empty(); }));
+  EXPECT_EQ(node->report().state, status_t::RUNNING);
   fake_v4l2().silent = true;
   EXPECT_TRUE(
       wait_for([&] { return node->report().detail.find("no image for 0.") != std::string::npos; }, 1));
+  EXPECT_EQ(node->report().state, status_t::STARTING);
 }
 
 TEST_F(V4l2Node, ImagesOfAnotherSizeThanTheCalibrationsAreRefusedAndTold) {
