@@ -26,7 +26,7 @@ class CameraDevice {
   /// colour image empty, one without depth the depth image. Throws CameraError when the camera is gone.
   virtual std::optional<RgbdFrame> read(std::chrono::milliseconds patience) = 0;
 
-  /// A recording that has been read to its end: read() gives nothing any more.
+  /// A recording has been read to its end: read() gives what waited for its partner, then nothing any more.
   virtual bool ended() const { return false; }
 
   /// What was opened, and how it was set: "/dev/video0: 640x480 MJPG, 30 Hz".

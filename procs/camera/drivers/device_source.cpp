@@ -31,17 +31,14 @@ class RecordedSource : public CameraSource {
   }
 
   std::optional<CameraEvent> next() override {
-    while (!device_->ended()) {
+    while (true) {
       auto frame = device_->read(std::chrono::milliseconds(1000));
+      if (!frame && device_->ended()) return std::nullopt;
       if (!frame) continue;
       const std::string wrong = misfit(*frame, expected_);
       if (wrong.empty()) return encode_shot(std::move(*frame), calibration_, jpeg_quality_);
       if (malformed_++ == 0) first_misfit_ = wrong;
     }
-    // What waited for its partner until the end.
-    if (auto frame = device_->read(std::chrono::milliseconds(0)); frame && misfit(*frame, expected_).empty())
-      return encode_shot(std::move(*frame), calibration_, jpeg_quality_);
-    return std::nullopt;
   }
 
  private:

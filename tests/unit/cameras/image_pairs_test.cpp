@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include <lcmslam/cameras/paired_recording.hpp>
 #include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam {
@@ -165,6 +166,49 @@ TEST(ImagePairs, TakeTheDepthImageWithItsStampAndAmplitude) {
   EXPECT_EQ(pair->colour.at<cv::Vec3b>(0, 0), cv::Vec3b(1, 2, 3));
   EXPECT_EQ(pair->depth.at<std::uint16_t>(1, 1), 777);
   EXPECT_EQ(pair->amplitude.at<std::uint8_t>(1, 1), 9);
+}
+
+/// A recording of images that are there at once.
+class Recording : public CameraDevice {
+ public:
+  Recording(Stamps stamps, bool depth) : stamps_(std::move(stamps)), depth_(depth) {}
+  std::optional<RgbdFrame> read(std::chrono::milliseconds) override {
+    if (next_ == stamps_.size()) {
+      ended_ = true;
+      return std::nullopt;
+    }
+    RgbdFrame frame = image(stamps_[next_++]);
+    (depth_ ? frame.depth : frame.colour) = cv::Mat(1, 1, depth_ ? CV_16UC1 : CV_8UC3);
+    return frame;
+  }
+  bool ended() const override { return ended_; }
+  std::string describe() const override { return depth_ ? "depth" : "colour"; }
+
+ private:
+  Stamps stamps_;
+  bool depth_, ended_ = false;
+  std::size_t next_ = 0;
+};
+
+TEST(PairedRecording, GivesAllPairsOfTwoRecordingsToTheirEnd) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    const Stamps colours = stream(random, 1'000'000, 33'333, 1000, 0.1);
+    const Stamps depths = stream(random, 2'000'000, 33'400, 1000, 0.1);  // begins and ends a second later
+    PairedRecording recording(std::make_unique<Recording>(colours, false),
+                              std::make_unique<Recording>(depths, true), 12'000);
+    Pairs pairs;
+    while (true) {
+      const auto frame = recording.read(std::chrono::milliseconds(0));
+      if (!frame && recording.ended()) break;
+      if (!frame) continue;
+      EXPECT_FALSE(frame->colour.empty());
+      EXPECT_FALSE(frame->depth.empty());
+      pairs[frame->utime] = frame->depth_utime;
+    }
+    EXPECT_EQ(pairs, best_pairs(colours, depths, 12'000)) << "seed " << seed;
+    EXPECT_GT(pairs.size(), 100U);
+  }
 }
 
 TEST(ImagePairs, ATimeThatBeginsAnewIsFollowedAndSayHowFarTheNearestWas) {
