@@ -16,6 +16,7 @@
 #include <cstdarg>
 #include <cstring>
 #include <deque>
+#include <memory>
 #include <thread>
 
 #include "tests/support/written_head.hpp"
@@ -170,9 +171,17 @@ short wait_for_image(std::int64_t microseconds) {
 
 }  // namespace
 
-FakeV4l2& fake_v4l2() {
-  static FakeV4l2 camera;
+static std::unique_ptr<FakeV4l2>& only_one() {
+  static auto camera = std::make_unique<FakeV4l2>();
   return camera;
+}
+
+FakeV4l2& fake_v4l2() {
+  return *only_one();
+}
+
+void reset_fake_v4l2() {
+  only_one() = std::make_unique<FakeV4l2>();
 }
 
 }  // namespace lcmslam::testing

@@ -3,9 +3,9 @@
 // name. It takes sizes, formats, rates and exposures, and captures images at its pace (numbered_colour,
 // numbered_depth of tests/support), which it hands out a moment later.
 
+#include <atomic>
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <string>
 
 namespace lcmslam::testing {
 
@@ -13,9 +13,9 @@ struct FakeV4l2 {
   static constexpr const char* name = "/dev/video-of-the-test";
   static constexpr std::int64_t delay = 12'000;  // us from an image's capture until it is handed out
 
-  // What the test does.
-  bool plugged = true;
-  bool silent = false;
+  // What the test does, also while it is open.
+  std::atomic<bool> plugged{true};
+  std::atomic<bool> silent{false};
   cv::Size only_size;  ///< a camera that takes no other; empty: it takes any
 
   // What the driver was told.
@@ -30,7 +30,8 @@ struct FakeV4l2 {
   std::int64_t captured = 0;
 };
 
-/// The only one.
+/// The only one; a new one after reset.
 FakeV4l2& fake_v4l2();
+void reset_fake_v4l2();
 
 }  // namespace lcmslam::testing

@@ -27,7 +27,7 @@ using testing::largest_difference;
 class V4l2 : public ::testing::Test {
  protected:
   void SetUp() override {
-    fake_v4l2() = {};
+    testing::reset_fake_v4l2();
     settings.device = FakeV4l2::name;
     settings.width = 320;
     settings.height = 240;
