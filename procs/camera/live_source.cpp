@@ -15,10 +15,11 @@ constexpr std::int64_t unpaired_trouble = 15;  // images in a row, of both camer
 LiveSource::LiveSource(const RgbdCalibration& calibration, std::vector<WatchedPart> parts, Utime tolerance,
                        const LiveSettings& settings)
     : calibration_(calibration), jpeg_quality_(settings.jpeg_quality), pairs_(tolerance) {
-  for (WatchedPart& part : parts)
-    cameras_.push_back({part.name,
-                        std::make_unique<WatchedCamera>(std::move(part.open), part.expected, settings.watch),
-                        {}});
+  for (WatchedPart& part : parts) {
+    Camera& camera = cameras_.emplace_back();
+    camera.name = part.name;
+    camera.watch = std::make_unique<WatchedCamera>(std::move(part.open), part.expected, settings.watch);
+  }
   for (std::size_t i = 0; i < cameras_.size(); ++i) cameras_[i].thread = std::thread([this, i] { run(i); });
 }
 
