@@ -36,16 +36,35 @@ void add(images_t& message, std::int16_t type, image_t image) {
   message.n_images = static_cast<int32_t>(message.images.size());
 }
 
+/// The rows of an uncompressed image back to back: drivers may have padded each.
+std::vector<std::uint8_t> packed_rows(const image_t& message, std::size_t row) {
+  const auto stride = static_cast<std::size_t>(message.row_stride);
+  std::vector<std::uint8_t> packed;
+  packed.reserve(row * static_cast<std::size_t>(message.height));
+  for (int v = 0; v < message.height; ++v) {
+    const std::uint8_t* begin = message.data.data() + static_cast<std::size_t>(v) * stride;
+    packed.insert(packed.end(), begin, begin + row);
+  }
+  return packed;
+}
+
 EncodedImage read_image(const image_t& message, ImageCoding coding, std::size_t raw_pixel_bytes) {
   check_range(static_cast<double>(message.utime), -1e17, 1e17, "image utime");
   check_range(message.width, 1, largest_side, "image width");
   check_range(message.height, 1, largest_side, "image height");
-  const std::size_t raw_size =
-      static_cast<std::size_t>(message.width) * static_cast<std::size_t>(message.height) * raw_pixel_bytes;
-  if (raw_pixel_bytes > 0 && message.data.size() != raw_size)
-    throw DecodeError("image: " + std::to_string(message.data.size()) + " bytes, " +
-                      std::to_string(raw_size) + " are needed");
-  return {message.utime, message.width, message.height, coding, message.data};
+  if (raw_pixel_bytes == 0) return {message.utime, message.width, message.height, coding, message.data};
+  const std::size_t row = static_cast<std::size_t>(message.width) * raw_pixel_bytes;
+  const auto rows = static_cast<std::size_t>(message.height);
+  const bool padded = message.row_stride > 0 && static_cast<std::size_t>(message.row_stride) > row;
+  const std::size_t needed =
+      padded ? static_cast<std::size_t>(message.row_stride) * (rows - 1) + row : row * rows;
+  const bool has_last_padding =
+      padded && message.data.size() == static_cast<std::size_t>(message.row_stride) * rows;
+  if (message.data.size() != needed && !has_last_padding)
+    throw DecodeError("image: " + std::to_string(message.data.size()) + " bytes, " + std::to_string(needed) +
+                      " are needed");
+  return {message.utime, message.width, message.height, coding,
+          padded ? packed_rows(message, row) : message.data};
 }
 
 EncodedImage read_depth(const image_t& message, ImageCoding coding, std::size_t raw_pixel_bytes) {

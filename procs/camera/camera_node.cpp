@@ -12,21 +12,23 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t frames_ahead = 10;  // a third of a second in which the machine may be busy otherwise
+constexpr std::size_t live_frames_ahead = 3;
 constexpr std::chrono::milliseconds tolerated_delay{200};
 constexpr std::chrono::seconds calibration_period{1};
 
 }  // namespace
 
-CameraNode::CameraNode(const ConfigNode& config, Publisher& publisher)
-    : CameraNode(read(config), publisher) {}
+CameraNode::CameraNode(const ConfigNode& config, Publisher& publisher, OpenSource open)
+    : CameraNode(read(config), publisher, open) {}
 
-CameraNode::CameraNode(const CameraSettings& settings, Publisher& publisher)
+CameraNode::CameraNode(const CameraSettings& settings, Publisher& publisher, OpenSource open)
     : publisher_(publisher),
-      source_(make_camera_source(settings)),
+      source_(open(settings)),
       speed_(settings.speed),
       wait_for_(settings.wait_for.begin(), settings.wait_for.end()) {
   const std::chrono::duration<double> patience(settings.wait_at_most);
   wait_until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(patience);
+  if (!source_->relays().empty()) foreign_.emplace(source_->relays(), source_->calibration(), settings.live);
   for (const auto& note : source_->notes()) spdlog::info("{}", note);
   thread_ = std::thread([this] { prefetch(); });
 }
@@ -37,6 +39,7 @@ CameraNode::~CameraNode() {
     stop_ = true;
   }
   changed_.notify_all();
+  source_->stop();
   thread_.join();
 }
 
@@ -46,6 +49,12 @@ void CameraNode::connect(Inputs& inputs) {
   });
   if (source_->calibrates_only())
     inputs.subscribe<images_t>("CAMERA", 1, [this](const images_t& images) { on_foreign_images(images); });
+  if (foreign_)
+    inputs.subscribe<images_t>(source_->relays(), 2, [this](const images_t& images) { relay(images); });
+}
+
+void CameraNode::relay(const images_t& images) {
+  if (const auto frame = foreign_->relay(images)) publish(*frame);
 }
 
 void CameraNode::on_foreign_images(const images_t& images) {
@@ -63,7 +72,10 @@ void CameraNode::prefetch() {
   try {
     while (auto event = source_->next()) {
       std::unique_lock<std::mutex> lock(mutex_);
-      changed_.wait(lock, [&] { return stop_ || ready_frames_ < frames_ahead; });
+      if (source_->is_live())
+        make_room();
+      else
+        changed_.wait(lock, [&] { return stop_ || ready_frames_ < frames_ahead; });
       if (stop_) return;
       ready_frames_ += std::holds_alternative<EncodedFrame>(*event) ? 1 : 0;
       ready_.push_back(std::move(*event));
@@ -79,6 +91,14 @@ void CameraNode::prefetch() {
   const std::lock_guard<std::mutex> lock(mutex_);
   malformed_ = source_->malformed();
   source_ended_ = true;
+}
+
+/// A camera does not wait: what nobody took in time is out of date.
+void CameraNode::make_room() {
+  for (; ready_.size() >= live_frames_ahead; ++skipped_) {
+    ready_frames_ -= std::holds_alternative<EncodedFrame>(ready_.front()) ? 1 : 0;
+    ready_.pop_front();
+  }
 }
 
 void CameraNode::warn() const {
@@ -117,6 +137,11 @@ std::optional<Node::Duration> CameraNode::work() {
     if (source_ended_ && ready_.empty()) return next_calibration_ - now;
     return std::chrono::milliseconds(2);
   }
+  if (source_->is_live()) {
+    publish(*next_);
+    next_.reset();
+    return Duration{0};
+  }
   if (!started_) {
     started_ = true;
     start_time_ = now;
@@ -149,6 +174,7 @@ void CameraNode::publish_calibration() {
 }
 
 NodeReport CameraNode::report() const {
+  const SourceHealth health = foreign_ ? foreign_->health() : source_->health();
   const std::lock_guard<std::mutex> lock(mutex_);
   NodeReport report;
   if (!failure_.empty()) {
@@ -159,6 +185,10 @@ NodeReport CameraNode::report() const {
     report.detail = "waits for " + *wait_for_.begin();
   } else if (source_->calibrates_only()) {
     report.detail = misfit_.empty() ? "calibration for another driver's CAMERA" : misfit_;
+  } else if (foreign_ || source_->is_live()) {
+    report.detail = health.trouble;
+    if (health.silent || frames_sent_ == 0)
+      report.state = status_t::STARTING;  // a change of state is told at once
   } else if (source_ended_ && ready_.empty() && !next_) {
     report.state = status_t::FINISHED;
     report.detail = "source is at its end";
@@ -167,6 +197,8 @@ NodeReport CameraNode::report() const {
                    {"frames_total", static_cast<double>(source_->frames())},
                    {"malformed_frames", static_cast<double>(malformed_)},
                    {"slowed_seconds", slowed_}};
+  report.values.insert(report.values.end(), health.values.begin(), health.values.end());
+  if (source_->is_live()) report.values.emplace_back("out_of_date", static_cast<double>(skipped_));
   return report;
 }
 

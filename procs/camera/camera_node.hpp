@@ -1,5 +1,6 @@
 #pragma once
-// Publishes what a source gives, at the pace at which it was measured.
+// Publishes what a source gives: a camera's images at once, a recording's at the pace at which they were
+// measured, another driver's as they come.
 
 #include <condition_variable>
 #include <deque>
@@ -10,6 +11,7 @@
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include "procs/camera/camera_source.hpp"
+#include "procs/camera/foreign_images.hpp"
 
 namespace lcmslam {
 
@@ -18,8 +20,11 @@ class CameraNode : public Node {
   using Settings = CameraSettings;
   static Settings read(const ConfigNode& config) { return read_camera_settings(config); }
 
-  CameraNode(const ConfigNode& config, Publisher& publisher);
-  CameraNode(const Settings& settings, Publisher& publisher);
+  /// Gives what is published.
+  using OpenSource = std::unique_ptr<CameraSource> (*)(const Settings& settings);
+
+  CameraNode(const ConfigNode& config, Publisher& publisher, OpenSource open = make_camera_source);
+  CameraNode(const Settings& settings, Publisher& publisher, OpenSource open = make_camera_source);
   ~CameraNode() override;
 
   void connect(Inputs& inputs) override;
@@ -36,6 +41,8 @@ class CameraNode : public Node {
   void publish(const CameraEvent& event);
   void publish_calibration();
   void on_foreign_images(const images_t& images);
+  void relay(const images_t& images);
+  void make_room();
 
   Publisher& publisher_;
   std::unique_ptr<CameraSource> source_;
@@ -54,6 +61,7 @@ class CameraNode : public Node {
   std::condition_variable changed_;
   std::thread thread_;
 
+  std::optional<ForeignImages> foreign_;  // where the source relays them
   std::optional<CameraEvent> next_;
   bool started_ = false;
   Clock::time_point start_time_;  // when the event of first_utime_ is due
@@ -62,7 +70,8 @@ class CameraNode : public Node {
   std::string misfit_;  // why another driver's images are not of the calibration; empty: they are
   Clock::time_point next_calibration_;
   std::size_t frames_sent_ = 0;
-  double slowed_ = 0;  // s by which the source fell behind
+  std::size_t skipped_ = 0;  // a camera's images that went out of date before their turn
+  double slowed_ = 0;        // s by which the source fell behind
 };
 
 }  // namespace lcmslam

@@ -4,6 +4,7 @@
 #include <lcmslam/configuration/config.hpp>
 #include <lcmslam/settings/settings.hpp>
 #include <lcmslam/simulation/simulation.hpp>
+#include "procs/camera/live_settings.hpp"
 
 namespace lcmslam {
 
@@ -64,23 +65,45 @@ struct CameraSettings {
   DatasetSourceSettings dataset;
   LogSourceSettings log;
   CalibrationSourceSettings calibration;
+  VideoSettings video;
+  OpenNi2Settings openni2;
+  FreenectSettings freenect;
+  PairSourceSettings pair;
+  ChannelSourceSettings channel;
+  LiveSettings live;
   double speed = 1;
   std::vector<std::string> wait_for;
   double wait_at_most = 30;
 
   void describe(SettingsVisitor& s) {
-    s.choice("source", source, {"simulation", "dataset", "log", "calibration"},
-             "where the images come from; calibration: from another driver, which has none");
+    s.choice(
+        "source", source,
+        {"simulation", "dataset", "log", "calibration", "video", "openni2", "freenect", "pair", "channel"},
+        "where the images come from; calibration: from another driver, which has none");
     s.alternative(source == "simulation", "simulation", simulation, "a robot that drives through a scene");
     s.alternative(source == "dataset", "dataset", dataset, "a recording of others");
     s.alternative(source == "log", "log", log, "a recording of ours");
     s.alternative(source == "calibration", "calibration", calibration,
                   "CAMERA_CALIBRATION at 1 Hz beside another driver's CAMERA");
+    s.alternative(source == "video", "video", video, "by OpenCV: V4L2 cameras, video files, image sequences");
+    s.alternative(source == "openni2", "openni2", openni2, "by OpenNI2: Xtion, PrimeSense, .oni files");
+    s.alternative(source == "freenect", "freenect", freenect, "by libfreenect: the first Kinect");
+    s.alternative(source == "pair", "pair", pair,
+                  "a colour camera and a depth camera, matched by their stamps");
+    s.alternative(source == "channel", "channel", channel, "another driver's images become CAMERA");
+    s.alternative(is_live_kind(), "live", live, "of video, openni2, freenect, pair and channel");
     s.number("speed", speed, "", {0.01, 100}, "of playing; 1: as it was measured");
     s.texts("wait_for", wait_for, "processes that must report before the first image goes out");
     s.number("wait_at_most", wait_at_most, "s", {0, 600},
              "that the first image waits for the processes of wait_for");
   }
+
+  /// A camera, or a recording in its place.
+  bool is_device() const {
+    return source == "video" || source == "openni2" || source == "freenect" || source == "pair";
+  }
+  /// Those, or another driver's channel: they share the section `live`.
+  bool is_live_kind() const { return is_device() || source == "channel"; }
 };
 
 /// Scenes and calibrations beside a driver are named relative to the file that names them. Throws

@@ -17,6 +17,8 @@ CameraSettings read_camera_settings(const ConfigNode& config) {
   std::filesystem::path& calibration = settings.calibration.file;
   if (settings.source == "calibration" && calibration.is_relative())
     calibration = config.section("calibration").folder() / calibration;
+  if (settings.is_live_kind() && settings.live.calibration.is_relative())
+    settings.live.calibration = config.section("live").folder() / settings.live.calibration;
   return settings;
 }
 
@@ -24,6 +26,9 @@ std::unique_ptr<CameraSource> make_camera_source(const CameraSettings& settings)
   if (settings.source == "dataset") return make_dataset_source(settings.dataset);
   if (settings.source == "log") return open_log(settings.log.file);
   if (settings.source == "calibration") return make_calibration_source(settings.calibration);
+  if (settings.source == "channel") return make_channel_source(settings.channel, settings.live);
+  if (settings.is_device())
+    throw std::runtime_error("camera.source: " + settings.source + " is opened by the process camera alone");
   return make_simulation_source(settings.simulation);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Where the camera process gets its data: the simulation, a data set, a log; or the calibration of another
-// driver's images alone.
+// Where the camera process gets its data: the simulation, a data set, a log, a camera; or the calibration of
+// another driver's images alone.
 
 #include <memory>
 #include <optional>
@@ -26,6 +26,13 @@ using CameraEvent = std::variant<EncodedFrame, Encoders, GroundTruth>;
 
 Utime event_utime(const CameraEvent& event);
 
+/// How a camera is, for STATUS.
+struct SourceHealth {
+  bool silent = false;  ///< gives no images at present
+  std::string trouble;  ///< in words; empty: none
+  std::vector<std::pair<std::string, double>> values;
+};
+
 class CameraSource {
  public:
   virtual ~CameraSource() = default;
@@ -42,9 +49,16 @@ class CameraSource {
   virtual std::vector<std::string> warnings() const { return {}; }
   /// Another driver publishes the images, this source only their calibration: it has no events and no end.
   virtual bool calibrates_only() const { return false; }
+  /// The channel of another driver's images, which become CAMERA; empty: none.
+  virtual std::string relays() const { return ""; }
+  /// A camera: its events are of now, and what is not taken in time is out of date. next() waits for them.
+  virtual bool is_live() const { return false; }
+  /// Makes next() give nothing from now on. Any thread may call it, and health().
+  virtual void stop() {}
+  virtual SourceHealth health() const { return {}; }
 };
 
-/// As `source` says.
+/// As `source` says; cameras are opened by drivers/device_source.hpp. Throws std::runtime_error.
 std::unique_ptr<CameraSource> make_camera_source(const CameraSettings& settings);
 
 /// Live, or cached: rendered once into a log below out/cache, then played from there.
@@ -53,5 +67,7 @@ std::unique_ptr<CameraSource> make_simulation_source(const SimulationSourceSetti
 std::unique_ptr<CameraSource> make_live_simulation(const SimulationSourceSettings& settings);
 std::unique_ptr<CameraSource> make_dataset_source(const DatasetSourceSettings& settings);
 std::unique_ptr<CameraSource> make_calibration_source(const CalibrationSourceSettings& settings);
+std::unique_ptr<CameraSource> make_channel_source(const ChannelSourceSettings& settings,
+                                                  const LiveSettings& live);
 
 }  // namespace lcmslam

@@ -243,6 +243,7 @@ class Demo {
     const CameraSettings& camera = options_.camera;
     if (camera.source == "dataset") return "recording " + camera.dataset.folder;
     if (camera.source == "log") return "log " + camera.log.file;
+    if (camera.is_live_kind()) return "camera by " + camera.source;
     const SimulationSettings& simulation = camera.simulation.simulation;
     return fmt::format("simulated {}, head {}, base {}, seed {}", simulation.scene.stem().string(),
                        simulation.head, simulation.base, simulation.seed);

@@ -49,6 +49,7 @@ GraphTraffic graph_traffic(const std::string& config_file, const std::vector<std
   if (!has_camera(config)) return traffic;
 
   const CameraSettings camera = read_camera_settings(config.section("camera"));
+  if (camera.is_live_kind()) return traffic;  // the graph may hold the camera
   const auto source = make_camera_source(camera);
   Scales scales(source->calibration());
   std::vector<Utime> times;

@@ -180,6 +180,8 @@ TEST(CheckFile, WhatIsShippedIsRight) {
     ++graphs;
   }
   EXPECT_GE(graphs, 9);
+  for (const auto& file : std::filesystem::directory_iterator(source / "config/cameras"))
+    EXPECT_EQ(check_file(file.path()), "a graph") << file.path();
 }
 
 TEST(CheckFile, NamesWhatIsWrong) {

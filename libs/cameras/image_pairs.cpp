@@ -1,0 +1,133 @@
+#include <lcmslam/cameras/image_pairs.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime time_began_anew = 1'000'000;  // us back
+constexpr int known_pace = 8;                 // intervals
+constexpr std::size_t longest_wait = 8;  // images of one camera: one whose partner is silent must not pile up
+
+}  // namespace
+
+bool ImagePairs::Stream::may_give(Utime latest) const {
+  // The next one follows after the shortest interval so far, less a tenth: a camera's pace does not double at
+  // once.
+  const Utime soonest = intervals < known_pace ? 0 : least_interval - least_interval / 10;
+  return !begun || last + std::max<Utime>(soonest, 1) <= latest;
+}
+
+std::optional<Utime> ImagePairs::Stream::nearest(Utime utime) const {
+  if (waiting.empty()) return std::nullopt;
+  const auto after = waiting.lower_bound(utime);
+  if (after == waiting.begin()) return after->first;
+  const Utime before = std::prev(after)->first;
+  if (after == waiting.end() || utime - before <= after->first - utime) return before;
+  return after->first;
+}
+
+bool ImagePairs::admit(Stream& stream, Utime stamp) {
+  if (stream.begun && stamp <= stream.last) {
+    if (stamp > stream.last - time_began_anew) return false;
+    finish();
+    for (auto& [utime, pair] : pairs_) begun_before_.push_back(std::move(pair));
+    pairs_.clear();
+    colours_ = depths_ = Stream();
+  }
+  const Utime interval = stamp - stream.last;
+  if (stream.begun && (stream.intervals++ == 0 || interval < stream.least_interval))
+    stream.least_interval = interval;
+  stream.begun = true;
+  stream.last = stamp;
+  return true;
+}
+
+void ImagePairs::add_colour(RgbdFrame frame) {
+  const Utime stamp = frame.utime;
+  if (admit(colours_, stamp))
+    colours_.waiting.emplace(stamp, std::move(frame));
+  else
+    ++counts_.unmatched_colour;
+}
+
+void ImagePairs::add_depth(RgbdFrame frame) {
+  const Utime stamp = frame.depth_utime;
+  if (admit(depths_, stamp))
+    depths_.waiting.emplace(stamp, std::move(frame));
+  else
+    ++counts_.unmatched_depth;
+}
+
+std::optional<RgbdFrame> ImagePairs::next() {
+  while (decide(true)) {
+  }
+  if (std::max(colours_.waiting.size(), depths_.waiting.size()) > longest_wait) finish();
+  std::optional<RgbdFrame> pair;
+  if (!begun_before_.empty()) {
+    pair = std::move(begun_before_.front());
+    begun_before_.pop_front();
+  } else if (!pairs_.empty() &&
+             (colours_.waiting.empty() || pairs_.begin()->first < colours_.waiting.begin()->first)) {
+    pair = std::move(pairs_.begin()->second);
+    pairs_.erase(pairs_.begin());
+  }
+  return pair;
+}
+
+void ImagePairs::finish() {
+  while (decide(false)) {
+  }
+}
+
+/// Whether no image of `other` that comes later can be nearer to `utime` than `nearest`, or, where nothing is
+/// near, be near at all.
+bool ImagePairs::is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest,
+                            bool more_may_come) const {
+  if (!more_may_come) return true;
+  const bool near = nearest && std::abs(*nearest - utime) <= tolerance_;
+  return !other.may_give(utime + (near ? std::abs(*nearest - utime) - 1 : tolerance_));
+}
+
+/// Makes one pair, or finds one image to be without; false when nothing can be decided.
+bool ImagePairs::decide(bool more_may_come) {
+  for (const auto& [colour, frame] : colours_.waiting) {
+    const auto depth = depths_.nearest(colour);
+    if (!is_settled(depths_, colour, depth, more_may_come)) continue;
+    if (!depth || std::abs(*depth - colour) > tolerance_) {
+      if (depth) last_miss_ = std::abs(*depth - colour);
+      ++counts_.unmatched_colour;
+      colours_.waiting.erase(colour);
+      return true;
+    }
+    const auto back = colours_.nearest(*depth);
+    if (back == colour && is_settled(colours_, *depth, back, more_may_come)) {
+      make_pair(colour, *depth);
+      return true;
+    }
+  }
+  for (const auto& [depth, frame] : depths_.waiting) {
+    const auto colour = colours_.nearest(depth);
+    const bool near = colour && std::abs(*colour - depth) <= tolerance_;
+    if (near || !is_settled(colours_, depth, colour, more_may_come)) continue;
+    ++counts_.unmatched_depth;
+    depths_.waiting.erase(depth);
+    return true;
+  }
+  return false;
+}
+
+void ImagePairs::make_pair(Utime colour, Utime depth) {
+  RgbdFrame pair = std::move(colours_.waiting.at(colour));
+  const RgbdFrame& other = depths_.waiting.at(depth);
+  pair.depth = other.depth;
+  pair.depth_utime = other.depth_utime;
+  pair.amplitude = other.amplitude;
+  pairs_.emplace(colour, std::move(pair));
+  ++counts_.pairs;
+  colours_.waiting.erase(colour);
+  depths_.waiting.erase(depth);
+}
+
+}  // namespace lcmslam

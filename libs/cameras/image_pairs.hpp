@@ -1,0 +1,72 @@
+#pragma once
+// Colour and depth images of two cameras become shots of one moment.
+//
+// Two images may be a pair when their stamps are at most the tolerance apart. Two of which each is the
+// other's nearest are one; then of what is left, and so on: each image is in one pair at most, and no two
+// images would both rather have had each other. A pair is made as soon as no image that may still come can be
+// nearer to either.
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+
+#include <lcmslam/imaging/rgbd_frame.hpp>
+
+namespace lcmslam {
+
+struct PairCounts {
+  std::int64_t pairs = 0;
+  std::int64_t unmatched_colour = 0, unmatched_depth = 0;
+};
+
+class ImagePairs {
+ public:
+  /// Microseconds.
+  explicit ImagePairs(Utime tolerance) : tolerance_(tolerance) {}
+
+  /// `utime` is the colour image's stamp, `depth_utime` the depth image's. Each camera's images come in the
+  /// order of their stamps; one that is not later than the last is refused (unmatched), unless it is more
+  /// than a second earlier: then time has begun anew, and what waited is decided.
+  void add_colour(RgbdFrame frame);
+  void add_depth(RgbdFrame frame);
+
+  /// The next pair, in the order of the colour images: of the other camera it has the depth image, its stamp
+  /// and its amplitude.
+  std::optional<RgbdFrame> next();
+
+  /// No image comes any more: all that wait can be decided.
+  void finish();
+
+  PairCounts counts() const { return counts_; }
+  /// Of the last colour image that found none while depth images waited, how far the nearest of them was
+  /// (us).
+  std::optional<Utime> last_miss() const { return last_miss_; }
+
+ private:
+  struct Stream {
+    std::map<Utime, RgbdFrame> waiting;  // by stamp
+    Utime last = 0;
+    bool begun = false;
+    int intervals = 0;  // seen so far
+    Utime least_interval = 0;
+
+    /// Whether an image that has not come yet may have a stamp up to `latest`.
+    bool may_give(Utime latest) const;
+    /// The stamp of the waiting image that is nearest to `utime`; of two, the earlier.
+    std::optional<Utime> nearest(Utime utime) const;
+  };
+  bool admit(Stream& stream, Utime stamp);
+  bool decide(bool more_may_come);
+  bool is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest, bool more_may_come) const;
+  void make_pair(Utime colour, Utime depth);
+
+  Utime tolerance_;
+  Stream colours_, depths_;
+  std::deque<RgbdFrame> begun_before_;  // pairs of a time that has ended
+  std::map<Utime, RgbdFrame> pairs_;    // by the colour image's stamp
+  PairCounts counts_;
+  std::optional<Utime> last_miss_;
+};
+
+}  // namespace lcmslam

@@ -1,0 +1,177 @@
+// V4L2 cameras, video files and image sequences, by OpenCV's VideoCapture.
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "procs/camera/drivers/open_driver.hpp"
+#include "procs/camera/drivers/wall_clock.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double sequence_rate = 30;                            // Hz, where nobody says
+constexpr double exposure_by_hand = 1, exposure_automatic = 3;  // V4L2_EXPOSURE_MANUAL, _APERTURE_PRIORITY
+constexpr double exposure_unit = 100e-6;                        // s, of V4L2_CID_EXPOSURE_ABSOLUTE
+constexpr Utime longest_delay = 1'000'000;                      // us, that a driver's stamp may be old
+
+/// Raw values of 16 bits, steps of `unit` metres, in millimetres.
+cv::Mat depth_in_millimetres(const cv::Mat& image, double unit, const std::string& name) {
+  if (image.type() != CV_16UC1)
+    throw CameraError(name + ": is not depth: images must have one channel of 16 bits");
+  cv::Mat depth;
+  image.convertTo(depth, CV_16UC1, unit * 1000);
+  return depth;
+}
+
+cv::Mat colour_in_bgr(const cv::Mat& image, const std::string& name) {
+  cv::Mat bgr;
+  if (image.type() == CV_8UC3)
+    bgr = image.clone();
+  else if (image.type() == CV_8UC1)
+    cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
+  else if (image.type() == CV_8UC4)
+    cv::cvtColor(image, bgr, cv::COLOR_BGRA2BGR);
+  else
+    throw CameraError(name + ": images must have 8 bits in 1, 3 or 4 channels; depth: `images: depth`");
+  return bgr;
+}
+
+class VideoCamera : public CameraDevice {
+ public:
+  explicit VideoCamera(const VideoSettings& settings) : settings_(settings) {}
+
+ protected:
+  RgbdFrame frame_of(const cv::Mat& image, Utime utime, const std::string& name) const {
+    RgbdFrame frame;
+    frame.utime = frame.depth_utime = utime;
+    if (settings_.images == "depth")
+      frame.depth = depth_in_millimetres(image, settings_.depth_unit, name);
+    else
+      frame.colour = colour_in_bgr(image, name);
+    return frame;
+  }
+
+  std::string size_and_rate(double rate) const {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.0fx%.0f, %g Hz", capture_.get(cv::CAP_PROP_FRAME_WIDTH),
+                  capture_.get(cv::CAP_PROP_FRAME_HEIGHT), rate);
+    return text;
+  }
+  double own_rate() const { return capture_.get(cv::CAP_PROP_FPS); }
+
+  VideoSettings settings_;
+  cv::VideoCapture capture_;
+};
+
+/// A video or an image sequence.
+class VideoFile : public VideoCamera {
+ public:
+  explicit VideoFile(const VideoSettings& settings)
+      : VideoCamera(settings), start_(start_utime(settings.start)) {
+    sequence_ = settings.file.find('%') != std::string::npos;
+    const int backend = sequence_ ? cv::CAP_IMAGES : cv::CAP_FFMPEG;
+    if (!capture_.open(settings.file, backend) && (sequence_ || !capture_.open(settings.file)))
+      throw CameraError(settings.file + ": cannot be opened, or is " +
+                        (sequence_ ? "no sequence of images" : "no video that OpenCV reads"));
+  }
+
+  std::optional<RgbdFrame> read(std::chrono::milliseconds) override {
+    cv::Mat image;
+    if (ended_ || !capture_.read(image)) {
+      ended_ = true;
+      return std::nullopt;
+    }
+    return frame_of(image, start_ + since_start(images_++), settings_.file);
+  }
+
+  bool ended() const override { return ended_; }
+  std::string describe() const override {
+    return settings_.file + ": " + size_and_rate(sequence_ ? rate() : own_rate());
+  }
+
+ private:
+  double rate() const { return settings_.rate > 0 ? settings_.rate : sequence_rate; }
+
+  /// us; images of a sequence have no stamps.
+  Utime since_start(std::int64_t image) const {
+    const double ms =
+        sequence_ ? 1000 / rate() * static_cast<double>(image) : capture_.get(cv::CAP_PROP_POS_MSEC);
+    return static_cast<Utime>(std::llround(ms * 1000));
+  }
+
+  Utime start_;
+  bool sequence_ = false, ended_ = false;
+  std::int64_t images_ = 0;
+};
+
+/// A V4L2 camera.
+class VideoDevice : public VideoCamera {
+ public:
+  explicit VideoDevice(const VideoSettings& settings) : VideoCamera(settings) {
+    if (!capture_.open(settings.device, cv::CAP_V4L2))
+      throw CameraError(settings.device +
+                        ": no V4L2 camera, or it cannot be opened (is it plugged in, is another " +
+                        "program using it, may this user: group video?)");
+    if (!settings.format.empty()) {
+      const std::string& f = settings.format;
+      capture_.set(cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc(f[0], f[1], f[2], f[3]));
+    }
+    if (settings.images == "depth") capture_.set(cv::CAP_PROP_CONVERT_RGB, 0);
+    if (settings.width > 0) capture_.set(cv::CAP_PROP_FRAME_WIDTH, settings.width);
+    if (settings.height > 0) capture_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.height);
+    if (settings.rate > 0) capture_.set(cv::CAP_PROP_FPS, settings.rate);
+    const bool by_hand = settings.exposure > 0;
+    capture_.set(cv::CAP_PROP_AUTO_EXPOSURE, by_hand ? exposure_by_hand : exposure_automatic);
+    if (by_hand && !capture_.set(cv::CAP_PROP_EXPOSURE, std::round(settings.exposure / exposure_unit)))
+      notes_ += ", takes no exposure";
+    if (!settings.format.empty() && format() != settings.format) notes_ += " instead of " + settings.format;
+  }
+
+  std::optional<RgbdFrame> read(std::chrono::milliseconds patience) override {
+    std::vector<int> ready;
+    try {
+      if (!cv::VideoCapture::waitAny({capture_}, ready, std::chrono::nanoseconds(patience).count()))
+        return std::nullopt;
+    } catch (const cv::Exception& error) {
+      throw CameraError(settings_.device + ": is gone: " + error.err);
+    }
+    const Utime arrival = wall_clock();
+    cv::Mat image;
+    if (!capture_.grab() || !capture_.retrieve(image) || image.empty())
+      throw CameraError(settings_.device + ": is gone: it gives no more images");
+    return frame_of(image, stamp(arrival), settings_.device);
+  }
+
+  std::string describe() const override {
+    return settings_.device + ": " + size_and_rate(own_rate()) + ", " + format() + notes_;
+  }
+
+ private:
+  std::string format() const {
+    const auto code = static_cast<std::uint32_t>(capture_.get(cv::CAP_PROP_FOURCC));
+    std::string text;
+    for (int i = 0; i < 4; ++i) text += static_cast<char>(code >> (8 * i) & 0xff);
+    return text;
+  }
+
+  /// V4L2 drivers stamp by the monotonic clock; one that does not is stamped at its arrival.
+  Utime stamp(Utime arrival) const {
+    const auto taken = static_cast<Utime>(capture_.get(cv::CAP_PROP_POS_MSEC) * 1000);
+    using namespace std::chrono;
+    const Utime now = duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count();
+    const Utime age = now - taken;
+    return age >= 0 && age <= longest_delay ? arrival - age : arrival;
+  }
+
+  std::string notes_;
+};
+
+}  // namespace
+
+std::unique_ptr<CameraDevice> open_video(const VideoSettings& settings) {
+  if (!settings.file.empty()) return std::make_unique<VideoFile>(settings);
+  return std::make_unique<VideoDevice>(settings);
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,113 @@
+// Video files and image sequences that the test writes, read as a camera.
+
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "procs/camera/drivers/open_driver.hpp"
+#include "tests/support/written_head.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::largest_difference;
+using testing::numbered_colour;
+using testing::numbered_depth;
+
+const cv::Size size{160, 120};
+
+class VideoFiles : public ::testing::Test {
+ protected:
+  std::vector<RgbdFrame> read_all(const VideoSettings& settings) {
+    const auto camera = open_video(settings);
+    std::vector<RgbdFrame> frames;
+    while (auto frame = camera->read(std::chrono::milliseconds(100))) frames.push_back(std::move(*frame));
+    EXPECT_TRUE(camera->ended());
+    return frames;
+  }
+  void write_sequence(int images, bool depth) {
+    for (int i = 0; i < images; ++i) {
+      char name[32];
+      std::snprintf(name, sizeof name, "%04d.png", i);
+      cv::imwrite((folder / name).string(), depth ? numbered_depth(size, i) : numbered_colour(size, i));
+    }
+  }
+  std::string refusal(const VideoSettings& settings) {
+    try {
+      read_all(settings);
+    } catch (const CameraError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  testing::TemporaryFolder folder;
+};
+
+TEST_F(VideoFiles, AreReadImageByImageWithTheirStamps) {
+  const std::string file = (folder / "drive.avi").string();
+  cv::VideoWriter writer(file, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, size);
+  ASSERT_TRUE(writer.isOpened());
+  for (int i = 0; i < 30; ++i) writer.write(numbered_colour(size, i));
+  writer.release();
+  VideoSettings settings;
+  settings.file = file;
+  settings.start = 1000;
+  const auto frames = read_all(settings);
+  ASSERT_EQ(frames.size(), 30U);
+  for (int i = 0; i < 30; ++i) {
+    const RgbdFrame& frame = frames[static_cast<std::size_t>(i)];
+    EXPECT_EQ(frame.utime, 1'000'000'000 + i * 40'000) << i;
+    EXPECT_LT(largest_difference(frame.colour, numbered_colour(size, i)), 12) << i;
+    EXPECT_TRUE(frame.depth.empty());
+  }
+}
+
+TEST_F(VideoFiles, SequencesOfImagesAreReadBitForBit) {
+  write_sequence(12, false);
+  VideoSettings settings;
+  settings.file = (folder / "%04d.png").string();
+  settings.rate = 20;
+  settings.start = 7;
+  const auto frames = read_all(settings);
+  ASSERT_EQ(frames.size(), 12U);
+  for (int i = 0; i < 12; ++i) {
+    const RgbdFrame& frame = frames[static_cast<std::size_t>(i)];
+    EXPECT_EQ(largest_difference(frame.colour, numbered_colour(size, i)), 0) << i;
+    EXPECT_EQ(frame.utime, 7'000'000 + i * 50'000);
+  }
+}
+
+TEST_F(VideoFiles, DepthHasSixteenBitsInTheUnitThatIsSaid) {
+  write_sequence(5, true);
+  VideoSettings settings;
+  settings.file = (folder / "%04d.png").string();
+  settings.images = "depth";
+  settings.depth_unit = 0.002;
+  const auto frames = read_all(settings);
+  ASSERT_EQ(frames.size(), 5U);
+  EXPECT_EQ(largest_difference(frames[3].depth, 2 * numbered_depth(size, 3)), 0);
+  EXPECT_TRUE(frames[3].colour.empty());
+  settings.images = "colour";
+  EXPECT_THAT(refusal(settings), HasSubstr("images: depth"));
+}
+
+TEST_F(VideoFiles, WhatCannotBeReadIsNamed) {
+  VideoSettings settings;
+  settings.file = (folder / "none.mp4").string();
+  EXPECT_THAT(refusal(settings), HasSubstr(settings.file));
+  settings.file = (folder / "none%04d.png").string();
+  EXPECT_THAT(refusal(settings), HasSubstr("no sequence of images"));
+  write_sequence(2, false);
+  settings.file = (folder / "%04d.png").string();
+  settings.images = "depth";
+  EXPECT_THAT(refusal(settings), HasSubstr("one channel of 16 bits"));
+  settings.file.clear();
+  settings.device = "/dev/video97";
+  EXPECT_THAT(refusal(settings), HasSubstr("/dev/video97"));
+}
+
+}  // namespace
+}  // namespace lcmslam
