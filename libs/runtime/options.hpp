@@ -29,6 +29,9 @@ std::string lcm_url_from_environment();
 /// Names of the processes, which are also the configuration's sections.
 const std::vector<std::string>& process_names();
 
+/// All of these, and those that a graph has only when its configuration names them: the bridge.
+const std::vector<std::string>& section_names();
+
 /// Section `launch`.
 struct LaunchSettings {
   std::vector<std::string> processes = process_names();

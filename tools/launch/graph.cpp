@@ -7,7 +7,7 @@ namespace lcmslam {
 
 std::vector<ProcessSpec> read_graph(const GraphOptions& options) {
   const ConfigNode config = load_config(options.config, options.overrides);
-  for (const auto& name : process_names()) config.ignore(name);
+  for (const auto& name : section_names()) config.ignore(name);
   const auto launch = read_settings<LaunchSettings>(config.section("launch"));
   config.finish();
 
