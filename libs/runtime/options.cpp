@@ -4,20 +4,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
-#include <set>
 
+#include <lcmslam/runtime/bus_robot.hpp>
 #include <lcmslam/runtime/version.hpp>
 
 namespace lcmslam {
-namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
-}  // namespace
 
 bool parse_options(int argc, char** argv, const std::string& process, const std::string& description,
                    ProcessOptions& options, int& exit_code) {
@@ -60,17 +51,6 @@ const std::vector<std::string>& section_names() {
   return names;
 }
 
-void LaunchSettings::describe(SettingsVisitor& s) {
-  std::vector<const char*> names;
-  for (const std::string& name : section_names()) names.push_back(name.c_str());
-  s.texts("processes", processes, "processes that run", names);
-  s.require(!processes.empty(), "processes", "must name at least one process, as in [camera, map-server]");
-  const std::set<std::string> different(processes.begin(), processes.end());
-  s.require(different.size() == processes.size(), "processes",
-            ("must name each process once, got [" + joined(processes) + "]").c_str());
-  s.flag("restart", restart, "a process that dies comes back");
-}
-
 ConfigNode load_config(const std::string& file, const std::vector<std::string>& overrides) {
   ConfigNode config = file.empty() ? ConfigNode() : ConfigNode::load(file);
   if (!file.empty() && config.keys().empty())
@@ -94,6 +74,7 @@ ProcessConfig process_config(const ProcessOptions& options, const std::string& p
   ConfigNode file = load_config(options.config, options.overrides);
   for (const auto& name : section_names())
     if (name != process) file.ignore(name);
+  set_robot(file.section("launch").get("robot", ""));  // launch hands it on; for a process started by hand
   file.ignore("launch");
   return {file, file.section(process)};
 }

@@ -32,14 +32,6 @@ const std::vector<std::string>& process_names();
 /// All of these, and those that a graph has only when its configuration names them: the bridge.
 const std::vector<std::string>& section_names();
 
-/// Section `launch`.
-struct LaunchSettings {
-  std::vector<std::string> processes = process_names();
-  bool restart = true;
-
-  void describe(SettingsVisitor& s);
-};
-
 /// The whole configuration file with overrides applied ("section.key=value"); throws ConfigError.
 ConfigNode load_config(const std::string& file, const std::vector<std::string>& overrides);
 

@@ -1,6 +1,7 @@
 #include "tools/config/setting_sections.hpp"
 
 #include <lcmslam/configuration/read_settings.hpp>
+#include <lcmslam/runtime/launch_settings.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "procs/bridge/bridge_node.hpp"
 #include "procs/camera/camera_node.hpp"
