@@ -290,7 +290,7 @@ void make_bridge(SeedFolder folder) {
     bytes.insert(bytes.end(), payload.begin(), payload.end());
     return bytes;
   };
-  for (const std::uint8_t choices : {0, 1, 2, 3}) {
+  for (std::uint8_t choices = 0; choices < 4; ++choices) {
     Bytes all = publication(choices, "COMMAND/key", whole);
     for (part_t& part : split_message("COMMAND", whole, 1'000'000, choices, 20)) {
       const Bytes piece = publication(choices, "COMMAND_PART", encode_message(part));
