@@ -36,27 +36,44 @@ mosquitto* make_client(const std::string& id, void* owner) {
 
 }  // namespace
 
+/// Called from C: nothing may be thrown through it.
 struct MqttConnection::Callbacks {
-  static MqttConnection& self(void* owner) { return *static_cast<MqttConnection*>(owner); }
+  template <class Action>
+  static void guarded(void* owner, const Action& action) {
+    auto& self = *static_cast<MqttConnection*>(owner);
+    try {
+      action(self);
+    } catch (const std::exception& error) {
+      if (self.ended_.empty()) self.ended_ = error.what();
+    }
+  }
   static void connected(mosquitto*, void* owner, int reason, int, const mosquitto_property*) {
-    if (reason != 0)
-      self(owner).ended_ = std::string("the broker refuses: ") + mosquitto_reason_string(reason);
-    else
-      self(owner).events_.connected();
+    guarded(owner, [&](MqttConnection& self) {
+      if (reason != 0)
+        self.ended_ = std::string("the broker refuses: ") + mosquitto_reason_string(reason);
+      else
+        self.events_.connected();
+    });
   }
   static void disconnected(mosquitto*, void* owner, int reason, const mosquitto_property*) {
-    if (!self(owner).ended_.empty()) return;
-    self(owner).ended_ = reason == 0    ? "closed"
-                         : reason < 128 ? mosquitto_strerror(reason)
-                                        : std::string("the broker left: ") + mosquitto_reason_string(reason);
+    guarded(owner, [&](MqttConnection& self) {
+      if (!self.ended_.empty()) return;
+      self.ended_ = reason == 0    ? "closed"
+                    : reason < 128 ? mosquitto_strerror(reason)
+                                   : std::string("the broker left: ") + mosquitto_reason_string(reason);
+    });
   }
   static void published(mosquitto*, void* owner, int message, int reason, const mosquitto_property*) {
-    if (reason >= 128) ++self(owner).refused_;
-    self(owner).events_.acknowledged(message);
+    guarded(owner, [&](MqttConnection& self) {
+      if (reason >= 128) ++self.refused_;
+      self.events_.acknowledged(message);
+    });
   }
   static void came(mosquitto*, void* owner, const mosquitto_message* message, const mosquitto_property*) {
-    self(owner).events_.came(message->topic, static_cast<const std::uint8_t*>(message->payload),
-                             static_cast<std::size_t>(std::max(message->payloadlen, 0)), message->retain);
+    guarded(owner, [&](MqttConnection& self) {
+      self.events_.came(message->topic, static_cast<const std::uint8_t*>(message->payload),
+                        static_cast<std::size_t>(std::max(message->payloadlen, 0)), message->retain);
+    });
   }
 };
 

@@ -73,6 +73,7 @@ class MqttLink::Session {
       connection_.subscribe(ends_.topics.incoming(part_channel(channel)), with_kept);
     }
     ends_.outbox.connected();
+    if (ends_.outbox.connections() == 1) broker_keeps(0);  // nothing of this run
     link_.say("connected to " + ends_.broker.host);
     spdlog::info("connected to {}:{}", ends_.broker.host, ends_.broker.port);
   }

@@ -246,7 +246,9 @@ TEST_F(LogEditTest, CutMakesAnOrdinaryLogOfOneRobot) {
   EXPECT_EQ(cut_log(path("both.lcmlog"), {path("ed.lcmlog"), false}, {}, "ed").written, 20);
   for (const LogEvent& event : read_log(path("ed.lcmlog"))) {
     EXPECT_THAT(event.channel, ::testing::AnyOf("ODOMETRY", "CAMERA"));
-    if (event.channel == "CAMERA") EXPECT_EQ(event.data, std::vector<std::uint8_t>{2}) << "dora's";
+    if (event.channel == "CAMERA") {
+      EXPECT_EQ(event.data, std::vector<std::uint8_t>{2}) << "dora's";
+    }
   }
   EXPECT_THAT(error_of([&] {
                 cut_log(path("both.lcmlog"), {path("x.lcmlog"), false}, {}, "eddie");
