@@ -35,7 +35,7 @@ class LinkWindow {
   std::size_t in_flight() const { return in_flight_; }
 
  private:
-  static constexpr std::size_t least = 8000, most = 4'000'000, first = 16'000;  // bytes
+  static constexpr std::size_t least = 20'000, most = 4'000'000, first = 32'000;  // bytes
   static constexpr std::size_t most_messages = 20;  // what brokers take before they acknowledge
 
   double delay_;

@@ -21,7 +21,7 @@ Outbox::Outbox(const std::vector<ChannelRule>& rules, const OutboxLimits& limits
       bucket_(limits.bandwidth, std::max(8'000.0, limits.bandwidth / 4)) {
   for (const ChannelRule& rule : rules) {
     index_[rule.channel] = channels_.size();
-    channels_.push_back({rule, {}, {}, 0});
+    channels_.push_back({rule, {}, {}, 0, {}});
   }
 }
 
@@ -205,8 +205,9 @@ std::optional<Outgoing> Outbox::next(Time now) {
       return send_measurement(i, slot, now);
     }
     if (!decided_ || channel.waiting.empty()) continue;
-    if (!fits(kept_.at(channel.waiting.rbegin()->second).bytes->size(), now)) return std::nullopt;
-    return send_kept(i, now);
+    const std::uint64_t number = next_kept(channel);
+    if (!fits(kept_.at(channel.waiting.at(number)).bytes->size(), now)) return std::nullopt;
+    return send_kept(i, number, now);
   }
   return std::nullopt;
 }
@@ -227,10 +228,26 @@ Outgoing Outbox::send_measurement(std::size_t channel, Slot& slot, Time now) {
   return out;
 }
 
-Outgoing Outbox::send_kept(std::size_t channel, Time now) {
+/// Of what was begun, else of the newest.
+std::uint64_t Outbox::next_kept(const Channel& channel) const {
+  std::uint64_t newest = 0;
+  if (const auto begun = groups_.find(channel.begun); begun != groups_.end())
+    for (const std::string& name : begun->second) {
+      const std::uint64_t number = kept_.at(name).number;
+      if (channel.waiting.count(number) > 0) newest = std::max(newest, number);
+    }
+  return newest > 0 ? newest : channel.waiting.rbegin()->first;
+}
+
+Outgoing Outbox::send_kept(std::size_t channel, std::uint64_t number, Time now) {
   auto& waiting = channels_[channel].waiting;
-  const std::string name = waiting.rbegin()->second;
-  waiting.erase(std::prev(waiting.end()));
+  const std::string name = waiting.at(number);
+  waiting.erase(number);
+  const std::set<std::string>& group = groups_.at(kept_.at(name).group);
+  const bool more = std::any_of(group.begin(), group.end(), [&](const std::string& other) {
+    return waiting.count(kept_.at(other).number) > 0;
+  });
+  channels_[channel].begun = more ? kept_.at(name).group : "";
   const Kept& kept = kept_.at(name);
   const Outgoing out{++last_ticket_, name, kept.bytes, true, 0, limits_.kept_for};
   under_way_[out.ticket] = {channel, kept.bytes->size() + overhead, name, kept.number, now, now};

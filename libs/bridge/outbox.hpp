@@ -8,7 +8,8 @@
 // the one that had that name before, and is held until the broker has it, and after that for the case that
 // the broker forgets it.
 //
-// Channels go in the order of the rules, within a channel the newest first, and only as much is under way as
+// Channels go in the order of the rules, within a channel the newest group first (but what was begun is
+// finished: who puts pieces together need not hold many), and only as much is under way as
 // the link carries (LinkWindow): a fresh pose waits for a piece of a map, not for the map.
 //
 // What the broker has: each kept message has a number, and mark() is the number up to which the broker
@@ -35,7 +36,7 @@ namespace lcmslam::bridge {
 using Bytes = std::vector<std::uint8_t>;
 
 struct OutboxLimits {
-  double delay = 0.2;                ///< s that what is under way may queue on the link
+  double delay = 0.3;                ///< s that what is under way may queue on the link
   double bandwidth = 0;              ///< bytes a second, 0: what the link carries
   std::size_t memory = 256'000'000;  ///< bytes of kept messages
   double kept_for = 604'800;         ///< s that the broker keeps them
@@ -119,6 +120,7 @@ class Outbox {
     std::map<std::int64_t, Slot> slots;            // by sender
     std::map<std::uint64_t, std::string> waiting;  // names of kept messages, by number
     std::size_t under_way = 0;                     // messages
+    std::string begun;                             // group of which a piece went last
   };
   struct UnderWay {
     std::size_t channel = 0, bytes = 0;
@@ -133,7 +135,8 @@ class Outbox {
   void make_room();
   bool fits(std::size_t bytes, Time now);
   Outgoing send_measurement(std::size_t channel, Slot& slot, Time now);
-  Outgoing send_kept(std::size_t channel, Time now);
+  std::uint64_t next_kept(const Channel& channel) const;
+  Outgoing send_kept(std::size_t channel, std::uint64_t number, Time now);
 
   mutable std::mutex mutex_;
   OutboxLimits limits_;

@@ -144,6 +144,15 @@ TEST_F(OutboxTest, AnotherKeptMessageOfTheSameNameReplacesIt) {
   EXPECT_EQ(out->bytes->size(), 20U);
 }
 
+TEST_F(OutboxTest, WhatWasBegunIsFinishedBeforeWhatIsNewer) {
+  connect();
+  outbox_.keep("MAP", "old", {{"MAP/old/0", text("a")}, {"MAP/old/1", text("b")}});
+  const auto piece = outbox_.next(now_);
+  EXPECT_EQ(piece->name, "MAP/old/1");
+  keep("new");
+  EXPECT_THAT(send_all(), ElementsAre("MAP/old/0", "MAP/new"));
+}
+
 TEST_F(OutboxTest, PiecesThatAMessageHasNoMoreAreCleared) {
   connect();
   outbox_.keep("MAP", "g", {{"MAP_PART/g/0", text("a")}, {"MAP_PART/g/1", text("b")}});
