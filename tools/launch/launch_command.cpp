@@ -212,7 +212,9 @@ int launch_command(int argc, char** argv) {
   DoctorOptions doctor;
   doctor.lcm_url = graph.lcm_url;
   doctor.interface = graph.launch.interface;
-  doctor.traffic = graph_traffic(options.config, options.overrides);
+  const auto is_camera = [](const ProcessSpec& spec) { return spec.name == "camera"; };
+  if (std::any_of(graph.processes.begin(), graph.processes.end(), is_camera))  // else its source is elsewhere
+    doctor.traffic = graph_traffic(options.config, options.overrides);
   doctor.seconds = 0.3;
   doctor.folder = options.folder;
   for (const auto& spec : graph.processes) doctor.processes.push_back(spec.name);
