@@ -18,7 +18,9 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME lcmslam)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "iproute2, liblcm-bin")  # lcm-logger and its like
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "lcmslam-spy, python3-numpy, python3-pil")  # share/lcmslam/python
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "lcmslam-spy, mosquitto, python3-numpy, python3-pil")  # share/lcmslam/python
+set(scripts ${CMAKE_BINARY_DIR}/package/systemd)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${scripts}/postinst ${scripts}/prerm ${scripts}/postrm)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "maps from colour, depth and wheels with two SLAM methods
 FastSLAM over SURF landmarks and 6-D SLAM by registration run side by
 side on LCM messages. `lcmslam demo` drives a simulated robot through a

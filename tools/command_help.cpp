@@ -7,6 +7,7 @@ namespace lcmslam {
 const char* command_help(const std::string& command) {
   static const std::pair<const char*, const char*> lines[] = {
       {"batch", "run the whole graph in one process straight from a log, or many logs side by side"},
+      {"bridge", "carry chosen channels to an MQTT broker and from it"},
       {"collect", "the results of many logs in one table and page, beside another farm's"},
       {"completion", "print the completion of this command for bash or zsh; write its manual pages"},
       {"config", "say what can be configured; check a file"},

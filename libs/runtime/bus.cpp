@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <lcmslam/runtime/bus_key.hpp>
+#include <lcmslam/runtime/bus_robot.hpp>
 #include <lcmslam/runtime/lcm_reader.hpp>
 #include <lcmslam/runtime/sealed_reader.hpp>
 #include <lcmslam/runtime/udpm/udpm_reader.hpp>
@@ -59,6 +60,7 @@ LcmBus::LcmBus(const std::string& lcm_url) : url_(checked(lcm_url)), lcm_(quietl
   udpm::allowed_networks();
   udpm::reassembly_limits();
   bus_key();
+  robot_prefix();
 }
 
 bool LcmBus::usable() {
@@ -66,15 +68,20 @@ bool LcmBus::usable() {
 }
 
 std::unique_ptr<BusReader> LcmBus::listen(const ChannelSet& channels) {
+  const std::string robot = robot_prefix();
+  const ChannelSet wanted = robot.empty() ? channels : channels.below(robot);
   std::unique_ptr<BusReader> reader;
   if (is_udpm(url_)) {
     const MulticastAddress address = multicast_address(url_);
     udpm::SourceFilter filter(address.ttl, udpm::allowed_networks());
-    reader = std::make_unique<udpm::UdpmReader>(address, channels, std::move(filter));
+    reader = std::make_unique<udpm::UdpmReader>(address, wanted, std::move(filter));
   } else {
-    reader = std::make_unique<LcmReader>(lcm_, channels);
+    reader = std::make_unique<LcmReader>(lcm_, wanted);
   }
-  return std::make_unique<SealedReader>(std::move(reader), bus_key());
+  reader =
+      std::make_unique<SealedReader>(std::move(reader), bus_key());  // a seal covers the robot's name too
+  if (robot.empty()) return reader;
+  return std::make_unique<RobotReader>(std::move(reader), robot);
 }
 
 }  // namespace lcmslam

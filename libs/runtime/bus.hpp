@@ -11,8 +11,8 @@ namespace lcmslam {
 
 class LcmBus {
  public:
-  /// Throws std::invalid_argument when the URL, LCMSLAM_BUS_ALLOW, _KEY or _MEMORY is not understood, and
-  /// for mpudpm.
+  /// Throws std::invalid_argument when the URL, LCMSLAM_BUS_ALLOW, _KEY or _MEMORY, or LCMSLAM_ROBOT is not
+  /// understood, and for mpudpm.
   explicit LcmBus(const std::string& lcm_url);
 
   /// Whether messages can be sent and received. A tcpq bus without its server is "good" but has no
@@ -22,8 +22,8 @@ class LcmBus {
   /// To send. Over UDP multicast nothing is to be subscribed with it: that would open LCM's own receive path.
   lcm::LCM& lcm() { return lcm_; }
 
-  /// Hears what comes from now on. Throws std::runtime_error when that is not possible. The bus must outlive
-  /// the reader.
+  /// Hears what comes from now on; with LCMSLAM_ROBOT that robot's channels, without its name. Throws
+  /// std::runtime_error when that is not possible. The bus must outlive the reader.
   std::unique_ptr<BusReader> listen(const ChannelSet& channels);
 
  private:

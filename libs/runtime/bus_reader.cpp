@@ -3,6 +3,19 @@
 #include <stdexcept>
 
 namespace lcmslam {
+namespace {
+
+/// As a regular expression that matches nothing else.
+std::string quoted(const std::string& name) {
+  std::string quoted;
+  for (const char c : name) {
+    if (std::string(R"(\^$.|?*+()[]{})").find(c) != std::string::npos) quoted += '\\';
+    quoted += c;
+  }
+  return quoted;
+}
+
+}  // namespace
 
 ChannelSet ChannelSet::matching(const std::string& pattern) {
   ChannelSet set({});
@@ -15,6 +28,13 @@ ChannelSet ChannelSet::matching(const std::string& pattern) {
   return set;
 }
 
+ChannelSet ChannelSet::below(const std::string& prefix) const {
+  if (expression_) return matching(quoted(prefix) + "(?:" + pattern_ + ")");
+  std::set<std::string> names;
+  for (const std::string& name : names_) names.insert(prefix + name);
+  return ChannelSet(names);
+}
+
 bool ChannelSet::holds(const std::string& channel) const {
   return expression_ ? std::regex_match(channel, *expression_) : names_.count(channel) > 0;
 }
@@ -22,14 +42,7 @@ bool ChannelSet::holds(const std::string& channel) const {
 std::vector<std::string> ChannelSet::patterns() const {
   if (expression_) return {"(?:" + pattern_ + ")"};
   std::vector<std::string> patterns;
-  for (const std::string& name : names_) {
-    std::string quoted;
-    for (const char c : name) {
-      if (std::string(R"(\^$.|?*+()[]{})").find(c) != std::string::npos) quoted += '\\';
-      quoted += c;
-    }
-    patterns.push_back(quoted);
-  }
+  for (const std::string& name : names_) patterns.push_back(quoted(name));
   return patterns;
 }
 

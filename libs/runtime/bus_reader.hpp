@@ -20,6 +20,8 @@ class ChannelSet {
   static ChannelSet matching(const std::string& pattern);
 
   bool holds(const std::string& channel) const;
+  /// The same channels with a prefix.
+  ChannelSet below(const std::string& prefix) const;
   /// Regular expressions for LCM's own subscriptions.
   std::vector<std::string> patterns() const;
 

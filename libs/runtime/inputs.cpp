@@ -77,6 +77,27 @@ InputCount& Input::count_of(std::int64_t sender) {
   return senders[known || senders.size() < most_senders ? sender : 0];
 }
 
+std::optional<MessageIdentity> Inputs::BytesInput::identify(const std::uint8_t* data,
+                                                            std::size_t size) const {
+  try {
+    const AnyMessage message = lcmslam::identify(data, size);
+    return MessageIdentity{message.origin, message.utime};
+  } catch (const DecodeError&) {
+    return std::nullopt;
+  }
+}
+
+void Inputs::BytesInput::decode_and_handle(const std::uint8_t* data, std::size_t size) {
+  const AnyMessage message = lcmslam::identify(data, size);
+  seen(message.origin, message.utime, size);
+  handler_({data, data + size}, message);
+}
+
+Input& Inputs::subscribe_bytes(const std::string& channel, std::size_t capacity, BytesHandler handler) {
+  inputs_.push_back(std::make_unique<BytesInput>(channel, capacity, std::move(handler)));
+  return *inputs_.back();
+}
+
 bool Inputs::deliver(const std::string& channel, const std::uint8_t* data, std::size_t size) {
   bool found = false;
   for (const auto& input : inputs_) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/messages/any_message.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/origin.hpp>
 #include <lcmslam/runtime/stamp_judge.hpp>
@@ -95,6 +96,10 @@ class Inputs {
     return *inputs_.back();
   }
 
+  /// For who hands messages on: whatever is a message of ours, and what can be said of it.
+  using BytesHandler = std::function<void(const std::vector<std::uint8_t>&, const AnyMessage&)>;
+  Input& subscribe_bytes(const std::string& channel, std::size_t capacity, BytesHandler handler);
+
   /// The same for what is measured at its utime: the handler sees one publisher's messages, in order of time
   /// within a session (see StampJudge). All such channels of a process are judged together. Throws
   /// std::logic_error for a channel that is measured already: a second handler would see none of it.
@@ -142,6 +147,17 @@ class Inputs {
       if (!admits || admits(origin(message).sender, message.utime)) handler_(message);
     }
     std::function<void(const M&)> handler_;
+  };
+
+  class BytesInput : public Input {
+   public:
+    BytesInput(const std::string& channel, std::size_t capacity, BytesHandler handler)
+        : Input(channel, capacity), handler_(std::move(handler)) {}
+    std::optional<MessageIdentity> identify(const std::uint8_t* data, std::size_t size) const override;
+
+   private:
+    void decode_and_handle(const std::uint8_t* data, std::size_t size) override;
+    BytesHandler handler_;
   };
 
   bool admit(const std::string& channel, std::int64_t sender, Utime utime);

@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include <lcmslam/runtime/bus_robot.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
 
@@ -38,11 +39,13 @@ std::size_t largest_whole_message(const std::string& lcm_url) {
 }
 
 BusSender::BusSender(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole)
-    : lcm_(lcm), sender_(sender), largest_whole_(largest_whole) {
+    : lcm_(lcm), sender_(sender), largest_whole_(largest_whole), robot_(robot_prefix()) {
   if (const auto key = bus_key()) sealer_.emplace(*key, draw_sender());
 }
 
-void BusSender::send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) {
+void BusSender::send(const std::string& name_of_channel, const std::vector<std::uint8_t>& bytes,
+                     Utime utime) {
+  const std::string channel = robot_ + name_of_channel;
   if (bytes.size() <= std::max(largest_whole_, part_size)) return publish(channel, bytes);
   Numbers& numbers = numbers_[channel];
   const std::string name = part_channel(channel);
@@ -108,7 +111,8 @@ void Receiver::hand_over(const BusMessage& message) {
 void Receiver::Queue::receive_part(const std::vector<std::uint8_t>& bytes) {
   try {
     const auto part = decode_message<part_t>(bytes.data(), bytes.size());
-    if (part.channel != input->channel()) throw DecodeError("part_t of another channel");
+    if (part.channel != input->channel() && without_robot(part.channel) != input->channel())
+      throw DecodeError("part_t of another channel");
     auto whole = assembler.add(part);
     {
       const std::lock_guard<std::mutex> lock(receiver->mutex_);

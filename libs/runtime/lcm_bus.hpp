@@ -23,8 +23,8 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 /// the kernel counts more than the payload. Without UDP there is no limit.
 std::size_t largest_whole_message(const std::string& lcm_url);
 
-/// Puts bytes on the bus: as they are where receivers can hold them, else in paced pieces; sealed where the
-/// bus has a key.
+/// Puts bytes on the bus: as they are where receivers can hold them, else in paced pieces; under this robot's
+/// name where it has one, sealed where the bus has a key.
 class BusSender {
  public:
   /// Messages above `largest_whole` bytes go in pieces; see largest_whole_message().
@@ -45,6 +45,7 @@ class BusSender {
   lcm::LCM& lcm_;
   std::int64_t sender_;
   std::size_t largest_whole_;
+  std::string robot_;  // "dora/"
   std::optional<Sealer> sealer_;
   std::map<std::string, Numbers> numbers_;
   std::int64_t split_ = 0;

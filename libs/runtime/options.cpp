@@ -4,20 +4,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
-#include <set>
 
+#include <lcmslam/runtime/bus_robot.hpp>
 #include <lcmslam/runtime/version.hpp>
 
 namespace lcmslam {
-namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
-}  // namespace
 
 bool parse_options(int argc, char** argv, const std::string& process, const std::string& description,
                    ProcessOptions& options, int& exit_code) {
@@ -51,15 +42,13 @@ const std::vector<std::string>& process_names() {
   return names;
 }
 
-void LaunchSettings::describe(SettingsVisitor& s) {
-  std::vector<const char*> names;
-  for (const std::string& name : process_names()) names.push_back(name.c_str());
-  s.texts("processes", processes, "processes that run", names);
-  s.require(!processes.empty(), "processes", "must name at least one process, as in [camera, map-server]");
-  const std::set<std::string> different(processes.begin(), processes.end());
-  s.require(different.size() == processes.size(), "processes",
-            ("must name each process once, got [" + joined(processes) + "]").c_str());
-  s.flag("restart", restart, "a process that dies comes back");
+const std::vector<std::string>& section_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all = process_names();
+    all.emplace_back("bridge");
+    return all;
+  }();
+  return names;
 }
 
 ConfigNode load_config(const std::string& file, const std::vector<std::string>& overrides) {
@@ -71,7 +60,7 @@ ConfigNode load_config(const std::string& file, const std::vector<std::string>& 
     if (equal == std::string::npos || equal == 0)
       throw ConfigError("--set " + text + ": must be section.key=value");
     const std::string key = text.substr(0, equal);
-    const auto& sections = process_names();
+    const auto& sections = section_names();
     if (key.find('.') == std::string::npos && key != "launch" &&
         std::find(sections.begin(), sections.end(), key) == sections.end())
       throw ConfigError("--set " + text + ": must be section.key=value; lcmslam config --explain " + key +
@@ -83,8 +72,9 @@ ConfigNode load_config(const std::string& file, const std::vector<std::string>& 
 
 ProcessConfig process_config(const ProcessOptions& options, const std::string& process) {
   ConfigNode file = load_config(options.config, options.overrides);
-  for (const auto& name : process_names())
+  for (const auto& name : section_names())
     if (name != process) file.ignore(name);
+  set_robot(file.section("launch").get("robot", ""));  // launch hands it on; for a process started by hand
   file.ignore("launch");
   return {file, file.section(process)};
 }

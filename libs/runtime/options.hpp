@@ -29,13 +29,8 @@ std::string lcm_url_from_environment();
 /// Names of the processes, which are also the configuration's sections.
 const std::vector<std::string>& process_names();
 
-/// Section `launch`.
-struct LaunchSettings {
-  std::vector<std::string> processes = process_names();
-  bool restart = true;
-
-  void describe(SettingsVisitor& s);
-};
+/// All of these, and those that a graph has only when its configuration names them: the bridge.
+const std::vector<std::string>& section_names();
 
 /// The whole configuration file with overrides applied ("section.key=value"); throws ConfigError.
 ConfigNode load_config(const std::string& file, const std::vector<std::string>& overrides);

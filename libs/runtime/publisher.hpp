@@ -33,16 +33,15 @@ class Publisher {
   template <class M>
   void publish(const std::string& channel, M message, Utime cause = 0) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    OutputCount& count = counts_[channel];
-    set_origin(message, Origin{count.sent, sender_});
+    set_origin(message, Origin{counts_[channel].sent, sender_});
     const std::vector<std::uint8_t> bytes = encode_message(message);
-    count.sent += 1;
-    count.bytes += static_cast<std::int64_t>(bytes.size());
-    count.largest = std::max(count.largest, static_cast<std::int64_t>(bytes.size()));
-    count.last_utime = message.utime;
+    count(channel, bytes.size(), message.utime);
     send(channel, bytes, message.utime);
     if (on_answer) on_answer(cause != 0 ? cause : message.utime);
   }
+
+  /// Hands on another's message as it is: with its own number and sender.
+  void forward(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime);
 
   std::int64_t sender() const { return sender_; }
   std::map<std::string, OutputCount> counts() const;
@@ -58,6 +57,7 @@ class Publisher {
   std::function<void(Utime)> on_answer;
 
  private:
+  void count(const std::string& channel, std::size_t bytes, Utime utime);
   virtual void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) = 0;
 
   std::int64_t sender_;

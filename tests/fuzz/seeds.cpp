@@ -6,6 +6,7 @@
 #include <iostream>
 #include <iterator>
 
+#include <lcmslam/command_t.hpp>
 #include <lcmslam/evaluation/trajectory.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/log/log_format.hpp>
@@ -16,6 +17,7 @@
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/messages/parts.hpp>
 #include <lcmslam/recordings/mcap_writer.hpp>
 #include <lcmslam/ros/message_writers.hpp>
 #include "tests/support/datagrams.hpp"
@@ -315,6 +317,33 @@ void make_recordings(SeedFolder folder, const fs::path& scratch) {
   add(1, bag.view());
 }
 
+/// As bridge_fuzzer.cpp reads them: an order, whole and in pieces, twice over.
+void make_bridge(SeedFolder folder) {
+  command_t command{};
+  command.utime = 1'000'000;
+  command.name = "stop";
+  command.keys = {"icp"};
+  command.values = {"77"};
+  command.n = 1;
+  const Bytes whole = encode_message(command);
+  const auto publication = [](std::uint8_t choices, const std::string& topic, const Bytes& payload) {
+    Bytes bytes = {choices, static_cast<std::uint8_t>(topic.size()),
+                   static_cast<std::uint8_t>(payload.size() >> 8), static_cast<std::uint8_t>(payload.size())};
+    bytes.insert(bytes.end(), topic.begin(), topic.end());
+    bytes.insert(bytes.end(), payload.begin(), payload.end());
+    return bytes;
+  };
+  for (std::uint8_t choices = 0; choices < 4; ++choices) {
+    Bytes all = publication(choices, "COMMAND/key", whole);
+    for (part_t& part : split_message("COMMAND", whole, 1'000'000, choices, 20)) {
+      const Bytes piece = publication(choices, "COMMAND_PART", encode_message(part));
+      all.insert(all.end(), piece.begin(), piece.end());
+    }
+    folder.add(all);
+  }
+  folder.add(publication(4, "lcmslam/dora/to/COMMAND", whole));
+}
+
 }  // namespace
 }  // namespace lcmslam
 
@@ -335,6 +364,7 @@ int main(int argc, char** argv) {
   make_trajectories(SeedFolder(folder / "trajectory"));
   make_logs(SeedFolder(folder / "log_reader"));
   make_wire(SeedFolder(folder / "wire"));
+  make_bridge(SeedFolder(folder / "bridge"));
   make_store(SeedFolder(folder / "store"));
   make_surf_inputs(SeedFolder(folder / "surf"));
   make_recordings(SeedFolder(folder / "recording"), folder);

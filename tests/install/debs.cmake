@@ -27,7 +27,12 @@ foreach(file ${files})
     expect(${package} ./usr/bin/lcmslam-fastslam ./usr/bin/lcmslam-tools ./usr/share/lcmslam/config/robot.yaml
            ./usr/share/doc/lcmslam/copyright ./usr/share/lcmslam/python/lcmslam_log.py ./usr/share/lcmslam/lcmtypes/pose_t.lcm
            ./usr/share/man/man1/lcmslam.1.gz ./usr/share/man/man1/lcmslam-log-cut.1.gz
-           ./usr/share/bash-completion/completions/lcmslam)
+           ./usr/share/bash-completion/completions/lcmslam ./usr/lib/systemd/system/lcmslam.service)
+    run(${dpkg_deb} --info ${file} postinst)
+    expect(${package} "cp /usr/share/lcmslam/systemd/robot.yaml /etc/lcmslam/robot.yaml")
+    if(output MATCHES "systemctl (enable|start)")
+      message(FATAL_ERROR "${package} starts the service without being asked: ${output}")
+    endif()
     run(${dpkg_deb} --field ${file} Depends)
     expect(${package} libyaml-cpp liblcm libopencv-core iproute2)
     if(output MATCHES "-dev")

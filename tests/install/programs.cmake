@@ -2,7 +2,11 @@
 include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
-foreach(name "" -tools -study -camera -surf -odometry -fastslam -icp -map-server)
+set(bridge "")
+if(EXISTS ${PREFIX}/bin/lcmslam-bridge)  # built where libmosquitto is there
+  set(bridge -bridge)
+endif()
+foreach(name ${bridge} "" -tools -study -camera -surf -odometry -fastslam -icp -map-server)
   run(${PREFIX}/bin/lcmslam${name} --version)
   if(NOT output STREQUAL "lcmslam ${VERSION}\n")
     message(FATAL_ERROR "lcmslam${name} --version says ${output}")

@@ -5,6 +5,7 @@
 
 #include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/configuration/yaml_text.hpp>
+#include <lcmslam/runtime/launch_settings.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "procs/odometry/odometry_settings.hpp"
 
@@ -14,8 +15,9 @@ namespace {
 /// Settings of a preset for processes that do not run are passed over.
 std::vector<std::string> processes_of(const ConfigNode& config) {
   auto names = read_settings<LaunchSettings>(config.section("launch")).processes;
-  names.erase(std::remove(names.begin(), names.end(), "camera"), names.end());
-  for (const std::string& name : process_names())
+  for (const char* live : {"camera", "bridge"})
+    names.erase(std::remove(names.begin(), names.end(), live), names.end());
+  for (const std::string& name : section_names())
     if (std::find(names.begin(), names.end(), name) == names.end()) config.ignore(name);
   return names;
 }

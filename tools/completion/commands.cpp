@@ -15,6 +15,7 @@ Command described(const char* name, int (*run)(int, char**), std::vector<Command
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {described("batch", batch_command),
+                                           described("bridge", bridge_command),
                                            described("collect", collect_command),
                                            described("completion", completion_command),
                                            described("config", config_command),

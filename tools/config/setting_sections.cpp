@@ -1,7 +1,9 @@
 #include "tools/config/setting_sections.hpp"
 
 #include <lcmslam/configuration/read_settings.hpp>
+#include <lcmslam/runtime/launch_settings.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include "procs/bridge/bridge_node.hpp"
 #include "procs/camera/camera_node.hpp"
 #include "procs/fastslam/fastslam_node.hpp"
 #include "procs/icp/icp_node.hpp"
@@ -45,7 +47,8 @@ const std::vector<SettingSection>& setting_sections() {
                                "wheels, velocities, features or another driver's pose become ODOMETRY"),
       fastslam_section(),
       section_of<IcpNode>("icp", "CAMERA, FEATURES and ODOMETRY become a dense map"),
-      section_of<MapServerNode>("map-server", "keeps both maps, answers questions to them, saves them")};
+      section_of<MapServerNode>("map-server", "keeps both maps, answers questions to them, saves them"),
+      section_of<BridgeNode>("bridge", "chosen channels go to an MQTT broker and come from it (ROBOTS.md)")};
   return sections;
 }
 

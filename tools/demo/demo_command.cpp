@@ -113,7 +113,10 @@ class Demo {
     facts_.kitti = options_.kitti;
     GraphOptions graph{options_.config, options_.lcm_url, options_.log_level, options_.overrides,
                        options_.out};
-    for (const auto& spec : read_graph(graph)) supervisor_.start(spec);
+    for (ProcessSpec spec : read_graph(graph).processes) {
+      spec.after.clear();  // all at once: the simulation waits for the others itself
+      supervisor_.start(spec);
+    }
     std::cout << "lcmslam demo: " << facts_.title << "\n  results go to " << options_.out << std::endl;
 
     const Clock::time_point start = Clock::now();

@@ -68,7 +68,7 @@ std::string megabytes(double bytes) {
 
 }  // namespace
 
-Finding check_route(const std::string& lcm_url) {
+Finding check_route(const std::string& lcm_url, const std::string& wanted) {
   Finding finding{Level::good, "multicast route", "", ""};
   const MulticastAddress address = multicast_address(lcm_url);
   if (address.group.empty()) {
@@ -79,7 +79,11 @@ Finding check_route(const std::string& lcm_url) {
     try_route(address);
     const std::string interface = interface_to(address.group);
     finding.text = fmt::format("packets to {} leave through {}", address.group, interface);
-    if (interface == "lo" && address.ttl > 0) {
+    if (!wanted.empty() && interface != wanted) {
+      finding.level = Level::failure;
+      finding.text += fmt::format(", but are meant to leave through {} (launch.interface)", wanted);
+      finding.cure = fmt::format("sudo ip route replace {}/32 dev {}", address.group, wanted);
+    } else if (interface == "lo" && address.ttl > 0) {
       finding.level = Level::warning;
       finding.text +=
           fmt::format(": with ttl={} other machines are meant to hear them, but do not", address.ttl);
@@ -161,7 +165,7 @@ std::vector<Finding> check_images(const GraphTraffic& traffic) {
 }
 
 std::vector<Finding> examine(const DoctorOptions& options) {
-  std::vector<Finding> findings{check_route(options.lcm_url)};
+  std::vector<Finding> findings{check_route(options.lcm_url, options.interface)};
   if (findings.back().level != Level::failure) {
     findings.push_back(check_receive_buffer(options.lcm_url, options.traffic));
     findings.push_back(check_loop_back(options));

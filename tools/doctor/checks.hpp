@@ -24,9 +24,11 @@ struct DoctorOptions {
   double seconds = 1;                  ///< of the loop-back test and of listening
   std::vector<std::string> processes;  ///< that are about to start: the same ones heard already are a failure
   std::filesystem::path folder = ".";  ///< where maps and logs go
+  std::string interface;               ///< that packets must leave through; empty: any
 };
 
-Finding check_route(const std::string& lcm_url);
+/// `interface`: the one that packets must leave through; empty: any.
+Finding check_route(const std::string& lcm_url, const std::string& interface = "");
 Finding check_receive_buffer(const std::string& lcm_url, const GraphTraffic& traffic);
 /// Sends to itself at the graph's size and rate. Needs a route.
 Finding check_loop_back(const DoctorOptions& options);

@@ -7,6 +7,7 @@
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/rgbd/plausibility.hpp>
+#include <lcmslam/runtime/launch_settings.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "procs/camera/camera_source.hpp"
 #include "procs/camera/publish_event.hpp"

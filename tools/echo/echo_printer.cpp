@@ -4,6 +4,7 @@
 
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/print_message.hpp>
+#include <lcmslam/runtime/bus_robot.hpp>
 #include "tools/spy/bus_statistics.hpp"
 
 namespace lcmslam {
@@ -16,7 +17,8 @@ std::optional<std::string> EchoPrinter::print(const std::string& channel, const 
                                               std::size_t size) {
   if (options_.pieces || !is_part_channel(channel)) return print_whole(channel, data, size);
   try {
-    const auto part = decode_message<part_t>(data, size);
+    auto part = decode_message<part_t>(data, size);
+    if (part_channel(part.channel) != channel) part.channel = without_robot(part.channel);
     if (part_channel(part.channel) != channel) throw DecodeError("part_t: of channel " + part.channel);
     if (assemblers_.size() > 1000) assemblers_.clear();  // garbage must not grow the table for ever
     const auto whole = assemblers_[channel].add(part);

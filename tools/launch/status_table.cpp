@@ -8,11 +8,6 @@
 namespace lcmslam {
 namespace {
 
-const char* state_name(int state) {
-  static const char* const names[] = {"starting", "running", "finished", "stopping", "FAILED"};
-  return state >= 0 && state < 5 ? names[state] : "?";
-}
-
 constexpr std::size_t width = 80;
 
 /// Words at most `width` long a line, indented.
@@ -92,6 +87,11 @@ std::string trouble(const std::string& process, const status_t& status) {
 
 }  // namespace
 
+const char* state_name(int state) {
+  static const char* const names[] = {"starting", "running", "finished", "stopping", "FAILED"};
+  return state >= 0 && state < 5 ? names[state] : "?";
+}
+
 void take_status(StatusBoard& board, const status_t& status,
                  const std::vector<Supervisor::State>& processes) {
   for (const auto& process : processes)
@@ -127,7 +127,9 @@ std::string format_status(const StatusBoard& board, const std::vector<Supervisor
     const std::string& name = process.spec.name;
     const auto found = board.find(name);
     if (process.pid == 0 || found == board.end()) {
-      const std::string state = process.pid != 0 ? "starting" : process.last_exit;
+      const std::string state = process.pid != 0 ? "starting"
+                                : process.waits  ? "waits for others to be ready"
+                                                 : process.last_exit;
       table += fmt::format("{:<11}{:>7} {}\n", name, process.pid, state);
       continue;
     }

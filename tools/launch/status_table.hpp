@@ -25,6 +25,8 @@ struct ChannelLoss {
   std::int64_t received = 0, lost = 0, duplicates = 0, reordered = 0, decode_errors = 0, queue_drops = 0;
 };
 ChannelLoss channel_loss(const status_t& status, const std::string& channel);
+/// "running", "FAILED" ...
+const char* state_name(int state);
 /// One of the process's own values; 0 when it has none of that name.
 double status_value(const status_t& status, const std::string& name);
 

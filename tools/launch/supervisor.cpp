@@ -7,14 +7,16 @@
 #include <algorithm>
 #include <csignal>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 #include <thread>
+
+#include "tools/launch/log_files.hpp"
 
 namespace lcmslam {
 namespace {
 
 constexpr std::chrono::seconds longest_backoff{30};
+constexpr std::chrono::seconds longest_end{20};  // of a process that is to start again
 constexpr std::chrono::milliseconds poll_period{20};
 constexpr int wrong_configuration = 2;  // exit code, see run_process()
 
@@ -24,19 +26,9 @@ std::string describe_exit(int status) {
   return "exit " + std::to_string(WEXITSTATUS(status));
 }
 
-/// The last line of a log, without time and level in front: what a process said of its end.
-std::string last_words(const std::filesystem::path& file) {
-  std::ifstream text(file);
-  std::string last;
-  for (std::string line; std::getline(text, line);)
-    if (!line.empty()) last = line;
-  const std::string level = "[error] ";
-  const std::size_t at = last.find(level);
-  return at == std::string::npos ? last : last.substr(at + level.size());
-}
-
 /// Runs in the child between fork and exec: only async-signal-safe calls.
-[[noreturn]] void become(char* const* argv, int log, pid_t parent) {
+[[noreturn]] void become(char* const* argv, char* const* environment, const ProcessLimits& limits, int log,
+                         pid_t parent) {
   setpgid(0, 0);  // Ctrl-C goes to the supervisor alone
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);  // it died in between
@@ -44,10 +36,30 @@ std::string last_words(const std::filesystem::path& file) {
   dup2(log, STDERR_FILENO);
   const int input = open("/dev/null", O_RDONLY);
   dup2(input, STDIN_FILENO);
-  execv(argv[0], argv);
+  if (const char* refused = apply(limits)) {
+    if (write(STDERR_FILENO, refused, std::strlen(refused)) < 0 || write(STDERR_FILENO, "\n", 1) < 0)
+      _exit(1);
+    _exit(wrong_configuration);
+  }
+  execve(argv[0], argv, environment);
   const char message[] = "cannot be executed\n";
   if (write(STDERR_FILENO, message, sizeof message - 1) < 0) _exit(126);
   _exit(127);
+}
+
+/// This process's own, with what the specification adds or replaces.
+std::vector<std::string> environment_of(const ProcessSpec& spec) {
+  std::vector<std::string> all;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string text = *variable;
+    const std::string name = text.substr(0, text.find('=') + 1);
+    const bool replaced =
+        std::any_of(spec.environment.begin(), spec.environment.end(),
+                    [&](const std::string& other) { return other.compare(0, name.size(), name) == 0; });
+    if (!replaced) all.push_back(text);
+  }
+  all.insert(all.end(), spec.environment.begin(), spec.environment.end());
+  return all;
 }
 
 }  // namespace
@@ -61,9 +73,37 @@ std::string Supervisor::end_of(const State& state) {
 void Supervisor::start(const ProcessSpec& spec) {
   if (access(spec.arguments.front().c_str(), X_OK) != 0)
     throw std::runtime_error(spec.arguments.front() + " cannot be executed: " + std::strerror(errno));
-  processes_.push_back({});
-  processes_.back().spec = spec;
-  spawn(processes_.back());
+  State state;
+  state.spec = spec;
+  if (lacking(state).empty())
+    spawn(state);
+  else
+    state.waits = true;
+  processes_.push_back(std::move(state));
+}
+
+std::vector<std::string> Supervisor::lacking(const State& state) const {
+  std::vector<std::string> names;
+  for (const std::string& name : state.spec.after)
+    if (ready_.count(name) == 0) names.push_back(name);
+  return names;
+}
+
+bool Supervisor::restart(const std::string& name) {
+  for (State& state : processes_) {
+    if (state.spec.name != name) continue;
+    if (state.pid != 0) {
+      state.asked = true;
+      state.restart_at = Clock::now() + longest_end;
+      kill(state.pid, SIGINT);
+    } else if (!state.waits) {
+      state.given_up = state.refused = false;
+      state.in_a_row = 0;
+      spawn(state);
+    }
+    return true;
+  }
+  return false;
 }
 
 void Supervisor::spawn(State& state) {
@@ -75,9 +115,14 @@ void Supervisor::spawn(State& state) {
   if (state.starts > 0 && !state.spec.on_restart.empty()) argv.push_back(on_restart.data());
   argv.push_back(nullptr);
 
+  std::vector<std::string> variables = environment_of(state.spec);
+  std::vector<char*> environment;
+  for (auto& variable : variables) environment.push_back(variable.data());
+  environment.push_back(nullptr);
+
   const pid_t parent = getpid();
   const pid_t pid = fork();
-  if (pid == 0) become(argv.data(), log, parent);
+  if (pid == 0) become(argv.data(), environment.data(), state.spec.limits, log, parent);
   close(log);
   if (pid < 0) throw std::runtime_error("fork: " + std::string(std::strerror(errno)));
   state.pid = pid;
@@ -92,36 +137,66 @@ bool Supervisor::reap(State& state) {
   state.last_exit = describe_exit(status);
   state.refused = WIFEXITED(status) && WEXITSTATUS(status) == wrong_configuration;
   state.failed = !WIFEXITED(status) || WEXITSTATUS(status) != 0;
+  ready_.erase(state.spec.name);
   return true;
+}
+
+/// What failed, unless starting it again is no use; what stopped as asked stays so.
+bool Supervisor::comes_back(const State& state) {
+  return state.failed && state.spec.restart && !state.refused && !state.given_up;
 }
 
 std::vector<std::string> Supervisor::poll() {
   std::vector<std::string> events;
+  rotate_logs();
   for (State& state : processes_) {
+    const std::string& name = state.spec.name;
+    if (state.waits && lacking(state).empty()) {
+      state.waits = false;
+      spawn(state);
+      events.push_back(name + " starts");
+    }
+    if (state.asked && state.pid != 0 && Clock::now() > state.restart_at) kill(state.pid, SIGKILL);
     if (reap(state)) {
-      std::string event = state.spec.name + " ended: " + state.last_exit;
-      if (state.refused) {
+      std::string event = name + " ended: " + state.last_exit;
+      const bool ran_long = Clock::now() - state.started > longest_backoff;
+      if (ran_long) state.in_a_row = 0;
+      state.given_up = state.spec.restart_limit > 0 && state.in_a_row >= state.spec.restart_limit;
+      if (state.asked) {
+        state.restart_at = Clock::now();
+      } else if (state.refused) {
         event += ": " + last_words(state.spec.log);
-      } else if (state.spec.restart && state.failed) {  // what stopped as asked stays so
-        if (Clock::now() - state.started > longest_backoff) state.backoff = std::chrono::seconds(1);
+      } else if (comes_back(state)) {
+        if (ran_long) state.backoff = std::chrono::seconds(1);
         state.restart_at = Clock::now() + state.backoff;
         event += ", restarts in " + std::to_string(state.backoff.count()) + " s";
         state.backoff = std::min(2 * state.backoff, longest_backoff);
+        ++state.in_a_row;
+      } else if (state.failed && state.given_up) {
+        event += ", stays away after " + std::to_string(state.in_a_row) +
+                 " restarts in a row: " + last_words(state.spec.log);
       }
       events.push_back(event);
     }
-    const bool comes_back = state.failed && state.spec.restart && !state.refused;
-    if (state.pid == 0 && comes_back && Clock::now() >= state.restart_at) {
+    if (state.pid == 0 && (state.asked || comes_back(state)) && Clock::now() >= state.restart_at) {
+      state.asked = state.given_up = state.refused = false;
       spawn(state);
-      events.push_back(state.spec.name + " restarted");
+      events.push_back(name + " restarted");
     }
   }
   return events;
 }
 
+void Supervisor::rotate_logs() {
+  if (Clock::now() < logs_looked_at_ + std::chrono::seconds(1)) return;
+  logs_looked_at_ = Clock::now();
+  for (const State& state : processes_)
+    rotate_log(state.spec.log, state.spec.log_bytes, state.spec.log_files);
+}
+
 bool Supervisor::all_stopped() const {
   return std::none_of(processes_.begin(), processes_.end(), [](const State& state) {
-    return state.pid != 0 || (state.failed && state.spec.restart);
+    return state.pid != 0 || state.waits || state.asked || comes_back(state);
   });
 }
 
@@ -141,9 +216,11 @@ std::vector<std::string> Supervisor::stop(std::chrono::seconds patience,
                                           const std::function<void(const std::string&)>& tell) {
   Stopping stopping;
   stopping.tell = tell;
-  for (const State& state : processes_)
+  for (State& state : processes_) {
+    state.waits = state.asked = false;
     if (state.pid == 0 && state.failed)
       stopping.problems.push_back(state.spec.name + " was not running any more: " + end_of(state));
+  }
   stop_stage(patience, stopping);
   stopping.with_last = true;
   stop_stage(patience, stopping);

@@ -1,23 +1,32 @@
 #pragma once
-// Starts processes, notices their end, restarts them, stops them all. No process outlives the
-// supervisor, not even when it is killed with -9 (the kernel then sends them SIGTERM).
+// Starts processes when those that they need are ready, notices their end, restarts them, stops them all. No
+// process outlives the supervisor, not even when it is killed with -9 (the kernel then sends them SIGTERM).
 
 #include <sys/types.h>
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
+
+#include "tools/launch/limits.hpp"
 
 namespace lcmslam {
 
 struct ProcessSpec {
   std::string name;
-  std::vector<std::string> arguments;  ///< program first
-  std::filesystem::path log;           ///< its standard output and error are appended there
-  bool restart = true;                 ///< when it ends and was not asked to (its exit code is not 0)
-  bool stop_last = false;              ///< only when the others have stopped: it keeps what they make
-  std::string on_restart{};            ///< argument that a restart adds, with its number behind it
+  std::vector<std::string> arguments;      ///< program first
+  std::filesystem::path log;               ///< its standard output and error are appended there
+  bool restart = true;                     ///< when it ends and was not asked to (its exit code is not 0)
+  bool stop_last = false;                  ///< only when the others have stopped: it keeps what they make
+  std::string on_restart{};                ///< argument that a restart adds, with its number behind it
+  std::vector<std::string> after{};        ///< names of those that must be ready before it starts
+  int restart_limit = 0;                   ///< restarts in a row, each soon after the last; 0: no limit
+  std::vector<std::string> environment{};  ///< NAME=VALUE
+  ProcessLimits limits{};
+  std::uintmax_t log_bytes = 0;  ///< after which the log begins anew; 0: never
+  int log_files = 1;
 };
 
 class Supervisor {
@@ -30,6 +39,10 @@ class Supervisor {
     int starts = 0;
     bool refused = false;   ///< ended with exit 2: its configuration is wrong, starting it again is no use
     bool failed = false;    ///< its last end was not that of a process that stops as asked
+    bool waits = false;     ///< for others to be ready: it was never started
+    bool asked = false;     ///< to restart
+    bool given_up = false;  ///< it ended too often in a row
+    int in_a_row = 0;       ///< restarts that came soon after the last
     bool killed = false;    ///< by this supervisor, because it did not stop
     std::string last_exit;  ///< "exit 1", "signal 9 (Killed)"; empty before the first
     Clock::time_point started{};
@@ -39,8 +52,16 @@ class Supervisor {
 
   ~Supervisor() { stop(); }
 
-  /// Throws std::runtime_error when the program cannot be started.
+  /// At once, or when all that it needs are ready. Throws std::runtime_error when the program cannot be
+  /// started.
   void start(const ProcessSpec& spec);
+
+  /// A process, here or on another host, says that it runs.
+  void note_ready(const std::string& name) { ready_.insert(name); }
+
+  /// Ends a process as asked and starts it again; one that was given up too. False for a name that is not
+  /// known here.
+  bool restart(const std::string& name);
 
   /// Collects what ended and restarts it in time; gives what happened, in words.
   std::vector<std::string> poll();
@@ -52,6 +73,9 @@ class Supervisor {
 
   const std::vector<State>& processes() const { return processes_; }
 
+  /// Names that a process still waits for.
+  std::vector<std::string> lacking(const State& state) const;
+
   /// True when none runs and none will come back.
   bool all_stopped() const;
 
@@ -61,12 +85,16 @@ class Supervisor {
  private:
   void spawn(State& state);
   bool reap(State& state);
+  void rotate_logs();
+  static bool comes_back(const State& state);
   struct Stopping;
   static std::string end_of(const State& state);
   bool wait_for_all(std::chrono::seconds patience, Stopping& stopping);
   void stop_stage(std::chrono::seconds patience, Stopping& stopping);
 
   std::vector<State> processes_;
+  std::set<std::string> ready_;
+  Clock::time_point logs_looked_at_{};
 };
 
 }  // namespace lcmslam

@@ -51,10 +51,13 @@ int log_cut_command(int argc, char** argv) {
   CLI::App app{"Writes a new log with a span of time or some channels of another.", "lcmslam log cut"};
   add_files(app, input, output);
   options.add_to(app);
+  std::string robot;
+  app.add_option("--robot", robot,
+                 "of a log of several robots only this one's channels, without its name: an ordinary log");
   app.add_option("--without", options.without, "not these channels")->delimiter(',');
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   install_stop_signals(0);
-  print(cut_log(input, output, options.selection()), output.file);
+  print(cut_log(input, output, options.selection(), robot), output.file);
   return 0;
 }
 

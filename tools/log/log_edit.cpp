@@ -90,12 +90,13 @@ LogEdit repair_log(const std::string& input, const LogOutput& output) {
   return close(reader, writer, input + ": no event in it is whole");
 }
 
-LogEdit cut_log(const std::string& input, const LogOutput& output, const LogSelection& selection) {
+LogEdit cut_log(const std::string& input, const LogOutput& output, const LogSelection& selection,
+                const std::string& robot) {
   selection.check();
   check_output(input, output);
-  const LogContents contents = scan_log(input);
+  const LogContents contents = scan_log(input, robot);
   selection.check_channels(contents.channels, input);
-  MessageReader reader(input);
+  MessageReader reader(input, robot);
   LogWriter writer(output.file);
   std::optional<LogEvent> calibration;
   while (const auto event = reader.next()) {

@@ -29,7 +29,9 @@ LogEdit repair_log(const std::string& input, const LogOutput& output);
 
 /// Keeps what is selected; the calibration that was valid there (the last CAMERA_CALIBRATION before)
 /// comes first, with the log time of the first event. Damaged events are left out.
-LogEdit cut_log(const std::string& input, const LogOutput& output, const LogSelection& selection);
+/// `robot`: of a log of several robots only this one's channels, and without its name.
+LogEdit cut_log(const std::string& input, const LogOutput& output, const LogSelection& selection,
+                const std::string& robot = "");
 
 /// Puts a CAMERA_CALIBRATION before the first images_t and again every second, in the place of those that are
 /// there. Throws std::runtime_error, and writes nothing, also when the log has no images, or none of the

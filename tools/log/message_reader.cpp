@@ -4,16 +4,35 @@
 
 namespace lcmslam {
 
-MessageReader::MessageReader(const std::string& file) : reader_(file, check_message) {}
+namespace {
+
+/// Of a log of several robots: whether the channel is this one's, whose name is taken away.
+template <class Text>
+bool strip(Text& channel, const std::string& prefix) {
+  if (channel.substr(0, prefix.size()) != prefix) return false;
+  channel = channel.substr(prefix.size());
+  return true;
+}
+
+std::string prefix_of(const std::string& robot) {
+  return robot.empty() ? "" : robot + "/";
+}
+
+}  // namespace
+
+MessageReader::MessageReader(const std::string& file, const std::string& robot)
+    : reader_(file, check_message), prefix_(prefix_of(robot)) {}
 
 std::optional<LogEventView> MessageReader::next() {
-  while (const auto event = reader_.next_view()) {
+  while (auto event = reader_.next_view()) {
+    if (!strip(event->channel, prefix_)) continue;
     ++read_;
     if (!PartJoiner::is_piece(*event)) return event;
     try {
       auto whole = joiner_.add(*event);
       if (!whole) continue;
       whole_ = std::move(*whole);
+      strip(whole_.channel, prefix_);
       ++joined_;
       return LogEventView{whole_.number,      whole_.timestamp,   whole_.channel,
                           whole_.data.data(), whole_.data.size(), event->offset};
@@ -36,14 +55,16 @@ std::vector<LogDamage> MessageReader::damages() const {
   return all;
 }
 
-LogContents scan_log(const std::string& file) {
+LogContents scan_log(const std::string& file, const std::string& robot) {
+  const std::string prefix = prefix_of(robot);
   LogReader reader(file);
   LogContents contents;
   bool first = true;
   while (const auto event = reader.next_view()) {
     if (first) contents.first = event->timestamp;
     first = false;
-    const std::string channel(event->channel);
+    std::string channel(event->channel);
+    if (!strip(channel, prefix)) continue;
     const bool piece = PartJoiner::is_piece(*event);
     contents.channels.insert(piece ? channel.substr(0, channel.size() - part_channel("").size()) : channel);
   }

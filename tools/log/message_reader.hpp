@@ -11,7 +11,8 @@ namespace lcmslam {
 class MessageReader {
  public:
   /// Throws std::runtime_error when the file is no log.
-  explicit MessageReader(const std::string& file);
+  /// `robot`: of a log of several robots only this one's channels, without its name.
+  explicit MessageReader(const std::string& file, const std::string& robot = "");
 
   /// Valid until the next call.
   std::optional<LogEventView> next();
@@ -23,6 +24,7 @@ class MessageReader {
 
  private:
   LogReader reader_;
+  std::string prefix_;  // "dora/"
   PartJoiner joiner_;
   LogEvent whole_;
   std::int64_t read_ = 0, joined_ = 0;
@@ -34,6 +36,6 @@ struct LogContents {
   Utime first = 0;                 ///< log time of the first event
   std::set<std::string> channels;  ///< of whole messages; pieces count as the channel that they belong to
 };
-LogContents scan_log(const std::string& file);
+LogContents scan_log(const std::string& file, const std::string& robot = "");
 
 }  // namespace lcmslam

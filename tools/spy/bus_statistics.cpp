@@ -6,6 +6,7 @@
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/print_message.hpp>
 #include <lcmslam/messages/wire_reader.hpp>
+#include <lcmslam/runtime/bus_robot.hpp>
 
 namespace lcmslam {
 namespace {
@@ -78,7 +79,8 @@ void BusStatistics::add(const std::string& name, const std::uint8_t* data, std::
   static const MessageType* const part_type = MessageType::find("part_t");
   if (is_part_channel(name)) try {
       if (message_fingerprint(data, size) == part_type->fingerprint) {
-        const auto part = decode_message<part_t>(data, size);
+        auto part = decode_message<part_t>(data, size);
+        if (part_channel(part.channel) != name) part.channel = without_robot(part.channel);
         if (part_channel(part.channel) != name) throw DecodeError("part_t: of channel " + part.channel);
         if (Channel* channel = find(part.channel)) count_piece(*channel, part, time);
         return;

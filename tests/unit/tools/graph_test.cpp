@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/unit/tools/scratch.hpp"
+#include "tools/launch/hosts.hpp"
 
 namespace lcmslam {
 namespace {
@@ -20,7 +21,7 @@ class Graph : public ::testing::Test {
     options.lcm_url = "memq://";
     options.overrides = overrides;
     options.folder = scratch_.path() / "run";
-    return read_graph(options);
+    return read_graph(options).processes;
   }
   std::string error_of(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
     try {
@@ -77,6 +78,81 @@ TEST_F(Graph, ErrorsNameWhatIsWrong) {
   GraphOptions options;
   options.config = "/no/such/graph.yaml";
   EXPECT_THROW(read_graph(options), ConfigError);
+}
+
+TEST_F(Graph, SaysHowEachProcessIsStarted) {
+  const auto specs = read(
+      "launch:\n  processes: [camera, icp]\n  restart_limit: 4\n  log_size: 2\n  log_files: 5\n"
+      "  icp: {after: [camera], cpus: [1, 2], nice: 5, memory: 800, environment: [OMP_NUM_THREADS=1]}\n");
+  EXPECT_THAT(specs[1].after, ElementsAre("camera"));
+  EXPECT_THAT(specs[1].limits.cpus, ElementsAre(1, 2));
+  EXPECT_EQ(specs[1].limits.nice, 5);
+  EXPECT_EQ(specs[1].limits.memory, 800'000'000U);
+  EXPECT_THAT(specs[1].environment, ElementsAre("OMP_NUM_THREADS=1"));
+  EXPECT_EQ(specs[0].restart_limit, 4);
+  EXPECT_EQ(specs[0].log_bytes, 2'000'000U);
+  EXPECT_EQ(specs[0].log_files, 5);
+}
+
+TEST_F(Graph, WrongWordsAboutTheStartAreRefused) {
+  EXPECT_THAT(error_of("launch: {processes: [camera, icp], icp: {after: [surf]}}\n"),
+              AllOf(HasSubstr("icp.after"), HasSubstr("processes that run, got 'surf'")));
+  EXPECT_THAT(
+      error_of("launch:\n  processes: [camera, surf, icp]\n  icp: {after: [surf]}\n  surf: {after: [icp]}\n"),
+      HasSubstr("circle: surf, icp, surf"));
+  EXPECT_THAT(error_of("launch: {processes: [icp], icp: {environment: [THREADS]}}\n"),
+              HasSubstr("NAME=VALUE"));
+  EXPECT_THAT(error_of("launch: {processes: [icp], icp: {nice: 20}}\n"), HasSubstr("nice"));
+  EXPECT_THAT(error_of("launch: {processes: [icp], icp: {cpu: [1]}}\n"), HasSubstr("cpu"));
+}
+
+TEST_F(Graph, EachHostStartsItsShare) {
+  const std::string yaml =
+      "launch:\n  processes: [camera, surf, icp]\n  host: base\n  ttl: 1\n  camera: {host: robot}\n";
+  GraphOptions options;
+  options.config = scratch_.write("graph.yaml", yaml);
+  options.lcm_url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=1000";
+  options.folder = scratch_.path() / "run";
+  options.host = "base";
+  const lcmslam::Graph base = read_graph(options);
+  ASSERT_EQ(base.processes.size(), 2U);
+  EXPECT_EQ(base.processes[0].name, "surf");
+  EXPECT_THAT(base.processes[0].arguments, Contains("udpm://239.255.76.67:7667?ttl=1&recv_buf_size=1000"));
+  EXPECT_EQ(base.elsewhere.at("camera"), "robot");
+  EXPECT_EQ(obstacle_between_hosts(base), "");
+  options.host = "robot";
+  EXPECT_EQ(read_graph(options).processes.size(), 1U);
+  options.host = "nobody";
+  try {
+    read_graph(options);
+    FAIL() << "a host that has nothing to do";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("'nobody'"), HasSubstr("robot, base")));
+  }
+  EXPECT_THAT(error_of("launch: {processes: [camera, icp], camera: {host: robot}}\n"),
+              HasSubstr("must say where icp runs"));
+}
+
+TEST_F(Graph, AGraphOfSeveralHostsNeedsATtl) {
+  GraphOptions options;
+  options.config =
+      scratch_.write("graph.yaml", "launch: {processes: [camera, icp], host: a, icp: {host: b}}\n");
+  options.lcm_url = "udpm://239.255.76.67:7667?ttl=0";
+  options.folder = scratch_.path() / "run";
+  options.host = "a";
+  EXPECT_THAT(obstacle_between_hosts(read_graph(options)),
+              AllOf(HasSubstr("icp runs on b"), HasSubstr("launch.ttl")));
+  options.overrides = {"launch.ttl=1"};
+  EXPECT_EQ(obstacle_between_hosts(read_graph(options)), "");
+}
+
+TEST(Ttl, IsPutIntoTheUrl) {
+  EXPECT_EQ(with_ttl("udpm://239.255.76.67:7667", 1), "udpm://239.255.76.67:7667?ttl=1");
+  EXPECT_EQ(with_ttl("udpm://239.255.76.67:7667?recv_buf_size=5", 1),
+            "udpm://239.255.76.67:7667?recv_buf_size=5&ttl=1");
+  EXPECT_EQ(with_ttl("udpm://239.255.76.67:7667?a=5&ttl=0", 2), "udpm://239.255.76.67:7667?a=5&ttl=2");
+  EXPECT_EQ(with_ttl("udpm://239.255.76.67:7667?ttl=3", 0), "udpm://239.255.76.67:7667?ttl=3");
+  EXPECT_EQ(with_ttl("memq://", 1), "memq://");
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <lcmslam/geometry/random.hpp>
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/part_t.hpp>
 #include "tests/unit/tools/log_samples.hpp"
 #include "tools/log/log_check.hpp"
 
@@ -223,6 +226,34 @@ TEST_F(LogEditTest, MessagesInPiecesBecomeWhole) {
   LogSelection camera;
   camera.channels = {"CAMERA"};
   EXPECT_EQ(cut_log(file, {path("c"), false}, camera).written, 4);
+}
+
+TEST_F(LogEditTest, CutMakesAnOrdinaryLogOfOneRobot) {
+  LogWriter writer(path("both.lcmlog"));
+  for (int i = 0; i < 10; ++i)
+    for (const std::string robot : {"dora", "ed"}) {
+      part_t part{};
+      part.utime = i;
+      part.channel = robot + "/CAMERA";
+      part.message = i;
+      part.n_parts = 1;
+      part.total_size = part.size = 1;
+      part.data = {static_cast<std::uint8_t>(robot.size())};
+      writer.write(i, robot + "/ODOMETRY", {1, 2, 3});
+      writer.write(i, robot + "/CAMERA_PART", encode_message(part));
+    }
+  writer.close();
+  EXPECT_EQ(cut_log(path("both.lcmlog"), {path("ed.lcmlog"), false}, {}, "ed").written, 20);
+  for (const LogEvent& event : read_log(path("ed.lcmlog"))) {
+    EXPECT_THAT(event.channel, ::testing::AnyOf("ODOMETRY", "CAMERA"));
+    if (event.channel == "CAMERA") {
+      EXPECT_EQ(event.data, std::vector<std::uint8_t>{2}) << "dora's";
+    }
+  }
+  EXPECT_THAT(error_of([&] {
+                cut_log(path("both.lcmlog"), {path("x.lcmlog"), false}, {}, "eddie");
+              }),
+              HasSubstr("no event"));
 }
 
 }  // namespace

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <csignal>
 
 #include "tests/unit/tools/scratch.hpp"
+#include "tools/launch/log_files.hpp"
 
 namespace lcmslam {
 namespace {
@@ -195,6 +197,111 @@ TEST_F(SupervisorTest, NoProcessOutlivesASupervisorThatIsKilled) {
   EXPECT_TRUE(wait_for([&] { return waitpid(worker, &status, WNOHANG) == worker; })) << "the worker lives on";
   EXPECT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(WTERMSIG(status), SIGTERM);
+}
+
+TEST_F(SupervisorTest, StartsWhenThoseThatItNeedsAreReady) {
+  ProcessSpec second = shell("echo second; exec sleep 1000");
+  second.name = "second";
+  second.log = scratch_.path() / "second.txt";
+  second.after = {"worker", "on-another-host"};
+  Supervisor supervisor;
+  supervisor.start(second);
+  supervisor.start(shell("echo first; exec sleep 1000"));
+  EXPECT_TRUE(supervisor.processes()[0].waits);
+  supervisor.note_ready("worker");
+  EXPECT_THAT(supervisor.poll(), IsEmpty());
+  EXPECT_THAT(supervisor.lacking(supervisor.processes()[0]), ElementsAre("on-another-host"));
+  EXPECT_EQ(supervisor.processes()[0].pid, 0);
+  EXPECT_FALSE(supervisor.all_stopped());
+  supervisor.note_ready("on-another-host");
+  EXPECT_THAT(supervisor.poll(), ElementsAre("second starts"));
+  EXPECT_TRUE(wait_for([&] { return scratch_.read("second.txt") == "second\n"; }));
+}
+
+TEST_F(SupervisorTest, WhatWaitsWhenAllStopsIsNoProblem) {
+  ProcessSpec waiting = shell("true");
+  waiting.after = {"nobody"};
+  Supervisor supervisor;
+  supervisor.start(waiting);
+  EXPECT_THAT(supervisor.stop(), IsEmpty());
+  EXPECT_TRUE(supervisor.all_stopped());
+}
+
+TEST_F(SupervisorTest, GivesUpAfterTooManyRestartsInARow) {
+  ProcessSpec spec = shell("echo 'no camera'; exit 1", true);
+  spec.restart_limit = 1;
+  Supervisor supervisor;
+  supervisor.start(spec);
+  EXPECT_THAT(events(supervisor, 3),
+              ElementsAre("worker ended: exit 1, restarts in 1 s", "worker restarted",
+                          "worker ended: exit 1, stays away after 1 restarts in a row: no camera"));
+  EXPECT_TRUE(supervisor.all_stopped());
+  EXPECT_THAT(supervisor.stop(), ElementsAre("worker was not running any more: exit 1: no camera"));
+}
+
+TEST_F(SupervisorTest, RestartsWhatItIsAskedToAndWhatItHadGivenUp) {
+  Supervisor supervisor;
+  supervisor.start(shell("trap 'echo bye; exit 0' INT; echo ready; while :; do sleep 0.02; done", true));
+  ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
+  EXPECT_TRUE(supervisor.restart("worker"));
+  EXPECT_FALSE(supervisor.restart("nobody"));
+  EXPECT_THAT(events(supervisor, 2), ElementsAre("worker ended: exit 0", "worker restarted"));
+  EXPECT_TRUE(wait_for([&] { return output() == "ready\nbye\nready\n"; }));
+
+  ProcessSpec once = shell("exit 1", true);
+  once.name = "once";
+  once.log = scratch_.path() / "once.txt";
+  once.restart = false;
+  supervisor.start(once);
+  events(supervisor, 1);
+  EXPECT_TRUE(supervisor.restart("once"));
+  EXPECT_EQ(supervisor.processes()[1].starts, 2);
+}
+
+TEST_F(SupervisorTest, GivesAProcessItsLimitsAndItsEnvironment) {
+  ProcessSpec spec = shell(
+      "nice; ulimit -d; grep Cpus_allowed_list /proc/self/status | tr -d '[:alpha:]_:[:blank:]'; echo "
+      "$GREETING $HOME");
+  spec.limits.nice = 7;
+  spec.limits.memory = 300'000'000;
+  spec.limits.cpus = {0};
+  spec.environment = {"GREETING=hello", "HOME=/nowhere"};
+  Supervisor supervisor;
+  supervisor.start(spec);
+  events(supervisor, 1);
+  const int before = getpriority(PRIO_PROCESS, 0);
+  EXPECT_EQ(output(), std::to_string(std::max(7, std::min(before, 19))) + "\n292968\n0\nhello /nowhere\n");
+}
+
+TEST_F(SupervisorTest, LimitsThatTheMachineRefusesAreWrongConfiguration) {
+  ProcessSpec spec = shell("true", true);
+  spec.limits.cpus = {1000};
+  Supervisor supervisor;
+  supervisor.start(spec);
+  EXPECT_THAT(events(supervisor, 1),
+              ElementsAre("worker ended: exit 2: cpus: the machine has none of these cores"));
+  EXPECT_TRUE(supervisor.refused());
+}
+
+TEST_F(SupervisorTest, LogsBeginAnewAndTheOldOnesAreKept) {
+  ProcessSpec spec = shell("for i in $(seq 1000); do echo line $i; done; exec sleep 1000");
+  spec.log_bytes = 1000;
+  spec.log_files = 2;
+  Supervisor supervisor;
+  supervisor.start(spec);
+  ASSERT_TRUE(wait_for([&] { return output().find("line 1000\n") != std::string::npos; }));
+  ASSERT_TRUE(wait_for([&] {
+    supervisor.poll();
+    return output().empty();
+  }));
+  EXPECT_THAT(scratch_.read("worker.1.txt"), HasSubstr("line 1\nline 2\n"));
+  EXPECT_THAT(scratch_.read("worker.1.txt"), HasSubstr("line 1000\n"));
+  EXPECT_EQ(last_words(spec.log), "line 1000");
+  scratch_.write("worker.txt", std::string(2000, 'x'));
+  EXPECT_TRUE(rotate_log(spec.log, 1000, 2));
+  EXPECT_EQ(scratch_.read("worker.1.txt"), std::string(2000, 'x'));
+  EXPECT_FALSE(std::filesystem::exists(scratch_.path() / "worker.2.txt"));
+  EXPECT_FALSE(rotate_log(spec.log, 0, 2));
 }
 
 }  // namespace

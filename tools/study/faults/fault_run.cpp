@@ -101,7 +101,7 @@ class FaultRun {
   void start_graph() {
     GraphOptions options{settings_.config, settings_.lcm_url, "info", settings_.overrides, settings_.folder};
     options.overrides.push_back("map-server.folder=" + settings_.folder.string());
-    for (const ProcessSpec& spec : read_graph(options))
+    for (const ProcessSpec& spec : read_graph(options).processes)
       if (spec.name != "camera") supervisor_.start(spec);
     const Clock::time_point begin = Clock::now();
     while (board_.size() < supervisor_.processes().size()) {

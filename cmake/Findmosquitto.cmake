@@ -1,0 +1,10 @@
+# Debian's libmosquitto brings no CMake package. Makes mosquitto::mosquitto.
+include(FindPackageHandleStandardArgs)
+find_path(MOSQUITTO_INCLUDE_DIR mosquitto.h)
+find_library(MOSQUITTO_LIBRARY mosquitto)
+find_package_handle_standard_args(mosquitto REQUIRED_VARS MOSQUITTO_LIBRARY MOSQUITTO_INCLUDE_DIR)
+if(mosquitto_FOUND AND NOT TARGET mosquitto::mosquitto)
+  add_library(mosquitto::mosquitto INTERFACE IMPORTED)
+  target_include_directories(mosquitto::mosquitto SYSTEM INTERFACE ${MOSQUITTO_INCLUDE_DIR})
+  target_link_libraries(mosquitto::mosquitto INTERFACE ${MOSQUITTO_LIBRARY})
+endif()

@@ -1,0 +1,21 @@
+#pragma once
+// "FASTSLAM_POSE@5": a channel that the bridge carries, and how often.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lcmslam::bridge {
+
+struct ChannelRule {
+  std::string channel;
+  double rate = 0;  ///< Hz at most; 0: every message
+};
+
+/// Throws std::invalid_argument that says what would be right.
+ChannelRule parse_rule(const std::string& text);
+
+/// Each channel once. Throws std::invalid_argument.
+std::vector<ChannelRule> parse_rules(const std::vector<std::string>& texts);
+
+}  // namespace lcmslam::bridge

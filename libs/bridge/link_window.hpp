@@ -1,0 +1,51 @@
+#pragma once
+// How much may be under way on a link that nobody knows: as much as it carries, but no more, so that what is
+// new does not wait behind what is old in somebody's send buffer.
+//
+// A message is under way until the broker has acknowledged it. Its time is that of the link plus that of the
+// queue in front of it; the smallest time seen lately is the link's own. While the queue takes less than
+// `delay`, a full window grows, at first as fast as TCP's, after the first queue by a message each time round
+// (LEDBAT, RFC 6817, does much the same). When the queue takes longer the window becomes what the link alone
+// holds, and a little less, so that the queue ends and the link's own time is seen again.
+
+#include <chrono>
+#include <cstddef>
+#include <deque>
+
+namespace lcmslam::bridge {
+
+using Time = std::chrono::steady_clock::time_point;
+
+class LinkWindow {
+ public:
+  /// `delay`: s that the queue may take.
+  explicit LinkWindow(double delay) : delay_(delay) {}
+
+  /// One message always, however big it is.
+  bool admits(std::size_t bytes) const {
+    return messages_ == 0 || (messages_ < most_messages && in_flight_ + bytes <= window_);
+  }
+  void sent(std::size_t bytes);
+  /// Of a message that was sent at `sent`.
+  void acknowledged(std::size_t bytes, Time sent, Time now);
+  /// The connection is another one.
+  void reset();
+
+  std::size_t window() const { return window_; }
+  std::size_t in_flight() const { return in_flight_; }
+
+ private:
+  static constexpr std::size_t least = 20'000, most = 4'000'000, first = 32'000;  // bytes
+  static constexpr std::size_t most_messages = 20;  // what brokers take before they acknowledge
+
+  double delay_;
+  std::size_t window_ = first, in_flight_ = 0, messages_ = 0;
+  struct Sample {
+    Time at;
+    double time;  // s
+  };
+  std::deque<Sample> fastest_;  // candidates for the smallest time, ascending
+  Time shrunk_{};
+};
+
+}  // namespace lcmslam::bridge

@@ -1,0 +1,296 @@
+#include <lcmslam/bridge/outbox.hpp>
+
+#include <algorithm>
+
+namespace lcmslam::bridge {
+namespace {
+
+constexpr std::size_t most_senders = 64;   // of a channel
+constexpr std::size_t most_in_a_row = 64;  // of a sender on a channel without a rate
+constexpr std::size_t overhead = 64;       // bytes that a message takes beside its own
+
+std::chrono::steady_clock::duration seconds(double s) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(s));
+}
+
+}  // namespace
+
+Outbox::Outbox(const std::vector<ChannelRule>& rules, const OutboxLimits& limits)
+    : limits_(limits),
+      window_(limits.delay),
+      bucket_(limits.bandwidth, std::max(8'000.0, limits.bandwidth / 4)) {
+  for (const ChannelRule& rule : rules) {
+    index_[rule.channel] = channels_.size();
+    channels_.push_back({rule, {}, {}, 0, {}});
+  }
+}
+
+void Outbox::put(const std::string& channel, std::int64_t sender, Bytes bytes, Time now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = index_.find(channel);
+  if (found == index_.end()) return;
+  auto& slots = channels_[found->second].slots;
+  if (slots.count(sender) == 0 && slots.size() >= most_senders) {  // those of processes that are no more
+    const auto oldest = std::min_element(slots.begin(), slots.end(), [](const auto& a, const auto& b) {
+      return a.second.last < b.second.last;
+    });
+    slots.erase(oldest);
+  }
+  Slot& slot = slots[sender];
+  slot.waiting.push_back({std::make_shared<const Bytes>(std::move(bytes)), now});
+  slot.last = now;
+  if (slot.waiting.size() > (channels_[found->second].rule.rate > 0 ? 1 : most_in_a_row)) {
+    slot.waiting.pop_front();
+    ++counts_.replaced;
+  }
+}
+
+void Outbox::keep(const std::string& channel, const std::string& group, std::vector<Piece> pieces) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = index_.find(channel);
+  if (found == index_.end()) return;
+  const std::string whole_group = channel + "/" + group;
+  std::set<std::string> former = groups_[whole_group];
+  for (Piece& piece : pieces) {
+    former.erase(piece.name);
+    keep_one(found->second, whole_group, piece.name, std::move(piece.bytes));
+  }
+  for (const std::string& name : former) keep_one(found->second, whole_group, name, {});
+  make_room();
+}
+
+void Outbox::forget(const std::string& channel, const std::string& groups) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = index_.find(channel);
+  if (found == index_.end()) return;
+  const std::string begin = channel + "/" + groups;
+  for (auto group = groups_.lower_bound(begin); group != groups_.end(); ++group) {
+    if (group->first.compare(0, begin.size(), begin) != 0) break;
+    for (const std::string& name : group->second)
+      if (!kept_.at(name).bytes->empty()) keep_one(found->second, group->first, name, {});
+  }
+}
+
+/// With a new number: it is newer than all others.
+void Outbox::keep_one(std::size_t channel, const std::string& group, const std::string& name, Bytes bytes) {
+  const auto known = kept_.find(name);
+  if (known != kept_.end()) {
+    if (!known->second.stored && !known->second.bytes->empty()) ++counts_.replaced;
+    drop(known->second);
+  }
+  Kept& kept = kept_[name];
+  kept = {channel, ++last_number_, group, std::make_shared<const Bytes>(std::move(bytes)), false};
+  counts_.kept_bytes += kept.bytes->size() + overhead;
+  channels_[channel].waiting[kept.number] = name;
+  unstored_.insert(kept.number);
+  groups_[group].insert(name);
+}
+
+/// From all tables but kept_ and groups_.
+void Outbox::drop(const Kept& kept) {
+  counts_.kept_bytes -= kept.bytes->size() + overhead;
+  channels_[kept.channel].waiting.erase(kept.number);
+  unstored_.erase(kept.number);
+  stored_.erase(kept.number);
+}
+
+/// What the broker has goes first, then the oldest that it has not.
+void Outbox::make_room() {
+  while (counts_.kept_bytes > limits_.memory && kept_.size() > 1) {
+    std::string name;
+    if (!stored_.empty()) {
+      name = stored_.begin()->second;
+      evicted_up_to_ = std::max(evicted_up_to_, stored_.begin()->first);
+    } else {
+      const auto oldest = std::min_element(kept_.begin(), kept_.end(), [](const auto& a, const auto& b) {
+        return a.second.number < b.second.number;
+      });
+      name = oldest->first;
+      lacks_ = true;
+    }
+    const auto found = kept_.find(name);
+    drop(found->second);
+    groups_[found->second.group].erase(name);
+    kept_.erase(found);
+    ++counts_.evicted;
+  }
+}
+
+bool Outbox::wants(const std::string& channel, Time now) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = index_.find(channel);
+  if (found == index_.end() || !connected_ || !decided_) return false;
+  const Channel& c = channels_[found->second];
+  const bool waits = std::any_of(c.slots.begin(), c.slots.end(), [&](const auto& slot) {
+    return !slot.second.waiting.empty() || slot.second.due > now;
+  });
+  return !waits && c.waiting.empty() && c.under_way == 0;
+}
+
+void Outbox::connected() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  connected_ = true;
+  decided_ = false;
+  ++connections_;
+  window_.reset();
+}
+
+/// What was under way may have arrived or not. Measurements are out of date by now.
+void Outbox::disconnected() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  connected_ = decided_ = false;
+  for (const auto& [ticket, message] : under_way_) {
+    const auto found = kept_.find(message.name);
+    if (!message.name.empty() && found != kept_.end() && found->second.number == message.number)
+      channels_[found->second.channel].waiting[message.number] = message.name;
+  }
+  under_way_.clear();
+  window_.reset();
+  for (Channel& channel : channels_) {
+    channel.under_way = 0;
+    for (auto& [sender, slot] : channel.slots) slot.waiting.clear();
+  }
+}
+
+bool Outbox::is_connected() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return connected_;
+}
+
+std::int64_t Outbox::connections() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return connections_;
+}
+
+void Outbox::broker_keeps(std::uint64_t mark) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  decided_ = true;
+  for (auto stored = stored_.upper_bound(mark); stored != stored_.end(); stored = stored_.erase(stored)) {
+    Kept& kept = kept_.at(stored->second);
+    kept.stored = false;
+    unstored_.insert(kept.number);
+    channels_[kept.channel].waiting[kept.number] = stored->second;
+    ++counts_.again;
+  }
+  if (evicted_up_to_ > mark) {
+    lacks_ = true;
+    evicted_up_to_ = 0;
+  }
+}
+
+std::uint64_t Outbox::mark() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return unstored_.empty() ? last_number_ : *unstored_.begin() - 1;
+}
+
+bool Outbox::lacks() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!connected_ || !decided_ || !lacks_) return false;
+  lacks_ = false;
+  return true;
+}
+
+bool Outbox::fits(std::size_t bytes, Time now) {
+  return window_.admits(bytes + overhead) && bucket_.has(static_cast<double>(bytes + overhead), now);
+}
+
+std::optional<Outgoing> Outbox::next(Time now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!connected_) return std::nullopt;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    Channel& channel = channels_[i];
+    for (auto& [sender, slot] : channel.slots) {
+      if (slot.waiting.empty() || slot.due > now) continue;
+      if (!fits(slot.waiting.front().bytes->size(), now)) return std::nullopt;
+      return send_measurement(i, slot, now);
+    }
+    if (!decided_ || channel.waiting.empty()) continue;
+    const std::uint64_t number = next_kept(channel);
+    if (!fits(kept_.at(channel.waiting.at(number)).bytes->size(), now)) return std::nullopt;
+    return send_kept(i, number, now);
+  }
+  return std::nullopt;
+}
+
+Outgoing Outbox::send_measurement(std::size_t channel, Slot& slot, Time now) {
+  const double wait = period(channels_[channel]);
+  const Measurement measurement = slot.waiting.front();
+  slot.waiting.pop_front();
+  const Outgoing out{++last_ticket_, channels_[channel].rule.channel, measurement.bytes, false,
+                     slot.sent++,    std::max(1.0, 2 * wait)};
+  under_way_[out.ticket] = {channel, out.bytes->size() + overhead, {}, 0, measurement.put, now};
+  const bool in_time = now - slot.due < seconds(wait);  // a little late: on average at its rate
+  slot.due = (in_time ? slot.due : now) + seconds(wait);
+  ++channels_[channel].under_way;
+  window_.sent(out.bytes->size() + overhead);
+  bucket_.take(static_cast<double>(out.bytes->size() + overhead), now);
+  ++counts_.sent;
+  return out;
+}
+
+/// Of what was begun, else of the newest.
+std::uint64_t Outbox::next_kept(const Channel& channel) const {
+  std::uint64_t newest = 0;
+  if (const auto begun = groups_.find(channel.begun); begun != groups_.end())
+    for (const std::string& name : begun->second) {
+      const std::uint64_t number = kept_.at(name).number;
+      if (channel.waiting.count(number) > 0) newest = std::max(newest, number);
+    }
+  return newest > 0 ? newest : channel.waiting.rbegin()->first;
+}
+
+Outgoing Outbox::send_kept(std::size_t channel, std::uint64_t number, Time now) {
+  auto& waiting = channels_[channel].waiting;
+  const std::string name = waiting.at(number);
+  waiting.erase(number);
+  const std::set<std::string>& group = groups_.at(kept_.at(name).group);
+  const bool more = std::any_of(group.begin(), group.end(), [&](const std::string& other) {
+    return waiting.count(kept_.at(other).number) > 0;
+  });
+  channels_[channel].begun = more ? kept_.at(name).group : "";
+  const Kept& kept = kept_.at(name);
+  const Outgoing out{++last_ticket_, name, kept.bytes, true, 0, limits_.kept_for};
+  under_way_[out.ticket] = {channel, kept.bytes->size() + overhead, name, kept.number, now, now};
+  ++channels_[channel].under_way;
+  window_.sent(kept.bytes->size() + overhead);
+  bucket_.take(static_cast<double>(kept.bytes->size() + overhead), now);
+  ++counts_.sent;
+  return out;
+}
+
+void Outbox::acknowledged(std::uint64_t ticket, Time now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = under_way_.find(ticket);
+  if (found == under_way_.end()) return;  // of a connection that is no more
+  const UnderWay message = found->second;
+  under_way_.erase(found);
+  ++counts_.acknowledged;
+  window_.acknowledged(message.bytes, message.sent, now);
+  --channels_[message.channel].under_way;
+  if (message.name.empty()) {
+    counts_.age = std::max(counts_.age, std::chrono::duration<double>(now - message.put).count());
+    return;
+  }
+  const auto kept = kept_.find(message.name);
+  if (kept == kept_.end() || kept->second.number != message.number) return;  // replaced meanwhile
+  kept->second.stored = true;
+  unstored_.erase(message.number);
+  stored_[message.number] = message.name;
+}
+
+bool Outbox::idle() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return under_way_.empty() && unstored_.empty();
+}
+
+OutboxCounts Outbox::counts() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  OutboxCounts counts = counts_;
+  counts.kept = kept_.size();
+  counts.waiting = unstored_.size();
+  counts.window = window_.window();
+  counts_.age = 0;
+  return counts;
+}
+
+}  // namespace lcmslam::bridge

@@ -1,0 +1,247 @@
+#include "procs/bridge/bridge_node.hpp"
+
+#include <fmt/format.h>
+#include <cctype>
+#include <thread>
+
+#include <lcmslam/bridge/smaller_picture.hpp>
+#include <lcmslam/configuration/read_settings.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t most_waiting = 1000;           // messages in the inbox
+constexpr std::chrono::milliseconds period{20};      // of work()
+constexpr std::chrono::seconds request_period{5};    // of asking the mappers for their maps
+constexpr std::chrono::seconds longest_farewell{5};  // in which the map's last part still goes out
+constexpr double snapshot_bytes = 10'000;            // a second, that whole maps take at most
+
+/// As a level of a topic.
+std::string level(const std::string& text) {
+  std::string level = text.substr(0, 40);
+  for (char& c : level)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_') c = '_';
+  return level.empty() ? "_" : level;
+}
+
+std::string map_key(std::int64_t sender, const std::string& frame) {
+  return fmt::format("{:016x}/{}", static_cast<std::uint64_t>(sender), level(frame));
+}
+
+}  // namespace
+
+BridgeSettings BridgeNode::read(const ConfigNode& config) {
+  return read_settings<BridgeSettings>(config);
+}
+
+BridgeNode::BridgeNode(const ConfigNode& config, Publisher& publisher, const MakeLink& make_link)
+    : BridgeNode(read(config), publisher, make_link) {}
+
+BridgeNode::BridgeNode(const Settings& settings, Publisher& publisher, const MakeLink& make_link)
+    : settings_(settings),
+      publisher_(publisher),
+      rules_(bridge::parse_rules(settings.send)),
+      outbox_(rules_, settings.limits()),
+      incoming_(bridge::parse_rules(settings.receive), settings.side) {
+  BridgeEnds ends{settings.broker(), settings.topics(), {}, outbox_, {}, {}};
+  for (const bridge::ChannelRule& rule : bridge::parse_rules(settings.receive))
+    ends.receive.push_back(rule.channel);
+  for (const bridge::ChannelRule& rule : rules_) {
+    const bool map = rule.channel == "FASTSLAM_LANDMARKS" || rule.channel == "ICP_GRAPH";  // numbers say more
+    if (rule.rate > 0 && !map) thinned_.insert(rule.channel);
+  }
+  ends.next = [this](bridge::Time now) { return next(now); };
+  ends.take = [this](const std::string& channel, const std::uint8_t* data, std::size_t size, bool kept) {
+    take_incoming(channel, data, size, kept);
+  };
+  link_ = make_link(ends);
+}
+
+void BridgeNode::connect(Inputs& inputs) {
+  for (const bridge::ChannelRule& rule : rules_) subscribe(inputs, rule);
+}
+
+/// The map's channels and pictures have a way of their own, of any other channel the newest goes as it is.
+void BridgeNode::subscribe(Inputs& inputs, const bridge::ChannelRule& rule) {
+  const std::string& channel = rule.channel;
+  const bool robot = settings_.side == bridge::Side::robot;
+  if (robot && (channel == "FASTSLAM_LANDMARKS" || channel == "ICP_GRAPH" || channel == "ICP_KEYFRAME"))
+    carries_maps_ = true;
+  if (robot && channel == "FASTSLAM_LANDMARKS") {
+    inputs.subscribe<landmarks_t>(channel, 1000, [this](const landmarks_t& m) { landmarks_.hear(m); });
+  } else if (robot && channel == "ICP_GRAPH") {
+    inputs.subscribe<graph_t>(channel, 1000, [this](const graph_t& m) { graph_.hear(m); });
+  } else if (robot && channel == "ICP_KEYFRAME") {
+    keyframes_ =
+        &inputs.subscribe<keyframe_t>(channel, 2000, [this](const keyframe_t& m) { on_keyframe(m); });
+  } else if (robot && channel == "CAMERA") {
+    inputs.subscribe<images_t>(channel, 1, [this](const images_t& m) { on_camera(m); });
+  } else {
+    inputs.subscribe_bytes(channel, 200, [this, channel](const auto& bytes, const AnyMessage& message) {
+      outbox_.put(channel, message.origin.sender, bytes, Clock::now());
+    });
+  }
+}
+
+/// Numbered anew where messages are left out, so that the other end counts as lost what was lost.
+std::optional<bridge::Outgoing> BridgeNode::next(bridge::Time now) {
+  auto out = outbox_.next(now);
+  if (!out || out->kept || thinned_.count(out->name) == 0) return out;
+  std::vector<std::uint8_t> bytes = *out->bytes;
+  renumber(bytes, identify(bytes.data(), bytes.size()), out->number);
+  out->bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+  return out;
+}
+
+void BridgeNode::on_keyframe(const keyframe_t& message) {
+  const std::string key =
+      fmt::format("{}/{}/{}", map_key(message.sender, message.frame), message.id, message.tile);
+  keep("ICP_KEYFRAME", key, encode_message(message), message.utime);
+}
+
+void BridgeNode::on_camera(const images_t& message) {
+  if (!outbox_.wants("CAMERA", Clock::now())) return;  // coding costs more than anything else here
+  const auto smaller =
+      bridge::smaller_picture(from_message(message), settings_.picture_width, settings_.picture_quality);
+  images_t picture = to_message(smaller);
+  const Origin from = origin(message);
+  set_origin(picture, {numbers_[{"CAMERA", from.sender}]++, from.sender});
+  outbox_.put("CAMERA", from.sender, encode_message(picture), Clock::now());
+}
+
+void BridgeNode::keep(const std::string& channel, const std::string& key,
+                      const std::vector<std::uint8_t>& bytes, Utime utime) {
+  const auto piece = static_cast<std::size_t>(settings_.piece);
+  std::vector<bridge::Outbox::Piece> pieces;
+  if (bytes.size() <= piece) {
+    pieces.push_back({channel + "/" + key, bytes});
+  } else {
+    for (part_t& part : split_message(channel, bytes, utime, split_++, piece)) {
+      set_origin(part, {pieces_++, publisher_.sender()});
+      pieces.push_back(
+          {fmt::format("{}/{}/{}", part_channel(channel), key, part.part), encode_message(part)});
+    }
+  }
+  outbox_.keep(channel, key, std::move(pieces));
+}
+
+std::optional<Node::Duration> BridgeNode::work() {
+  hand_on();
+  if (carries_maps_) {
+    tell_maps();
+    ask_for_what_lacks();
+  }
+  return period;
+}
+
+void BridgeNode::tell_maps() {
+  tell("FASTSLAM_LANDMARKS", landmarks_, landmark_snapshots_);
+  tell("ICP_GRAPH", graph_, graph_snapshots_);
+}
+
+/// A change once those before it have arrived; from time to time, and after each new connection, all of it.
+template <class Teller>
+void BridgeNode::tell(const std::string& channel, Teller& teller, Snapshots& snapshots) {
+  const auto now = Clock::now();
+  if (!outbox_.wants(channel, now)) return;
+  const std::int64_t connection = outbox_.connections();
+  const bool whole = connection != snapshots.connection || now >= snapshots.next;
+  const auto message = teller.tell(whole);
+  if (!message) return;
+  const std::vector<std::uint8_t> bytes = encode_message(*message);
+  if constexpr (std::is_same_v<Teller, GraphRelay>)
+    for (const std::int32_t gone : message->gone)
+      outbox_.forget("ICP_KEYFRAME", fmt::format("{}/{}/", map_key(teller.sender(), teller.frame()), gone));
+  if (!whole) return outbox_.put(channel, 0, bytes, now);
+  keep(channel, map_key(teller.sender(), teller.frame()), bytes, message->utime);
+  const double pause = settings_.snapshot_period + static_cast<double>(bytes.size()) / snapshot_bytes;
+  snapshots.connection = connection;
+  snapshots.next = now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(pause));
+}
+
+/// The mappers' whole maps: at the beginning, which may be late, and whenever a part was missed.
+void BridgeNode::ask_for_what_lacks() {
+  const auto now = Clock::now();
+  if (now < next_request_) return;
+  std::int64_t lost = 0;
+  if (keyframes_ != nullptr)
+    for (const auto& [sender, count] : keyframes_->senders) lost += count.lost;
+  const bool icp = graph_.incomplete() || lost > keyframes_lost_ || asked_ == 0 || outbox_.lacks();
+  const bool fastslam = landmarks_.incomplete() || asked_ == 0;
+  if (!icp && !fastslam) return;
+  keyframes_lost_ = lost;
+  ++asked_;
+  next_request_ = now + request_period;
+  command_t command;
+  command.utime = 0;
+  command.name = "resend";
+  command.target = icp && fastslam ? "" : icp ? "icp" : "fastslam";
+  command.n = 0;
+  publisher_.publish("COMMAND", command);
+}
+
+void BridgeNode::take_incoming(const std::string& channel, const std::uint8_t* data, std::size_t size,
+                               bool kept) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  auto message = incoming_.take(channel, data, size, kept, Clock::now());
+  if (!message) return;
+  if (inbox_.size() >= most_waiting) {
+    inbox_.pop_front();
+    ++inbox_drops_;
+  }
+  inbox_.push_back(std::move(*message));
+}
+
+void BridgeNode::hand_on() {
+  std::deque<Incoming::Message> messages;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    messages.swap(inbox_);
+    handed_on_ += static_cast<std::int64_t>(messages.size());
+  }
+  for (const Incoming::Message& message : messages)
+    publisher_.forward(message.channel, message.bytes, message.utime);
+}
+
+/// What makes the map still goes out, if the broker is there.
+void BridgeNode::finish() {
+  const auto end = Clock::now() + longest_farewell;
+  landmark_snapshots_.next = graph_snapshots_.next = Clock::now();
+  while (Clock::now() < end && outbox_.is_connected()) {
+    tell_maps();
+    if (outbox_.idle()) break;
+    std::this_thread::sleep_for(period);
+  }
+  link_.reset();
+}
+
+NodeReport BridgeNode::report() const {
+  NodeReport report;
+  const bridge::OutboxCounts counts = outbox_.counts();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  report.detail = link_ ? link_->state() : "closed";
+  if (incoming_.refused() > 0 && !incoming_.last_error().empty())
+    report.detail += "; refused: " + incoming_.last_error();
+  const auto add = [&](const char* name, auto value) {
+    report.values.emplace_back(name, static_cast<double>(value));
+  };
+  add("connected", outbox_.is_connected() ? 1 : 0);
+  add("connections", outbox_.connections());
+  add("bridged", counts.sent);
+  add("acknowledged", counts.acknowledged);
+  add("replaced", counts.replaced);
+  add("kept", counts.kept);
+  add("kept_waiting", counts.waiting);
+  add("kept_bytes", counts.kept_bytes);
+  add("evicted", counts.evicted);
+  add("sent_again", counts.again);
+  add("window", counts.window);
+  add("oldest", counts.age);
+  add("taken", handed_on_);
+  add("refused", incoming_.refused());
+  add("inbox_drops", inbox_drops_);
+  return report;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,65 @@
+#include "procs/bridge/incoming.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <lcmslam/messages/any_message.hpp>
+#include <lcmslam/messages/decode.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr double usual_orders = 10;             // Hz
+constexpr std::size_t largest_order = 100'000;  // bytes
+constexpr std::size_t largest_other = 32 << 20;
+
+}  // namespace
+
+Incoming::Incoming(const std::vector<bridge::ChannelRule>& allowed, bridge::Side side) : side_(side) {
+  for (const bridge::ChannelRule& rule : allowed) {
+    const double rate = rule.rate > 0 || side == bridge::Side::operating ? rule.rate : usual_orders;
+    allowed_.emplace(rule.channel, bridge::TokenBucket(rate, std::max(2.0, rate)));
+  }
+}
+
+std::optional<Incoming::Message> Incoming::take(const std::string& channel, const std::uint8_t* data,
+                                                std::size_t size, bool kept, Time now) {
+  const bool piece = is_part_channel(channel);
+  const std::string whole = piece ? channel.substr(0, channel.size() - part_channel("").size()) : channel;
+  const auto rule = allowed_.find(whole);
+  if (rule == allowed_.end()) return refuse(Refused::not_allowed);
+  if (kept && side_ == bridge::Side::robot) return refuse(Refused::from_memory);
+  if (size > (side_ == bridge::Side::robot ? largest_order : largest_other)) return refuse(Refused::too_big);
+  if (size == 0 && side_ == bridge::Side::operating) return std::nullopt;  // what was kept there is no more
+  if (!rule->second.try_take(1, now)) return refuse(Refused::too_often);
+  try {
+    if (!piece) return check(whole, {data, data + size});
+    const auto part = decode_message<part_t>(data, size);
+    if (part.channel != whole) throw DecodeError("part_t of another channel");
+    if (static_cast<std::size_t>(std::max(part.total_size, 0)) > largest_other)
+      return refuse(Refused::too_big);
+    auto joined = assembler_.add(part);
+    if (!joined) return std::nullopt;
+    return check(whole, std::move(joined->bytes));
+  } catch (const DecodeError& error) {
+    last_error_ = whole + ": " + error.what();
+    return refuse(Refused::malformed);
+  }
+}
+
+std::optional<Incoming::Message> Incoming::check(const std::string& channel,
+                                                 std::vector<std::uint8_t> bytes) {
+  const AnyMessage message = identify(bytes.data(), bytes.size());
+  return Message{channel, message.utime, std::move(bytes)};
+}
+
+std::optional<Incoming::Message> Incoming::refuse(Refused why) {
+  ++refused_[static_cast<std::size_t>(why)];
+  return std::nullopt;
+}
+
+std::int64_t Incoming::refused() const {
+  return std::accumulate(refused_.begin(), refused_.end(), std::int64_t{0});
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,189 @@
+#include "procs/bridge/mqtt/mqtt_link.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include <lcmslam/runtime/lcm_bus.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr std::chrono::milliseconds loop_wait{10};
+constexpr std::chrono::seconds mark_period{1};
+constexpr std::chrono::seconds mark_patience{
+    3};  // in which the broker tells what it kept, or has kept nothing
+constexpr std::chrono::seconds connect_patience{15};
+constexpr std::chrono::milliseconds first_pause{200};
+
+}  // namespace
+
+/// One connection's business.
+class MqttLink::Session {
+ public:
+  Session(MqttLink& link, const bridge::Broker& broker)
+      : link_(link),
+        ends_(link.ends_),
+        connection_(broker, ends_.topics.presence(),
+                    {[this] { on_connected(); }, [this](int message) { on_acknowledged(message); },
+                     [this](const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept) {
+                       on_message(topic, data, size, kept);
+                     }}) {}
+
+  bool was_connected() const { return connected_; }
+
+  void step() {
+    connection_.loop(loop_wait);
+    const auto now = Clock::now();
+    if (!connected_) {
+      if (now > begin_ + connect_patience) throw std::runtime_error("no answer from the broker");
+      return;
+    }
+    if (!marked_ && now > connected_at_ + mark_patience) broker_keeps(0);
+    while (const auto out = ends_.next(now)) {
+      const int message = connection_.publish(ends_.topics.outgoing(out->name), out->bytes->data(),
+                                              out->bytes->size(), out->kept, out->lives);
+      tickets_[message] = out->ticket;
+    }
+    if (marked_ && now >= next_mark_) tell_mark(now);
+  }
+
+  /// The last words; waits a little for them to go out.
+  void close() {
+    if (!connected_) return;
+    tell_mark(Clock::now());
+    last_ = connection_.publish(ends_.topics.presence(), "0", 1, true, 0);
+    const auto end = Clock::now() + std::chrono::seconds(2);
+    while (last_ != 0 && Clock::now() < end) connection_.loop(loop_wait);
+    connection_.disconnect();
+  }
+
+ private:
+  void on_connected() {
+    connected_ = true;
+    connected_at_ = Clock::now();
+    connection_.publish(ends_.topics.presence(), "1", 1, true, 0);
+    connection_.subscribe(ends_.topics.mark(), true);
+    const bool with_kept = ends_.topics.incoming("").find("/from/") != std::string::npos;
+    for (const std::string& channel : ends_.receive) {
+      connection_.subscribe(ends_.topics.incoming(channel), with_kept);
+      connection_.subscribe(ends_.topics.incoming(part_channel(channel)), with_kept);
+    }
+    ends_.outbox.connected();
+    if (ends_.outbox.connections() == 1) broker_keeps(0);  // nothing of this run
+    link_.say("connected to " + ends_.broker.host);
+    spdlog::info("connected to {}:{}", ends_.broker.host, ends_.broker.port);
+  }
+
+  void on_acknowledged(int message) {
+    if (message == last_) last_ = 0;
+    const auto found = tickets_.find(message);
+    if (found == tickets_.end()) return;
+    ends_.outbox.acknowledged(found->second, Clock::now());
+    tickets_.erase(found);
+    if (connection_.refused() > refused_) {
+      refused_ = connection_.refused();
+      if ((refused_ & (refused_ - 1)) == 0)
+        spdlog::warn("the broker does not take what is sent ({} so far): may {} write below {}?", refused_,
+                     ends_.broker.user.empty() ? "this bridge" : ends_.broker.user,
+                     ends_.topics.outgoing(""));
+    }
+  }
+
+  void on_message(const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept) {
+    if (topic == ends_.topics.mark())
+      return on_mark(std::string(data, data + std::min<std::size_t>(size, 100)));
+    const std::string channel = ends_.topics.channel_of(topic);
+    if (!channel.empty()) ends_.take(channel, data, size, kept);
+  }
+
+  /// "RUN NUMBER"; another run's speaks of other messages.
+  void on_mark(const std::string& text) {
+    if (marked_) return;
+    std::istringstream words(text);
+    std::string run;
+    std::uint64_t number = 0;
+    if (!(words >> run >> number) || run != link_.run_) number = 0;
+    broker_keeps(number);
+  }
+
+  void broker_keeps(std::uint64_t mark) {
+    marked_ = true;
+    told_ = mark;
+    ends_.outbox.broker_keeps(mark);
+  }
+
+  void tell_mark(Clock::time_point now) {
+    const std::uint64_t mark = ends_.outbox.mark();
+    next_mark_ = now + mark_period;
+    if (mark == told_) return;
+    const std::string text = fmt::format("{} {}", link_.run_, mark);
+    connection_.publish(ends_.topics.mark(), text.data(), text.size(), true, 0);
+    told_ = mark;
+  }
+
+  MqttLink& link_;
+  const BridgeEnds& ends_;
+  MqttConnection connection_;
+  const Clock::time_point begin_ = Clock::now();
+  Clock::time_point connected_at_{}, next_mark_{};
+  bool connected_ = false, marked_ = false;
+  std::uint64_t told_ = 0;
+  std::map<int, std::uint64_t> tickets_;
+  std::int64_t refused_ = 0;
+  int last_ = 0;
+};
+
+MqttLink::MqttLink(BridgeEnds ends)
+    : ends_(std::move(ends)),
+      run_(fmt::format("{:x}", draw_sender())),
+      state_("connects to " + ends_.broker.host) {
+  if (ends_.broker.id.empty()) ends_.broker.id = "lcmslam-" + run_;
+  thread_ = std::thread([this] { run(); });
+}
+
+MqttLink::~MqttLink() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  stopped_.notify_all();
+  thread_.join();
+}
+
+void MqttLink::run() {
+  auto pause = first_pause;
+  while (!stop_) {
+    std::optional<Session> session;
+    try {
+      session.emplace(*this, ends_.broker);
+      while (!stop_) session->step();
+      session->close();
+    } catch (const std::runtime_error& error) {
+      if (state() != error.what() && !stop_) spdlog::warn("{}: {}", ends_.broker.host, error.what());
+      say(error.what());
+    }
+    ends_.outbox.disconnected();
+    if (session && session->was_connected()) pause = first_pause;
+    session.reset();
+    std::unique_lock<std::mutex> lock(mutex_);
+    stopped_.wait_for(lock, pause, [this] { return stop_.load(); });
+    const auto longest = std::chrono::milliseconds(static_cast<int>(1000 * ends_.broker.longest_pause));
+    pause = std::min(2 * pause, std::max(longest, first_pause));
+  }
+}
+
+std::string MqttLink::state() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return state_;
+}
+
+void MqttLink::say(const std::string& state) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  state_ = state;
+}
+
+}  // namespace lcmslam

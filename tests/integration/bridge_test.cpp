@@ -1,0 +1,385 @@
+// The bridge and a real broker (Debian's mosquitto): a robot's bridge, an operator's bridge, and between them
+// what happens to networks. The robot is the test itself, which publishes what mappers do.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include <lcmslam/command_t.hpp>
+#include <lcmslam/keyframe_t.hpp>
+#include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include <lcmslam/runtime/lcm_bus.hpp>
+#include "tests/integration/support/bus.hpp"
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
+#include "tests/integration/support/slow_link.hpp"
+
+namespace lcmslam::integration {
+namespace {
+
+constexpr double patience = 30;  // s
+
+Utime wall_clock() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// mosquitto on a port of its own.
+class BrokerProgram {
+ public:
+  explicit BrokerProgram(const TemporaryFolder& folder, const std::string& more = "allow_anonymous true\n")
+      : file_(folder / "mosquitto.conf") {
+    std::ofstream(file_) << "listener " << port << " 127.0.0.1\nmax_queued_messages 100000\n" << more;
+    start();
+  }
+  void start() { program_.emplace(std::vector<std::string>{find(), "-c", file_.string()}); }
+  void kill_hard() {
+    program_->send(SIGKILL);
+    program_->wait(5);
+  }
+  std::string output() const { return program_->output(); }
+
+  static std::string find() {
+    for (const char* path : {"/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto", "/usr/bin/mosquitto"})
+      if (std::filesystem::exists(path)) return path;
+    return {};
+  }
+  const int port = free_port();
+
+ private:
+  std::filesystem::path file_;
+  std::optional<Program> program_;
+};
+
+/// What a mapper publishes, to be compared bit for bit at the other end.
+class Mapper {
+ public:
+  explicit Mapper(Bus& bus) : bus_(bus) {}
+
+  void pose() {
+    pose_estimate_t message{};
+    message.utime = wall_clock();
+    message.seq = poses_++;
+    message.sender = 77;
+    message.frame = "map";
+    bus_.publish("FASTSLAM_POSE", message);
+  }
+  void keyframe(int points = 4000) {  // 10 bytes each
+    keyframe_t message{};
+    message.utime = wall_clock();
+    message.seq = message.id = static_cast<std::int32_t>(keyframes.size());
+    message.sender = 77;
+    message.frame = "map";
+    message.n_tiles = 1;
+    message.n_values = 3 * points;
+    for (int i = 0; i < message.n_values; ++i) {
+      message.position.push_back(static_cast<std::int16_t>(i * 31 + message.id));
+      message.colour.push_back(static_cast<std::uint8_t>(i));
+      message.normal.push_back(1);
+    }
+    keyframes[message.id] = encode_message(message);
+    bus_.publish("ICP_KEYFRAME", keyframes[message.id]);
+  }
+  std::map<int, Bytes> keyframes;  // by id
+
+ private:
+  Bus& bus_;
+  std::int64_t poses_ = 0;
+};
+
+/// Hears an operator's bus: the channels below a robot's name.
+class Operator {
+ public:
+  Operator() : bus_(std::getenv("LCM_DEFAULT_URL")), thread_([this] { listen(); }) {}
+  ~Operator() {
+    stop_ = true;
+    thread_.join();
+  }
+  Operator(const Operator&) = delete;
+  Operator& operator=(const Operator&) = delete;
+
+  std::map<int, Bytes> keyframes() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return keyframes_;
+  }
+  /// s, of the poses since the last call.
+  std::vector<double> ages() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return std::exchange(ages_, {});
+  }
+  std::int64_t last_seq() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return last_seq_;
+  }
+
+ private:
+  void listen() {
+    setenv("LCMSLAM_ROBOT", "mirror", 1);
+    Inputs inputs;
+    inputs.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10'000, [this](const pose_estimate_t& m) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ages_.push_back(1e-6 * static_cast<double>(wall_clock() - m.utime));
+      last_seq_ = m.seq;
+    });
+    inputs.subscribe<keyframe_t>("ICP_KEYFRAME", 10'000, [this](const keyframe_t& m) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      keyframes_[m.id] = encode_message(m);
+    });
+    Receiver receiver(bus_, inputs);
+    unsetenv("LCMSLAM_ROBOT");
+    ready_ = true;
+    Arrival arrival;
+    while (!stop_)
+      if (receiver.take(arrival, std::chrono::milliseconds(20))) arrival.deliver();
+  }
+
+ public:
+  std::atomic<bool> ready_{false};
+
+ private:
+  LcmBus bus_;
+  mutable std::mutex mutex_;
+  std::vector<double> ages_;
+  std::int64_t last_seq_ = -1;
+  std::map<int, Bytes> keyframes_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+class Bridge : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (BrokerProgram::find().empty())
+      GTEST_SKIP() << "no mosquitto on this machine: apt-get install mosquitto";
+    if (!std::filesystem::exists(find_program("lcmslam-bridge")))
+      GTEST_SKIP() << "no bridge was built: libmosquitto-dev is not installed";
+    operator_.emplace();
+    ASSERT_TRUE(wait_until([&] { return operator_->ready_.load(); }, patience));
+  }
+
+  std::unique_ptr<Program> bridge(const std::string& name, int port, const std::string& settings) {
+    const auto file = folder_ / (name + ".yaml");
+    std::ofstream(file) << "bridge:\n  host: 127.0.0.1\n  port: " << port
+                        << "\n  robot: dora\n  longest_pause: 1\n"
+                        << settings;
+    return std::make_unique<Program>(std::vector<std::string>{"lcmslam", "bridge", file});
+  }
+  std::unique_ptr<Program> robot_bridge(int port, const std::string& more = "") {
+    return bridge("robot", port, more + "  receive: [COMMAND]\n");
+  }
+  /// Hands what comes to the bus as the robot `mirror`'s.
+  std::unique_ptr<Program> operator_bridge(int port, const std::string& more = "") {
+    setenv("LCMSLAM_ROBOT", "mirror", 1);
+    auto program =
+        bridge("operator", port,
+               more +
+                   "  side: operator\n  send: [COMMAND]\n"
+                   "  receive: [FASTSLAM_POSE, ICP_KEYFRAME, FASTSLAM_LANDMARKS, ICP_GRAPH, CAMERA, "
+                   "STATUS]\n");
+    unsetenv("LCMSLAM_ROBOT");
+    return program;
+  }
+  bool connected(const Bus& bus) {
+    return bus.wait_for_status(
+        "bridge", [](const status_t& s) { return value_of(s, "connected") == 1; }, patience);
+  }
+
+  TemporaryFolder folder_;
+  Bus bus_;
+  Mapper mapper_{bus_};
+  std::optional<Operator> operator_;
+};
+
+TEST_F(Bridge, ASlowLinkKeepsTheOperatorLiveAndTheRobotUndisturbed) {
+  BrokerProgram broker(folder_);
+  SlowLink link(broker.port, {});
+  const auto far = operator_bridge(broker.port);
+  const auto near = robot_bridge(link.port());
+  ASSERT_TRUE(connected(bus_)) << near->output();
+  ASSERT_TRUE(wait_until(
+      [&] {
+        mapper_.pose();
+        return operator_->last_seq() >= 0;
+      },
+      patience))
+      << near->output() << far->output() << broker.output();
+
+  // 20 poses and 2 keyframes of 40 kB a second for 12 s, of which the first 3 do not count: more than the
+  // link carries.
+  double slowest_publish = 0;  // s
+  const auto begin = std::chrono::steady_clock::now();
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  for (int i = 0; i < 240; ++i) {
+    const auto before = elapsed();
+    mapper_.pose();
+    if (i % 10 == 0) mapper_.keyframe();
+    slowest_publish = std::max(slowest_publish, elapsed() - before);
+    if (i == 60) operator_->ages();
+    std::this_thread::sleep_until(begin + std::chrono::milliseconds(50 * (i + 1)));
+  }
+  const double seconds = elapsed() - 3.05;
+  auto ages = operator_->ages();
+  ASSERT_FALSE(ages.empty());
+  std::sort(ages.begin(), ages.end());
+  const double rate = static_cast<double>(ages.size()) / seconds;
+  const double median = ages[ages.size() / 2], oldest = ages.back();
+  std::cout << "poses at " << rate << " Hz, age median " << median << " s, largest " << oldest << " s; "
+            << link.forwarded() << " bytes over the link, " << link.lost() << " packets lost\n";
+  const auto status = bus_.status("bridge");
+  ASSERT_TRUE(status);
+  for (const auto& input : status->inputs) {
+    EXPECT_EQ(input.lost, 0) << input.channel;
+    EXPECT_EQ(input.queue_drops, 0) << input.channel;
+  }
+  EXPECT_GT(rate, 4.5);
+  EXPECT_LT(median, 0.7);
+  EXPECT_LT(ages[ages.size() * 95 / 100], 1);
+  EXPECT_LT(slowest_publish, 0.05);
+  EXPECT_GT(value_of(*status, "kept_waiting"), 0) << "the link was fast enough for all: nothing is shown";
+
+  // What the link could not carry follows when it is calmer.
+  EXPECT_TRUE(wait_until([&] { return operator_->keyframes() == mapper_.keyframes; }, 120))
+      << operator_->keyframes().size() << " of " << mapper_.keyframes.size();
+}
+
+class BridgeAndBroker : public Bridge, public testing::WithParamInterface<const char*> {};
+
+// Also where it comes back with an old state from its disk.
+TEST_P(BridgeAndBroker, ABrokerThatDiesAndReturnsLosesNoKeyframe) {
+  std::string more = GetParam();
+  if (more.find("persistence true") != std::string::npos)
+    more += "persistence_location " + folder_.path().string() +
+            "/\nautosave_on_changes true\nautosave_interval 20\n";
+  BrokerProgram broker(folder_, more);
+  const auto far = operator_bridge(broker.port);
+  const auto near = robot_bridge(broker.port);
+  ASSERT_TRUE(connected(bus_)) << near->output();
+  const auto publish = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      mapper_.keyframe(1000);
+      mapper_.pose();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  };
+  publish(40);
+  ASSERT_TRUE(wait_until([&] { return operator_->keyframes().size() > 20; }, patience))
+      << near->output() << far->output();
+  for (int deaths = 0; deaths < 2; ++deaths) {
+    broker.kill_hard();
+    ASSERT_TRUE(bus_.wait_for_status(
+        "bridge", [](const status_t& s) { return value_of(s, "connected") == 0; }, patience));
+    publish(20);
+    broker.start();
+    publish(20);
+  }
+  EXPECT_TRUE(wait_until([&] { return operator_->keyframes() == mapper_.keyframes; }, patience))
+      << operator_->keyframes().size() << " of " << mapper_.keyframes.size() << near->output();
+  ASSERT_TRUE(bus_.wait_for_status(
+      "bridge", [](const status_t& s) { return value_of(s, "kept_waiting") == 0; }, patience));
+
+  // Whoever comes late is told all of it by the broker.
+  far->send(SIGINT);
+  far->wait(patience);
+  operator_.emplace();
+  ASSERT_TRUE(wait_until([&] { return operator_->ready_.load(); }, patience));
+  const auto late = operator_bridge(broker.port);
+  EXPECT_TRUE(wait_until([&] { return operator_->keyframes() == mapper_.keyframes; }, patience))
+      << operator_->keyframes().size() << " of " << mapper_.keyframes.size() << late->output();
+}
+
+INSTANTIATE_TEST_SUITE_P(States, BridgeAndBroker,
+                         testing::Values("allow_anonymous true\n",
+                                         "allow_anonymous true\npersistence true\n"));
+
+TEST_F(Bridge, OrdersComeInAndNothingElseDoes) {
+  BrokerProgram broker(folder_);
+  const auto far = operator_bridge(broker.port);
+  const auto near = robot_bridge(broker.port);
+  ASSERT_TRUE(connected(bus_)) << near->output();
+  // The operator's COMMAND below its robot's name reaches the robot's own channel.
+  command_t command{};
+  command.name = "smooth";
+  const std::size_t before = bus_.count("COMMAND");
+  ASSERT_TRUE(wait_until(
+      [&] {
+        bus_.publish("mirror/COMMAND", command);
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        const auto newest = bus_.newest<command_t>("COMMAND");
+        return bus_.count("COMMAND") > before && newest && newest->name == "smooth";
+      },
+      patience))
+      << near->output() << far->output();
+  if (std::filesystem::exists("/usr/bin/mosquitto_pub")) {
+    const auto send = [&](const std::string& topic, const std::string& text) {
+      EXPECT_EQ(
+          run({"/usr/bin/mosquitto_pub", "-p", std::to_string(broker.port), "-t", topic, "-m", text}, 10)
+              .exit_code,
+          0);
+    };
+    send("lcmslam/dora/to/COMMAND", "garbage");
+    send("lcmslam/dora/to/CAMERA", "garbage");
+    EXPECT_TRUE(bus_.wait_for_status(
+        "bridge", [](const status_t& s) { return value_of(s, "refused") >= 1; }, patience));
+    EXPECT_EQ(bus_.count("CAMERA"), 0U);
+  }
+  near->send(SIGINT);
+  EXPECT_EQ(near->wait(patience).exit_code, 0) << near->output();
+}
+
+TEST_F(Bridge, SpeaksEncryptedAndByName) {
+  const auto shell = [&](const std::string& script) {
+    return run({"/bin/sh", "-c", "cd " + folder_.path().string() + " && " + script}, 60);
+  };
+  const auto made = shell(
+      "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=test -keyout ca.key -out ca.crt && "
+      "openssl req -newkey rsa:2048 -nodes -subj /CN=localhost -keyout server.key -out server.csr && "
+      "openssl x509 -req -in server.csr -CA ca.crt -CAkey ca.key -CAcreateserial -days 2 -out server.crt && "
+      "chmod 644 server.key && touch users && mosquitto_passwd -b users dora secret && chmod 644 users && "
+      "printf 'secret\\n' > password && printf 'wrong\\n' > wrong && chmod 600 password wrong && chmod 755 "
+      ".");
+  if (made.exit_code != 0) GTEST_SKIP() << "no openssl or mosquitto_passwd here: " << made.output;
+  const std::string here = folder_.path().string() + "/";
+  BrokerProgram broker(folder_, "certfile " + here + "server.crt\nkeyfile " + here +
+                                    "server.key\nallow_anonymous false\npassword_file " + here + "users\n");
+  const auto with = [&](const std::string& password, const std::string& authority) {
+    const auto file = folder_ / "tls.yaml";
+    std::ofstream(file) << "bridge:\n  host: localhost\n  port: " << broker.port
+                        << "\n  robot: dora\n  user: dora\n  password_file: " << here << password
+                        << "\n  tls: {certificates: " << here << authority << "}\n  longest_pause: 1\n";
+    return std::make_unique<Program>(std::vector<std::string>{"lcmslam", "bridge", file});
+  };
+  const auto says = [&](const std::string& words) {
+    return bus_.wait_for_status(
+        "bridge", [&](const status_t& s) { return s.detail.find(words) != std::string::npos; }, patience);
+  };
+  {
+    const auto wrong = with("wrong", "ca.crt");
+    EXPECT_TRUE(says("refuses")) << bus_.status("bridge")->detail;
+  }
+  {
+    const auto stranger = with("password", "server.crt");  // which did not sign it
+    EXPECT_TRUE(says("TLS") || says("tls")) << bus_.status("bridge")->detail << broker.output();
+  }
+  const auto right = with("password", "ca.crt");
+  EXPECT_TRUE(connected(bus_)) << right->output() << broker.output();
+}
+
+TEST_F(Bridge, RefusesToSpeakOpenlyToAnotherMachine) {
+  const auto file = folder_ / "open.yaml";
+  std::ofstream(file) << "bridge: {host: broker.example}\n";
+  const Result result = run({"lcmslam", "bridge", file.string()}, patience);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, testing::HasSubstr("readable and forgeable"));
+}
+
+}  // namespace
+}  // namespace lcmslam::integration

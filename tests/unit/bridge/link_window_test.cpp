@@ -1,0 +1,77 @@
+// The window on links that are simulated: a rate, a way, and a queue that nobody sees.
+
+#include <lcmslam/bridge/link_window.hpp>
+
+#include <gmock/gmock.h>
+
+#include <deque>
+
+namespace lcmslam::bridge {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct LinkResult {
+  double rate = 0;     // bytes a second that arrived, in the second half
+  double longest = 0;  // s that a message took, in the second half
+};
+
+/// Sends whenever the window admits it, for a minute.
+LinkResult run(double rate, double way, std::size_t size) {
+  LinkWindow window(0.3);
+  const Time begin(std::chrono::seconds(1000));
+  const auto at = [&](double t) {
+    return begin + std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(t));
+  };
+  struct Message {
+    double sent, acknowledged;
+  };
+  std::deque<Message> messages;
+  double free = 0;
+  LinkResult result;
+  for (double t = 0; t < 60; t += 0.005) {
+    while (!messages.empty() && messages.front().acknowledged <= t) {
+      window.acknowledged(size, at(messages.front().sent), at(t));
+      if (t > 30) {
+        result.rate += static_cast<double>(size) / 30;
+        result.longest = std::max(result.longest, t - messages.front().sent);
+      }
+      messages.pop_front();
+    }
+    while (window.admits(size)) {
+      window.sent(size);
+      free = std::max(free, t) + static_cast<double>(size) / rate;
+      messages.push_back({t, free + 2 * way});
+    }
+  }
+  return result;
+}
+
+TEST(LinkWindow, FillsASlowLinkWithoutAQueue) {
+  const LinkResult slow = run(250'000, 0.2, 24'000);  // 2 Mbit/s
+  EXPECT_GT(slow.rate, 0.8 * 250'000);
+  EXPECT_LT(slow.longest, 0.4 + 0.3 + 0.3);
+  const LinkResult crawling = run(10'000, 0.2, 1'000);
+  EXPECT_GT(crawling.rate, 0.8 * 10'000);
+  EXPECT_LT(crawling.longest, 2.8) << "the least that is under way is 20 kB";
+}
+
+TEST(LinkWindow, FillsAFastLinkToo) {
+  EXPECT_GT(run(5'000'000, 0.005, 24'000).rate, 0.5 * 5'000'000);
+}
+
+TEST(LinkWindow, OneMessageAlwaysAndNotTooMany) {
+  LinkWindow window(0.3);
+  EXPECT_TRUE(window.admits(100'000'000));
+  window.sent(100'000'000);
+  EXPECT_FALSE(window.admits(1));
+  window.reset();
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(window.admits(10));
+    window.sent(10);
+  }
+  EXPECT_FALSE(window.admits(10)) << "brokers take 20 at a time";
+}
+
+}  // namespace
+}  // namespace lcmslam::bridge

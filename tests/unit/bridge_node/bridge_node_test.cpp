@@ -1,0 +1,157 @@
+// The node without a broker: a link of the test's own takes what it gives.
+
+#include "procs/bridge/bridge_node.hpp"
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/geometry/random.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
+#include "tests/unit/messages/samples.hpp"
+#include "tests/unit/runtime/capturing_publisher.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+struct NoLink : bridge::BrokerLink {
+  std::string state() const override { return "a test"; }
+};
+
+class BridgeNodeTest : public ::testing::Test {
+ protected:
+  void make(BridgeSettings settings = {}) {
+    settings.robot = "dora";
+    settings.receive = {"COMMAND"};
+    node_ = std::make_unique<BridgeNode>(settings, publisher_, [this](const BridgeEnds& ends) {
+      ends_.emplace(ends);
+      return std::make_unique<NoLink>();
+    });
+    node_->connect(inputs_);
+    ends_->outbox.connected();
+    ends_->outbox.broker_keeps(0);
+  }
+  template <class M>
+  void deliver(const std::string& channel, const M& message) {
+    const auto bytes = encode_message(message);
+    ASSERT_TRUE(inputs_.deliver(channel, bytes.data(), bytes.size()));
+  }
+  std::vector<bridge::Outgoing> take_all() {
+    std::vector<bridge::Outgoing> all;
+    while (const auto out = ends_->next(std::chrono::steady_clock::now())) {
+      all.push_back(*out);
+      ends_->outbox.acknowledged(out->ticket, std::chrono::steady_clock::now());
+    }
+    return all;
+  }
+  static pose_estimate_t pose(std::int64_t seq) {
+    pose_estimate_t message{};
+    message.utime = seq;
+    message.seq = seq;
+    message.sender = 7;
+    return message;
+  }
+
+  testing::CapturingPublisher publisher_;
+  Inputs inputs_;
+  std::optional<BridgeEnds> ends_;
+  std::unique_ptr<BridgeNode> node_;
+};
+
+TEST_F(BridgeNodeTest, WhatIsThinnedOutIsNumberedAnew) {
+  make();
+  for (int seq = 100; seq < 110; ++seq) deliver("ICP_POSE", pose(seq));
+  auto out = take_all();
+  ASSERT_THAT(out, SizeIs(1));
+  const auto first = decode_message<pose_estimate_t>(out[0].bytes->data(), out[0].bytes->size());
+  EXPECT_EQ(first.utime, 109) << "the newest";
+  EXPECT_EQ(first.seq, 0);
+  EXPECT_EQ(first.sender, 7);
+}
+
+TEST_F(BridgeNodeTest, AKeyframeGoesInPiecesThatAreKept) {
+  make();
+  keyframe_t keyframe{};
+  keyframe.sender = 1;
+  keyframe.frame = "map/2";
+  keyframe.id = 3;
+  keyframe.n_tiles = 1;
+  keyframe.n_values = 6000;
+  keyframe.position.resize(6000);
+  keyframe.colour.resize(6000, 7);
+  keyframe.normal.resize(6000);
+  deliver("ICP_KEYFRAME", keyframe);
+  const auto out = take_all();
+  EXPECT_THAT(out, SizeIs(4));
+  PartAssembler assembler;
+  std::optional<PartAssembler::Whole> whole;
+  for (const auto& piece : out) {
+    EXPECT_TRUE(piece.kept);
+    EXPECT_THAT(piece.name, HasSubstr("ICP_KEYFRAME_PART/0000000000000001/map_2/3/0/"));
+    EXPECT_LT(piece.bytes->size(), 8200U);
+    whole = assembler.add(decode_message<part_t>(piece.bytes->data(), piece.bytes->size()));
+  }
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->channel, "ICP_KEYFRAME");
+  EXPECT_EQ(whole->bytes, encode_message(keyframe));
+}
+
+TEST_F(BridgeNodeTest, APictureGoesSmallAndWithoutDepth) {
+  make();
+  Random random(1);
+  images_t images = to_message(testing::some_frame(random, 640, 480));
+  set_origin(images, {50, 7});
+  deliver("CAMERA", images);
+  deliver("CAMERA", images);
+  const auto out = take_all();
+  ASSERT_THAT(out, SizeIs(1)) << "one each two seconds";
+  const auto picture = decode_message<images_t>(out[0].bytes->data(), out[0].bytes->size());
+  ASSERT_EQ(picture.n_images, 1);
+  EXPECT_EQ(picture.images[0].width, 320);
+  EXPECT_LT(out[0].bytes->size(), 60'000U);
+  EXPECT_EQ(origin(picture).sender, 7);
+}
+
+TEST_F(BridgeNodeTest, AsksTheMappersForTheirMapsAtTheBeginning) {
+  make();
+  node_->work();
+  node_->work();
+  const auto commands = publisher_.on<command_t>("COMMAND");
+  ASSERT_THAT(commands, SizeIs(1));
+  EXPECT_EQ(commands[0].name, "resend");
+  EXPECT_EQ(commands[0].target, "");
+}
+
+TEST_F(BridgeNodeTest, OrdersFromOutsideGoOnTheBusAsTheyAre) {
+  make();
+  command_t command{};
+  command.name = "smooth";
+  command.seq = 12;
+  command.sender = 99;
+  const auto bytes = encode_message(command);
+  ends_->take("COMMAND", bytes.data(), bytes.size(), false);
+  ends_->take("CAMERA", bytes.data(), bytes.size(), false);
+  node_->work();
+  const auto commands = publisher_.on<command_t>("COMMAND");
+  ASSERT_THAT(commands, SizeIs(2)) << "resend, and this one";
+  EXPECT_EQ(commands[0].seq, 12);
+  EXPECT_EQ(commands[0].sender, 99);
+  const NodeReport report = node_->report();
+  EXPECT_THAT(report.values, ::testing::Contains(std::make_pair(std::string("refused"), 1.0)));
+}
+
+TEST_F(BridgeNodeTest, WrongSettingsAreSaid) {
+  BridgeSettings settings;
+  settings.host = "broker.example";
+  EXPECT_THROW(make(settings), std::invalid_argument);
+  settings.insecure = true;
+  EXPECT_NO_THROW(make(settings));
+  EXPECT_THROW(BridgeNode::read(ConfigNode::parse("{send: [A@x]}")), ConfigError);
+  EXPECT_THROW(BridgeNode::read(ConfigNode::parse("{side: middle}")), ConfigError);
+}
+
+}  // namespace
+}  // namespace lcmslam

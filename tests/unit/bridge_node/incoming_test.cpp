@@ -1,0 +1,96 @@
+#include "procs/bridge/incoming.hpp"
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/command_t.hpp>
+#include <lcmslam/messages/any_message.hpp>
+#include <lcmslam/messages/decode.hpp>
+
+namespace lcmslam {
+namespace {
+
+using Refused = Incoming::Refused;
+
+class IncomingTest : public ::testing::Test {
+ protected:
+  std::optional<Incoming::Message> take(Incoming& incoming, const std::string& channel,
+                                        const std::vector<std::uint8_t>& bytes, bool kept = false) {
+    return incoming.take(channel, bytes.data(), bytes.size(), kept, now_);
+  }
+  static std::vector<std::uint8_t> order(std::size_t length = 4) {
+    command_t command{};
+    command.utime = 77;
+    command.name.assign(length, 's');
+    return encode_message(command);
+  }
+  Incoming::Time now_ = Incoming::Time(std::chrono::seconds(1000));
+  Incoming robot_{bridge::parse_rules({"COMMAND"}), bridge::Side::robot};
+  Incoming other_{bridge::parse_rules({"COMMAND"}), bridge::Side::operating};
+};
+
+TEST_F(IncomingTest, WhatIsAllowedAndSoundPassesAsItIs) {
+  const auto message = take(robot_, "COMMAND", order());
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->channel, "COMMAND");
+  EXPECT_EQ(message->utime, 77);
+  EXPECT_EQ(message->bytes, order());
+  EXPECT_EQ(robot_.refused(), 0);
+}
+
+TEST_F(IncomingTest, OtherChannelsAreRefused) {
+  for (const char* channel : {"CAMERA", "COMMANDS", "", "COMMAND_PART_PART", "_PART"})
+    EXPECT_FALSE(take(robot_, channel, order())) << channel;
+  EXPECT_EQ(robot_.count(Refused::not_allowed), 5);
+}
+
+TEST_F(IncomingTest, AnOrderIsNeverTakenFromTheBrokersMemory) {
+  EXPECT_FALSE(take(robot_, "COMMAND", order(), true));
+  EXPECT_EQ(robot_.count(Refused::from_memory), 1);
+  EXPECT_TRUE(take(other_, "COMMAND", order(), true));
+}
+
+TEST_F(IncomingTest, AFloodIsThinned) {
+  int taken = 0;
+  for (int i = 0; i < 1000; ++i, now_ += std::chrono::milliseconds(1))
+    taken += take(robot_, "COMMAND", order()) ? 1 : 0;
+  EXPECT_LE(taken, 20);
+  EXPECT_GE(taken, 10);
+  EXPECT_EQ(robot_.count(Refused::too_often), 1000 - taken);
+}
+
+TEST_F(IncomingTest, GarbageIsCountedAndNamed) {
+  auto bytes = order();
+  bytes.pop_back();
+  EXPECT_FALSE(take(robot_, "COMMAND", bytes));
+  EXPECT_FALSE(take(robot_, "COMMAND", {}));
+  EXPECT_FALSE(take(robot_, "COMMAND_PART", order()));
+  EXPECT_EQ(robot_.count(Refused::malformed), 3);
+  EXPECT_THAT(robot_.last_error(), ::testing::HasSubstr("COMMAND"));
+  EXPECT_FALSE(take(robot_, "COMMAND", order(200'000)));
+  EXPECT_EQ(robot_.count(Refused::too_big), 1);
+  EXPECT_FALSE(take(other_, "COMMAND", {}, true)) << "what the broker keeps no more is no message";
+  EXPECT_EQ(other_.refused(), 0);
+}
+
+TEST_F(IncomingTest, PiecesBecomeTheirMessage) {
+  const auto bytes = order(5000);
+  auto parts = split_message("COMMAND", bytes, 77, 3, 1000);
+  std::optional<Incoming::Message> whole;
+  for (auto& part : parts) {
+    EXPECT_FALSE(whole);
+    whole = take(other_, "COMMAND_PART", encode_message(part));
+  }
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->bytes, bytes);
+  parts[0].channel = "STATUS";
+  EXPECT_FALSE(take(other_, "COMMAND_PART", encode_message(parts[0])));
+  EXPECT_EQ(other_.count(Refused::malformed), 1);
+  parts[0].channel = "COMMAND";
+  parts[0].message = 9;
+  parts[0].total_size = 100 << 20;
+  EXPECT_FALSE(take(other_, "COMMAND_PART", encode_message(parts[0])));
+  EXPECT_EQ(other_.count(Refused::too_big), 1);
+}
+
+}  // namespace
+}  // namespace lcmslam

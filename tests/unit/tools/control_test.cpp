@@ -1,0 +1,69 @@
+#include "tools/launch/control.hpp"
+
+#include <gmock/gmock.h>
+
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <atomic>
+#include <thread>
+
+#include "tests/unit/tools/scratch.hpp"
+
+namespace lcmslam {
+namespace {
+
+class Control : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    setenv("XDG_RUNTIME_DIR", scratch_.path().c_str(), 1);
+    unsetenv("RUNTIME_DIRECTORY");
+  }
+  void TearDown() override { unsetenv("XDG_RUNTIME_DIR"); }
+  testing::ScratchFolder scratch_;
+};
+
+TEST_F(Control, AnswersWhoAsks) {
+  ControlSocket socket(control_folder(), "dora");
+  std::atomic<bool> stop{false};
+  std::thread launch([&] {
+    while (!stop) socket.poll([](const std::string& request) { return "you said " + request + "\n"; });
+  });
+  const auto sockets = running_launches();
+  ASSERT_EQ(sockets.size(), 1U);
+  EXPECT_EQ(sockets[0].filename().string(), "dora-" + std::to_string(getpid()) + ".sock");
+  EXPECT_EQ(ask_launch(sockets[0], "restart icp"), "you said restart icp\n");
+  EXPECT_EQ(ask_launch(sockets[0], std::string(1000, 'x')), "you said " + std::string(200, 'x') + "\n")
+      << "bounded";
+  stop = true;
+  launch.join();
+}
+
+TEST_F(Control, IsThisUsersAlone) {
+  const ControlSocket socket(control_folder(), "launch");
+  struct stat state {};
+  ASSERT_EQ(stat((scratch_.path() / "lcmslam").c_str(), &state), 0);
+  EXPECT_EQ(state.st_mode & 0777, 0700U);
+  const auto path = scratch_.path() / "lcmslam" / ("launch-" + std::to_string(getpid()) + ".sock");
+  ASSERT_EQ(stat(path.c_str(), &state), 0);
+  EXPECT_EQ(state.st_mode & 0077, 0U);
+  chmod((scratch_.path() / "lcmslam").c_str(), 0777);
+  EXPECT_THROW(control_folder(), std::runtime_error) << "others may write there";
+}
+
+TEST_F(Control, SocketsOfTheDeadAreRemoved) {
+  const auto folder = control_folder();
+  const pid_t child = fork();
+  if (child == 0) {
+    new ControlSocket(folder, "dead");  // and never gone by itself
+    _exit(0);
+  }
+  ASSERT_TRUE(testing::wait_for([&] { return !std::filesystem::is_empty(folder); }));
+  waitpid(child, nullptr, 0);
+  ASSERT_TRUE(testing::wait_for([&] { return running_launches().empty(); }));
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  EXPECT_FALSE(ask_launch(folder / "nobody.sock", "status"));
+}
+
+}  // namespace
+}  // namespace lcmslam
