@@ -1,6 +1,7 @@
 #pragma once
-// Where does a new session lie in an old map? Several keyframes of it, with motion between them, must be
-// found in the old map on their own and agree on the answer; one that says otherwise must be outvoted.
+// Where does a new session lie in an old map? Several parts of it (keyframes with motion between them, groups
+// of landmarks) must be found in the old map on their own and agree on the answer; one that says otherwise
+// must be outvoted.
 
 #include <optional>
 #include <vector>
@@ -38,6 +39,7 @@ struct Joint {
   Matrix6d covariance = Matrix6d::Zero();  ///< of T_map_session, right perturbation
   int agreeing = 0, disagreeing = 0;       ///< keyframes that were found in the map
   int asked = 0;                           ///< and all that were looked for
+  std::string what = "keyframes";          ///< those are
 };
 
 std::string to_string(const Joint& joint);
@@ -45,11 +47,13 @@ std::string to_string(const Joint& joint);
 class SessionJoiner {
  public:
   /// Throws std::invalid_argument that names the setting.
-  explicit SessionJoiner(const JoinSettings& settings = {});
+  explicit SessionJoiner(const JoinSettings& settings = {}, std::string what = "keyframes");
 
   /// Looks for a keyframe of the new session in the old map.
   void add(const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
            const ColouredCloud& cloud, PlaceIndex& map);
+  /// A part of the session that lies there in it was looked for, and found or not.
+  void say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found);
 
   /// Once enough agree.
   const std::optional<Joint>& joint() const { return joint_; }
@@ -58,13 +62,14 @@ class SessionJoiner {
 
  private:
   struct Saying {
-    Eigen::Isometry3d T_session_camera, T_map_session;
+    Eigen::Isometry3d T_session_part, T_map_session;
     Matrix6d covariance;  // of T_map_session
   };
   bool agree(const Saying& a, const Saying& b) const;
   void vote();
 
   JoinSettings settings_;
+  std::string what_;
   std::vector<Saying> sayings_;
   int asked_ = 0;
   std::optional<Joint> joint_;
