@@ -12,8 +12,7 @@ class LandmarkJoiner {
  public:
   static constexpr std::size_t group_size = 60;
 
-  explicit LandmarkJoiner(const JoinSettings& settings = {})
-      : joiner_(settings, "groups of landmarks") {}
+  explicit LandmarkJoiner(const JoinSettings& settings = {}) : joiner_(settings, "groups of landmarks") {}
 
   /// Looks for a group in the old map.
   void add(const std::vector<Landmark>& group, LandmarkPlaces& map);

@@ -20,8 +20,8 @@ bool has_descriptor(const Landmark& landmark) {
 /// The map as a whole may be off by far more than a landmark is beside its neighbours: what they share
 /// moves the group and does not bend it.
 Eigen::Matrix3d beside_neighbours(const Eigen::Matrix3d& covariance, double sigma) {
-  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)
-                             .eigenvalues()(2);
+  const double largest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(2);
   return largest > sigma * sigma ? Eigen::Matrix3d(covariance * (sigma * sigma / largest)) : covariance;
 }
 

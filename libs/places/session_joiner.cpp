@@ -9,8 +9,8 @@
 namespace lcmslam {
 
 std::string to_string(const Joint& joint) {
-  return std::to_string(joint.agreeing) + " of " + std::to_string(joint.asked) +
-         " " + joint.what + " were found and agree, " + std::to_string(joint.disagreeing) + " say otherwise";
+  return std::to_string(joint.agreeing) + " of " + std::to_string(joint.asked) + " " + joint.what +
+         " were found and agree, " + std::to_string(joint.disagreeing) + " say otherwise";
 }
 
 SessionJoiner::SessionJoiner(const JoinSettings& settings, std::string what)

@@ -236,8 +236,8 @@ void MapRecorder::features(const SessionKey& key, std::int32_t keyframe, const F
                  [&](SessionChanges& changes) { changes.put_features(keyframe, features); });
 }
 
-void MapRecorder::place(const SessionKey& key, const Joint& joint) {
-  writer_.place(session("icp", key).number, placed(joint));
+void MapRecorder::place(const std::string& mapper, const SessionKey& key, const Joint& joint) {
+  writer_.place(session(mapper, key).number, placed(joint));
 }
 
 void MapRecorder::place(std::int64_t stored, const Joint& joint) {

@@ -48,7 +48,7 @@ class MapRecorder {
   void pose(const std::string& mapper, const SessionKey& key, const pose_estimate_t& message);
   void features(const SessionKey& key, std::int32_t keyframe, const FeatureFrame& features);
   /// Where a session lies: the mapper's, or one of an earlier run.
-  void place(const SessionKey& key, const Joint& joint);
+  void place(const std::string& mapper, const SessionKey& key, const Joint& joint);
   void place(std::int64_t stored, const Joint& joint);
   void calibration(const camera_calibration_t& message);
 

@@ -17,6 +17,7 @@
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include "procs/map-server/keyframe_features.hpp"
+#include "procs/map-server/landmark_sessions.hpp"
 #include "procs/map-server/layer_feed.hpp"
 #include "procs/map-server/map_files.hpp"
 #include "procs/map-server/map_recorder.hpp"
@@ -81,7 +82,9 @@ class MapServerNode : public Node {
   void on_features(const features_t& message);
   void remember(const KeyframeFeatures::Found& found);
   void begin_places(const SessionKey& key);
+  void hear_fastslam(const SessionKey& key);
   void note_joined();
+  void note_joined(const std::string& mapper, const SessionPlaces::Joined& joined, const SessionKey* current);
   void show_kept();
   void derive_from(const SessionKey& key, const DenseKeyframe& keyframe);
   void on_graph(const graph_t& message);
@@ -130,8 +133,9 @@ class MapServerNode : public Node {
   std::string store_failure_;            // as it was last told; empty: none
   std::optional<LayerFeed> layers_;      // none: nothing is derived
   KeyframeFeatures keyframe_features_;
-  std::unique_ptr<SessionPlaces> places_;  // null: nothing is remembered
-  std::int64_t joined_ = 0;                // sessions whose place was found
+  std::unique_ptr<SessionPlaces> places_;              // null: nothing is remembered
+  std::unique_ptr<LandmarkSessions> landmark_places_;  // as places_
+  std::map<std::string, std::int64_t> joined_;         // sessions whose place was found, by mapper
   camera_calibration_t calibration_message_;
   const StampJudge* stamps_ = nullptr;
   std::optional<Eigen::Isometry3d> T_map_robot_;             // of the newest ICP_POSE

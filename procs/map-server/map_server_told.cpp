@@ -98,7 +98,13 @@ NodeReport MapServerNode::report() const {
   }
   if (places_) {
     report.values.emplace_back("kept_keyframes", number(places_->kept_keyframes()));
-    report.values.emplace_back("sessions_joined", number(joined_));
+    const auto joined = [&](const char* mapper) {
+      const auto count = joined_.find(mapper);
+      return count != joined_.end() ? number(count->second) : 0;
+    };
+    report.values.emplace_back("sessions_joined", joined("icp"));
+    report.values.emplace_back("kept_landmarks", number(landmark_places_->kept_landmarks()));
+    report.values.emplace_back("landmark_sessions_joined", joined("fastslam"));
     const std::string error = recorder_ ? "" : places_->error();
     if (!error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + error;
   }

@@ -11,43 +11,9 @@ std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
 
 }  // namespace
 
-SessionPlaces::SessionPlaces(const std::filesystem::path& file, bool background) : file_(file) {
-  if (background) thread_ = std::thread([this] { work(); });
-  hand_in([this] { load(); });
-}
-
-SessionPlaces::~SessionPlaces() {
-  if (!thread_.joinable()) return;
-  {
-    const std::lock_guard<std::mutex> lock(jobs_mutex_);
-    stop_ = true;
-  }
-  wake_.notify_all();
-  thread_.join();
-}
-
-void SessionPlaces::work() {
-  std::unique_lock<std::mutex> lock(jobs_mutex_);
-  while (true) {
-    wake_.wait(lock, [&] { return stop_ || !jobs_.empty(); });
-    if (stop_) return;
-    const auto job = std::move(jobs_.front());
-    jobs_.pop_front();
-    lock.unlock();
-    job();
-    lock.lock();
-  }
-}
-
-/// Where it is behind, the oldest goes: other keyframes will be found.
-void SessionPlaces::hand_in(std::function<void()> job) {
-  if (!thread_.joinable()) return job();
-  {
-    const std::lock_guard<std::mutex> lock(jobs_mutex_);
-    if (jobs_.size() >= most_places) jobs_.erase(jobs_.begin() + 1);  // the first may be load()
-    jobs_.push_back(std::move(job));
-  }
-  wake_.notify_all();
+SessionPlaces::SessionPlaces(const std::filesystem::path& file, bool background)
+    : file_(file), jobs_(background, most_places) {
+  jobs_.hand_in([this] { load(); });
 }
 
 void SessionPlaces::load() {
@@ -103,7 +69,7 @@ void SessionPlaces::join_stored(MapFile& map, std::int64_t session) {
 }
 
 void SessionPlaces::begin_session(std::int64_t stored) {
-  hand_in([this, stored] {
+  jobs_.hand_in([this, stored] {
     const std::lock_guard<std::mutex> lock(mutex_);
     leave_current();
     current_ = PlaceIndex();
@@ -125,7 +91,7 @@ void SessionPlaces::leave_current() {
 
 void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera,
                              FeatureFrame features, ColouredCloud cloud) {
-  hand_in([this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {
+  jobs_.hand_in([this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {
     const std::lock_guard<std::mutex> lock(mutex_);
     current_.add(id, T_session_camera, features, cloud);
     const bool known = T_map_session_.count(stored_current_) > 0;
@@ -139,7 +105,7 @@ void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session
 }
 
 void SessionPlaces::move(std::int32_t id, const Eigen::Isometry3d& T_session_camera) {
-  hand_in([this, id, T_session_camera] {
+  jobs_.hand_in([this, id, T_session_camera] {
     const std::lock_guard<std::mutex> lock(mutex_);
     current_.move(id, T_session_camera);
   });

@@ -5,15 +5,13 @@
 // The map's frame is that of the file's first dense session. Sessions of earlier runs whose place is not
 // known are looked for in it first, then each new keyframe.
 
-#include <condition_variable>
-#include <deque>
 #include <filesystem>
-#include <functional>
+#include <map>
 #include <mutex>
-#include <thread>
 
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/places/session_joiner.hpp>
+#include "procs/map-server/job_thread.hpp"
 
 namespace lcmslam {
 
@@ -22,9 +20,6 @@ class SessionPlaces {
   /// Without `background` all is done by who hands it in. A file that is not there is an empty map; one that
   /// cannot be read, too: error() says why.
   SessionPlaces(const std::filesystem::path& file, bool background);
-  ~SessionPlaces();
-  SessionPlaces(const SessionPlaces&) = delete;
-  SessionPlaces& operator=(const SessionPlaces&) = delete;
 
   /// Another current session; what was found by the last one stays in the map. `stored`: its id in the file
   /// when it goes on from an earlier run, else 0.
@@ -73,8 +68,6 @@ class SessionPlaces {
     std::int32_t keyframe = 0;
     Eigen::Isometry3d T_map_camera;
   };
-  void hand_in(std::function<void()> job);
-  void work();
   void load();
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
   void leave_current();
@@ -95,11 +88,7 @@ class SessionPlaces {
   std::vector<Joined> joined_;
   std::string error_;
 
-  std::mutex jobs_mutex_;
-  std::condition_variable wake_;
-  std::deque<std::function<void()>> jobs_;
-  bool stop_ = false;
-  std::thread thread_;
+  JobThread jobs_;  // last: it ends before what it works on
 };
 
 }  // namespace lcmslam

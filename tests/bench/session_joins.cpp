@@ -36,8 +36,8 @@ struct Part {
   std::string name;
   double from, to;  // share of the drive's time
 };
-const std::vector<Part> parts = {{"whole", 0, 1},        {"first", 0, 0.34},      {"second", 0.33, 0.67},
-                                 {"third", 0.66, 1},     {"start", 0, 0.5},       {"end", 0.5, 1},
+const std::vector<Part> parts = {{"whole", 0, 1},         {"first", 0, 0.34},   {"second", 0.33, 0.67},
+                                 {"third", 0.66, 1},      {"start", 0, 0.5},    {"end", 0.5, 1},
                                  {"quarter2", 0.25, 0.5}, {"quarter4", 0.75, 1}};
 const std::vector<std::string> scenes = {"kitchen", "table", "office"};
 
@@ -90,7 +90,7 @@ void make_maps(const fs::path& folder, const std::string& scene, int seed) {
       SimulationSourceSettings source;
       source.simulation.scene = share_path("config/scenes/" + scene + ".yaml");
       source.simulation.seed = static_cast<std::uint64_t>(seed);
-      source.simulation.frame_rate = 10;
+      source.simulation.frame_rate = 5;
       drive = take_drive(*make_live_simulation(source));
     }
     MapperChoice choice;
@@ -152,8 +152,8 @@ struct Bench {
         angle = angle_between(truth, said);
         count.distances.push_back(1000 * distance);
         count.angles.push_back(angle * 180 / pi);
-        const Vector6d xi = se3_log(joint.T_map_session.inverse() * T_world_map->inverse() *
-                                    session.T_world_session());
+        const Vector6d xi =
+            se3_log(joint.T_map_session.inverse() * T_world_map->inverse() * session.T_world_session());
         count.squares.push_back(xi.dot(joint.covariance.inverse() * xi) / 6);
       }
       const bool right = distance < 0.05 && angle < 2 * pi / 180;
@@ -164,7 +164,9 @@ struct Bench {
       outcome = text;
     }
     if (verbose || outcome.find("FALSE") == 0)
-      std::printf("    %s in %s: %s\n", (session.scene + "-" + std::to_string(session.seed) + "-" + session.part).c_str(), what.c_str(), outcome.c_str());
+      std::printf("    %s in %s: %s\n",
+                  (session.scene + "-" + std::to_string(session.seed) + "-" + session.part).c_str(),
+                  what.c_str(), outcome.c_str());
     if (verbose) groups(map, T_world_map, session);
   }
 
