@@ -64,6 +64,11 @@ class MapRecorder {
   const std::vector<KeptSession>& kept() const { return kept_; }
   /// Id in the file of the session that goes on from an earlier run; 0: it is none.
   std::int64_t stored(const std::string& mapper, const SessionKey& key);
+  /// The same, without beginning it.
+  std::int64_t goes_on(const std::string& mapper, const SessionKey& key) const;
+  /// What says where that session of an earlier run lies in the map, "" for its mapper's first; nothing: it
+  /// lies apart.
+  std::optional<std::string> evidence(std::int64_t stored) const;
   /// Sessions of earlier runs, whether they have a map or not: so many numbers are taken.
   std::size_t kept(const std::string& mapper) const;
 

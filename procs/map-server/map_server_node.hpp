@@ -64,6 +64,8 @@ class MapServerNode : public Node {
     Utime begin = 0, end = 0;  ///< us, of the first and the last keyframe; 0: not known
     bool is_current = false, is_kept = false;
     std::size_t keyframes = 0, landmarks = 0;
+    /// What says where it lies in the map, "" of the map's first; nothing: it lies apart.
+    std::optional<std::string> joined = {};
   };
   std::vector<ToldSession> told_sessions() const;
   /// A message of CAMERA that came lately; null: none of that time did.
@@ -84,7 +86,12 @@ class MapServerNode : public Node {
   void begin_places(const SessionKey& key);
   void hear_fastslam(const SessionKey& key);
   void note_joined();
-  void note_joined(const std::string& mapper, const SessionPlaces::Joined& joined, const SessionKey* current);
+  template <class Map>
+  void note_joined(const std::string& mapper, const SessionPlaces::Joined& joined,
+                   SessionTable<Map>& sessions);
+  template <class Map>
+  std::optional<std::string> evidence(const std::string& mapper, const SessionTable<Map>& sessions,
+                                      std::size_t index) const;
   void show_kept();
   void derive_from(const SessionKey& key, const DenseKeyframe& keyframe);
   void on_graph(const graph_t& message);
@@ -109,6 +116,7 @@ class MapServerNode : public Node {
   Publisher& publisher_;
   std::filesystem::path folder_;
   double resolution_;
+  bool localises_;
   SessionTable<LandmarkMap> landmark_maps_;
   SessionTable<DenseMap> dense_maps_;
   std::size_t max_path_;

@@ -104,10 +104,12 @@ void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session
   });
 }
 
-void SessionPlaces::move(std::int32_t id, const Eigen::Isometry3d& T_session_camera) {
-  jobs_.hand_in([this, id, T_session_camera] {
+void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
+                            const std::vector<std::int32_t>& gone) {
+  jobs_.hand_in([this, moved, gone] {
     const std::lock_guard<std::mutex> lock(mutex_);
-    current_.move(id, T_session_camera);
+    for (const auto& [id, T_session_camera] : moved) current_.move(id, T_session_camera);
+    for (const std::int32_t id : gone) current_.drop(id);
   });
 }
 
@@ -155,6 +157,11 @@ std::optional<SessionPlaces::KeptKeyframe> SessionPlaces::next_kept() {
 std::size_t SessionPlaces::kept_keyframes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return map_.size();
+}
+
+std::size_t SessionPlaces::current_keyframes() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return current_.size();
 }
 
 std::string SessionPlaces::error() const {

@@ -28,7 +28,8 @@ class SessionPlaces {
   // Of the current session.
   void keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera, FeatureFrame features,
                 ColouredCloud cloud);
-  void move(std::int32_t id, const Eigen::Isometry3d& T_session_camera);
+  /// The graph has moved these, and given those up.
+  void correct(const std::map<std::int32_t, Eigen::Isometry3d>& moved, const std::vector<std::int32_t>& gone);
 
   /// A session whose place was found.
   struct Joined {
@@ -58,8 +59,9 @@ class SessionPlaces {
   };
   std::optional<KeptKeyframe> next_kept();
 
-  /// Keyframes of the file's map that things can be found by.
+  /// Keyframes of the file's map that things can be found by, and of the current session.
   std::size_t kept_keyframes() const;
+  std::size_t current_keyframes() const;
   std::string error() const;
 
  private:

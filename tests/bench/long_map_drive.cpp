@@ -119,7 +119,7 @@ class Lap {
     return decode_message<M>(told.bytes.data(), told.bytes.size());
   }
   bool is_new() const { return options_.new_ground != 0; }
-  void move(rigid_transform_t& T) const { T.translation[0] += number_ * options_.new_ground; }
+  void move(rigid_transform_t& T) const { T.trans[0] += number_ * options_.new_ground; }
 
   std::vector<std::uint8_t> moved(const Told& told) {
     if (told.channel == "CAMERA") {
