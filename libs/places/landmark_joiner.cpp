@@ -3,6 +3,7 @@
 namespace lcmslam {
 
 void LandmarkJoiner::add(const std::vector<Landmark>& group, LandmarkPlaces& map) {
+  if (joiner_.knows(LandmarkPlaces::middle_of(group))) return;
   const LocatedGroup located = map.locate(group);
   joiner_.say(located.T_session_group, located.place);
 }

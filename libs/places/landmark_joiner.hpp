@@ -11,8 +11,15 @@ namespace lcmslam {
 class LandmarkJoiner {
  public:
   static constexpr std::size_t group_size = 60;
+  /// Groups of one view are one look: what agrees must lie apart.
+  static JoinSettings defaults() {
+    JoinSettings settings;
+    settings.min_distance = 0.4;
+    return settings;
+  }
 
-  explicit LandmarkJoiner(const JoinSettings& settings = {}) : joiner_(settings, "groups of landmarks") {}
+  explicit LandmarkJoiner(const JoinSettings& settings = defaults())
+      : joiner_(settings, "groups of landmarks") {}
 
   /// Looks for a group in the old map.
   void add(const std::vector<Landmark>& group, LandmarkPlaces& map);

@@ -166,13 +166,17 @@ std::string LandmarkPlaces::search(const std::vector<Landmark>& group, LocatedGr
   return "";
 }
 
+Eigen::Isometry3d LandmarkPlaces::middle_of(const std::vector<Landmark>& group) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (const Landmark& landmark : group) T.translation() += landmark.mean / static_cast<double>(group.size());
+  return T;
+}
+
 LocatedGroup LandmarkPlaces::locate(const std::vector<Landmark>& group) {
   LocatedGroup located;
   std::vector<Landmark> known;
   std::copy_if(group.begin(), group.end(), std::back_inserter(known), has_descriptor);
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Landmark& landmark : known) middle += landmark.mean / static_cast<double>(known.size());
-  located.T_session_group.translation() = middle;
+  located.T_session_group = middle_of(group);
   located.why_not = search(known, located);
   return located;
 }

@@ -38,6 +38,8 @@ class LandmarkPlaces {
   const std::vector<Landmark>& landmarks() const { return landmarks_; }
 
   LocatedGroup locate(const std::vector<Landmark>& group);
+  /// Where LocatedGroup says that a group lies in its own map.
+  static Eigen::Isometry3d middle_of(const std::vector<Landmark>& group);
 
  private:
   struct Pairs {

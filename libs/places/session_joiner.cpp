@@ -20,12 +20,15 @@ SessionJoiner::SessionJoiner(const JoinSettings& settings, std::string what)
 
 void SessionJoiner::add(const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
                         const ColouredCloud& cloud, PlaceIndex& map) {
+  if (!knows(T_session_camera)) say(T_session_camera, map.locate(features, cloud).place);
+}
+
+bool SessionJoiner::knows(const Eigen::Isometry3d& T_session_part) const {
   const auto is_near = [&](const Saying& saying) {
-    return distance_between(saying.T_session_part, T_session_camera) < settings_.min_distance &&
-           angle_between(saying.T_session_part, T_session_camera) < settings_.min_angle;
+    return distance_between(saying.T_session_part, T_session_part) < settings_.min_distance &&
+           angle_between(saying.T_session_part, T_session_part) < settings_.min_angle;
   };
-  if (std::any_of(sayings_.begin(), sayings_.end(), is_near)) return;
-  say(T_session_camera, map.locate(features, cloud).place);
+  return std::any_of(sayings_.begin(), sayings_.end(), is_near);
 }
 
 void SessionJoiner::say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found) {

@@ -23,7 +23,7 @@ struct JoinSettings {
     s.number("min_agreeing", min_agreeing, "", {1, 100}, "keyframes that must say the same");
     s.number("most_agreeing", most_agreeing, "", {1, 1000}, "after which nobody is asked any more");
     s.number("min_distance", min_distance, "m", {0, 100},
-             "of motion between two of them, so that each is a look of its own");
+             "between two of them, so that each is a look of its own");
     s.number("min_angle", min_angle, "rad", {0, 3.1416}, "or of turning");
     s.number("max_disagreement", max_disagreement, "", {0, 1000}, "Mahalanobis distance between two of them");
     s.number("floor_translation", floor_translation, "m", {0, 10},
@@ -52,6 +52,8 @@ class SessionJoiner {
   /// Looks for a keyframe of the new session in the old map.
   void add(const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
            const ColouredCloud& cloud, PlaceIndex& map);
+  /// A part that lies as near as that was found: another look from there is no look of its own.
+  bool knows(const Eigen::Isometry3d& T_session_part) const;
   /// A part of the session that lies there in it was looked for, and found or not.
   void say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found);
 

@@ -51,8 +51,9 @@ void LandmarkSessions::place(std::int64_t session, const std::vector<Landmark>& 
 
 void LandmarkSessions::begin_session(std::int64_t stored, std::vector<Landmark> last) {
   newest_ = -1;
-  jobs_.hand_in([this, stored, last = std::move(last)] {
+  jobs_.hand_in([this, stored, last = std::move(last), number = ++begun_] {
     const std::lock_guard<std::mutex> lock(mutex_);
+    number_ = number;
     // A mapper that begins anew looks for its last map, too, where it is known how that lies.
     if (map_.size() == 0) T_map_current_ = Eigen::Isometry3d::Identity();
     if (T_map_current_ && T_map_session_.count(stored_current_) == 0) map_.add(last, *T_map_current_);
@@ -85,12 +86,12 @@ void LandmarkSessions::look_for(const std::vector<Landmark>& group) {
   if (!joiner_.joint()) return;
   const bool again = T_map_current_.has_value();
   T_map_current_ = joiner_.joint()->T_map_session;
-  if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again});
+  if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again, number_});
 }
 
 std::vector<LandmarkSessions::Joined> LandmarkSessions::take_joined() {
   const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);  // else the next time
-  return lock ? std::exchange(joined_, {}) : std::vector<Joined>();
+  return lock ? SessionPlaces::of_current(std::exchange(joined_, {}), begun_) : std::vector<Joined>();
 }
 
 }  // namespace lcmslam

@@ -25,7 +25,7 @@ class LandmarkSessions {
   void follow(const LandmarkMap& map);
 
   using Joined = SessionPlaces::Joined;
-  /// Since the last call.
+  /// As SessionPlaces.
   std::vector<Joined> take_joined();
   /// Of the file's map.
   std::size_t kept_landmarks() const { return kept_; }
@@ -37,6 +37,7 @@ class LandmarkSessions {
   void look_for(const std::vector<Landmark>& group);
 
   std::filesystem::path file_;
+  int begun_ = 0;             // sessions, as who calls knows it
   std::int64_t newest_ = -1;  // landmark of the current session that was looked for
 
   std::atomic<std::size_t> kept_ = 0;
@@ -44,6 +45,7 @@ class LandmarkSessions {
   std::mutex mutex_;  // guards what follows, held while something is looked for
   LandmarkPlaces map_;
   LandmarkJoiner joiner_;
+  int number_ = 0;  // of the current session
   std::int64_t stored_current_ = 0;
   std::map<std::int64_t, Eigen::Isometry3d> T_map_session_;  // of sessions in the file, by id
   std::optional<Eigen::Isometry3d> T_map_current_;

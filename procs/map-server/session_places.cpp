@@ -1,5 +1,7 @@
 #include "procs/map-server/session_places.hpp"
 
+#include <algorithm>
+
 namespace lcmslam {
 namespace {
 
@@ -69,8 +71,9 @@ void SessionPlaces::join_stored(MapFile& map, std::int64_t session) {
 }
 
 void SessionPlaces::begin_session(std::int64_t stored) {
-  jobs_.hand_in([this, stored] {
+  jobs_.hand_in([this, stored, number = ++begun_] {
     const std::lock_guard<std::mutex> lock(mutex_);
+    number_ = number;
     leave_current();
     current_ = PlaceIndex();
     joiner_ = SessionJoiner();
@@ -100,7 +103,7 @@ void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session
     if (!joiner_.joint()) return;
     const bool again = T_map_current_.has_value();
     T_map_current_ = joiner_.joint()->T_map_session;
-    if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again});
+    if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again, number_});
   });
 }
 
@@ -113,9 +116,15 @@ void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& mov
   });
 }
 
+std::vector<SessionPlaces::Joined> SessionPlaces::of_current(std::vector<Joined> joined, int number) {
+  const auto is_of_another = [&](const Joined& j) { return j.stored == 0 && j.number != number; };
+  joined.erase(std::remove_if(joined.begin(), joined.end(), is_of_another), joined.end());
+  return joined;
+}
+
 std::vector<SessionPlaces::Joined> SessionPlaces::take_joined() {
   const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);  // else the next time
-  return lock ? std::exchange(joined_, {}) : std::vector<Joined>();
+  return lock ? of_current(std::exchange(joined_, {}), begun_) : std::vector<Joined>();
 }
 
 std::optional<Eigen::Isometry3d> SessionPlaces::T_map_session() const {

@@ -36,9 +36,12 @@ class SessionPlaces {
     std::int64_t stored = 0;  ///< its id in the file; 0: the current one
     Joint joint;
     bool again = false;  ///< it was found before, by fewer keyframes
+    int number = 0;      ///< of calls of begin_session() before the one that was current
   };
-  /// Since the last call.
+  /// Since the last call; not what was found for a session that is not the current one any more.
   std::vector<Joined> take_joined();
+  /// Of those, without what is of another session than the one of this number.
+  static std::vector<Joined> of_current(std::vector<Joined> joined, int number);
   /// Of the current session: from its frame to the map's, once that is known.
   std::optional<Eigen::Isometry3d> T_map_session() const;
 
@@ -76,11 +79,12 @@ class SessionPlaces {
   void join_stored(MapFile& map, std::int64_t session);
 
   std::filesystem::path file_;
-  std::vector<StoredSession> stored_;  // dense sessions, as they were
+  int begun_ = 0;  // sessions, as who calls knows it
 
   mutable std::mutex mutex_;  // guards what follows, held while something is looked for
   PlaceIndex map_, current_;
   SessionJoiner joiner_;
+  int number_ = 0;                                           // of the current session
   std::int64_t stored_current_ = 0;                          // see begin_session()
   std::map<std::int64_t, Eigen::Isometry3d> T_map_session_;  // of sessions in the file, by id
   std::optional<Eigen::Isometry3d> T_map_current_;

@@ -39,6 +39,15 @@ TEST_F(LandmarkJoinerTest, JoinsWhenThreeGroupsAgree) {
   EXPECT_EQ(to_string(*joiner.joint()), "3 of 3 groups of landmarks were found and agree, 0 say otherwise");
 }
 
+TEST_F(LandmarkJoinerTest, GroupsOfOneViewAreOneLook) {
+  for (std::uint64_t drive = 10; drive < 16; ++drive) {
+    std::vector<Landmark> group = room.mapped(T_map_session.inverse(), drive, 0.3);
+    group.resize(60);
+    joiner.add(group, map);
+  }
+  EXPECT_FALSE(joiner.joint());
+}
+
 TEST_F(LandmarkJoinerTest, AWholeMapIsAskedGroupByGroup) {
   joiner.add_all(session, map);
   ASSERT_TRUE(joiner.joint());
@@ -49,7 +58,7 @@ TEST_F(LandmarkJoinerTest, AWholeMapIsAskedGroupByGroup) {
 }
 
 TEST_F(LandmarkJoinerTest, NobodyIsAskedForeverOnceEnoughAgree) {
-  JoinSettings settings;
+  JoinSettings settings = LandmarkJoiner::defaults();
   settings.most_agreeing = 4;
   joiner = LandmarkJoiner(settings);
   joiner.add_all(session, map);
