@@ -1,6 +1,6 @@
 // How often a new session of FastSLAM is joined to an old map of landmarks, and how often falsely
 // (lcmslam::LandmarkJoiner).
-//   build/release/bin/session_joins FOLDER [--seeds 2] [--verbose]
+//   build/release/bin/session_joins FOLDER [--seeds 2] [--seconds 0] [--verbose]
 //
 // Simulated drives through each scene, with other errors of the sensors for each seed, go through surf,
 // odometry and FastSLAM: whole, and each part of them as a session of its own that begins anywhere, as when
@@ -79,7 +79,7 @@ void save(const fs::path& file, const MappingRun& run, const Drive& drive) {
   save_tum(fs::path(file).replace_extension(".tum"), drive.truth, {"world", "robot"});
 }
 
-void make_maps(const fs::path& folder, const std::string& scene, int seed) {
+void make_maps(const fs::path& folder, const std::string& scene, int seed, double seconds) {
   const auto file = [&](const Part& part) {
     return folder / (scene + "-" + std::to_string(seed) + "-" + part.name + ".lcmslam");
   };
@@ -91,6 +91,7 @@ void make_maps(const fs::path& folder, const std::string& scene, int seed) {
       source.simulation.scene = share_path("config/scenes/" + scene + ".yaml");
       source.simulation.seed = static_cast<std::uint64_t>(seed);
       source.simulation.frame_rate = 5;
+      source.simulation.seconds = seconds;
       drive = take_drive(*make_live_simulation(source));
     }
     MapperChoice choice;
@@ -245,17 +246,19 @@ void measure(const fs::path& folder, int seeds, bool verbose) {
 int main(int argc, char** argv) {
   std::string folder;
   int seeds = 2;
+  double seconds = 0;
   bool verbose = false;
   CLI::App app("How often a session of FastSLAM is joined to an old map of landmarks");
   app.add_option("folder", folder, "that takes the maps, made where it is missing")->required();
   app.add_option("--seeds", seeds, "of the sensors' errors, drives through each scene")
       ->check(CLI::Range(2, 100));
+  app.add_option("--seconds", seconds, "of each drive, where maps are made; 0: the whole path");
   app.add_flag("--verbose", verbose, "a line for each session and each group of landmarks");
   CLI11_PARSE(app, argc, argv);
   try {
     std::filesystem::create_directories(folder);
     for (const std::string& scene : lcmslam::scenes)
-      for (int seed = 1; seed <= seeds; ++seed) lcmslam::make_maps(folder, scene, seed);
+      for (int seed = 1; seed <= seeds; ++seed) lcmslam::make_maps(folder, scene, seed, seconds);
     lcmslam::measure(folder, seeds, verbose);
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -29,11 +29,12 @@ class LandmarkPlacesTest : public ::testing::Test {
   }
   static void expect_right(const LocatedGroup& located) {
     ASSERT_TRUE(located.place) << located.why_not;
-    const Eigen::Isometry3d T_map_session = located.place->T_map_camera * located.T_session_group.inverse();
-    const Eigen::Isometry3d error = T_map_session * T_session_room;
-    const Eigen::Vector3d middle = T_session_room.inverse() * located.T_session_group.translation();
-    EXPECT_LT((error * middle - middle).norm(), 0.01);
-    EXPECT_LT(rotation_angle(error), 0.01);
+    const Eigen::Isometry3d T_room_group = T_session_room.inverse() * located.T_session_group;
+    const Eigen::Isometry3d error = T_room_group.inverse() * located.place->T_map_camera;
+    EXPECT_LT(error.translation().norm(), 0.02);
+    EXPECT_LT(rotation_angle(error), 0.03);
+    const Vector6d xi = se3_log(error);
+    EXPECT_LT(xi.dot(located.place->covariance.inverse() * xi), 22.46) << "99.9 % of six dimensions";
   }
 
   LandmarkRoom room{1};
