@@ -1,29 +1,37 @@
 // How often a new session of FastSLAM is joined to an old map of landmarks, and how often falsely
 // (lcmslam::LandmarkJoiner).
-//   build/release/bin/session_joins FOLDER [--seeds 2] [--seconds 0] [--verbose]
+//   lcmslam simulate config/scenes/kitchen.yaml kitchen-41.lcmlog --seed 41
+//   lcmslam batch kitchen-41.lcmlog --out kitchen-41
+//   build/release/bin/session_joins FOLDER kitchen-41:kitchen-41.lcmlog:kitchen-41/batch.lcmlog ...
+//   [--verbose]
 //
-// Simulated drives through each scene, with other errors of the sensors for each seed, go through surf,
-// odometry and FastSLAM: whole, and each part of them as a session of its own that begins anywhere, as when
-// the robot was carried between. The maps are kept in FOLDER and made where they are not there. Then each
-// session of one seed is looked for in the whole map of another. "right" is within 5 cm and 2 degrees of the
-// truth, at the middle of the session's path, each map laid on the truth by its own path; "false" another
-// answer, none of which may be. Strangers are sessions of other scenes; twins a map of two rooms that are the
-// same, where every answer would be a guess; an altered copy is a room a second time, without a third of its
-// landmarks (those of one 40 cm cell of the floor go together).
+// Drives through scenes, with other errors of the sensors for each seed; a drive's name is SCENE-SEED. Its
+// FEATURES and ODOMETRY go through FastSLAM: whole, and each part of them as a session of its own that begins
+// anywhere, as when the robot was carried between. The maps are kept in FOLDER and made where they are not
+// there. Then each session of one seed is looked for in the whole map of another. "right" is within 5 cm and
+// 2 degrees of the truth, at the middle of the session's path, each map laid on the truth by its own path;
+// "false" another answer, none of which may be. Strangers are sessions of other scenes; twins a map of two
+// rooms that are the same, where every answer would be a guess; an altered copy is a room a second time,
+// without a third of its landmarks (those of one 40 cm cell of the floor go together).
 
 #include <cstdio>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
 
-#include <lcmslam/configuration/share.hpp>
 #include <lcmslam/evaluation/pose_text.hpp>
+#include <lcmslam/ground_truth_t.hpp>
+#include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/file/map_store.hpp>
+#include <lcmslam/map_store/landmark_map.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/places/landmark_joiner.hpp>
-#include "procs/camera/camera_source.hpp"
+#include <lcmslam/pose_estimate_t.hpp>
+#include "procs/fastslam/fastslam_node.hpp"
 #include "tests/bench/cpu_time.hpp"
-#include "tools/study/report/mapping_run.hpp"
+#include "tests/bench/truth_fit.hpp"
 
 namespace lcmslam {
 namespace {
@@ -39,78 +47,99 @@ struct Part {
 const std::vector<Part> parts = {{"whole", 0, 1},         {"first", 0, 0.34},   {"second", 0.33, 0.67},
                                  {"third", 0.66, 1},      {"start", 0, 0.5},    {"end", 0.5, 1},
                                  {"quarter2", 0.25, 0.5}, {"quarter4", 0.75, 1}};
-const std::vector<std::string> scenes = {"kitchen", "table", "office"};
 
-struct Session {
-  std::string scene, part;
-  int seed = 0;
-  std::vector<Landmark> landmarks;
-  Trajectory path, truth;
+struct Drive {
+  std::string name, log, results;
 
-  Eigen::Isometry3d T_world_session() const { return fit_to_truth(truth, path); }
+  explicit Drive(const std::string& told) {
+    const auto first = told.find(':'), second = told.find(':', first + 1);
+    if (second == std::string::npos)
+      throw std::invalid_argument(told +
+                                  ": must be SCENE-SEED:LOG:RESULTS, as kitchen-1:a.lcmlog:a/batch.lcmlog");
+    name = told.substr(0, first);
+    log = told.substr(first + 1, second - first - 1);
+    results = told.substr(second + 1);
+  }
+  std::string scene() const { return name.substr(0, name.find('-')); }
 };
 
-Drive part_of(const Drive& drive, const Part& part) {
-  Drive cut = drive;
-  cut.messages.clear();
-  const double first = 1e-6 * static_cast<double>(drive.messages.front().utime);
-  std::optional<BatchMessage> calibration;
-  for (const BatchMessage& message : drive.messages) {
-    if (message.channel == "CAMERA_CALIBRATION") calibration = message;
-    const double at = (1e-6 * static_cast<double>(message.utime) - first) / drive.seconds;
-    if (at < part.from || at > part.to) continue;
-    if (cut.messages.empty() && calibration) cut.messages.push_back(*calibration);
-    cut.messages.push_back(message);
+struct Session {
+  std::string scene, drive, part;
+  std::vector<Landmark> landmarks;
+  Trajectory path;
+  Eigen::Isometry3d T_world_session = Eigen::Isometry3d::Identity();
+};
+
+/// Keeps the map that FastSLAM tells.
+class Listener : public Publisher {
+ public:
+  Listener() : Publisher(1) {}
+  LandmarkMap map;
+  Trajectory path;
+
+ private:
+  void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime) override {
+    if (channel == "FASTSLAM_POSE") {
+      const auto m = decode_message<pose_estimate_t>(bytes.data(), bytes.size());
+      path.push_back({m.utime, from_message(m.T_map_robot, "T_map_robot")});
+    } else if (channel == "FASTSLAM_LANDMARKS") {
+      const auto m = decode_message<landmarks_t>(bytes.data(), bytes.size());
+      map.apply({m.map_revision, m.base_revision, landmarks_of(m), m.removed});
+    }
   }
-  return cut;
+};
+
+Trajectory truth_of(const Drive& drive) {
+  Trajectory truth;
+  LogReader reader(drive.log);
+  while (const auto event = reader.next()) {
+    if (event->channel != "GROUND_TRUTH") continue;
+    const auto m = decode_message<ground_truth_t>(event->data.data(), event->data.size());
+    if (m.child_frame != "robot") throw std::runtime_error(drive.log + ": has no truth of the robot");
+    truth.push_back({m.utime, from_message(m.T_frame_child, "T_frame_child")});
+  }
+  sort_trajectory(truth);
+  return truth;
 }
 
-void save(const fs::path& file, const MappingRun& run, const Drive& drive) {
+void make_map(const Drive& drive, const Part& part, const fs::path& file) {
+  const Trajectory truth = truth_of(drive);
+  const auto begin = static_cast<double>(truth.front().utime);
+  const double length = static_cast<double>(truth.back().utime) - begin;
+  Listener listener;
+  FastSlamNode node(ConfigNode::parse("{}"), listener);
+  Inputs inputs;
+  node.connect(inputs);
+  LogReader reader(drive.results);
+  while (const auto event = reader.next()) {
+    const double at = (static_cast<double>(event->timestamp) - begin) / length;
+    if ((event->channel == "FEATURES" || event->channel == "ODOMETRY") && at >= part.from && at <= part.to)
+      inputs.deliver(event->channel, event->data.data(), event->data.size());
+  }
+  node.finish();
   fs::remove(file);
   MapStore store(file);
   Transaction transaction = store.begin();
   StoredSession session{0, "fastslam", 1, "map"};
   session.id = store.add_session(store.add_run({"simulated", ""}), session);
   SessionChanges changes;
-  for (const Landmark& landmark : run.landmarks) changes.put_landmark(landmark);
-  for (const StampedPose& pose : run.fastslam) changes.append_pose({pose.utime, pose.T_world_body});
+  for (const Landmark& landmark : listener.map.landmarks()) changes.put_landmark(landmark);
+  for (const StampedPose& pose : listener.path) changes.append_pose({pose.utime, pose.T_world_body});
   store.write(session.id, changes);
   transaction.commit();
-  save_tum(fs::path(file).replace_extension(".tum"), drive.truth, {"world", "robot"});
+  save_tum(fs::path(file).replace_extension(".tum"), truth, {"world", "robot"});
+  std::printf("made %s: %zu landmarks of %.0f s\n", file.filename().c_str(), listener.map.size(),
+              1e-6 * length * (part.to - part.from));
 }
 
-void make_maps(const fs::path& folder, const std::string& scene, int seed, double seconds) {
-  const auto file = [&](const Part& part) {
-    return folder / (scene + "-" + std::to_string(seed) + "-" + part.name + ".lcmslam");
-  };
-  std::optional<Drive> drive;
-  for (const Part& part : parts) {
-    if (fs::exists(file(part)) && fs::exists(file(part).replace_extension(".tum"))) continue;
-    if (!drive) {
-      SimulationSourceSettings source;
-      source.simulation.scene = share_path("config/scenes/" + scene + ".yaml");
-      source.simulation.seed = static_cast<std::uint64_t>(seed);
-      source.simulation.frame_rate = 5;
-      source.simulation.seconds = seconds;
-      drive = take_drive(*make_live_simulation(source));
-    }
-    MapperChoice choice;
-    choice.icp = false;
-    choice.seed = seed;
-    const MappingRun run = map_drive(part_of(*drive, part), choice);
-    save(file(part), run, *drive);
-    std::printf("made %s: %zu landmarks of %.0f s\n", file(part).filename().c_str(), run.landmarks.size(),
-                drive->seconds * (part.to - part.from));
-    std::fflush(stdout);
-  }
-}
-
-Session load(const fs::path& folder, const std::string& scene, int seed, const std::string& part) {
-  const fs::path file = folder / (scene + "-" + std::to_string(seed) + "-" + part + ".lcmslam");
-  Session session{scene, part, seed, {}, {}, read_tum(fs::path(file).replace_extension(".tum"))};
+Session load(const fs::path& folder, const Drive& drive, const Part& part) {
+  const fs::path file = folder / (drive.name + "-" + part.name + ".lcmslam");
+  if (!fs::exists(file) || !fs::exists(fs::path(file).replace_extension(".tum"))) make_map(drive, part, file);
+  Session session{drive.scene(), drive.name, part.name, {}, {}};
   MapFile map(file);
   session.landmarks = map.landmarks(1);
   for (const StoredPose& pose : map.trajectory(1)) session.path.push_back({pose.utime, pose.T_map_robot});
+  session.T_world_session = fit_world(read_tum(fs::path(file).replace_extension(".tum")), session.path);
   return session;
 }
 
@@ -147,14 +176,14 @@ struct Bench {
       double distance = 1e9, angle = 1e9;
       if (T_world_map) {
         const StampedPose& middle = session.path[session.path.size() / 2];
-        const Eigen::Isometry3d truth = session.T_world_session() * middle.T_world_body;
+        const Eigen::Isometry3d truth = session.T_world_session * middle.T_world_body;
         const Eigen::Isometry3d said = *T_world_map * joint.T_map_session * middle.T_world_body;
         distance = distance_between(truth, said);
         angle = angle_between(truth, said);
         count.distances.push_back(1000 * distance);
         count.angles.push_back(angle * 180 / pi);
         const Vector6d xi =
-            se3_log(joint.T_map_session.inverse() * T_world_map->inverse() * session.T_world_session());
+            se3_log(joint.T_map_session.inverse() * T_world_map->inverse() * session.T_world_session);
         count.squares.push_back(xi.dot(joint.covariance.inverse() * xi) / 6);
       }
       const bool right = distance < 0.05 && angle < 2 * pi / 180;
@@ -165,9 +194,8 @@ struct Bench {
       outcome = text;
     }
     if (verbose || outcome.find("FALSE") == 0)
-      std::printf("    %s in %s: %s\n",
-                  (session.scene + "-" + std::to_string(session.seed) + "-" + session.part).c_str(),
-                  what.c_str(), outcome.c_str());
+      std::printf("    %s in %s: %s\n", (session.drive + "-" + session.part).c_str(), what.c_str(),
+                  outcome.c_str());
     if (verbose) groups(map, T_world_map, session);
   }
 
@@ -180,7 +208,7 @@ struct Bench {
       std::printf("      %3zu: %2d (other %2d) share %.2f %s", i, g.inliers, g.other_inliers, g.share,
                   g.why_not.c_str());
       if (g.place && T_world_map) {
-        const Eigen::Isometry3d truth = session.T_world_session() * g.T_session_group;
+        const Eigen::Isometry3d truth = session.T_world_session * g.T_session_group;
         const Eigen::Isometry3d said = *T_world_map * g.place->T_map_camera;
         std::printf(" off %.3f m %.2f deg", distance_between(truth, said),
                     angle_between(truth, said) * 180 / pi);
@@ -202,15 +230,14 @@ void print(const std::string& what, Count& c) {
   std::fflush(stdout);
 }
 
-void measure(const fs::path& folder, int seeds, bool verbose) {
+void measure(const fs::path& folder, const std::vector<Drive>& drives, bool verbose) {
   std::map<std::string, std::vector<Session>> sessions;
-  for (const std::string& scene : scenes)
-    for (int seed = 1; seed <= seeds; ++seed)
-      for (const Part& part : parts) sessions[scene].push_back(load(folder, scene, seed, part.name));
+  for (const Drive& drive : drives)
+    for (const Part& part : parts) sessions[drive.scene()].push_back(load(folder, drive, part));
   const Bench bench{verbose};
-  for (const std::string& scene : scenes) {
+  for (const auto& [scene, own] : sessions) {
     Count alone, beside, twins, strangers;
-    for (const Session& old : sessions[scene]) {
+    for (const Session& old : own) {
       if (old.part != "whole") continue;
       LandmarkPlaces map, copy, twin;
       map.add(old.landmarks);
@@ -219,10 +246,10 @@ void measure(const fs::path& folder, int seeds, bool verbose) {
       copy.add(altered(old.landmarks), there);
       twin.add(old.landmarks);
       twin.add(old.landmarks, there);
-      const Eigen::Isometry3d T_world_map = old.T_world_session();
-      const std::string name = scene + "-" + std::to_string(old.seed);
-      for (const Session& session : sessions[scene]) {
-        if (session.seed == old.seed) continue;
+      const Eigen::Isometry3d T_world_map = old.T_world_session;
+      const std::string& name = old.drive;
+      for (const Session& session : own) {
+        if (session.drive == old.drive) continue;
         bench.ask(map, T_world_map, session, name, alone);
         Bench quiet;
         quiet.ask(copy, T_world_map, session, name + " beside an altered copy", beside);
@@ -245,21 +272,16 @@ void measure(const fs::path& folder, int seeds, bool verbose) {
 
 int main(int argc, char** argv) {
   std::string folder;
-  int seeds = 2;
-  double seconds = 0;
+  std::vector<std::string> told;
   bool verbose = false;
   CLI::App app("How often a session of FastSLAM is joined to an old map of landmarks");
   app.add_option("folder", folder, "that takes the maps, made where it is missing")->required();
-  app.add_option("--seeds", seeds, "of the sensors' errors, drives through each scene")
-      ->check(CLI::Range(2, 100));
-  app.add_option("--seconds", seconds, "of each drive, where maps are made; 0: the whole path");
+  app.add_option("drives", told, "SCENE-SEED:LOG:RESULTS")->required();
   app.add_flag("--verbose", verbose, "a line for each session and each group of landmarks");
   CLI11_PARSE(app, argc, argv);
   try {
     std::filesystem::create_directories(folder);
-    for (const std::string& scene : lcmslam::scenes)
-      for (int seed = 1; seed <= seeds; ++seed) lcmslam::make_maps(folder, scene, seed, seconds);
-    lcmslam::measure(folder, seeds, verbose);
+    lcmslam::measure(folder, {told.begin(), told.end()}, verbose);
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

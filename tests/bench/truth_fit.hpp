@@ -17,6 +17,28 @@ struct TruthFit {
   double rms_translation = 0, rms_rotation = 0;  ///< m, rad, of what is left
 };
 
+/// T_world_map by all poses that have a truth: least squares of se3 errors, as below.
+inline Eigen::Isometry3d fit_world(const Trajectory& truth, const Trajectory& path) {
+  std::optional<Eigen::Isometry3d> T_world_map;
+  for (int step = 0; step < 10; ++step) {
+    Matrix6d normal = Matrix6d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    for (const StampedPose& pose : path) {
+      const auto T_world_robot = pose_at(truth, pose.utime);
+      if (!T_world_robot) continue;
+      if (!T_world_map) T_world_map = *T_world_robot * pose.T_world_body.inverse();
+      // (W exp(w) P)^-1 T = exp(-Ad(P^-1) w) P^-1 W^-1 T
+      const Vector6d error = se3_log((*T_world_map * pose.T_world_body).inverse() * *T_world_robot);
+      const Matrix6d J = adjoint(pose.T_world_body.inverse());
+      normal += J.transpose() * J;
+      gradient += J.transpose() * error;
+    }
+    if (!T_world_map) throw std::invalid_argument("no pose has a truth");
+    T_world_map = *T_world_map * se3_exp(normal.ldlt().solve(gradient));
+  }
+  return *T_world_map;
+}
+
 /// W T_truth(t) Z = T_estimate(t): least squares of se3 errors, 1 cm as heavy as 1/100 rad.
 inline TruthFit fit_body(const Trajectory& truth, const Trajectory& camera, double clock_offset,
                          const Eigen::Isometry3d& T_truth_camera) {
