@@ -219,6 +219,7 @@ struct Bench {
 };
 
 void print(const std::string& what, Count& c) {
+  if (c.asked == 0) return;
   std::printf("%-30s %4d asked, %4d right (%5.1f %%), %d false; %.0f ms (p95 %.0f)", what.c_str(), c.asked,
               c.right, c.asked > 0 ? 100.0 * c.right / c.asked : 0.0, c.wrong, quantile(c.milliseconds, 0.5),
               quantile(c.milliseconds, 0.95));
