@@ -91,6 +91,14 @@ const Landmark* LandmarkMap::find(std::int64_t id) const {
   return found == landmarks_.end() ? nullptr : &found->second;
 }
 
+std::vector<Landmark> LandmarkMap::after(std::int64_t id, std::size_t most) const {
+  std::vector<Landmark> next;
+  for (auto landmark = landmarks_.upper_bound(id); landmark != landmarks_.end() && next.size() < most;
+       ++landmark)
+    next.push_back(landmark->second);
+  return next;
+}
+
 std::vector<Landmark> LandmarkMap::landmarks() const {
   std::vector<Landmark> ordered;
   ordered.reserve(landmarks_.size());

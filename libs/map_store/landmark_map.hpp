@@ -56,6 +56,8 @@ class LandmarkMap {
   const Landmark* find(std::int64_t id) const;
   /// Ordered by id.
   std::vector<Landmark> landmarks() const;
+  /// The first that have a higher id than that, at most so many.
+  std::vector<Landmark> after(std::int64_t id, std::size_t most) const;
 
  private:
   void put(const LandmarkChange& change);

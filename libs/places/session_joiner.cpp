@@ -9,30 +9,37 @@
 namespace lcmslam {
 
 std::string to_string(const Joint& joint) {
-  return std::to_string(joint.agreeing) + " of " + std::to_string(joint.asked) +
-         " keyframes were found and agree, " + std::to_string(joint.disagreeing) + " say otherwise";
+  return std::to_string(joint.agreeing) + " of " + std::to_string(joint.asked) + " " + joint.what +
+         " were found and agree, " + std::to_string(joint.disagreeing) + " say otherwise";
 }
 
-SessionJoiner::SessionJoiner(const JoinSettings& settings) : settings_(settings) {
+SessionJoiner::SessionJoiner(const JoinSettings& settings, std::string what)
+    : settings_(settings), what_(std::move(what)) {
   check(settings, "joining of sessions");
 }
 
 void SessionJoiner::add(const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
                         const ColouredCloud& cloud, PlaceIndex& map) {
+  if (!knows(T_session_camera)) say(T_session_camera, map.locate(features, cloud).place);
+}
+
+bool SessionJoiner::knows(const Eigen::Isometry3d& T_session_part) const {
   const auto is_near = [&](const Saying& saying) {
-    return distance_between(saying.T_session_camera, T_session_camera) < settings_.min_distance &&
-           angle_between(saying.T_session_camera, T_session_camera) < settings_.min_angle;
+    return distance_between(saying.T_session_part, T_session_part) < settings_.min_distance &&
+           angle_between(saying.T_session_part, T_session_part) < settings_.min_angle;
   };
-  if (std::any_of(sayings_.begin(), sayings_.end(), is_near)) return;
+  return std::any_of(sayings_.begin(), sayings_.end(), is_near);
+}
+
+void SessionJoiner::say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found) {
   ++asked_;
-  const Located located = map.locate(features, cloud);
-  if (!located.place) return;
-  Matrix6d covariance = located.place->covariance;
+  if (!found) return;
+  Matrix6d covariance = found->covariance;
   covariance.diagonal().head<3>().array() += settings_.floor_translation * settings_.floor_translation;
   covariance.diagonal().tail<3>().array() += settings_.floor_rotation * settings_.floor_rotation;
-  // T_map_session = T_map_camera exp(xi) T_camera_session: the error moves to the session's frame.
-  const Matrix6d to_session = adjoint(T_session_camera);
-  sayings_.push_back({T_session_camera, located.place->T_map_camera * T_session_camera.inverse(),
+  // T_map_session = T_map_part exp(xi) T_part_session: the error moves to the session's frame.
+  const Matrix6d to_session = adjoint(T_session_part);
+  sayings_.push_back({T_session_part, found->T_map_camera * T_session_part.inverse(),
                       to_session * covariance * to_session.transpose()});
   vote();
 }
@@ -55,7 +62,7 @@ void SessionJoiner::vote() {
   const int agreeing = static_cast<int>(best.size());
   const int disagreeing = static_cast<int>(sayings_.size()) - agreeing;
   if (agreeing < settings_.min_agreeing * (1 + disagreeing)) return;
-  Joint joint{best.front()->T_map_session, Matrix6d::Zero(), agreeing, disagreeing, asked_};
+  Joint joint{best.front()->T_map_session, Matrix6d::Zero(), agreeing, disagreeing, asked_, what_};
   for (int round = 0; round < 3; ++round) {
     Matrix6d information = Matrix6d::Zero();
     Vector6d pull = Vector6d::Zero();

@@ -1,6 +1,7 @@
 #pragma once
-// Where does a new session lie in an old map? Several keyframes of it, with motion between them, must be
-// found in the old map on their own and agree on the answer; one that says otherwise must be outvoted.
+// Where does a new session lie in an old map? Several parts of it (keyframes with motion between them, groups
+// of landmarks) must be found in the old map on their own and agree on the answer; one that says otherwise
+// must be outvoted.
 
 #include <optional>
 #include <vector>
@@ -22,7 +23,7 @@ struct JoinSettings {
     s.number("min_agreeing", min_agreeing, "", {1, 100}, "keyframes that must say the same");
     s.number("most_agreeing", most_agreeing, "", {1, 1000}, "after which nobody is asked any more");
     s.number("min_distance", min_distance, "m", {0, 100},
-             "of motion between two of them, so that each is a look of its own");
+             "between two of them, so that each is a look of its own");
     s.number("min_angle", min_angle, "rad", {0, 3.1416}, "or of turning");
     s.number("max_disagreement", max_disagreement, "", {0, 1000}, "Mahalanobis distance between two of them");
     s.number("floor_translation", floor_translation, "m", {0, 10},
@@ -38,6 +39,7 @@ struct Joint {
   Matrix6d covariance = Matrix6d::Zero();  ///< of T_map_session, right perturbation
   int agreeing = 0, disagreeing = 0;       ///< keyframes that were found in the map
   int asked = 0;                           ///< and all that were looked for
+  std::string what = "keyframes";          ///< those are
 };
 
 std::string to_string(const Joint& joint);
@@ -45,11 +47,15 @@ std::string to_string(const Joint& joint);
 class SessionJoiner {
  public:
   /// Throws std::invalid_argument that names the setting.
-  explicit SessionJoiner(const JoinSettings& settings = {});
+  explicit SessionJoiner(const JoinSettings& settings = {}, std::string what = "keyframes");
 
   /// Looks for a keyframe of the new session in the old map.
   void add(const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
            const ColouredCloud& cloud, PlaceIndex& map);
+  /// A part that lies as near as that was found: another look from there is no look of its own.
+  bool knows(const Eigen::Isometry3d& T_session_part) const;
+  /// A part of the session that lies there in it was looked for, and found or not.
+  void say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found);
 
   /// Once enough agree.
   const std::optional<Joint>& joint() const { return joint_; }
@@ -58,13 +64,14 @@ class SessionJoiner {
 
  private:
   struct Saying {
-    Eigen::Isometry3d T_session_camera, T_map_session;
+    Eigen::Isometry3d T_session_part, T_map_session;
     Matrix6d covariance;  // of T_map_session
   };
   bool agree(const Saying& a, const Saying& b) const;
   void vote();
 
   JoinSettings settings_;
+  std::string what_;
   std::vector<Saying> sayings_;
   int asked_ = 0;
   std::optional<Joint> joint_;

@@ -236,13 +236,33 @@ void MapRecorder::features(const SessionKey& key, std::int32_t keyframe, const F
                  [&](SessionChanges& changes) { changes.put_features(keyframe, features); });
 }
 
-void MapRecorder::place(const SessionKey& key, const Joint& joint) {
-  writer_.place(session("icp", key).number, placed(joint));
+void MapRecorder::place(const std::string& mapper, const SessionKey& key, const Joint& joint) {
+  writer_.place(session(mapper, key).number, placed(joint));
 }
 
 void MapRecorder::place(std::int64_t stored, const Joint& joint) {
-  for (const StoredSession& old : stored_)
-    if (old.id == stored) writer_.place(writer_.begin_session(old), placed(joint));
+  for (StoredSession& old : stored_) {
+    if (old.id != stored) continue;
+    writer_.place(writer_.begin_session(old), placed(joint));
+    old.T_map_session = joint.T_map_session;
+    old.evidence = to_string(joint);
+  }
+}
+
+std::int64_t MapRecorder::goes_on(const std::string& mapper, const SessionKey& key) const {
+  const auto known = sessions_.find({mapper, {key.sender, key.frame}});
+  return known != sessions_.end() ? known->second.kept_id : 0;
+}
+
+std::optional<std::string> MapRecorder::evidence(std::int64_t stored) const {
+  std::set<std::string> mappers;
+  for (const StoredSession& old : stored_) {
+    const bool is_first = mappers.insert(old.mapper).second;
+    if (old.id != stored) continue;
+    if (old.T_map_session) return old.evidence;
+    return is_first ? std::optional<std::string>("") : std::nullopt;
+  }
+  return std::nullopt;
 }
 
 std::int64_t MapRecorder::stored(const std::string& mapper, const SessionKey& key) {

@@ -48,7 +48,7 @@ class MapRecorder {
   void pose(const std::string& mapper, const SessionKey& key, const pose_estimate_t& message);
   void features(const SessionKey& key, std::int32_t keyframe, const FeatureFrame& features);
   /// Where a session lies: the mapper's, or one of an earlier run.
-  void place(const SessionKey& key, const Joint& joint);
+  void place(const std::string& mapper, const SessionKey& key, const Joint& joint);
   void place(std::int64_t stored, const Joint& joint);
   void calibration(const camera_calibration_t& message);
 
@@ -64,6 +64,11 @@ class MapRecorder {
   const std::vector<KeptSession>& kept() const { return kept_; }
   /// Id in the file of the session that goes on from an earlier run; 0: it is none.
   std::int64_t stored(const std::string& mapper, const SessionKey& key);
+  /// The same, without beginning it.
+  std::int64_t goes_on(const std::string& mapper, const SessionKey& key) const;
+  /// What says where that session of an earlier run lies in the map, "" for its mapper's first; nothing: it
+  /// lies apart.
+  std::optional<std::string> evidence(std::int64_t stored) const;
   /// Sessions of earlier runs, whether they have a map or not: so many numbers are taken.
   std::size_t kept(const std::string& mapper) const;
 

@@ -81,6 +81,7 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
     : publisher_(publisher),
       folder_(settings.folder),
       resolution_(settings.resolution),
+      localises_(settings.mode == "localise"),
       landmark_maps_(size(settings.max_sessions), LandmarkMap(size(settings.max_landmarks))),
       dense_maps_(
           size(settings.max_sessions),
@@ -90,14 +91,15 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
       most_export_folders_(size(settings.export_folders)),
       desk_(settings.layers.map.background) {
   if (settings.layers.make) layers_.emplace(settings.layers);
-  const bool localises = settings.mode == "localise";
-  if (localises && !std::filesystem::exists(settings.map))
+  if (localises_ && !std::filesystem::exists(settings.map))
     throw std::runtime_error(settings.map.string() + ": there is no such map to localise in");
   const std::filesystem::path store = settings.store.empty() ? "" : folder_ / settings.store;
-  if (settings.places)
-    places_ =
-        std::make_unique<SessionPlaces>(localises ? settings.map : store, settings.layers.map.background);
-  if (!localises && !store.empty()) recorder_.emplace(store, text_of(settings));
+  if (settings.places) {
+    const std::filesystem::path& map = localises_ ? settings.map : store;
+    places_ = std::make_unique<SessionPlaces>(map, settings.layers.map.background);
+    landmark_places_ = std::make_unique<LandmarkSessions>(map, settings.layers.map.background);
+  }
+  if (!localises_ && !store.empty()) recorder_.emplace(store, text_of(settings));
 }
 
 void MapServerNode::connect(Inputs& inputs) {
@@ -121,13 +123,24 @@ void MapServerNode::connect(Inputs& inputs) {
 }
 
 void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
-  if (landmark_maps_.hear(key_of(message))) fastslam_path_.clear();
+  hear_fastslam(key_of(message));
   add_to_path(fastslam_path_, message);
   fastslam_pose_ = message;
   if (recorder_) recorder_->pose("fastslam", key_of(message), message);
   const auto* session = landmark_maps_.find(key_of(message));
   const bool complete = session != nullptr && !session->map.incomplete();
   follow("fastslam", message, complete ? session->map.revision() : 0);
+}
+
+void MapServerNode::hear_fastslam(const SessionKey& key) {
+  const std::size_t last = landmark_maps_.empty() ? 0 : landmark_maps_.current();
+  if (!landmark_maps_.hear(key)) return;
+  fastslam_path_.clear();
+  if (!landmark_places_) return;
+  const bool was_another = !landmark_maps_.empty() && !(landmark_maps_.all()[last].key == key);
+  landmark_places_->begin_session(
+      recorder_ ? recorder_->stored("fastslam", key) : 0,
+      was_another ? landmark_maps_.all()[last].map.landmarks() : std::vector<Landmark>());
 }
 
 void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
@@ -177,6 +190,8 @@ void MapServerNode::on_landmarks(const landmarks_t& message) {
   if (before && 2 * map.size() < before->size()) keep_beside(message, map, std::move(*before));
   const auto* session = landmark_maps_.find(key_of(message));
   if (recorder_) recorder_->landmarks(session->key, message, session->map, whole);
+  if (landmark_places_ && session == &landmark_maps_.all()[landmark_maps_.current()])
+    landmark_places_->follow(session->map);
 }
 
 /// Whether the map's mapper is the one that is told and derived from.
@@ -269,10 +284,15 @@ void MapServerNode::on_graph(const graph_t& message) {
   if (!is_current(session->key)) return;
   if (layers_) layers_->correct(session->map);
   if (!places_) return;
+  std::map<std::int32_t, Eigen::Isometry3d> moved;
   for (const graph_node_t& told : message.nodes)
-    if (const auto moved = session->map.keyframes().find(told.keyframe);
-        moved != session->map.keyframes().end())
-      places_->move(moved->first, moved->second.T_world_camera);
+    if (const auto keyframe = session->map.keyframes().find(told.keyframe);
+        keyframe != session->map.keyframes().end())
+      moved[keyframe->first] = keyframe->second.T_world_camera;
+  std::vector<std::int32_t> gone;
+  for (const std::int32_t id : message.gone)
+    if (session->map.keyframes().count(id) == 0) gone.push_back(id);
+  places_->correct(moved, gone);
 }
 
 // A map that stays behind what its mapper's poses name has lost something: this server restarted, or a
@@ -386,18 +406,25 @@ void MapServerNode::finish() {
 /// Sessions whose place in the file's map was found.
 void MapServerNode::note_joined() {
   if (!places_) return;
-  for (const SessionPlaces::Joined& joined : places_->take_joined()) {
-    joined_ += !joined.again;
-    const Eigen::Vector3d at = joined.joint.T_map_session.translation();
-    spdlog::info("{} lies at {:.2f} {:.2f} {:.2f} m, {:.1f} deg in the map: {}",
-                 joined.stored == 0 ? "this session" : fmt::format("session {} of the file", joined.stored),
-                 at.x(), at.y(), at.z(), yaw(joined.joint.T_map_session) * 180 / M_PI,
-                 to_string(joined.joint));
-    if (!recorder_) continue;
-    if (joined.stored != 0)
-      recorder_->place(joined.stored, joined.joint);
-    else if (!dense_maps_.empty())
-      recorder_->place(dense_maps_.all()[dense_maps_.current()].key, joined.joint);
+  for (const auto& joined : places_->take_joined()) note_joined("icp", joined, dense_maps_);
+  for (const auto& joined : landmark_places_->take_joined()) note_joined("fastslam", joined, landmark_maps_);
+}
+
+template <class Map>
+void MapServerNode::note_joined(const std::string& mapper, const SessionPlaces::Joined& joined,
+                                SessionTable<Map>& sessions) {
+  joined_[mapper] += !joined.again;
+  const Eigen::Vector3d at = joined.joint.T_map_session.translation();
+  const std::string said = to_string(joined.joint);
+  spdlog::info("{}: {} lies at {:.2f} {:.2f} {:.2f} m, {:.1f} deg in the map: {}", mapper,
+               joined.stored == 0 ? "this session" : fmt::format("session {} of the file", joined.stored),
+               at.x(), at.y(), at.z(), yaw(joined.joint.T_map_session) * 180 / M_PI, said);
+  if (joined.stored != 0) {
+    if (recorder_) recorder_->place(joined.stored, joined.joint);
+  } else if (!sessions.empty()) {
+    const SessionKey key = sessions.all()[sessions.current()].key;
+    sessions.find(key)->evidence = said;
+    if (recorder_) recorder_->place(mapper, key, joined.joint);
   }
 }
 

@@ -17,6 +17,7 @@
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include "procs/map-server/keyframe_features.hpp"
+#include "procs/map-server/landmark_sessions.hpp"
 #include "procs/map-server/layer_feed.hpp"
 #include "procs/map-server/map_files.hpp"
 #include "procs/map-server/map_recorder.hpp"
@@ -63,6 +64,8 @@ class MapServerNode : public Node {
     Utime begin = 0, end = 0;  ///< us, of the first and the last keyframe; 0: not known
     bool is_current = false, is_kept = false;
     std::size_t keyframes = 0, landmarks = 0;
+    /// What says where it lies in the map, "" of the map's first; nothing: it lies apart.
+    std::optional<std::string> joined = {};
   };
   std::vector<ToldSession> told_sessions() const;
   /// A message of CAMERA that came lately; null: none of that time did.
@@ -81,7 +84,14 @@ class MapServerNode : public Node {
   void on_features(const features_t& message);
   void remember(const KeyframeFeatures::Found& found);
   void begin_places(const SessionKey& key);
+  void hear_fastslam(const SessionKey& key);
   void note_joined();
+  template <class Map>
+  void note_joined(const std::string& mapper, const SessionPlaces::Joined& joined,
+                   SessionTable<Map>& sessions);
+  template <class Map>
+  std::optional<std::string> evidence(const std::string& mapper, const SessionTable<Map>& sessions,
+                                      std::size_t index) const;
   void show_kept();
   void derive_from(const SessionKey& key, const DenseKeyframe& keyframe);
   void on_graph(const graph_t& message);
@@ -106,6 +116,7 @@ class MapServerNode : public Node {
   Publisher& publisher_;
   std::filesystem::path folder_;
   double resolution_;
+  bool localises_;
   SessionTable<LandmarkMap> landmark_maps_;
   SessionTable<DenseMap> dense_maps_;
   std::size_t max_path_;
@@ -130,8 +141,9 @@ class MapServerNode : public Node {
   std::string store_failure_;            // as it was last told; empty: none
   std::optional<LayerFeed> layers_;      // none: nothing is derived
   KeyframeFeatures keyframe_features_;
-  std::unique_ptr<SessionPlaces> places_;  // null: nothing is remembered
-  std::int64_t joined_ = 0;                // sessions whose place was found
+  std::unique_ptr<SessionPlaces> places_;              // null: nothing is remembered
+  std::unique_ptr<LandmarkSessions> landmark_places_;  // as places_
+  std::map<std::string, std::int64_t> joined_;         // sessions whose place was found, by mapper
   camera_calibration_t calibration_message_;
   const StampJudge* stamps_ = nullptr;
   std::optional<Eigen::Isometry3d> T_map_robot_;             // of the newest ICP_POSE

@@ -24,12 +24,25 @@ MapServerNode::Shown MapServerNode::shown() const {
   return shown;
 }
 
+template <class Map>
+std::optional<std::string> MapServerNode::evidence(const std::string& mapper,
+                                                   const SessionTable<Map>& sessions,
+                                                   std::size_t index) const {
+  const auto& session = sessions.all()[index];
+  if (!session.evidence.empty()) return session.evidence;
+  const std::int64_t stored = recorder_ ? recorder_->goes_on(mapper, session.key) : 0;
+  if (stored != 0) return recorder_->evidence(stored);
+  const bool is_first = index == 0 && !localises_ && (!recorder_ || recorder_->kept(mapper) == 0);
+  return is_first ? std::optional<std::string>("") : std::nullopt;
+}
+
 std::vector<MapServerNode::ToldSession> MapServerNode::told_sessions() const {
   std::vector<ToldSession> told;
   if (recorder_)
     for (const KeptSession& kept : recorder_->kept()) {
       told.push_back({kept.name, kept.mapper});
       told.back().is_kept = true;
+      told.back().joined = recorder_->evidence(kept.id);
     }
   const auto before = [&](const char* mapper) { return recorder_ ? recorder_->kept(mapper) : 0; };
   for (std::size_t i = 0; i < dense_maps_.size(); ++i) {
@@ -37,6 +50,7 @@ std::vector<MapServerNode::ToldSession> MapServerNode::told_sessions() const {
     ToldSession session{dense_maps_.name("icp", i, before("icp")), "icp"};
     session.is_current = i == dense_maps_.current();
     session.keyframes = keyframes.size();
+    session.joined = evidence("icp", dense_maps_, i);
     for (const auto& [id, keyframe] : keyframes) {
       session.begin = session.begin == 0 ? keyframe.utime : std::min(session.begin, keyframe.utime);
       session.end = std::max(session.end, keyframe.utime);
@@ -47,6 +61,7 @@ std::vector<MapServerNode::ToldSession> MapServerNode::told_sessions() const {
     ToldSession session{landmark_maps_.name("fastslam", i, before("fastslam")), "fastslam"};
     session.is_current = i == landmark_maps_.current();
     session.landmarks = landmark_maps_.all()[i].map.size();
+    session.joined = evidence("fastslam", landmark_maps_, i);
     told.push_back(session);
   }
   return told;
@@ -97,8 +112,15 @@ NodeReport MapServerNode::report() const {
     if (!layers.error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + layers.error;
   }
   if (places_) {
+    report.values.emplace_back("places", number(places_->current_keyframes()));
     report.values.emplace_back("kept_keyframes", number(places_->kept_keyframes()));
-    report.values.emplace_back("sessions_joined", number(joined_));
+    const auto joined = [&](const char* mapper) {
+      const auto count = joined_.find(mapper);
+      return count != joined_.end() ? number(count->second) : 0;
+    };
+    report.values.emplace_back("sessions_joined", joined("icp"));
+    report.values.emplace_back("kept_landmarks", number(landmark_places_->kept_landmarks()));
+    report.values.emplace_back("landmark_sessions_joined", joined("fastslam"));
     const std::string error = recorder_ ? "" : places_->error();
     if (!error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + error;
   }

@@ -1,5 +1,7 @@
 #include "procs/map-server/session_places.hpp"
 
+#include <algorithm>
+
 namespace lcmslam {
 namespace {
 
@@ -11,43 +13,9 @@ std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
 
 }  // namespace
 
-SessionPlaces::SessionPlaces(const std::filesystem::path& file, bool background) : file_(file) {
-  if (background) thread_ = std::thread([this] { work(); });
-  hand_in([this] { load(); });
-}
-
-SessionPlaces::~SessionPlaces() {
-  if (!thread_.joinable()) return;
-  {
-    const std::lock_guard<std::mutex> lock(jobs_mutex_);
-    stop_ = true;
-  }
-  wake_.notify_all();
-  thread_.join();
-}
-
-void SessionPlaces::work() {
-  std::unique_lock<std::mutex> lock(jobs_mutex_);
-  while (true) {
-    wake_.wait(lock, [&] { return stop_ || !jobs_.empty(); });
-    if (stop_) return;
-    const auto job = std::move(jobs_.front());
-    jobs_.pop_front();
-    lock.unlock();
-    job();
-    lock.lock();
-  }
-}
-
-/// Where it is behind, the oldest goes: other keyframes will be found.
-void SessionPlaces::hand_in(std::function<void()> job) {
-  if (!thread_.joinable()) return job();
-  {
-    const std::lock_guard<std::mutex> lock(jobs_mutex_);
-    if (jobs_.size() >= most_places) jobs_.erase(jobs_.begin() + 1);  // the first may be load()
-    jobs_.push_back(std::move(job));
-  }
-  wake_.notify_all();
+SessionPlaces::SessionPlaces(const std::filesystem::path& file, bool background)
+    : file_(file), jobs_(background, most_places) {
+  jobs_.hand_in([this] { load(); });
 }
 
 void SessionPlaces::load() {
@@ -103,8 +71,9 @@ void SessionPlaces::join_stored(MapFile& map, std::int64_t session) {
 }
 
 void SessionPlaces::begin_session(std::int64_t stored) {
-  hand_in([this, stored] {
+  jobs_.hand_in([this, stored, number = ++begun_] {
     const std::lock_guard<std::mutex> lock(mutex_);
+    number_ = number;
     leave_current();
     current_ = PlaceIndex();
     joiner_ = SessionJoiner();
@@ -125,7 +94,7 @@ void SessionPlaces::leave_current() {
 
 void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera,
                              FeatureFrame features, ColouredCloud cloud) {
-  hand_in([this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {
+  jobs_.hand_in([this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {
     const std::lock_guard<std::mutex> lock(mutex_);
     current_.add(id, T_session_camera, features, cloud);
     const bool known = T_map_session_.count(stored_current_) > 0;
@@ -134,20 +103,28 @@ void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session
     if (!joiner_.joint()) return;
     const bool again = T_map_current_.has_value();
     T_map_current_ = joiner_.joint()->T_map_session;
-    if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again});
+    if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again, number_});
   });
 }
 
-void SessionPlaces::move(std::int32_t id, const Eigen::Isometry3d& T_session_camera) {
-  hand_in([this, id, T_session_camera] {
+void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
+                            const std::vector<std::int32_t>& gone) {
+  jobs_.hand_in([this, moved, gone] {
     const std::lock_guard<std::mutex> lock(mutex_);
-    current_.move(id, T_session_camera);
+    for (const auto& [id, T_session_camera] : moved) current_.move(id, T_session_camera);
+    for (const std::int32_t id : gone) current_.drop(id);
   });
+}
+
+std::vector<SessionPlaces::Joined> SessionPlaces::of_current(std::vector<Joined> joined, int number) {
+  const auto is_of_another = [&](const Joined& j) { return j.stored == 0 && j.number != number; };
+  joined.erase(std::remove_if(joined.begin(), joined.end(), is_of_another), joined.end());
+  return joined;
 }
 
 std::vector<SessionPlaces::Joined> SessionPlaces::take_joined() {
   const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);  // else the next time
-  return lock ? std::exchange(joined_, {}) : std::vector<Joined>();
+  return lock ? of_current(std::exchange(joined_, {}), begun_) : std::vector<Joined>();
 }
 
 std::optional<Eigen::Isometry3d> SessionPlaces::T_map_session() const {
@@ -189,6 +166,11 @@ std::optional<SessionPlaces::KeptKeyframe> SessionPlaces::next_kept() {
 std::size_t SessionPlaces::kept_keyframes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return map_.size();
+}
+
+std::size_t SessionPlaces::current_keyframes() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return current_.size();
 }
 
 std::string SessionPlaces::error() const {

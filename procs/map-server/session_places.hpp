@@ -5,15 +5,13 @@
 // The map's frame is that of the file's first dense session. Sessions of earlier runs whose place is not
 // known are looked for in it first, then each new keyframe.
 
-#include <condition_variable>
-#include <deque>
 #include <filesystem>
-#include <functional>
+#include <map>
 #include <mutex>
-#include <thread>
 
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/places/session_joiner.hpp>
+#include "procs/map-server/job_thread.hpp"
 
 namespace lcmslam {
 
@@ -22,9 +20,6 @@ class SessionPlaces {
   /// Without `background` all is done by who hands it in. A file that is not there is an empty map; one that
   /// cannot be read, too: error() says why.
   SessionPlaces(const std::filesystem::path& file, bool background);
-  ~SessionPlaces();
-  SessionPlaces(const SessionPlaces&) = delete;
-  SessionPlaces& operator=(const SessionPlaces&) = delete;
 
   /// Another current session; what was found by the last one stays in the map. `stored`: its id in the file
   /// when it goes on from an earlier run, else 0.
@@ -33,16 +28,20 @@ class SessionPlaces {
   // Of the current session.
   void keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera, FeatureFrame features,
                 ColouredCloud cloud);
-  void move(std::int32_t id, const Eigen::Isometry3d& T_session_camera);
+  /// The graph has moved these, and given those up.
+  void correct(const std::map<std::int32_t, Eigen::Isometry3d>& moved, const std::vector<std::int32_t>& gone);
 
   /// A session whose place was found.
   struct Joined {
     std::int64_t stored = 0;  ///< its id in the file; 0: the current one
     Joint joint;
     bool again = false;  ///< it was found before, by fewer keyframes
+    int number = 0;      ///< of calls of begin_session() before the one that was current
   };
-  /// Since the last call.
+  /// Since the last call; not what was found for a session that is not the current one any more.
   std::vector<Joined> take_joined();
+  /// Of those, without what is of another session than the one of this number.
+  static std::vector<Joined> of_current(std::vector<Joined> joined, int number);
   /// Of the current session: from its frame to the map's, once that is known.
   std::optional<Eigen::Isometry3d> T_map_session() const;
 
@@ -63,8 +62,9 @@ class SessionPlaces {
   };
   std::optional<KeptKeyframe> next_kept();
 
-  /// Keyframes of the file's map that things can be found by.
+  /// Keyframes of the file's map that things can be found by, and of the current session.
   std::size_t kept_keyframes() const;
+  std::size_t current_keyframes() const;
   std::string error() const;
 
  private:
@@ -73,19 +73,18 @@ class SessionPlaces {
     std::int32_t keyframe = 0;
     Eigen::Isometry3d T_map_camera;
   };
-  void hand_in(std::function<void()> job);
-  void work();
   void load();
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
   void leave_current();
   void join_stored(MapFile& map, std::int64_t session);
 
   std::filesystem::path file_;
-  std::vector<StoredSession> stored_;  // dense sessions, as they were
+  int begun_ = 0;  // sessions, as who calls knows it
 
   mutable std::mutex mutex_;  // guards what follows, held while something is looked for
   PlaceIndex map_, current_;
   SessionJoiner joiner_;
+  int number_ = 0;                                           // of the current session
   std::int64_t stored_current_ = 0;                          // see begin_session()
   std::map<std::int64_t, Eigen::Isometry3d> T_map_session_;  // of sessions in the file, by id
   std::optional<Eigen::Isometry3d> T_map_current_;
@@ -95,11 +94,7 @@ class SessionPlaces {
   std::vector<Joined> joined_;
   std::string error_;
 
-  std::mutex jobs_mutex_;
-  std::condition_variable wake_;
-  std::deque<std::function<void()>> jobs_;
-  bool stop_ = false;
-  std::thread thread_;
+  JobThread jobs_;  // last: it ends before what it works on
 };
 
 }  // namespace lcmslam

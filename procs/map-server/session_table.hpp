@@ -26,8 +26,9 @@ class SessionTable {
   struct Session {
     SessionKey key;
     Map map;
-    std::int64_t heard = 0;  ///< the higher, the later its mapper began to speak; 0: never heard
-    FollowedGraph graph;     ///< of ICP_GRAPH
+    std::int64_t heard = 0;     ///< the higher, the later its mapper began to speak; 0: never heard
+    FollowedGraph graph;        ///< of ICP_GRAPH
+    std::string evidence = {};  ///< what says where it lies in the file's map; empty: nothing yet
   };
 
   /// Each session's map begins as a copy of `blank`.
@@ -59,7 +60,7 @@ class SessionTable {
       ++refused_;
       return nullptr;
     }
-    sessions_.push_back({key, blank_, speaks ? speakers_ : 0, {}});
+    sessions_.push_back({key, blank_, speaks ? speakers_ : 0, {}, {}});
     return &sessions_.back();
   }
 
@@ -71,7 +72,7 @@ class SessionTable {
       return false;
     }
     sessions_.push_back(
-        {{key.sender, key.frame + "-kept-" + std::to_string(++kept_)}, std::move(map), 0, {}});
+        {{key.sender, key.frame + "-kept-" + std::to_string(++kept_)}, std::move(map), 0, {}, {}});
     return true;
   }
 

@@ -26,6 +26,7 @@
 #include <lcmslam/simulation/sensor_head.hpp>
 #include <lcmslam/surf/surf.hpp>
 #include "tests/bench/cpu_time.hpp"
+#include "tests/bench/truth_fit.hpp"
 
 namespace lcmslam {
 namespace {
@@ -217,15 +218,28 @@ void ask_simulated(int views, const std::string& head) {
   }
 }
 
-/// `clock_offset`, s: what the truth's clock shows more than the camera's.
-void ask_recorded(int count, const std::string& folder, const std::string& poses, double clock_offset) {
+/// `clock_offset`, s: what the truth's clock shows more than the camera's. `fit`: poses by which that and the
+/// place of the camera on the truth's body are found; empty: they are what the recording says.
+void ask_recorded(int count, const std::string& folder, const std::string& poses, double clock_offset,
+                  const std::string& fit) {
   const auto source = open_dataset(folder);
   const RgbdCalibration& calibration = source->calibration();
   Trajectory truth = poses.empty() ? source->truth() : read_pose_text(poses).trajectory;
+  Eigen::Isometry3d T_truth_camera = poses.empty() && source->truth_frame() == "camera"
+                                         ? Eigen::Isometry3d::Identity()
+                                         : calibration.T_robot_camera;
+  if (!fit.empty()) {
+    const Trajectory camera = in_other_frame(read_pose_text(fit).trajectory, calibration.T_robot_camera);
+    const TruthFit found = fit_truth(truth, camera, T_truth_camera);
+    const Eigen::Isometry3d moved = T_truth_camera.inverse() * found.T_truth_camera;
+    std::printf(
+        "the truth's clock is %+.0f ms off, its body %.2f deg and %.1f mm; left: %.1f mm, %.2f deg RMS\n",
+        1000 * found.clock_offset, rotation_angle(moved) * 180 / M_PI, 1000 * moved.translation().norm(),
+        1000 * found.rms_translation, found.rms_rotation * 180 / M_PI);
+    clock_offset = found.clock_offset;
+    T_truth_camera = found.T_truth_camera;
+  }
   for (auto& pose : truth) pose.utime -= std::llround(1e6 * clock_offset);
-  const Eigen::Isometry3d T_truth_camera = poses.empty() && source->truth_frame() == "camera"
-                                               ? Eigen::Isometry3d::Identity()
-                                               : calibration.T_robot_camera;
   ViewMaker make(calibration);
   const auto motion_between = [&](Utime from, Utime to) -> std::optional<Motion> {
     const auto a = pose_at(truth, from), b = pose_at(truth, to);
@@ -259,16 +273,21 @@ void ask_recorded(int count, const std::string& folder, const std::string& poses
 int main(int argc, char** argv) {
   int views = 200;
   double clock_offset = 0;
-  std::string head = "rgbd", recording, poses;
+  std::string head = "rgbd", recording, poses, fit;
   CLI::App app("How often a view is found in a map");
   app.add_option("--views", views, "of each scene");
   app.add_option("--head", head)->check(CLI::IsMember({"tof", "rgbd"}));
   app.add_option("--recording", recording, "a folder that lcmslam import reads, in the place of the scenes");
   app.add_option("--poses", poses, "the robot's poses that count as true, in the place of the recording's");
   app.add_option("--clock-offset", clock_offset, "s, of those poses' clock, as lcmslam evaluate finds it");
+  app.add_option(
+      "--fit", fit,
+      "poses of the robot over the whole recording, by which the clock and the body of its truth are "
+      "fitted");
   CLI11_PARSE(app, argc, argv);
   try {
-    recording.empty() ? lcmslam::ask_simulated(views, head) : lcmslam::ask_recorded(views, recording, poses, clock_offset);
+    recording.empty() ? lcmslam::ask_simulated(views, head)
+                      : lcmslam::ask_recorded(views, recording, poses, clock_offset, fit);
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

@@ -4,7 +4,7 @@
 #include <lcmslam/map_store/file/compact_map_file.hpp>
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/file/map_store.hpp>
-#include <lcmslam/places/session_joiner.hpp>
+#include <lcmslam/places/landmark_joiner.hpp>
 #include "tools/map/map_commands.hpp"
 #include "tools/output_file.hpp"
 #include "tools/parse_command.hpp"
@@ -14,11 +14,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Dense sessions whose place in the map's frame, that of the first, is known: by id.
-std::map<std::int64_t, Eigen::Isometry3d> placed_sessions(MapFile& map) {
-  std::map<std::int64_t, Eigen::Isometry3d> places;
+using Places = std::map<std::int64_t, Eigen::Isometry3d>;
+
+/// A mapper's sessions whose place in its map's frame, that of the first, is known: by id.
+Places placed_sessions(MapFile& map, const std::string& mapper) {
+  Places places;
   for (const StoredSession& session : map.sessions()) {
-    if (session.mapper != "icp" || map.counts(session.id).features == 0) continue;
+    const SessionCounts counts = map.counts(session.id);
+    if (session.mapper != mapper || counts.features + counts.landmarks == 0) continue;
     if (places.empty() || session.T_map_session)
       places[session.id] = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
   }
@@ -27,8 +30,8 @@ std::map<std::int64_t, Eigen::Isometry3d> placed_sessions(MapFile& map) {
 
 /// Calls `use` with each keyframe of those sessions that has features and a cloud, in the map's frame.
 template <class Use>
-void for_each_view(MapFile& map, const std::map<std::int64_t, Eigen::Isometry3d>& places, const Use& use) {
-  for (const auto& [session, T_map_session] : places)
+void for_each_view(MapFile& map, const Use& use) {
+  for (const auto& [session, T_map_session] : placed_sessions(map, "icp"))
     for (const StoredKeyframe& keyframe : map.keyframes(session)) {
       const auto features = map.features(session, keyframe.id);
       const auto cloud = map.cloud(session, keyframe.id);
@@ -36,26 +39,46 @@ void for_each_view(MapFile& map, const std::map<std::int64_t, Eigen::Isometry3d>
     }
 }
 
-/// Where the second map lies in the first. Throws where that cannot be said.
-Joint find_joint(MapFile& first, MapFile& second) {
+/// Where the second map lies in the first, by mapper; what is not certain is not there.
+using Joints = std::map<std::string, Joint>;
+
+void find_by_keyframes(MapFile& first, MapFile& second, Joints& joints) {
   PlaceIndex places;
-  for_each_view(first, placed_sessions(first),
+  for_each_view(first,
                 [&](const Eigen::Isometry3d& T, const FeatureFrame& features, const ColouredCloud& cloud) {
                   places.add(static_cast<std::int64_t>(places.size()), T, features, cloud);
                 });
   SessionJoiner joiner;
-  int views = 0;
-  for_each_view(second, placed_sessions(second),
+  for_each_view(second,
                 [&](const Eigen::Isometry3d& T, const FeatureFrame& features, const ColouredCloud& cloud) {
-                  ++views;
                   if (!joiner.done()) joiner.add(T, features, cloud, places);
                 });
-  if (joiner.joint()) return *joiner.joint();
-  throw std::runtime_error(
-      fmt::format("the maps have no place in common that is certain enough ({} keyframes of the first, {} of "
-                  "the second); "
-                  "nothing was written",
-                  places.size(), views));
+  if (joiner.joint()) joints["icp"] = *joiner.joint();
+}
+
+void find_by_landmarks(MapFile& first, MapFile& second, Joints& joints) {
+  LandmarkPlaces places;
+  for (const auto& [session, T_map_session] : placed_sessions(first, "fastslam"))
+    places.add(first.landmarks(session), T_map_session);
+  LandmarkJoiner joiner;
+  for (const auto& [session, T_map_session] : placed_sessions(second, "fastslam")) {
+    std::vector<Landmark> landmarks = second.landmarks(session);
+    for (Landmark& landmark : landmarks) landmark = transformed(landmark, T_map_session);
+    joiner.add_all(landmarks, places);
+  }
+  if (joiner.joint()) joints["fastslam"] = *joiner.joint();
+}
+
+/// Throws where nothing is certain.
+Joints find_joints(MapFile& first, MapFile& second) {
+  Joints joints;
+  find_by_keyframes(first, second, joints);
+  find_by_landmarks(first, second, joints);
+  if (joints.empty())
+    throw std::runtime_error(
+        "the maps have no place in common that is certain enough, neither by keyframes nor by landmarks; "
+        "nothing was written");
+  return joints;
 }
 
 SessionChanges everything_of(MapFile& map, std::int64_t session) {
@@ -79,25 +102,36 @@ SessionChanges everything_of(MapFile& map, std::int64_t session) {
   return all;
 }
 
-void append(MapFile& second, const Joint& joint, const fs::path& file) {
+void append(MapFile& second, const Joints& joints, const fs::path& file) {
   MapStore store(file);
   Transaction transaction = store.begin();
   std::int64_t run = 0;
   for (const StoredRun& written : second.runs()) run = store.add_run(written);
   for (const StoredCalibration& calibration : second.calibrations()) store.put_calibration(calibration);
-  const auto places = placed_sessions(second);
   for (StoredSession session : second.sessions()) {
     const std::int64_t old = session.id;
     session.id = store.add_session(run, session);
     store.write(session.id, everything_of(second, old));
+    const auto joint = joints.find(session.mapper);
+    const Places places = placed_sessions(second, session.mapper);
     const auto place = places.find(old);
-    if (place == places.end()) continue;
-    session.state = SessionState::joined;
-    session.T_map_session = joint.T_map_session * place->second;
-    session.evidence = to_string(joint);
+    session.state = SessionState::own_frame;
+    session.T_map_session.reset();
+    session.evidence.clear();
+    if (joint != joints.end() && place != places.end()) {
+      session.state = SessionState::joined;
+      session.T_map_session = joint->second.T_map_session * place->second;
+      session.evidence = to_string(joint->second);
+    }
     store.place_session(session);
   }
   transaction.commit();
+}
+
+std::string told(const std::string& mapper, const Joint& joint) {
+  const Eigen::Vector3d at = joint.T_map_session.translation();
+  return fmt::format("{}: the second lies at {:.3f} {:.3f} {:.3f} m, {:.2f} deg in the first: {}\n", mapper,
+                     at.x(), at.y(), at.z(), yaw(joint.T_map_session) * 180 / M_PI, to_string(joint));
 }
 
 }  // namespace
@@ -117,20 +151,18 @@ int map_merge_command(int argc, char** argv) {
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   check_output_file(into, force);
   MapFile a(first), b(second);
-  const Joint joint = find_joint(a, b);
+  const Joints joints = find_joints(a, b);
   const fs::path part = into + ".part";
   try {
     copy_compacted(first, FilePlace(part));
-    append(b, joint, part);
+    append(b, joints, part);
     fs::rename(part, into);
   } catch (...) {
     for (const char* ending : {"", "-wal", "-shm"}) fs::remove(part.string() + ending);
     throw;
   }
-  const Eigen::Vector3d at = joint.T_map_session.translation();
-  std::cout << fmt::format("{}: the second lies at {:.3f} {:.3f} {:.3f} m, {:.2f} deg in the first: {}\n",
-                           into, at.x(), at.y(), at.z(), yaw(joint.T_map_session) * 180 / M_PI,
-                           to_string(joint));
+  std::cout << into << "\n";
+  for (const auto& [mapper, joint] : joints) std::cout << told(mapper, joint);
   return 0;
 }
 

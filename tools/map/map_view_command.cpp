@@ -21,9 +21,9 @@ struct ViewOptions {
   bool force = false;
 };
 
-/// Sessions that lie in one frame: the first's, or that of one whose place nobody knows.
+/// Sessions that lie in one frame: that of their mapper's first, or of one whose place nobody knows.
 struct Picture {
-  std::string name;
+  std::string name, mapper;
   ColouredCloud cloud;
   std::vector<Landmark> landmarks;
   std::vector<PicturePath> paths;
@@ -70,9 +70,11 @@ class Viewer {
     const SessionCounts counts = map_.counts(session.id);
     if (counts.clouds + counts.landmarks == 0) return;
     const Eigen::Isometry3d T = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
-    const bool joins = session.T_map_session && !pictures_.empty();
-    if (!joins) pictures_.push_back({name, {}, {}, {}});
-    Picture& picture = joins ? pictures_.front() : pictures_.back();
+    const auto first = std::find_if(pictures_.begin(), pictures_.end(),
+                                    [&](const Picture& picture) { return picture.mapper == session.mapper; });
+    const bool joins = session.T_map_session && first != pictures_.end();
+    if (!joins) pictures_.push_back({name, session.mapper, {}, {}, {}});
+    Picture& picture = joins ? *first : pictures_.back();
     append(picture.cloud, map_.dense_map(session.id).merge(options_.resolution), T);
     for (Landmark landmark : map_.landmarks(session.id)) {
       landmark.mean = T * landmark.mean;

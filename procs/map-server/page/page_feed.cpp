@@ -111,6 +111,7 @@ void PageFeed::show_sessions(const MapServerNode& maps) {
                                        {"end", session.end},
                                        {"current", session.is_current},
                                        {"kept", session.is_kept},
+                                       {"joined", session.joined ? json(*session.joined) : json()},
                                        {"keyframes", session.keyframes},
                                        {"landmarks", session.landmarks}});
   show_on(board_, std::move(item));

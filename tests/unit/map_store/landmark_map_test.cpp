@@ -29,6 +29,17 @@ TEST(LandmarkMap, ChangesUpsertAndRemove) {
   EXPECT_EQ(map.find(7), nullptr);
 }
 
+TEST(LandmarkMap, GivesTheNextOnesById) {
+  LandmarkMap map;
+  map.apply({1, 0, {landmark(7), landmark(3), landmark(1), landmark(9)}, {}});
+  const auto next = map.after(1, 2);
+  ASSERT_EQ(next.size(), 2U);
+  EXPECT_EQ(next[0].id, 3);
+  EXPECT_EQ(next[1].id, 7);
+  EXPECT_EQ(map.after(-1, 10).size(), 4U);
+  EXPECT_TRUE(map.after(9, 10).empty());
+}
+
 TEST(LandmarkMap, ARepeatedChangeIsLeftOut) {
   LandmarkMap map;
   map.apply({1, 0, {landmark(1)}, {}});

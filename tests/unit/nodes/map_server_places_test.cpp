@@ -74,6 +74,13 @@ class Life {
   }
   /// Features of a frame of which the map has no keyframe.
   void look(int number) { send("FEATURES", to_message(seen_view(number).features)); }
+  void give_up(const std::vector<std::int32_t>& keyframes) {
+    graph_t graph{};
+    graph.change = 1;
+    graph.gone = keyframes;
+    graph.n_gone = static_cast<std::int32_t>(keyframes.size());
+    send("ICP_GRAPH", graph);
+  }
   double value(const std::string& name) { return value_of(node_, name); }
   void finish() { bus_.finish(); }
 
@@ -184,6 +191,15 @@ TEST_F(MapServerPlaces, WhoAsksIsToldWhereHeIs) {
   expect_near(pose_of(here["camera"]), elsewhere() * seen_view(first_number + 2).T_world_camera);
   EXPECT_EQ(here["covariance"].size(), 21U);
   EXPECT_GT(here["evidence"]["features"], 14);
+}
+
+// Else memory grows with the way, whatever the mapper's bounds.
+TEST_F(MapServerPlaces, WhatTheMapperHasGivenUpIsNoPlaceAnyMore) {
+  Life server(scratch_.path(), "map", 3);
+  server.drive(first_number, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(server.value("places"), views_of_room);
+  server.give_up({1, 4});
+  EXPECT_EQ(server.value("places"), views_of_room - 2);
 }
 
 TEST_F(MapServerPlaces, ARestartedServerKnowsTheOldMap) {

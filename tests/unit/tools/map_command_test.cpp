@@ -6,6 +6,7 @@
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
+#include "tests/support/landmark_room.hpp"
 #include "tests/support/seen_kitchen.hpp"
 #include "tests/unit/map_store_file/sample_store.hpp"
 #include "tests/unit/tools/command_run.hpp"
@@ -201,6 +202,38 @@ TEST_F(MapCommand, MergeFindsWhereTheSecondMapLies) {
   EXPECT_LT(angle_between(*sessions[1].T_map_session, elsewhere().inverse()), 0.01);
   EXPECT_EQ(run({"verify", both}).exit_code, 0);
   EXPECT_NE(run({"merge", monday, friday, "--into", both}).exit_code, 0) << "it is there already";
+}
+
+void write_landmarks(const std::filesystem::path& file, const std::vector<Landmark>& landmarks) {
+  SessionChanges changes;
+  for (const Landmark& landmark : landmarks) changes.put_landmark(landmark);
+  MapStore store(file);
+  Transaction transaction = store.begin();
+  store.write(store.add_session(store.add_run({"1.2", ""}), session_of("fastslam")), changes);
+  transaction.commit();
+}
+
+TEST_F(MapCommand, MergeKnowsMapsOfLandmarksAlone) {
+  const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam",
+                    strange = folder_ / "strange.lcmslam", both = folder_ / "both.lcmslam";
+  const testing::LandmarkRoom room(1);
+  write_landmarks(monday, room.mapped(Eigen::Isometry3d::Identity(), 1));
+  write_landmarks(friday, room.mapped(elsewhere(), 2));
+  write_landmarks(strange, testing::LandmarkRoom(2).mapped(elsewhere(), 2));
+  EXPECT_NE(run({"merge", monday, strange, "--into", both}).exit_code, 0);
+  const auto merged = run({"merge", monday, friday, "--into", both});
+  ASSERT_EQ(merged.exit_code, 0) << merged.errors;
+  EXPECT_THAT(merged.out, HasSubstr("groups of landmarks"));
+  MapFile map(both);
+  const auto sessions = map.sessions();
+  ASSERT_EQ(sessions.size(), 2U);
+  ASSERT_TRUE(sessions[1].T_map_session);
+  EXPECT_LT(distance_between(*sessions[1].T_map_session, elsewhere().inverse()), 0.03);
+  EXPECT_LT(angle_between(*sessions[1].T_map_session, elsewhere().inverse()), 0.01);
+  const auto out = folder_ / "view";
+  ASSERT_EQ(run({"view", both, out.string()}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(out / "fastslam-session1_top.png"));
+  EXPECT_FALSE(std::filesystem::exists(out / "fastslam-session2_top.png"));
 }
 
 TEST_F(MapCommand, MergeOfStrangersWritesNothing) {

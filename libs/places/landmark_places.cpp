@@ -1,0 +1,184 @@
+#include <lcmslam/places/landmark_places.hpp>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <set>
+
+#include <lcmslam/settings/check.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr int fewest_elsewhere = 4;
+constexpr int most_other_places = 4;  // looked at; the first ones may be the same place again
+
+bool has_descriptor(const Landmark& landmark) {
+  const Descriptor& d = landmark.descriptor;
+  return std::any_of(d.begin(), d.end(), [&](std::uint8_t byte) { return byte != d[0]; });
+}
+
+/// The map as a whole may be off by far more than a landmark is beside its neighbours: what they share
+/// moves the group and does not bend it.
+Eigen::Matrix3d beside_neighbours(const Eigen::Matrix3d& covariance, double sigma) {
+  const double largest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(2);
+  return largest > sigma * sigma ? Eigen::Matrix3d(covariance * (sigma * sigma / largest)) : covariance;
+}
+
+/// Of those pairs: each landmark once, on either side.
+template <class PairList>
+std::vector<int> once_each(const std::vector<int>& inliers, const PairList& pairs) {
+  std::set<int> askers, landmarks;
+  std::vector<int> once;
+  for (const int i : inliers) {
+    const auto k = static_cast<std::size_t>(i);
+    if (askers.count(pairs.asker[k]) + landmarks.count(pairs.landmark[k]) > 0) continue;
+    askers.insert(pairs.asker[k]);
+    landmarks.insert(pairs.landmark[k]);
+    once.push_back(i);
+  }
+  return once;
+}
+
+/// The second of their three standard deviations, m.
+double spread(const std::vector<PointPair>& pairs, const std::vector<int>& chosen) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  for (const int i : chosen) {
+    const Eigen::Vector3d& p = pairs[static_cast<std::size_t>(i)].point_b;
+    mean += p;
+    square += p * p.transpose();
+  }
+  const auto n = static_cast<double>(chosen.size());
+  mean /= n;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(square / n - mean * mean.transpose());
+  return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
+}
+
+}  // namespace
+
+Landmark transformed(Landmark landmark, const Eigen::Isometry3d& T) {
+  landmark.mean = T * landmark.mean;
+  landmark.covariance = T.linear() * landmark.covariance * T.linear().transpose();
+  return landmark;
+}
+
+LandmarkPlaces::LandmarkPlaces(const LandmarkPlaceSettings& settings) : settings_(settings) {
+  check(settings, "places of landmarks");
+}
+
+void LandmarkPlaces::add(const std::vector<Landmark>& landmarks, const Eigen::Isometry3d& T_map_session) {
+  for (const Landmark& landmark : landmarks) {
+    if (!has_descriptor(landmark)) continue;
+    index_.insert(static_cast<int>(landmarks_.size()), landmark.descriptor, landmark.laplacian);
+    landmarks_.push_back(transformed(landmark, T_map_session));
+  }
+}
+
+/// Each one's nearest neighbours: the same thing may be mapped more than once, and stand in more than one
+/// place.
+LandmarkPlaces::Pairs LandmarkPlaces::alike(const std::vector<Landmark>& group,
+                                            const Eigen::Vector3d& middle) {
+  std::vector<Feature> queries(group.size());
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    queries[i].descriptor = group[i].descriptor;
+    queries[i].laplacian = group[i].laplacian;
+  }
+  const double limit = 127 * settings_.max_descriptor_distance;
+  const std::vector<Neighbours>& neighbours = search_.nearest(queries, index_);
+  Pairs pairs;
+  for (std::size_t i = 0; i < group.size(); ++i)
+    for (const Neighbour& n : neighbours[i]) {
+      if (n.id < 0 || n.distance2 > limit * limit) continue;
+      const Landmark& known = landmarks_[static_cast<std::size_t>(n.id)];
+      pairs.points.push_back({known.mean, group[i].mean - middle,
+                              beside_neighbours(known.covariance, settings_.position_sigma),
+                              beside_neighbours(group[i].covariance, settings_.position_sigma)});
+      pairs.landmark.push_back(n.id);
+      pairs.asker.push_back(static_cast<int>(i));
+    }
+  return pairs;
+}
+
+RigidRansacResult LandmarkPlaces::explain(const Pairs& pairs, int min_inliers) const {
+  RigidRansacSettings ransac;
+  ransac.min_inliers = min_inliers;
+  ransac.max_iterations = 20'000;
+  Random random(1);
+  return align_ransac(pairs.points, ransac, random);
+}
+
+/// How many the best pose elsewhere explains.
+int LandmarkPlaces::other_place(Pairs pairs, const Eigen::Isometry3d& T_map_group) const {
+  for (int i = 0; i < most_other_places; ++i) {
+    const RigidRansacResult other = explain(pairs, fewest_elsewhere);
+    if (!other.success) return 0;
+    if (distance_between(other.T_a_b, T_map_group) > settings_.same_place_distance ||
+        angle_between(other.T_a_b, T_map_group) > settings_.same_place_angle)
+      return static_cast<int>(once_each(other.inliers, pairs).size());
+    Pairs rest;
+    for (std::size_t k = 0; k < pairs.points.size(); ++k) {
+      if (std::binary_search(other.inliers.begin(), other.inliers.end(), static_cast<int>(k))) continue;
+      rest.points.push_back(pairs.points[k]);
+      rest.landmark.push_back(pairs.landmark[k]);
+      rest.asker.push_back(pairs.asker[k]);
+    }
+    pairs = std::move(rest);
+  }
+  return 0;
+}
+
+/// What should be there and is not speaks against a place.
+double LandmarkPlaces::share_found(const std::vector<Landmark>& group, const Eigen::Isometry3d& T_map_session,
+                                   int found) const {
+  const double near2 = settings_.near_a_landmark * settings_.near_a_landmark;
+  int expected = 0;
+  for (const Landmark& landmark : group) {
+    const Eigen::Vector3d there = T_map_session * landmark.mean;
+    expected += std::any_of(landmarks_.begin(), landmarks_.end(), [&](const Landmark& known) {
+      return (known.mean - there).squaredNorm() < near2;
+    });
+  }
+  return expected > 0 ? static_cast<double>(found) / expected : 0;
+}
+
+std::string LandmarkPlaces::search(const std::vector<Landmark>& group, LocatedGroup& located) {
+  const Pairs pairs = alike(group, located.T_session_group.translation());
+  const RigidRansacResult best = explain(pairs, settings_.min_inliers);
+  const std::vector<int> once = once_each(best.inliers, pairs);
+  located.inliers = static_cast<int>(once.size());
+  Place place{best.T_a_b, best.covariance};
+  if (!best.success || located.inliers < settings_.min_inliers ||
+      !refine_rigid(pairs.points, once, place.T_map_camera, place.covariance))
+    return "only " + std::to_string(located.inliers) + " landmarks that look alike lie alike";
+  if (spread(pairs.points, once) < settings_.min_spread) return "what looks alike is in one spot";
+  located.other_inliers = other_place(pairs, place.T_map_camera);
+  if (located.inliers < settings_.min_margin * located.other_inliers)
+    return "two places look alike: " + std::to_string(located.inliers) + " and " +
+           std::to_string(located.other_inliers) + " landmarks";
+  located.share = share_found(group, place.T_map_camera * located.T_session_group.inverse(), located.inliers);
+  if (located.share < settings_.min_share) return "most of what should be there is not";
+  Vector6d floor;
+  floor << Eigen::Vector3d::Constant(settings_.floor_translation),
+      Eigen::Vector3d::Constant(settings_.floor_rotation);
+  place.covariance.diagonal() += floor.cwiseAbs2();
+  located.place = place;
+  return "";
+}
+
+Eigen::Isometry3d LandmarkPlaces::middle_of(const std::vector<Landmark>& group) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (const Landmark& landmark : group) T.translation() += landmark.mean / static_cast<double>(group.size());
+  return T;
+}
+
+LocatedGroup LandmarkPlaces::locate(const std::vector<Landmark>& group) {
+  LocatedGroup located;
+  std::vector<Landmark> known;
+  std::copy_if(group.begin(), group.end(), std::back_inserter(known), has_descriptor);
+  located.T_session_group = middle_of(group);
+  located.why_not = search(known, located);
+  return located;
+}
+
+}  // namespace lcmslam

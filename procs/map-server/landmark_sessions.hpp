@@ -1,0 +1,57 @@
+#pragma once
+// Where FastSLAM's current session lies in the landmarks that the file had when this server began: as
+// SessionPlaces for the dense map, in a thread of its own.
+//
+// The frame is that of the file's first session with landmarks. Sessions of earlier runs whose place is not
+// known are looked for in it first, then each group of new landmarks.
+
+#include <atomic>
+
+#include <lcmslam/map_store/landmark_map.hpp>
+#include <lcmslam/places/landmark_joiner.hpp>
+#include "procs/map-server/session_places.hpp"
+
+namespace lcmslam {
+
+class LandmarkSessions {
+ public:
+  /// As SessionPlaces, which reads the same file and says why where that cannot be read.
+  LandmarkSessions(const std::filesystem::path& file, bool background);
+
+  /// Another current session; `last`: the landmarks of the one before, which stay in the map. `stored`: its
+  /// id in the file when it goes on from an earlier run, else 0.
+  void begin_session(std::int64_t stored, std::vector<Landmark> last);
+  /// The current session's map has changed.
+  void follow(const LandmarkMap& map);
+
+  using Joined = SessionPlaces::Joined;
+  /// As SessionPlaces.
+  std::vector<Joined> take_joined();
+  /// Of the file's map.
+  std::size_t kept_landmarks() const { return kept_; }
+
+ private:
+  void load();
+  void place(std::int64_t session, const std::vector<Landmark>& landmarks,
+             const Eigen::Isometry3d& T_map_session);
+  void look_for(const std::vector<Landmark>& group);
+
+  std::filesystem::path file_;
+  int begun_ = 0;             // sessions, as who calls knows it
+  std::int64_t newest_ = -1;  // landmark of the current session that was looked for
+
+  std::atomic<std::size_t> kept_ = 0;
+
+  std::mutex mutex_;  // guards what follows, held while something is looked for
+  LandmarkPlaces map_;
+  LandmarkJoiner joiner_;
+  int number_ = 0;  // of the current session
+  std::int64_t stored_current_ = 0;
+  std::map<std::int64_t, Eigen::Isometry3d> T_map_session_;  // of sessions in the file, by id
+  std::optional<Eigen::Isometry3d> T_map_current_;
+  std::vector<Joined> joined_;
+
+  JobThread jobs_;  // last: it ends before what it works on
+};
+
+}  // namespace lcmslam

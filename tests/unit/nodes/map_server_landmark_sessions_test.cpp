@@ -1,0 +1,146 @@
+// Sessions of FastSLAM that begin anywhere find their place in the landmarks of the file.
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/map_store/file/map_file.hpp>
+#include <lcmslam/messages/map_messages.hpp>
+#include "procs/map-server/map_server_node.hpp"
+#include "tests/support/landmark_room.hpp"
+#include "tests/support/test_bus.hpp"
+#include "tests/unit/tools/scratch.hpp"
+
+namespace lcmslam {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::LandmarkRoom;
+using testing::value_of;
+
+/// One life of a map server.
+class Life {
+ public:
+  Life(const std::filesystem::path& folder, const std::string& mode, std::int64_t mapper)
+      : node_(bus_.add<MapServerNode>(ConfigNode::parse("{folder: " + folder.string() + ", mode: " + mode +
+                                                        ", layers: {make: false, background: false}}"))),
+        mapper_(mapper) {}
+
+  /// The mapper tells these, as many at a time as it finds in some frames.
+  void drive(const std::vector<Landmark>& landmarks, const std::string& frame = "map") {
+    std::int64_t revision = 0;
+    for (std::size_t i = 0; i < landmarks.size(); i += 25) {
+      utime_ += 1'000'000;
+      pose_estimate_t pose =
+          make_pose_estimate(utime_, Eigen::Isometry3d::Identity(), Matrix6d::Identity() * 1e-6);
+      pose.status = pose_estimate_t::TRACKING;
+      send("FASTSLAM_POSE", pose, frame);
+      const auto end = std::min(landmarks.size(), i + 25);
+      const auto at = [&](std::size_t k) { return landmarks.begin() + static_cast<std::ptrdiff_t>(k); };
+      for (landmarks_t& told : make_landmark_tiles(utime_, 0, 0, {at(i), at(end)}, {})) {
+        told.base_revision = revision;
+        told.map_revision = ++revision;
+        told.tile = 0;
+        told.n_tiles = 1;
+        send("FASTSLAM_LANDMARKS", told, frame);
+      }
+      bus_.work();
+    }
+    bus_.work();
+  }
+  double value(const std::string& name) { return value_of(node_, name); }
+  void finish() { bus_.finish(); }
+
+ private:
+  template <class M>
+  void send(const std::string& channel, M message, const std::string& frame) {
+    message.seq = seq_++;
+    message.sender = mapper_;
+    message.frame = frame;
+    bus_.deliver(channel, message);
+  }
+  testing::TestBus bus_;
+  MapServerNode& node_;
+  std::int64_t mapper_, seq_ = 0;
+  Utime utime_ = 1'000'000;
+};
+
+class MapServerLandmarkSessions : public ::testing::Test {
+ protected:
+  std::filesystem::path file() const { return scratch_.path() / "map.lcmslam"; }
+  void map_once() {
+    Life server(scratch_.path(), "map", 3);
+    server.drive(room.mapped(Eigen::Isometry3d::Identity(), 1));
+    EXPECT_EQ(server.value("landmark_sessions_joined"), 0);
+    server.finish();
+  }
+  static Eigen::Isometry3d elsewhere() { return planar_pose(2, -1, 0.7); }
+  void expect_joined(std::size_t sessions) const {
+    const auto kept = MapFile(file()).sessions();
+    ASSERT_EQ(kept.size(), sessions);
+    EXPECT_EQ(kept.front().state, SessionState::own_frame);
+    ASSERT_EQ(kept.back().state, SessionState::joined);
+    EXPECT_LT(distance_between(*kept.back().T_map_session, elsewhere().inverse()), 0.03);
+    EXPECT_LT(angle_between(*kept.back().T_map_session, elsewhere().inverse()), 0.01);
+    EXPECT_THAT(kept.back().evidence, HasSubstr("groups of landmarks"));
+  }
+
+  testing::ScratchFolder scratch_;
+  LandmarkRoom room{1};
+};
+
+TEST_F(MapServerLandmarkSessions, OneThatBeginsElsewhereIsJoined) {
+  map_once();
+  Life server(scratch_.path(), "map", 13);
+  EXPECT_GT(server.value("kept_landmarks"), 400);
+  server.drive(room.mapped(elsewhere(), 2));
+  EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
+  EXPECT_EQ(server.value("sessions_joined"), 0) << "there is no dense one";
+  server.finish();
+  expect_joined(2);
+}
+
+// What was not certain while it ran is looked for again, whole, when the next server begins.
+TEST_F(MapServerLandmarkSessions, OneOfAnEarlierRunIsLookedForAgain) {
+  map_once();
+  {
+    Life without(scratch_.path(), "map, places: false", 13);
+    without.drive(room.mapped(elsewhere(), 2));
+    without.finish();
+  }
+  EXPECT_FALSE(MapFile(file()).sessions().back().T_map_session);
+  Life server(scratch_.path(), "map", 23);
+  server.drive({});
+  server.finish();
+  expect_joined(2);
+}
+
+TEST_F(MapServerLandmarkSessions, AMapperThatBeginsAnewIsJoinedToItsLastMap) {
+  Life server(scratch_.path(), "map", 3);
+  server.drive(room.mapped(Eigen::Isometry3d::Identity(), 1));
+  server.drive(room.mapped(elsewhere(), 2), "map-2");
+  EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
+  server.finish();
+  expect_joined(2);
+}
+
+TEST_F(MapServerLandmarkSessions, AnotherRoomIsNotJoined) {
+  map_once();
+  Life server(scratch_.path(), "map", 13);
+  server.drive(LandmarkRoom(2).mapped(elsewhere(), 2));
+  EXPECT_EQ(server.value("landmark_sessions_joined"), 0);
+  server.finish();
+  EXPECT_FALSE(MapFile(file()).sessions().back().T_map_session);
+}
+
+TEST_F(MapServerLandmarkSessions, WhoLocalisesWritesNothing) {
+  map_once();
+  const std::string before = scratch_.read("map.lcmslam");
+  testing::ScratchFolder run;
+  Life server(run.path(), "localise, map: " + file().string(), 13);
+  server.drive(room.mapped(elsewhere(), 2));
+  EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
+  server.finish();
+  EXPECT_EQ(scratch_.read("map.lcmslam"), before);
+}
+
+}  // namespace
+}  // namespace lcmslam
