@@ -56,7 +56,7 @@ class PairSearch {
     Eigen::Vector3f at = Eigen::Vector3f::Constant(TargetPoint::unknown);  // where the point was
     TargetPoint found;
     bool is_found = false;
-    float others = 0;  // other points of the target were no nearer to it
+    float others = 0;            // other points of the target were no nearer to it
     Eigen::Vector3f known = at;  // some point of the target that was near
   };
 

@@ -23,8 +23,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds longest_wait{100};  // a stop request is seen within this time
 constexpr std::chrono::seconds status_period{1};
 constexpr std::chrono::milliseconds look_period{50};  // a node that has changed its state says so within it
-constexpr std::chrono::seconds longest_drain{2};  // of what still arrives when a stop is asked
-constexpr unsigned longest_stop = 60;             // s, above a supervisor's own patience
+constexpr std::chrono::seconds longest_drain{2};      // of what still arrives when a stop is asked
+constexpr unsigned longest_stop = 60;                 // s, above a supervisor's own patience
 
 class Process {
  public:
