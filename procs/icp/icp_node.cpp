@@ -24,6 +24,7 @@ constexpr Utime long_pause = 1'000'000;  // us between two frames: a gap
 RgbdFrameMakerSettings frame_settings(const IcpNodeSettings& settings) {
   RgbdFrameMakerSettings s;
   s.depth_filter = settings.depth_filter;
+  s.range_error = settings.range_error;
   s.depth_clock = settings.mapper.depth_clock;
   s.cloud_points = settings.cloud_points;
   s.keyframe_points = settings.keyframe_pixels;

@@ -1,0 +1,177 @@
+#include <lcmslam/planes/range_error.hpp>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include <lcmslam/settings/check.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr double knot_step = 0.25;       // m
+constexpr double samples_wanted = 6000;  // of an image
+constexpr double rim_share = 1.0 / 30;   // of the image's width
+constexpr double least_slant = 0.1;      // of n . u: at a grazing view a plane says little of the range
+constexpr double most_sigma = 0.05;      // m, of depth
+constexpr double negligible = 2e-4;      // m
+
+RangeErrorSettings checked_settings(const RangeErrorSettings& settings) {
+  check(settings, "range_error");
+  return settings;
+}
+
+// Farther than elsewhere: many pixels tell together. Some more for cells, so that which of them are planes
+// does not depend on the noise of those that count.
+FramePlaneSettings large_planes() {
+  FramePlaneSettings settings;
+  settings.max_sigma = 1.5 * most_sigma;
+  settings.flatness = 1;
+  settings.max_distance_sigmas = 2;
+  settings.min_cells = 60;  // of some 1300
+  return settings;
+}
+
+/// Covariance of a smooth function of the range at the knots.
+Eigen::MatrixXd smooth(double sigma, double length, Eigen::Index knots) {
+  Eigen::MatrixXd K(knots, knots);
+  for (Eigen::Index i = 0; i < knots; ++i)
+    for (Eigen::Index j = 0; j < knots; ++j) {
+      const double apart = knot_step * static_cast<double>(i - j) / length;
+      K(i, j) = sigma * sigma * (std::exp(-0.5 * apart * apart) + (i == j ? 1e-3 : 0));
+    }
+  return K;
+}
+
+// Near the edge of two planes it is the noise that decides which of them a pixel belongs to.
+bool is_inside(const cv::Mat& labels, int v, int u, int rim) {
+  const std::uint8_t label = labels.at<std::uint8_t>(v, u);
+  return labels.at<std::uint8_t>(v - rim, u) == label && labels.at<std::uint8_t>(v + rim, u) == label &&
+         labels.at<std::uint8_t>(v, u - rim) == label && labels.at<std::uint8_t>(v, u + rim) == label;
+}
+
+}  // namespace
+
+RangeError::RangeError(const RgbdCalibration& calibration, const RangeErrorSettings& settings)
+    : settings_(checked_settings(settings)),
+      planes_(calibration, large_planes()),
+      rays_(ray_table(calibration.depth_registered ? calibration.colour : calibration.depth)),
+      noise_(calibration.depth_noise) {
+  const auto knots = static_cast<Eigen::Index>(std::ceil(1.3 * calibration.depth_max / knot_step)) + 2;
+  covariance_ = smooth(noise_.constant, settings_.length, knots);
+  prior_ = covariance_.llt().solve(Eigen::MatrixXd::Identity(knots, knots));
+  information_.setZero(knots, knots);
+  told_.setZero(knots);
+  error_.setZero(knots);
+}
+
+void RangeError::learn(const cv::Mat& depth, Utime utime) {
+  const bool due = !looked_ || utime < last_ || 1e-6 * static_cast<double>(utime - last_) >= settings_.period;
+  if (!settings_.enabled || !due || depth.empty()) return;
+  looked_ = true;
+  last_ = utime;
+  information_ *= 1 - 1 / settings_.memory;
+  told_ *= 1 - 1 / settings_.memory;
+  const FramePlanes found = planes_(depth);
+  std::vector<std::vector<Sample>> samples(found.planes.size());
+  const int step = std::max(
+      1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(depth.total()) / samples_wanted))));
+  const int rim = std::max(2, static_cast<int>(rim_share * depth.cols));
+  for (int v = rim; v < depth.rows - rim; v += step)
+    for (int u = rim; u < depth.cols - rim; u += step) {
+      const std::uint8_t label = found.labels.at<std::uint8_t>(v, u);
+      if (label == 0 || !is_inside(found.labels, v, u, rim)) continue;
+      const auto plane = static_cast<std::size_t>(label - 1);
+      const double z = 1e-3 * depth.at<std::uint16_t>(v, u);
+      if (const auto sample = sample_of(found.planes[plane].fit, rays_(v, u), z))
+        samples[plane].push_back(*sample);
+    }
+  for (const std::vector<Sample>& of_plane : samples) add_plane(of_plane);
+  solve();
+}
+
+// All is told at the range where the ray meets the plane, and not at the measured one: a point that noise
+// moves would be told apart by the noise.
+std::optional<RangeError::Sample> RangeError::sample_of(const PlaneFit& fit, const cv::Vec2f& pixel,
+                                                        double z) const {
+  const Eigen::Vector3d ray(static_cast<double>(pixel[0]), static_cast<double>(pixel[1]), 1);
+  const double length = ray.norm(), slant = fit.plane.normal.dot(ray) / length;
+  if (!(z > 0) || std::abs(slant) < least_slant) return std::nullopt;
+  const double range = -fit.plane.offset / slant, sigma = noise_.sigma(range / length);
+  const double knot = std::floor(range / knot_step);
+  if (!(range > 0) || sigma > most_sigma || knot + 1 >= static_cast<double>(error_.size()))
+    return std::nullopt;
+  const Eigen::Vector3d x = range / length * ray - fit.centre;
+  Sample sample;
+  sample.knot = static_cast<Eigen::Index>(knot);
+  sample.beyond = range / knot_step - knot;
+  sample.residual = z * length - range;
+  sample.variance = sigma * sigma;
+  sample.plane = Eigen::Vector3d(fit.axis.dot(x), fit.plane.normal.cross(fit.axis).dot(x), 1) / slant;
+  return sample;
+}
+
+// A plane's samples near one knot share what the plane is uneven by.
+void RangeError::add_plane(const std::vector<Sample>& samples) {
+  std::vector<double> alike(static_cast<std::size_t>(error_.size()), 0);
+  for (const Sample& s : samples) ++alike[static_cast<std::size_t>(s.knot)];
+  const double uneven = settings_.unevenness * settings_.unevenness;
+  Eigen::Matrix3d of_plane = Eigen::Matrix3d::Identity();  // 1 rad, 1 m: anything
+  Eigen::Vector3d plane_told = Eigen::Vector3d::Zero();
+  Eigen::MatrixXd between = Eigen::MatrixXd::Zero(error_.size(), 3);
+  for (const Sample& s : samples) {
+    const double weight = 1 / (s.variance + alike[static_cast<std::size_t>(s.knot)] * uneven);
+    const Eigen::Index k = s.knot;
+    const double h[2] = {1 - s.beyond, s.beyond};
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      for (Eigen::Index j = 0; j < 2; ++j) information_(k + i, k + j) += weight * h[i] * h[j];
+      told_(k + i) += weight * h[i] * s.residual;
+      between.row(k + i) += weight * h[i] * s.plane.transpose();
+    }
+    of_plane += weight * s.plane * s.plane.transpose();
+    plane_told += weight * s.residual * s.plane;
+  }
+  const Eigen::LLT<Eigen::Matrix3d> root(of_plane);
+  information_ -= between * root.solve(between.transpose());
+  told_ -= between * root.solve(plane_told);
+}
+
+void RangeError::solve() {
+  const Eigen::LLT<Eigen::MatrixXd> root(information_ + prior_);
+  error_ = root.solve(told_);
+  covariance_ = root.solve(Eigen::MatrixXd::Identity(error_.size(), error_.size()));
+}
+
+double RangeError::at(double range) const {
+  const double knot = std::clamp(range / knot_step, 0.0, static_cast<double>(error_.size() - 1) - 1e-9);
+  const auto k = static_cast<Eigen::Index>(knot);
+  const double beyond = knot - static_cast<double>(k);
+  return (1 - beyond) * error_(k) + beyond * error_(k + 1);
+}
+
+double RangeError::sigma(double range) const {
+  const double knot = std::clamp(range / knot_step, 0.0, static_cast<double>(error_.size() - 1));
+  const auto k = static_cast<Eigen::Index>(std::lround(knot));
+  return std::sqrt(covariance_(k, k));
+}
+
+void RangeError::correct(cv::Mat& depth) const {
+  if (!settings_.enabled || error_.cwiseAbs().maxCoeff() < negligible) return;
+  constexpr int fine = 100;  // a metre
+  std::vector<float> error(static_cast<std::size_t>(fine * knot_step * static_cast<double>(error_.size())) +
+                           1);
+  for (std::size_t i = 0; i < error.size(); ++i)
+    error[i] = static_cast<float>(1000 * at(static_cast<double>(i) / fine));
+  for (int v = 0; v < depth.rows; ++v) {
+    auto* const z = depth.ptr<std::uint16_t>(v);
+    const cv::Vec2f* const ray = rays_[v];
+    for (int u = 0; u < depth.cols; ++u) {
+      if (z[u] == 0) continue;
+      const float length = std::sqrt(1 + ray[u].dot(ray[u])), range = static_cast<float>(z[u]) * length;
+      const auto at = std::min(error.size() - 1, static_cast<std::size_t>(range * (fine * 1e-3F) + 0.5F));
+      z[u] = static_cast<std::uint16_t>(std::max(1.F, static_cast<float>(z[u]) - error[at] / length + 0.5F));
+    }
+  }
+}
+
+}  // namespace lcmslam
