@@ -12,9 +12,11 @@ namespace {
 constexpr double knot_step = 0.25;       // m
 constexpr double samples_wanted = 6000;  // of an image
 constexpr double rim_share = 1.0 / 30;   // of the image's width
-constexpr double least_slant = 0.1;      // of n . u: at a grazing view a plane says little of the range
-constexpr double most_sigma = 0.05;      // m, of depth
-constexpr double negligible = 2e-4;      // m
+constexpr Eigen::Index bins_a_knot = 3;
+constexpr double least_samples = 5;  // of a plane in a bin
+constexpr double least_slant = 0.1;  // of n . u: at a grazing view a plane says little of the range
+constexpr double most_sigma = 0.05;  // m, of depth
+constexpr double negligible = 2e-4;  // m
 
 RangeErrorSettings checked_settings(const RangeErrorSettings& settings) {
   check(settings, "range_error");
@@ -111,29 +113,42 @@ std::optional<RangeError::Sample> RangeError::sample_of(const PlaneFit& fit, con
   return sample;
 }
 
-// A plane's samples near one knot share what the plane is uneven by.
+// A plane's samples in a bin of range are one measurement: m = h w + p (tilts, distance) + noise, with what
+// the plane is uneven by there. A plane that fits badly to what is known, because it is none, counts for
+// less.
 void RangeError::add_plane(const std::vector<Sample>& samples) {
-  std::vector<double> alike(static_cast<std::size_t>(error_.size()), 0);
-  for (const Sample& s : samples) ++alike[static_cast<std::size_t>(s.knot)];
-  const double uneven = settings_.unevenness * settings_.unevenness;
-  Eigen::Matrix3d of_plane = Eigen::Matrix3d::Identity();  // 1 rad, 1 m: anything
-  Eigen::Vector3d plane_told = Eigen::Vector3d::Zero();
-  Eigen::MatrixXd between = Eigen::MatrixXd::Zero(error_.size(), 3);
+  const Eigen::Index knots = error_.size(), bins = bins_a_knot * knots;
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(bins, knots), P = Eigen::MatrixXd::Zero(bins, 3);
+  Eigen::VectorXd m = Eigen::VectorXd::Zero(bins), count = m, variance = m;
   for (const Sample& s : samples) {
-    const double weight = 1 / (s.variance + alike[static_cast<std::size_t>(s.knot)] * uneven);
-    const Eigen::Index k = s.knot;
-    const double h[2] = {1 - s.beyond, s.beyond};
-    for (Eigen::Index i = 0; i < 2; ++i) {
-      for (Eigen::Index j = 0; j < 2; ++j) information_(k + i, k + j) += weight * h[i] * h[j];
-      told_(k + i) += weight * h[i] * s.residual;
-      between.row(k + i) += weight * h[i] * s.plane.transpose();
-    }
-    of_plane += weight * s.plane * s.plane.transpose();
-    plane_told += weight * s.residual * s.plane;
+    const Eigen::Index bin = bins_a_knot * s.knot + static_cast<Eigen::Index>(bins_a_knot * s.beyond);
+    H(bin, s.knot) += 1 - s.beyond;
+    H(bin, s.knot + 1) += s.beyond;
+    P.row(bin) += s.plane.transpose();
+    m(bin) += s.residual;
+    variance(bin) += s.variance;
+    ++count(bin);
   }
-  const Eigen::LLT<Eigen::Matrix3d> root(of_plane);
-  information_ -= between * root.solve(between.transpose());
-  told_ -= between * root.solve(plane_told);
+  const double uneven = bins_a_knot * settings_.unevenness * settings_.unevenness;
+  Eigen::Index n = 0;  // measurements
+  for (Eigen::Index bin = 0; bin < bins; ++bin) {
+    if (count(bin) < least_samples) continue;
+    H.row(n) = H.row(bin) / count(bin);
+    P.row(n) = P.row(bin) / count(bin);
+    m(n) = m(bin) / count(bin);
+    variance(n) = variance(bin) / (count(bin) * count(bin)) + uneven;
+    ++n;
+  }
+  if (n < 4) return;  // three are the plane's own
+  const Eigen::MatrixXd h = H.topRows(n), p = P.topRows(n);
+  Eigen::MatrixXd own = p * p.transpose();  // 1 rad, 1 m: anything
+  own.diagonal() += variance.head(n);
+  const Eigen::VectorXd off = m.head(n) - h * error_;
+  const double misfit =
+      off.dot((own + h * covariance_ * h.transpose()).llt().solve(off)) / static_cast<double>(n);
+  const Eigen::MatrixXd weighted = own.llt().solve(h) / std::max(1.0, misfit);
+  information_ += h.transpose() * weighted;
+  told_ += weighted.transpose() * m.head(n);
 }
 
 void RangeError::solve() {
