@@ -171,7 +171,7 @@ double RangeError::sigma(double range) const {
 }
 
 void RangeError::correct(cv::Mat& depth) const {
-  if (!settings_.enabled || error_.cwiseAbs().maxCoeff() < negligible) return;
+  if (!settings_.enabled || largest() < negligible) return;
   constexpr int fine = 100;  // a metre
   std::vector<float> error(static_cast<std::size_t>(fine * knot_step * static_cast<double>(error_.size())) +
                            1);

@@ -45,6 +45,7 @@ struct PoseGraphSettings {
   double path_gate = 4.74;
   int loop_support = 3;
   double edge_error = 0.35;
+  double ground_error = 0.35;
   double motion_scale = 0.005;
   double turn_scale = 0.005;
 
@@ -62,6 +63,10 @@ struct PoseGraphSettings {
              "what an edge errs by on its own, over the sigma that weighs it (cautiously: one wrong edge "
              "bends the map); "
              "for the poses' covariances");
+    s.number(
+        "ground_error", ground_error, "", {0.001, 1000},
+        "what the ground is off its plane by, over the sigma that weighs it (cautiously, likewise); for the "
+        "poses' covariances");
     s.number("motion_scale", motion_scale, "", {0, 1},
              "standard deviation of a ratio by which all edges measure too long or too short ways, as depth "
              "cameras "

@@ -329,6 +329,7 @@ NodeReport IcpNode::report() const {
                    {"overlap", last_.registration.overlap},
                    {"graph_nodes", mapper_ ? static_cast<double>(mapper_->graph().nodes().size()) : 0},
                    {"graph_edges", mapper_ ? static_cast<double>(mapper_->graph().edges().size()) : 0},
+                   {"range_error", maker_.range_error() ? maker_.range_error()->largest() : 0},
                    {"depth_clock_offset", maker_.depth_clock().offset()},
                    {"depth_clock_sigma", maker_.depth_clock().sigma()}};
   return report;
