@@ -44,10 +44,10 @@ struct PoseGraphSettings {
   int max_iterations = 30;
   double path_gate = 4.74;
   int loop_support = 3;
-  double edge_error = 0.35;
-  double ground_error = 0.35;
-  double motion_scale = 0.005;
-  double turn_scale = 0.005;
+  double edge_error = 0.25;
+  double ground_error = 0.2;
+  double motion_scale = 0.0015;
+  double turn_scale = 0.0015;
 
   void describe(SettingsVisitor& s) {
     s.number("kernel_width", kernel_width, "standard deviations", {0.1, 1e6},
