@@ -9,6 +9,7 @@
 namespace lcmslam {
 namespace {
 
+constexpr int least_width = 64;          // pixels; of smaller images hardly a plane can be told
 constexpr double knot_step = 0.25;       // m
 constexpr double samples_wanted = 6000;  // of an image
 constexpr double rim_share = 1.0 / 30;   // of the image's width
@@ -16,6 +17,7 @@ constexpr Eigen::Index bins_a_knot = 3;
 constexpr double least_samples = 5;  // of a plane in a bin
 constexpr double least_slant = 0.1;  // of n . u: at a grazing view a plane says little of the range
 constexpr double most_sigma = 0.05;  // m, of depth
+constexpr double farthest = 12;      // m
 constexpr double negligible = 2e-4;  // m
 
 RangeErrorSettings checked_settings(const RangeErrorSettings& settings) {
@@ -56,10 +58,11 @@ bool is_inside(const cv::Mat& labels, int v, int u, int rim) {
 
 RangeError::RangeError(const RgbdCalibration& calibration, const RangeErrorSettings& settings)
     : settings_(checked_settings(settings)),
-      planes_(calibration, large_planes()),
       rays_(ray_table(calibration.depth_registered ? calibration.colour : calibration.depth)),
       noise_(calibration.depth_noise) {
-  const auto knots = static_cast<Eigen::Index>(std::ceil(1.3 * calibration.depth_max / knot_step)) + 2;
+  if (settings_.enabled && rays_.cols >= least_width) planes_.emplace(calibration, large_planes());
+  const double reach = std::min(farthest, 1.3 * calibration.depth_max);  // to the image's corners
+  const auto knots = static_cast<Eigen::Index>(std::ceil(reach / knot_step)) + 2;
   covariance_ = smooth(noise_.constant, settings_.length, knots);
   prior_ = covariance_.llt().solve(Eigen::MatrixXd::Identity(knots, knots));
   information_.setZero(knots, knots);
@@ -69,12 +72,12 @@ RangeError::RangeError(const RgbdCalibration& calibration, const RangeErrorSetti
 
 void RangeError::learn(const cv::Mat& depth, Utime utime) {
   const bool due = !looked_ || utime < last_ || 1e-6 * static_cast<double>(utime - last_) >= settings_.period;
-  if (!settings_.enabled || !due || depth.empty()) return;
+  if (!planes_ || !due || depth.empty()) return;
   looked_ = true;
   last_ = utime;
   information_ *= 1 - 1 / settings_.memory;
   told_ *= 1 - 1 / settings_.memory;
-  const FramePlanes found = planes_(depth);
+  const FramePlanes found = (*planes_)(depth);
   std::vector<std::vector<Sample>> samples(found.planes.size());
   const int step = std::max(
       1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(depth.total()) / samples_wanted))));
@@ -171,7 +174,7 @@ double RangeError::sigma(double range) const {
 }
 
 void RangeError::correct(cv::Mat& depth) const {
-  if (!settings_.enabled || largest() < negligible) return;
+  if (largest() < negligible) return;
   constexpr int fine = 100;  // a metre
   std::vector<float> error(static_cast<std::size_t>(fine * knot_step * static_cast<double>(error_.size())) +
                            1);

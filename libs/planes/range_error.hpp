@@ -71,7 +71,7 @@ class RangeError {
   void solve();
 
   RangeErrorSettings settings_;
-  FramePlaneFinder planes_;
+  std::optional<FramePlaneFinder> planes_;  // nothing: it does not learn
   cv::Mat_<cv::Vec2f> rays_;
   DepthNoise noise_;
   Eigen::MatrixXd prior_, information_, covariance_;  // of w at the knots
