@@ -1,6 +1,7 @@
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
 
 #include <lcmslam/features/strongest_features.hpp>
+#include <lcmslam/pose_graph/pose_covariance.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
@@ -168,14 +169,18 @@ bool DenseMapper::is_found(const Tracked& tracked) {
   return true;
 }
 
-// The map in sight stands on the newest node and errs as that does; registration errs beside it.
+// The map in sight stands on the newest node and errs as that does; registration errs beside it, as the edge
+// would that it may become.
 void DenseMapper::tell_covariance(Step& step) const {
   const KeyframeGraph::Node& newest = graph_.nodes().back();
   const Eigen::Isometry3d T_node_robot = newest.T_world_camera.inverse() * step.T_world_robot;
   const Matrix6d A = adjoint(T_node_robot.inverse());
   step.map_covariance = A * newest.covariance * A.transpose();
   // A new node's own covariance has its registration in it.
-  if (!step.node) step.map_covariance += step.covariance;
+  if (step.node) return;
+  step.map_covariance += step.status == MappingStatus::tracking
+                             ? edge_error(step.covariance, settings_.graph.optimiser)
+                             : step.covariance;
 }
 
 void DenseMapper::tell_local_pose(const Expectation& expected, Step& step) {

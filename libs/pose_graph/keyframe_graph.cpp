@@ -167,7 +167,7 @@ void KeyframeGraph::carry_covariance(std::size_t node) {
     if (e->kind != EdgeKind::odometry || e->to != to) continue;
     const Node& before = nodes_[static_cast<std::size_t>(e->from)];
     const UncertainTransform step{before.T_world_camera.inverse() * nodes_[node].T_world_camera,
-                                  edge_error(*e, settings_.optimiser)};
+                                  edge_error(e->T_from_to.covariance, settings_.optimiser)};
     nodes_[node].covariance =
         (UncertainTransform{before.T_world_camera, before.covariance} * step).covariance;
     return;

@@ -46,7 +46,7 @@ GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& set
     const Eigen::Isometry3d& T_from = graph.poses[static_cast<std::size_t>(e.from)];
     const Eigen::Isometry3d& T_to = graph.poses[static_cast<std::size_t>(e.to)];
     const Matrix6d J = -adjoint(T_to.inverse() * T_from);
-    const Matrix6d W = edge_error(e, settings).inverse();
+    const Matrix6d W = edge_error(e.T_from_to.covariance, settings).inverse();
     const Matrix6d WJ = W * J;
     add(J.transpose() * WJ, e.from, e.from, equations.H);
     add(WJ, e.to, e.from, equations.H);
@@ -59,7 +59,7 @@ GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& set
   if (!graph.ground) return equations;
   const Matrix6d A = adjoint(graph.ground->T_camera_robot.inverse());
   for (std::size_t i = 1; i < graph.poses.size(); ++i) {
-    const Eigen::Vector3d sigmas = graph.ground->sigmas(i);
+    const Eigen::Vector3d sigmas = settings.ground_error * graph.ground->sigmas(i);
     Vector6d ground = Vector6d::Zero();
     ground.segment<3>(2) = sigmas.cwiseAbs2().cwiseInverse();
     const Matrix6d block = A.transpose() * ground.asDiagonal() * A;
@@ -106,8 +106,8 @@ class SparseInverse {
 
 }  // namespace
 
-Matrix6d edge_error(const GraphEdge& edge, const PoseGraphSettings& settings) {
-  return settings.edge_error * settings.edge_error * edge.T_from_to.covariance;
+Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& settings) {
+  return settings.edge_error * settings.edge_error * covariance;
 }
 
 std::vector<Matrix6d> pose_covariances(const PoseGraph& graph, const PoseGraphSettings& settings) {

@@ -44,9 +44,10 @@ struct PoseGraphSettings {
   int max_iterations = 30;
   double path_gate = 4.74;
   int loop_support = 3;
-  double edge_error = 0.35;
-  double motion_scale = 0.005;
-  double turn_scale = 0.005;
+  double edge_error = 0.25;
+  double ground_error = 0.2;
+  double motion_scale = 0.0015;
+  double turn_scale = 0.0015;
 
   void describe(SettingsVisitor& s) {
     s.number("kernel_width", kernel_width, "standard deviations", {0.1, 1e6},
@@ -62,6 +63,10 @@ struct PoseGraphSettings {
              "what an edge errs by on its own, over the sigma that weighs it (cautiously: one wrong edge "
              "bends the map); "
              "for the poses' covariances");
+    s.number(
+        "ground_error", ground_error, "", {0.001, 1000},
+        "what the ground is off its plane by, over the sigma that weighs it (cautiously, likewise); for the "
+        "poses' covariances");
     s.number("motion_scale", motion_scale, "", {0, 1},
              "standard deviation of a ratio by which all edges measure too long or too short ways, as depth "
              "cameras "

@@ -33,6 +33,7 @@ RgbdFrameMaker::RgbdFrameMaker(const RgbdFrameMakerSettings& settings)
 void RgbdFrameMaker::calibrate(const RgbdCalibration& calibration) {
   registration_.emplace(calibration);
   filter_.emplace(calibration, settings_.depth_filter);
+  range_error_.emplace(calibration, settings_.range_error);
 }
 
 const RgbdCalibration& RgbdFrameMaker::calibration() const {
@@ -48,7 +49,11 @@ RgbdFrameMaker::Prepared RgbdFrameMaker::prepare(RgbdFrame frame, LateColour lat
   const Utime depth_utime = calibration().depth_time(frame.depth_utime);
   Prepared prepared;
   prepared.needed = std::max({frame.utime, depth_utime, depth_utime + clock_correction()});
-  if (!frame.depth.empty()) (*filter_)(frame.depth, frame.amplitude);
+  if (!frame.depth.empty()) {
+    (*filter_)(frame.depth, frame.amplitude);
+    range_error_->learn(frame.depth, frame.depth_utime);
+    range_error_->correct(frame.depth);
+  }
   prepared.view = prepared_view(*registration_, frame, step_for(frame.depth.total(), settings_.cloud_points));
   prepared.frame = std::move(frame);
   prepared.late_colour = std::move(late_colour);

@@ -18,6 +18,7 @@
 
 #include <lcmslam/imaging/depth_filter.hpp>
 #include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/planes/range_error.hpp>
 #include <lcmslam/rgbd/dense_frame.hpp>
 #include <lcmslam/rgbd/depth_clock.hpp>
 #include <lcmslam/rgbd/depth_view.hpp>
@@ -26,6 +27,7 @@ namespace lcmslam {
 
 struct RgbdFrameMakerSettings {
   DepthFilterSettings depth_filter;
+  RangeErrorSettings range_error;
   DepthClockSettings depth_clock;
   double cloud_points = 12000;     ///< about as many points a cloud
   double keyframe_points = 12000;  ///< about as many of a coloured cloud, before it is filtered
@@ -39,7 +41,7 @@ class RgbdFrameMaker {
 
   /// Before anything is prepared, and when the camera is another one: what was prepared before is void.
   /// Throws std::invalid_argument for a calibration that does not pass check(). What was learned of the
-  /// clocks stays.
+  /// clocks stays, of the depth camera's error by range it does not.
   void calibrate(const RgbdCalibration& calibration);
   bool calibrated() const { return registration_.has_value(); }
   /// Throws std::logic_error before calibrate().
@@ -53,8 +55,9 @@ class RgbdFrameMaker {
     DepthView view;
     Utime needed = 0;  ///< motion must be known up to this time
   };
-  /// `frame` is of the calibration's sizes (check_frame); its depth image is filtered in place. Where its
-  /// colour is empty, `late_colour` is asked, once, and only for a coloured cloud.
+  /// `frame` is of the calibration's sizes (check_frame); its depth image is filtered in place and rid of
+  /// what is known of its error by range. Where its colour is empty, `late_colour` is asked, once, and only
+  /// for a coloured cloud.
   Prepared prepare(RgbdFrame frame, LateColour late_colour = {});
 
   /// Features of a colour image; the newest few wait for their frame. `make` takes what is there: waiting
@@ -85,6 +88,8 @@ class RgbdFrameMaker {
                const Motion& motion, double seconds);
   /// What the calibration leaves of the difference between both clocks.
   const DepthClock& depth_clock() const { return depth_clock_; }
+  /// What the depth camera errs by, as learned; nothing before calibrate().
+  const std::optional<RangeError>& range_error() const { return range_error_; }
 
  private:
   /// How depth's rows come to the moment.
@@ -102,6 +107,7 @@ class RgbdFrameMaker {
   RgbdFrameMakerSettings settings_;
   std::optional<DepthRegistration> registration_;
   std::optional<DepthFilter> filter_;
+  std::optional<RangeError> range_error_;
   DepthClock depth_clock_;
   std::deque<FeatureFrame> features_;  // the newest few
 };

@@ -24,6 +24,7 @@ constexpr Utime long_pause = 1'000'000;  // us between two frames: a gap
 RgbdFrameMakerSettings frame_settings(const IcpNodeSettings& settings) {
   RgbdFrameMakerSettings s;
   s.depth_filter = settings.depth_filter;
+  s.range_error = settings.range_error;
   s.depth_clock = settings.mapper.depth_clock;
   s.cloud_points = settings.cloud_points;
   s.keyframe_points = settings.keyframe_pixels;
@@ -328,6 +329,7 @@ NodeReport IcpNode::report() const {
                    {"overlap", last_.registration.overlap},
                    {"graph_nodes", mapper_ ? static_cast<double>(mapper_->graph().nodes().size()) : 0},
                    {"graph_edges", mapper_ ? static_cast<double>(mapper_->graph().edges().size()) : 0},
+                   {"range_error", maker_.range_error() ? maker_.range_error()->largest() : 0},
                    {"depth_clock_offset", maker_.depth_clock().offset()},
                    {"depth_clock_sigma", maker_.depth_clock().sigma()}};
   return report;

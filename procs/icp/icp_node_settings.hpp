@@ -1,6 +1,7 @@
 #pragma once
 #include <lcmslam/dense_mapper/dense_mapper_settings.hpp>
 #include <lcmslam/imaging/depth_filter.hpp>
+#include <lcmslam/planes/range_error.hpp>
 #include <lcmslam/runtime/node_settings.hpp>
 
 namespace lcmslam {
@@ -9,6 +10,7 @@ namespace lcmslam {
 struct IcpNodeSettings {
   DenseMapperSettings mapper;
   DepthFilterSettings depth_filter;
+  RangeErrorSettings range_error;
   std::string pose = "auto";
   std::string map_frame = "map";
   double cloud_points = 12000;
@@ -44,6 +46,7 @@ struct IcpNodeSettings {
         "of usable frames that have no place in the map since the robot was carried (carried_after); then a "
         "new map begins beside the old one; 0: never");
     s.section("depth_filter", depth_filter, "takes out of a depth image what no surface gave");
+    s.section("range_error", range_error, "what the depth camera errs by at each range, learned from planes");
     mapper.describe(s);
   }
 };

@@ -36,6 +36,7 @@ SurfNode::SurfNode(const SurfNodeSettings& settings, Publisher& publisher)
     : publisher_(publisher),
       surf_(settings.surf),
       threshold_(settings.threshold),
+      range_error_settings_(settings.range_error),
       period_(settings.rate > 0 ? 1e6 / settings.rate : 0),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)) {}
 
@@ -56,6 +57,7 @@ void SurfNode::on_calibration(const camera_calibration_t& message) {
     return;
   }
   registration_.emplace(from_message(message));
+  range_error_.emplace(registration_->calibration(), range_error_settings_);
   plausibility_.emplace(registration_->calibration());
   mount_motion_.reset();
   if (registration_->calibration().has_mount)
@@ -80,8 +82,10 @@ void SurfNode::on_camera(const images_t& message) {
     return;
   }
   if (too_soon(message.utime)) return;
-  const RgbdFrame frame = decode_images(message, registration_->calibration());
+  RgbdFrame frame = decode_images(message, registration_->calibration());
   no_depth_ = cv::countNonZero(frame.depth) == 0;
+  range_error_->learn(frame.depth, frame.depth_utime);
+  range_error_->correct(frame.depth);
   const FeatureFrame features = describe(frame);
   publisher_.publish("FEATURES", to_message(features));
   ++frames_;

@@ -8,6 +8,7 @@
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/imaging/sharpness.hpp>
 #include <lcmslam/odometry_t.hpp>
+#include <lcmslam/planes/range_error.hpp>
 #include <lcmslam/rgbd/mount_motion.hpp>
 #include <lcmslam/rgbd/plausibility.hpp>
 #include <lcmslam/runtime/node.hpp>
@@ -42,10 +43,12 @@ class SurfNode : public Node {
   Surf surf_;
   AdaptiveThreshold threshold_;
   SharpnessWatch sharpness_;
+  RangeErrorSettings range_error_settings_;
   double period_;            // us between two images that are used, at least
   std::size_t frame_queue_;  // frames that may wait
   camera_calibration_t calibration_message_;
   std::optional<DepthRegistration> registration_;
+  std::optional<RangeError> range_error_;
   std::optional<images_t> uncalibrated_;  // the newest message that came before the calibration
   MotionBuffer motion_;                   // wheel odometry, for the time between the two images
   std::int64_t odometry_sender_ = 0;

@@ -1,4 +1,5 @@
 #pragma once
+#include <lcmslam/planes/range_error.hpp>
 #include <lcmslam/runtime/node_settings.hpp>
 #include <lcmslam/surf/adaptive_threshold.hpp>
 #include <lcmslam/surf/surf.hpp>
@@ -9,6 +10,7 @@ namespace lcmslam {
 struct SurfNodeSettings {
   SurfSettings surf;
   AdaptiveThresholdSettings threshold;  ///< what has no key of its own follows from `surf`
+  RangeErrorSettings range_error;
   double rate = 0;
   int frame_queue = 2;
 
@@ -18,6 +20,7 @@ struct SurfNodeSettings {
     s.require(surf.budget.max_features >= 1 && surf.budget.max_features <= 5000, "max_features",
               "must be a whole number from 1 to 5000: one message holds no more features");
     threshold.describe(s);
+    s.section("range_error", range_error, "what the depth camera errs by at each range, learned from planes");
     s.number("rate", rate, "Hz", {0, 1000}, "of the images that are used, at most; 0: every image");
     describe_frame_queue(s, frame_queue);
   }

@@ -97,7 +97,8 @@ TEST(PoseCovariance, IsTheDenseInverseOfTheNumericInformation) {
   }
   for (Eigen::Index node = 1; node < n; ++node)  // the robot's height and tilt in its own frame
     for (const int k : {2, 3, 4}) {
-      const double sigma = k == 2 ? round.graph.ground->plane.height : round.graph.ground->plane.tilt;
+      const GroundSettings& plane = round.graph.ground->plane;
+      const double sigma = settings.ground_error * (k == 2 ? plane.height : plane.tilt);
       const Vector6d row = adjoint(round.graph.ground->T_camera_robot.inverse()).row(k).transpose() / sigma;
       H.block<6, 6>(6 * node, 6 * node) += row * row.transpose();
     }

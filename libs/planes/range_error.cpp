@@ -1,0 +1,195 @@
+#include <lcmslam/planes/range_error.hpp>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include <lcmslam/settings/check.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr int least_width = 64;          // pixels; of smaller images hardly a plane can be told
+constexpr double knot_step = 0.25;       // m
+constexpr double samples_wanted = 6000;  // of an image
+constexpr double rim_share = 1.0 / 30;   // of the image's width
+constexpr Eigen::Index bins_a_knot = 3;
+constexpr double least_samples = 5;  // of a plane in a bin
+constexpr double least_slant = 0.1;  // of n . u: at a grazing view a plane says little of the range
+constexpr double most_sigma = 0.05;  // m, of depth
+constexpr double farthest = 12;      // m
+constexpr double negligible = 2e-4;  // m
+
+RangeErrorSettings checked_settings(const RangeErrorSettings& settings) {
+  check(settings, "range_error");
+  return settings;
+}
+
+// Farther than elsewhere: many pixels tell together. Some more for cells, so that which of them are planes
+// does not depend on the noise of those that count.
+FramePlaneSettings large_planes() {
+  FramePlaneSettings settings;
+  settings.max_sigma = 1.5 * most_sigma;
+  settings.flatness = 1;
+  settings.max_distance_sigmas = 2;
+  settings.min_cells = 60;  // of some 1300
+  return settings;
+}
+
+/// Covariance of a smooth function of the range at the knots.
+Eigen::MatrixXd smooth(double sigma, double length, Eigen::Index knots) {
+  Eigen::MatrixXd K(knots, knots);
+  for (Eigen::Index i = 0; i < knots; ++i)
+    for (Eigen::Index j = 0; j < knots; ++j) {
+      const double apart = knot_step * static_cast<double>(i - j) / length;
+      K(i, j) = sigma * sigma * (std::exp(-0.5 * apart * apart) + (i == j ? 1e-3 : 0));
+    }
+  return K;
+}
+
+// Near the edge of two planes it is the noise that decides which of them a pixel belongs to.
+bool is_inside(const cv::Mat& labels, int v, int u, int rim) {
+  const std::uint8_t label = labels.at<std::uint8_t>(v, u);
+  return labels.at<std::uint8_t>(v - rim, u) == label && labels.at<std::uint8_t>(v + rim, u) == label &&
+         labels.at<std::uint8_t>(v, u - rim) == label && labels.at<std::uint8_t>(v, u + rim) == label;
+}
+
+}  // namespace
+
+RangeError::RangeError(const RgbdCalibration& calibration, const RangeErrorSettings& settings)
+    : settings_(checked_settings(settings)),
+      rays_(ray_table(calibration.depth_registered ? calibration.colour : calibration.depth)),
+      noise_(calibration.depth_noise) {
+  if (settings_.enabled && rays_.cols >= least_width) planes_.emplace(calibration, large_planes());
+  const double reach = std::min(farthest, 1.3 * calibration.depth_max);  // to the image's corners
+  const auto knots = static_cast<Eigen::Index>(std::ceil(reach / knot_step)) + 2;
+  covariance_ = smooth(noise_.constant, settings_.length, knots);
+  prior_ = covariance_.llt().solve(Eigen::MatrixXd::Identity(knots, knots));
+  information_.setZero(knots, knots);
+  told_.setZero(knots);
+  error_.setZero(knots);
+}
+
+void RangeError::learn(const cv::Mat& depth, Utime utime) {
+  const bool due = !looked_ || utime < last_ || 1e-6 * static_cast<double>(utime - last_) >= settings_.period;
+  if (!planes_ || !due || depth.empty()) return;
+  looked_ = true;
+  last_ = utime;
+  information_ *= 1 - 1 / settings_.memory;
+  told_ *= 1 - 1 / settings_.memory;
+  const FramePlanes found = (*planes_)(depth);
+  std::vector<std::vector<Sample>> samples(found.planes.size());
+  const int step = std::max(
+      1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(depth.total()) / samples_wanted))));
+  const int rim = std::max(2, static_cast<int>(rim_share * depth.cols));
+  for (int v = rim; v < depth.rows - rim; v += step)
+    for (int u = rim; u < depth.cols - rim; u += step) {
+      const std::uint8_t label = found.labels.at<std::uint8_t>(v, u);
+      if (label == 0 || !is_inside(found.labels, v, u, rim)) continue;
+      const auto plane = static_cast<std::size_t>(label - 1);
+      const double z = 1e-3 * depth.at<std::uint16_t>(v, u);
+      if (const auto sample = sample_of(found.planes[plane].fit, rays_(v, u), z))
+        samples[plane].push_back(*sample);
+    }
+  for (const std::vector<Sample>& of_plane : samples) add_plane(of_plane);
+  solve();
+}
+
+// All is told at the range where the ray meets the plane, and not at the measured one: a point that noise
+// moves would be told apart by the noise.
+std::optional<RangeError::Sample> RangeError::sample_of(const PlaneFit& fit, const cv::Vec2f& pixel,
+                                                        double z) const {
+  const Eigen::Vector3d ray(static_cast<double>(pixel[0]), static_cast<double>(pixel[1]), 1);
+  const double length = ray.norm(), slant = fit.plane.normal.dot(ray) / length;
+  if (!(z > 0) || std::abs(slant) < least_slant) return std::nullopt;
+  const double range = -fit.plane.offset / slant, sigma = noise_.sigma(range / length);
+  const double knot = std::floor(range / knot_step);
+  if (!(range > 0) || sigma > most_sigma || knot + 1 >= static_cast<double>(error_.size()))
+    return std::nullopt;
+  const Eigen::Vector3d x = range / length * ray - fit.centre;
+  Sample sample;
+  sample.knot = static_cast<Eigen::Index>(knot);
+  sample.beyond = range / knot_step - knot;
+  sample.residual = z * length - range;
+  sample.variance = sigma * sigma;
+  sample.plane = Eigen::Vector3d(fit.axis.dot(x), fit.plane.normal.cross(fit.axis).dot(x), 1) / slant;
+  return sample;
+}
+
+// A plane's samples in a bin of range are one measurement: m = h w + p (tilts, distance) + noise, with what
+// the plane is uneven by there. A plane that fits badly to what is known, because it is none, counts for
+// less.
+void RangeError::add_plane(const std::vector<Sample>& samples) {
+  const Eigen::Index knots = error_.size(), bins = bins_a_knot * knots;
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(bins, knots), P = Eigen::MatrixXd::Zero(bins, 3);
+  Eigen::VectorXd m = Eigen::VectorXd::Zero(bins), count = m, variance = m;
+  for (const Sample& s : samples) {
+    const Eigen::Index bin = bins_a_knot * s.knot + static_cast<Eigen::Index>(bins_a_knot * s.beyond);
+    H(bin, s.knot) += 1 - s.beyond;
+    H(bin, s.knot + 1) += s.beyond;
+    P.row(bin) += s.plane.transpose();
+    m(bin) += s.residual;
+    variance(bin) += s.variance;
+    ++count(bin);
+  }
+  const double uneven = bins_a_knot * settings_.unevenness * settings_.unevenness;
+  Eigen::Index n = 0;  // measurements
+  for (Eigen::Index bin = 0; bin < bins; ++bin) {
+    if (count(bin) < least_samples) continue;
+    H.row(n) = H.row(bin) / count(bin);
+    P.row(n) = P.row(bin) / count(bin);
+    m(n) = m(bin) / count(bin);
+    variance(n) = variance(bin) / (count(bin) * count(bin)) + uneven;
+    ++n;
+  }
+  if (n < 4) return;  // three are the plane's own
+  const Eigen::MatrixXd h = H.topRows(n), p = P.topRows(n);
+  Eigen::MatrixXd own = p * p.transpose();  // 1 rad, 1 m: anything
+  own.diagonal() += variance.head(n);
+  const Eigen::VectorXd off = m.head(n) - h * error_;
+  const double misfit =
+      off.dot((own + h * covariance_ * h.transpose()).llt().solve(off)) / static_cast<double>(n);
+  const Eigen::MatrixXd weighted = own.llt().solve(h) / std::max(1.0, misfit);
+  information_ += h.transpose() * weighted;
+  told_ += weighted.transpose() * m.head(n);
+}
+
+void RangeError::solve() {
+  const Eigen::LLT<Eigen::MatrixXd> root(information_ + prior_);
+  error_ = root.solve(told_);
+  covariance_ = root.solve(Eigen::MatrixXd::Identity(error_.size(), error_.size()));
+}
+
+double RangeError::at(double range) const {
+  const double knot = std::clamp(range / knot_step, 0.0, static_cast<double>(error_.size() - 1) - 1e-9);
+  const auto k = static_cast<Eigen::Index>(knot);
+  const double beyond = knot - static_cast<double>(k);
+  return (1 - beyond) * error_(k) + beyond * error_(k + 1);
+}
+
+double RangeError::sigma(double range) const {
+  const double knot = std::clamp(range / knot_step, 0.0, static_cast<double>(error_.size() - 1));
+  const auto k = static_cast<Eigen::Index>(std::lround(knot));
+  return std::sqrt(covariance_(k, k));
+}
+
+void RangeError::correct(cv::Mat& depth) const {
+  if (largest() < negligible) return;
+  constexpr int fine = 100;  // a metre
+  std::vector<float> error(static_cast<std::size_t>(fine * knot_step * static_cast<double>(error_.size())) +
+                           1);
+  for (std::size_t i = 0; i < error.size(); ++i)
+    error[i] = static_cast<float>(1000 * at(static_cast<double>(i) / fine));
+  for (int v = 0; v < depth.rows; ++v) {
+    auto* const z = depth.ptr<std::uint16_t>(v);
+    const cv::Vec2f* const ray = rays_[v];
+    for (int u = 0; u < depth.cols; ++u) {
+      if (z[u] == 0) continue;
+      const float length = std::sqrt(1 + ray[u].dot(ray[u])), range = static_cast<float>(z[u]) * length;
+      const auto at = std::min(error.size() - 1, static_cast<std::size_t>(range * (fine * 1e-3F) + 0.5F));
+      z[u] = static_cast<std::uint16_t>(std::max(1.F, static_cast<float>(z[u]) - error[at] / length + 0.5F));
+    }
+  }
+}
+
+}  // namespace lcmslam

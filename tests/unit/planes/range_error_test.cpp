@@ -1,0 +1,157 @@
+// What a depth camera errs by at each range, learned from a corridor that it drives through.
+
+#include <lcmslam/planes/range_error.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "tests/support/analytic_scene.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double degree = 0.0174533, noise_per_m2 = 0.002;
+
+using Wave = std::function<double(double)>;  // m of error at m of range
+
+double nothing(double) {
+  return 0;
+}
+double wiggle(double range) {
+  return 0.006 * std::sin(2 * M_PI * range / 1.9);
+}
+
+RgbdCalibration tof_camera() {
+  RgbdCalibration calibration;
+  calibration.colour = {176, 144, 200, 200, 87.5, 71.5, {}};
+  calibration.depth_registered = true;
+  calibration.depth_noise = {0.0042, 0, 0, noise_per_m2};
+  calibration.depth_max = 7.5;
+  return calibration;
+}
+
+/// Walls on both sides, one at the end, floor; z up.
+testing_scene::Scene corridor() {
+  return {{{{0, 0, 1}, 0}, {{0, 1, 0}, 1.1}, {{0, 1, 0}, -0.9}, {{1, 0, 0}, 7}}, {}};
+}
+
+/// Depth of what stands at the true range, measured with the wave's error and noise.
+cv::Mat measured(const testing_scene::Scene& scene, const RgbdCalibration& calibration,
+                 const Eigen::Isometry3d& T_scene_camera, const Wave& wave, Random& random) {
+  const CameraModel& camera = calibration.colour;
+  cv::Mat depth(camera.height, camera.width, CV_16UC1, cv::Scalar(0));
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d ray = camera.ray({u, v});
+      const double z = scene.hit(T_scene_camera.translation(), T_scene_camera.linear() * ray);
+      const double range = z * ray.norm();
+      const double seen = range + wave(range) + noise_per_m2 * range * range * random.normal();
+      if (seen < calibration.depth_max)
+        depth.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(std::lround(1000 * seen / ray.norm()));
+    }
+  return depth;
+}
+
+Eigen::Isometry3d view(double x, double y, double heading) {
+  const Eigen::Isometry3d T =
+      Eigen::Translation3d(x, y, 1.3) * Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
+      Eigen::AngleAxisd(20 * degree, Eigen::Vector3d::UnitY()) * Eigen::Isometry3d::Identity();
+  return T * optical_axes();
+}
+
+/// Ten seconds through the scene, turning to both sides.
+RangeError after_a_drive(const testing_scene::Scene& scene, const Wave& wave, std::uint64_t seed = 1,
+                         const RgbdCalibration& calibration = tof_camera(),
+                         const RangeErrorSettings& settings = {}) {
+  Random random(seed);
+  RangeError error(calibration, settings);
+  for (int i = 0; i < 25; ++i) {
+    const Eigen::Isometry3d T = view(0.15 * i, 0.2 * std::sin(0.3 * i), 0.4 * std::sin(0.5 * i));
+    error.learn(measured(scene, calibration, T, wave, random), 400'000 * i);
+  }
+  return error;
+}
+
+double rms_left(const RangeError& error, const Wave& wave) {
+  double sum = 0;
+  int count = 0;
+  for (double range = 1.5; range < 5; range += 0.05, ++count)
+    sum += std::pow(error.at(range) - wave(range), 2);
+  return std::sqrt(sum / count);
+}
+
+TEST(RangeError, AWiggleIsLearnedFromWallsAndFloor) {
+  EXPECT_LT(rms_left(after_a_drive(corridor(), wiggle), wiggle), 0.0015);  // of 0.0042
+}
+
+TEST(RangeError, NothingIsLearnedOfACameraThatDoesNotErr) {
+  EXPECT_LT(rms_left(after_a_drive(corridor(), nothing), nothing), 0.0012);
+}
+
+// Cupboards whose fronts stand two and three centimetres before the walls.
+TEST(RangeError, WhatStandsBeforeAWallIsNoErrorOfTheCamera) {
+  testing_scene::Scene scene = corridor();
+  using Point = Eigen::Vector3d;
+  scene.boxes = {{Point(1.5, 1.08, 0), Point(2.6, 1.2, 2)},
+                 {Point(3.2, 1.07, 0), Point(4.2, 1.2, 1.2)},
+                 {Point(2.5, -1, 0), Point(3.5, -0.87, 2)}};
+  EXPECT_LT(rms_left(after_a_drive(scene, wiggle), wiggle), 0.002);
+}
+
+// Errors as the prior has them: what is left of them is as large as sigma says.
+TEST(RangeError, SigmaIsWhatIsLeft) {
+  double sum = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Random random(seed, 5);
+    const double sine = random.normal(0, 0.0042), cosine = random.normal(0, 0.0042),
+                 wave_length = random.uniform(1.5, 4);
+    const Wave wave = [&](double range) {
+      const double phase = 2 * M_PI * range / wave_length;
+      return sine * std::sin(phase) + cosine * std::cos(phase);
+    };
+    const RangeError error = after_a_drive(corridor(), wave, seed);
+    for (double range = 1.5; range < 4.5; range += 0.5, ++count)
+      sum += std::pow((error.at(range) - wave(range)) / error.sigma(range), 2);
+  }
+  EXPECT_GT(sum / count, 0.1);
+  EXPECT_LT(sum / count, 1.5);
+}
+
+TEST(RangeError, WhatIsKnownIsTakenAwayAndNothingStaysNothing) {
+  const RgbdCalibration calibration = tof_camera();
+  const RangeError error = after_a_drive(corridor(), wiggle);
+  Random random(3), same(3);
+  const Eigen::Isometry3d T = view(0.4, 0.1, 0.3);
+  cv::Mat seen = measured(corridor(), calibration, T, wiggle, random);
+  const cv::Mat raw = seen.clone(), exact = measured(corridor(), calibration, T, nothing, same);
+  error.correct(seen);
+  double before = 0, after = 0;
+  for (int v = 0; v < seen.rows; ++v)
+    for (int u = 0; u < seen.cols; ++u) {
+      const auto at = [&](const cv::Mat& image) {
+        return static_cast<double>(image.at<std::uint16_t>(v, u));
+      };
+      EXPECT_EQ(at(raw) == 0, at(seen) == 0);
+      if (at(raw) == 0 || at(exact) == 0 || at(exact) > 4500) continue;
+      before += std::pow(at(raw) - at(exact), 2);
+      after += std::pow(at(seen) - at(exact), 2);
+    }
+  EXPECT_LT(after, 0.15 * before);
+}
+
+TEST(RangeError, WhoeverIsToldNotToLearnLeavesImagesAlone) {
+  RangeErrorSettings off;
+  off.enabled = false;
+  const RangeError error = after_a_drive(corridor(), wiggle, 1, tof_camera(), off);
+  Random random(4);
+  cv::Mat seen = measured(corridor(), tof_camera(), view(0, 0, 0), wiggle, random);
+  const cv::Mat raw = seen.clone();
+  error.correct(seen);
+  EXPECT_EQ(cv::countNonZero(seen != raw), 0);
+}
+
+}  // namespace
+}  // namespace lcmslam
