@@ -61,7 +61,7 @@ class IntrinsicInformation {
     const Eigen::VectorXd scale = information_.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * information_ * scale.asDiagonal();
     const Eigen::LDLT<Eigen::MatrixXd> solver(scaled);
-    if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 1e-12))
+    if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 1e-15))
       throw std::runtime_error(
           "the views do not determine the camera: show the board tilted, from several sides");
     const Eigen::MatrixXd inverse = solver.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
@@ -108,7 +108,7 @@ CameraCalibration fit(const std::vector<BoardView>& views, const Board& board, c
   std::vector<double> distortion;
   std::vector<cv::Mat> r, t;
   cv::calibrateCamera(points, pixels, size, matrix, distortion, r, t, flags_of(coefficients),
-                      {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-12});
+                      {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-10});
   CameraCalibration result;
   CameraModel& camera = result.camera;
   camera.width = size.width, camera.height = size.height;
@@ -143,16 +143,18 @@ CameraCalibration fit_best(const std::vector<BoardView>& views, const Board& boa
                            int coefficients) {
   if (coefficients >= 0) return fit(views, board, size, coefficients);
   CameraCalibration best = fit(views, board, size, 0);
-  for (const int more : {4, 5}) {
-    CameraCalibration other = fit(views, board, size, more);
-    if (bic(other, views) < bic(best, views)) best = std::move(other);
-  }
+  for (const int more : {4, 5}) try {
+      CameraCalibration other = fit(views, board, size, more);
+      if (bic(other, views) < bic(best, views)) best = std::move(other);
+    } catch (const std::runtime_error&) {
+      break;  // more than the views bear
+    }
   return best;
 }
 
 /// The views without corners that lie beyond `limit` pixels; views that lose most of theirs go as a whole.
 std::vector<BoardView> without_outliers(const CameraCalibration& calibration, double limit) {
-  constexpr std::size_t fewest_corners = 8;
+  constexpr std::size_t least_kept = 8;
   std::vector<BoardView> views;
   for (const CalibratedView& c : calibration.views) {
     BoardView kept{c.view.name, {}, {}};
@@ -161,7 +163,7 @@ std::vector<BoardView> without_outliers(const CameraCalibration& calibration, do
       kept.ids.push_back(c.view.ids[i]);
       kept.pixels.push_back(c.view.pixels[i]);
     }
-    if (kept.ids.size() >= fewest_corners) views.push_back(std::move(kept));
+    if (kept.ids.size() >= least_kept) views.push_back(std::move(kept));
   }
   return views;
 }

@@ -38,13 +38,14 @@ RangeSample sample_of(double range, std::vector<double>& errors) {
 /// Weighted least squares with the wiggle's period fixed: offset + scale r + a sin + b cos.
 class LinearFit {
  public:
-  LinearFit(const std::vector<RangeSample>& samples, double period, double centre, bool scale) {
-    const int unknowns = (scale ? 2 : 1) + (period > 0 ? 2 : 0);
+  LinearFit(const std::vector<RangeSample>& samples, double period, double scale_sigma) {
+    const int unknowns = period > 0 ? 4 : 2;
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(unknowns, unknowns);
     Eigen::VectorXd b = Eigen::VectorXd::Zero(unknowns);
+    A(1, 1) = 1 / (scale_sigma * scale_sigma);
     for (const RangeSample& s : samples) {
       Eigen::VectorXd row = Eigen::VectorXd::Ones(unknowns);
-      if (scale) row[1] = s.range - centre;
+      row[1] = s.range;
       if (period > 0)
         row.tail<2>() << std::sin(2 * M_PI * s.range / period), std::cos(2 * M_PI * s.range / period);
       const double weight = 1 / (s.sigma * s.sigma);
@@ -54,11 +55,13 @@ class LinearFit {
     }
     const Eigen::LDLT<Eigen::MatrixXd> solver(A);
     solution = solver.solve(b);
+    covariance = solver.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
     squares_ -= b.dot(solution);
     if (!(solver.vectorD().minCoeff() > 1e-9 * solver.vectorD().maxCoeff())) squares_ = 1e300;
   }
   double squares() const { return squares_; }
   Eigen::VectorXd solution;
+  Eigen::MatrixXd covariance;
 
  private:
   double squares_ = 0;  // what is left, in units of variance
@@ -78,11 +81,13 @@ Vector5d derivatives(const Vector5d& p, double r) {
 }
 
 /// Gauss-Newton from a start that is within a fraction of a period.
-Matrix5d refine_error(const std::vector<RangeSample>& samples, Vector5d& p) {
+Matrix5d refine_error(const std::vector<RangeSample>& samples, double scale_sigma, Vector5d& p) {
   Matrix5d A;
   for (int iteration = 0; iteration < 30; ++iteration) {
     A.setZero();
+    A(1, 1) = 1 / (scale_sigma * scale_sigma);
     Vector5d b = Vector5d::Zero();
+    b[1] = -p[1] * A(1, 1);
     for (const RangeSample& s : samples) {
       const Vector5d row = derivatives(p, s.range);
       A += row * row.transpose() / (s.sigma * s.sigma);
@@ -156,44 +161,33 @@ RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples, const Ran
   fit.rms_before = rms(samples, {});
   const double span = fit.farthest - fit.nearest;
 
-  // Without a wiggle: what the longest lever tells of offset and scale.
+  const double scale_sigma = settings.keep_scale ? 0.1 : settings.scale_sigma;
+
   double best_period = 0;
-  const LinearFit plain(samples, 0, 0, true);
+  const LinearFit plain(samples, 0, scale_sigma);
   double least = plain.squares();
   for (double period = shortest_period; period <= span; period *= 1.01) {
-    const LinearFit wiggled(samples, period, 0, true);
+    const LinearFit wiggled(samples, period, scale_sigma);
     if (wiggled.squares() < least) least = wiggled.squares(), best_period = period;
   }
   // Three more unknowns, of which one was searched for, must gain more than chance gives them.
   const double noise = least / std::max(1.0, static_cast<double>(samples.size()) - 5);
   const bool wiggles = best_period > 0 && plain.squares() - least > 30 * std::max(1.0, noise);
   if (wiggles) {
-    const LinearFit start(samples, best_period, 0, true);
+    const LinearFit start(samples, best_period, scale_sigma);
     Vector5d p;
     p << start.solution[0], start.solution[1], start.solution.tail<2>().norm(), best_period,
         std::atan2(start.solution[3], start.solution[2]);
-    fit.covariance = refine_error(samples, p);
+    fit.covariance = refine_error(samples, scale_sigma, p);
     fit.error = error_of(p);
     fit.error.phase = std::remainder(fit.error.phase, 2 * M_PI);
   } else {
     fit.notes.push_back("no wiggle to be seen between " + metres(fit.nearest) + " and " +
                         metres(fit.farthest) + ": one whose period is longer than these " + metres(span) +
                         " would look like an offset; hold the board from 0.5 to 3 m and farther");
-    const bool lever = span > 0.5;
-    const LinearFit line(samples, 0, 0, lever);
-    fit.error.offset = line.solution[0];
-    fit.error.scale = lever ? line.solution[1] : 0;
-    double information[3] = {0, 0, 0};
-    for (const RangeSample& s : samples) {
-      const double w = 1 / (s.sigma * s.sigma);
-      information[0] += w, information[1] += w * s.range, information[2] += w * s.range * s.range;
-    }
-    Eigen::Matrix2d A;
-    A << information[0], information[1], information[1], information[2];
-    if (lever)
-      fit.covariance.topLeftCorner<2, 2>() = A.inverse();
-    else
-      fit.covariance(0, 0) = 1 / information[0];
+    fit.error.offset = plain.solution[0];
+    fit.error.scale = plain.solution[1];
+    fit.covariance.topLeftCorner<2, 2>() = plain.covariance;
   }
   fit.rms_after = rms(samples, fit.error);
   const double freedom = std::max(1.0, static_cast<double>(samples.size()) - 5);

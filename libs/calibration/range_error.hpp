@@ -25,6 +25,9 @@ struct RangeErrorSettings {
   /// length's error, which moves the board. It is estimated, so that it does not bend the wiggle, and then
   /// thrown away, unless:
   bool keep_scale = false;
+  /// Standard deviation of that apparent scale before anything is seen: the focal length's relative one. Not
+  /// used where the scale is kept.
+  double scale_sigma = 0.002;
 };
 
 struct RangeErrorFit {

@@ -37,7 +37,7 @@ int calibrate_board_command(int argc, char** argv) {
     throw std::runtime_error(output + ": a board is written as .svg or .png");
   check_output_file(output, force);
   const Board board = options.board();
-  write_atomically(output, extension == ".svg" ? board.svg() : png(board));
+  write_atomically(std::filesystem::path(output), extension == ".svg" ? board.svg() : png(board));
   std::cout << fmt::format(
       "{}: {} of {} x {} squares, {:.0f} x {:.0f} mm. Print it without scaling, glue it to something flat,\n"
       "measure a square with a ruler and give its side to the other commands with --square.\n",
