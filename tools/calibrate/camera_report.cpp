@@ -8,11 +8,10 @@
 #include <lcmslam/calibration/calibration_pictures.hpp>
 #include <lcmslam/calibration/covariance_text.hpp>
 #include <lcmslam/files/atomic_file.hpp>
+#include "tools/calibrate/units.hpp"
 
 namespace lcmslam {
 namespace {
-
-constexpr double to_degrees = 180 / M_PI;
 
 void write_png(const cv::Mat& picture, const std::filesystem::path& file) {
   std::vector<std::uint8_t> bytes;
@@ -51,8 +50,8 @@ std::string camera_report(const CameraCalibration& c, const ViewCoverage& covera
       "  coverage         {:.0f} % of the image; tilts {:.0f} to {:.0f} degrees, {} views of 15 and more; "
       "{:.2f} to "
       "{:.2f} m\n",
-      100 * coverage.filled(), to_degrees * coverage.smallest_tilt, to_degrees * coverage.largest_tilt,
-      coverage.tilted_views, coverage.nearest, coverage.farthest);
+      100 * coverage.filled(), degrees_per_rad * coverage.smallest_tilt,
+      degrees_per_rad * coverage.largest_tilt, coverage.tilted_views, coverage.nearest, coverage.farthest);
   return text;
 }
 

@@ -1,12 +1,13 @@
 #include "tools/calibrate/drive_report.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
+
+#include "tools/calibrate/units.hpp"
 
 namespace lcmslam {
 namespace {
-
-constexpr double mm = 1e3, degrees = 180 / M_PI;
 
 /// Roll, pitch and yaw of the head as a body, as the key mount has them.
 Eigen::Vector3d rpy_of(const Eigen::Isometry3d& T_robot_camera) {
@@ -24,22 +25,22 @@ std::string drive_report(const RecordedDrive& drive, const DriveCalibration& fou
       "  misfit           {:.2f} standard deviations RMS (1: as noise says)\n",
       drive.tracked, drive.images,
       drive.damaged > 0 ? fmt::format(", {} messages are damaged", drive.damaged) : "", found.way,
-      degrees * found.turned, found.stretches, found.slips, found.misfit);
+      degrees_per_rad * found.turned, found.stretches, found.slips, found.misfit);
 }
 
 std::string mount_report(const RecordedDrive& drive, const DriveCalibration& found) {
-  const Eigen::Vector3d t = mm * found.T_robot_camera.translation(),
-                        rpy = degrees * rpy_of(found.T_robot_camera);
+  const Eigen::Vector3d t = mm_per_m * found.T_robot_camera.translation(),
+                        rpy = degrees_per_rad * rpy_of(found.T_robot_camera);
   const Vector6d sigma = found.robot_sigmas();
   std::string text = fmt::format(
       "  camera on robot  x {:.1f} +- {:.1f}, y {:.1f} +- {:.1f} mm\n"
       "                   roll {:.2f} +- {:.2f}, pitch {:.2f} +- {:.2f}, yaw {:.2f} +- {:.2f} degrees\n",
-      t.x(), mm * sigma[0], t.y(), mm * sigma[1], rpy[0], degrees * sigma[3], rpy[1], degrees * sigma[4],
-      rpy[2], degrees * sigma[5]);
+      t.x(), mm_per_m * sigma[0], t.y(), mm_per_m * sigma[1], rpy[0], degrees_per_rad * sigma[3], rpy[1],
+      degrees_per_rad * sigma[4], rpy[2], degrees_per_rad * sigma[5]);
   text +=
       found.height_observed
           ? fmt::format("  height           {:.1f} +- {:.1f} mm, from the floor in {} images\n", t.z(),
-                        mm * sigma[2], drive.floor->images)
+                        mm_per_m * sigma[2], drive.floor->images)
           : fmt::format(
                 "  height           {:.1f} mm as it was: a robot that stays in its plane does not tell it, "
                 "and no floor was seen\n",
@@ -52,18 +53,19 @@ std::string wheels_report(const RecordedDrive& drive, const DriveCalibration& fo
   std::string text;
   for (std::size_t i = 0; i < found.radius_factors.size(); ++i) {
     const double factor = found.radius_factors[i], s = sigma[static_cast<Eigen::Index>(i)];
-    text += drive.wheels.empty()
-                ? fmt::format("  way              {:.4f} +- {:.4f} of what ODOMETRY says\n", factor, s)
-                : fmt::format("  radius of {}      {:.2f} +- {:.2f} mm ({:.4f} of the stated {:.2f})\n", i,
-                              mm * factor * drive.wheels[i].radius, mm * s * drive.wheels[i].radius, factor,
-                              mm * drive.wheels[i].radius);
+    text +=
+        drive.wheels.empty()
+            ? fmt::format("  way              {:.4f} +- {:.4f} of what ODOMETRY says\n", factor, s)
+            : fmt::format("  radius of {}      {:.2f} +- {:.2f} mm ({:.4f} of the stated {:.2f})\n", i,
+                          mm_per_m * factor * drive.wheels[i].radius, mm_per_m * s * drive.wheels[i].radius,
+                          factor, mm_per_m * drive.wheels[i].radius);
   }
   const double layout = found.layout_factor, s = sigma[sigma.size() - 1];
   double track = 0;
   for (const Wheel& a : drive.wheels)
     for (const Wheel& b : drive.wheels) track = std::max(track, a.y - b.y);
   text += track > 0 ? fmt::format("  track            {:.2f} +- {:.2f} mm ({:.4f} of the stated {:.2f})\n",
-                                  mm * layout * track, mm * s * track, layout, mm * track)
+                                  mm_per_m * layout * track, mm_per_m * s * track, layout, mm_per_m * track)
                     : fmt::format("  track            {:.4f} +- {:.4f} of the stated one\n", layout, s);
   return text;
 }
@@ -76,10 +78,10 @@ std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCal
         "the camera was tracked in less than half of the images: drive slowly, before things with texture");
   if (std::max(sigma[0], sigma[1]) > 0.02)
     missing.push_back(fmt::format("x and y are known to {:.0f} mm only: turn more, to both sides",
-                                  mm * std::max(sigma[0], sigma[1])));
+                                  mm_per_m * std::max(sigma[0], sigma[1])));
   if (sigma[5] > 0.01)
-    missing.push_back(
-        fmt::format("yaw is known to {:.2f} degrees only: drive longer straight ways", degrees * sigma[5]));
+    missing.push_back(fmt::format("yaw is known to {:.2f} degrees only: drive longer straight ways",
+                                  degrees_per_rad * sigma[5]));
   if (std::max(sigma[3], sigma[4]) > 0.01)
     missing.push_back("roll and pitch are not known: turn more, or let the depth camera see the floor");
   return missing;

@@ -8,24 +8,23 @@
 #include "tools/calibrate/calibrate_commands.hpp"
 #include "tools/calibrate/calibration_output.hpp"
 #include "tools/calibrate/shots.hpp"
+#include "tools/calibrate/units.hpp"
 #include "tools/calibrate/view_choice.hpp"
 #include "tools/parse_command.hpp"
 
 namespace lcmslam {
 namespace {
 
-constexpr double to_mm = 1e3, to_degrees = 180 / M_PI;
-
 std::string pair_report(const PairCalibration& pair) {
-  const Eigen::Vector3d t = to_mm * pair.T_colour_depth.translation();
+  const Eigen::Vector3d t = mm_per_m * pair.T_colour_depth.translation();
   const Vector6d sigma = pair.covariance.diagonal().cwiseSqrt();
   return fmt::format(
       "  depth in colour  {:.1f}, {:.1f}, {:.1f} mm (+- {:.1f}, {:.1f}, {:.1f}), turned by {:.2f} degrees "
       "(+- {:.2f})\n"
       "  depth camera     fx {:.2f} +- {:.2f}, fy {:.2f} +- {:.2f}, cx {:.2f}, cy {:.2f} pixels\n"
       "  reprojection     {:.3f} pixels RMS in colour, {:.3f} in depth's amplitude; {} views\n",
-      t.x(), t.y(), t.z(), to_mm * sigma[0], to_mm * sigma[1], to_mm * sigma[2],
-      to_degrees * rotation_angle(pair.T_colour_depth), to_degrees * sigma.tail<3>().maxCoeff(),
+      t.x(), t.y(), t.z(), mm_per_m * sigma[0], mm_per_m * sigma[1], mm_per_m * sigma[2],
+      degrees_per_rad * rotation_angle(pair.T_colour_depth), degrees_per_rad * sigma.tail<3>().maxCoeff(),
       pair.depth.fx, std::sqrt(pair.depth_covariance(0, 0)), pair.depth.fy,
       std::sqrt(pair.depth_covariance(1, 1)), pair.depth.cx, pair.depth.cy, pair.colour_rms, pair.depth_rms,
       pair.views);
