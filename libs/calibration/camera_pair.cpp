@@ -72,11 +72,13 @@ struct PairProblem {
               const CameraModel& depth_camera)
       : colour(colour_camera), depth(depth_camera) {
     std::vector<Eigen::Isometry3d> pairs;
-    for (const PairView& view : views) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const PairView& view = views[i];
       const auto T_colour = board_pose(view.colour, board, colour),
                  T_depth = board_pose(view.depth, board, depth);
       if (!T_colour || !T_depth) continue;
       used.push_back(&view);
+      places.push_back(i);
       T_colour_board.push_back(*T_colour);
       pairs.push_back(*T_colour * T_depth->inverse());
     }
@@ -130,6 +132,7 @@ struct PairProblem {
   const CameraModel& colour;
   const CameraModel& depth;
   std::vector<const PairView*> used;
+  std::vector<std::size_t> places;  // of them in the list of all
   std::vector<Eigen::Isometry3d> T_colour_board;
   Eigen::Isometry3d T_colour_depth;
   std::vector<PoseStep> boards;
@@ -151,6 +154,10 @@ PairCalibration calibrate_pair(const std::vector<PairView>& views, const Board& 
   PairCalibration result;
   result.T_colour_depth = moved(p.T_colour_depth, p.pair);
   result.views = static_cast<int>(p.used.size());
+  result.T_depth_board.resize(views.size());
+  for (std::size_t i = 0; i < p.used.size(); ++i)
+    result.T_depth_board[p.places[i]] =
+        result.T_colour_depth.inverse() * moved(p.T_colour_board[i], p.boards[i]);
   result.colour_rms = p.rms(p.colour_blocks);
   result.depth_rms = p.rms(p.depth_blocks);
   result.depth = depth;

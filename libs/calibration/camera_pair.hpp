@@ -1,6 +1,9 @@
 #pragma once
 // How a colour and a depth camera sit on each other, from views of a board that both took at one moment.
 
+#include <optional>
+#include <vector>
+
 #include <lcmslam/calibration/board_view.hpp>
 #include <lcmslam/imaging/calibration.hpp>
 
@@ -23,7 +26,9 @@ struct PairCalibration {
   CameraModel depth;     ///< as refined
   Eigen::Matrix4d depth_covariance = Eigen::Matrix4d::Zero();  ///< of its fx, fy, cx, cy; pixels
   double colour_rms = 0, depth_rms = 0;                        ///< pixels, of both axes together
-  int views = 0;
+  /// Of each view, by the colour camera and the pair; nothing where the view was of no use.
+  std::vector<std::optional<Eigen::Isometry3d>> T_depth_board;
+  int views = 0;  ///< that were of use
 };
 
 /// Throws std::invalid_argument for less than three views, std::runtime_error where they do not tell.

@@ -13,7 +13,6 @@ namespace {
 
 constexpr double bin_width = 0.02;       // m
 constexpr double rim = 2;                // pixels
-constexpr double pose_sigma = 1e-3;      // m, of a board's distance: all samples of a view share it
 constexpr double shortest_period = 0.5;  // m
 constexpr std::size_t fewest_pixels = 20, fewest_samples = 10;
 constexpr double gross_error = 0.3;  // m: no board's range, but something in front of it
@@ -25,7 +24,7 @@ double median_of(std::vector<double>& values) {
 }
 
 /// The median of a bin, and how sure it is: 1.2533 sigma / sqrt(n), sigma from the median of the deviations.
-RangeSample sample_of(double range, std::vector<double>& errors) {
+RangeSample sample_of(double range, double pose_sigma, std::vector<double>& errors) {
   RangeSample sample;
   sample.range = range;
   sample.error = median_of(errors);
@@ -116,10 +115,32 @@ std::string metres(double value) {
   return stream.str();
 }
 
+/// False where it is not sure that it is one: its period is hardly known, or it is no larger than its error.
+bool take_wiggle(const std::vector<RangeSample>& samples, double period, double scale_sigma, double span,
+                 RangeErrorFit& fit) {
+  const LinearFit start(samples, period, scale_sigma);
+  Vector5d p;
+  p << start.solution[0], start.solution[1], start.solution.tail<2>().norm(), period,
+      std::atan2(start.solution[3], start.solution[2]);
+  const Matrix5d covariance = refine_error(samples, scale_sigma, p);
+  const bool sure = p[2] > 3 * std::sqrt(covariance(2, 2)) && p[3] > 0 &&
+                    std::sqrt(covariance(3, 3)) < 0.15 * p[3] && p[3] < 1.3 * span &&
+                    std::abs(p[3] / period - 1) < 0.3;
+  if (!sure) return false;
+  fit.error = error_of(p);
+  fit.covariance = covariance;
+  return true;
+}
+
 }  // namespace
 
+double board_distance_sigma(const CameraModel& camera, const Board& board, double distance) {
+  constexpr double corner_bias = 0.1;  // pixels
+  return std::max(5e-4, corner_bias * distance * distance / (camera.fx * board.width()));
+}
+
 std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& camera, const Board& board,
-                                      const Eigen::Isometry3d& T_camera_board) {
+                                      const Eigen::Isometry3d& T_camera_board, double pose_sigma) {
   if (depth.type() != CV_16UC1 || depth.cols != camera.width || depth.rows != camera.height)
     throw std::invalid_argument(
         "a board's ranges need a depth image of the camera's size, 16 bit of one channel");
@@ -146,7 +167,8 @@ std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& c
   std::vector<RangeSample> samples;
   for (auto& [index, bin] : bins)
     if (bin.second.size() >= fewest_pixels)
-      samples.push_back(sample_of(bin.first / static_cast<double>(bin.second.size()), bin.second));
+      samples.push_back(
+          sample_of(bin.first / static_cast<double>(bin.second.size()), pose_sigma, bin.second));
   return samples;
 }
 
@@ -173,13 +195,7 @@ RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples, const Ran
   // Three more unknowns, of which one was searched for, must gain more than chance gives them.
   const double noise = least / std::max(1.0, static_cast<double>(samples.size()) - 5);
   const bool wiggles = best_period > 0 && plain.squares() - least > 30 * std::max(1.0, noise);
-  if (wiggles) {
-    const LinearFit start(samples, best_period, scale_sigma);
-    Vector5d p;
-    p << start.solution[0], start.solution[1], start.solution.tail<2>().norm(), best_period,
-        std::atan2(start.solution[3], start.solution[2]);
-    fit.covariance = refine_error(samples, scale_sigma, p);
-    fit.error = error_of(p);
+  if (wiggles && take_wiggle(samples, best_period, scale_sigma, span, fit)) {
     fit.error.phase = std::remainder(fit.error.phase, 2 * M_PI);
   } else {
     fit.notes.push_back("no wiggle to be seen between " + metres(fit.nearest) + " and " +

@@ -14,11 +14,15 @@ struct RangeSample {
   double sigma = 0;  ///< m, of the median
 };
 
+/// How sure the distance (m) of a board is that `camera` places by its corners, which are a tenth of a pixel
+/// beside where they should be, all alike (blur, light): z = f W / w.
+double board_distance_sigma(const CameraModel& camera, const Board& board, double distance);
+
 /// The depth image's pixels on the board against its plane. `depth` CV_16UC1 mm along the optical axis;
-/// pixels within two of the board's rim are left out, they see beside it too. Throws std::invalid_argument
-/// for another image.
+/// pixels within two of the board's rim are left out, they see beside it too. `pose_sigma` (m) of the board's
+/// distance, which all pixels share. Throws std::invalid_argument for another image.
 std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& camera, const Board& board,
-                                      const Eigen::Isometry3d& T_camera_board);
+                                      const Eigen::Isometry3d& T_camera_board, double pose_sigma);
 
 struct RangeErrorSettings {
   /// A phase measurement's scale is its clock's, exact to millionths: what looks like a scale is the focal

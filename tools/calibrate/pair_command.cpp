@@ -3,10 +3,12 @@
 
 #include <lcmslam/calibration/camera_pair.hpp>
 #include <lcmslam/calibration/covariance_text.hpp>
+#include <lcmslam/calibration/range_error.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
 #include "tools/calibrate/board_options.hpp"
 #include "tools/calibrate/calibrate_commands.hpp"
 #include "tools/calibrate/calibration_output.hpp"
+#include "tools/calibrate/range_report.hpp"
 #include "tools/calibrate/shots.hpp"
 #include "tools/calibrate/units.hpp"
 #include "tools/calibrate/view_choice.hpp"
@@ -28,6 +30,25 @@ std::string pair_report(const PairCalibration& pair) {
       pair.depth.fx, std::sqrt(pair.depth_covariance(0, 0)), pair.depth.fy,
       std::sqrt(pair.depth_covariance(1, 1)), pair.depth.cx, pair.depth.cy, pair.colour_rms, pair.depth_rms,
       pair.views);
+}
+
+/// Ranges against the board where the colour camera sees it: of the depth camera's few pixels its own
+/// distance would be less sure. Nothing where there are too few.
+std::optional<RangeErrorFit> ranges_of(const PairCalibration& pair, const std::vector<cv::Mat>& depths,
+                                       const Board& board, const CameraModel& colour) {
+  std::vector<RangeSample> samples;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    if (!pair.T_depth_board[i] || depths[i].empty()) continue;
+    const auto ranges =
+        board_ranges(depths[i], pair.depth, board, *pair.T_depth_board[i],
+                     board_distance_sigma(colour, board, pair.T_depth_board[i]->translation().z()));
+    samples.insert(samples.end(), ranges.begin(), ranges.end());
+  }
+  constexpr std::size_t enough = 30;
+  if (samples.size() < enough) return std::nullopt;
+  RangeErrorSettings settings;
+  settings.scale_sigma = std::max(5e-4, std::sqrt(pair.depth_covariance(0, 0)) / pair.depth.fx);
+  return fit_range_error(samples, settings);
 }
 
 std::vector<std::string> doubts(const PairCalibration& pair) {
@@ -65,6 +86,7 @@ int calibrate_pair_command(int argc, char** argv) {
   const Board board = board_options.board();
   ViewChoice choice(input.is_sequence());
   std::vector<PairView> views;
+  std::vector<cv::Mat> depths;
   int images = 0;
   const auto of_input = read_shots(input, [&](const Shot& shot) {
     ++images;
@@ -75,6 +97,7 @@ int calibrate_pair_command(int argc, char** argv) {
     if (!colour) return true;
     colour->name = depth->name = shot.name;
     views.push_back({std::move(*colour), std::move(*depth)});
+    depths.push_back(shot.depth);
     return true;
   });
   std::cout << fmt::format("{} shots, {} with the board in both images\n", images, views.size());
@@ -87,9 +110,12 @@ int calibrate_pair_command(int argc, char** argv) {
   const PairCalibration pair =
       calibrate_pair(views, board, calibration->colour, calibration->depth, settings);
   std::cout << pair_report(pair);
+  const auto ranges = ranges_of(pair, depths, board, calibration->colour);
+  if (ranges) std::cout << range_report(*ranges);
   if (const int refused = refuse(doubts(pair), output.accept)) return refused;
   calibration->T_colour_depth = pair.T_colour_depth;
   calibration->depth = pair.depth;
+  if (ranges) calibration->depth_error = ranges->error;
   output.write(
       *calibration, fmt::format("colour_depth by lcmslam calibrate pair: {} views.", pair.views),
       covariance_text("colour_depth", {"x", "y", "z", "rx", "ry", "rz"}, pair.covariance,

@@ -7,6 +7,7 @@
 #include "tools/calibrate/calibrate_commands.hpp"
 #include "tools/calibrate/calibration_output.hpp"
 #include "tools/calibrate/camera_report.hpp"
+#include "tools/calibrate/range_report.hpp"
 #include "tools/calibrate/shots.hpp"
 #include "tools/calibrate/view_choice.hpp"
 #include "tools/parse_command.hpp"
@@ -20,21 +21,6 @@ struct TofViews {
   cv::Size size;
   int images = 0;
 };
-
-std::string range_report(const RangeErrorFit& fit) {
-  const auto sigma = [&](int i) { return std::sqrt(fit.covariance(i, i)); };
-  std::string text =
-      fmt::format("  ranges           {:.2f} to {:.2f} m; off by {:.1f} mm RMS, {:.1f} mm when corrected\n",
-                  fit.nearest, fit.farthest, 1e3 * fit.rms_before, 1e3 * fit.rms_after);
-  text += fmt::format("  offset           {:.1f} +- {:.1f} mm\n", 1e3 * fit.error.offset, 1e3 * sigma(0));
-  if (fit.error.wiggle != 0)
-    text += fmt::format("  wiggle           {:.1f} +- {:.1f} mm, period {:.2f} +- {:.2f} m\n",
-                        1e3 * fit.error.wiggle, 1e3 * sigma(2), fit.error.period, sigma(3));
-  text += fmt::format("  apparent scale   {:+.2f} %{}\n", 100 * fit.apparent_scale,
-                      fit.error.scale == 0 ? " (the focal length's error, by all likelihood: left out)" : "");
-  for (const std::string& note : fit.notes) text += "  note: " + note + "\n";
-  return text;
-}
 
 /// A ToF camera alone: its amplitude image is the colour image, too.
 RgbdCalibration with_depth(const std::optional<RgbdCalibration>& base, const CameraModel& camera,
@@ -62,7 +48,8 @@ RangeErrorFit fit_ranges(const TofViews& seen, const CameraCalibration& camera, 
   for (std::size_t i = 0; i < seen.views.size(); ++i) {
     const auto pose = board_pose(seen.views[i], board, camera.camera);
     if (!pose || seen.depths[i].empty()) continue;
-    const auto ranges = board_ranges(seen.depths[i], camera.camera, board, *pose);
+    const auto ranges = board_ranges(seen.depths[i], camera.camera, board, *pose,
+                                     board_distance_sigma(camera.camera, board, pose->translation().z()));
     samples.insert(samples.end(), ranges.begin(), ranges.end());
   }
   return fit_range_error(samples, settings);

@@ -139,7 +139,8 @@ TEST(TofCalibration, IntrinsicsAndRangesOfADrawnCamera) {
   for (std::size_t i = 0; i < shots.depths.size(); ++i) {
     const auto pose = board_pose(views[i], board, found.camera);
     ASSERT_TRUE(pose);
-    const auto ranges = board_ranges(shots.depths[i], found.camera, board, *pose);
+    const auto ranges = board_ranges(shots.depths[i], found.camera, board, *pose,
+                                     board_distance_sigma(found.camera, board, pose->translation().z()));
     samples.insert(samples.end(), ranges.begin(), ranges.end());
   }
   RangeErrorSettings settings;
