@@ -102,18 +102,19 @@ Matrix6d covariance_of(const Stretch& stretch, const Eigen::Isometry3d& start,
                        const DriveCalibrationSettings& settings) {
   double way = 0;
   for (const WheelStep& step : stretch.steps) way += step.way;
-  const double place =
-      settings.translation_drift * settings.translation_drift * way + settings.quantum * settings.quantum;
+  const auto variance = [](double sigma) { return sigma * sigma; };
+  const double quantum = variance(settings.quantum), flat = variance(settings.flatness);
+  const bool one_axle = stretch.steps.front().by_wheel.cols() == 2;
+  const double along = variance(settings.translation_drift) * way + quantum;
+  const double across = variance(one_axle ? settings.side_drift : settings.translation_drift) * way + quantum;
   const double turn =
-      settings.rotation_drift * settings.rotation_drift * way + std::pow(settings.quantum / 0.3, 2);
-  const double flat = settings.flatness * settings.flatness;
-  Vector6d wheels;
-  wheels << place, place, flat, flat, flat, turn;
-  const Matrix6d A = adjoint(start);
-  Matrix6d sum = A * stretch.covariance * A.transpose();
-  // Both drift along the way: a heading that errs by the end has moved the place, too.
-  wheels[1] += turn * way * way / 3;
-  sum += wheels.asDiagonal();
+      variance(settings.rotation_drift) * way + quantum / variance(0.3);  // wheels' distance, m
+  Matrix6d sum = adjoint(start) * stretch.covariance * adjoint(start).transpose();
+  sum.diagonal() += (Vector6d() << along, across, flat, flat, flat, turn).finished();
+  // A heading that walks away over the stretch has moved its end, too: y is the integral of the heading.
+  sum(1, 1) += turn * way * way / 3;
+  sum(1, 5) += turn * way / 2;
+  sum(5, 1) += turn * way / 2;
   return 0.5 * (sum + sum.transpose());
 }
 

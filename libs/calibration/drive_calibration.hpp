@@ -26,6 +26,7 @@ struct FloorSight {
 struct DriveCalibrationSettings {
   // What wheels do that no calibration takes away, by the way rolled (as odometry.wheels has it).
   double translation_drift = 0.01;  ///< m per root metre
+  double side_drift = 0.003;  ///< m per root metre, of two wheels on one axle: tyres do not slip sideways
   double rotation_drift = 0.00873;  ///< rad per root metre
   double quantum = 0.001;           ///< m, of a stretch: wheels count in steps
   double flatness = 0.001;          ///< m and rad of a stretch: height, roll and pitch of the ground
