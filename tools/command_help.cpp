@@ -8,6 +8,7 @@ const char* command_help(const std::string& command) {
   static const std::pair<const char*, const char*> lines[] = {
       {"batch", "run the whole graph in one process straight from a log, or many logs side by side"},
       {"bridge", "carry chosen channels to an MQTT broker and from it"},
+      {"calibrate", "cameras, their place on the robot and its wheels, from a board or a drive"},
       {"collect", "the results of many logs in one table and page, beside another farm's"},
       {"completion", "print the completion of this command for bash or zsh; write its manual pages"},
       {"config", "say what can be configured; check a file"},

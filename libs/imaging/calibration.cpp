@@ -40,6 +40,7 @@ void RgbdCalibration::check() const {
     refuse("depth_clock_offset", depth_clock_offset, "must be -10 to 10 s");
   if (!(rolling_shutter >= 0 && rolling_shutter <= 0.1))
     refuse("rolling_shutter", rolling_shutter, "must be 0 to 0.1 s");
+  depth_error.check();
   if (!(depth_noise.constant > 0)) refuse("depth_noise.constant", depth_noise.constant, "must be above 0 m");
   if (!(depth_noise.quadratic >= 0)) refuse("depth_noise.quadratic", depth_noise.quadratic, "must be >= 0");
   if (!(depth_noise.amplitude >= 0)) refuse("depth_noise.amplitude", depth_noise.amplitude, "must be >= 0");

@@ -7,6 +7,7 @@
 
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/imaging/camera_model.hpp>
+#include <lcmslam/imaging/depth_error.hpp>
 
 namespace lcmslam {
 
@@ -32,6 +33,7 @@ struct RgbdCalibration {
                                   ///< the two stamps applies it (depth_time), images keep their own
   double rolling_shutter = 0;     ///< s from an image's first row to its last; 0: all rows at once
   DepthNoise depth_noise;
+  DepthError depth_error;    ///< of the images as they come; decoding takes it out (decode_images)
   double depth_min = 0.3;    ///< m; nearer values are invalid
   double depth_max = 10;     ///< m
   double pixel_sigma = 1.0;  ///< standard deviation of a feature's position, pixels

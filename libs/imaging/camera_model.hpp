@@ -34,6 +34,10 @@ struct CameraModel {
   bool contains(const Eigen::Vector2d& pixel) const {
     return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width - 0.5 && pixel.y() < height - 0.5;
   }
+  bool operator==(const CameraModel& other) const {
+    return width == other.width && height == other.height && fx == other.fx && fy == other.fy &&
+           cx == other.cx && cy == other.cy && distortion == other.distortion;
+  }
   cv::Matx33d matrix() const { return {fx, 0, cx, 0, fy, cy, 0, 0, 1}; }
 
   /// The same lens at another image size: pixel areas scale, so pixel (u, v) moves to

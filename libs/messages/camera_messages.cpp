@@ -121,24 +121,67 @@ CameraModel read_intrinsics(const camera_intrinsics_t& m) {
   return camera;
 }
 
-constexpr std::string_view rolling_shutter_key = ";rolling_shutter=";
+constexpr std::string_view rolling_shutter_key = ";rolling_shutter=", depth_error_key = ";depth_error=";
 
-std::string sensor_text(const RgbdCalibration& c) {
-  if (c.rolling_shutter == 0) return c.sensor;
-  char digits[32];
-  const auto end = std::to_chars(std::begin(digits), std::end(digits), c.rolling_shutter).ptr;
-  return c.sensor + std::string(rolling_shutter_key) + std::string(digits, end);
+std::string joined(std::initializer_list<double> values) {
+  std::string text;
+  for (const double value : values) {
+    char digits[32];
+    text += (text.empty() ? "" : ",") +
+            std::string(digits, std::to_chars(std::begin(digits), std::end(digits), value).ptr);
+  }
+  return text;
 }
 
-void read_sensor_text(const std::string& text, RgbdCalibration& c) {
-  const std::size_t key = text.find(rolling_shutter_key);
-  c.sensor = text.substr(0, key);
-  if (key == std::string::npos) return;
+std::string sensor_text(const RgbdCalibration& c) {
+  std::string text = c.sensor;
+  const DepthError& e = c.depth_error;
+  if (!e.is_zero())
+    text += std::string(depth_error_key) + joined({e.offset, e.scale, e.wiggle, e.period, e.phase});
+  if (c.rolling_shutter != 0) text += std::string(rolling_shutter_key) + joined({c.rolling_shutter});
+  return text;
+}
+
+/// Cuts "KEY NUMBER,NUMBER,..." off the text's end, where it stands there.
+void take_numbers(std::string& text, std::string_view key, std::initializer_list<double*> values,
+                  const char* right) {
+  const std::size_t begin = text.find(key);
+  if (begin == std::string::npos) return;
+  const char* at = text.data() + begin + key.size();
   const char* end = text.data() + text.size();
-  const auto [stop, error] =
-      std::from_chars(text.data() + key + rolling_shutter_key.size(), end, c.rolling_shutter);
-  if (error != std::errc() || stop != end)
-    throw DecodeError("sensor '" + text + "': rolling_shutter must be a number of seconds");
+  bool good = true;
+  for (double* value : values) {
+    if (value != *values.begin()) good = good && at != end && *at++ == ',';
+    const auto [stop, error] = std::from_chars(at, end, *value);
+    good = good && error == std::errc();
+    at = stop;
+  }
+  if (!good || at != end) throw DecodeError("sensor '" + text + "': " + right);
+  text.resize(begin);
+}
+
+void read_sensor_text(std::string text, RgbdCalibration& c) {
+  DepthError& e = c.depth_error;
+  take_numbers(text, rolling_shutter_key, {&c.rolling_shutter},
+               "rolling_shutter must be a number of seconds");
+  take_numbers(text, depth_error_key, {&e.offset, &e.scale, &e.wiggle, &e.period, &e.phase},
+               "depth_error must be offset, scale, wiggle, period and phase");
+  c.sensor = text;
+}
+
+/// Tables take longer to make than an image to correct. Each thread keeps those of its newest camera.
+void correct_depth(cv::Mat& depth, const RgbdCalibration& calibration) {
+  if (calibration.depth_error.is_zero()) return;
+  struct Kept {
+    CameraModel camera;
+    DepthError error;
+    DepthCorrector correct;
+  };
+  thread_local std::optional<Kept> kept;
+  if (!kept || !(kept->error == calibration.depth_error) || !(kept->camera == calibration.depth))
+    kept.emplace(
+        Kept{calibration.depth, calibration.depth_error, {calibration.depth, calibration.depth_error}});
+  kept->correct(depth);
 }
 
 }  // namespace
@@ -219,6 +262,7 @@ RgbdFrame decode_images(const EncodedFrame& encoded, const RgbdCalibration& cali
     RgbdFrame frame = decode(encoded);
     check_frame(frame, calibration);
     if (is_constant_depth(frame.depth)) frame.depth.setTo(0);
+    correct_depth(frame.depth, calibration);
     return frame;
   } catch (const CodecError& error) {
     throw DecodeError(error.what());

@@ -16,16 +16,17 @@ images_t to_message(const EncodedFrame& frame);
 EncodedFrame from_message(const images_t& message);
 
 /// The same with the images decoded; throws DecodeError for bytes that are no such images, and for images
-/// that are not of the calibration's size.
+/// that are not of the calibration's size. The depth image is without the calibration's depth_error.
 RgbdFrame decode_images(const images_t& message, const RgbdCalibration& calibration);
 
 /// The two steps of it, for those who leave images undecoded: the first checks declared sizes.
 EncodedFrame checked_images(const images_t& message, const RgbdCalibration& calibration);
 RgbdFrame decode_images(const EncodedFrame& encoded, const RgbdCalibration& calibration);
 
-/// The message has no field for the rolling shutter, and its fields are frozen; the sensor's name carries it:
-/// "NAME;rolling_shutter=0.03" (s), the name alone where all rows are of one moment. Logs from before that
-/// know the name alone, whatever the camera.
+/// The message has no fields for depth's error and the rolling shutter, and its fields are frozen; the
+/// sensor's name carries them: "NAME;depth_error=0.01,0,0.006,1.9,0;rolling_shutter=0.03" (DepthError's in
+/// their order; s), the name alone where depth does not err and all rows are of one moment. Logs from before
+/// that know the name alone, whatever the camera.
 camera_calibration_t to_message(const RgbdCalibration& calibration);
 RgbdCalibration from_message(const camera_calibration_t& message);
 /// Whether a rolling shutter stands there.

@@ -36,7 +36,23 @@ WheelOdometry::WheelOdometry(const WheelOdometrySettings& settings) : settings_(
   check(settings_, "wheel odometry");
 }
 
+Encoders WheelOdometry::corrected(const Encoders& encoders) const {
+  Encoders result = encoders;
+  const std::vector<double>& factors = settings_.radius_factors;
+  if (!factors.empty() && factors.size() != result.wheels.size())
+    throw std::invalid_argument("encoders of " + std::to_string(result.wheels.size()) +
+                                " wheels, radius_factors has " + std::to_string(factors.size()) +
+                                ": one for each wheel");
+  for (std::size_t i = 0; i < factors.size(); ++i) result.wheels[i].radius *= factors[i];
+  for (Wheel& wheel : result.wheels) wheel.x *= settings_.layout_factor, wheel.y *= settings_.layout_factor;
+  return result;
+}
+
 std::optional<MotionSample> WheelOdometry::update(const Encoders& encoders) {
+  return step(corrected(encoders));
+}
+
+std::optional<MotionSample> WheelOdometry::step(const Encoders& encoders) {
   check_wheels(encoders.wheels);
   const bool first = wheels_.empty() || encoders.utime < sample_.utime;
   if (first) {

@@ -15,6 +15,8 @@ struct WheelOdometrySettings {
   WheelNoise noise;
   double side_slip_weight = 1.0;
   double max_wheel_speed = 10;
+  std::vector<double> radius_factors;
+  double layout_factor = 1;
 
   void describe(SettingsVisitor& s) {
     noise.describe(s);
@@ -22,6 +24,10 @@ struct WheelOdometrySettings {
              "of a tyre's \"no side slip\" against its rolling");
     s.number("max_wheel_speed", max_wheel_speed, "m/s", {0.01, 1000},
              "at the rim; faster is a driver that restarted its counters");
+    s.numbers("radius_factors", radius_factors, "", {0.5, 2},
+              "true over stated radius of each wheel, as calibrate wheels finds them; empty: as stated");
+    s.number("layout_factor", layout_factor, "", {0.5, 2},
+             "true over stated places of the wheels (their track), as calibrate wheels finds it");
   }
 };
 
@@ -52,6 +58,8 @@ class WheelOdometry {
   int restarts() const { return restarts_; }
 
  private:
+  Encoders corrected(const Encoders& encoders) const;
+  std::optional<MotionSample> step(const Encoders& encoders);
   void integrate(const PlanarIncrement& increment, const Eigen::Matrix3d& fit_covariance);
   void add_restart();
 

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   using namespace lcmslam;
   return run_commands({{"batch", tools},
                        {"bridge", bridge_command},
+                       {"calibrate", tools},
                        {"collect", tools},
                        {"completion", study},
                        {"config", tools},

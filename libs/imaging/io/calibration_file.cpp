@@ -102,6 +102,16 @@ DepthNoise read_noise(const ConfigNode& node) {
   return noise;
 }
 
+DepthError read_error(const ConfigNode& node) {
+  DepthError error;
+  error.offset = node.get("offset", 0.0, Range{-1, 1});
+  error.scale = node.get("scale", 0.0, Range{-0.2, 0.2});
+  error.wiggle = node.get("wiggle", 0.0, Range{-1, 1});
+  error.period = node.get("period", error.period, Range{0.05, 100});
+  error.phase = node.get("phase", 0.0, Range{-100, 100});
+  return error;
+}
+
 void check(const RgbdCalibration& calibration, const ConfigNode& config) {
   try {
     calibration.check();
@@ -153,6 +163,7 @@ RgbdCalibration read_calibration(const ConfigNode& config) {
   calibration.depth_clock_offset = config.get("depth_clock_offset", 0.0, Range{-10, 10});
   calibration.rolling_shutter = config.get("rolling_shutter", 0.0, Range{0, 0.1});
   if (config.has("depth_noise")) calibration.depth_noise = read_noise(config.section("depth_noise"));
+  if (config.has("depth_error")) calibration.depth_error = read_error(config.section("depth_error"));
   calibration.depth_min = config.get("depth_min", calibration.depth_min, Range{0, 65});
   calibration.depth_max = config.get("depth_max", calibration.depth_max, Range{0, 65.535});
   calibration.pixel_sigma = config.get("pixel_sigma", calibration.pixel_sigma, Range{1e-3, 100});

@@ -5,6 +5,7 @@
 
 #include <lcmslam/imaging/calibration.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
+#include <lcmslam/imaging/io/calibration_text.hpp>
 
 namespace lcmslam {
 namespace {
@@ -44,6 +45,35 @@ TEST(Calibration, EveryShippedFileLoads) {
     ++files;
   }
   EXPECT_GE(files, 6);
+}
+
+TEST(Calibration, WhatIsWrittenIsReadAgain) {
+  RgbdCalibration c =
+      parse(tof + "mount: {translation: [0.1, 0.02, 1.3], rpy: [0.01, 0.349, -0.02]}\n" +
+            "depth_error: {offset: 0.01, scale: 0.001, wiggle: 0.006, period: 1.9, phase: -0.4}\n"
+            "depth_clock_offset: -0.0142\nrolling_shutter: 0.03\nsensor: 'head: \"1\"'\n");
+  c.colour.distortion = {0.1 / 3, -0.2, 0.001, 0.002, 0.3};
+  c.colour.fx = 1000.0 / 3;
+  const RgbdCalibration back = parse(calibration_text(c, "two\nlines"));
+  EXPECT_EQ(back.sensor, c.sensor);
+  EXPECT_TRUE(back.colour == c.colour) << "every bit of it";
+  EXPECT_TRUE(back.depth == c.depth);
+  EXPECT_TRUE(back.T_colour_depth.isApprox(c.T_colour_depth, 1e-12));
+  EXPECT_TRUE(back.has_mount);
+  EXPECT_TRUE(back.T_robot_camera.isApprox(c.T_robot_camera, 1e-12));
+  EXPECT_EQ(back.depth_clock_offset, c.depth_clock_offset);
+  EXPECT_EQ(back.rolling_shutter, c.rolling_shutter);
+  EXPECT_TRUE(back.depth_error == c.depth_error);
+  EXPECT_EQ(back.depth_error.phase, -0.4);
+  EXPECT_EQ(back.depth_noise.constant, c.depth_noise.constant);
+  EXPECT_EQ(back.depth_max, c.depth_max);
+  EXPECT_EQ(back.pixel_sigma, c.pixel_sigma);
+  const RgbdCalibration registered = parse(calibration_text(parse(colour + "depth_registered: true\n")));
+  EXPECT_TRUE(registered.depth_registered);
+}
+
+TEST(Calibration, ADepthErrorThatCannotBeUndoneIsRefused) {
+  EXPECT_THAT(error_of(tof + "depth_error: {wiggle: 0.5, period: 1}\n"), HasSubstr("depth_error.wiggle"));
 }
 
 // Kinects of the first kind and Xtions read their rows one after the other.

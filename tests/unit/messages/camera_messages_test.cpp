@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/origin.hpp>
@@ -194,6 +195,42 @@ TEST(CameraMessages, TheRollingShutterRidesWithTheSensorsName) {
     message.sensor = c.sensor + ";rolling_shutter=" + wrong;
     EXPECT_THROW(from_message(message), DecodeError) << wrong;
   }
+}
+
+// Likewise; and whoever decodes an image gets it without the error.
+TEST(CameraMessages, DepthsErrorRidesWithTheSensorsNameAndIsTakenOut) {
+  Random random(7);
+  RgbdCalibration c = testing::some_calibration(random);
+  c.depth_error = {0.02, 0, 0.006, 1.9, -0.3};
+  for (const double seconds : {0.0, 0.03}) {
+    c.rolling_shutter = seconds;
+    const RgbdCalibration back = from_message(through_the_wire(to_message(c)));
+    EXPECT_TRUE(back.depth_error == c.depth_error);
+    EXPECT_EQ(back.rolling_shutter, seconds);
+    EXPECT_EQ(back.sensor, c.sensor);
+  }
+  camera_calibration_t message = to_message(c);
+  for (const char* wrong : {"", "0.02", "0.02,0,0.006,1.9", "0.02,0,0.006,1.9,x", "0.02,0,0.9,1,0"}) {
+    message.sensor = c.sensor + ";depth_error=" + wrong;
+    EXPECT_THROW(from_message(message), DecodeError) << wrong;
+  }
+
+  RgbdFrame frame;
+  frame.utime = frame.depth_utime = 1;
+  frame.colour = cv::Mat(c.colour.height, c.colour.width, CV_8UC3, cv::Scalar(10, 20, 30));
+  frame.depth = cv::Mat(c.depth.height, c.depth.width, CV_16UC1, cv::Scalar(1500));
+  frame.depth.at<std::uint16_t>(0, 0) = 1400;  // a constant image would be none
+  RgbdCalibration plain = c;
+  plain.depth_error = {};
+  const EncodedFrame encoded = encode(frame);
+  const cv::Mat raw = decode_images(encoded, plain).depth, corrected = decode_images(encoded, c).depth;
+  const int v = c.depth.height / 2, u = c.depth.width / 2;
+  EXPECT_EQ(raw.at<std::uint16_t>(v, u), 1500);
+  const double stretch = c.depth.ray({u, v}).norm();
+  EXPECT_NEAR(corrected.at<std::uint16_t>(v, u), 1000 * c.depth_error.corrected(1.5 * stretch) / stretch,
+              0.6);
+  // Another camera's tables are not used for it.
+  EXPECT_EQ(decode_images(encoded, plain).depth.at<std::uint16_t>(v, u), 1500);
 }
 
 TEST(CameraMessages, CalibrationComesBackAsItWas) {

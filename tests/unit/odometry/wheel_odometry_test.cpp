@@ -49,6 +49,32 @@ TEST(WheelOdometry, StraightTurnOnTheSpotAndQuarterCircle) {
   }
 }
 
+// Wheels that are larger than stated, and farther apart: the calibrated odometry is the true way.
+TEST(WheelOdometry, CalibratedRadiiAndTrackCorrectTheWay) {
+  const auto after = [](const PlanarTwist& twist, double seconds) {
+    WheelOdometrySettings settings;
+    settings.radius_factors = {1.02, 1.02};
+    settings.layout_factor = 1.05;
+    WheelOdometry odometry(settings);
+    Base base = testing::all_bases().front();
+    EXPECT_EQ(base.encoders.wheels.size(), 2u);
+    odometry.update(base.encoders);
+    MotionSample sample;
+    for (int i = 0; i < 100; ++i) {
+      testing::drive(base, twist, seconds / 100);
+      sample = *odometry.update(base.encoders);
+    }
+    return sample.T_odom_robot;
+  };
+  expect_near(after({0.5, 0, 0}, 4), planar_pose(2 * 1.02, 0, 0), 1e-9, "straight");
+  expect_near(after({0, 0, 0.5}, 2), planar_pose(0, 0, 1.02 / 1.05), 1e-5, "on the spot");
+
+  WheelOdometrySettings settings;
+  settings.radius_factors = {1, 1, 1};
+  WheelOdometry odometry(settings);
+  EXPECT_THROW(odometry.update(testing::all_bases().front().encoders), std::invalid_argument);
+}
+
 TEST(WheelOdometry, SidewaysOnBasesThatCan) {
   for (const Base& base : testing::all_bases()) {
     if (!base.sideways) continue;

@@ -1,0 +1,84 @@
+#include <lcmslam/calibration/floor_sight.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <lcmslam/planes/frame_planes.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr double largest_doubt = 25 * M_PI / 180;           // rad, between expected and found up
+constexpr double lowest_camera = 0.05, highest_camera = 4;  // m
+constexpr std::size_t fewest_images = 10;
+// What all images share: depth's own systematic error, and a floor that is nowhere quite flat.
+constexpr double shared_up = 0.0012, shared_height = 0.002;  // rad, m
+
+/// Median, and how sure it is by the scatter of the values; images a few frames apart err alike.
+std::pair<double, double> middle_of(std::vector<double> values) {
+  constexpr double frames_alike = 10;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  const double median = *middle;
+  for (double& v : values) v = std::abs(v - median);
+  std::nth_element(values.begin(), middle, values.end());
+  const double independent = std::max(1.0, static_cast<double>(values.size()) / frames_alike);
+  return {median, 1.2533 * 1.4826 * *middle / std::sqrt(independent)};
+}
+
+}  // namespace
+
+struct FloorWatch::Parts {
+  Parts(const RgbdCalibration& calibration, const Eigen::Isometry3d& expected)
+      : finder(calibration),
+        T_colour_depth(calibration.T_colour_depth),
+        up(expected.linear().transpose() * Eigen::Vector3d::UnitZ()) {}
+
+  FramePlaneFinder finder;
+  Eigen::Isometry3d T_colour_depth;
+  Eigen::Vector3d up;  // expected, colour camera's frame
+  std::vector<double> normals[3], heights;
+};
+
+FloorWatch::FloorWatch(const RgbdCalibration& calibration, const Eigen::Isometry3d& expected)
+    : parts_(std::make_unique<Parts>(calibration, expected)) {}
+
+FloorWatch::~FloorWatch() = default;
+
+// Table tops are level, too: the floor is the lowest of what is level.
+void FloorWatch::add(const cv::Mat& depth) {
+  Parts& p = *parts_;
+  std::optional<PlaneEquation> lowest;
+  for (const FramePlane& found : p.finder(depth).planes) {
+    PlaneEquation plane;
+    plane.normal = p.T_colour_depth.linear() * found.fit.plane.normal;
+    plane.offset = found.fit.plane.offset - plane.normal.dot(p.T_colour_depth.translation());
+    if (std::acos(std::clamp(plane.normal.dot(p.up), -1.0, 1.0)) > largest_doubt) continue;
+    if (!lowest || plane.offset > lowest->offset) lowest = plane;
+  }
+  if (!lowest || lowest->offset < lowest_camera || lowest->offset > highest_camera) return;
+  for (int i = 0; i < 3; ++i) p.normals[i].push_back(lowest->normal[i]);
+  p.heights.push_back(lowest->offset);
+}
+
+std::optional<FloorSight> FloorWatch::sight() const {
+  const Parts& p = *parts_;
+  if (p.heights.size() < fewest_images) return std::nullopt;
+  // Robots pass by tables: what most images show is the floor, what is far from their median is not.
+  FloorSight sight;
+  double scatter = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto [median, sigma] = middle_of(p.normals[i]);
+    sight.up[i] = median;
+    scatter = std::max(scatter, sigma);
+  }
+  sight.up.normalize();
+  const auto [height, height_sigma] = middle_of(p.heights);
+  sight.height = height;
+  sight.up_sigma = std::hypot(scatter, shared_up);
+  sight.height_sigma = std::hypot(height_sigma, shared_height);
+  sight.images = static_cast<int>(p.heights.size());
+  return sight;
+}
+
+}  // namespace lcmslam

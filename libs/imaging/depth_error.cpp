@@ -1,0 +1,82 @@
+#include <lcmslam/imaging/depth_error.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace lcmslam {
+namespace {
+
+constexpr float table_step = 0.004F;   // m between the table's entries
+constexpr double farthest_range = 80;  // m: 65.5 m of depth, to the side
+constexpr int largest_depth = 65535;
+
+void wrong_depth_error(const char* name, double is, const char* right) {
+  std::ostringstream message;
+  message << "depth_error." << name << " is " << is << ": " << right;
+  throw std::invalid_argument(message.str());
+}
+
+}  // namespace
+
+double DepthError::at(double range) const {
+  return offset + scale * range + wiggle * std::sin(2 * M_PI * range / period + phase);
+}
+
+// The error is small and smooth (check()): the fixed point is there after a few steps.
+double DepthError::corrected(double measured) const {
+  double range = measured;
+  for (int i = 0; i < 20; ++i) range = measured - at(range);
+  return range;
+}
+
+void DepthError::check() const {
+  if (!(std::abs(offset) <= 1)) wrong_depth_error("offset", offset, "must be -1 to 1 m");
+  if (!(std::abs(scale) <= 0.2)) wrong_depth_error("scale", scale, "must be -0.2 to 0.2");
+  if (!(period >= 0.05 && period <= 100)) wrong_depth_error("period", period, "must be 0.05 to 100 m");
+  if (!(std::abs(phase) <= 100)) wrong_depth_error("phase", phase, "must be an angle in radians");
+  // A steeper wiggle would give one measured range to several true ones.
+  if (!(std::abs(wiggle) * 2 * M_PI / period <= 0.5))
+    wrong_depth_error("wiggle", wiggle, "must be at most a twelfth of its period");
+}
+
+bool DepthError::operator==(const DepthError& other) const {
+  return offset == other.offset && scale == other.scale && wiggle == other.wiggle && period == other.period &&
+         phase == other.phase;
+}
+
+DepthCorrector::DepthCorrector(const CameraModel& camera, const DepthError& error)
+    : stretch_(camera.height, camera.width, CV_32FC1) {
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u)
+      stretch_.at<float>(v, u) = static_cast<float>(camera.ray({u, v}).norm());
+  const auto entries = static_cast<std::size_t>(farthest_range / static_cast<double>(table_step)) + 2;
+  factors_.reserve(entries);
+  factors_.push_back(1);
+  for (std::size_t i = 1; i < entries; ++i) {
+    const double measured = static_cast<double>(table_step) * static_cast<double>(i);
+    factors_.push_back(static_cast<float>(std::max(0.0, error.corrected(measured)) / measured));
+  }
+}
+
+void DepthCorrector::operator()(cv::Mat& depth) const {
+  if (depth.type() != CV_16UC1 || depth.size() != stretch_.size())
+    throw std::invalid_argument(
+        "a depth image to be corrected must be 16 bit of one channel, of the camera's size");
+  const auto last = static_cast<float>(factors_.size() - 2);
+  for (int v = 0; v < depth.rows; ++v) {
+    auto* z = depth.ptr<std::uint16_t>(v);
+    const auto* stretch = stretch_.ptr<float>(v);
+    for (int u = 0; u < depth.cols; ++u) {
+      if (z[u] == 0) continue;
+      const float at = std::min(0.001F * static_cast<float>(z[u]) * stretch[u] / table_step, last);
+      const auto i = static_cast<std::size_t>(at);
+      const float factor = factors_[i] + (at - static_cast<float>(i)) * (factors_[i + 1] - factors_[i]);
+      const int corrected = static_cast<int>(factor * static_cast<float>(z[u]) + 0.5F);
+      z[u] = static_cast<std::uint16_t>(std::min(corrected, largest_depth));
+    }
+  }
+}
+
+}  // namespace lcmslam

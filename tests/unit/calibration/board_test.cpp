@@ -1,0 +1,80 @@
+#include <lcmslam/calibration/board_view.hpp>
+
+#include <gmock/gmock.h>
+
+#include "tests/support/board_renderer.hpp"
+
+namespace lcmslam {
+namespace {
+
+CameraModel camera() {
+  CameraModel c;
+  c.width = 640, c.height = 480;
+  c.fx = 560, c.fy = 555, c.cx = 322, c.cy = 236;
+  c.distortion = {-0.12, 0.05, 0.0005, -0.0003, 0};
+  return c;
+}
+
+Board board(const std::string& kind) {
+  BoardSettings settings;
+  settings.kind = kind;
+  return Board(settings);
+}
+
+class BoardTest : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, BoardTest, ::testing::Values("charuco", "checkerboard"));
+
+TEST_P(BoardTest, CornersAreFoundToAFractionOfAPixelWhicheverWayUpItIs) {
+  const Board b = board(GetParam());
+  const CameraModel c = camera();
+  const testing::BoardRenderer render(b, c);
+  Random random(3);
+  for (const double turn : {0.0, M_PI - 0.1, 1.3}) {
+    const Eigen::Isometry3d T = testing::held_board(b, c, {330, 230}, 0.42, 0.3, -0.25, turn);
+    const auto view = find_board(render(T, random), b);
+    ASSERT_TRUE(view) << turn;
+    EXPECT_GE(static_cast<int>(view->ids.size()), b.has_markers() ? 40 : b.corners());
+    double squares = 0;
+    for (std::size_t i = 0; i < view->ids.size(); ++i) {
+      const Eigen::Vector2d off = *c.project(T * b.corner(view->ids[i])) - view->pixels[i];
+      EXPECT_LT(off.norm(), 0.4) << turn << ", corner " << view->ids[i];
+      squares += off.squaredNorm();
+    }
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(view->ids.size())), 0.15) << turn;
+    const auto pose = board_pose(*view, b, c);
+    ASSERT_TRUE(pose);
+    EXPECT_LT(distance_between(*pose, T), 0.001);
+    EXPECT_LT(angle_between(*pose, T), 0.004);
+  }
+}
+
+TEST(BoardTest, OfMarkersAPartIsEnough) {
+  const Board b = board("charuco");
+  const CameraModel c = camera();
+  Random random(4);
+  const auto view = find_board(
+      testing::BoardRenderer(b, c)(testing::held_board(b, c, {600, 440}, 0.3, 0.1, 0.2, 0), random), b);
+  ASSERT_TRUE(view);
+  EXPECT_LT(static_cast<int>(view->ids.size()), b.corners() * 2 / 3);
+}
+
+TEST(BoardTest, AWallIsNoBoard) {
+  cv::Mat wall(480, 640, CV_8UC1, cv::Scalar(120));
+  EXPECT_FALSE(find_board(wall, board("charuco")));
+  EXPECT_FALSE(find_board(wall, board("checkerboard")));
+}
+
+TEST(BoardTest, ABoardThatLooksTheSameWhenTurnedIsRefused) {
+  BoardSettings settings;
+  settings.columns = 9, settings.rows = 7;
+  EXPECT_THROW(Board{settings}, std::invalid_argument);
+}
+
+TEST(BoardTest, ThePrintHasItsTrueSize) {
+  const std::string svg = board("checkerboard").svg();
+  EXPECT_THAT(svg, ::testing::HasSubstr("width=\"275mm\""));  // ten squares of 25 mm and the margin
+  EXPECT_THAT(svg, ::testing::HasSubstr("squares of 25 mm"));
+}
+
+}  // namespace
+}  // namespace lcmslam

@@ -1,0 +1,160 @@
+// The command as a user runs it, on folders of rendered images.
+
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <lcmslam/configuration/config.hpp>
+#include <lcmslam/imaging/io/calibration_file.hpp>
+#include <lcmslam/imaging/io/calibration_text.hpp>
+#include "tests/support/board_shots.hpp"
+#include "tests/unit/tools/command_run.hpp"
+#include "tests/unit/tools/scratch.hpp"
+#include "tools/commands.hpp"
+
+namespace lcmslam {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+testing::CommandRun calibrate(std::vector<std::string> arguments) {
+  return testing::run_command({"calibrate", calibrate_command}, std::move(arguments));
+}
+
+std::string name_of_shot(int i) {
+  return "shot" + std::string(i < 10 ? "0" : "") + std::to_string(i) + ".png";
+}
+
+/// A folder of images of the usual board before a camera.
+void write_images(const fs::path& folder, const CameraModel& camera, int count,
+                  const testing::BoardPlaces& places) {
+  const Board board;
+  const testing::BoardRenderer render(board, camera, {0.6, 2.5, 2});
+  Random random(5);
+  fs::create_directories(folder);
+  for (int i = 0; i < count; ++i)
+    cv::imwrite((folder / name_of_shot(i)).string(), render(places(i, board, camera, random), random));
+}
+
+TEST(CalibrateCommand, PrintsABoard) {
+  const testing::ScratchFolder scratch;
+  const std::string svg = (scratch.path() / "board.svg").string(),
+                    png = (scratch.path() / "board.png").string();
+  const auto run = calibrate({"board", svg, "--board", "checkerboard", "--columns", "8", "--square", "80"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(scratch.read("board.svg"), HasSubstr("checkerboard 8 x 7, squares of 80 mm"));
+  EXPECT_EQ(calibrate({"board", png}).exit_code, 0);
+  EXPECT_TRUE(find_board(cv::imread(png, cv::IMREAD_GRAYSCALE), Board()))
+      << "what is printed is what is found";
+  EXPECT_EQ(calibrate({"board", png}).exit_code, 1) << "replaces nothing unasked";
+  EXPECT_THAT(calibrate({"board", (scratch.path() / "board.pdf").string()}).errors,
+              HasSubstr(".svg or .png"));
+}
+
+TEST(CalibrateCommand, CameraWritesACalibrationAndHowSureItIs) {
+  const testing::ScratchFolder scratch;
+  const CameraModel truth = testing::drawn_colour_camera(8);
+  write_images(scratch.path() / "images", truth, 14, {});
+  scratch.write("images/notes.txt", "no image");
+  const std::string out = (scratch.path() / "head.yaml").string();
+  const auto run = calibrate({"camera", (scratch.path() / "images").string(), "-o", out, "--pictures",
+                              (scratch.path() / "report").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.errors;
+  EXPECT_THAT(run.out, HasSubstr("14 images"));
+  const RgbdCalibration found = load_calibration(out);
+  EXPECT_EQ(found.sensor, "head");
+  EXPECT_NEAR(found.colour.fx, truth.fx, 0.004 * truth.fx);
+  const ConfigNode covariance = ConfigNode::load(scratch.path() / "head_covariance.yaml");
+  EXPECT_EQ(covariance.text("of"), "colour");
+  EXPECT_EQ(covariance.get("values", std::vector<std::string>{}).front(), "fx");
+  EXPECT_FALSE(cv::imread((scratch.path() / "report/coverage.png").string()).empty());
+  EXPECT_FALSE(cv::imread((scratch.path() / "report/residuals.png").string()).empty());
+}
+
+TEST(CalibrateCommand, ABadSetIsRefusedAndNothingIsWritten) {
+  const testing::ScratchFolder scratch;
+  testing::BoardPlaces middle;  // never beside the middle
+  middle.middle = 0.05, middle.near = 0.4, middle.far = 0.3;
+  write_images(scratch.path() / "images", testing::drawn_colour_camera(9), 9, middle);
+  const std::string out = (scratch.path() / "head.yaml").string();
+  const auto run = calibrate({"camera", (scratch.path() / "images").string(), "-o", out});
+  EXPECT_EQ(run.exit_code, 1) << run.out << run.errors;
+  EXPECT_THAT(run.out, HasSubstr("missing: no corners in the image's upper left corner"));
+  EXPECT_FALSE(fs::exists(out));
+  EXPECT_FALSE(fs::exists(scratch.path() / "head_covariance.yaml"));
+}
+
+TEST(CalibrateCommand, WithoutABoardItSaysWhatMayBeWrong) {
+  const testing::ScratchFolder scratch;
+  fs::create_directories(scratch.path() / "images");
+  for (int i = 0; i < 3; ++i)
+    cv::imwrite((scratch.path() / "images" / name_of_shot(i)).string(),
+                cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)));
+  const auto run =
+      calibrate({"camera", (scratch.path() / "images").string(), "-o", (scratch.path() / "o.yaml").string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.errors, HasSubstr("too few views of the board"));
+}
+
+TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
+  const testing::ScratchFolder scratch;
+  const testing::RgbdTruth truth = testing::drawn_head(3);
+  const RgbdCalibration& c = truth.calibration;
+  const Board board = testing::large_board();
+  const testing::BoardRenderer colour(board, c.colour, {0.6, 2.5, 2}), amplitude(board, c.depth, {0.5, 3, 4});
+  Random random(3);
+  const fs::path shots = scratch.path() / "shots";
+  for (const char* folder : {"colour", "amplitude", "depth"}) fs::create_directories(shots / folder);
+  constexpr int count = 18;
+  for (int i = 0; i < count; ++i) {
+    testing::BoardPlaces places;
+    const double share = 0.9 / (1 + 2.5 * i / count);
+    places.near = share, places.far = 0.92 * share, places.middle = 1 - share, places.tilt = 0.5;
+    const Eigen::Isometry3d T = places(i, board, c.depth, random);
+    cv::imwrite((shots / "colour" / name_of_shot(i)).string(), colour(c.T_colour_depth * T, random));
+    cv::imwrite((shots / "amplitude" / name_of_shot(i)).string(), amplitude(T, random));
+    cv::imwrite((shots / "depth" / name_of_shot(i)).string(), testing::board_depth(board, truth, T, random));
+  }
+  // The start: 3 % and 2 cm off, no error of the ranges known.
+  RgbdCalibration start = c;
+  start.depth.fx *= 1.03, start.depth.fy *= 1.03;
+  start.T_colour_depth.translation().x() += 0.02;
+  start.depth_error = {};
+  const std::string rough = scratch.write("rough.yaml", calibration_text(start)).string();
+  const std::string tof = (scratch.path() / "tof.yaml").string(),
+                    pair = (scratch.path() / "pair.yaml").string();
+  const std::vector<std::string> board_of_it = {"--columns", "8", "--rows", "7", "--square", "80"};
+  const auto with_board = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), board_of_it.begin(), board_of_it.end());
+    return calibrate(arguments);
+  };
+  // A whole checkerboard does not reach the corners of an image of so few pixels.
+  const auto run = with_board({"tof", shots.string(), "-o", tof, "--into", rough, "--accept"});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.errors;
+  EXPECT_THAT(run.out, HasSubstr("wiggle"));
+  const RgbdCalibration of_tof = load_calibration(tof);
+  EXPECT_NEAR(of_tof.depth.fx, c.depth.fx, 0.006 * c.depth.fx);
+  for (double r = 1; r < 2.4; r += 0.1)
+    EXPECT_NEAR(of_tof.depth_error.at(r), c.depth_error.at(r), 0.005) << r;
+
+  const auto second = with_board({"pair", shots.string(), "-o", pair, "--into", tof});
+  ASSERT_EQ(second.exit_code, 0) << second.out << second.errors;
+  const RgbdCalibration of_pair = load_calibration(pair);
+  EXPECT_LT(distance_between(of_pair.T_colour_depth, c.T_colour_depth), 0.003);
+  EXPECT_LT(angle_between(of_pair.T_colour_depth, c.T_colour_depth), 0.2 * M_PI / 180);
+  EXPECT_TRUE(of_pair.colour == c.colour) << "other values stay";
+  for (double r = 1; r < 2.4; r += 0.1)
+    EXPECT_NEAR(of_pair.depth_error.at(r), c.depth_error.at(r), 0.003) << r;
+}
+
+TEST(CalibrateCommand, ALogWithoutImagesIsNoDrive) {
+  const testing::ScratchFolder scratch;
+  const std::string log = scratch.write("notes.lcmlog", "no log").string();
+  const auto run = calibrate({"mount", log, "-o", (scratch.path() / "o.yaml").string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.errors, HasSubstr("no LCM log"));
+}
+
+}  // namespace
+}  // namespace lcmslam

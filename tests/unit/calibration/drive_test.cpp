@@ -1,0 +1,129 @@
+// Mount and wheels from drives whose truth is known.
+
+#include <lcmslam/calibration/drive_calibration.hpp>
+
+#include <gmock/gmock.h>
+
+#include "tests/support/camera_drive.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr double degree = M_PI / 180;
+constexpr Utime start_time = 1'000'000;
+
+/// 1.3 m high, inclined by 20 degrees, a little beside the middle.
+Eigen::Isometry3d true_mount() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << 0.12, -0.03, 1.3;
+  T.rotate(Eigen::AngleAxisd(3 * degree, Eigen::Vector3d::UnitZ()));
+  T.rotate(Eigen::AngleAxisd(20 * degree, Eigen::Vector3d::UnitY()));
+  return T * optical_axes();
+}
+
+/// 2 cm and 1 degree beside it.
+Eigen::Isometry3d rough_mount() {
+  Vector6d step;
+  step << 0.02, -0.02, 0.02, degree, -degree, degree;
+  return true_mount() * se3_exp(step);
+}
+
+FloorSight true_floor() {
+  FloorSight floor;
+  floor.up = true_mount().linear().transpose() * Eigen::Vector3d::UnitZ();
+  floor.height = true_mount().translation().z();
+  floor.up_sigma = 0.001, floor.height_sigma = 0.002, floor.images = 100;
+  return floor;
+}
+
+double planar_distance(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return (a.translation() - b.translation()).head<2>().norm();
+}
+
+TEST(DriveCalibration, WithGoodWheelsTheMountIsFoundAndItsHeightIsNot) {
+  const DrivenPath path(testing::figure_of_eight(2));
+  const auto stretches =
+      cut_drive(testing::seen_motion(path, true_mount(), start_time, 1, {1e-4, 1e-5}),
+                wheel_steps(simulate_encoders(path, "differential", start_time, 1, WheelErrors::none())));
+  const DriveCalibration found = calibrate_drive(stretches, std::nullopt, rough_mount());
+  EXPECT_FALSE(found.height_observed);
+  EXPECT_LT(planar_distance(found.T_robot_camera, true_mount()), 0.001);
+  EXPECT_LT(angle_between(found.T_robot_camera, true_mount()), 0.05 * degree);
+  EXPECT_NEAR(found.T_robot_camera.translation().z(), rough_mount().translation().z(), 0.001);
+  for (const double factor : found.radius_factors) EXPECT_NEAR(factor, 1, 0.002);
+  EXPECT_NEAR(found.layout_factor, 1, 0.002);
+  EXPECT_EQ(found.slips, 0);
+}
+
+TEST(DriveCalibration, TheFloorTellsTheHeight) {
+  const DrivenPath path(testing::figure_of_eight(2));
+  const auto stretches = cut_drive(testing::seen_motion(path, true_mount(), start_time, 2),
+                                   wheel_steps(simulate_encoders(path, "differential", start_time, 2)));
+  const DriveCalibration found = calibrate_drive(stretches, true_floor(), rough_mount());
+  EXPECT_TRUE(found.height_observed);
+  EXPECT_NEAR(found.T_robot_camera.translation().z(), 1.3, 0.001);
+  EXPECT_LT(angle_between(found.T_robot_camera, true_mount()), 0.4 * degree);
+  // It knows how sure it is.
+  const Vector6d xi = se3_log(true_mount().inverse() * found.T_robot_camera);
+  EXPECT_LT(xi.dot(found.covariance.ldlt().solve(xi)), 25);
+}
+
+TEST(DriveCalibration, WheelsAreAsLargeAsTheyCount) {
+  // What wheels measure too much: the true radius is so much smaller, and so is the track for what turns
+  // measure less.
+  WheelErrors errors = WheelErrors::none();
+  errors.translation_scale = 0.02, errors.rotation_scale = 0.03;
+  const DrivenPath path(testing::figure_of_eight(3));
+  const auto encoders = simulate_encoders(path, "differential", start_time, 3, errors);
+  const auto true_way = [&] {
+    double way = 0, turn = 0;
+    for (double t = 0; t < path.duration(); t += 0.02) {
+      const Vector6d step = se3_log(path.pose(t).inverse() * path.pose(t + 0.02));
+      way += step.head<2>().norm(), turn += std::abs(step[5]);
+    }
+    return std::make_pair(way, turn);
+  }();
+  double way = 0, turn = 0;
+  const auto steps = wheel_steps(encoders);
+  for (const WheelStep& step : steps) {
+    const Eigen::Vector3d motion = step.by_wheel.rowwise().sum();
+    way += motion.head<2>().norm(), turn += std::abs(motion.z());
+  }
+  const double way_scale = way / true_way.first, turn_scale = turn / true_way.second;
+  ASSERT_GT(std::abs(way_scale - 1), 0.01);
+  const DriveCalibration found = calibrate_drive(
+      cut_drive(testing::seen_motion(path, true_mount(), start_time, 3), steps), true_floor(), rough_mount());
+  ASSERT_EQ(found.radius_factors.size(), 2u);
+  for (const double factor : found.radius_factors) EXPECT_NEAR(factor * way_scale, 1, 0.004);
+  EXPECT_NEAR(found.layout_factor * way_scale / turn_scale, 1, 0.006);
+}
+
+TEST(DriveCalibration, StretchesEndWhereTheCameraWasLost) {
+  const DrivenPath path(testing::figure_of_eight(1));
+  auto seen = testing::seen_motion(path, true_mount(), start_time, 4);
+  const auto steps = wheel_steps(simulate_encoders(path, "differential", start_time, 4));
+  const std::size_t all = cut_drive(seen, steps).size();
+  seen.erase(seen.begin() + 100, seen.begin() + 140);
+  const auto with_gap = cut_drive(seen, steps);
+  EXPECT_LT(with_gap.size(), all);
+  for (const Stretch& stretch : with_gap) EXPECT_LT(stretch.T_from_to.translation().norm(), 0.8);
+}
+
+TEST(DriveCalibration, AShortDriveIsRefused) {
+  EXPECT_THROW(calibrate_drive({}, std::nullopt, true_mount()), std::invalid_argument);
+}
+
+TEST(DriveCalibration, OdometryOfAnotherDriverHasOneColumn) {
+  std::vector<MotionSample> odometry(3);
+  for (int i = 0; i < 3; ++i) {
+    odometry[static_cast<std::size_t>(i)].utime = i * 100'000;
+    odometry[static_cast<std::size_t>(i)].T_odom_robot = planar_pose(0.1 * i, 0, 0.02 * i);
+  }
+  const auto steps = wheel_steps(odometry);
+  ASSERT_EQ(steps.size(), 2u);
+  EXPECT_EQ(steps[0].by_wheel.cols(), 1);
+  EXPECT_NEAR(steps[0].by_wheel(2, 0), 0.02, 1e-9);
+}
+
+}  // namespace
+}  // namespace lcmslam

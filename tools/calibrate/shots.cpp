@@ -1,0 +1,165 @@
+#include "tools/calibrate/shots.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+#include <stdexcept>
+
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/log/message_reader.hpp"
+#include "tools/output_file.hpp"
+#include "tools/spy/bus_listener.hpp"
+
+namespace lcmslam {
+namespace fs = std::filesystem;
+namespace {
+
+using ShotHandler = std::function<bool(const Shot&)>;
+
+std::vector<fs::path> files_of(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The file of the same name, whatever its extension.
+cv::Mat load_beside(const fs::path& folder, const fs::path& name, int flags) {
+  if (!fs::is_directory(folder)) return {};
+  for (const fs::path& file : files_of(folder))
+    if (file.stem() == name.stem()) return cv::imread(file.string(), flags);
+  return {};
+}
+
+void read_folder(const fs::path& folder, const ShotHandler& use) {
+  const bool several = fs::is_directory(folder / "colour") || fs::is_directory(folder / "amplitude");
+  const fs::path first = !several                              ? folder
+                         : fs::is_directory(folder / "colour") ? folder / "colour"
+                                                               : folder / "amplitude";
+  int images = 0;
+  for (const fs::path& file : files_of(first)) {
+    throw_when_stopped();
+    Shot shot;
+    shot.name = file.filename();
+    if (several) {
+      shot.colour = load_beside(folder / "colour", file, cv::IMREAD_GRAYSCALE);
+      shot.amplitude = load_beside(folder / "amplitude", file, cv::IMREAD_GRAYSCALE);
+      shot.depth = load_beside(folder / "depth", file, cv::IMREAD_UNCHANGED);
+    } else {
+      shot.colour = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+    }
+    if (shot.colour.empty() && shot.amplitude.empty()) continue;
+    ++images;
+    if (!use(shot)) return;
+  }
+  if (images == 0) throw std::runtime_error(folder.string() + ": no file in it is an image");
+}
+
+/// CAMERA and CAMERA_CALIBRATION, from wherever they come.
+class MessageShots {
+ public:
+  MessageShots(double every, const ShotHandler& use) : period_(static_cast<Utime>(1e6 * every)), use_(use) {}
+
+  /// False: enough.
+  bool take(std::string_view channel, const std::uint8_t* data, std::size_t size) {
+    try {
+      if (channel == "CAMERA_CALIBRATION" && !calibration)
+        calibration = from_message(decode_message<camera_calibration_t>(data, size));
+      if (channel == "CAMERA") return take(decode_message<images_t>(data, size));
+    } catch (const std::runtime_error&) {
+      ++damaged;  // what cannot be read is no view
+    }
+    return true;
+  }
+
+  std::optional<RgbdCalibration> calibration;
+  int images = 0, damaged = 0;
+
+ private:
+  bool take(const images_t& message) {
+    if (message.utime < next_ && message.utime > next_ - 10 * period_) return true;
+    next_ = message.utime + period_;
+    const EncodedFrame encoded = from_message(message);
+    Shot shot;
+    shot.name = "image " + std::to_string(encoded.seq);
+    shot.colour = decode_gray(encoded.colour);
+    if (encoded.amplitude.coding != ImageCoding::none) shot.amplitude = decode_gray(encoded.amplitude);
+    shot.depth = decode_depth(encoded.depth);
+    ++images;
+    return use_(shot);
+  }
+
+  Utime period_, next_ = 0;
+  const ShotHandler& use_;
+};
+
+std::optional<RgbdCalibration> read_log(const ShotInput& input, const ShotHandler& use) {
+  MessageShots shots(input.every, use);
+  MessageReader reader(input.path);
+  while (const auto event = reader.next()) {
+    throw_when_stopped();
+    if (!shots.take(event->channel, event->data, event->size)) break;
+  }
+  if (shots.images == 0)
+    throw std::runtime_error(input.path + ": no image of CAMERA in it can be read (" +
+                             std::to_string(shots.damaged) + " are damaged)");
+  return shots.calibration;
+}
+
+std::optional<RgbdCalibration> listen(const ShotInput& input, const ShotHandler& use) {
+  MessageShots shots(input.every, use);
+  PartJoiner joiner;
+  bool enough = false;
+  const std::string url = input.lcm_url.empty() ? lcm_url_from_environment() : input.lcm_url;
+  BusListener listener(url, "CAMERA(_CALIBRATION|_PART)?",
+                       [&](const std::string& channel, const std::uint8_t* data, std::size_t size) {
+                         if (enough) return;
+                         const LogEventView event{0, 0, channel, data, size, 0, 0};
+                         if (!PartJoiner::is_piece(event)) {
+                           enough = !shots.take(channel, data, size);
+                         } else if (const auto whole = joiner.add(event)) {
+                           enough = !shots.take(whole->channel, whole->data.data(), whole->data.size());
+                         }
+                       });
+  const auto start = std::chrono::steady_clock::now();
+  listener.run([&] {
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+    return enough || stop_requested() || (input.seconds > 0 && time.count() > input.seconds);
+  });
+  if (shots.images == 0) throw std::runtime_error("no image came on CAMERA: is a camera running?");
+  return shots.calibration;
+}
+
+}  // namespace
+
+void ShotInput::add_to(CLI::App& app) {
+  auto* source = app.add_option("input", path, "a folder of images, or an .lcmlog")->check(CLI::ExistingPath);
+  app.add_flag("--live", live, "instead of that: what comes on CAMERA, until the views are enough, or Ctrl-C")
+      ->excludes(source);
+  app.add_option("--seconds", seconds, "with --live: end after this time")->check(CLI::PositiveNumber);
+  app.add_option("--every", every, "s between images of a log or the bus (0.25)")->check(CLI::PositiveNumber);
+  app.add_option("--lcm-url", lcm_url, "LCM provider; default LCM_DEFAULT_URL");
+}
+
+bool ShotInput::is_sequence() const {
+  return live || !fs::is_directory(path);
+}
+
+std::optional<RgbdCalibration> read_shots(const ShotInput& input,
+                                          const std::function<bool(const Shot&)>& use) {
+  if (input.live) return listen(input, use);
+  if (input.path.empty())
+    throw std::runtime_error("give a folder of images, an .lcmlog, or --live for the running camera");
+  if (!fs::is_directory(input.path)) return read_log(input, use);
+  read_folder(input.path, use);
+  return std::nullopt;
+}
+
+}  // namespace lcmslam
