@@ -4,6 +4,7 @@
 #include <OpenNI.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -200,7 +201,11 @@ TEST_F(OpenNi2, ACameraGivesPairsAtItsPaceStampedByItsOwnClock) {
   while (frames.size() < 30 && std::chrono::steady_clock::now() < begin + std::chrono::seconds(10)) {
     auto frame = camera->read(milliseconds(100));
     if (!frame) continue;
-    EXPECT_NEAR(static_cast<double>(frame->utime), static_cast<double>(wall_clock()), 0.3e6);
+    // The dummy falls behind its own stamps where the machine is busy: only the first is of now.
+    EXPECT_LE(frame->utime, wall_clock());
+    if (frames.empty()) {
+      EXPECT_NEAR(static_cast<double>(frame->utime), static_cast<double>(wall_clock()), 1e6);
+    }
     frames.push_back(std::move(*frame));
   }
   ASSERT_EQ(frames.size(), 30U);
@@ -209,8 +214,10 @@ TEST_F(OpenNi2, ACameraGivesPairsAtItsPaceStampedByItsOwnClock) {
     EXPECT_EQ((frames[i].utime - frames[i].depth_utime) % 33'000, 0) << "one clock for both";
     EXPECT_LE(std::abs(frames[i].utime - frames[i].depth_utime), 16'667);
   }
-  const double mean = static_cast<double>(frames.back().utime - frames.front().utime) / 29;
-  EXPECT_NEAR(mean, 33'500, 5'000);
+  std::vector<Utime> intervals;
+  for (std::size_t i = 1; i < frames.size(); ++i) intervals.push_back(frames[i].utime - frames[i - 1].utime);
+  std::sort(intervals.begin(), intervals.end());
+  EXPECT_NEAR(static_cast<double>(intervals[intervals.size() / 2]), 33'000, 1'000);
 }
 
 TEST_F(OpenNi2, ARegistrationThatACameraLacksIsToldAndWhatIsNotThereIsNamed) {
