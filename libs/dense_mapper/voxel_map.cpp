@@ -1,6 +1,7 @@
 #include <lcmslam/dense_mapper/voxel_map.hpp>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include <lcmslam/dense_mapper/by_node.hpp>
@@ -110,9 +111,17 @@ VoxelMap VoxelMap::deformed(const std::vector<Eigen::Isometry3d>& T_new_old) con
 }
 
 bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const {
+  float others = 0;
+  return find_nearest(point, max_distance, found, others);
+}
+
+bool VoxelMap::find_nearest(const Eigen::Vector3f& point, float max_distance, TargetPoint& found,
+                            float& others) const {
+  others = 0;
   if (!(max_distance >= 0) || !voxel_exists(point.cwiseAbs().array() + max_distance, inverse_size_))
     return false;
   float best = max_distance * max_distance;
+  float next = std::numeric_limits<float>::infinity();  // squared: nothing else is nearer
   const Surfel* nearest = nullptr;
   const Block* home = nullptr;
   const auto search = [&](const Eigen::Vector3i& block) {
@@ -121,7 +130,12 @@ bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoin
     const Block& candidates = blocks_[static_cast<std::size_t>(slot)];
     for (const Surfel& s : candidates.surfels) {
       const float d = (s.point - point).squaredNorm();
-      if (d > best || !is_partner(s)) continue;
+      if (d > best) {
+        next = std::min(next, d);
+        continue;
+      }
+      if (!is_partner(s)) continue;
+      if (nearest) next = std::min(next, best);
       best = d;
       nearest = &s;
       home = &candidates;
@@ -141,8 +155,15 @@ bool VoxelMap::find(const Eigen::Vector3f& point, float max_distance, TargetPoin
         if (block == own) continue;
         const Eigen::Array3f corner = side * block.cast<float>().array();
         const Eigen::Array3f outside = (corner - point.array()).max(point.array() - corner - side).max(0.0f);
-        if (outside.square().sum() <= best) search(block);
+        const float away = outside.square().sum();
+        if (away <= best)
+          search(block);
+        else
+          next = std::min(next, away);
       }
+  const Eigen::Array3f to_rim = (point.array() - side * low.cast<float>().array())
+                                    .min(side * (high.array() + 1).cast<float>() - point.array());
+  others = std::min(std::sqrt(next), to_rim.minCoeff());
   if (!nearest) return false;
   found = {nearest->point, nearest->normal,
            nearest->sigma / std::sqrt(static_cast<float>(nearest->observations)), nearest->intensity};

@@ -75,6 +75,8 @@ class VoxelMap : public Target {
   /// Surfels that were seen through of late are no partners.
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
   bool finds_nearest() const override { return true; }
+  bool find_nearest(const Eigen::Vector3f& point, float max_distance, TargetPoint& found,
+                    float& others) const override;
   std::size_t size() const override { return surfels_; }
   std::size_t blocks() const { return blocks_.size(); }
   std::size_t memory_bytes() const;

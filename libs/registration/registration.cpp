@@ -23,7 +23,7 @@ class PairSearch {
         target_(target),
         selected_(select_points(source, settings)),
         noise_floor_(settings.noise_floor) {
-    if (target.finds_nearest()) last_.assign(selected_.size(), unknown.cast<float>());
+    if (target.finds_nearest()) last_.resize(selected_.size());
   }
 
   std::size_t selected() const { return selected_.size(); }
@@ -41,21 +41,42 @@ class PairSearch {
       pair.moved_normal =
           source_.has_normals() ? Eigen::Vector3d(T.linear() * source_.normals[i].cast<double>()) : unknown;
       const Eigen::Vector3f moved = pair.moved.cast<float>();
-      TargetPoint found;
-      if (!target_.find_along(moved, pair.moved_normal.cast<float>(), within(k, moved, reach), found))
+      if (!last_.empty()) {
+        if (find_nearest(last_[k], moved, reach)) add(pair, last_[k].found, pairs);
         continue;
-      if (!last_.empty()) last_[k] = found.point;
-      add(pair, found, pairs);
+      }
+      TargetPoint found;
+      if (target_.find_along(moved, pair.moved_normal.cast<float>(), reach, found)) add(pair, found, pairs);
     }
   }
 
  private:
-  // The nearest point is no farther than that of the last iteration, which lies here (and a little, for
-  // rounding).
-  float within(std::size_t k, const Eigen::Vector3f& moved, float reach) const {
-    if (last_.empty()) return reach;
-    const float distance = 1.0001f * (last_[k] - moved).norm() + 1e-6f;
-    return distance < reach ? distance : reach;  // also where there was none
+  /// What was last found for a point of the source.
+  struct Last {
+    Eigen::Vector3f at = Eigen::Vector3f::Constant(TargetPoint::unknown);  // where the point was
+    TargetPoint found;
+    bool is_found = false;
+    float others = 0;            // other points of the target were no nearer to it
+    Eigen::Vector3f known = at;  // some point of the target that was near
+  };
+
+  // While a point has moved less than what its partner was nearer than all others, that is still the nearest:
+  // in later iterations nearly all are. Else the nearest is no farther than one that was near.
+  bool find_nearest(Last& last, const Eigen::Vector3f& moved, float reach) const {
+    constexpr float spare = 2e-4f;  // m, for rounding
+    const float others = last.others - (moved - last.at).norm() - spare;
+    if (last.is_found) {
+      const Eigen::Vector3f away = last.found.point - moved;
+      if (away.norm() < others) return !(away.squaredNorm() > reach * reach);
+    } else if (reach < others) {
+      return false;
+    }
+    const float distance = 1.0001f * (last.known - moved).norm() + 1e-6f;
+    const float within = distance < reach ? distance : reach;  // also where there was none
+    last.at = moved;
+    last.is_found = target_.find_nearest(moved, within, last.found, last.others);
+    if (last.is_found) last.known = last.found.point;
+    return last.is_found;
   }
 
   void add(Pair& pair, const TargetPoint& found, std::vector<Pair>& pairs) const {
@@ -77,7 +98,7 @@ class PairSearch {
   const Target& target_;
   std::vector<std::size_t> selected_;
   double noise_floor_;
-  std::vector<Eigen::Vector3f> last_;  // where partners lay, NaN where there was none
+  std::vector<Last> last_;  // of each selected point; empty: partners are not the nearest
 };
 
 double rms(const std::vector<Pair>& pairs, const Metric& metric) {

@@ -31,6 +31,13 @@ class Target {
   /// Partners are the nearest points: looked for within the distance of any point of the target, they are the
   /// same, and sooner found.
   virtual bool finds_nearest() const { return false; }
+  /// For those: the same as find(), and `others`, the distance (m) that all other points of the target have
+  /// at least; all points, where there is no partner. 0: nobody knows.
+  virtual bool find_nearest(const Eigen::Vector3f& point, float max_distance, TargetPoint& found,
+                            float& others) const {
+    others = 0;
+    return find(point, max_distance, found);
+  }
   /// Number of points; a target without any finds nothing.
   virtual std::size_t size() const = 0;
 };

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <limits>
 
+#include <lcmslam/registration/registration.hpp>
 #include "tests/support/cloud_scenes.hpp"
 #include "tests/support/exhaustive_search.hpp"
 
@@ -36,6 +37,75 @@ TEST(VoxelMap, FindsTheNearestSurfelAtAnyDistance) {
     if (expected < 0) continue;
     EXPECT_EQ(found.point, surfels.points[static_cast<std::size_t>(expected)]);
   }
+}
+
+TEST(VoxelMap, TellsHowFarOtherSurfelsAreAtLeast) {
+  Random random(17);
+  VoxelMapSettings settings;
+  settings.voxel_size = 0.1;
+  VoxelMap map(settings);
+  Cloud cloud;
+  for (int i = 0; i < 2000; ++i) {
+    cloud.points.push_back(random_point_within(random, 1));
+    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+  }
+  map.insert(cloud, Eigen::Vector3d::Zero());
+  const std::vector<Eigen::Vector3f> surfels = map.cloud().points;
+  int useful = 0;
+  for (int i = 0; i < 4000; ++i) {
+    // Anywhere, or where eight blocks of 0.4 m meet.
+    Eigen::Vector3f query = random_point_within(random, 1.4);
+    if (i % 2 == 0) query = (2.5f * query).array().round() / 2.5f + random_point_within(random, 0.06).array();
+    const float max_distance = static_cast<float>(random.uniform(0, 0.3));
+    TargetPoint found;
+    float others = 0;
+    const bool is_found = map.find_nearest(query, max_distance, found, others);
+    float next = 1e9f;
+    for (const Eigen::Vector3f& p : surfels)
+      if (!is_found || p != found.point) next = std::min(next, (p - query).norm());
+    EXPECT_LE(others, 1.0001f * next);
+    const float distance = is_found ? (found.point - query).norm() : max_distance;
+    useful += others > distance + 0.01f ? 1 : 0;
+  }
+  EXPECT_GT(useful, 1500);
+}
+
+TEST(VoxelMap, WhatStaysTheNearestIsNotLookedForAgain) {
+  /// The same surfels, without a word on how far others are.
+  struct Silent : Target {
+    const VoxelMap& map;
+    mutable int searches = 0;
+    bool tells;
+    Silent(const VoxelMap& m, bool t) : map(m), tells(t) {}
+    bool find(const Eigen::Vector3f& p, float most, TargetPoint& found) const override {
+      ++searches;
+      return map.find(p, most, found);
+    }
+    bool find_nearest(const Eigen::Vector3f& p, float most, TargetPoint& found,
+                      float& others) const override {
+      if (!tells) return Target::find_nearest(p, most, found, others);
+      ++searches;
+      return map.find_nearest(p, most, found, others);
+    }
+    bool finds_nearest() const override { return true; }
+    std::size_t size() const override { return map.size(); }
+  };
+  VoxelMap map;
+  map.insert(room(0.01), Eigen::Vector3d::Zero());
+  Cloud source = transformed(room(0.023), se3_exp(twist(0.02, -0.03, 0.01, 0.02, 0.01, -0.03)));
+  Random random(5);
+  for (Eigen::Vector3f& p : source.points)
+    for (int axis = 0; axis < 3; ++axis) p[axis] += static_cast<float>(random.normal(0, 0.004));
+  RegistrationSettings settings;
+  settings.max_distance = 0.1;
+  settings.epsilon_translation = settings.epsilon_rotation = 1e-7;
+  const Silent silent(map, false), telling(map, true);
+  const auto expected = register_cloud(source, silent, Eigen::Isometry3d::Identity(), settings);
+  const auto result = register_cloud(source, telling, Eigen::Isometry3d::Identity(), settings);
+  ASSERT_GT(expected.rms.size(), 5u);
+  EXPECT_EQ(result.T_target_source.matrix(), expected.T_target_source.matrix());
+  EXPECT_EQ(result.rms, expected.rms);
+  EXPECT_LT(2 * telling.searches, silent.searches);
 }
 
 TEST(VoxelMap, AveragesWhatIsSeenOften) {
