@@ -59,9 +59,10 @@ Vector3i random_cell(Random& random, int reach) {
   return at;
 }
 
-TEST(DistanceField, IsExactThroughChanges) {
+void expect_exact_through_changes(int reach) {
   Random random(3);
-  DistanceField field(cell, {0.6});
+  const double truncation = reach * cell;
+  DistanceField field(cell, {truncation});
   Obstacles obstacles;
   for (int step = 0; step < 6; ++step) {
     const std::vector<Vector3i> before = obstacles.cells();
@@ -72,12 +73,17 @@ TEST(DistanceField, IsExactThroughChanges) {
     for (int i = 0; i < 1500; ++i) {
       const Vector3i at = random_cell(random, 36);
       const Eigen::Vector3f centre = ((at.cast<float>().array() + 0.5f) * static_cast<float>(cell)).matrix();
-      // Beyond the reach of twelve cells nothing is told apart.
+      // Beyond the reach nothing is told apart.
       const double truth = exact(cells, at, 1e9);
-      ASSERT_NEAR(field.cell_distance(centre), truth <= 12 * cell + 1e-9 ? truth : 0.6, 1e-6)
-          << "step " << step << ", cell " << at.transpose();
+      ASSERT_NEAR(field.cell_distance(centre), truth <= truncation + 1e-9 ? truth : truncation, 1e-6)
+          << "reach " << reach << ", step " << step << ", cell " << at.transpose();
     }
   }
+}
+
+TEST(DistanceField, IsExactThroughChanges) {
+  expect_exact_through_changes(12);
+  expect_exact_through_changes(40);  // several blocks away
 }
 
 TEST(DistanceField, OfNothingKeepsNothing) {
