@@ -22,8 +22,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds longest_wait{100};  // a stop request is seen within this time
 constexpr std::chrono::seconds status_period{1};
-constexpr std::chrono::seconds longest_drain{2};  // of what still arrives when a stop is asked
-constexpr unsigned longest_stop = 60;             // s, above a supervisor's own patience
+constexpr std::chrono::milliseconds look_period{50};  // a node that has changed its state says so within it
+constexpr std::chrono::seconds longest_drain{2};      // of what still arrives when a stop is asked
+constexpr unsigned longest_stop = 60;                 // s, above a supervisor's own patience
 
 class Process {
  public:
@@ -44,7 +45,8 @@ class Process {
     yield_to_receivers();  // after the receivers' threads have started
     spdlog::info("{} {} runs", name_, lcmslam_version);
 
-    Clock::time_point next_status = Clock::now();
+    // A report counts what is in a map: too much to be asked for after each message.
+    Clock::time_point next_status = Clock::now(), next_look = next_status;
     Clock::duration wait{0};
     int last_state = -1;
     while (!stop_requested()) {
@@ -52,13 +54,16 @@ class Process {
       if (receiver.take(arrival, wait)) handle(arrival);
       const auto work = node_->work();
       wait = std::min<Clock::duration>(work.value_or(longest_wait), longest_wait);
-      const NodeReport report = node_->report();
-      if (report.state != last_state || Clock::now() >= next_status) {
-        publish_status(report, receiver);
-        last_state = report.state;
-        next_status = Clock::now() + status_period;
+      if (Clock::now() >= next_look) {
+        const NodeReport report = node_->report();
+        if (report.state != last_state || Clock::now() >= next_status) {
+          publish_status(report, receiver);
+          last_state = report.state;
+          next_status = Clock::now() + status_period;
+        }
+        next_look = Clock::now() + look_period;
       }
-      wait = std::max(Clock::duration{0}, std::min(wait, next_status - Clock::now()));
+      wait = std::max(Clock::duration{0}, std::min(wait, next_look - Clock::now()));
     }
     drain(receiver);
     node_->finish();
