@@ -22,6 +22,7 @@ struct LiveMapSettings {
   double moved_distance = 0.02;
   double moved_angle = 0.01;
   int distance_every = 3;
+  int refit_every = 5;
   bool background = true;
 
   void describe(SettingsVisitor& s) {
@@ -33,6 +34,10 @@ struct LiveMapSettings {
         "distance_every", distance_every, "", {1, 1000},
         "so many frames distances follow free and occupied space, and with each keyframe; what the newest "
         "frame shows counts at once");
+    s.number(
+        "refit_every", refit_every, "", {1, 1000},
+        "so many frames a keyframe's part of the surface follows the graph, the one that has moved most; "
+        "all do when no more frames come, and before a map is saved");
     s.flag("background", background,
            "what is made anew is made beside the frames; without it the frames wait, and the same log gives "
            "the same maps");

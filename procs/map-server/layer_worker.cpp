@@ -8,6 +8,7 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t most_jobs = 256;
+constexpr std::chrono::milliseconds quiet_time{500};  // without a job: there is time for all that is left
 
 /// Colour costs more than depth, and space does not ask for it.
 RgbdFrame decoded(EncodedFrame frame, const RgbdCalibration& calibration, bool with_colour) {
@@ -38,7 +39,7 @@ void LayerWorker::begin_map(const RgbdCalibration& calibration) {
   map_ = std::move(map);
   jobs_.clear();
   newest_ = {};
-  unfinished_ = false;
+  unfinished_ = due_ = false;
 }
 
 void LayerWorker::show(Frame frame, const FramePose& pose, bool with_colour) {
@@ -82,6 +83,7 @@ void LayerWorker::correct(std::map<int, Eigen::Isometry3d> T_map_camera) {
 void LayerWorker::hand_in(Job job, bool newest_counts) {
   std::unique_lock<std::mutex> lock(mutex_);
   if (!map_) return;
+  quiet_ = false;
   if (newest_counts) {
     if (newest_) ++state_.left_out;
     newest_ = std::move(job);
@@ -100,7 +102,11 @@ void LayerWorker::hand_in(Job job, bool newest_counts) {
 void LayerWorker::work() {
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stop_) {
-    wake_.wait(lock, [&] { return stop_ || has_work(); });
+    const auto called = [&] { return stop_ || has_work(); };
+    if (!unfinished_)
+      wake_.wait(lock, called);
+    else if (!wake_.wait_for(lock, quiet_time, called))
+      quiet_ = due_ = true;
     while (!stop_ && step(lock)) {
     }
     idle_.notify_all();
@@ -108,7 +114,7 @@ void LayerWorker::work() {
 }
 
 bool LayerWorker::has_work() const {
-  return !jobs_.empty() || newest_ || unfinished_;
+  return !jobs_.empty() || newest_ || due_;
 }
 
 /// One thing that is to be done, without the lock; false: there is nothing.
@@ -137,6 +143,9 @@ bool LayerWorker::step(std::unique_lock<std::mutex>& lock) {
   lock.lock();
   busy_ = false;
   if (map == map_) unfinished_ = unfinished;
+  // While frames come, several corrections of the graph cost one fusion.
+  jobs_since_ = job ? jobs_since_ + 1 : 0;
+  due_ = unfinished_ && (quiet_ || jobs_since_ >= settings_.refit_every);
   if (error.empty()) return true;
   ++state_.failed;
   state_.error = error;

@@ -67,9 +67,11 @@ class LayerWorker {
   mutable std::mutex mutex_;  // guards what follows; not held while a job is done
   std::condition_variable wake_, idle_;
   std::shared_ptr<LiveMap> map_;
-  std::deque<Job> jobs_;     // keyframes and corrections
-  Job newest_;               // frame
-  bool unfinished_ = false;  // the surface may have keyframes to fuse anew
+  std::deque<Job> jobs_;  // keyframes and corrections
+  Job newest_;            // frame
+  // The surface may have keyframes to fuse anew; it is time for one of them, or for all as no job comes.
+  bool unfinished_ = false, due_ = false, quiet_ = false;
+  int jobs_since_ = 0;  // that one was
   bool stop_ = false, busy_ = false;
   State state_;
   std::thread thread_;

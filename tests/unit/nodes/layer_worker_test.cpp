@@ -1,0 +1,77 @@
+#include "procs/map-server/layer_worker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <lcmslam/imaging/io/codec.hpp>
+
+namespace lcmslam {
+namespace {
+
+RgbdCalibration some_camera() {
+  RgbdCalibration calibration;
+  calibration.colour = calibration.depth = CameraModel{160, 120, 140, 140, 79.5, 59.5, {}};
+  calibration.depth_registered = true;
+  return calibration;
+}
+
+/// 2 m away.
+LayerWorker::Frame wall() {
+  RgbdFrame frame;
+  frame.depth = cv::Mat(120, 160, CV_16UC1, cv::Scalar(2000));
+  frame.depth.at<std::uint16_t>(0, 0) = 2001;  // one single value would be no depth at all
+  frame.colour = cv::Mat(120, 160, CV_8UC3, cv::Scalar(50, 100, 150));
+  return std::make_shared<EncodedFrame>(encode(frame));
+}
+
+/// Looks along x.
+FramePose at(double x) {
+  return {Eigen::Translation3d(x, 0, 1) * optical_axes(), Eigen::Isometry3d::Identity()};
+}
+
+LiveMapSettings settings(bool background, int refit_every) {
+  LiveMapSettings s;
+  s.background = background;
+  s.refit_every = refit_every;
+  s.surface.voxel_size = 0.04;
+  s.surface.coarse_voxel_size = 0.16;
+  return s;
+}
+
+/// Where the surface stands, m.
+double mean_x(const LayerWorker& worker) {
+  const Mesh mesh = worker.map()->mesh();
+  double sum = 0;
+  for (const Eigen::Vector3f& v : mesh.vertices) sum += static_cast<double>(v.x());
+  return sum / static_cast<double>(mesh.vertices.size());
+}
+
+TEST(LayerWorker, WhileFramesComeTheSurfaceFollowsTheGraphNowAndThen) {
+  LayerWorker worker(settings(false, 3));
+  worker.begin_map(some_camera());
+  worker.keep(1, wall(), at(0));
+  worker.correct({{1, at(0.2).T_map_camera}});
+  EXPECT_NEAR(mean_x(worker), 2, 0.02);
+  worker.correct({{1, at(0.4).T_map_camera}});
+  EXPECT_NEAR(mean_x(worker), 2.4, 0.02);
+  worker.show(wall(), at(0.4), false);
+  worker.correct({{1, at(0.1).T_map_camera}});
+  EXPECT_NEAR(mean_x(worker), 2.4, 0.02);
+  worker.settle(std::chrono::seconds(0));  // as before a map is saved
+  EXPECT_NEAR(mean_x(worker), 2.1, 0.02);
+}
+
+TEST(LayerWorker, WhenNoMoreFramesComeAllOfItDoes) {
+  LayerWorker worker(settings(true, 1000));
+  worker.begin_map(some_camera());
+  worker.keep(1, wall(), at(0));
+  worker.keep(2, wall(), at(0));
+  worker.correct({{1, at(0.4).T_map_camera}, {2, at(0.4).T_map_camera}});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto arrived = [&] { return worker.state().kept == 2 && std::abs(mean_x(worker) - 2.4) < 0.02; };
+  while (!arrived() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_NEAR(mean_x(worker), 2.4, 0.02);
+}
+
+}  // namespace
+}  // namespace lcmslam
