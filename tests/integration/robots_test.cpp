@@ -55,7 +55,9 @@ TEST_F(TwoRobots, HearThemselvesAlone) {
   EXPECT_GT(bus_.count("ed/ODOMETRY"), 0U);
   for (const std::string robot : {"dora", "ed"}) {
     std::set<std::int64_t> senders;
-    for (const auto& in : status(robot, "surf")->inputs) {
+    const auto surf = status(robot, "surf");
+    ASSERT_TRUE(surf);
+    for (const auto& in : surf->inputs) {
       if (in.channel == "CAMERA") senders.insert(in.sender);
       EXPECT_EQ(in.lost, 0) << robot << " " << in.channel;
     }

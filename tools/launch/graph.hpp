@@ -15,7 +15,7 @@ struct GraphOptions {
   std::string log_level = "info";
   std::vector<std::string> overrides;  ///< section.key=value, handed to every process
   std::filesystem::path folder;        ///< logs/ below it takes the processes' output
-  std::string host;                    ///< this one's name in the configuration; empty: the machine's
+  std::string host{};                  ///< this one's name in the configuration; empty: the machine's
 };
 
 struct Graph {
