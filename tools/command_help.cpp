@@ -7,6 +7,7 @@ namespace lcmslam {
 const char* command_help(const std::string& command) {
   static const std::pair<const char*, const char*> lines[] = {
       {"batch", "run the whole graph in one process straight from a log, or many logs side by side"},
+      {"calibrate", "cameras, their place on the robot and its wheels, from a board or a drive"},
       {"collect", "the results of many logs in one table and page, beside another farm's"},
       {"completion", "print the completion of this command for bash or zsh; write its manual pages"},
       {"config", "say what can be configured; check a file"},

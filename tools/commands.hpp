@@ -11,6 +11,7 @@ namespace lcmslam {
 const std::vector<Command>& commands();
 
 int batch_command(int argc, char** argv);
+int calibrate_command(int argc, char** argv);
 int collect_command(int argc, char** argv);
 int completion_command(int argc, char** argv);
 int config_command(int argc, char** argv);

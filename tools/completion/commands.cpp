@@ -1,5 +1,6 @@
 #include "tools/commands.hpp"
 
+#include "tools/calibrate/calibrate_commands.hpp"
 #include "tools/command_help.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/map/map_commands.hpp"
@@ -15,6 +16,7 @@ Command described(const char* name, int (*run)(int, char**), std::vector<Command
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {described("batch", batch_command),
+                                           described("calibrate", calibrate_command, calibrate_subcommands()),
                                            described("collect", collect_command),
                                            described("completion", completion_command),
                                            described("config", config_command),

@@ -21,6 +21,7 @@ int study(int, char** argv) {
 int main(int argc, char** argv) {
   using namespace lcmslam;
   return run_commands({{"batch", tools},
+                       {"calibrate", tools},
                        {"collect", tools},
                        {"completion", study},
                        {"config", tools},

@@ -6,6 +6,7 @@
 int main(int argc, char** argv) {
   using namespace lcmslam;
   return run_commands({{"batch", batch_command},
+                       {"calibrate", calibrate_command},
                        {"collect", collect_command},
                        {"config", config_command},
                        {"evaluate", evaluate_command},

@@ -155,6 +155,7 @@ RgbdCalibration read_calibration(const ConfigNode& config) {
   if (config.has("depth_noise")) calibration.depth_noise = read_noise(config.section("depth_noise"));
   calibration.depth_min = config.get("depth_min", calibration.depth_min, Range{0, 65});
   calibration.depth_max = config.get("depth_max", calibration.depth_max, Range{0, 65.535});
+  config.ignore("covariance");  // how sure all that is: for people and tools that weigh it
   calibration.pixel_sigma = config.get("pixel_sigma", calibration.pixel_sigma, Range{1e-3, 100});
   check(calibration, config);
   return calibration;
