@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
+#include <lcmslam/self_calibration/cost_functions.hpp>
 #include <lcmslam/self_calibration/depth_patch.hpp>
 #include <lcmslam/self_calibration/marginal_covariance.hpp>
 #include <lcmslam/self_calibration/residuals.hpp>
@@ -158,9 +160,7 @@ class Adjustment {
   }
 
   void build() {
-    using namespace residuals;
-    ceres::Problem::Options options;
-    problem_ = std::make_unique<ceres::Problem>(options);
+    problem_ = std::make_unique<ceres::Problem>();
     const double width = kernel_sigmas / settings_.correlation;
     double* intrinsics = model_.values.data() + head::fx;
     double* extrinsics = model_.values.data() + head::tx;
@@ -169,35 +169,16 @@ class Adjustment {
     for (const Comparison& c : comparisons_) {
       double* pose = poses_[static_cast<std::size_t>(c.keyframe)].data();
       double* point = scene_.landmarks[c.landmark].point.data();
-      auto* pixel = new Reprojection(c.pixel);
-      pixel->sigma *= scales_.pixel * settings_.correlation;
-      problem_->AddResidualBlock(new ceres::AutoDiffCostFunction<Reprojection, 2, 6, 3, 9, 1>(pixel),
-                                 new ceres::CauchyLoss(width), pose, point, intrinsics, rows);
+      residuals::Reprojection pixel = c.pixel;
+      pixel.sigma *= scales_.pixel * settings_.correlation;
+      problem_->AddResidualBlock(cost_of(pixel), new ceres::CauchyLoss(width), pose, point, intrinsics, rows);
       if (!c.patch) continue;
-      Patch patch = *c.patch;
-      patch.sigma *= scales_.depth * settings_.correlation;
-      if (model_.registered()) {
-        auto* surface = new SurfaceOfColour{c.pixel.T_start, c.pixel.twist, {}, c.lag, c.row, patch};
-        std::copy(rational_, rational_ + 3, surface->rational);
-        problem_->AddResidualBlock(new ceres::AutoDiffCostFunction<SurfaceOfColour, 1, 6, 3, 9, 4>(surface),
-                                   new ceres::CauchyLoss(width), pose, point, intrinsics, depth);
-      } else {
-        const CameraModel& d = model_.start.depth;
-        auto* surface = new SurfaceOfOwnCamera{c.pixel.T_start,
-                                               model_.start.T_colour_depth,
-                                               c.pixel.twist,
-                                               {d.fx, d.fy, d.cx, d.cy},
-                                               {},
-                                               {},
-                                               c.lag,
-                                               c.row,
-                                               patch};
-        for (std::size_t i = 0; i < d.distortion.size(); ++i)
-          (i < 5 ? surface->lens[i] : surface->rational[i - 5]) = d.distortion[i];
-        problem_->AddResidualBlock(
-            new ceres::AutoDiffCostFunction<SurfaceOfOwnCamera, 1, 6, 3, 6, 4>(surface),
-            new ceres::CauchyLoss(width), pose, point, extrinsics, depth);
-      }
+      if (model_.registered())
+        problem_->AddResidualBlock(cost_of(surface_of_colour(c)), new ceres::CauchyLoss(width), pose, point,
+                                   intrinsics, depth);
+      else
+        problem_->AddResidualBlock(cost_of(surface_of_own_camera(c)), new ceres::CauchyLoss(width), pose,
+                                   point, extrinsics, depth);
     }
     add_priors();
     // The first keyframe that is compared to anything is the world.
@@ -208,6 +189,33 @@ class Adjustment {
       }
   }
 
+  residuals::Patch weighed(residuals::Patch patch) const {
+    patch.sigma *= scales_.depth * settings_.correlation;
+    return patch;
+  }
+
+  residuals::SurfaceOfColour surface_of_colour(const Comparison& c) const {
+    residuals::SurfaceOfColour surface{c.pixel.T_start, c.pixel.twist, {}, c.lag, c.row, weighed(*c.patch)};
+    std::copy(rational_, rational_ + 3, surface.rational);
+    return surface;
+  }
+
+  residuals::SurfaceOfOwnCamera surface_of_own_camera(const Comparison& c) const {
+    const CameraModel& d = model_.start.depth;
+    residuals::SurfaceOfOwnCamera surface{c.pixel.T_start,
+                                          model_.start.T_colour_depth,
+                                          c.pixel.twist,
+                                          {d.fx, d.fy, d.cx, d.cy},
+                                          {},
+                                          {},
+                                          c.lag,
+                                          c.row,
+                                          weighed(*c.patch)};
+    for (std::size_t i = 0; i < d.distortion.size(); ++i)
+      (i < 5 ? surface.lens[i] : surface.rational[i - 5]) = d.distortion[i];
+    return surface;
+  }
+
   /// Held numbers leave their block.
   void add_priors() {
     for (const Block& block : head_blocks) {
@@ -216,17 +224,11 @@ class Adjustment {
       std::vector<int> held;
       for (int i = 0; i < block.size; ++i) {
         const auto p = static_cast<std::size_t>(block.first + i);
-        if (!(prior_sigmas_[p] > 0)) {
+        if (prior_sigmas_[p] > 0)
+          problem_->AddResidualBlock(
+              cost_of(residuals::Prior{i, prior_values_[p], prior_sigmas_[p]}, block.size), nullptr, values);
+        else
           held.push_back(i);
-          continue;
-        }
-        auto* prior = new residuals::Prior{i, prior_values_[p], prior_sigmas_[p]};
-        ceres::CostFunction* cost = nullptr;
-        if (block.size == 9) cost = new ceres::AutoDiffCostFunction<residuals::Prior, 1, 9>(prior);
-        if (block.size == 6) cost = new ceres::AutoDiffCostFunction<residuals::Prior, 1, 6>(prior);
-        if (block.size == 4) cost = new ceres::AutoDiffCostFunction<residuals::Prior, 1, 4>(prior);
-        if (block.size == 1) cost = new ceres::AutoDiffCostFunction<residuals::Prior, 1, 1>(prior);
-        problem_->AddResidualBlock(cost, nullptr, values);
       }
       if (static_cast<int>(held.size()) == block.size)
         problem_->SetParameterBlockConstant(values);
@@ -234,13 +236,10 @@ class Adjustment {
         problem_->SetManifold(values, new ceres::SubsetManifold(block.size, held));
     }
     constexpr double one_focal_length = 1e-5;
-    auto* aspect = new residuals::Aspect{prior_values_[head::fx] / prior_values_[head::fy],
-                                         std::max(one_focal_length, aspect_sigma_)};
     if (prior_sigmas_[head::fx] > 0)
-      problem_->AddResidualBlock(new ceres::AutoDiffCostFunction<residuals::Aspect, 1, 9>(aspect), nullptr,
-                                 model_.values.data() + head::fx);
-    else
-      delete aspect;
+      problem_->AddResidualBlock(cost_of(residuals::Aspect{prior_values_[head::fx] / prior_values_[head::fy],
+                                                           std::max(one_focal_length, aspect_sigma_)}),
+                                 nullptr, model_.values.data() + head::fx);
   }
 
   std::vector<double*> used_landmarks() {

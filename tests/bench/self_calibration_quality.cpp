@@ -13,6 +13,7 @@
 #include <lcmslam/odometry/wheel_odometry.hpp>
 #include <lcmslam/self_calibration/recorded_scene.hpp>
 #include <lcmslam/self_calibration/self_calibration_text.hpp>
+#include "procs/camera/camera_log.hpp"
 #include "procs/camera/camera_source.hpp"
 
 namespace lcmslam {
@@ -54,8 +55,10 @@ Errors errors_of(const HeadModel& found, const RgbdCalibration& truth, const Bun
               M_PI};
 }
 
-Errors measure(const SimulationSourceSettings& settings, const Off& off, bool verbose) {
-  const auto source = make_simulation_source(settings);
+/// `log`: a recording whose calibration is the truth; empty: it is rendered.
+Errors measure(const SimulationSourceSettings& settings, const std::string& log, const Off& off,
+               bool verbose) {
+  const auto source = log.empty() ? make_simulation_source(settings) : open_log(log);
   const RgbdCalibration truth = source->calibration(), start = spoiled(truth, off, settings.simulation.seed);
   RecordedScene recording(start, {});
   WheelOdometry wheels;
@@ -101,6 +104,9 @@ int main(int argc, char** argv) {
   Off off;
   int first = 1, seeds = 10;
   bool verbose = false;
+  std::string log;
+  app.add_option("--log", log, "a recording whose calibration is the truth, in the place of the simulation")
+      ->check(CLI::ExistingFile);
   app.add_option("--scene", settings.simulation.scene, "scene (YAML)")->check(CLI::ExistingFile);
   app.add_option("--head", settings.simulation.head, "rgbd, tof or one of config/heads");
   app.add_option("--seconds", settings.simulation.seconds, "of the drive");
@@ -122,7 +128,7 @@ int main(int argc, char** argv) {
   Errors worst{};
   for (int i = first; i < first + seeds; ++i) {
     settings.simulation.seed = static_cast<std::uint64_t>(i);
-    const Errors e = measure(settings, off, verbose);
+    const Errors e = measure(settings, log, off, verbose);
     std::printf("| %d | %.3f (%.3f) | %.2f (%.2f) | %.3f (%.3f) |\n", i, 100 * e.focal, 100 * e.focal_sigma,
                 1e3 * e.translation, 1e3 * e.translation_sigma, e.degrees, e.degrees_sigma);
     std::fflush(stdout);

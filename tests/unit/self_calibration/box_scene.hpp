@@ -96,6 +96,19 @@ inline SceneObservations seen_room(const RgbdCalibration& head, const std::vecto
   return scene;
 }
 
+/// Pixels off by `pixels`, depths by the calibration's noise: pixel by pixel.
+inline void add_noise(SceneObservations& scene, double pixels, const DepthNoise& depth, std::uint64_t seed) {
+  Random random(seed);
+  for (auto& landmark : scene.landmarks)
+    for (auto& sighting : landmark.sightings)
+      sighting.pixel += pixels * Eigen::Vector2d(random.normal(), random.normal());
+  for (auto& keyframe : scene.keyframes)
+    for (float& inverse : cv::Mat_<float>(keyframe.inverse_depth)) {
+      const double z = 1 / static_cast<double>(inverse);
+      inverse = static_cast<float>(1 / (z + depth.sigma(z) * random.normal()));
+    }
+}
+
 inline Shot shot(const Eigen::Vector3d& place, const Eigen::Vector3d& turn,
                  const Vector6d& twist = Vector6d::Zero()) {
   Shot s;

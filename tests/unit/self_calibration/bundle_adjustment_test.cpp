@@ -124,10 +124,7 @@ TEST(SelfCalibration, RefusesARecordingThatShowsNothing) {
 TEST(SelfCalibration, KnowsItsErrors) {
   const RgbdCalibration truth = true_head();
   SceneObservations scene = seen_room(truth, rich_motion(), 400);
-  Random random(3);
-  for (auto& landmark : scene.landmarks)
-    for (auto& sighting : landmark.sightings)
-      sighting.pixel += 0.4 * Eigen::Vector2d(random.normal(), random.normal());
+  add_noise(scene, 0.4, truth.depth_noise, 3);
   HeadModel model(spoiled(truth));
   BundleSettings settings;
   settings.correlation = 1;  // these are independent
@@ -135,8 +132,8 @@ TEST(SelfCalibration, KnowsItsErrors) {
   EXPECT_NEAR(result.pixel_scale, 0.4, 0.08);
   const double off = std::abs(model.values[head::fx] - truth.colour.fx);
   EXPECT_LT(off, 4 * result.sigmas[head::fx]);
-  EXPECT_LT(result.sigmas[head::fx], 0.3);
-  EXPECT_GT(result.sigmas[head::fx], 0.002);
+  EXPECT_LT(result.sigmas[head::fx], 0.8);
+  EXPECT_GT(result.sigmas[head::fx], 0.02);
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+// From images to a calibration: a short drive that the simulation renders, begun beside the truth.
+
+#include <lcmslam/self_calibration/recorded_scene.hpp>
+
+#include <gmock/gmock.h>
+
+#include <lcmslam/imaging/io/calibration_file.hpp>
+#include <lcmslam/odometry/wheel_odometry.hpp>
+#include <lcmslam/self_calibration/odometry_clock.hpp>
+#include <lcmslam/self_calibration/self_calibration_text.hpp>
+#include <lcmslam/simulation/simulation.hpp>
+
+namespace lcmslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr Utime frame_period = 250'000;  // us
+
+struct Drive {
+  RgbdCalibration truth, start;
+  std::unique_ptr<RecordedScene> recording;
+  OdometryClock clock;
+};
+
+/// Some seconds of the kitchen in which the robot turns, rendered once.
+const Drive& drive() {
+  static const Drive once = [] {
+    SimulationSettings settings;
+    settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
+    settings.head = "rgbd";
+    const Simulation simulation(settings);
+    Drive d;
+    d.truth = d.start = simulation.calibration();
+    d.start.colour.fx *= 1.03, d.start.colour.fy *= 1.03;
+    d.start.T_colour_depth.translation() += Eigen::Vector3d(0.012, -0.012, 0.011);
+    d.start.T_colour_depth.linear() = so3_exp({0.01, 0.01, -0.01}) * d.start.T_colour_depth.linear();
+    d.recording = std::make_unique<RecordedScene>(d.start, RecordedSceneSettings{});
+    WheelOdometry wheels;
+    constexpr Utime late = 20'000;  // us, of the wheels' stamps
+    Utime next_frame = simulation.start() + 3'000'000;
+    for (Utime t = simulation.start(); t < simulation.start() + 13'000'000; t += 20'000) {
+      Encoders encoders = simulation.encoders(t);
+      if (const auto sample = wheels.update(encoders)) {
+        d.recording->add(*sample);
+        MotionSample shifted = *sample;
+        shifted.utime += late;
+        d.clock.add_odometry(shifted);
+      }
+    }
+    for (; next_frame < simulation.start() + 12'000'000; next_frame += frame_period)
+      d.recording->add(simulation.render(next_frame));
+    for (const auto& pose : d.recording->path()) d.clock.add_camera(pose.utime, pose.T_world_camera);
+    return d;
+  }();
+  return once;
+}
+
+TEST(RecordedScene, CalibratesAHeadFromAShortDrive) {
+  const Drive& d = drive();
+  SceneObservations scene = d.recording->observations();
+  EXPECT_GT(scene.keyframes.size(), 15U);
+  HeadModel model(d.start);
+  const BundleSettings settings;
+  const BundleResult result = adjust_bundle(model, scene, {}, settings);
+  const std::string report = report_text(model, result, settings);
+  EXPECT_LT(std::abs(model.colour().fx / d.truth.colour.fx - 1), 0.01) << report;
+  EXPECT_LT(distance_between(model.T_colour_depth(), d.truth.T_colour_depth), 0.008) << report;
+  EXPECT_LT(angle_between(model.T_colour_depth(), d.truth.T_colour_depth), 0.006) << report;
+  EXPECT_THAT(report, HasSubstr("depth_scale"));
+  EXPECT_FALSE(is_observed(result, head::depth_scale, settings)) << report;
+
+  // What is written is a calibration that reads back as what was found.
+  const RgbdCalibration back = read_calibration(ConfigNode::parse(calibration_yaml(model, result, "a\nb")));
+  EXPECT_NEAR(back.colour.fx, model.colour().fx, 1e-4);
+  EXPECT_LT(distance_between(back.T_colour_depth, model.T_colour_depth()), 1e-6);
+  EXPECT_TRUE(back.has_mount);
+  EXPECT_LT(distance_between(back.T_robot_camera, d.truth.T_robot_camera), 1e-6);
+}
+
+TEST(RecordedScene, FindsThatTheWheelsStampsAreLate) {
+  const auto found = drive().clock.estimate();
+  ASSERT_TRUE(found.known) << found.reason;
+  EXPECT_NEAR(found.offset, -0.020, 0.003) << found.sigma;
+}
+
+TEST(RecordedScene, SaysWhatARecordingThatStandsStillLacks) {
+  RecordedScene recording(drive().truth, {});
+  try {
+    recording.observations();
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the camera must move"));
+  }
+}
+
+}  // namespace
+}  // namespace lcmslam
