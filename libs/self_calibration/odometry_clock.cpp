@@ -13,6 +13,7 @@ namespace {
 constexpr Utime longest_gap = 500'000;  // us, between odometry's samples
 constexpr std::size_t fewest_steps = 10;
 constexpr double tolerance = 1e-5;  // s
+constexpr int phases = 8;
 
 Utime microseconds_of(double s) {
   return std::llround(1e6 * s);
@@ -32,13 +33,17 @@ OdometryClock::OdometryClock(const OdometryClockSettings& settings) : settings_(
 }
 
 void OdometryClock::add_camera(Utime utime, const Eigen::Isometry3d& T_world_camera) {
-  const double since = 1e-6 * static_cast<double>(utime - last_utime_);
-  if (last_utime_ != 0 && since < 0) steps_.clear();
-  if (last_utime_ != 0 && since > 0 && since <= settings_.longest_step)
-    steps_.push_back(
-        {last_utime_, utime, so3_log(T_world_last_.linear().transpose() * T_world_camera.linear())});
+  if (last_utime_ != 0)
+    add_camera_step(last_utime_, utime,
+                    so3_log(T_world_last_.linear().transpose() * T_world_camera.linear()));
   last_utime_ = utime;
   T_world_last_ = T_world_camera;
+}
+
+void OdometryClock::add_camera_step(Utime from, Utime to, const Eigen::Vector3d& turn) {
+  if (to < from || (!steps_.empty() && from < steps_.back().from)) steps_.clear();
+  const double since = 1e-6 * static_cast<double>(to - from);
+  if (since > 0 && since <= settings_.longest_step) steps_.push_back({from, to, turn});
 }
 
 void OdometryClock::add_odometry(const MotionSample& sample) {
@@ -66,6 +71,21 @@ std::optional<Eigen::Vector3d> OdometryClock::odometry_turn(Utime from, Utime to
   return turn.angle() * turn.axis();
 }
 
+// Between two samples odometry's noise averages: stamps that fall there would look better than they are. The
+// mean over two periods looks the same wherever stamps fall.
+std::optional<Eigen::Vector3d> OdometryClock::odometry_turn_around(Utime from, Utime to) const {
+  const Utime period = (odometry_.back().first - odometry_.front().first) /
+                       static_cast<Utime>(std::max<std::size_t>(1, odometry_.size() - 1));
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int i = 0; i < phases; ++i) {
+    const Utime shift = (2 * i + 1 - phases) * period / phases;
+    const auto turn = odometry_turn(from + shift, to + shift);
+    if (!turn) return std::nullopt;
+    sum += *turn;
+  }
+  return sum / phases;
+}
+
 // The rotation between both frames and the scale that leave the least (Kabsch 1976; Umeyama 1991).
 std::optional<OdometryClock::Likeness> OdometryClock::compare(double offset,
                                                               const std::vector<CameraStep>& steps) const {
@@ -74,7 +94,7 @@ std::optional<OdometryClock::Likeness> OdometryClock::compare(double offset,
   double camera2 = 0, odometry2 = 0;
   const Utime shift = microseconds_of(offset);
   for (const CameraStep& step : steps) {
-    const auto turn = odometry_turn(step.from - shift, step.to - shift);
+    const auto turn = odometry_turn_around(step.from - shift, step.to - shift);
     if (!turn) return std::nullopt;
     turns.push_back(*turn);
     C += step.turn * turns.back().transpose();
@@ -102,11 +122,13 @@ OdometryClock::Offset OdometryClock::estimate() const {
   std::vector<CameraStep> steps;
   const Utime range = microseconds_of(settings_.range);
   double turned = 0;
-  for (const CameraStep& step : steps_)
-    if (odometry_at(step.from - range) && odometry_at(step.to + range)) {
-      steps.push_back(step);
-      turned += step.turn.norm();
-    }
+  if (!odometry_.empty())
+    for (const CameraStep& step : steps_)
+      if (odometry_turn_around(step.from - range, step.to - range) &&
+          odometry_turn_around(step.from + range, step.to + range)) {
+        steps.push_back(step);
+        turned += step.turn.norm();
+      }
   const auto refuse = [&](const std::string& reason) {
     result.reason = reason;
     return result;
@@ -166,7 +188,8 @@ OdometryClock::Offset OdometryClock::estimate() const {
   result.scale = likeness->scale;
   result.likeness = likeness->correlation;
   result.steps = static_cast<int>(steps.size());
-  const double variance = likeness->rest / (3 * static_cast<double>(steps.size()));
+  // Wheels err about one axis: as if all that is left was there.
+  const double variance = likeness->rest / static_cast<double>(steps.size());
   result.sigma =
       curvature > 0 ? settings_.correlation * std::sqrt(2 * variance / curvature) : settings_.range;
   if (result.sigma > settings_.largest_sigma) {

@@ -38,6 +38,8 @@ class OdometryClock {
 
   /// In the order of their stamps; an older one begins anew.
   void add_camera(Utime utime, const Eigen::Isometry3d& T_world_camera);
+  /// The same as a step: the rotation vector of R_from_to, rad, camera frame.
+  void add_camera_step(Utime from, Utime to, const Eigen::Vector3d& turn);
   void add_odometry(const MotionSample& sample);
 
   struct Offset {
@@ -59,6 +61,7 @@ class OdometryClock {
   struct Likeness;
   std::optional<Eigen::Quaterniond> odometry_at(Utime utime) const;
   std::optional<Eigen::Vector3d> odometry_turn(Utime from, Utime to) const;
+  std::optional<Eigen::Vector3d> odometry_turn_around(Utime from, Utime to) const;
   std::optional<Likeness> compare(double offset, const std::vector<CameraStep>& steps) const;
 
   OdometryClockSettings settings_;

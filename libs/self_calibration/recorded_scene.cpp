@@ -68,6 +68,7 @@ void RecordedScene::add(const RgbdFrame& frame) {
   detector_->filter(filtered.depth, filtered.amplitude);
   FeatureFrame features =
       describe_frame(filtered, detector_->registration, Eigen::Isometry3d::Identity(), detector_->surf);
+  if (const auto step = turn_.add(features)) turns_.push_back(*step);
   const auto sample = odometry_.update(features);
   if (!sample || odometry_.report().status != VisualStatus::tracking) return;
   const Eigen::Isometry3d T = sample->T_odom_robot * features.T_robot_camera;

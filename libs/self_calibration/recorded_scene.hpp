@@ -16,6 +16,7 @@
 #include <lcmslam/imaging/depth_filter.hpp>
 #include <lcmslam/imaging/rgbd_frame.hpp>
 #include <lcmslam/odometry/visual_odometry.hpp>
+#include <lcmslam/self_calibration/camera_turn.hpp>
 #include <lcmslam/self_calibration/scene_observations.hpp>
 
 namespace lcmslam {
@@ -68,6 +69,8 @@ class RecordedScene {
     Eigen::Isometry3d T_world_camera;
   };
   const std::vector<PathPose>& path() const { return path_; }
+  /// How the camera turned from image to image, for OdometryClock.
+  const std::vector<CameraTurn::Step>& turns() const { return turns_; }
 
   /// Throws std::runtime_error when the recording shows too little.
   SceneObservations observations() const;
@@ -90,6 +93,8 @@ class RecordedScene {
   std::vector<PathPose> path_;
   std::vector<Keyframe> keyframes_;
   MotionBuffer wheels_;
+  CameraTurn turn_;
+  std::vector<CameraTurn::Step> turns_;
   int frames_ = 0;
 };
 

@@ -69,12 +69,13 @@ struct Reprojection {
   }
 };
 
-/// depth: scale, offset, clock, rows.
+/// depth: scale, offset, clock, rows. In what the sensor measures: a world that shrinks together with its
+/// scale must not err by less.
 template <class T>
 T depth_error(const Patch& patch, const T* pixel, const T& z, const T* depth) {
   const T inverse =
       patch.inverse + patch.along_u * (pixel[0] - patch.u) + patch.along_v * (pixel[1] - patch.v);
-  return (depth[0] / inverse + depth[1] - z) / patch.sigma;
+  return (T(1) / inverse - (z - depth[1]) / depth[0]) / patch.sigma;
 }
 
 /// A landmark and the surface that a depth camera of its own measured there; m by sigma.

@@ -15,12 +15,12 @@
 #include <lcmslam/messages/parts.hpp>
 #include <lcmslam/odometry/external_odometry.hpp>
 #include <lcmslam/odometry/twist_odometry.hpp>
-#include <lcmslam/odometry/visual_odometry.hpp>
 #include <lcmslam/odometry/wheel_odometry.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/pose_t.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/self_calibration/camera_turn.hpp>
 #include <lcmslam/self_calibration/odometry_clock.hpp>
 #include <lcmslam/surf/surf.hpp>
 
@@ -35,8 +35,7 @@ constexpr double noticeable = 0.005;  // s: at 60 degrees/s a third of a degree
 class ClockWatch {
  public:
   /// `motion`: the channel that odometry is taken from.
-  ClockWatch(std::string motion, bool features)
-      : motion_(std::move(motion)), features_(features), visual_({}, Random(1)) {}
+  ClockWatch(std::string motion, bool features) : motion_(std::move(motion)), features_(features) {}
 
   void take(const std::string& channel, const std::uint8_t* data, std::size_t size) {
     try {
@@ -93,9 +92,7 @@ class ClockWatch {
   }
 
   void take_features(const FeatureFrame& frame) {
-    const auto sample = visual_.update(frame);
-    if (sample && visual_.report().status == VisualStatus::tracking)
-      clock_.add_camera(frame.utime, sample->T_odom_robot * frame.T_robot_camera);
+    if (const auto step = turns_.add(frame)) clock_.add_camera_step(step->from, step->to, step->turn);
   }
 
   void take_calibration(const camera_calibration_t& message) {
@@ -112,7 +109,7 @@ class ClockWatch {
   bool features_;  // come as FEATURES; else they are made of CAMERA
   std::optional<DepthRegistration> registration_;
   Surf surf_;
-  VisualOdometry visual_;
+  CameraTurn turns_;
   WheelOdometry wheels_;
   TwistOdometry twist_;
   ExternalOdometry external_;

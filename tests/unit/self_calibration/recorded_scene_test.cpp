@@ -50,7 +50,7 @@ const Drive& drive() {
     }
     for (; next_frame < simulation.start() + 12'000'000; next_frame += frame_period)
       d.recording->add(simulation.render(next_frame));
-    for (const auto& pose : d.recording->path()) d.clock.add_camera(pose.utime, pose.T_world_camera);
+    for (const auto& step : d.recording->turns()) d.clock.add_camera_step(step.from, step.to, step.turn);
     return d;
   }();
   return once;
