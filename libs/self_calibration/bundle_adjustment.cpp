@@ -255,6 +255,9 @@ class Adjustment {
     options.linear_solver_type = ceres::DENSE_SCHUR;
     options.max_num_iterations = settings_.iterations;
     options.function_tolerance = 1e-7;
+    // Nearly Gauss and Newton's steps: head and scene move together along weak directions, which damping by
+    // the strong ones would hold.
+    options.initial_trust_region_radius = 1e6;
     options.logging_type = ceres::SILENT;
     auto* order = new ceres::ParameterBlockOrdering;
     for (double* landmark : used_landmarks()) order->AddElementToGroup(landmark, 0);

@@ -57,7 +57,7 @@ Errors errors_of(const HeadModel& found, const RgbdCalibration& truth, const Bun
 
 /// `log`: a recording whose calibration is the truth; empty: it is rendered.
 Errors measure(const SimulationSourceSettings& settings, const std::string& log, const Off& off,
-               bool verbose) {
+               const BundleSettings& bundle, bool verbose) {
   const auto source = log.empty() ? make_simulation_source(settings) : open_log(log);
   const RgbdCalibration truth = source->calibration(), start = spoiled(truth, off, settings.simulation.seed);
   RecordedScene recording(start, {});
@@ -69,7 +69,6 @@ Errors measure(const SimulationSourceSettings& settings, const std::string& log,
   }
   SceneObservations scene = recording.observations();
   HeadModel model(start);
-  const BundleSettings bundle;
   const BundleResult result = adjust_bundle(model, scene, {}, bundle);
   if (verbose) {
     HeadModel right(truth);
@@ -105,6 +104,9 @@ int main(int argc, char** argv) {
   int first = 1, seeds = 10;
   bool verbose = false;
   std::string log;
+  BundleSettings bundle;
+  app.add_option("--rounds", bundle.rounds, "of least squares");
+  app.add_option("--iterations", bundle.iterations, "of a round");
   app.add_option("--log", log, "a recording whose calibration is the truth, in the place of the simulation")
       ->check(CLI::ExistingFile);
   app.add_option("--scene", settings.simulation.scene, "scene (YAML)")->check(CLI::ExistingFile);
@@ -128,7 +130,7 @@ int main(int argc, char** argv) {
   Errors worst{};
   for (int i = first; i < first + seeds; ++i) {
     settings.simulation.seed = static_cast<std::uint64_t>(i);
-    const Errors e = measure(settings, log, off, verbose);
+    const Errors e = measure(settings, log, off, bundle, verbose);
     std::printf("| %d | %.3f (%.3f) | %.2f (%.2f) | %.3f (%.3f) |\n", i, 100 * e.focal, 100 * e.focal_sigma,
                 1e3 * e.translation, 1e3 * e.translation_sigma, e.degrees, e.degrees_sigma);
     std::fflush(stdout);
