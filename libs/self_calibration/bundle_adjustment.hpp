@@ -16,8 +16,8 @@
 namespace lcmslam {
 
 struct BundleSettings {
-  int rounds = 6;
-  int iterations = 12;
+  int rounds = 16;
+  int iterations = 8;
   double pixel_gate = 12;
   double depth_gate = 0.15;
   double correlation = 3;
