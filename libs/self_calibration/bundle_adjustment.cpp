@@ -22,8 +22,8 @@ namespace {
 constexpr std::size_t fewest_pixels = 100;
 constexpr double outlier_sigmas = 5;  // of the scale that was seen
 constexpr double kernel_sigmas = 2;   // beyond them a residual counts less
-constexpr double least_pixel = 0.02;  // pixels and shares of depth's noise: scales below are none
-constexpr double least_depth = 0.02;
+constexpr double least_pixel = 0.05;  // pixels and shares of depth's noise: scales below are none
+constexpr double least_depth = 0.05;
 
 /// The head's numbers as blocks of the problem.
 struct Block {
