@@ -4,6 +4,7 @@
 
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/messages/map_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 #include "procs/map-server/map_server_node.hpp"
 #include "tests/support/landmark_room.hpp"
 #include "tests/support/test_bus.hpp"
