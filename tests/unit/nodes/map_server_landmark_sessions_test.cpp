@@ -14,7 +14,7 @@ namespace lcmslam {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::LandmarkRoom;
+using testing_scene::LandmarkRoom;
 using testing::value_of;
 
 /// One life of a map server.

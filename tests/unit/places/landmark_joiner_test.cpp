@@ -7,7 +7,7 @@
 namespace lcmslam {
 namespace {
 
-using testing::LandmarkRoom;
+using testing_scene::LandmarkRoom;
 
 const Eigen::Isometry3d T_old_new = planar_pose(4, 1, -0.7);
 
