@@ -9,7 +9,7 @@
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/geometry/transform.hpp>
 
-namespace lcmslam::testing {
+namespace lcmslam::testing_scene {
 
 class LandmarkRoom {
  public:
@@ -75,4 +75,4 @@ class LandmarkRoom {
   std::vector<Thing> things_;
 };
 
-}  // namespace lcmslam::testing
+}  // namespace lcmslam::testing_scene

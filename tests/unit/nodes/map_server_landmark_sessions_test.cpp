@@ -4,6 +4,7 @@
 
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/messages/map_messages.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 #include "procs/map-server/map_server_node.hpp"
 #include "tests/support/landmark_room.hpp"
 #include "tests/support/test_bus.hpp"
@@ -13,13 +14,13 @@ namespace lcmslam {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::LandmarkRoom;
+using testing_scene::LandmarkRoom;
 using testing::value_of;
 
 /// One life of a map server.
-class Life {
+class LandmarkLife {
  public:
-  Life(const std::filesystem::path& folder, const std::string& mode, std::int64_t mapper)
+  LandmarkLife(const std::filesystem::path& folder, const std::string& mode, std::int64_t mapper)
       : node_(bus_.add<MapServerNode>(ConfigNode::parse("{folder: " + folder.string() + ", mode: " + mode +
                                                         ", layers: {make: false, background: false}}"))),
         mapper_(mapper) {}
@@ -67,7 +68,7 @@ class MapServerLandmarkSessions : public ::testing::Test {
  protected:
   std::filesystem::path file() const { return scratch_.path() / "map.lcmslam"; }
   void map_once() {
-    Life server(scratch_.path(), "map", 3);
+    LandmarkLife server(scratch_.path(), "map", 3);
     server.drive(room.mapped(Eigen::Isometry3d::Identity(), 1));
     EXPECT_EQ(server.value("landmark_sessions_joined"), 0);
     server.finish();
@@ -89,7 +90,7 @@ class MapServerLandmarkSessions : public ::testing::Test {
 
 TEST_F(MapServerLandmarkSessions, OneThatBeginsElsewhereIsJoined) {
   map_once();
-  Life server(scratch_.path(), "map", 13);
+  LandmarkLife server(scratch_.path(), "map", 13);
   EXPECT_GT(server.value("kept_landmarks"), 400);
   server.drive(room.mapped(elsewhere(), 2));
   EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
@@ -102,19 +103,19 @@ TEST_F(MapServerLandmarkSessions, OneThatBeginsElsewhereIsJoined) {
 TEST_F(MapServerLandmarkSessions, OneOfAnEarlierRunIsLookedForAgain) {
   map_once();
   {
-    Life without(scratch_.path(), "map, places: false", 13);
+    LandmarkLife without(scratch_.path(), "map, places: false", 13);
     without.drive(room.mapped(elsewhere(), 2));
     without.finish();
   }
   EXPECT_FALSE(MapFile(file()).sessions().back().T_map_session);
-  Life server(scratch_.path(), "map", 23);
+  LandmarkLife server(scratch_.path(), "map", 23);
   server.drive({});
   server.finish();
   expect_joined(2);
 }
 
 TEST_F(MapServerLandmarkSessions, AMapperThatBeginsAnewIsJoinedToItsLastMap) {
-  Life server(scratch_.path(), "map", 3);
+  LandmarkLife server(scratch_.path(), "map", 3);
   server.drive(room.mapped(Eigen::Isometry3d::Identity(), 1));
   server.drive(room.mapped(elsewhere(), 2), "map-2");
   EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
@@ -124,7 +125,7 @@ TEST_F(MapServerLandmarkSessions, AMapperThatBeginsAnewIsJoinedToItsLastMap) {
 
 TEST_F(MapServerLandmarkSessions, AnotherRoomIsNotJoined) {
   map_once();
-  Life server(scratch_.path(), "map", 13);
+  LandmarkLife server(scratch_.path(), "map", 13);
   server.drive(LandmarkRoom(2).mapped(elsewhere(), 2));
   EXPECT_EQ(server.value("landmark_sessions_joined"), 0);
   server.finish();
@@ -135,7 +136,7 @@ TEST_F(MapServerLandmarkSessions, WhoLocalisesWritesNothing) {
   map_once();
   const std::string before = scratch_.read("map.lcmslam");
   testing::ScratchFolder run;
-  Life server(run.path(), "localise, map: " + file().string(), 13);
+  LandmarkLife server(run.path(), "localise, map: " + file().string(), 13);
   server.drive(room.mapped(elsewhere(), 2));
   EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
   server.finish();

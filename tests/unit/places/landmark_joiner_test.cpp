@@ -7,22 +7,22 @@
 namespace lcmslam {
 namespace {
 
-using testing::LandmarkRoom;
+using testing_scene::LandmarkRoom;
 
-const Eigen::Isometry3d T_map_session = planar_pose(4, 1, -0.7);
+const Eigen::Isometry3d T_old_new = planar_pose(4, 1, -0.7);
 
 class LandmarkJoinerTest : public ::testing::Test {
  protected:
   LandmarkJoinerTest() { map.add(room.mapped(Eigen::Isometry3d::Identity(), 1)); }
   static void expect_right(const Eigen::Isometry3d& T) {
-    EXPECT_LT(distance_between(T, T_map_session), 0.03);
-    EXPECT_LT(angle_between(T, T_map_session), 0.01);
+    EXPECT_LT(distance_between(T, T_old_new), 0.03);
+    EXPECT_LT(angle_between(T, T_old_new), 0.01);
   }
 
   LandmarkRoom room{1};
   LandmarkPlaces map;
   LandmarkJoiner joiner;
-  const std::vector<Landmark> session = room.mapped(T_map_session.inverse(), 2);
+  const std::vector<Landmark> session = room.mapped(T_old_new.inverse(), 2);
 };
 
 TEST_F(LandmarkJoinerTest, JoinsWhenThreeGroupsAgree) {
@@ -41,7 +41,7 @@ TEST_F(LandmarkJoinerTest, JoinsWhenThreeGroupsAgree) {
 
 TEST_F(LandmarkJoinerTest, GroupsOfOneViewAreOneLook) {
   for (std::uint64_t drive = 10; drive < 16; ++drive) {
-    std::vector<Landmark> group = room.mapped(T_map_session.inverse(), drive, 0.3);
+    std::vector<Landmark> group = room.mapped(T_old_new.inverse(), drive, 0.3);
     group.resize(60);
     joiner.add(group, map);
   }
@@ -67,7 +67,7 @@ TEST_F(LandmarkJoinerTest, NobodyIsAskedForeverOnceEnoughAgree) {
 }
 
 TEST_F(LandmarkJoinerTest, ARoomThatLooksAlikeIsNotJoined) {
-  joiner.add_all(LandmarkRoom(2).mapped(T_map_session.inverse(), 2), map);
+  joiner.add_all(LandmarkRoom(2).mapped(T_old_new.inverse(), 2), map);
   EXPECT_FALSE(joiner.joint());
   map.add(room.mapped(Eigen::Isometry3d::Identity(), 3), planar_pose(50, 0, 1));  // a twin
   joiner.add_all(session, map);

@@ -8,7 +8,7 @@ namespace lcmslam {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::LandmarkRoom;
+using testing_scene::LandmarkRoom;
 
 const Eigen::Isometry3d T_session_room = Eigen::Translation3d(7, -2, 0.1) *
                                          Eigen::AngleAxisd(2.1, Eigen::Vector3d::UnitZ()) *

@@ -216,10 +216,10 @@ void write_landmarks(const std::filesystem::path& file, const std::vector<Landma
 TEST_F(MapCommand, MergeKnowsMapsOfLandmarksAlone) {
   const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam",
                     strange = folder_ / "strange.lcmslam", both = folder_ / "both.lcmslam";
-  const testing::LandmarkRoom room(1);
+  const testing_scene::LandmarkRoom room(1);
   write_landmarks(monday, room.mapped(Eigen::Isometry3d::Identity(), 1));
   write_landmarks(friday, room.mapped(elsewhere(), 2));
-  write_landmarks(strange, testing::LandmarkRoom(2).mapped(elsewhere(), 2));
+  write_landmarks(strange, testing_scene::LandmarkRoom(2).mapped(elsewhere(), 2));
   EXPECT_NE(run({"merge", monday, strange, "--into", both}).exit_code, 0);
   const auto merged = run({"merge", monday, friday, "--into", both});
   ASSERT_EQ(merged.exit_code, 0) << merged.errors;
