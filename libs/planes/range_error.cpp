@@ -14,11 +14,11 @@ constexpr double knot_step = 0.25;       // m
 constexpr double samples_wanted = 6000;  // of an image
 constexpr double rim_share = 1.0 / 30;   // of the image's width
 constexpr Eigen::Index bins_a_knot = 3;
-constexpr double least_samples = 5;  // of a plane in a bin
-constexpr double least_slant = 0.1;  // of n . u: at a grazing view a plane says little of the range
-constexpr double most_sigma = 0.05;  // m, of depth
-constexpr double farthest = 12;      // m
-constexpr double negligible = 2e-4;  // m
+constexpr double least_samples = 5;   // of a plane in a bin
+constexpr double least_slant = 0.1;   // of n . u: at a grazing view a plane says little of the range
+constexpr double most_sigma = 0.05;   // m, of depth
+constexpr double farthest_knot = 12;  // m
+constexpr double negligible = 2e-4;   // m
 
 RangeErrorSettings checked_settings(const RangeErrorSettings& settings) {
   check(settings, "range_error");
@@ -61,7 +61,7 @@ RangeError::RangeError(const RgbdCalibration& calibration, const RangeErrorSetti
       rays_(ray_table(calibration.depth_registered ? calibration.colour : calibration.depth)),
       noise_(calibration.depth_noise) {
   if (settings_.enabled && rays_.cols >= least_width) planes_.emplace(calibration, large_planes());
-  const double reach = std::min(farthest, 1.3 * calibration.depth_max);  // to the image's corners
+  const double reach = std::min(farthest_knot, 1.3 * calibration.depth_max);  // to the image's corners
   const auto knots = static_cast<Eigen::Index>(std::ceil(reach / knot_step)) + 2;
   covariance_ = smooth(noise_.constant, settings_.length, knots);
   prior_ = covariance_.llt().solve(Eigen::MatrixXd::Identity(knots, knots));

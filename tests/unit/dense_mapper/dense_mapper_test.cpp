@@ -214,7 +214,9 @@ TEST(DenseMapper, GoesOnFromOdometryWhereTheMapEnds) {
     const bool waiting = i <= settings.reseed_after;
     EXPECT_EQ(to_string(step.status), waiting ? "lost" : "degraded");
     EXPECT_EQ(step.hangs_on_odometry, !waiting);
-    if (waiting) EXPECT_GE(step.map_covariance(0, 0), 0.99 * step.covariance(0, 0)) << "as lost in the map";
+    if (waiting) {
+      EXPECT_GE(step.map_covariance(0, 0), 0.99 * step.covariance(0, 0)) << "as lost in the map";
+    }
     if (i == settings.reseed_after + 1) {
       const double known = i * 1e-4 + std::pow(settings.prior.floor_translation, 2);
       EXPECT_NEAR(step.covariance(0, 0), known, 1e-9) << "of all motion since the map was left";

@@ -12,7 +12,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr double degree = 0.0174533, noise_per_m2 = 0.002;
+constexpr double noise_per_m2 = 0.002;
 
 using Wave = std::function<double(double)>;  // m of error at m of range
 
@@ -57,7 +57,7 @@ cv::Mat measured(const testing_scene::Scene& scene, const RgbdCalibration& calib
 Eigen::Isometry3d view(double x, double y, double heading) {
   const Eigen::Isometry3d T =
       Eigen::Translation3d(x, y, 1.3) * Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
-      Eigen::AngleAxisd(20 * degree, Eigen::Vector3d::UnitY()) * Eigen::Isometry3d::Identity();
+      Eigen::AngleAxisd(20 * M_PI / 180, Eigen::Vector3d::UnitY()) * Eigen::Isometry3d::Identity();
   return T * optical_axes();
 }
 
