@@ -283,6 +283,9 @@ DriveCalibration calibrate_drive(const std::vector<Stretch>& stretches,
     result.turned += rotation_angle(stretch.T_from_to);
   }
   take_covariances(problem, result);
+  if (agreeing == 0 || !result.covariance.allFinite() || !result.factor_covariance.allFinite())
+    throw std::runtime_error(
+        "wheels and camera tell no common motion: do the log's images and wheels have one clock?");
   return result;
 }
 
