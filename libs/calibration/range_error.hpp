@@ -24,7 +24,7 @@ double board_distance_sigma(const CameraModel& camera, const Board& board, doubl
 std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& camera, const Board& board,
                                       const Eigen::Isometry3d& T_camera_board, double pose_sigma);
 
-struct RangeErrorSettings {
+struct RangeErrorFitSettings {
   /// A phase measurement's scale is its clock's, exact to millionths: what looks like a scale is the focal
   /// length's error, which moves the board. It is estimated, so that it does not bend the wiggle, and then
   /// thrown away, unless:
@@ -46,6 +46,6 @@ struct RangeErrorFit {
 
 /// Throws std::invalid_argument for less than ten samples.
 RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples,
-                              const RangeErrorSettings& settings = {});
+                              const RangeErrorFitSettings& settings = {});
 
 }  // namespace lcmslam

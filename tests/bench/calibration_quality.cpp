@@ -42,7 +42,7 @@ double range_error(const testing::HeadShots& shots,
                                      board_distance_sigma(placed_by, board, poses[i]->translation().z()));
     samples.insert(samples.end(), ranges.begin(), ranges.end());
   }
-  RangeErrorSettings settings;
+  RangeErrorFitSettings settings;
   settings.scale_sigma = std::max(5e-4, focal_sigma);
   const RangeErrorFit fit = fit_range_error(samples, settings);
   double worst = 0;

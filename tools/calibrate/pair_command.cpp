@@ -46,7 +46,7 @@ std::optional<RangeErrorFit> ranges_of(const PairCalibration& pair, const std::v
   }
   constexpr std::size_t enough = 30;
   if (samples.size() < enough) return std::nullopt;
-  RangeErrorSettings settings;
+  RangeErrorFitSettings settings;
   settings.scale_sigma = std::max(5e-4, std::sqrt(pair.depth_covariance(0, 0)) / pair.depth.fx);
   return fit_range_error(samples, settings);
 }

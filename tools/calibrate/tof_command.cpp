@@ -43,7 +43,7 @@ RgbdCalibration with_depth(const std::optional<RgbdCalibration>& base, const Cam
 }
 
 RangeErrorFit fit_ranges(const TofViews& seen, const CameraCalibration& camera, const Board& board,
-                         const RangeErrorSettings& settings) {
+                         const RangeErrorFitSettings& settings) {
   std::vector<RangeSample> samples;
   for (std::size_t i = 0; i < seen.views.size(); ++i) {
     const auto pose = board_pose(seen.views[i], board, camera.camera);
@@ -62,7 +62,7 @@ int calibrate_tof_command(int argc, char** argv) {
   BoardOptions board_options;
   board_options.settings.kind = "checkerboard";
   CalibrationOutput output;
-  RangeErrorSettings range_settings;
+  RangeErrorFitSettings range_settings;
   std::string pictures;
   CLI::App app{
       "A time-of-flight camera: intrinsics from its amplitude images, and what its ranges err by (offset, "

@@ -143,7 +143,7 @@ TEST(TofCalibration, IntrinsicsAndRangesOfADrawnCamera) {
                                      board_distance_sigma(found.camera, board, pose->translation().z()));
     samples.insert(samples.end(), ranges.begin(), ranges.end());
   }
-  RangeErrorSettings settings;
+  RangeErrorFitSettings settings;
   settings.scale_sigma = found.sigma(0) / found.camera.fx;
   const RangeErrorFit fit = fit_range_error(samples, settings);
   const DepthError& error = truth.calibration.depth_error;
