@@ -7,6 +7,8 @@
 // Keyframes are told in the first lap alone, as a mapper does that knows the place; what its graph corrects
 // and what landmarks become is told in each. With --new-ground each lap lies so many metres farther, and all
 // of it is new.
+// (That moves every keyframe to and fro in each lap, more than a mapper would; with --still none after the
+// first.)
 // A row for each tenth of the drive: CPU of all threads as a share of one core at the drive's own pace
 // (without what this program takes to make messages), longest message, what is held, memory, the file.
 
@@ -78,6 +80,7 @@ struct Options {
   std::string log, results, folder = "/tmp/long_map_drive";
   double minutes = 60, new_ground = 0;
   int every = 3;
+  bool still = false;
 };
 
 class Lap {
@@ -140,6 +143,7 @@ class Lap {
         move(m.T_map_camera);
       });
     }
+    if (told.channel == "ICP_GRAPH" && number_ > 0 && options_.still) return {};
     if (told.channel == "ICP_GRAPH") return later<graph_t>(told, [&](graph_t& m) { continue_graph(m); });
     return later<landmarks_t>(told, [&](landmarks_t& m) { continue_landmarks(m); });
   }
@@ -287,6 +291,7 @@ int main(int argc, char** argv) {
   app.add_option("--minutes", options.minutes, "of the drive")->check(CLI::Range(0.2, 10'000.0));
   app.add_option("--every", options.every, "image of the log is one of the drive's")
       ->check(CLI::Range(1, 100));
+  app.add_flag("--still", options.still, "the graph corrects nothing after the first lap");
   app.add_option("--new-ground", options.new_ground,
                  "m by which each lap lies farther than the last; 0: the same");
   app.add_option("--folder", options.folder, "that takes the map, made anew");
