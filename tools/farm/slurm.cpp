@@ -11,7 +11,7 @@
 namespace lcmslam {
 namespace {
 
-std::string quoted(const std::string& word) {
+std::string shell_word(const std::string& word) {
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return text + "'";
@@ -28,14 +28,14 @@ std::string slurm_script(const SlurmArray& array) {
       "#SBATCH --output={}\n"
       "exec",
       array.tasks - 1, array.processors, (array.folder / "slurm-%a.txt").string());
-  for (const std::string& word : array.command) script += " " + quoted(word);
+  for (const std::string& word : array.command) script += " " + shell_word(word);
   return script + fmt::format(" --share \"$SLURM_ARRAY_TASK_ID/{}\"\n", array.tasks);
 }
 
 std::string submit(const SlurmArray& array) {
   const std::filesystem::path script = array.folder / "slurm.sh";
   write_atomically(FilePlace(script), slurm_script(array));
-  FILE* const pipe = popen(("sbatch " + quoted(script.string()) + " 2>&1").c_str(), "r");
+  FILE* const pipe = popen(("sbatch " + shell_word(script.string()) + " 2>&1").c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("sbatch cannot be started");
   std::string said;
   std::array<char, 256> piece{};

@@ -110,7 +110,7 @@ ControlSocket::ControlSocket(const fs::path& folder, const std::string& name)
       socket_ >= 0 && bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   const int error = errno;
   umask(before);
-  if (bound && listen(socket_, 8) == 0) return;
+  if (bound && ::listen(socket_, 8) == 0) return;
   if (socket_ >= 0) close(socket_);
   throw std::runtime_error(path_.string() + ": " + std::strerror(error));
 }
