@@ -14,7 +14,7 @@ namespace {
 using testing::error_of;
 using ::testing::HasSubstr;
 
-const double nan = std::nan("");
+const double not_a_number = std::nan("");
 
 TEST(MotionMessages, EncodersComeBackAsTheyWere) {
   Random random(1);
@@ -48,7 +48,7 @@ TEST(MotionMessages, ImpossibleEncodersAreRefusedByName) {
   EXPECT_THAT(error_with([](auto& m) { m.wheels.resize(1), m.n_wheels = 1; }), HasSubstr("n_wheels"));
   EXPECT_THAT(error_with([](auto& m) { m.wheels.resize(65, m.wheels[0]), m.n_wheels = 65; }),
               HasSubstr("n_wheels"));
-  EXPECT_THAT(error_with([](auto& m) { m.wheels[1].x = nan; }), HasSubstr("wheel x"));
+  EXPECT_THAT(error_with([](auto& m) { m.wheels[1].x = not_a_number; }), HasSubstr("wheel x"));
   EXPECT_THAT(error_with([](auto& m) { m.wheels[1].y = 1e9; }), HasSubstr("wheel y"));
   EXPECT_THAT(error_with([](auto& m) { m.wheels[2].radius = 0; }), HasSubstr("wheel radius"));
   EXPECT_THAT(error_with([](auto& m) { m.wheels[2].roller_angle = M_PI / 2; }),
@@ -86,12 +86,12 @@ TEST(MotionMessages, ImpossibleOdometryIsRefusedByName) {
     return error_of([&] { from_message(message); });
   };
   EXPECT_EQ(error_with([](auto&) {}), "");
-  EXPECT_THAT(error_with([](auto& m) { m.T_odom_robot.quat[3] = nan; }),
+  EXPECT_THAT(error_with([](auto& m) { m.T_odom_robot.quat[3] = not_a_number; }),
               HasSubstr("T_odom_robot: quaternion"));
   EXPECT_THAT(error_with([](auto& m) { std::fill_n(m.T_odom_robot.quat, 4, 0.0); }), HasSubstr("quaternion"));
-  EXPECT_THAT(error_with([](auto& m) { m.T_odom_robot.trans[0] = nan; }), HasSubstr("T_odom_robot"));
+  EXPECT_THAT(error_with([](auto& m) { m.T_odom_robot.trans[0] = not_a_number; }), HasSubstr("T_odom_robot"));
   EXPECT_THAT(error_with([](auto& m) { m.T_odom_robot.trans[0] = 1e7; }), HasSubstr("10000000"));
-  EXPECT_THAT(error_with([](auto& m) { m.covariance[35] = nan; }), HasSubstr("covariance"));
+  EXPECT_THAT(error_with([](auto& m) { m.covariance[35] = not_a_number; }), HasSubstr("covariance"));
   EXPECT_THAT(error_with([](auto& m) { m.covariance[7] = -1e-3; }), HasSubstr("a variance is negative"));
 }
 

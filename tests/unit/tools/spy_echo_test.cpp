@@ -28,7 +28,7 @@ std::string print(const EchoOptions& options, const std::string& channel, const 
   return EchoPrinter(options).print(channel, bytes.data(), bytes.size()).value_or("nothing");
 }
 
-EchoOptions json() {
+EchoOptions as_json() {
   EchoOptions options;
   options.json = true;
   return options;
@@ -46,7 +46,7 @@ TEST(Echo, PrintsAHeadingAndTheMembers) {
 }
 
 TEST(Echo, JsonIsALineAMessage) {
-  const std::string text = print(json(), "A \"channel\"", encode_message(pose()));
+  const std::string text = print(as_json(), "A \"channel\"", encode_message(pose()));
   EXPECT_EQ(text.find('\n'), text.size() - 1);
   const auto parsed = nlohmann::json::parse(text);
   EXPECT_EQ(parsed["channel"], "A \"channel\"");
@@ -60,15 +60,16 @@ TEST(Echo, SaysWhatIsWrongWithAMessage) {
   const std::string size = std::to_string(bytes.size());
   EXPECT_EQ(print({}, "X", bytes),
             "X  does not decode: pose_estimate_t: 1 bytes too many (" + size + " bytes)\n");
-  EXPECT_EQ(nlohmann::json::parse(print(json(), "X", bytes))["error"], "pose_estimate_t: 1 bytes too many");
+  EXPECT_EQ(nlohmann::json::parse(print(as_json(), "X", bytes))["error"],
+            "pose_estimate_t: 1 bytes too many");
   EXPECT_THAT(print({}, "X", {1, 2}), HasSubstr("2 bytes are too few"));
-  EXPECT_TRUE(nlohmann::json::parse(print(json(), "X", {1, 2}))["type"].is_null());
+  EXPECT_TRUE(nlohmann::json::parse(print(as_json(), "X", {1, 2}))["type"].is_null());
 }
 
 TEST(Echo, UnknownTypesAreNamedByFingerprintAndMayBeDefined) {
   const Bytes bytes = {0x89, 0xdc, 0x5b, 0x87, 0x9a, 0x50, 0x56, 0xcf, 9};
   EXPECT_EQ(print({}, "X", bytes), "X  unknown type 89dc5b879a5056cf, 9 bytes\n");
-  EXPECT_EQ(nlohmann::json::parse(print(json(), "X", bytes))["fingerprint"], "89dc5b879a5056cf");
+  EXPECT_EQ(nlohmann::json::parse(print(as_json(), "X", bytes))["fingerprint"], "89dc5b879a5056cf");
   EchoOptions options;
   const auto beats = parse_definitions({"package theirs; struct beat_t { int8_t n; }"});
   options.types = KnownTypes(beats);
