@@ -21,9 +21,9 @@ class LinkWindow {
   /// `delay`: s that the queue may take.
   explicit LinkWindow(double delay) : delay_(delay) {}
 
-  /// One message always, however big it is.
+  /// One message always, however big it is; and small ones, which make no queue.
   bool admits(std::size_t bytes) const {
-    return messages_ == 0 || (messages_ < most_messages && in_flight_ + bytes <= window_);
+    return messages_ == 0 || (messages_ < most_messages && (in_flight_ + bytes <= window_ || bytes <= small));
   }
   void sent(std::size_t bytes);
   /// Of a message that was sent at `sent`.
@@ -35,7 +35,8 @@ class LinkWindow {
   std::size_t in_flight() const { return in_flight_; }
 
  private:
-  static constexpr std::size_t least = 20'000, most = 4'000'000, first = 32'000;  // bytes
+  static constexpr std::size_t small = 1'500;                                     // bytes: a pose
+  static constexpr std::size_t least = 10'000, most = 4'000'000, first = 32'000;  // bytes
   static constexpr std::size_t most_messages = 20;  // what brokers take before they acknowledge
 
   double delay_;

@@ -36,7 +36,7 @@ namespace lcmslam::bridge {
 using Bytes = std::vector<std::uint8_t>;
 
 struct OutboxLimits {
-  double delay = 0.3;                ///< s that what is under way may queue on the link
+  double delay = 0.15;               ///< s that what is under way may queue on the link
   double bandwidth = 0;              ///< bytes a second, 0: what the link carries
   std::size_t memory = 256'000'000;  ///< bytes of kept messages
   double kept_for = 604'800;         ///< s that the broker keeps them

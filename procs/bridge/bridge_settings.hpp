@@ -30,7 +30,7 @@ struct BridgeSettings {
   std::vector<std::string> send = {"STATUS@1",    "FASTSLAM_POSE@5", "ICP_POSE@5", "FASTSLAM_LANDMARKS@1",
                                    "ICP_GRAPH@1", "ICP_KEYFRAME",    "CAMERA@0.5"};
   std::vector<std::string> receive;
-  double bandwidth = 0, delay = 0.3, memory = 256, kept_for = 168, snapshot_period = 30;
+  double bandwidth = 0, delay = 0.15, memory = 256, kept_for = 168, snapshot_period = 30;
   int piece = 8000, picture_width = 320, picture_quality = 50;
 
   void describe(SettingsVisitor& s);

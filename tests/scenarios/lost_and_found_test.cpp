@@ -221,15 +221,20 @@ TEST(LostAndFound, CarriedToANewPlaceThatLeadsToTheOldOne) {
   EXPECT_EQ(value_of(map, "sessions_joined"), 1);
   server.finish();
   const auto sessions = MapFile(folder.path() / "map.lcmslam").sessions();
-  const auto second = std::find_if(sessions.begin(), sessions.end(),
-                                   [](const auto& session) { return session.state == SessionState::joined; });
-  ASSERT_NE(second, sessions.end());
-  const Eigen::Isometry3d right =
-      drive.T_world_map("ICP_POSE").inverse() * drive.T_world_map("ICP_POSE", "map-2");
-  std::cout << "joined " << distance_between(*second->T_map_session, right) << " m and "
-            << angle_between(*second->T_map_session, right) << " rad from the truth\n";
-  EXPECT_LT(distance_between(*second->T_map_session, right), 0.05);
-  EXPECT_LT(angle_between(*second->T_map_session, right), 0.02);
+  // FastSLAM's map has few landmarks there and may stay apart; what is joined must be right.
+  bool dense_joined = false;
+  for (const auto& session : sessions) {
+    if (session.state != SessionState::joined) continue;
+    dense_joined |= session.mapper == "icp";
+    const std::string channel = session.mapper == "icp" ? "ICP_POSE" : "FASTSLAM_POSE";
+    const Eigen::Isometry3d right =
+        drive.T_world_map(channel).inverse() * drive.T_world_map(channel, session.frame);
+    std::cout << session.mapper << " joined " << distance_between(*session.T_map_session, right) << " m and "
+              << angle_between(*session.T_map_session, right) << " rad from the truth\n";
+    EXPECT_LT(distance_between(*session.T_map_session, right), 0.05);
+    EXPECT_LT(angle_between(*session.T_map_session, right), 0.02);
+  }
+  EXPECT_TRUE(dense_joined);
 }
 
 }  // namespace

@@ -146,7 +146,8 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
     return result;
   }
   Attempt found = search(points, result.visible, frame, T_predicted, Q, map, index);
-  if (found.consensus && slips(*found.consensus, T_predicted, prior.covariance)) {
+  if (found.consensus && found.inliers() < 0.9 * usual_inliers_ &&
+      slips(*found.consensus, T_predicted, prior.covariance)) {
     // What is near, and tells most, lay outside the gates: once more from where the robot is.
     const Eigen::Isometry3d& T_seen = found.consensus->T_world_robot;
     Attempt again = agree(matcher_.guided(result.visible, map, index, T_seen, Q, s), points, map, T_seen);

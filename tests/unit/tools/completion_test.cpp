@@ -46,7 +46,7 @@ std::vector<std::string> replies(const std::vector<std::string>& words) {
 
 TEST(BashCompletion, OffersTheCommands) {
   EXPECT_THAT(replies({"lcmslam", "la"}), ElementsAre("launch"));
-  EXPECT_THAT(replies({"lcmslam", "b"}), UnorderedElementsAre("batch", "build"));
+  EXPECT_THAT(replies({"lcmslam", "b"}), UnorderedElementsAre("batch", "bridge", "build"));
   const auto all = replies({"lcmslam", ""});
   for (const Command& command : commands()) EXPECT_THAT(all, Contains(command.name));
 }

@@ -115,6 +115,15 @@ const Mistake mistakes[] = {
      {"batch", "@/config/replay.yaml", "--list", "notes.txt", "--out", "farm"},
      "there is no such log"},
 
+    // bridge
+    {"BridgeOfNothing", {"bridge"}, "config is required"},
+    {"BridgeConfiguration", {"bridge", "operater.yaml"}, "does not exist: operater.yaml"},
+
+    // calibrate
+    {"CalibrateNothing", {"calibrate"}, "calibrate.*(board.*camera.*tof.*pair.*mount.*wheels)"},
+    {"CalibrateWhat", {"calibrate", "camra", "images"}, "unknown.*'camra'.*did you mean 'camera'"},
+    {"CalibrateNowhere", {"calibrate", "camera", "imges"}, "imges"},
+
     // collect
     {"CollectNowhere", {"collect", "nowhere"}, "does not exist: nowhere"},
     {"CollectNothing", {"collect", "images"}, "images: holds no results .lcmslam batch CONFIG LOG"},
