@@ -19,12 +19,13 @@ LiveMap::LiveMap(const RgbdCalibration& calibration, const LiveMapSettings& sett
     : calibration_(calibration),
       settings_(checked(settings)),
       filter_(calibration, settings.depth_filter),
+      range_error_(calibration, settings.range_error),
       space_(calibration.depth, settings),
       planes_(calibration, settings),
       surface_(calibration, settings.surface) {}
 
 void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
-  filter_(frame.depth, frame.amplitude);
+  clean(frame);
   space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
   const std::lock_guard<std::mutex> lock(mutex_);
   ++version_;
@@ -32,7 +33,7 @@ void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
 
 void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
   check_frame(frame, calibration_);
-  filter_(frame.depth, frame.amplitude);
+  clean(frame);
   space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
   if (last_keyframe_ < 0) return;  // it would stand where it is whatever the graph says
   const std::int64_t id = between_.empty() ? -1 : between_.begin()->first - 1;
@@ -44,7 +45,7 @@ void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
 void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose) {
   if (has(keyframe)) return;
   check_frame(frame, calibration_);
-  filter_(frame.depth, frame.amplitude);
+  clean(frame);
   const Eigen::Isometry3d T_camera_depth = pose.T_colour_depth_time * calibration_.T_colour_depth;
   const Eigen::Isometry3d T_map_depth = pose.T_map_camera * T_camera_depth;
   space_.show(frame.depth, T_map_depth);
@@ -67,6 +68,13 @@ void LiveMap::keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isomet
   space_.keep(keyframe, depth, T_map_camera);
   planes_.keep(keyframe, depth, T_map_camera);
   kept(keyframe, T_map_camera, Eigen::Isometry3d::Identity());
+}
+
+/// Takes away what no surface gave, and what the camera errs by as far as it is known by now.
+void LiveMap::clean(RgbdFrame& frame) {
+  filter_(frame.depth, frame.amplitude);
+  range_error_.learn(frame.depth, frame.depth_utime);
+  range_error_.correct(frame.depth);
 }
 
 void LiveMap::fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose) {

@@ -74,12 +74,14 @@ class LiveMap {
   std::size_t memory_bytes() const;
 
  private:
+  void clean(RgbdFrame& frame);
   void kept(int keyframe, const Eigen::Isometry3d& T_map_camera, const Eigen::Isometry3d& T_camera_depth);
   void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose);
 
   RgbdCalibration calibration_;
   LiveMapSettings settings_;
   DepthFilter filter_;
+  RangeError range_error_;
   LiveSpace space_;
   LivePlanes planes_;
 

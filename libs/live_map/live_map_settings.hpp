@@ -6,12 +6,14 @@
 #include <lcmslam/map_layers/navigation_grid.hpp>
 #include <lcmslam/map_layers/occupancy_settings.hpp>
 #include <lcmslam/planes/plane_settings.hpp>
+#include <lcmslam/planes/range_error.hpp>
 #include <lcmslam/surface/surface_settings.hpp>
 
 namespace lcmslam {
 
 struct LiveMapSettings {
   DepthFilterSettings depth_filter;
+  RangeErrorSettings range_error;
   OccupancySettings occupancy;
   DistanceSettings distance;
   NavigationSettings navigation;
@@ -42,6 +44,7 @@ struct LiveMapSettings {
            "what is made anew is made beside the frames; without it the frames wait, and the same log gives "
            "the same maps");
     s.section("depth_filter", depth_filter, "takes out of a depth image what no surface gave");
+    s.section("range_error", range_error, "what the depth camera errs by at each range, learned from planes");
     s.section("occupancy", occupancy, "free and occupied space");
     s.section("distance", distance, "distances to what is occupied");
     s.section("navigation", navigation, "where a robot can drive, seen from above");

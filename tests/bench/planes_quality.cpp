@@ -17,6 +17,7 @@
 
 #include <lcmslam/imaging/depth_filter.hpp>
 #include <lcmslam/planes/plane_map.hpp>
+#include <lcmslam/planes/range_error.hpp>
 #include <lcmslam/simulation/ray_caster.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
@@ -146,11 +147,14 @@ void run(const Options& options, std::uint64_t seed) {
   FramePlaneFinder finder(calibration);
   PlaneMap map;
   DepthFilter filter(calibration);
+  RangeError range_error(calibration, {});
   TruePlanes planes;
   int frames = 0;
   for (Utime t = simulation.start(); t < simulation.end(); t += 400'000) {
     RgbdFrame frame = simulation.render(t);
     filter(frame.depth, frame.amplitude);
+    range_error.learn(frame.depth, frame.depth_utime);
+    range_error.correct(frame.depth);
     const Eigen::Isometry3d T_world_depth =
         simulation.T_world_robot(calibration.depth_time(frame.depth_utime)) * calibration.T_robot_camera *
         calibration.T_colour_depth;

@@ -10,6 +10,7 @@
 
 #include <lcmslam/cloud/kd_tree.hpp>
 #include <lcmslam/imaging/depth_filter.hpp>
+#include <lcmslam/planes/range_error.hpp>
 #include <lcmslam/simulation/ray_caster.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 #include <lcmslam/surface/mesh_export.hpp>
@@ -103,12 +104,15 @@ void run(const Options& options, std::uint64_t seed) {
   const SurfaceSettings settings;
   Surface surface(calibration, settings);
   DepthFilter filter(calibration);
+  RangeError range_error(calibration, {});
   std::vector<Eigen::Vector3f> seen;
   double fusing = 0;
   std::int64_t id = 0;
   for (const Utime t : keyframe_times(simulation)) {
     RgbdFrame frame = simulation.render(t);
     filter(frame.depth, frame.amplitude);
+    range_error.learn(frame.depth, frame.depth_utime);
+    range_error.correct(frame.depth);
     const auto T_world_camera = [&](Utime when) {
       return simulation.T_world_robot(when) * calibration.T_robot_camera;
     };

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/wiggling_camera.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -129,6 +131,40 @@ TEST(LiveMap, WhatIsMadeBesideIsTheSameWhenItIsDone) {
   }
   for (double x = 0.1; x < 3; x += 0.04) EXPECT_EQ(state(slow, x), state(waited, x)) << x;
   EXPECT_EQ(slow.planes().size(), waited.planes().size());
+}
+
+/// How far the worst of the planes that a drive's last keyframes show is from the corridor's, m.
+double worst_of_the_corridors_planes(bool learns) {
+  LiveMapSettings settings = waiting();
+  settings.range_error.enabled = learns;
+  const testing_scene::Scene corridor = testing_scene::corridor();
+  LiveMap map(testing_scene::tof_camera(), settings);
+  Random random(1);
+  constexpr int images = 25, last = 20;
+  for (int i = 0; i < images; ++i) {
+    RgbdFrame frame;
+    frame.utime = frame.depth_utime = 400'000 * i;
+    const FramePose pose{testing_scene::view(0.15 * i, 0.2 * std::sin(0.3 * i), 0.4 * std::sin(0.5 * i)),
+                         Eigen::Isometry3d::Identity()};
+    frame.depth = testing_scene::measured(corridor, map.calibration(), pose.T_map_camera,
+                                          testing_scene::wiggle, random);
+    frame.colour = cv::Mat(frame.depth.size(), CV_8UC3, cv::Scalar(50, 100, 150));
+    i < last ? map.show(frame, pose) : map.keep(i, frame, pose);
+  }
+  double most = 0;
+  for (const PlanePatch& patch : map.planes()) {
+    double nearest = 1;
+    for (const auto& plane : corridor.planes)
+      if (plane.normal.cross(patch.fit.plane.normal).norm() < 0.1)
+        nearest = std::min(nearest, std::abs(plane.normal.dot(patch.fit.centre) - plane.offset));
+    most = std::max(most, nearest);
+  }
+  return most;
+}
+
+TEST(LiveMap, TheDepthCamerasErrorIsLearnedAndTakenAway) {
+  EXPECT_GT(worst_of_the_corridors_planes(false), 0.003);
+  EXPECT_LT(worst_of_the_corridors_planes(true), 0.001);
 }
 
 TEST(MovedKeyframes, ArePassedOnWhenOneMovedTooFar) {
