@@ -30,33 +30,95 @@ const LiveMap& live(const AskedMap& map) {
   return *map.live;
 }
 
+/// As sphere, capsule or box is, or a point: all within `reach` of it.
+Eigen::AlignedBox3d box_around(const Eigen::Vector3d& point, double reach = 0) {
+  const Eigen::Vector3d sides = Eigen::Vector3d::Constant(reach);
+  return {Eigen::Vector3d(point - sides), Eigen::Vector3d(point + sides)};
+}
+Eigen::AlignedBox3d box_around(const Sphere& sphere) {
+  return box_around(sphere.centre, sphere.radius);
+}
+Eigen::AlignedBox3d box_around(const Capsule& capsule) {
+  return box_around(capsule.from, capsule.radius).merged(box_around(capsule.to, capsule.radius));
+}
+Eigen::AlignedBox3d box_around(const Box& box) {
+  return box_around(box.T_map_box.translation(), box.half_size.norm());
+}
+Eigen::AlignedBox3d box_around(const CollisionQuestion::Body& body) {
+  return std::visit([](const auto& b) { return box_around(b); }, body);
+}
+
+using Fields = std::vector<const DistanceField*>;  // of the map, and of the newest frame where it reaches
+
+/// Calls `ask(item, fields)` with each item until it says false: in one go where the robot is near, else with
+/// distances that are made for some metres around.
+template <class Item, class Ask>
+void ask_of_space(const LiveSpace& space, const std::vector<Item>& items, const Ask& ask) {
+  constexpr double around = 3;  // m
+  Eigen::AlignedBox3d all;
+  for (const Item& item : items) all.extend(box_around(item));
+  const bool is_near = space.ask([&](const LiveSpace::View& view) {
+    if (!view.distances.covers(all)) return false;
+    for (const Item& item : items)
+      if (!ask(item, Fields{&view.distances.field(), &view.newest})) break;
+    return true;
+  });
+  if (is_near) return;
+  Eigen::AlignedBox3d made_for;
+  std::optional<DistanceField> made;
+  for (const Item& item : items) {
+    const Eigen::AlignedBox3d box = box_around(item);
+    std::optional<bool> more;
+    if (!made_for.contains(box))
+      more = space.ask([&](const LiveSpace::View& view) -> std::optional<bool> {
+        if (!view.distances.covers(box)) return std::nullopt;
+        return ask(item, Fields{&view.distances.field(), &view.newest});
+      });
+    if (!more && !made_for.contains(box)) {
+      const Eigen::Vector3d reach = Eigen::Vector3d::Constant(around);
+      made_for = {Eigen::Vector3d(box.min() - reach), Eigen::Vector3d(box.max() + reach)};
+      made.emplace(space.distances_in(made_for));
+    }
+    if (!more) more = ask(item, Fields{&*made});
+    if (!*more) return;
+  }
+}
+
 Answer reply(const DistanceQuestion& q, const AskedMap& map) {
   json distances = json::array(), gradients = json::array();
-  live(map).space().ask([&](const LiveSpace::View& view) {
-    for (const Eigen::Vector3d& point : q.points) {
-      const DistanceField::Sample kept = view.distances.sample(point), newest = view.newest.sample(point);
-      const DistanceField::Sample& sample =
-          newest.distance < kept.distance && newest.distance < view.newest.truncation() ? newest : kept;
-      distances.push_back(rounded(sample.distance));
-      gradients.push_back(row(sample.gradient));
-    }
+  ask_of_space(live(map).space(), q.points, [&](const Eigen::Vector3d& point, const Fields& fields) {
+    DistanceField::Sample sample = fields.front()->sample(point);
+    for (const DistanceField* field : fields)
+      if (const auto other = field->sample(point);
+          other.distance < sample.distance && other.distance < field->truncation())
+        sample = other;
+    distances.push_back(rounded(sample.distance));
+    gradients.push_back(row(sample.gradient));
+    return true;
   });
   return as_json({{"distances", distances}, {"gradients", gradients}});
 }
 
 Answer reply(const CollisionQuestion& q, const AskedMap& map) {
   json collides = json::array();
-  live(map).space().ask([&](const LiveSpace::View& view) {
-    const CollisionChecker checker({&view.distances, &view.newest});
-    for (const auto& body : q.bodies)
-      collides.push_back(std::visit([&](const auto& b) { return checker.collides(b); }, body));
+  ask_of_space(live(map).space(), q.bodies, [&](const CollisionQuestion::Body& body, const Fields& fields) {
+    const CollisionChecker checker(fields);
+    collides.push_back(std::visit([&](const auto& b) { return checker.collides(b); }, body));
+    return true;
   });
   return as_json({{"collides", collides}});
 }
 
 Answer reply(const PathQuestion& q, const AskedMap& map) {
-  const auto first = live(map).space().ask([&](const LiveSpace::View& view) {
-    return CollisionChecker({&view.distances, &view.newest}).first_collision(q.robot, q.T_map_robot);
+  std::vector<Box> places;
+  for (const Eigen::Isometry3d& T : q.T_map_robot)
+    places.push_back({T * q.robot.T_map_box, q.robot.half_size});
+  std::optional<std::size_t> first;
+  std::size_t asked = 0;
+  ask_of_space(live(map).space(), places, [&](const Box& place, const Fields& fields) {
+    if (CollisionChecker(fields).collides(place)) first = asked;
+    ++asked;
+    return !first;
   });
   json answer = {{"free", !first.has_value()}};
   if (first) answer["first_collision"] = *first;

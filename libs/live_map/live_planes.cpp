@@ -5,45 +5,56 @@
 namespace lcmslam {
 namespace {
 
-void insert(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth, FramePlaneFinder& finder,
-            PlaneMap& map) {
-  const FramePlanes found = finder(depth);
-  map.insert(found, finder.cells(), T_map_depth);
+/// Keyframes whose planes may be put together anew for each that comes: what a graph costs that bends all the
+/// time is bounded by it.
+constexpr std::size_t inserted_a_keyframe = 20;
+
+std::size_t bytes_of(const EncodedImage& labels, const std::vector<FramePlane>& planes) {
+  return labels.bytes.size() + planes.size() * sizeof(FramePlane);
 }
 
 }  // namespace
 
 LivePlanes::LivePlanes(const RgbdCalibration& calibration, const LiveMapSettings& settings)
-    : calibration_(calibration),
-      settings_(settings),
+    : settings_(settings),
       finder_(calibration, settings.frame_planes),
       moved_(settings.moved_distance, settings.moved_angle),
       map_(settings.planes) {}
 
+void LivePlanes::insert(const Keyframe& keyframe, const CellMoments& cells, PlaneMap& map) {
+  map.insert({keyframe.planes, decode_gray(keyframe.labels)}, cells, keyframe.T_map_depth);
+}
+
 void LivePlanes::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth) {
   take_over(false);
-  const std::size_t most = static_cast<std::size_t>(settings_.occupancy.max_keyframes);
-  if (keyframes_.size() >= most && keyframes_.count(keyframe) == 0) {
-    kept_bytes_ -= keyframes_.begin()->second.depth.bytes.size();
-    moved_.forget(keyframes_.begin()->first);
-    keyframes_.erase(keyframes_.begin());
+  ++keyframes_since_;
+  FramePlanes found = finder_(depth);
+  Keyframe kept{found.planes, encode_amplitude(found.labels, 0), T_map_depth};
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    map_.insert(found, finder_.cells(), T_map_depth);
+    kept_bytes_ += bytes_of(kept.labels, kept.planes);
+    if (const auto before = keyframes_.find(keyframe); before != keyframes_.end())
+      forget(before);
+    else if (keyframes_.size() >= static_cast<std::size_t>(settings_.occupancy.max_keyframes))
+      forget(keyframes_.begin());
   }
-  Keyframe& kept = keyframes_[keyframe];
-  kept_bytes_ -= kept.depth.bytes.size();
-  kept = {encode_depth(depth, 0), T_map_depth};
-  kept_bytes_ += kept.depth.bytes.size();
+  keyframes_[keyframe] = std::move(kept);
   moved_.add(keyframe, T_map_depth);
   if (making_.valid()) meanwhile_.push_back(keyframe);
+}
 
-  const FramePlanes found = finder_(depth);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  map_.insert(found, finder_.cells(), T_map_depth);
+void LivePlanes::forget(Keyframes::iterator keyframe) {
+  kept_bytes_ -= bytes_of(keyframe->second.labels, keyframe->second.planes);
+  moved_.forget(keyframe->first);
+  keyframes_.erase(keyframe);
 }
 
 void LivePlanes::correct(const std::map<int, Eigen::Isometry3d>& T_map_depth) {
   moved_.correct(T_map_depth);
   take_over(false);
-  if (!making_.valid() && moved_.due()) put_together_anew();
+  const bool rested = inserted_a_keyframe * static_cast<std::size_t>(keyframes_since_) >= keyframes_.size();
+  if (!making_.valid() && rested && moved_.due()) put_together_anew();
 }
 
 void LivePlanes::settle() {
@@ -54,13 +65,12 @@ void LivePlanes::settle() {
 }
 
 void LivePlanes::put_together_anew() {
+  keyframes_since_ = 0;
   for (const auto& [id, T] : moved_.take()) keyframes_.at(id).T_map_depth = T;
   making_ = std::async(settings_.background ? std::launch::async : std::launch::deferred,
-                       [keyframes = keyframes_, calibration = calibration_, settings = settings_] {
-                         FramePlaneFinder finder(calibration, settings.frame_planes);
-                         PlaneMap map(settings.planes);
-                         for (const auto& [id, keyframe] : keyframes)
-                           insert(decode_depth(keyframe.depth), keyframe.T_map_depth, finder, map);
+                       [keyframes = keyframes_, cells = finder_.cells(), settings = settings_.planes] {
+                         PlaneMap map(settings);
+                         for (const auto& [id, keyframe] : keyframes) insert(keyframe, cells, map);
                          return map;
                        });
   if (!settings_.background) take_over(true);
@@ -72,7 +82,7 @@ void LivePlanes::take_over(bool wait) {
   PlaneMap made = making_.get();
   for (const int id : meanwhile_)
     if (const auto found = keyframes_.find(id); found != keyframes_.end())
-      insert(decode_depth(found->second.depth), found->second.T_map_depth, finder_, made);
+      insert(found->second, finder_.cells(), made);
   meanwhile_.clear();
   const std::lock_guard<std::mutex> lock(mutex_);
   map_ = std::move(made);

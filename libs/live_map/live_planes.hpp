@@ -2,7 +2,7 @@
 // The planes of a map while keyframes keep coming: one thread adds keyframes, any thread asks.
 //
 // Planes that were put together cannot be taken apart: when the graph bends, they are put together anew from
-// the keyframes' depth images, beside the frames.
+// what was found in the keyframes' depth images, beside the frames.
 
 #include <future>
 #include <map>
@@ -36,24 +36,27 @@ class LivePlanes {
 
  private:
   struct Keyframe {
-    EncodedImage depth;
+    std::vector<FramePlane> planes;
+    EncodedImage labels;  // some kB
     Eigen::Isometry3d T_map_depth;
   };
   using Keyframes = std::map<int, Keyframe>;
+  static void insert(const Keyframe& keyframe, const CellMoments& cells, PlaneMap& map);
+  void forget(Keyframes::iterator keyframe);
   void put_together_anew();
   void take_over(bool wait);
 
-  RgbdCalibration calibration_;
   LiveMapSettings settings_;
   FramePlaneFinder finder_;
   Keyframes keyframes_;
-  std::size_t kept_bytes_ = 0;
   MovedKeyframes moved_;
   std::future<PlaneMap> making_;
   std::vector<int> meanwhile_;  // keyframes that came while it went on
+  int keyframes_since_ = 0;     // they were put together anew
 
   mutable std::mutex mutex_;  // guards what follows
   PlaneMap map_;
+  std::size_t kept_bytes_ = 0;
 };
 
 }  // namespace lcmslam

@@ -1,28 +1,44 @@
 #include <lcmslam/live_map/live_space.hpp>
 
 namespace lcmslam {
+namespace {
+
+/// Keyframes that may be carved anew for each frame: where the graph of a large map bends all the time, this
+/// bounds what it costs.
+constexpr std::size_t carved_a_frame = 4;
+/// Of the field of view's corners beyond the largest depth.
+constexpr double corners = 1.3;
+
+}  // namespace
 
 LiveSpace::LiveSpace(const CameraModel& depth_camera, const LiveMapSettings& settings)
     : camera_(depth_camera),
+      cell_size_(settings.occupancy.cell_size),
       background_(settings.background),
       distance_every_(settings.distance_every),
+      distance_(settings.distance),
       keyframes_(settings.occupancy),
       moved_(settings.moved_distance, settings.moved_angle),
       grid_(settings.occupancy),
-      field_(settings.occupancy.cell_size, settings.distance),
+      near_(settings.occupancy.cell_size, settings.distance, corners * settings.occupancy.max_range),
       newest_(settings.occupancy.cell_size) {}
 
 void LiveSpace::show(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth) {
   take_over(false);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  carver_.carve(depth, camera_, T_map_depth, grid_);
-  grid_.make_room(T_map_depth.translation().cast<float>());
-  newest_.show(carver_.hits());
-  if (++unmeasured_ >= distance_every_) measure();
+  ++frames_since_;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    carver_.carve(depth, camera_, T_map_depth, grid_);
+    grid_.make_room(T_map_depth.translation().cast<float>());
+    newest_.show(carver_.hits());
+    if (++unmeasured_ >= distance_every_) measure();
+  }
+  follow(T_map_depth.translation());
 }
 
 void LiveSpace::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth) {
   keyframes_.add(keyframe, depth, camera_, T_map_depth);
+  kept_bytes_ = keyframes_.memory_bytes();
   moved_.add(keyframe, T_map_depth);
   if (carving_.valid()) meanwhile_.push_back({keyframe, depth.clone(), T_map_depth});
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -31,14 +47,30 @@ void LiveSpace::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d
 
 /// Distances follow what has changed.
 void LiveSpace::measure() {
-  field_.update(grid_.take_changes());
+  near_.update(grid_.take_changes());
   unmeasured_ = 0;
+}
+
+/// The robot may come to where distances are not kept. Only this thread changes the grid, so it can be read
+/// while others ask.
+void LiveSpace::follow(const Eigen::Vector3d& place) {
+  std::optional<NearDistances> moved = near_.moved(place, grid_);
+  if (!moved) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  near_ = std::move(*moved);
+}
+
+DistanceField LiveSpace::distances_in(const Eigen::AlignedBox3d& box) const {
+  const auto occupied =
+      ask([&](const View& view) { return occupied_around(box, distance_.truncation, view.occupied); });
+  return field_of(occupied, cell_size_, distance_);
 }
 
 void LiveSpace::correct(const std::map<int, Eigen::Isometry3d>& T_map_depth) {
   moved_.correct(T_map_depth);
   take_over(false);
-  if (!carving_.valid() && moved_.due()) carve_anew();
+  const bool rested = carved_a_frame * static_cast<std::size_t>(frames_since_) >= keyframes_.size();
+  if (!carving_.valid() && rested && moved_.due()) carve_anew();
 }
 
 void LiveSpace::settle() {
@@ -49,6 +81,7 @@ void LiveSpace::settle() {
 }
 
 void LiveSpace::carve_anew() {
+  frames_since_ = 0;
   carving_ = std::async(background_ ? std::launch::async : std::launch::deferred,
                         [keyframes = keyframes_, grid = copy(), moved = moved_.take()]() mutable {
                           OccupancyGrid carved = keyframes.carve_anew(moved, grid);
@@ -73,8 +106,9 @@ void LiveSpace::take_over(bool wait) {
 }
 
 std::size_t LiveSpace::memory_bytes() const {
-  return ask([](const View& view) {
-    return view.occupied.memory_bytes() + view.distances.memory_bytes() + view.newest.memory_bytes();
+  return ask([this](const View& view) {
+    return kept_bytes_ + view.occupied.memory_bytes() + view.distances.memory_bytes() +
+           view.newest.memory_bytes();
   });
 }
 

@@ -4,6 +4,7 @@
 // When the graph bends, space is carved anew beside the frames, from the keyframes' depth, and takes the old
 // one's place when it is done. Frames between keyframes that came meanwhile are seen again soon enough.
 
+#include <atomic>
 #include <future>
 #include <mutex>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <lcmslam/live_map/live_map_settings.hpp>
 #include <lcmslam/live_map/moved_keyframes.hpp>
 #include <lcmslam/map_layers/carved_keyframes.hpp>
+#include <lcmslam/map_layers/near_distances.hpp>
 #include <lcmslam/map_query/newest_frame.hpp>
 
 namespace lcmslam {
@@ -36,14 +38,16 @@ class LiveSpace {
   /// What a question sees; nothing changes while it looks, and frames wait for it.
   struct View {
     const OccupancyGrid& occupied;
-    const DistanceField& distances;
+    const NearDistances& distances;
     const DistanceField& newest;  ///< of the newest frame alone
   };
   template <class Ask>
   auto ask(const Ask& question) const {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return question(View{grid_, field_, newest_.field()});
+    return question(View{grid_, near_, newest_.field()});
   }
+  /// Distances in a box, m, that View's do not cover: made for the purpose, frames do not wait meanwhile.
+  DistanceField distances_in(const Eigen::AlignedBox3d& box) const;
   /// For questions that take their time.
   OccupancyGrid copy() const {
     return ask([](const View& view) { return view.occupied.copy(); });
@@ -63,19 +67,24 @@ class LiveSpace {
   void carve_anew();
   void take_over(bool wait);
   void measure();
+  void follow(const Eigen::Vector3d& place);
 
   CameraModel camera_;
+  double cell_size_;  // m
   bool background_;
   int distance_every_;
+  DistanceSettings distance_;
   DepthCarver carver_;
   CarvedKeyframes keyframes_;
   MovedKeyframes moved_;
   std::future<Carved> carving_;
   std::vector<Kept> meanwhile_;  // keyframes that came while it went on
+  int frames_since_ = 0;         // space was carved anew
+  std::atomic<std::size_t> kept_bytes_{0};
 
   mutable std::mutex mutex_;  // guards what follows
   OccupancyGrid grid_;
-  DistanceField field_;
+  NearDistances near_;
   NewestFrame newest_;
   int unmeasured_ = 0;  // frames that distances have not followed yet
 };

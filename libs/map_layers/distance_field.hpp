@@ -15,10 +15,14 @@ namespace lcmslam {
 
 struct DistanceSettings {
   double truncation = 2;
+  double memory = 200;
 
   void describe(SettingsVisitor& s) {
     s.number("truncation", truncation, "m", {0.05, 10},
              "distance beyond which nothing is told apart; at most 100 cells");
+    s.number("memory", memory, "MB", {1, 100'000},
+             "of the distances that are kept, those around the robot; elsewhere they are made when they are "
+             "asked for");
   }
 };
 
@@ -44,6 +48,7 @@ class DistanceField {
   /// Trilinear between the cells' centres, so continuous; the gradient is that of the interpolation.
   Sample sample(const Eigen::Vector3d& point) const;
 
+  std::size_t occupied_blocks() const { return occupied_.size(); }
   std::size_t memory_bytes() const;
 
  private:

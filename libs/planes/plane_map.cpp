@@ -66,6 +66,7 @@ void PlaneMap::insert(const FramePlanes& found, const CellMoments& cells,
     plane_of.push_back(static_cast<std::size_t>(plane - planes_.data()));
   }
   look(found.labels, plane_of, cells, T_map_depth);
+  make_room(T_map_depth.translation());
 }
 
 /// Counts the cells of the planes' grids that the frame shows. Each is looked up in the image: so planes that
@@ -102,10 +103,33 @@ PlaneMap::Plane* PlaneMap::partner(const PlaneFit& fit) {
     const double off = std::abs(plane.fit.plane.distance(fit.centre));
     if (plane.fit.plane.normal.dot(fit.plane.normal) < std::cos(settings_.max_angle + tilt)) continue;
     if (off > settings_.max_distance + spread || off >= nearest) continue;
+    if ((plane.T_map_plane.translation() - fit.centre).norm() > settings_.max_reach) continue;
     nearest = off;
     best = &plane;
   }
   return best;
+}
+
+/// The planes farthest from the place give way, a tenth of the memory at a time.
+void PlaneMap::make_room(const Eigen::Vector3d& place) {
+  const auto most = static_cast<std::size_t>(1e6 * settings_.memory);
+  std::size_t bytes = memory_bytes();
+  if (bytes <= most) return;
+  std::vector<std::pair<double, std::size_t>> by_distance;  // m, number in planes_
+  for (std::size_t k = 0; k < planes_.size(); ++k)
+    by_distance.emplace_back((planes_[k].fit.centre - place).norm(), k);
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<bool> stays(planes_.size(), true);
+  while (bytes > most - most / 10 && by_distance.size() > 1) {
+    const std::size_t farthest = by_distance.back().second;
+    by_distance.pop_back();
+    stays[farthest] = false;
+    bytes -= planes_[farthest].grid.memory_bytes() + sizeof(Plane);
+  }
+  std::vector<Plane> near;
+  for (std::size_t k = 0; k < planes_.size(); ++k)
+    if (stays[k]) near.push_back(std::move(planes_[k]));
+  planes_ = std::move(near);
 }
 
 std::vector<PlanePatch> PlaneMap::patches(const Eigen::Vector3d& up) const {

@@ -50,6 +50,7 @@ class PlaneMap {
   void look(const cv::Mat& labels, const std::vector<std::size_t>& plane_of, const CellMoments& cells,
             const Eigen::Isometry3d& T_map_depth);
   Plane* partner(const PlaneFit& fit);
+  void make_room(const Eigen::Vector3d& place);
 
   PlaneMapSettings settings_;
   std::vector<Plane> planes_;

@@ -36,6 +36,8 @@ struct PlaneMapSettings {
   double min_area = 0.06;
   double table_height = 0.25;
   int min_looks = 2;
+  double max_reach = 10;
+  double memory = 64;
 
   void describe(SettingsVisitor& s) {
     s.number("max_angle", max_angle, "rad", {0.005, 1}, "between planes that are one");
@@ -49,6 +51,11 @@ struct PlaneMapSettings {
              "above the floor from which a level plane is a table top");
     s.number("min_looks", min_looks, "", {1, 255},
              "frames that must show a plane, and each part of its outline, before it counts");
+    s.number("max_reach", max_reach, "m", {1, 1000},
+             "from where a plane began to the middle of what a frame shows of it; what is farther is another "
+             "plane: floors are not level over a whole building");
+    s.number("memory", memory, "MB", {1, 100'000},
+             "of all planes; beyond, those farthest from the camera go");
   }
 };
 

@@ -167,13 +167,15 @@ std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& fol
 void BackgroundSaver::begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision,
                             const std::string& formats) {
   saving_ = std::async(std::launch::async, [maps = std::move(maps), folder, revision, formats] {
-    Outcome outcome{revision, ""};
+    Outcome outcome{revision, "", {}};
+    const auto begin = std::chrono::steady_clock::now();
     try {
       std::filesystem::create_directories(folder);
       save_maps(maps, HeldFolder(folder), formats);
     } catch (const std::exception& error) {
       outcome.error = error.what();
     }
+    outcome.took = std::chrono::steady_clock::now() - begin;
     return outcome;
   });
 }

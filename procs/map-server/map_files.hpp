@@ -1,6 +1,7 @@
 #pragma once
 // The files of both maps: PLY, PCD and pictures, of landmark maps and dense maps.
 
+#include <chrono>
 #include <future>
 #include <string>
 #include <vector>
@@ -50,6 +51,7 @@ class BackgroundSaver {
   struct Outcome {
     std::int64_t revision = 0;
     std::string error;  ///< empty: all was saved
+    std::chrono::duration<double> took{};
   };
 
   bool busy() const { return saving_.valid(); }

@@ -21,6 +21,7 @@ constexpr Utime longest_behind = 1'000'000;  // us that a map may be older than 
 // Ids of the file's keyframes among those of the derived maps; mappers' own begin at 0.
 constexpr int first_kept_id = 1'000'000'000;
 
+constexpr int saving_pause = 50;  // times as long as a saving took, until the next
 constexpr auto longest_settling = std::chrono::seconds(4);
 
 std::size_t size(int setting) {
@@ -367,7 +368,10 @@ std::optional<Node::Duration> MapServerNode::work() {
   }
   replies_.send(publisher_);
   const auto now = std::chrono::steady_clock::now();
-  if (snapshot_period_ > 0 && now - last_snapshot_ >= std::chrono::duration<double>(snapshot_period_)) {
+  // A map that has grown large is saved less often, so that saving takes no more of the time; its file is up
+  // to date all the while.
+  const auto pause = std::max(std::chrono::duration<double>(snapshot_period_), saving_pause * saving_took_);
+  if (snapshot_period_ > 0 && now - last_snapshot_ >= pause) {
     last_snapshot_ = now;
     save_beside();
   }
@@ -385,6 +389,7 @@ void MapServerNode::note_saving(bool wait) {
   const auto outcome = saver_.take_outcome(wait);
   if (!outcome) return;
   failure_ = outcome->error;
+  saving_took_ = outcome->took;
   if (!failure_.empty()) return spdlog::error("maps are not saved: {}", failure_);
   saved_changes_ = outcome->revision;
   ++saved_;

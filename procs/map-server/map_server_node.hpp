@@ -131,6 +131,7 @@ class MapServerNode : public Node {
   std::int64_t resends_ = 0;
 
   double snapshot_period_;  // s
+  std::chrono::duration<double> saving_took_{};
   std::chrono::steady_clock::time_point last_snapshot_ = std::chrono::steady_clock::now();
   std::size_t most_export_folders_;
   std::set<std::string> export_folders_;  // that requests named

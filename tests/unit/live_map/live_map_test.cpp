@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
+#include <lcmslam/live_map/answer.hpp>
+
 #include "tests/support/wiggling_camera.hpp"
 
 namespace lcmslam {
@@ -70,7 +74,7 @@ TEST(LiveMap, ASmallCorrectionLeavesSpaceAsItIs) {
 
 double distance_at_1(const LiveMap& map) {
   return map.space().ask([](const LiveSpace::View& view) {
-    return view.distances.sample({1, 0, 1}).distance;
+    return view.distances.field().sample({1, 0, 1}).distance;
   });
 }
 
@@ -109,6 +113,33 @@ TEST(LiveMap, AKeyframeWithoutImagesGivesSpaceByItsCloud) {
   EXPECT_EQ(state(map, 2.02), CellState::occupied);
   EXPECT_EQ(state(map, 1), CellState::free);
   EXPECT_TRUE(map.mesh().vertices.empty());
+}
+
+nlohmann::json answered(const std::shared_ptr<const LiveMap>& map, const std::string& question) {
+  AskedMap asked;
+  asked.live = map;
+  return nlohmann::json::parse(answer(parse_question(question), asked).bytes);
+}
+
+TEST(LiveMap, WhoAsksFarFromTheRobotIsAnsweredAsNearIt) {
+  LiveMapSettings settings = waiting();
+  settings.distance.memory = 1;
+  const auto map = std::make_shared<LiveMap>(some_camera(), settings);
+  const std::string
+      distances = R"({"ask": "distance", "points": [[1, 0, 1], [1.5, 0, 1], [41, 0, 1]]})",
+      spheres = R"({"ask": "collision", "spheres": [[1.5, 0, 1, 0.6], [1.5, 0, 1, 0.4], [41.5, 0, 1, 0.6]]})";
+  for (int i = 0; i < 3; ++i) map->show(wall(2), at(0));
+  const auto there = answered(map, R"({"ask": "distance", "points": [[1, 0, 1], [1.5, 0, 1]]})");
+  for (double x = 2; x <= 40; x += 2)  // through all, as if the wall had not been there
+    for (int i = 0; i < 3; ++i) map->show(wall(2), at(x));
+  const bool covered = map->space().ask([](const LiveSpace::View& view) {
+    return view.distances.covers({Eigen::Vector3d(1, 0, 1), Eigen::Vector3d(1, 0, 1)});
+  });
+  EXPECT_FALSE(covered);
+  const auto far = answered(map, distances);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(far["distances"][i], there["distances"][i]) << i;
+  EXPECT_NEAR(far["distances"][2], 1, 0.05);
+  EXPECT_EQ(answered(map, spheres)["collides"], nlohmann::json({true, false, true}));
 }
 
 TEST(LiveMap, KeyframesAreWorkedInOnce) {

@@ -102,5 +102,51 @@ TEST(PlaneMap, TheTwoSidesOfAWallAreTwoPlanes) {
   EXPECT_TRUE(map.patches().empty()) << "one look is not enough";
 }
 
+/// The floor of a hall, seen every metre on the way along x.
+PlaneMap hall_map(double length, const PlaneMapSettings& settings) {
+  const RgbdCalibration camera = testing::room_camera();
+  const testing_scene::Scene hall{{{{0, 0, 1}, 0}}, {}};
+  FramePlaneFinder finder(camera);
+  PlaneMap map(settings);
+  for (double x = 0; x < length; ++x) {
+    const Eigen::Isometry3d T =
+        Eigen::Translation3d(x, 0, 1.4) * Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitY()) * optical_axes();
+    map.insert(finder(testing_scene::render(hall, camera.colour, T)), finder.cells(), T);
+  }
+  return map;
+}
+
+TEST(PlaneMap, ALongFloorIsSeveralPlanesThatMeet) {
+  PlaneMapSettings settings;
+  settings.max_reach = 5;
+  const std::vector<PlanePatch> patches = hall_map(30, settings).patches();
+  EXPECT_GE(patches.size(), 3u);
+  for (double x = 5; x < 28; x += 0.5) {
+    double nearest = 1e9;
+    for (const PlanePatch& patch : patches) {
+      Eigen::AlignedBox3d box;
+      for (const Eigen::Vector3d& corner : patch.outline) box.extend(corner);
+      EXPECT_LT(box.sizes().x(), 20);
+      nearest = std::min(nearest, box.exteriorDistance(Eigen::Vector3d(x, 0, 0)));
+    }
+    EXPECT_LT(nearest, 0.1) << x;
+  }
+  settings.max_reach = 100;
+  EXPECT_EQ(hall_map(30, settings).patches().size(), 1u);
+}
+
+TEST(PlaneMap, WhatIsFarGivesWayWhereMemoryEnds) {
+  PlaneMapSettings settings;
+  settings.max_reach = 2;
+  settings.memory = 1;
+  const PlaneMap map = hall_map(60, settings);
+  EXPECT_LT(map.memory_bytes(), 1'000'000u);
+  Eigen::AlignedBox3d kept;
+  for (const PlanePatch& patch : map.patches())
+    for (const Eigen::Vector3d& corner : patch.outline) kept.extend(corner);
+  EXPECT_GT(kept.max().x(), 59);
+  EXPECT_GT(kept.min().x(), 10);
+}
+
 }  // namespace
 }  // namespace lcmslam
