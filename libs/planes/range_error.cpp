@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lcmslam/parallel/instruction_set.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
@@ -19,6 +20,21 @@ constexpr double least_slant = 0.1;   // of n . u: at a grazing view a plane say
 constexpr double most_sigma = 0.05;   // m, of depth
 constexpr double farthest_knot = 12;  // m
 constexpr double negligible = 2e-4;   // m
+
+// `error` in mm, `fine` of its entries a mm of range.
+LCMSLAM_VECTORISED(correct_row,
+                   (std::uint16_t* __restrict z, const float* __restrict length,
+                    const float* __restrict error, int last, float fine, int n),
+                   (z, length, error, last, fine, n)) {
+  for (int u = 0; u < n; ++u) {
+    const int measured = z[u];
+    const auto depth = static_cast<float>(measured);
+    const int entry = static_cast<int>(depth * length[u] * fine + 0.5F);
+    const float corrected = depth - error[std::min(entry, last)] / length[u] + 0.5F;
+    const int rounded = static_cast<int>(std::max(corrected, 1.F));
+    z[u] = static_cast<std::uint16_t>(measured == 0 ? 0 : rounded);
+  }
+}
 
 RangeErrorSettings checked_settings(const RangeErrorSettings& settings) {
   check(settings, "range_error");
@@ -60,6 +76,9 @@ RangeError::RangeError(const RgbdCalibration& calibration, const RangeErrorSetti
     : settings_(checked_settings(settings)),
       rays_(ray_table(calibration.depth_registered ? calibration.colour : calibration.depth)),
       noise_(calibration.depth_noise) {
+  ray_lengths_.create(rays_.size());
+  std::transform(rays_.begin(), rays_.end(), ray_lengths_.begin(),
+                 [](const cv::Vec2f& ray) { return std::sqrt(1 + ray.dot(ray)); });
   if (settings_.enabled && rays_.cols >= least_width) planes_.emplace(calibration, large_planes());
   const double reach = std::min(farthest_knot, 1.3 * calibration.depth_max);  // to the image's corners
   const auto knots = static_cast<Eigen::Index>(std::ceil(reach / knot_step)) + 2;
@@ -180,16 +199,9 @@ void RangeError::correct(cv::Mat& depth) const {
                            1);
   for (std::size_t i = 0; i < error.size(); ++i)
     error[i] = static_cast<float>(1000 * at(static_cast<double>(i) / fine));
-  for (int v = 0; v < depth.rows; ++v) {
-    auto* const z = depth.ptr<std::uint16_t>(v);
-    const cv::Vec2f* const ray = rays_[v];
-    for (int u = 0; u < depth.cols; ++u) {
-      if (z[u] == 0) continue;
-      const float length = std::sqrt(1 + ray[u].dot(ray[u])), range = static_cast<float>(z[u]) * length;
-      const auto at = std::min(error.size() - 1, static_cast<std::size_t>(range * (fine * 1e-3F) + 0.5F));
-      z[u] = static_cast<std::uint16_t>(std::max(1.F, static_cast<float>(z[u]) - error[at] / length + 0.5F));
-    }
-  }
+  for (int v = 0; v < depth.rows; ++v)
+    correct_row(depth.ptr<std::uint16_t>(v), ray_lengths_[v], error.data(),
+                static_cast<int>(error.size()) - 1, fine * 1e-3F, depth.cols);
 }
 
 }  // namespace lcmslam

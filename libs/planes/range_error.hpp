@@ -73,6 +73,7 @@ class RangeError {
   RangeErrorSettings settings_;
   std::optional<FramePlaneFinder> planes_;  // nothing: it does not learn
   cv::Mat_<cv::Vec2f> rays_;
+  cv::Mat_<float> ray_lengths_;
   DepthNoise noise_;
   Eigen::MatrixXd prior_, information_, covariance_;  // of w at the knots
   Eigen::VectorXd told_, error_;
