@@ -93,7 +93,7 @@ class BagReader : public RecordingFile {
         damage(begin, "a record ends behind the file: the file is cut off or damaged");
         return;
       }
-      guarded(*record, [&] {
+      guarded(record->at, [&] {
         const Fields fields(record->header);
         if (kind(fields) == BagOp::chunk)
           scan_chunk(*record, visit);
@@ -105,15 +105,6 @@ class BagReader : public RecordingFile {
 
  private:
   static BagOp kind(const Fields& fields) { return static_cast<BagOp>(fields.number<std::uint8_t>("op")); }
-
-  template <class Work>
-  void guarded(const BagRecord& record, const Work& work) {
-    try {
-      work();
-    } catch (const RecordingError& error) {
-      damage(record.at, error.what());
-    }
-  }
 
   Bytes unpack_chunk(std::uint64_t place) const override {
     ByteReader bytes(bytes_);
@@ -132,7 +123,7 @@ class BagReader : public RecordingFile {
     while (!bytes.done()) {
       const auto inner = next_bag_record(bytes);
       if (!inner) throw RecordingError("a record ends behind its chunk");
-      guarded(record, [&] { take(*inner, Fields(inner->header), record.at, visit); });
+      guarded(record.at, [&] { take(*inner, Fields(inner->header), record.at, visit); });
     }
   }
 

@@ -52,7 +52,7 @@ class McapReader : public RecordingFile {
       }
       if (in_summary) continue;
       in_summary = record->kind == Record::data_end;
-      guarded(*record, [&] {
+      guarded(record->at, [&] {
         if (record->kind == Record::chunk)
           scan_chunk(*record, visit);
         else if (record->kind == Record::data_end)
@@ -68,15 +68,6 @@ class McapReader : public RecordingFile {
   struct Schema {
     std::string name, encoding;
   };
-
-  template <class Work>
-  void guarded(const McapRecord& record, const Work& work) {
-    try {
-      work();
-    } catch (const RecordingError& error) {
-      damage(record.at, error.what());
-    }
-  }
 
   Bytes unpack_chunk(std::uint64_t place) const override {
     ByteReader bytes(bytes_);
@@ -101,7 +92,7 @@ class McapReader : public RecordingFile {
     while (!bytes.done()) {
       const auto inner = next_record(bytes);
       if (!inner) throw RecordingError("a record ends behind its chunk");
-      guarded(record, [&] { take(*inner, record.at, visit); });
+      guarded(record.at, [&] { take(*inner, record.at, visit); });
     }
   }
 
@@ -181,7 +172,7 @@ class McapReader : public RecordingFile {
     ByteReader records(*summary);
     while (const auto record = next_record(records))
       if (record->kind == Record::schema || record->kind == Record::channel)
-        guarded(*record, [&] { take(*record, 0, nullptr); });
+        guarded(record->at, [&] { take(*record, 0, nullptr); });
   }
 
   std::map<std::uint16_t, Schema> schemas_;

@@ -65,6 +65,15 @@ class RecordingFile {
 
   std::size_t add_topic(const RecordedTopic& topic);
   void damage(std::uint64_t at, const std::string& reason);
+  /// What goes wrong with the record at that place is damage.
+  template <class Work>
+  void guarded(std::uint64_t at, const Work& work) {
+    try {
+      work();
+    } catch (const RecordingError& error) {
+      damage(at, error.what());
+    }
+  }
   /// Refuses a chunk that says it is larger than any.
   void check_chunk_size(std::uint64_t size) const;
 
