@@ -1,7 +1,7 @@
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
 
 #include <lcmslam/features/strongest_features.hpp>
-#include <lcmslam/pose_graph/pose_covariance.hpp>
+#include <lcmslam/pose_graph/error_factors.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
@@ -179,7 +179,7 @@ void DenseMapper::tell_covariance(Step& step) const {
   // A new node's own covariance has its registration in it.
   if (step.node) return;
   step.map_covariance += step.status == MappingStatus::tracking
-                             ? edge_error(step.covariance, settings_.graph.optimiser)
+                             ? edge_error(step.covariance, settings_.graph.optimiser, graph_.error_factors())
                              : step.covariance;
 }
 

@@ -132,7 +132,8 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
                                       [](const GraphEdge& e) { return e.to - e.from > 1; });
   if ((admitted && circles) || (when == Optimise::any_circle && any_circle))
     optimise(graph, settings.optimiser);
-  solution.covariances = pose_covariances(graph, settings.optimiser);
+  solution.factors = lcmslam::error_factors(graph, settings.optimiser);
+  solution.covariances = pose_covariances(graph, settings.optimiser, solution.factors);
   solution.graph = std::move(graph);
   solution.waiting = std::move(waiting);
   return solution;
@@ -147,11 +148,13 @@ void KeyframeGraph::take(Solution solution) {
   if (waiting_.size() > most) waiting_.erase(waiting_.begin(), waiting_.end() - settings_.max_waiting);
   solved_ = std::move(solution.graph.poses);
   solved_covariances_ = std::move(solution.covariances);
+  solved_factors_ = solution.factors;
 }
 
 // A pose that the work has not moved yet is as wrong as it was.
 void KeyframeGraph::adopt_covariances() {
   if (solved_covariances_.empty()) return;
+  factors_ = solved_factors_;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
     if (i < solved_covariances_.size())
       nodes_[i].covariance = solved_covariances_[i];
@@ -160,16 +163,20 @@ void KeyframeGraph::adopt_covariances() {
   solved_covariances_.clear();
 }
 
-// From the node before, along the edge that tracking made.
+// From the node before, along the edge that tracking made; and it stands on the same ground.
 void KeyframeGraph::carry_covariance(std::size_t node) {
   const auto to = static_cast<int>(node);
   for (auto e = edges_.rbegin(); e != edges_.rend(); ++e) {
     if (e->kind != EdgeKind::odometry || e->to != to) continue;
     const Node& before = nodes_[static_cast<std::size_t>(e->from)];
     const UncertainTransform step{before.T_world_camera.inverse() * nodes_[node].T_world_camera,
-                                  edge_error(e->T_from_to.covariance, settings_.optimiser)};
-    nodes_[node].covariance =
-        (UncertainTransform{before.T_world_camera, before.covariance} * step).covariance;
+                                  edge_error(e->T_from_to.covariance, settings_.optimiser, factors_)};
+    Matrix6d& covariance = nodes_[node].covariance;
+    covariance = (UncertainTransform{before.T_world_camera, before.covariance} * step).covariance;
+    if (!ground_) return;
+    GroundConstraint ground = *ground_;
+    ground.floors.assign(1, nodes_[node].floor);
+    covariance = on_ground(covariance, ground, settings_.optimiser, factors_);
     return;
   }
 }

@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include <lcmslam/pose_graph/error_factors.hpp>
 #include <lcmslam/pose_graph/graph_thinning.hpp>
 #include <lcmslam/pose_graph/loop_finder.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
@@ -116,6 +117,8 @@ class KeyframeGraph {
 
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<GraphEdge>& edges() const { return edges_; }
+  /// What edges err by on their own, by the last work.
+  const ErrorFactors& error_factors() const { return factors_; }
 
  private:
   struct NewNode {
@@ -127,6 +130,7 @@ class KeyframeGraph {
     PoseGraph graph;
     std::vector<GraphEdge> waiting;
     std::vector<Matrix6d> covariances;
+    ErrorFactors factors;
   };
   /// When the poses are optimised: when a circle closes anew, or wherever there is one.
   enum class Optimise { new_circles, any_circle };
@@ -149,6 +153,7 @@ class KeyframeGraph {
   std::size_t edges_begun_ = 0, finder_bytes_ = 0;
   std::vector<Eigen::Isometry3d> solved_;     // poses that the last work found
   std::vector<Matrix6d> solved_covariances_;  // theirs, until the poses are there
+  ErrorFactors factors_, solved_factors_;     // by which the nodes' covariances were made, and those
   Utime due_ = 0;
   std::future<Solution> running_;  // the last member: it waits for the work before the rest goes
 };

@@ -48,6 +48,7 @@ struct PoseGraphSettings {
   double ground_error = 0.2;
   double motion_scale = 0.0015;
   double turn_scale = 0.0015;
+  double stated_measurements = 5;
 
   void describe(SettingsVisitor& s) {
     s.number("kernel_width", kernel_width, "standard deviations", {0.1, 1e6},
@@ -75,6 +76,9 @@ struct PoseGraphSettings {
              "standard deviation of a ratio by which all edges measure too large or too small turns; for the "
              "poses' "
              "covariances");
+    s.number("stated_measurements", stated_measurements, "", {0.1, 1e6},
+             "edges, and poses on the ground, as many as the two errors above count for beside what the "
+             "graph's measurements contradict each other by: what edges and ground err by follows from both");
   }
 };
 
@@ -85,10 +89,9 @@ struct GroundConstraint {
   GroundSettings plane;
   std::vector<Floor> floors;
 
+  Floor floor(std::size_t node) const { return node < floors.size() ? floors[node] : Floor::plane; }
   /// Standard deviations of height, roll and pitch there.
-  Eigen::Vector3d sigmas(std::size_t node) const {
-    return GroundContact(plane, node < floors.size() ? floors[node] : Floor::plane).sigmas();
-  }
+  Eigen::Vector3d sigmas(std::size_t node) const { return GroundContact(plane, floor(node)).sigmas(); }
 };
 
 struct PoseGraph {

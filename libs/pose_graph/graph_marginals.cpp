@@ -1,0 +1,123 @@
+#include <lcmslam/pose_graph/graph_marginals.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+
+namespace lcmslam {
+namespace {
+
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+// Block (row, column) of H, in poses; the first one is no unknown.
+void add(const Matrix6d& block, int row, int column, Entries& entries) {
+  if (row < 1 || column < 1) return;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 6; ++c) entries.emplace_back(6 * (row - 1) + r, 6 * (column - 1) + c, block(r, c));
+}
+
+using Shared = GraphMarginals::Shared;
+
+// Too long and too far: Z_true = Z exp(b), a part of what Z measures, as the second pose's body has it.
+// A camera that contradicts itself by more also errs by more where it agrees with itself.
+Shared shared_error(const GraphEdge& edge, const PoseGraphSettings& settings, const ErrorFactors& factors) {
+  const Eigen::Isometry3d& Z = edge.T_from_to.T;
+  Shared b = Shared::Zero();
+  b.block<3, 1>(0, 0) = factors.edges * settings.motion_scale * (Z.linear().transpose() * Z.translation());
+  b.block<3, 1>(3, 1) = factors.edges * settings.turn_scale * se3_log(Z).tail<3>();
+  return b;
+}
+
+struct GraphEquations {
+  Entries H;
+  Eigen::MatrixXd shared;  ///< sum J^T R^-1 b
+};
+
+GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& settings,
+                            const ErrorFactors& factors) {
+  GraphEquations equations;
+  equations.shared.setZero(static_cast<Eigen::Index>(6 * (graph.poses.size() - 1)),
+                           Shared::ColsAtCompileTime);
+  const auto add_shared = [&](int node, const Shared& rows) {
+    if (node > 0) equations.shared.middleRows<6>(6 * (node - 1)) += rows;
+  };
+  for (const GraphEdge& e : graph.edges) {
+    // e = log(Z^-1 T_i^-1 T_j exp(x_j)), and x_i is felt at j as -Ad(T_j^-1 T_i) x_i.
+    const Eigen::Isometry3d& T_from = graph.poses[static_cast<std::size_t>(e.from)];
+    const Eigen::Isometry3d& T_to = graph.poses[static_cast<std::size_t>(e.to)];
+    const Matrix6d J = -adjoint(T_to.inverse() * T_from);
+    const Matrix6d W = edge_error(e.T_from_to.covariance, settings, factors).inverse();
+    const Matrix6d WJ = W * J;
+    add(J.transpose() * WJ, e.from, e.from, equations.H);
+    add(WJ, e.to, e.from, equations.H);
+    add(WJ.transpose(), e.from, e.to, equations.H);
+    add(W, e.to, e.to, equations.H);
+    const Shared b = shared_error(e, settings, factors);
+    add_shared(e.from, WJ.transpose() * b);
+    add_shared(e.to, W * b);
+  }
+  if (!graph.ground) return equations;
+  for (std::size_t i = 1; i < graph.poses.size(); ++i)
+    add(ground_information(*graph.ground, i, settings, factors), static_cast<int>(i), static_cast<int>(i),
+        equations.H);
+  return equations;
+}
+
+}  // namespace
+
+// Column by column from the last: Z_ij = -sum_k Z_ik L_kj,  Z_jj = 1 / D_j - sum_k Z_jk L_kj  (k > j in L's
+// column j).
+std::optional<GraphMarginals> GraphMarginals::of(const PoseGraph& graph, const PoseGraphSettings& settings,
+                                                 const ErrorFactors& factors) {
+  if (graph.poses.size() < 2) return std::nullopt;
+  const auto unknowns = static_cast<Eigen::Index>(6 * (graph.poses.size() - 1));
+  const GraphEquations equations = equations_of(graph, settings, factors);
+  Eigen::SparseMatrix<double> H(unknowns, unknowns);
+  H.setFromTriplets(equations.H.begin(), equations.H.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(H);
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0)) return std::nullopt;
+  GraphMarginals m;
+  m.place_ = factor.permutationP().indices();
+  m.shared_ = factor.solve(equations.shared);
+  Eigen::SparseMatrix<double> L = factor.matrixL();
+  L.makeCompressed();
+  m.inverse_ = L;
+  m.diagonal_ = factor.vectorD().cwiseInverse();
+  for (int j = static_cast<int>(L.cols()) - 1; j >= 0; --j) {
+    const int begin = L.outerIndexPtr()[j], end = L.outerIndexPtr()[j + 1];
+    const int first = begin < end && L.innerIndexPtr()[begin] == j ? begin + 1 : begin;  // behind a stored 1
+    for (int a = first; a < end; ++a) {
+      double sum = 0;
+      for (int b = first; b < end; ++b)
+        sum -= m.at(L.innerIndexPtr()[a], L.innerIndexPtr()[b]) * L.valuePtr()[b];
+      m.inverse_.valuePtr()[a] = sum;
+    }
+    for (int b = first; b < end; ++b) m.diagonal_(j) -= m.inverse_.valuePtr()[b] * L.valuePtr()[b];
+  }
+  return m;
+}
+
+// Zero where L has no entry.
+double GraphMarginals::at(int i, int j) const {
+  if (i == j) return diagonal_(i);
+  const int row = std::max(i, j), column = std::min(i, j);
+  const int* const begin = inverse_.innerIndexPtr() + inverse_.outerIndexPtr()[column];
+  const int* const end = inverse_.innerIndexPtr() + inverse_.outerIndexPtr()[column + 1];
+  const int* const found = std::lower_bound(begin, end, row);
+  return found != end && *found == row ? inverse_.valuePtr()[found - inverse_.innerIndexPtr()] : 0;
+}
+
+Matrix6d GraphMarginals::block(int i, int j) const {
+  Matrix6d block = Matrix6d::Zero();
+  if (i < 1 || j < 1) return block;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 6; ++c) block(r, c) = at(place_(6 * (i - 1) + r), place_(6 * (j - 1) + c));
+  return block;
+}
+
+GraphMarginals::Shared GraphMarginals::shared(int i) const {
+  if (i < 1) return Shared::Zero();
+  return shared_.middleRows<6>(6 * (i - 1));
+}
+
+}  // namespace lcmslam

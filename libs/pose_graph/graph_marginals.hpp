@@ -1,0 +1,43 @@
+#pragma once
+// What a graph's measurements leave open of its poses, after
+//
+//   H = sum J_ij^T R_ij^-1 J_ij + ground,   G = H^-1 sum J_ij^T R_ij^-1 b_ij
+//
+// with R what an edge errs by and b the errors that all edges share. Only the entries of H^-1 that its sparse
+// factor has are computed (Takahashi, Fagan and Chin 1973; Erisman and Tinney 1975), so the cost is that of
+// the factorisation.
+
+#include <Eigen/SparseCore>
+#include <optional>
+
+#include <lcmslam/pose_graph/error_factors.hpp>
+#include <lcmslam/pose_graph/pose_graph.hpp>
+
+namespace lcmslam {
+
+class GraphMarginals {
+ public:
+  /// One column for each error that all edges share.
+  using Shared = Eigen::Matrix<double, 6, 2>;
+
+  /// Nothing when the edges do not tie all nodes to the first, or there is but one.
+  static std::optional<GraphMarginals> of(const PoseGraph& graph, const PoseGraphSettings& settings,
+                                          const ErrorFactors& factors);
+
+  /// Block (i, j) of H^-1, i and j the same or joined by an edge; zero for the first node.
+  Matrix6d block(int i, int j) const;
+  /// Rows of G; zero for the first node.
+  Shared shared(int i) const;
+
+ private:
+  GraphMarginals() = default;
+  double at(int row, int column) const;
+
+  // (L D L^T)^-1 where L has entries: below its diagonal, and on it.
+  Eigen::SparseMatrix<double> inverse_;
+  Eigen::VectorXd diagonal_;
+  Eigen::VectorXi place_;  // of an unknown in the factor
+  Eigen::MatrixXd shared_;
+};
+
+}  // namespace lcmslam
