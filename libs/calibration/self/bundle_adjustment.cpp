@@ -1,0 +1,384 @@
+#include <lcmslam/calibration/self/bundle_adjustment.hpp>
+
+#include <ceres/ceres.h>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+
+#include <lcmslam/calibration/self/cost_functions.hpp>
+#include <lcmslam/calibration/self/depth_patch.hpp>
+#include <lcmslam/calibration/self/marginal_covariance.hpp>
+#include <lcmslam/calibration/self/residuals.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t fewest_pixels = 100;
+constexpr double outlier_sigmas = 5;  // of the scale that was seen
+constexpr double kernel_sigmas = 2;   // beyond them a residual counts less
+constexpr double least_pixel = 0.05;  // pixels and shares of depth's noise: scales below are none
+constexpr double least_depth = 0.05;
+
+/// The head's numbers as blocks of the problem.
+struct Block {
+  int first, size;
+};
+constexpr Block intrinsics_block{head::fx, 9}, extrinsics_block{head::tx, 6},
+    depth_block{head::depth_scale, 4}, rows_block{head::colour_rows, 1};
+constexpr Block head_blocks[] = {intrinsics_block, extrinsics_block, depth_block, rows_block};
+
+struct Scales {
+  double pixel, depth;
+};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A sighting with what it is compared to.
+struct Comparison {
+  int keyframe;
+  std::size_t landmark;
+  residuals::Reprojection pixel;
+  std::optional<residuals::Patch> patch;
+  double lag, row;  // of depth
+};
+
+class Adjustment {
+ public:
+  Adjustment(HeadModel& model, SceneObservations& scene, const CalibrationPriors& priors,
+             const BundleSettings& settings)
+      : model_(model),
+        scene_(scene),
+        settings_(settings),
+        prior_sigmas_(priors.sigmas(model.start)),
+        prior_values_(model.values),
+        aspect_sigma_(priors.aspect) {
+    for (const ObservedKeyframe& keyframe : scene.keyframes) {
+      starts_.push_back(keyframe.T_world_camera.inverse());
+      poses_.push_back({});
+    }
+    const auto& d = model.start.colour.distortion;
+    if (d.size() == 8) std::copy(d.begin() + 5, d.end(), rational_);
+  }
+
+  BundleResult run() {
+    for (int round = 0; round < settings_.rounds; ++round) {
+      compare(round);
+      build();
+      solve();
+      take_over();
+    }
+    compare(settings_.rounds);
+    build();
+    return conclude();
+  }
+
+ private:
+  Eigen::Vector3d seen_by_colour(const Comparison& c, double seconds) const {
+    const auto k = static_cast<std::size_t>(c.keyframe);
+    const double none[6] = {};
+    return residuals::in_camera(starts_[k], scene_.keyframes[k].twist, none,
+                                scene_.landmarks[c.landmark].point.data(), seconds);
+  }
+
+  /// What each sighting is compared to, by the present values; scales follow from what is left over.
+  void compare(int round) {
+    comparisons_.clear();
+    const CameraModel depth_camera = model_.depth();
+    const Eigen::Isometry3d T_depth_colour = model_.T_colour_depth().inverse();
+    const HeadNumbers& h = model_.values;
+    std::vector<double> pixel_errors, depth_errors;
+    std::vector<std::array<double, 2>> errors;
+    for (std::size_t l = 0; l < scene_.landmarks.size(); ++l)
+      for (const LandmarkSighting& sighting : scene_.landmarks[l].sightings) {
+        const auto k = static_cast<std::size_t>(sighting.keyframe);
+        const ObservedKeyframe& keyframe = scene_.keyframes[k];
+        Comparison c;
+        c.keyframe = sighting.keyframe;
+        c.landmark = l;
+        c.pixel.T_start = starts_[k];
+        c.pixel.twist = keyframe.twist;
+        c.pixel.pixel = sighting.pixel;
+        c.pixel.row = (sighting.pixel.y() + 0.5) / model_.start.colour.height - 0.5;
+        std::copy(rational_, rational_ + 3, c.pixel.rational);
+        c.pixel.sigma = sighting.sigma;
+        double seen[2];
+        if (!residuals::project(h.data() + head::fx, rational_,
+                                seen_by_colour(c, c.pixel.row * h[head::colour_rows]), seen))
+          continue;
+        const double error = (Eigen::Vector2d(seen[0], seen[1]) - sighting.pixel).norm();
+        if (error > (round == 0 ? settings_.pixel_gate
+                                : std::max(1.0, outlier_sigmas * scales_.pixel) * sighting.sigma))
+          continue;
+        pixel_errors.push_back(error / sighting.sigma);
+
+        // The row is that of the pixel where the landmark lies in the depth image: two looks find it.
+        c.lag = keyframe.depth_lag;
+        c.row = 0;
+        std::optional<Eigen::Vector2d> pixel;
+        Eigen::Vector3d p;
+        for (int look = 0; look < 2; ++look) {
+          p = T_depth_colour * seen_by_colour(c, c.lag + h[head::depth_clock] + c.row * h[head::depth_rows]);
+          pixel = depth_camera.project(p);
+          if (!pixel) break;
+          c.row = std::clamp((pixel->y() + 0.5) / depth_camera.height - 0.5, -0.5, 0.5);
+        }
+        double depth_error = 0;
+        if (pixel && !keyframe.inverse_depth.empty())
+          c.patch = depth_patch(keyframe.inverse_depth, *pixel, depth_camera, model_.start.depth_noise);
+        if (c.patch) {
+          depth_error = residuals::depth_error(*c.patch, pixel->data(), p.z(), h.data() + head::depth_scale);
+          const double gate =
+              round == 0 ? settings_.depth_gate / c.patch->sigma : outlier_sigmas * scales_.depth;
+          if (std::abs(depth_error) < std::max(2.0, gate))
+            depth_errors.push_back(std::abs(depth_error));
+          else
+            c.patch.reset();
+        }
+        comparisons_.push_back(c);
+      }
+    if (comparisons_.size() < fewest_pixels)
+      throw std::runtime_error("self calibration: only " + std::to_string(comparisons_.size()) +
+                               " sightings of landmarks agree with their keyframes; at least " +
+                               std::to_string(fewest_pixels) + " are needed");
+    // Of the length of two normal numbers the median is 1.1774 sigma, of one's absolute value 0.6745.
+    scales_.pixel = std::max(least_pixel, median(pixel_errors) / 1.1774);
+    scales_.depth = depth_errors.empty() ? 1 : std::max(least_depth, median(depth_errors) / 0.6745);
+    result_.pixels = static_cast<int>(pixel_errors.size());
+    result_.depths = static_cast<int>(depth_errors.size());
+    result_.pixel_scale = scales_.pixel;
+    result_.depth_scale = scales_.depth;
+  }
+
+  void build() {
+    problem_ = std::make_unique<ceres::Problem>();
+    const double width = kernel_sigmas / settings_.correlation;
+    double* intrinsics = model_.values.data() + head::fx;
+    double* extrinsics = model_.values.data() + head::tx;
+    double* depth = model_.values.data() + head::depth_scale;
+    double* rows = model_.values.data() + head::colour_rows;
+    for (const Comparison& c : comparisons_) {
+      double* pose = poses_[static_cast<std::size_t>(c.keyframe)].data();
+      double* point = scene_.landmarks[c.landmark].point.data();
+      residuals::Reprojection pixel = c.pixel;
+      pixel.sigma *= scales_.pixel * settings_.correlation;
+      problem_->AddResidualBlock(cost_of(pixel), new ceres::CauchyLoss(width), pose, point, intrinsics, rows);
+      if (!c.patch) continue;
+      if (model_.registered())
+        problem_->AddResidualBlock(cost_of(surface_of_colour(c)), new ceres::CauchyLoss(width), pose, point,
+                                   intrinsics, depth);
+      else
+        problem_->AddResidualBlock(cost_of(surface_of_own_camera(c)), new ceres::CauchyLoss(width), pose,
+                                   point, extrinsics, depth);
+    }
+    add_priors();
+    // The first keyframe that is compared to anything is the world.
+    for (auto& pose : poses_)
+      if (problem_->HasParameterBlock(pose.data())) {
+        problem_->SetParameterBlockConstant(pose.data());
+        break;
+      }
+  }
+
+  residuals::Patch weighed(residuals::Patch patch) const {
+    patch.sigma *= scales_.depth * settings_.correlation;
+    return patch;
+  }
+
+  residuals::SurfaceOfColour surface_of_colour(const Comparison& c) const {
+    residuals::SurfaceOfColour surface{c.pixel.T_start, c.pixel.twist, {}, c.lag, c.row, weighed(*c.patch)};
+    std::copy(rational_, rational_ + 3, surface.rational);
+    return surface;
+  }
+
+  residuals::SurfaceOfOwnCamera surface_of_own_camera(const Comparison& c) const {
+    const CameraModel& d = model_.start.depth;
+    residuals::SurfaceOfOwnCamera surface{c.pixel.T_start,
+                                          model_.start.T_colour_depth,
+                                          c.pixel.twist,
+                                          {d.fx, d.fy, d.cx, d.cy},
+                                          {},
+                                          {},
+                                          c.lag,
+                                          c.row,
+                                          weighed(*c.patch)};
+    for (std::size_t i = 0; i < d.distortion.size(); ++i)
+      (i < 5 ? surface.lens[i] : surface.rational[i - 5]) = d.distortion[i];
+    return surface;
+  }
+
+  /// Held numbers leave their block.
+  void add_priors() {
+    for (const Block& block : head_blocks) {
+      double* values = model_.values.data() + block.first;
+      if (!problem_->HasParameterBlock(values)) continue;
+      std::vector<int> held;
+      for (int i = 0; i < block.size; ++i) {
+        const auto p = static_cast<std::size_t>(block.first + i);
+        if (prior_sigmas_[p] > 0)
+          problem_->AddResidualBlock(
+              cost_of(residuals::Prior{i, prior_values_[p], prior_sigmas_[p]}, block.size), nullptr, values);
+        else
+          held.push_back(i);
+      }
+      if (static_cast<int>(held.size()) == block.size)
+        problem_->SetParameterBlockConstant(values);
+      else if (!held.empty())
+        problem_->SetManifold(values, new ceres::SubsetManifold(block.size, held));
+    }
+    constexpr double one_focal_length = 1e-5;
+    if (prior_sigmas_[head::fx] > 0)
+      problem_->AddResidualBlock(cost_of(residuals::Aspect{prior_values_[head::fx] / prior_values_[head::fy],
+                                                           std::max(one_focal_length, aspect_sigma_)}),
+                                 nullptr, model_.values.data() + head::fx);
+  }
+
+  std::vector<double*> used_landmarks() {
+    std::vector<double*> blocks;
+    for (auto& landmark : scene_.landmarks)
+      if (problem_->HasParameterBlock(landmark.point.data())) blocks.push_back(landmark.point.data());
+    return blocks;
+  }
+
+  void solve() {
+    ceres::Solver::Options options;
+    options.num_threads = 1;  // the same result everywhere
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.max_num_iterations = settings_.iterations;
+    options.function_tolerance = 1e-7;
+    // Nearly Gauss and Newton's steps: head and scene move together along weak directions, which damping by
+    // the strong ones would hold.
+    options.initial_trust_region_radius = 1e6;
+    options.logging_type = ceres::SILENT;
+    auto* order = new ceres::ParameterBlockOrdering;
+    for (double* landmark : used_landmarks()) order->AddElementToGroup(landmark, 0);
+    for (auto& pose : poses_)
+      if (problem_->HasParameterBlock(pose.data())) order->AddElementToGroup(pose.data(), 1);
+    for (const Block& block : head_blocks)
+      if (problem_->HasParameterBlock(model_.values.data() + block.first))
+        order->AddElementToGroup(model_.values.data() + block.first, 1);
+    options.linear_solver_ordering.reset(order);
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, problem_.get(), &summary);
+    if (std::getenv("SELFDBG")) {
+      std::fprintf(stderr, "%d it, cost %.3f -> %.3f, %zu px %d d, scales %.3f %.4f:", (int)summary.iterations.size(), summary.initial_cost, summary.final_cost, comparisons_.size(), result_.depths, scales_.pixel, scales_.depth);
+      for (int i : {0,1,2,3,9,10,11}) std::fprintf(stderr, " %.4f", (i>8?1000:1)*model_.values[(std::size_t)i]);
+      for (int i : {12,13,14}) std::fprintf(stderr, " %.4f", 57.2958*model_.values[(std::size_t)i]);
+      std::fprintf(stderr, "\n");
+    }
+    if (!summary.IsSolutionUsable()) throw std::runtime_error("self calibration: " + summary.message);
+  }
+
+  /// Poses begin anew where the solution put them.
+  void take_over() {
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+      moved.linear() = so3_exp(Eigen::Vector3d(poses_[k].data()));
+      moved.translation() = Eigen::Vector3d(poses_[k].data() + 3);
+      starts_[k] = moved * starts_[k];
+      scene_.keyframes[k].T_world_camera = starts_[k].inverse();
+      poses_[k] = {};
+    }
+  }
+
+  BundleResult conclude() {
+    std::vector<double*> blocks, others;
+    std::vector<std::size_t> parameters;  // of the covariance's rows
+    for (const Block& block : head_blocks) {
+      double* values = model_.values.data() + block.first;
+      if (!problem_->HasParameterBlock(values) || problem_->IsParameterBlockConstant(values)) continue;
+      blocks.push_back(values);
+      for (int i = 0; i < block.size; ++i)
+        if (prior_sigmas_[static_cast<std::size_t>(block.first + i)] > 0)
+          parameters.push_back(static_cast<std::size_t>(block.first + i));
+    }
+    for (auto& pose : poses_)
+      if (problem_->HasParameterBlock(pose.data()) && !problem_->IsParameterBlockConstant(pose.data()))
+        others.push_back(pose.data());
+    const Eigen::MatrixXd covariance = marginal_covariance(*problem_, blocks, others, used_landmarks());
+
+    result_.priors = prior_sigmas_;
+    result_.sigmas = prior_sigmas_;  // what nothing was compared to stays as sure as it was
+    result_.covariance = Eigen::MatrixXd::Zero(head::count, head::count);
+    for (std::size_t i = 0; i < prior_sigmas_.size(); ++i)
+      result_.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) =
+          prior_sigmas_[i] * prior_sigmas_[i];
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      result_.sigmas[parameters[i]] =
+          std::sqrt(std::max(0.0, covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))));
+      for (std::size_t k = 0; k < parameters.size(); ++k)
+        result_.covariance(static_cast<Eigen::Index>(parameters[i]),
+                           static_cast<Eigen::Index>(parameters[k])) =
+            covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+    }
+    say_unobserved();
+    return result_;
+  }
+
+  /// Eigenvectors of the covariance in units of the priors: large ones are what only the start says.
+  void say_unobserved() {
+    std::vector<Eigen::Index> free;
+    for (int p = 0; p < head::count; ++p)
+      if (!result_.held(static_cast<head::Parameter>(p))) free.push_back(p);
+    const auto n = static_cast<Eigen::Index>(free.size());
+    Eigen::MatrixXd C(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(k);
+        C(i, k) = result_.covariance(free[a], free[b]) / (result_.priors[static_cast<std::size_t>(free[a])] *
+                                                          result_.priors[static_cast<std::size_t>(free[b])]);
+      }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C);
+    constexpr double named = 0.3;  // of a direction's length
+    for (Eigen::Index i = n - 1;
+         i >= 0 && std::sqrt(std::max(0.0, eigen.eigenvalues()(i))) > settings_.unobserved; --i) {
+      std::string text;
+      const Eigen::VectorXd direction = eigen.eigenvectors().col(i);
+      Eigen::Index largest = 0;
+      direction.cwiseAbs().maxCoeff(&largest);
+      const double sign = direction(largest) < 0 ? -1 : 1;
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const double part = sign * direction(k);
+        if (std::abs(part) < named) continue;
+        const auto p = static_cast<head::Parameter>(free[static_cast<std::size_t>(k)]);
+        char number[64];
+        std::snprintf(number, sizeof number, "%s%.3g %s",
+                      text.empty() ? (part < 0 ? "-" : "") : (part < 0 ? " - " : " + "),
+                      std::abs(part) * result_.priors[static_cast<std::size_t>(p)], name_of(p).name);
+        text += number;
+      }
+      result_.unobserved_directions.push_back(text);
+    }
+  }
+
+  HeadModel& model_;
+  SceneObservations& scene_;
+  BundleSettings settings_;
+  HeadNumbers prior_sigmas_, prior_values_;
+  double aspect_sigma_;
+  double rational_[3] = {};
+  std::vector<Eigen::Isometry3d> starts_;     // T_camera_world
+  std::vector<std::array<double, 6>> poses_;  // what they have moved since
+  std::vector<Comparison> comparisons_;
+  Scales scales_{1, 1};
+  std::unique_ptr<ceres::Problem> problem_;
+  BundleResult result_;
+};
+
+}  // namespace
+
+BundleResult adjust_bundle(HeadModel& model, SceneObservations& scene, const CalibrationPriors& priors,
+                           const BundleSettings& settings) {
+  return Adjustment(model, scene, priors, settings).run();
+}
+
+}  // namespace lcmslam
