@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <vector>
 
+#include <lcmslam/calibration/self/recorded_scene.hpp>
+#include <lcmslam/calibration/self/self_report.hpp>
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/odometry/wheel_odometry.hpp>
-#include <lcmslam/calibration/self/recorded_scene.hpp>
-#include <lcmslam/calibration/self/self_report.hpp>
 #include "procs/camera/camera_log.hpp"
 #include "procs/camera/camera_source.hpp"
 
@@ -73,9 +73,10 @@ Errors measure(const SimulationSourceSettings& settings, const std::string& log,
   if (verbose) {
     HeadModel right(truth);
     std::printf(
-        "%d of %d frames, %zu keyframes, %zu landmarks, %d pixels within %.2f, %d depths within %.2f\n%s",
+        "%d of %d frames, %zu keyframes, %zu landmarks, %d pixels within %.2f, %d depths within %.2f, %d "
+        "rounds\n%s",
         recording.tracked(), recording.frames(), scene.keyframes.size(), scene.landmarks.size(),
-        result.pixels, result.pixel_scale, result.depths, result.depth_scale,
+        result.pixels, result.pixel_scale, result.depths, result.depth_scale, result.rounds,
         report_text(model, result, bundle).c_str());
     const Eigen::Isometry3d D = truth.T_colour_depth.inverse() * model.T_colour_depth();
     const Eigen::Vector3d t = 1e3 * D.translation(), r = so3_log(D.linear()) * 180 / M_PI;

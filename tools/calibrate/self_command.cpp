@@ -15,7 +15,8 @@ int calibrate_self_command(int argc, char** argv) {
   CalibrationOutput output;
   RecordedHeadOptions options;
   CLI::App app{
-      "A camera head from any recording, without a board: focal length, distortion, the depth camera's place, "
+      "A camera head from any recording, without a board: focal length, distortion, the depth camera's "
+      "place, "
       "scale, offset and clock, and the rolling shutter. Says what the recording does not tell.",
       "lcmslam calibrate self"};
   app.add_option("log", log, "an .lcmlog with CAMERA; ENCODERS or ODOMETRY help")

@@ -1,29 +1,31 @@
 #include <lcmslam/calibration/self/bundle_adjustment.hpp>
 
 #include <ceres/ceres.h>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 
 #include <lcmslam/calibration/self/cost_functions.hpp>
 #include <lcmslam/calibration/self/depth_patch.hpp>
 #include <lcmslam/calibration/self/marginal_covariance.hpp>
+#include <lcmslam/calibration/self/observability.hpp>
 #include <lcmslam/calibration/self/residuals.hpp>
 
 namespace lcmslam {
 namespace {
 
 constexpr std::size_t fewest_pixels = 100;
-constexpr double outlier_sigmas = 5;  // of the scale that was seen
-constexpr double kernel_sigmas = 2;   // beyond them a residual counts less
-constexpr double least_pixel = 0.05;  // pixels and shares of depth's noise: scales below are none
+// Far off: a robust weight is enough nearer by, and gates that follow the scale of what they let through
+// would close on whatever the first rounds liked.
+constexpr double outlier_sigmas = 20;  // of the scale that was seen
+constexpr double kernel_sigmas = 2;    // beyond them a residual counts less
+constexpr double least_pixel = 0.05;   // pixels and shares of depth's noise: scales below are none
 constexpr double least_depth = 0.05;
+constexpr double near_gate = 4,
+                 near_depth_gate = 2;  // pixels, shares of depth's noise: nothing nearer is an outlier
 
 /// The head's numbers as blocks of the problem.
 struct Block {
@@ -72,17 +74,26 @@ class Adjustment {
 
   BundleResult run() {
     for (int round = 0; round < settings_.rounds; ++round) {
+      const HeadNumbers before = model_.values;
       compare(round);
       build();
       solve();
       take_over();
+      ++result_.rounds;
+      if (!moved_since(before)) break;
     }
-    compare(settings_.rounds);
+    compare(result_.rounds);
     build();
     return conclude();
   }
 
  private:
+  bool moved_since(const HeadNumbers& before) const {
+    for (std::size_t i = 0; i < before.size(); ++i)
+      if (std::abs(model_.values[i] - before[i]) > settings_.converged * prior_sigmas_[i]) return true;
+    return false;
+  }
+
   Eigen::Vector3d seen_by_colour(const Comparison& c, double seconds) const {
     const auto k = static_cast<std::size_t>(c.keyframe);
     const double none[6] = {};
@@ -117,7 +128,7 @@ class Adjustment {
           continue;
         const double error = (Eigen::Vector2d(seen[0], seen[1]) - sighting.pixel).norm();
         if (error > (round == 0 ? settings_.pixel_gate
-                                : std::max(1.0, outlier_sigmas * scales_.pixel) * sighting.sigma))
+                                : std::max(near_gate, outlier_sigmas * scales_.pixel) * sighting.sigma))
           continue;
         pixel_errors.push_back(error / sighting.sigma);
 
@@ -139,7 +150,7 @@ class Adjustment {
           depth_error = residuals::depth_error(*c.patch, pixel->data(), p.z(), h.data() + head::depth_scale);
           const double gate =
               round == 0 ? settings_.depth_gate / c.patch->sigma : outlier_sigmas * scales_.depth;
-          if (std::abs(depth_error) < std::max(2.0, gate))
+          if (std::abs(depth_error) < std::max(near_depth_gate, gate))
             depth_errors.push_back(std::abs(depth_error));
           else
             c.patch.reset();
@@ -269,12 +280,6 @@ class Adjustment {
     options.linear_solver_ordering.reset(order);
     ceres::Solver::Summary summary;
     ceres::Solve(options, problem_.get(), &summary);
-    if (std::getenv("SELFDBG")) {
-      std::fprintf(stderr, "%d it, cost %.3f -> %.3f, %zu px %d d, scales %.3f %.4f:", (int)summary.iterations.size(), summary.initial_cost, summary.final_cost, comparisons_.size(), result_.depths, scales_.pixel, scales_.depth);
-      for (int i : {0,1,2,3,9,10,11}) std::fprintf(stderr, " %.4f", (i>8?1000:1)*model_.values[(std::size_t)i]);
-      for (int i : {12,13,14}) std::fprintf(stderr, " %.4f", 57.2958*model_.values[(std::size_t)i]);
-      std::fprintf(stderr, "\n");
-    }
     if (!summary.IsSolutionUsable()) throw std::runtime_error("self calibration: " + summary.message);
   }
 
@@ -304,7 +309,8 @@ class Adjustment {
     for (auto& pose : poses_)
       if (problem_->HasParameterBlock(pose.data()) && !problem_->IsParameterBlockConstant(pose.data()))
         others.push_back(pose.data());
-    const Eigen::MatrixXd covariance = marginal_covariance(*problem_, blocks, others, used_landmarks());
+    Eigen::MatrixXd covariance;
+    if (!blocks.empty()) covariance = marginal_covariance(*problem_, blocks, others, used_landmarks());
 
     result_.priors = prior_sigmas_;
     result_.sigmas = prior_sigmas_;  // what nothing was compared to stays as sure as it was
@@ -320,44 +326,8 @@ class Adjustment {
                            static_cast<Eigen::Index>(parameters[k])) =
             covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
     }
-    say_unobserved();
+    result_.unobserved_directions = unobserved_directions(result_, settings_.unobserved);
     return result_;
-  }
-
-  /// Eigenvectors of the covariance in units of the priors: large ones are what only the start says.
-  void say_unobserved() {
-    std::vector<Eigen::Index> free;
-    for (int p = 0; p < head::count; ++p)
-      if (!result_.held(static_cast<head::Parameter>(p))) free.push_back(p);
-    const auto n = static_cast<Eigen::Index>(free.size());
-    Eigen::MatrixXd C(n, n);
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::Index k = 0; k < n; ++k) {
-        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(k);
-        C(i, k) = result_.covariance(free[a], free[b]) / (result_.priors[static_cast<std::size_t>(free[a])] *
-                                                          result_.priors[static_cast<std::size_t>(free[b])]);
-      }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C);
-    constexpr double named = 0.3;  // of a direction's length
-    for (Eigen::Index i = n - 1;
-         i >= 0 && std::sqrt(std::max(0.0, eigen.eigenvalues()(i))) > settings_.unobserved; --i) {
-      std::string text;
-      const Eigen::VectorXd direction = eigen.eigenvectors().col(i);
-      Eigen::Index largest = 0;
-      direction.cwiseAbs().maxCoeff(&largest);
-      const double sign = direction(largest) < 0 ? -1 : 1;
-      for (Eigen::Index k = 0; k < n; ++k) {
-        const double part = sign * direction(k);
-        if (std::abs(part) < named) continue;
-        const auto p = static_cast<head::Parameter>(free[static_cast<std::size_t>(k)]);
-        char number[64];
-        std::snprintf(number, sizeof number, "%s%.3g %s",
-                      text.empty() ? (part < 0 ? "-" : "") : (part < 0 ? " - " : " + "),
-                      std::abs(part) * result_.priors[static_cast<std::size_t>(p)], name_of(p).name);
-        text += number;
-      }
-      result_.unobserved_directions.push_back(text);
-    }
   }
 
   HeadModel& model_;

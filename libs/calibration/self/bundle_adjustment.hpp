@@ -18,14 +18,18 @@ namespace lcmslam {
 struct BundleSettings {
   int rounds = 16;
   int iterations = 8;
+  double converged = 0.002;
   double pixel_gate = 12;
   double depth_gate = 0.15;
   double correlation = 3;
   double unobserved = 0.7;
 
   void describe(SettingsVisitor& s) {
-    s.number("rounds", rounds, "", {1, 100}, "of least squares; between them surfaces are looked up anew");
+    s.number("rounds", rounds, "", {1, 100},
+             "of least squares at most; between them surfaces are looked up anew");
     s.number("iterations", iterations, "", {1, 1000}, "of least squares in a round");
+    s.number("converged", converged, "", {0, 1},
+             "of the priors' sigmas: when nothing moves by more in a round");
     s.number("pixel_gate", pixel_gate, "pixels", {1, 1000}, "farther off at first is another landmark");
     s.number("depth_gate", depth_gate, "m", {0.01, 10}, "farther off at first is another surface");
     s.number("correlation", correlation, "", {1, 100}, "on sigmas: what is seen again errs as it did before");
@@ -38,6 +42,7 @@ struct BundleResult {
   HeadNumbers priors{};        ///< standard deviations of the start; 0: held
   HeadNumbers sigmas{};        ///< what is left of them
   Eigen::MatrixXd covariance;  ///< head::count rows, 0 for what was held
+  int rounds = 0;
   int pixels = 0, depths = 0;  ///< residuals that counted
   double pixel_scale = 0;      ///< pixels, of a blob of middle size
   double depth_scale = 0;      ///< of the calibration's depth noise

@@ -2,8 +2,8 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include <lcmslam/imaging/calibration.hpp>
 #include <lcmslam/calibration/self/residuals.hpp>
+#include <lcmslam/imaging/calibration.hpp>
 
 namespace lcmslam {
 

@@ -8,7 +8,6 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t fewest_sightings = 3;
 constexpr double ratio = 0.75;
 
 /// Of the ideal image, px; nothing without depth.

@@ -4,16 +4,17 @@
 #include <utility>
 #include <vector>
 
+#include <lcmslam/calibration/self/scene_observations.hpp>
 #include <lcmslam/features/feature.hpp>
 #include <lcmslam/features/matching.hpp>
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/imaging/calibration.hpp>
-#include <lcmslam/calibration/self/scene_observations.hpp>
 
 namespace lcmslam {
 
 class LandmarkTracks {
  public:
+  static constexpr std::size_t fewest_sightings = 3;
   /// `gate`: pixels that a match may miss by.
   LandmarkTracks(const RgbdCalibration& calibration, double gate, std::uint64_t seed);
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include <lcmslam/calibration/self/aligned_sightings.hpp>
+#include <lcmslam/calibration/self/landmark_tracks.hpp>
 #include <lcmslam/rgbd/camera_motion.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
-#include <lcmslam/calibration/self/landmark_tracks.hpp>
 #include <lcmslam/surf/surf.hpp>
 
 namespace lcmslam {
@@ -37,6 +39,15 @@ cv::Mat inverse_of(const cv::Mat& millimetres, const RgbdCalibration& c) {
     }
   }
   return inverse;
+}
+
+/// Smoothed by as much as makes its values between pixels agree.
+cv::Mat smooth_grey(const cv::Mat& colour) {
+  constexpr double sigma = 0.7;  // pixels
+  cv::Mat grey;
+  cv::cvtColor(colour, grey, cv::COLOR_BGR2GRAY);
+  cv::GaussianBlur(grey, grey, {}, sigma);
+  return grey;
 }
 
 }  // namespace
@@ -74,7 +85,7 @@ void RecordedScene::add(const RgbdFrame& frame) {
   const Eigen::Isometry3d T = sample->T_odom_robot * features.T_robot_camera;
   path_.push_back({frame.utime, T});
   if (!is_keyframe(T)) return;
-  Keyframe keyframe{path_.size() - 1, std::move(features), {}};
+  Keyframe keyframe{path_.size() - 1, std::move(features), smooth_grey(frame.colour), {}};
   keyframe.observed.utime = frame.utime;
   keyframe.observed.T_world_camera = T;
   keyframe.observed.depth_lag = seconds(frame.utime, frame.depth_utime);
@@ -131,12 +142,14 @@ std::vector<std::size_t> RecordedScene::views_of(const std::vector<const Keyfram
 SceneObservations RecordedScene::observations() const {
   std::vector<const Keyframe*> keyframes;
   std::vector<ObservedKeyframe> observed;
+  std::vector<cv::Mat> greys;
   const std::size_t step = keyframes_.size() / (static_cast<std::size_t>(settings_.keyframes) + 1) + 1;
   for (std::size_t i = 0; i < keyframes_.size(); i += step) {
     const auto twist = velocity(keyframes_[i].pose);
     if (!twist) continue;
     keyframes.push_back(&keyframes_[i]);
     observed.push_back(keyframes_[i].observed);
+    greys.push_back(keyframes_[i].grey);
     observed.back().twist = *twist;
   }
   if (keyframes.size() < fewest_keyframes)
@@ -153,6 +166,13 @@ SceneObservations RecordedScene::observations() const {
   }
   SceneObservations scene;
   scene.landmarks = tracks.landmarks(static_cast<std::size_t>(settings_.landmarks));
+  for (ObservedLandmark& landmark : scene.landmarks)
+    align_sightings(landmark, observed, greys, start_.colour);
+  scene.landmarks.erase(std::remove_if(scene.landmarks.begin(), scene.landmarks.end(),
+                                       [](const auto& landmark) {
+                                         return landmark.sightings.size() < LandmarkTracks::fewest_sightings;
+                                       }),
+                        scene.landmarks.end());
   scene.keyframes = std::move(observed);
   return scene;
 }

@@ -10,14 +10,14 @@
 #include <memory>
 #include <vector>
 
+#include <lcmslam/calibration/self/scene_observations.hpp>
 #include <lcmslam/features/feature.hpp>
 #include <lcmslam/features/matching.hpp>
 #include <lcmslam/features/rigid_ransac.hpp>
 #include <lcmslam/imaging/depth_filter.hpp>
 #include <lcmslam/imaging/rgbd_frame.hpp>
-#include <lcmslam/odometry/visual_odometry.hpp>
 #include <lcmslam/odometry/camera_turn.hpp>
-#include <lcmslam/calibration/self/scene_observations.hpp>
+#include <lcmslam/odometry/visual_odometry.hpp>
 
 namespace lcmslam {
 
@@ -79,6 +79,7 @@ class RecordedScene {
   struct Keyframe {
     std::size_t pose;  // in path_
     FeatureFrame features;
+    cv::Mat grey;  // slightly smoothed
     ObservedKeyframe observed;
   };
   bool is_keyframe(const Eigen::Isometry3d& T) const;

@@ -81,8 +81,9 @@ std::string self_covariance_text(const BundleResult& result) {
     for (std::size_t k = 0; k < free.size(); ++k)
       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
           result.covariance(free[i], free[k]);
-  return covariance_text("head", names, covariance,
-                         "Pixels, m, rad and s; colour_depth from where it began, in the depth camera's frame there.");
+  return covariance_text(
+      "head", names, covariance,
+      "Pixels, m, rad and s; colour_depth from where it began, in the depth camera's frame there.");
 }
 
 }  // namespace lcmslam

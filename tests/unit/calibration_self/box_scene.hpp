@@ -5,9 +5,9 @@
 #include <cmath>
 #include <functional>
 
-#include <lcmslam/geometry/random.hpp>
 #include <lcmslam/calibration/self/head_parameters.hpp>
 #include <lcmslam/calibration/self/scene_observations.hpp>
+#include <lcmslam/geometry/random.hpp>
 
 namespace lcmslam::testing {
 

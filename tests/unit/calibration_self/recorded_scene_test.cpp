@@ -4,9 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <lcmslam/calibration/self/self_report.hpp>
 #include <lcmslam/odometry/odometry_clock.hpp>
 #include <lcmslam/odometry/wheel_odometry.hpp>
-#include <lcmslam/calibration/self/self_report.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
 namespace lcmslam {
