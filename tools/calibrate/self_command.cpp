@@ -44,8 +44,8 @@ int calibrate_self_command(int argc, char** argv) {
                    "  {} pixels within {:.2f} pixels, {} depths within {:.2f} of the sensor's noise\n",
                    result.pixels, result.pixel_scale, result.depths, result.depth_scale)
             << report_text(model, result, settings);
-  output.write(model.calibration(), "Refined from " + log + " by lcmslam calibrate self.",
-               self_covariance_text(result));
+  output.write(observed_head(model, result, settings).calibration(),
+               "Refined from " + log + " by lcmslam calibrate self.", self_covariance_text(result));
   return 0;
 }
 

@@ -147,7 +147,8 @@ class Adjustment {
         if (pixel && !keyframe.inverse_depth.empty())
           c.patch = depth_patch(keyframe.inverse_depth, *pixel, depth_camera, model_.start.depth_noise);
         if (c.patch) {
-          depth_error = residuals::depth_error(*c.patch, pixel->data(), p.z(), h.data() + head::depth_scale);
+          depth_error =
+              residuals::depth_error<double>(*c.patch, pixel->data(), p, h.data() + head::depth_scale);
           const double gate =
               round == 0 ? settings_.depth_gate / c.patch->sigma : outlier_sigmas * scales_.depth;
           if (std::abs(depth_error) < std::max(near_depth_gate, gate))
@@ -318,13 +319,15 @@ class Adjustment {
     for (std::size_t i = 0; i < prior_sigmas_.size(); ++i)
       result_.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) =
           prior_sigmas_[i] * prior_sigmas_[i];
+    const HeadNumbers unmodelled = unmodelled_sigmas(model_.start);
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-      result_.sigmas[parameters[i]] =
-          std::sqrt(std::max(0.0, covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))));
+      const auto row = static_cast<Eigen::Index>(parameters[i]);
       for (std::size_t k = 0; k < parameters.size(); ++k)
-        result_.covariance(static_cast<Eigen::Index>(parameters[i]),
-                           static_cast<Eigen::Index>(parameters[k])) =
+        result_.covariance(row, static_cast<Eigen::Index>(parameters[k])) =
             covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+      const double u = unmodelled[parameters[i]];
+      result_.covariance(row, row) += u * u;
+      result_.sigmas[parameters[i]] = std::sqrt(result_.covariance(row, row));
     }
     result_.unobserved_directions = unobserved_directions(result_, settings_.unobserved);
     return result_;
@@ -349,6 +352,15 @@ class Adjustment {
 BundleResult adjust_bundle(HeadModel& model, SceneObservations& scene, const CalibrationPriors& priors,
                            const BundleSettings& settings) {
   return Adjustment(model, scene, priors, settings).run();
+}
+
+HeadModel observed_head(const HeadModel& model, const BundleResult& result, const BundleSettings& settings) {
+  HeadModel head = model;
+  const HeadModel start(model.start);
+  for (int i = 0; i < head::count; ++i)
+    if (!is_observed(result, static_cast<head::Parameter>(i), settings))
+      head.values[static_cast<std::size_t>(i)] = start.values[static_cast<std::size_t>(i)];
+  return head;
 }
 
 }  // namespace lcmslam

@@ -54,6 +54,19 @@ HeadNumbers CalibrationPriors::sigmas(const RgbdCalibration& start) const {
   return s;
 }
 
+HeadNumbers unmodelled_sigmas(const RgbdCalibration& start) {
+  HeadNumbers s{};
+  s[head::fx] = 5e-4 * start.colour.fx;
+  s[head::fy] = 5e-4 * start.colour.fy;
+  s[head::cx] = s[head::cy] = 7e-4 * start.colour.fx;
+  s[head::p1] = s[head::p2] = 1e-4;
+  s[head::k1] = 1e-3, s[head::k2] = s[head::k3] = 3e-3;
+  for (const auto p : {head::tx, head::ty, head::tz, head::depth_offset}) s[p] = 3e-4;
+  for (const auto p : {head::rx, head::ry, head::rz}) s[p] = 7e-4;
+  for (const auto p : {head::depth_clock, head::depth_rows, head::colour_rows}) s[p] = 6e-4;
+  return s;
+}
+
 HeadModel::HeadModel(const RgbdCalibration& calibration) : start(calibration), values{} {
   const CameraModel& c = start.colour;
   values[head::fx] = c.fx, values[head::fy] = c.fy, values[head::cx] = c.cx, values[head::cy] = c.cy;
@@ -87,6 +100,11 @@ RgbdCalibration HeadModel::calibration(double rows_differ) const {
   c.colour = colour();
   c.depth = depth();
   if (!registered()) c.T_colour_depth = T_colour_depth();
+  // Images were freed of the start's error before they were compared: measured again is (1 + s) r + o, both
+  // in turn.
+  const double scale = 1 / values[head::depth_scale], offset = -values[head::depth_offset] * scale;
+  c.depth_error.offset = start.depth_error.offset + (1 + start.depth_error.scale) * offset;
+  c.depth_error.scale = (1 + start.depth_error.scale) * scale - 1;
   c.depth_clock_offset = values[head::depth_clock];
   if (std::abs(values[head::depth_rows] - values[head::colour_rows]) < rows_differ)
     c.rolling_shutter = std::clamp(values[head::colour_rows], 0.0, 0.1);

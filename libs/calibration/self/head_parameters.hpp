@@ -4,7 +4,7 @@
 //   fx fy cx cy          the colour camera's intrinsics, pixels
 //   k1 k2 p1 p2 k3       its lens (Brown-Conrady; k4 to k6 stay as the start says)
 //   tx ty tz rx ry rz    T_colour_depth = T_start * (R(r), t): m and rad in the depth camera's start frame
-//   depth_scale, depth_offset    true depth = scale * measured + offset (m)
+//   depth_scale, depth_offset    true range along the ray = scale * measured + offset (m)
 //   depth_clock          s, added to a depth stamp gives the colour camera's clock
 //   colour_rows, depth_rows      s from an image's first row to its last
 
@@ -52,7 +52,7 @@ using HeadNumbers = std::array<double, head::count>;
 /// Standard deviations of what the start calibration says; 0: that is exact and stays.
 struct CalibrationPriors {
   double focal_length = 0.05, aspect = 0.003, principal_point = 15;
-  double radial = 0.3, tangential = 0.005, third_radial = 0;
+  double radial = 0.3, tangential = 0.005, third_radial = 1;
   double translation = 0.03, rotation = 0.03;
   double depth_scale = 0.01, depth_offset = 0.003;
   double depth_clock = 0.02, rolling_shutter = 0.02;
@@ -76,6 +76,11 @@ struct CalibrationPriors {
   HeadNumbers sigmas(const RgbdCalibration& start) const;
 };
 
+/// Standard deviations of what no residual shows, of each parameter: a velocity that is taken for exact, a
+/// lens that is not quite the model's, textures on surfaces that are not quite flat. No recording makes a
+/// head surer than that.
+HeadNumbers unmodelled_sigmas(const RgbdCalibration& start);
+
 /// A head whose parameters may differ from those that it began with.
 struct HeadModel {
   RgbdCalibration start;
@@ -88,8 +93,8 @@ struct HeadModel {
   Eigen::Isometry3d T_colour_depth() const;
   CameraModel colour() const;
   CameraModel depth() const { return registered() ? colour() : start.depth; }
-  /// What a calibration can hold of it: no scale and offset of depths. Both images' rows are one number
-  /// there: colour's, where depth's agrees within `rows_differ`, else the start's.
+  /// As a calibration file holds it. Both images' rows are one number there: colour's, where depth's agrees
+  /// within `rows_differ`, else the start's.
   RgbdCalibration calibration(double rows_differ = 0.006) const;
 };
 

@@ -69,13 +69,16 @@ struct Reprojection {
   }
 };
 
-/// depth: scale, offset, clock, rows. In what the sensor measures: a world that shrinks together with its
-/// scale must not err by less.
+/// `p`: the landmark in the depth camera; depth: scale, offset, clock, rows. A range is `scale` times the
+/// measured one
+/// + `offset`. In what the sensor measures: a world that shrinks together with its scale must not err by
+/// less.
 template <class T>
-T depth_error(const Patch& patch, const T* pixel, const T& z, const T* depth) {
+T depth_error(const Patch& patch, const T* pixel, const Vector3<T>& p, const T* depth) {
   const T inverse =
       patch.inverse + patch.along_u * (pixel[0] - patch.u) + patch.along_v * (pixel[1] - patch.v);
-  return (T(1) / inverse - (z - depth[1]) / depth[0]) / patch.sigma;
+  const T measured = (p.z() - depth[1] * p.z() / p.norm()) / depth[0];
+  return (T(1) / inverse - measured) / patch.sigma;
 }
 
 /// A landmark and the surface that a depth camera of its own measured there; m by sigma.
@@ -102,7 +105,7 @@ struct SurfaceOfOwnCamera {
     for (int i = 0; i < 4; ++i) camera[i] = T(focal[i]);
     for (int i = 0; i < 5; ++i) camera[4 + i] = T(lens[i]);
     if (!project(camera, rational, q, seen)) return false;
-    residual[0] = depth_error(patch, seen, q.z(), depth);
+    residual[0] = depth_error(patch, seen, q, depth);
     return true;
   }
 };
@@ -121,7 +124,7 @@ struct SurfaceOfColour {
     const Vector3<T> p = in_camera(T_start, twist, pose, point, seconds);
     T seen[2];
     if (!project(intrinsics, rational, p, seen)) return false;
-    residual[0] = depth_error(patch, seen, p.z(), depth);
+    residual[0] = depth_error(patch, seen, p, depth);
     return true;
   }
 };

@@ -69,8 +69,9 @@ inline SceneObservations seen_room(const RgbdCalibration& head, const std::vecto
       const Eigen::Isometry3d T = shot.T_world_camera * moved * T_colour_depth;
       for (int u = 0; u < head.depth.width; ++u) {
         const Eigen::Vector3d ray = head.depth.ray({u, v});
+        const double z = range_to_wall(T.translation(), T.linear() * ray), stretch = ray.norm();
         keyframe.inverse_depth.at<float>(v, u) =
-            static_cast<float>(1 / range_to_wall(T.translation(), T.linear() * ray));
+            static_cast<float>(1 / (z + head.depth_error.at(z * stretch) / stretch));
       }
     }
     scene.keyframes.push_back(keyframe);

@@ -112,6 +112,8 @@ TEST(SelfCalibration, SaysThatNothingTellsTheScaleOfAll) {
   const BundleResult result = adjust_bundle(model, scene, {}, {});
   EXPECT_FALSE(is_observed(result, head::depth_scale, {})) << result.sigmas[head::depth_scale];
   EXPECT_TRUE(is_observed(result, head::tx, {}));
+  model.values[head::depth_scale] = 1.01;
+  EXPECT_EQ(observed_head(model, result, {}).values[head::depth_scale], 1) << "as it was at the start";
 }
 
 TEST(SelfCalibration, RefusesARecordingThatShowsNothing) {
@@ -134,6 +136,47 @@ TEST(SelfCalibration, KnowsItsErrors) {
   EXPECT_LT(off, 4 * result.sigmas[head::fx]);
   EXPECT_LT(result.sigmas[head::fx], 0.8);
   EXPECT_GT(result.sigmas[head::fx], 0.02);
+}
+
+// Small patches that noise has tilted hold the depth camera where the first look put it.
+TEST(SelfCalibration, ComesNearFromFarOffThroughNoise) {
+  const RgbdCalibration truth = true_head();
+  SceneObservations scene = seen_room(truth, rich_motion(), 600);
+  add_noise(scene, 0.1, truth.depth_noise, 4);
+  HeadModel model(spoiled(truth));
+  CalibrationPriors priors = wide();
+  const BundleResult result = adjust_bundle(model, scene, priors, {});
+  const Eigen::Isometry3d T = model.T_colour_depth();
+  EXPECT_LT(distance_between(T, truth.T_colour_depth), 0.002);
+  EXPECT_LT(angle_between(T, truth.T_colour_depth), 0.1 * M_PI / 180);
+  EXPECT_LT(std::abs(model.values[head::fx] / truth.colour.fx - 1), 0.003);
+  EXPECT_LE(result.rounds, 10) << "rounds end when nothing moves any more";
+  for (const auto p : {head::tx, head::ty, head::tz}) EXPECT_LT(result.sigmas[p], 0.003) << p;
+}
+
+TEST(SelfCalibration, FindsAnOffsetOfAllRanges) {
+  RgbdCalibration truth = true_head(), start = truth;
+  truth.depth_error.offset = 0.012;
+  SceneObservations scene = seen_room(truth, rich_motion(), 400);
+  HeadModel model(start);
+  CalibrationPriors priors = wide();
+  priors.depth_offset = 0.05;
+  const BundleResult result = adjust_bundle(model, scene, priors, {});
+  EXPECT_NEAR(observed_head(model, result, {}).calibration().depth_error.offset, 0.012, 5e-4);
+  EXPECT_LT(distance_between(model.T_colour_depth(), truth.T_colour_depth), 5e-4);
+}
+
+TEST(SelfCalibration, LeavesWhatIsHeld) {
+  SceneObservations scene = seen_room(true_head(), rich_motion(), 200);
+  HeadModel model(true_head());
+  CalibrationPriors none;
+  none.focal_length = none.aspect = none.principal_point = none.radial = none.tangential = none.third_radial =
+      0;
+  none.translation = none.rotation = none.depth_scale = none.depth_offset = 0;
+  none.depth_clock = none.rolling_shutter = 0;
+  const BundleResult result = adjust_bundle(model, scene, none, {});
+  EXPECT_EQ(model.values, HeadModel(true_head()).values);
+  EXPECT_TRUE(result.covariance.isZero());
 }
 
 }  // namespace
