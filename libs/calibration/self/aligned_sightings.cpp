@@ -23,7 +23,7 @@ std::optional<Affine> facing_warp(const Eigen::Vector2d& at, double depth, const
 
 }  // namespace
 
-void align_sightings(ObservedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
+void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
                      const std::vector<cv::Mat>& greys, const CameraModel& camera) {
   const std::size_t middle = landmark.sightings.size() / 2;
   const LandmarkSighting reference = landmark.sightings[middle];

@@ -9,7 +9,7 @@ namespace lcmslam {
 
 /// Puts a landmark's sightings where the texture of the middle one lies in the other images; those that do
 /// not show it leave. `greys`: CV_8UC1, of each keyframe.
-void align_sightings(ObservedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
+void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
                      const std::vector<cv::Mat>& greys, const CameraModel& camera);
 
 }  // namespace lcmslam

@@ -89,8 +89,9 @@ class Adjustment {
 
  private:
   bool moved_since(const HeadNumbers& before) const {
+    const HeadNumbers unmodelled = unmodelled_sigmas(model_.start);
     for (std::size_t i = 0; i < before.size(); ++i)
-      if (std::abs(model_.values[i] - before[i]) > settings_.converged * prior_sigmas_[i]) return true;
+      if (std::abs(model_.values[i] - before[i]) > settings_.converged * unmodelled[i]) return true;
     return false;
   }
 

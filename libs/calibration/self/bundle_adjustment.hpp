@@ -18,7 +18,7 @@ namespace lcmslam {
 struct BundleSettings {
   int rounds = 16;
   int iterations = 8;
-  double converged = 0.002;
+  double converged = 0.1;
   double pixel_gate = 12;
   double depth_gate = 0.15;
   double correlation = 3;
@@ -29,7 +29,7 @@ struct BundleSettings {
              "of least squares at most; between them surfaces are looked up anew");
     s.number("iterations", iterations, "", {1, 1000}, "of least squares in a round");
     s.number("converged", converged, "", {0, 1},
-             "of the priors' sigmas: when nothing moves by more in a round");
+             "of what no recording tells anyway: when nothing moves by more in a round, it ends");
     s.number("pixel_gate", pixel_gate, "pixels", {1, 1000}, "farther off at first is another landmark");
     s.number("depth_gate", depth_gate, "m", {0.01, 10}, "farther off at first is another surface");
     s.number("correlation", correlation, "", {1, 100}, "on sigmas: what is seen again errs as it did before");

@@ -63,6 +63,7 @@ HeadNumbers unmodelled_sigmas(const RgbdCalibration& start) {
   s[head::k1] = 1e-3, s[head::k2] = s[head::k3] = 3e-3;
   for (const auto p : {head::tx, head::ty, head::tz, head::depth_offset}) s[p] = 3e-4;
   for (const auto p : {head::rx, head::ry, head::rz}) s[p] = 7e-4;
+  s[head::depth_scale] = 5e-4;
   for (const auto p : {head::depth_clock, head::depth_rows, head::colour_rows}) s[p] = 6e-4;
   return s;
 }

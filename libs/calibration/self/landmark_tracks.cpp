@@ -70,7 +70,7 @@ void LandmarkTracks::match_last(std::size_t earlier) {
   }
 }
 
-std::vector<ObservedLandmark> LandmarkTracks::landmarks(std::size_t most) const {
+std::vector<SightedLandmark> LandmarkTracks::landmarks(std::size_t most) const {
   std::vector<std::vector<std::size_t>> trees(nodes_.size());
   for (std::size_t n = 0; n < nodes_.size(); ++n)
     if (const std::size_t r = root(n); nodes_[r].keyframes.size() >= fewest_sightings) trees[r].push_back(n);
@@ -79,10 +79,10 @@ std::vector<ObservedLandmark> LandmarkTracks::landmarks(std::size_t most) const 
   std::stable_sort(trees.begin(), trees.end(),
                    [](const auto& a, const auto& b) { return a.size() > b.size(); });
 
-  std::vector<ObservedLandmark> landmarks;
+  std::vector<SightedLandmark> landmarks;
   for (const auto& tree : trees) {
     if (landmarks.size() == most) break;
-    ObservedLandmark landmark;
+    SightedLandmark landmark;
     std::vector<double> coordinates[3];
     for (const std::size_t n : tree) {
       const FeatureFrame& frame = frames_[nodes_[n].keyframe];

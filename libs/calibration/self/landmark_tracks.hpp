@@ -24,7 +24,7 @@ class LandmarkTracks {
   void match_last(std::size_t earlier);
 
   /// Of at least three keyframes each, those of most keyframes first, `most` at most.
-  std::vector<ObservedLandmark> landmarks(std::size_t most) const;
+  std::vector<SightedLandmark> landmarks(std::size_t most) const;
 
  private:
   struct Node {

@@ -166,8 +166,7 @@ SceneObservations RecordedScene::observations() const {
   }
   SceneObservations scene;
   scene.landmarks = tracks.landmarks(static_cast<std::size_t>(settings_.landmarks));
-  for (ObservedLandmark& landmark : scene.landmarks)
-    align_sightings(landmark, observed, greys, start_.colour);
+  for (SightedLandmark& landmark : scene.landmarks) align_sightings(landmark, observed, greys, start_.colour);
   scene.landmarks.erase(std::remove_if(scene.landmarks.begin(), scene.landmarks.end(),
                                        [](const auto& landmark) {
                                          return landmark.sightings.size() < LandmarkTracks::fewest_sightings;

@@ -22,14 +22,14 @@ struct LandmarkSighting {
   double sigma = 1;       ///< pixels, but for a common factor
 };
 
-struct ObservedLandmark {
+struct SightedLandmark {
   Eigen::Vector3d point;  ///< world
   std::vector<LandmarkSighting> sightings;
 };
 
 struct SceneObservations {
   std::vector<ObservedKeyframe> keyframes;
-  std::vector<ObservedLandmark> landmarks;
+  std::vector<SightedLandmark> landmarks;
 };
 
 }  // namespace lcmslam

@@ -79,7 +79,7 @@ inline SceneObservations seen_room(const RgbdCalibration& head, const std::vecto
   Random random(5);
   while (static_cast<int>(scene.landmarks.size()) < landmarks) {
     const Eigen::Vector3d along(random.normal(), random.normal(), random.normal());
-    ObservedLandmark landmark;
+    SightedLandmark landmark;
     landmark.point = range_to_wall(Eigen::Vector3d::Zero(), along) * along;
     for (std::size_t k = 0; k < shots.size(); ++k) {
       const Vector6d& w = shots[k].twist;

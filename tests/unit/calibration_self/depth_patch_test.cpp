@@ -16,7 +16,7 @@ CameraModel camera() {
   return c;
 }
 
-const Eigen::Vector2d middle(150.2, 110.7);
+const Eigen::Vector2d wall_middle(150.2, 110.7);
 
 /// Inverse depth of a slanted wall, with the camera's noise.
 double wall(int u, int v) {
@@ -40,7 +40,7 @@ cv::Mat seen(const Surface& surface, std::uint64_t seed) {
 TEST(DepthPatch, TakesTheWidestPlane) {
   double worst = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const auto patch = depth_patch(seen(wall, seed), middle, camera(), {});
+    const auto patch = depth_patch(seen(wall, seed), wall_middle, camera(), {});
     ASSERT_TRUE(patch) << seed;
     worst = std::max({worst, std::abs(patch->along_u - 0.0008), std::abs(patch->along_v + 0.0004)});
     EXPECT_NEAR(patch->inverse, wall(150, 111), 1e-3);
@@ -50,7 +50,7 @@ TEST(DepthPatch, TakesTheWidestPlane) {
 
 TEST(DepthPatch, StaysOnItsSideOfAnEdge) {
   const auto before_a_door = [](int u, int v) { return u < 160 ? wall(u, v) : 0.3; };
-  const auto patch = depth_patch(seen(before_a_door, 3), middle, camera(), {});
+  const auto patch = depth_patch(seen(before_a_door, 3), wall_middle, camera(), {});
   ASSERT_TRUE(patch);
   EXPECT_NEAR(patch->inverse, wall(150, 111), 2e-3);
   EXPECT_NEAR(patch->along_u, 0.0008, 5e-4);
@@ -61,9 +61,9 @@ TEST(DepthPatch, RefusesWhatIsNoPlane) {
   const auto ball = [](int u, int v) { return 0.6 - 2e-4 * (std::pow(u - 150, 2) + std::pow(v - 111, 2)); };
   const auto steep = [](int u, int) { return 0.5 + 0.012 * (u - 150); };
   const auto hole = [](int u, int v) { return (u + v) % 3 == 0 ? wall(u, v) : 0.; };
-  EXPECT_FALSE(depth_patch(seen(ball, 1), middle, camera(), {}));
-  EXPECT_FALSE(depth_patch(seen(steep, 1), middle, camera(), {}));
-  EXPECT_FALSE(depth_patch(seen(hole, 1), middle, camera(), {}));
+  EXPECT_FALSE(depth_patch(seen(ball, 1), wall_middle, camera(), {}));
+  EXPECT_FALSE(depth_patch(seen(steep, 1), wall_middle, camera(), {}));
+  EXPECT_FALSE(depth_patch(seen(hole, 1), wall_middle, camera(), {}));
   EXPECT_FALSE(depth_patch(seen(wall, 1), {2, 2}, camera(), {})) << "at the rim";
   EXPECT_FALSE(depth_patch(seen(wall, 1), {std::nan(""), 2}, camera(), {}));
 }

@@ -29,11 +29,13 @@ const Drive& drive() {
     settings.head = "rgbd";
     const Simulation simulation(settings);
     Drive d;
+    RecordedSceneSettings scene_settings;
+    scene_settings.landmarks = 1500;
     d.truth = d.start = simulation.calibration();
     d.start.colour.fx *= 1.03, d.start.colour.fy *= 1.03;
     d.start.T_colour_depth.translation() += Eigen::Vector3d(0.012, -0.012, 0.011);
     d.start.T_colour_depth.linear() = so3_exp({0.01, 0.01, -0.01}) * d.start.T_colour_depth.linear();
-    d.recording = std::make_unique<RecordedScene>(d.start, RecordedSceneSettings{});
+    d.recording = std::make_unique<RecordedScene>(d.start, scene_settings);
     WheelOdometry wheels;
     Utime next_frame = simulation.start() + 3'000'000;
     for (Utime t = simulation.start(); t < simulation.start() + 13'000'000; t += 20'000)
@@ -53,7 +55,9 @@ TEST(RecordedScene, CalibratesAHeadFromAShortDrive) {
   const BundleSettings settings;
   const BundleResult result = adjust_bundle(model, scene, {}, settings);
   const std::string report = report_text(model, result, settings);
-  EXPECT_LT(std::abs(model.colour().fx / d.truth.colour.fx - 1), 0.01) << report;
+  EXPECT_LT(std::abs(model.colour().fx / d.truth.colour.fx - 1), 0.003) << report;
+  EXPECT_LT(distance_between(model.T_colour_depth(), d.truth.T_colour_depth), 0.008) << report;
+  EXPECT_LT(result.pixel_scale, 0.15) << "textures are found again, not blobs";
   EXPECT_THAT(report, HasSubstr("depth_scale"));
   EXPECT_FALSE(is_observed(result, head::depth_scale, settings)) << report;
 
