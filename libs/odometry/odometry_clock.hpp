@@ -18,7 +18,7 @@ struct OdometryClockSettings {
   double longest_step = 0.5;
   double least_turn = 0.5;
   double outlier = 4;
-  double correlation = 2;
+  double correlation = 4;
   double largest_sigma = 0.005;
 
   void describe(SettingsVisitor& s) {
