@@ -61,6 +61,11 @@ TEST(DepthPatch, RefusesWhatIsNoPlane) {
   const auto ball = [](int u, int v) { return 0.6 - 2e-4 * (std::pow(u - 150, 2) + std::pow(v - 111, 2)); };
   const auto steep = [](int u, int) { return 0.5 + 0.012 * (u - 150); };
   const auto hole = [](int u, int v) { return (u + v) % 3 == 0 ? wall(u, v) : 0.; };
+  const auto speckled = [](int u, int v) {
+    const int n = 7 * u + 3 * v;
+    return wall(u, v) + (n % 11 != 0 ? 0 : n % 2 == 0 ? 0.2 : -0.2);
+  };
+  EXPECT_FALSE(depth_patch(seen(speckled, 1), wall_middle, camera(), {}));
   EXPECT_FALSE(depth_patch(seen(ball, 1), wall_middle, camera(), {}));
   EXPECT_FALSE(depth_patch(seen(steep, 1), wall_middle, camera(), {}));
   EXPECT_FALSE(depth_patch(seen(hole, 1), wall_middle, camera(), {}));

@@ -65,7 +65,7 @@ TEST(OdometryClock, NeedsNoMountAndNoScale) {
   Drive drive;
   drive.late = 0.02;
   drive.scale = 1.04;
-  drive.noise = 0.001;
+  drive.noise = 5e-4;
   const auto found = watched(drive).estimate();
   ASSERT_TRUE(found.known) << found.reason;
   EXPECT_NEAR(found.offset, -0.02, 0.003);
