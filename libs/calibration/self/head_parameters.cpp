@@ -64,7 +64,8 @@ HeadNumbers unmodelled_sigmas(const RgbdCalibration& start) {
   for (const auto p : {head::tx, head::ty, head::tz, head::depth_offset}) s[p] = 3e-4;
   for (const auto p : {head::rx, head::ry, head::rz}) s[p] = 7e-4;
   s[head::depth_scale] = 5e-4;
-  for (const auto p : {head::depth_clock, head::depth_rows, head::colour_rows}) s[p] = 6e-4;
+  s[head::depth_clock] = 6e-4;
+  s[head::depth_rows] = s[head::colour_rows] = 2e-3;
   return s;
 }
 
