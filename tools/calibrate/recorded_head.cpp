@@ -4,7 +4,6 @@
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/odometry/wheel_odometry.hpp>
-
 #include "tools/calibrate/recorded_drive.hpp"
 #include "tools/log/message_reader.hpp"
 #include "tools/output_file.hpp"

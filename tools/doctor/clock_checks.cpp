@@ -13,15 +13,15 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/messages/parts.hpp>
+#include <lcmslam/odometry/camera_turn.hpp>
 #include <lcmslam/odometry/external_odometry.hpp>
+#include <lcmslam/odometry/odometry_clock.hpp>
 #include <lcmslam/odometry/twist_odometry.hpp>
 #include <lcmslam/odometry/wheel_odometry.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/pose_t.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
-#include <lcmslam/odometry/camera_turn.hpp>
-#include <lcmslam/odometry/odometry_clock.hpp>
 #include <lcmslam/surf/surf.hpp>
 
 namespace lcmslam {
