@@ -1,6 +1,7 @@
 #include "procs/odometry/odometry_node.hpp"
 
 #include <spdlog/spdlog.h>
+#include <cmath>
 
 #include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
@@ -34,6 +35,7 @@ OdometryNode::OdometryNode(const OdometryNodeSettings& settings, Publisher& publ
       choice_(settings.auto_wait),
       named_(settings.source != "auto"),
       external_channel_(settings.external_channel),
+      clock_offset_(std::llround(1e6 * settings.clock_offset)),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
       wheels_(settings.wheels),
       twist_(settings.twist),
@@ -80,11 +82,12 @@ bool OdometryNode::takes(OdometrySource source, Utime utime) {
 }
 
 void OdometryNode::on_pose(const pose_t& message) {
-  const MotionSample sample = external_.update(message.utime, from_message(message));
+  const MotionSample sample = external_.update(message.utime + clock_offset_, from_message(message));
   publish(sample, to_message(sample, source()));
 }
 
-void OdometryNode::on_twist(const Twist& twist) {
+void OdometryNode::on_twist(Twist twist) {
+  twist.utime += clock_offset_;
   const auto sample = twist_.update(twist);
   if (!sample) return;
   odometry_t message = to_message(*sample, source());
@@ -95,7 +98,8 @@ void OdometryNode::on_twist(const Twist& twist) {
   publish(*sample, message);
 }
 
-void OdometryNode::on_encoders(const Encoders& encoders) {
+void OdometryNode::on_encoders(Encoders encoders) {
+  encoders.utime += clock_offset_;
   std::optional<MotionSample> sample;
   try {
     sample = wheels_.update(encoders);

@@ -35,8 +35,8 @@ class OdometryNode : public Node {
   bool takes(OdometrySource source, Utime utime);
   const char* source() const { return name_of(*choice_.chosen(), odometry_sources); }
   void on_pose(const pose_t& message);
-  void on_encoders(const Encoders& encoders);
-  void on_twist(const Twist& twist);
+  void on_encoders(Encoders encoders);
+  void on_twist(Twist twist);
   void on_features(const FeatureFrame& frame);
   void publish(const MotionSample& sample, odometry_t message);
 
@@ -44,6 +44,7 @@ class OdometryNode : public Node {
   SourceChoice choice_;
   bool named_;  // by the settings
   std::string external_channel_;
+  Utime clock_offset_;       // us, from other sources' stamps to the camera's
   std::size_t frame_queue_;  // frames that may wait
   WheelOdometry wheels_;
   TwistOdometry twist_;

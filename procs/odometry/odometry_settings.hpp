@@ -48,6 +48,7 @@ struct OdometryNodeSettings {
   std::string source = "auto";
   double auto_wait = 2;
   std::string external_channel = "POSE_BODY";
+  double clock_offset = 0;
   int frame_queue = 4;
   std::uint64_t seed = 1;
   WheelOdometrySettings wheels;
@@ -63,6 +64,10 @@ struct OdometryNodeSettings {
     s.number("auto_wait", auto_wait, "s", {0, 60},
              "of message time that auto waits for a better source than has come (wheels are taken at once)");
     s.text("external_channel", external_channel, "of another driver's bot_core.pose_t");
+    s.number("clock_offset", clock_offset, "s", {-10, 10},
+             "added to the stamps of wheels, twists and foreign poses gives the camera's clock; lcmslam "
+             "doctor --log "
+             "and --drive measure it");
     describe_frame_queue(s, frame_queue);
     s.number("seed", seed, "", {0, 2147483647}, "of visual odometry's RANSAC");
     s.section("wheels", wheels, "how wrong wheel encoders are");

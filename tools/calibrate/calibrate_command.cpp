@@ -11,6 +11,7 @@ const std::vector<Command>& calibrate_subcommands() {
       {"pair", calibrate_pair_command, "how colour and depth camera sit on each other"},
       {"mount", calibrate_mount_command, "where the camera sits on the robot, from a drive"},
       {"wheels", calibrate_wheels_command, "radii and track, from a drive"},
+      {"self", calibrate_self_command, "a camera head from any recording, without a board"},
   };
   return subcommands;
 }

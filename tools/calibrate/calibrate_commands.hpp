@@ -13,5 +13,6 @@ int calibrate_tof_command(int argc, char** argv);
 int calibrate_pair_command(int argc, char** argv);
 int calibrate_mount_command(int argc, char** argv);
 int calibrate_wheels_command(int argc, char** argv);
+int calibrate_self_command(int argc, char** argv);
 
 }  // namespace lcmslam

@@ -11,15 +11,6 @@
 namespace lcmslam {
 namespace {
 
-/// The log's first calibration; its images may come before it.
-std::optional<RgbdCalibration> calibration_in(const std::string& log) {
-  MessageReader reader(log);
-  while (const auto event = reader.next())
-    if (event->channel == "CAMERA_CALIBRATION")
-      return from_message(decode_message<camera_calibration_t>(event->data, event->size));
-  return std::nullopt;
-}
-
 class DriveReader {
  public:
   explicit DriveReader(const RgbdCalibration& calibration)
@@ -68,6 +59,14 @@ class DriveReader {
 };
 
 }  // namespace
+
+std::optional<RgbdCalibration> calibration_in(const std::string& log) {
+  MessageReader reader(log);
+  while (const auto event = reader.next())
+    if (event->channel == "CAMERA_CALIBRATION")
+      return from_message(decode_message<camera_calibration_t>(event->data, event->size));
+  return std::nullopt;
+}
 
 RecordedDrive read_drive(const std::string& log, const std::optional<RgbdCalibration>& given) {
   const auto calibration = given ? given : calibration_in(log);

@@ -18,6 +18,9 @@ struct RecordedDrive {
   int images = 0, tracked = 0, damaged = 0;
 };
 
+/// The log's first calibration; its images may come before it.
+std::optional<RgbdCalibration> calibration_in(const std::string& log);
+
 /// Tracks the camera through a log's images, and reads ENCODERS or, where there are none, ODOMETRY.
 /// `progress` is called after each image. Throws std::runtime_error where something lacks.
 RecordedDrive read_drive(const std::string& log, const std::optional<RgbdCalibration>& given);

@@ -1,0 +1,15 @@
+#pragma once
+#include <vector>
+
+#include <lcmslam/calibration/self/patch_alignment.hpp>
+#include <lcmslam/calibration/self/scene_observations.hpp>
+#include <lcmslam/imaging/camera_model.hpp>
+
+namespace lcmslam {
+
+/// Puts a landmark's sightings where the texture of the middle one lies in the other images; those that do
+/// not show it leave. `greys`: CV_8UC1, of each keyframe.
+void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
+                     const std::vector<cv::Mat>& greys, const CameraModel& camera);
+
+}  // namespace lcmslam

@@ -1,0 +1,39 @@
+#include <lcmslam/calibration/self/cost_functions.hpp>
+
+#include <ceres/autodiff_cost_function.h>
+
+namespace lcmslam {
+
+using ceres::AutoDiffCostFunction;
+using namespace residuals;
+
+ceres::CostFunction* cost_of(const Reprojection& residual) {
+  return new AutoDiffCostFunction<Reprojection, 2, 6, 3, 9, 1>(new Reprojection(residual));
+}
+
+ceres::CostFunction* cost_of(const SurfaceOfOwnCamera& residual) {
+  return new AutoDiffCostFunction<SurfaceOfOwnCamera, 1, 6, 3, 6, 4>(new SurfaceOfOwnCamera(residual));
+}
+
+ceres::CostFunction* cost_of(const SurfaceOfColour& residual) {
+  return new AutoDiffCostFunction<SurfaceOfColour, 1, 6, 3, 9, 4>(new SurfaceOfColour(residual));
+}
+
+ceres::CostFunction* cost_of(const Aspect& residual) {
+  return new AutoDiffCostFunction<Aspect, 1, 9>(new Aspect(residual));
+}
+
+ceres::CostFunction* cost_of(const Prior& residual, int block_size) {
+  switch (block_size) {
+    case 9:
+      return new AutoDiffCostFunction<Prior, 1, 9>(new Prior(residual));
+    case 6:
+      return new AutoDiffCostFunction<Prior, 1, 6>(new Prior(residual));
+    case 4:
+      return new AutoDiffCostFunction<Prior, 1, 4>(new Prior(residual));
+    default:
+      return new AutoDiffCostFunction<Prior, 1, 1>(new Prior(residual));
+  }
+}
+
+}  // namespace lcmslam

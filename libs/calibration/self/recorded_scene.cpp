@@ -1,0 +1,179 @@
+#include <lcmslam/calibration/self/recorded_scene.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include <lcmslam/calibration/self/aligned_sightings.hpp>
+#include <lcmslam/calibration/self/landmark_tracks.hpp>
+#include <lcmslam/rgbd/camera_motion.hpp>
+#include <lcmslam/rgbd/describe_frame.hpp>
+#include <lcmslam/surf/surf.hpp>
+
+namespace lcmslam {
+namespace {
+
+constexpr std::size_t fewest_keyframes = 5;
+
+constexpr Utime whole_recording = 100'000'000'000;  // us
+
+double seconds(Utime from, Utime to) {
+  return 1e-6 * static_cast<double>(to - from);
+}
+
+SurfSettings surf_settings(int max_features) {
+  SurfSettings settings;
+  settings.budget.max_features = max_features;
+  return settings;
+}
+
+cv::Mat inverse_of(const cv::Mat& millimetres, const RgbdCalibration& c) {
+  cv::Mat inverse(millimetres.size(), CV_32FC1);
+  for (int v = 0; v < millimetres.rows; ++v) {
+    const auto* from = millimetres.ptr<std::uint16_t>(v);
+    auto* to = inverse.ptr<float>(v);
+    for (int u = 0; u < millimetres.cols; ++u) {
+      const double z = 1e-3 * from[u];
+      to[u] = z >= c.depth_min && z <= c.depth_max ? static_cast<float>(1 / z) : 0.F;
+    }
+  }
+  return inverse;
+}
+
+/// Smoothed by as much as makes its values between pixels agree.
+cv::Mat smooth_grey(const cv::Mat& colour) {
+  constexpr double sigma = 0.7;  // pixels
+  cv::Mat grey;
+  cv::cvtColor(colour, grey, cv::COLOR_BGR2GRAY);
+  cv::GaussianBlur(grey, grey, {}, sigma);
+  return grey;
+}
+
+}  // namespace
+
+struct RecordedScene::Detector {
+  Detector(const RgbdCalibration& start, int max_features)
+      : registration(start), filter(start), surf(surf_settings(max_features)) {}
+  DepthRegistration registration;
+  DepthFilter filter;
+  Surf surf;
+};
+
+RecordedScene::RecordedScene(const RgbdCalibration& start, const RecordedSceneSettings& settings)
+    : start_(start),
+      settings_(settings),
+      detector_(std::make_unique<Detector>(start, settings.max_features)),
+      odometry_({}, Random(settings.seed)),
+      wheels_(whole_recording) {}
+
+RecordedScene::~RecordedScene() = default;
+
+void RecordedScene::add(const RgbdFrame& frame) {
+  ++frames_;
+  if (frame.colour.empty() || frame.depth.empty()) return;
+  if (!path_.empty() && frame.utime <= path_.back().utime)
+    return;  // time that began anew is another recording
+  RgbdFrame filtered = frame;
+  filtered.depth = frame.depth.clone();
+  detector_->filter(filtered.depth, filtered.amplitude);
+  FeatureFrame features =
+      describe_frame(filtered, detector_->registration, Eigen::Isometry3d::Identity(), detector_->surf);
+  if (const auto step = turn_.add(features)) turns_.push_back(*step);
+  const auto sample = odometry_.update(features);
+  if (!sample || odometry_.report().status != VisualStatus::tracking) return;
+  const Eigen::Isometry3d T = sample->T_odom_robot * features.T_robot_camera;
+  path_.push_back({frame.utime, T});
+  if (!is_keyframe(T)) return;
+  Keyframe keyframe{path_.size() - 1, std::move(features), smooth_grey(frame.colour), {}};
+  keyframe.observed.utime = frame.utime;
+  keyframe.observed.T_world_camera = T;
+  keyframe.observed.depth_lag = seconds(frame.utime, frame.depth_utime);
+  keyframe.observed.inverse_depth = inverse_of(filtered.depth, start_);
+  keyframes_.push_back(std::move(keyframe));
+}
+
+void RecordedScene::add(const MotionSample& odometry) {
+  if (start_.has_mount) wheels_.add(odometry);
+}
+
+bool RecordedScene::is_keyframe(const Eigen::Isometry3d& T) const {
+  if (keyframes_.empty()) return true;
+  const Eigen::Isometry3d& last = keyframes_.back().observed.T_world_camera;
+  return distance_between(last, T) > settings_.keyframe_translation ||
+         angle_between(last, T) > settings_.keyframe_rotation;
+}
+
+// Over the same time before and after, so that an acceleration does no harm.
+std::optional<Vector6d> RecordedScene::velocity(std::size_t pose) const {
+  constexpr double longest = 0.25;  // s, to each side
+  std::size_t before = pose, after = pose;
+  const Utime now = path_[pose].utime, window = static_cast<Utime>(1e6 * settings_.velocity_window);
+  if (const auto motion = wheels_.between(now - window, now + window))
+    return se3_log(camera_motion(*motion, start_.T_robot_camera)) / seconds(now - window, now + window);
+  while (before > 0 && seconds(path_[before].utime, now) < settings_.velocity_window) --before;
+  while (after + 1 < path_.size() && seconds(now, path_[after].utime) < settings_.velocity_window) ++after;
+  const double past = seconds(path_[before].utime, now), coming = seconds(now, path_[after].utime);
+  if (!(past > 0 && coming > 0 && past < longest && coming < longest)) return std::nullopt;
+  return se3_log(path_[before].T_world_camera.inverse() * path_[after].T_world_camera) / (past + coming);
+}
+
+/// Of the earlier keyframes the last ones, and those that look at the same place.
+std::vector<std::size_t> RecordedScene::views_of(const std::vector<const Keyframe*>& keyframes,
+                                                 std::size_t of) const {
+  const auto neighbours = static_cast<std::size_t>(settings_.neighbours);
+  const std::size_t first = of > neighbours ? of - neighbours : 0;
+  std::vector<std::size_t> views;
+  for (std::size_t i = first; i < of; ++i) views.push_back(i);
+  std::vector<std::pair<double, std::size_t>> others;
+  const Eigen::Isometry3d& T = keyframes[of]->observed.T_world_camera;
+  for (std::size_t i = 0; i < first; ++i) {
+    const double way = distance_between(keyframes[i]->observed.T_world_camera, T),
+                 turn = angle_between(keyframes[i]->observed.T_world_camera, T);
+    if (way < settings_.view_distance && turn < settings_.view_angle)
+      others.emplace_back(way / settings_.view_distance + turn / settings_.view_angle, i);
+  }
+  std::sort(others.begin(), others.end());
+  for (std::size_t i = 0; i < std::min(others.size(), static_cast<std::size_t>(settings_.others)); ++i)
+    views.push_back(others[i].second);
+  return views;
+}
+
+SceneObservations RecordedScene::observations() const {
+  std::vector<const Keyframe*> keyframes;
+  std::vector<ObservedKeyframe> observed;
+  std::vector<cv::Mat> greys;
+  const std::size_t step = keyframes_.size() / (static_cast<std::size_t>(settings_.keyframes) + 1) + 1;
+  for (std::size_t i = 0; i < keyframes_.size(); i += step) {
+    const auto twist = velocity(keyframes_[i].pose);
+    if (!twist) continue;
+    keyframes.push_back(&keyframes_[i]);
+    observed.push_back(keyframes_[i].observed);
+    greys.push_back(keyframes_[i].grey);
+    observed.back().twist = *twist;
+  }
+  if (keyframes.size() < fewest_keyframes)
+    throw std::runtime_error("self calibration: " + std::to_string(frames_) + " frames gave " +
+                             std::to_string(keyframes.size()) + " keyframes on a tracked path; at least " +
+                             std::to_string(fewest_keyframes) +
+                             " are needed: the camera must move, see texture and "
+                             "have depth");
+
+  LandmarkTracks tracks(start_, settings_.match_gate, settings_.seed);
+  for (std::size_t b = 0; b < keyframes.size(); ++b) {
+    tracks.add(keyframes[b]->features, observed[b].T_world_camera);
+    for (const std::size_t a : views_of(keyframes, b)) tracks.match_last(a);
+  }
+  SceneObservations scene;
+  scene.landmarks = tracks.landmarks(static_cast<std::size_t>(settings_.landmarks));
+  for (SightedLandmark& landmark : scene.landmarks) align_sightings(landmark, observed, greys, start_.colour);
+  scene.landmarks.erase(std::remove_if(scene.landmarks.begin(), scene.landmarks.end(),
+                                       [](const auto& landmark) {
+                                         return landmark.sightings.size() < LandmarkTracks::fewest_sightings;
+                                       }),
+                        scene.landmarks.end());
+  scene.keyframes = std::move(observed);
+  return scene;
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,102 @@
+#pragma once
+// From a recording's frames to what it shows of the head: keyframes on the path that visual odometry saw, and
+// the landmarks that their SURF features agree on.
+//
+//   RecordedScene recording(calibration, settings);
+//   for (each frame) recording.add(frame);
+//   SceneObservations scene = recording.observations();
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <lcmslam/calibration/self/scene_observations.hpp>
+#include <lcmslam/features/feature.hpp>
+#include <lcmslam/features/matching.hpp>
+#include <lcmslam/features/rigid_ransac.hpp>
+#include <lcmslam/imaging/depth_filter.hpp>
+#include <lcmslam/imaging/rgbd_frame.hpp>
+#include <lcmslam/odometry/camera_turn.hpp>
+#include <lcmslam/odometry/visual_odometry.hpp>
+
+namespace lcmslam {
+
+struct RecordedSceneSettings {
+  int max_features = 700;
+  int keyframes = 90;
+  double keyframe_translation = 0.12, keyframe_rotation = 0.12;
+  double velocity_window = 0.07;
+  int neighbours = 5, others = 6;
+  double view_distance = 1.2, view_angle = 0.6;
+  double match_gate = 10;
+  int landmarks = 5000;
+  std::uint64_t seed = 1;
+
+  void describe(SettingsVisitor& s) {
+    s.number("max_features", max_features, "", {50, 5000}, "keypoints of an image");
+    s.number("keyframes", keyframes, "", {5, 1000}, "at most: of more every second, third ... is taken");
+    s.number("keyframe_translation", keyframe_translation, "m", {1e-3, 10}, "from keyframe to keyframe");
+    s.number("keyframe_rotation", keyframe_rotation, "rad", {1e-3, 3}, "from keyframe to keyframe");
+    s.number("velocity_window", velocity_window, "s", {1e-3, 1},
+             "to each side, over which the camera's velocity is taken");
+    s.number("neighbours", neighbours, "", {1, 100}, "keyframes before that one is matched to");
+    s.number("others", others, "", {0, 100}, "earlier keyframes of the same view that one is matched to");
+    s.number("view_distance", view_distance, "m", {0.01, 100}, "between keyframes of the same view");
+    s.number("view_angle", view_angle, "rad", {0.01, 3.2}, "between keyframes of the same view");
+    s.number("match_gate", match_gate, "pixels", {0.5, 1000},
+             "that a match may miss the motion of the others by");
+    s.number("landmarks", landmarks, "", {50, 1e6}, "at most, those seen most often");
+    s.number("seed", seed, "", {0, 2147483647}, "of RANSAC");
+  }
+};
+
+class RecordedScene {
+ public:
+  /// `start`: the calibration that the recording is understood by.
+  RecordedScene(const RgbdCalibration& start, const RecordedSceneSettings& settings);
+  ~RecordedScene();
+
+  /// In the order of their stamps; decoded, of the calibration's sizes.
+  void add(const RgbdFrame& frame);
+  /// Wheels, say: the camera's velocity comes from them where they cover it and the camera is mounted.
+  void add(const MotionSample& odometry);
+
+  int frames() const { return frames_; }
+  int tracked() const { return static_cast<int>(path_.size()); }
+  /// The camera's poses by visual odometry where it tracked, each with the colour image's stamp.
+  struct PathPose {
+    Utime utime;
+    Eigen::Isometry3d T_world_camera;
+  };
+  const std::vector<PathPose>& path() const { return path_; }
+  /// How the camera turned from image to image, for OdometryClock.
+  const std::vector<CameraTurn::Step>& turns() const { return turns_; }
+
+  /// Throws std::runtime_error when the recording shows too little.
+  SceneObservations observations() const;
+
+ private:
+  struct Keyframe {
+    std::size_t pose;  // in path_
+    FeatureFrame features;
+    cv::Mat grey;  // slightly smoothed
+    ObservedKeyframe observed;
+  };
+  bool is_keyframe(const Eigen::Isometry3d& T) const;
+  std::optional<Vector6d> velocity(std::size_t pose) const;
+  std::vector<std::size_t> views_of(const std::vector<const Keyframe*>& keyframes, std::size_t of) const;
+
+  RgbdCalibration start_;
+  RecordedSceneSettings settings_;
+  struct Detector;
+  std::unique_ptr<Detector> detector_;
+  VisualOdometry odometry_;
+  std::vector<PathPose> path_;
+  std::vector<Keyframe> keyframes_;
+  MotionBuffer wheels_;
+  CameraTurn turn_;
+  std::vector<CameraTurn::Step> turns_;
+  int frames_ = 0;
+};
+
+}  // namespace lcmslam

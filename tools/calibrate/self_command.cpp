@@ -1,0 +1,52 @@
+#include <fmt/format.h>
+#include <iostream>
+
+#include <lcmslam/calibration/self/self_report.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/calibrate/calibrate_commands.hpp"
+#include "tools/calibrate/calibration_output.hpp"
+#include "tools/calibrate/recorded_head.hpp"
+#include "tools/parse_command.hpp"
+
+namespace lcmslam {
+
+int calibrate_self_command(int argc, char** argv) {
+  std::string log;
+  CalibrationOutput output;
+  RecordedHeadOptions options;
+  CLI::App app{
+      "A camera head from any recording, without a board: focal length, distortion, the depth camera's "
+      "place, "
+      "scale, offset and clock, and the rolling shutter. Says what the recording does not tell.",
+      "lcmslam calibrate self"};
+  app.add_option("log", log, "an .lcmlog with CAMERA; ENCODERS or ODOMETRY help")
+      ->required()
+      ->check(CLI::ExistingFile);
+  output.add_to(app, "calibration (YAML) to write");
+  app.add_option("--rate", options.rate, "Hz of the images that are used, at most; 0: all")
+      ->check(CLI::Range(0.0, 1000.0));
+  app.add_option("--seconds", options.seconds, "of the log, from its start; 0: all")
+      ->check(CLI::Range(0.0, 1e6));
+  if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  output.check();
+  install_stop_signals(0);
+
+  const RecordedHead recorded = read_head(log, output.base(std::nullopt), options);
+  SceneObservations scene = recorded.scene->observations();
+  std::cout << fmt::format("{}: {} of {} images tracked, {} keyframes, {} landmarks\n", log,
+                           recorded.scene->tracked(), recorded.scene->frames(), scene.keyframes.size(),
+                           scene.landmarks.size());
+  if (recorded.damaged > 0) std::cout << fmt::format("  {} messages were damaged\n", recorded.damaged);
+  HeadModel model(recorded.start);
+  const BundleSettings settings;
+  const BundleResult result = adjust_bundle(model, scene, {}, settings);
+  std::cout << fmt::format(
+                   "  {} pixels within {:.2f} pixels, {} depths within {:.2f} of the sensor's noise\n",
+                   result.pixels, result.pixel_scale, result.depths, result.depth_scale)
+            << report_text(model, result, settings);
+  output.write(observed_head(model, result, settings).calibration(),
+               "Refined from " + log + " by lcmslam calibrate self.", self_covariance_text(result));
+  return 0;
+}
+
+}  // namespace lcmslam
