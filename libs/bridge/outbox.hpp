@@ -10,8 +10,8 @@
 //
 // Channels go in the order of the rules, within a channel the newest group first (but what was begun is
 // finished: who puts pieces together need not hold many), and only as much is under way as
-// the link carries (LinkWindow). Small measurements go beside that and wait for nobody, whatever stands before
-// them: a STATUS that waits for room makes no pose late.
+// the link carries (LinkWindow). Small measurements go beside that and wait for nobody, whatever stands
+// before them: a STATUS that waits for room makes no pose late.
 //
 // What the broker has: each kept message has a number, and mark() is the number up to which the broker
 // acknowledged all. The bridge stores the mark on the broker behind what it speaks of. A broker that comes

@@ -235,12 +235,12 @@ class Bridge : public testing::Test {
   /// Hands what comes to the bus as the robot `mirror`'s.
   std::unique_ptr<Program> operator_bridge(int port, const std::string& more = "") {
     setenv("LCMSLAM_ROBOT", "mirror", 1);
-    auto program =
-        bridge("operator", port,
-               more +
-                   "  side: operator\n  send: [COMMAND]\n"
-                   "  receive: [FASTSLAM_POSE, ICP_POSE, ICP_KEYFRAME, FASTSLAM_LANDMARKS, ICP_GRAPH, CAMERA, "
-                   "STATUS]\n");
+    auto program = bridge(
+        "operator", port,
+        more +
+            "  side: operator\n  send: [COMMAND]\n"
+            "  receive: [FASTSLAM_POSE, ICP_POSE, ICP_KEYFRAME, FASTSLAM_LANDMARKS, ICP_GRAPH, CAMERA, "
+            "STATUS]\n");
     unsetenv("LCMSLAM_ROBOT");
     return program;
   }
@@ -270,8 +270,8 @@ TEST_F(Bridge, ASlowLinkKeepsTheOperatorLiveAndTheRobotUndisturbed) {
       << near->output() << far->output() << broker.output();
 
   // What six processes say of themselves, colour and depth 10 times, poses of two mappers 20 times and 2
-  // keyframes of 40 kB a second for 15 s, of which the first 3 do not count: more than the link carries.
-  constexpr double warm = 3, whole = 15;  // s
+  // keyframes of 40 kB a second for 20 s, of which the first 3 do not count: more than the link carries.
+  constexpr double warm = 3, whole = 20;  // s
   double slowest_publish = 0;             // s
   const Utime first = wall_clock();
   const auto begin = std::chrono::steady_clock::now();
@@ -299,7 +299,8 @@ TEST_F(Bridge, ASlowLinkKeepsTheOperatorLiveAndTheRobotUndisturbed) {
   ASSERT_TRUE(status);
   for (const auto& input : status->inputs) {
     EXPECT_EQ(input.lost, 0) << input.channel;
-    EXPECT_TRUE(input.queue_drops == 0 || input.channel == "CAMERA") << input.channel;  // the newest is enough
+    EXPECT_TRUE(input.queue_drops == 0 || input.channel == "CAMERA")
+        << input.channel;  // the newest is enough
   }
   for (const std::string channel : {"FASTSLAM_POSE", "ICP_POSE"}) {
     const auto ages = operator_->ages(channel, from, to);
@@ -310,7 +311,7 @@ TEST_F(Bridge, ASlowLinkKeepsTheOperatorLiveAndTheRobotUndisturbed) {
               << " s, largest " << ages.back() << " s\n";
     EXPECT_GT(rate, 4.9) << channel;
     EXPECT_LT(median, 0.6) << channel;
-    EXPECT_LT(p95, 0.9) << channel;
+    EXPECT_LT(p95, 1) << channel;
   }
   std::cout << link.forwarded() << " bytes over the link, " << link.lost() << " packets lost, window "
             << value_of(*status, "window") << ", publishing took " << slowest_publish << " s at most\n";
