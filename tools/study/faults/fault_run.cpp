@@ -84,9 +84,10 @@ class FaultRun {
 
  private:
   void subscribe() {
-    inputs_.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000, [this](const auto& m) { fastslam_.add(m); });
-    inputs_.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const auto& m) { icp_.add(m); });
-    inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { board_[m.process] = m; });
+    inputs_.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000,
+                                       [this](const auto& m) { fastslam_.add(m, elapsed_); });
+    inputs_.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const auto& m) { icp_.add(m, elapsed_); });
+    inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { hear(m); });
     inputs_.subscribe<graph_t>("ICP_GRAPH", 1000, [this](const auto& m) {
       told_[{m.sender, m.frame}].apply(m);
     });
@@ -114,11 +115,23 @@ class FaultRun {
   void listen(Clock::duration wait) {
     Arrival arrival;
     if (receiver_->take(arrival, wait)) arrival.deliver();
-    for (const std::string& event : supervisor_.poll()) result_.events.push_back(event);
+    for (const std::string& event : supervisor_.poll()) {
+      result_.events.push_back(event);
+      result_.record.alarms.push_back({elapsed_, event});
+    }
+  }
+
+  void hear(const status_t& status) {
+    const auto before = board_.find(status.process);
+    if (before != board_.end())
+      if (const std::string trouble = trouble_told(before->second, status); !trouble.empty())
+        result_.record.alarms.push_back({elapsed_, trouble});
+    board_[status.process] = status;
   }
 
   /// False at the end of the recording.
   bool step(double elapsed) {
+    elapsed_ = elapsed;
     note_memory(elapsed);
     if (active_ && elapsed > active_->at + active_->seconds) end_fault();
     if (!active_ && next_fault_ < settings_.faults.size() && elapsed > settings_.faults[next_fault_].at)
@@ -186,6 +199,8 @@ class FaultRun {
     if (!settings_.faults.empty() && source_.begun())
       undisturbed = *source_.begun() + static_cast<Utime>(1e6 * settings_.faults.front().at);
     const Trajectory truth = source_.truth();
+    result_.record.fastslam = fastslam_.held(truth, undisturbed);
+    result_.record.icp = icp_.held(truth, undisturbed);
     result_.map = judge_kept_map(settings_.folder / "map.lcmslam", told_, truth, source_.T_robot_camera());
     for (const auto& [watch, outcome, map] : {std::tuple(&fastslam_, &result_.fastslam, "fastslam_map.pcd"),
                                               std::tuple(&icp_, &result_.icp, "icp_map.pcd")}) {
@@ -221,7 +236,7 @@ class FaultRun {
   std::optional<Fault> active_;
   std::optional<BusyProcessors> busy_;
   std::size_t next_fault_ = 0;
-  double next_message_ = 0;
+  double next_message_ = 0, elapsed_ = 0;
   std::int64_t requests_ = 0, replied_ = 0;
 };
 
