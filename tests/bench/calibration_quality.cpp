@@ -27,7 +27,8 @@ struct Row {
   double uncorrected = 0, ranges_alone = 0, ranges = 0;    // mm, largest within what was seen
   double pair_mm = 0, pair_degrees = 0;
   double mount_mm = 0, height_mm = 0, mount_degrees = 0;
-  double radius = 0, track = 0;  // %
+  double radius = 0, track = 0;            // %
+  double told_mm = 0, told_height_mm = 0;  // sigmas that the calibration says, of the larger of x and y; of z
 };
 
 /// mm, the largest of what the correction leaves.
@@ -117,6 +118,9 @@ void measure_drive(std::uint64_t seed, int laps, Row& row) {
   const Eigen::Vector3d apart = found.T_robot_camera.translation() - mount.translation();
   row.mount_mm = 1e3 * apart.head<2>().norm();
   row.height_mm = 1e3 * std::abs(apart.z());
+  const Vector6d sigmas = found.robot_sigmas();
+  row.told_mm = 1e3 * std::max(sigmas[0], sigmas[1]);
+  row.told_height_mm = 1e3 * sigmas[2];
   row.mount_degrees = angle_between(found.T_robot_camera, mount) / degree;
 
   // The scales that the wheels really had on this drive.
@@ -135,9 +139,11 @@ void measure_drive(std::uint64_t seed, int laps, Row& row) {
 }
 
 void print(const char* name, const Row& r) {
-  std::printf("%-6s %7.3f %7.3f %7.3f %8.1f %7.1f %7.1f %8.2f %7.3f %8.2f %7.2f %7.3f %8.2f %7.2f\n", name,
-              r.colour_focal, r.tof_focal, r.pair_focal, r.uncorrected, r.ranges_alone, r.ranges, r.pair_mm,
-              r.pair_degrees, r.mount_mm, r.height_mm, r.mount_degrees, r.radius, r.track);
+  std::printf(
+      "%-6s %7.3f %7.3f %7.3f %8.1f %7.1f %7.1f %8.2f %7.3f %8.2f %7.2f %7.3f %8.2f %7.2f %8.2f %7.2f\n",
+      name, r.colour_focal, r.tof_focal, r.pair_focal, r.uncorrected, r.ranges_alone, r.ranges, r.pair_mm,
+      r.pair_degrees, r.mount_mm, r.height_mm, r.mount_degrees, r.radius, r.track, r.told_mm,
+      r.told_height_mm);
 }
 
 }  // namespace
@@ -151,22 +157,24 @@ int main(int argc, char** argv) {
   app.add_option("--views", views,
                  "of the board before the colour camera; the ToF camera gets half as many more");
   app.add_option("--laps", laps, "of the figure of eight, 15 m each");
+  bool drives_alone = false;
+  app.add_flag("--drives", drives_alone, "measures mount and wheels alone");
   CLI11_PARSE(app, argc, argv);
   std::printf(
       "errors    focal length, %%          ranges, mm               depth on colour     camera on robot      "
       "    "
-      "wheels, %%\n"
+      "wheels, %%     told sigma, mm\n"
       "seed    colour     tof  in pair   before     tof in pair       mm  degree       xy  height  degree   "
       "radius   "
-      " turn\n");
+      " turn       xy  height\n");
   std::vector<double Row::*> fields = {
       &Row::colour_focal,  &Row::tof_focal, &Row::pair_focal,   &Row::ranges,   &Row::ranges_alone,
       &Row::uncorrected,   &Row::pair_mm,   &Row::pair_degrees, &Row::mount_mm, &Row::height_mm,
-      &Row::mount_degrees, &Row::radius,    &Row::track};
+      &Row::mount_degrees, &Row::radius,    &Row::track,        &Row::told_mm,  &Row::told_height_mm};
   Row worst;
   for (int seed = 1; seed <= seeds; ++seed) {
     Row row;
-    measure_cameras(static_cast<std::uint64_t>(seed), views, row);
+    if (!drives_alone) measure_cameras(static_cast<std::uint64_t>(seed), views, row);
     measure_drive(static_cast<std::uint64_t>(seed), laps, row);
     print(std::to_string(seed).c_str(), row);
     std::fflush(stdout);

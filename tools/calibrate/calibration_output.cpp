@@ -53,7 +53,7 @@ int refuse(const std::vector<std::string>& missing, bool accept) {
   if (missing.empty()) return 0;
   std::cout << (accept
                     ? "Written all the same, as --accept asks.\n"
-                    : "Refused: nothing is written. Add these views to the set, or take it with --accept.\n");
+                    : "Refused: nothing is written. Record what is missing, or take it with --accept.\n");
   return accept ? 0 : 1;
 }
 
