@@ -69,8 +69,8 @@ class FaultRun {
 
   FaultRunResult run() {
     start_graph();
-    const Clock::time_point start = Clock::now();
-    while (step(seconds_since(start))) listen(std::chrono::milliseconds(5));
+    start_ = Clock::now();
+    while (step(seconds_since(start_))) listen(std::chrono::milliseconds(5));
     end_fault();
     const Clock::time_point end = Clock::now();
     while (Clock::now() - end < last_frames) listen(std::chrono::milliseconds(20));
@@ -113,6 +113,7 @@ class FaultRun {
   }
 
   void listen(Clock::duration wait) {
+    if (!exporting_) elapsed_ = seconds_since(start_);
     Arrival arrival;
     if (receiver_->take(arrival, wait)) arrival.deliver();
     for (const std::string& event : supervisor_.poll()) {
@@ -131,7 +132,6 @@ class FaultRun {
 
   /// False at the end of the recording.
   bool step(double elapsed) {
-    elapsed_ = elapsed;
     note_memory(elapsed);
     if (active_ && elapsed > active_->at + active_->seconds) end_fault();
     if (!active_ && next_fault_ < settings_.faults.size() && elapsed > settings_.faults[next_fault_].at)
@@ -152,7 +152,13 @@ class FaultRun {
   }
 
   void begin_fault(const Fault& fault) {
-    if (settings_.export_before) export_maps("before-" + std::to_string(next_fault_));
+    if (settings_.export_before) {  // the drive stands still meanwhile
+      const Clock::time_point begin = Clock::now();
+      exporting_ = true;
+      export_maps("before-" + std::to_string(next_fault_));
+      exporting_ = false;
+      start_ += Clock::now() - begin;
+    }
     active_ = fault;
     source_.begin(fault);
     if (fault.kind == FaultKind::killed) signal_process(SIGKILL);
@@ -236,7 +242,9 @@ class FaultRun {
   std::optional<Fault> active_;
   std::optional<BusyProcessors> busy_;
   std::size_t next_fault_ = 0;
-  double next_message_ = 0, elapsed_ = 0;
+  double next_message_ = 0, elapsed_ = 0;  // s
+  Clock::time_point start_ = Clock::now();
+  bool exporting_ = false;
   std::int64_t requests_ = 0, replied_ = 0;
 };
 
