@@ -21,10 +21,12 @@ class LinkWindow {
   /// `delay`: s that the queue may take.
   explicit LinkWindow(double delay) : delay_(delay) {}
 
-  /// One message always, however big it is; and small ones, which make no queue.
+  /// One message always, however big it is.
   bool admits(std::size_t bytes) const {
-    return messages_ == 0 || (messages_ < most_messages && (in_flight_ + bytes <= window_ || bytes <= small));
+    return messages_ == 0 || (messages_ + places_beside < most_messages && in_flight_ + bytes <= window_);
   }
+  /// Of a measurement that comes at a rate: small ones make no queue, and have places of their own.
+  bool admits_beside(std::size_t bytes) const { return bytes <= small && messages_ < most_messages; }
   void sent(std::size_t bytes);
   /// Of a message that was sent at `sent`.
   void acknowledged(std::size_t bytes, Time sent, Time now);
@@ -38,6 +40,7 @@ class LinkWindow {
   static constexpr std::size_t small = 1'500;                                     // bytes: a pose
   static constexpr std::size_t least = 10'000, most = 4'000'000, first = 32'000;  // bytes
   static constexpr std::size_t most_messages = 20;  // what brokers take before they acknowledge
+  static constexpr std::size_t places_beside = 6;   // of these, for small measurements alone
 
   double delay_;
   std::size_t window_ = first, in_flight_ = 0, messages_ = 0;

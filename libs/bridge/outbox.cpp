@@ -190,24 +190,30 @@ bool Outbox::lacks() {
   return true;
 }
 
-bool Outbox::fits(std::size_t bytes, Time now) {
-  return window_.admits(bytes + overhead) && bucket_.has(static_cast<double>(bytes + overhead), now);
+bool Outbox::affords(std::size_t bytes, Time now) {
+  return bucket_.has(static_cast<double>(bytes + overhead), now);
 }
 
 std::optional<Outgoing> Outbox::next(Time now) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!connected_) return std::nullopt;
+  bool full = false;  // somebody waits for the window: only what goes beside it may pass
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
     for (auto& [sender, slot] : channel.slots) {
       if (slot.waiting.empty() || slot.due > now) continue;
-      if (!fits(slot.waiting.front().bytes->size(), now)) return std::nullopt;
-      return send_measurement(i, slot, now);
+      const std::size_t bytes = slot.waiting.front().bytes->size();
+      if (!affords(bytes, now)) return std::nullopt;
+      const bool beside = channel.rule.rate > 0 && window_.admits_beside(bytes + overhead);
+      if (beside || (!full && window_.admits(bytes + overhead))) return send_measurement(i, slot, now);
+      full = true;
     }
-    if (!decided_ || channel.waiting.empty()) continue;
+    if (full || !decided_ || channel.waiting.empty()) continue;
     const std::uint64_t number = next_kept(channel);
-    if (!fits(kept_.at(channel.waiting.at(number)).bytes->size(), now)) return std::nullopt;
-    return send_kept(i, number, now);
+    const std::size_t bytes = kept_.at(channel.waiting.at(number)).bytes->size();
+    if (!affords(bytes, now)) return std::nullopt;
+    if (window_.admits(bytes + overhead)) return send_kept(i, number, now);
+    full = true;
   }
   return std::nullopt;
 }

@@ -10,7 +10,8 @@
 //
 // Channels go in the order of the rules, within a channel the newest group first (but what was begun is
 // finished: who puts pieces together need not hold many), and only as much is under way as
-// the link carries (LinkWindow): a fresh pose waits for a piece of a map, not for the map.
+// the link carries (LinkWindow). Small measurements go beside that and wait for nobody, whatever stands
+// before them: a STATUS that waits for room makes no pose late.
 //
 // What the broker has: each kept message has a number, and mark() is the number up to which the broker
 // acknowledged all. The bridge stores the mark on the broker behind what it speaks of. A broker that comes
@@ -133,7 +134,7 @@ class Outbox {
   void keep_one(std::size_t channel, const std::string& group, const std::string& name, Bytes bytes);
   void drop(const Kept& kept);
   void make_room();
-  bool fits(std::size_t bytes, Time now);
+  bool affords(std::size_t bytes, Time now);
   Outgoing send_measurement(std::size_t channel, Slot& slot, Time now);
   std::uint64_t next_kept(const Channel& channel) const;
   Outgoing send_kept(std::size_t channel, std::uint64_t number, Time now);

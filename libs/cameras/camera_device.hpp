@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <lcmslam/imaging/rgbd_frame.hpp>
+#include <lcmslam/cameras/camera_shot.hpp>
 
 namespace lcmslam {
 
@@ -24,7 +24,7 @@ class CameraDevice {
 
   /// Waits at most `patience` for the next images; nothing when none came. A camera without colour leaves the
   /// colour image empty, one without depth the depth image. Throws CameraError when the camera is gone.
-  virtual std::optional<RgbdFrame> read(std::chrono::milliseconds patience) = 0;
+  virtual std::optional<CameraShot> read(std::chrono::milliseconds patience) = 0;
 
   /// A recording has been read to its end: read() gives what waited for its partner, then nothing any more.
   virtual bool ended() const { return false; }

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <lcmslam/imaging/rgbd_frame.hpp>
+#include <lcmslam/cameras/camera_shot.hpp>
 
 namespace lcmslam {
 
@@ -13,6 +13,6 @@ struct ExpectedImages {
 };
 
 /// "the colour image is 320x240, by its calibration it must be 640x480"; empty when all is as expected.
-std::string misfit(const RgbdFrame& frame, const ExpectedImages& expected);
+std::string misfit(const CameraShot& frame, const ExpectedImages& expected);
 
 }  // namespace lcmslam

@@ -44,7 +44,7 @@ bool ImagePairs::admit(Stream& stream, Utime stamp) {
   return true;
 }
 
-void ImagePairs::add_colour(RgbdFrame frame) {
+void ImagePairs::add_colour(CameraShot frame) {
   const Utime stamp = frame.utime;
   if (admit(colours_, stamp))
     colours_.waiting.emplace(stamp, std::move(frame));
@@ -52,7 +52,7 @@ void ImagePairs::add_colour(RgbdFrame frame) {
     ++counts_.unmatched_colour;
 }
 
-void ImagePairs::add_depth(RgbdFrame frame) {
+void ImagePairs::add_depth(CameraShot frame) {
   const Utime stamp = frame.depth_utime;
   if (admit(depths_, stamp))
     depths_.waiting.emplace(stamp, std::move(frame));
@@ -60,11 +60,11 @@ void ImagePairs::add_depth(RgbdFrame frame) {
     ++counts_.unmatched_depth;
 }
 
-std::optional<RgbdFrame> ImagePairs::next() {
+std::optional<CameraShot> ImagePairs::next() {
   while (decide(true)) {
   }
   if (std::max(colours_.waiting.size(), depths_.waiting.size()) > longest_wait) finish();
-  std::optional<RgbdFrame> pair;
+  std::optional<CameraShot> pair;
   if (!begun_before_.empty()) {
     pair = std::move(begun_before_.front());
     begun_before_.pop_front();
@@ -119,8 +119,8 @@ bool ImagePairs::decide(bool more_may_come) {
 }
 
 void ImagePairs::make_pair(Utime colour, Utime depth) {
-  RgbdFrame pair = std::move(colours_.waiting.at(colour));
-  const RgbdFrame& other = depths_.waiting.at(depth);
+  CameraShot pair = std::move(colours_.waiting.at(colour));
+  const CameraShot& other = depths_.waiting.at(depth);
   pair.depth = other.depth;
   pair.depth_utime = other.depth_utime;
   pair.amplitude = other.amplitude;

@@ -11,7 +11,7 @@
 #include <map>
 #include <optional>
 
-#include <lcmslam/imaging/rgbd_frame.hpp>
+#include <lcmslam/cameras/camera_shot.hpp>
 
 namespace lcmslam {
 
@@ -28,12 +28,12 @@ class ImagePairs {
   /// `utime` is the colour image's stamp, `depth_utime` the depth image's. Each camera's images come in the
   /// order of their stamps; one that is not later than the last is refused (unmatched), unless it is more
   /// than a second earlier: then time has begun anew, and what waited is decided.
-  void add_colour(RgbdFrame frame);
-  void add_depth(RgbdFrame frame);
+  void add_colour(CameraShot frame);
+  void add_depth(CameraShot frame);
 
   /// The next pair, in the order of the colour images: of the other camera it has the depth image, its stamp
   /// and its amplitude.
-  std::optional<RgbdFrame> next();
+  std::optional<CameraShot> next();
 
   /// No image comes any more: all that wait can be decided.
   void finish();
@@ -45,7 +45,7 @@ class ImagePairs {
 
  private:
   struct Stream {
-    std::map<Utime, RgbdFrame> waiting;  // by stamp
+    std::map<Utime, CameraShot> waiting;  // by stamp
     Utime last = 0;
     bool begun = false;
     int intervals = 0;  // seen so far
@@ -63,8 +63,8 @@ class ImagePairs {
 
   Utime tolerance_;
   Stream colours_, depths_;
-  std::deque<RgbdFrame> begun_before_;  // pairs of a time that has ended
-  std::map<Utime, RgbdFrame> pairs_;    // by the colour image's stamp
+  std::deque<CameraShot> begun_before_;  // pairs of a time that has ended
+  std::map<Utime, CameraShot> pairs_;    // by the colour image's stamp
   PairCounts counts_;
   std::optional<Utime> last_miss_;
 };

@@ -9,7 +9,7 @@ bool PairedRecording::is_behind(const Recording& recording, const Recording& oth
   return other.begun && recording.last <= other.last;
 }
 
-std::optional<RgbdFrame> PairedRecording::read(std::chrono::milliseconds patience) {
+std::optional<CameraShot> PairedRecording::read(std::chrono::milliseconds patience) {
   while (true) {
     if (auto pair = pairs_.next()) return pair;
     if (ended_) return std::nullopt;

@@ -12,7 +12,7 @@ class PairedRecording : public CameraDevice {
   PairedRecording(std::unique_ptr<CameraDevice> colour, std::unique_ptr<CameraDevice> depth, Utime tolerance)
       : colour_{std::move(colour)}, depth_{std::move(depth)}, pairs_(tolerance) {}
 
-  std::optional<RgbdFrame> read(std::chrono::milliseconds patience) override;
+  std::optional<CameraShot> read(std::chrono::milliseconds patience) override;
   bool ended() const override { return ended_; }
   std::string describe() const override {
     return colour_.device->describe() + "; " + depth_.device->describe();

@@ -101,14 +101,14 @@ Seconds WatchedCamera::pause() const {
   return Seconds(std::min(doubled, settings_.retry_at_most));
 }
 
-std::string WatchedCamera::what_is_wrong(const RgbdFrame& frame) const {
+std::string WatchedCamera::what_is_wrong(const CameraShot& frame) const {
   std::string wrong = misfit(frame, expected_);
   const bool earlier = frame.utime <= last_utime_ && frame.utime > last_utime_ - stamps_began_anew;
   if (wrong.empty() && earlier) wrong = "an image's stamp is not later than the one's before";
   return wrong;
 }
 
-std::optional<RgbdFrame> WatchedCamera::check(RgbdFrame frame) {
+std::optional<CameraShot> WatchedCamera::check(CameraShot frame) {
   const std::string wrong = what_is_wrong(frame);
   const std::lock_guard<std::mutex> lock(mutex_);
   misfit_ = wrong;

@@ -47,7 +47,7 @@ class WatchedCamera {
                 Clock clock = std::chrono::steady_clock::now);
 
   struct Step {
-    std::optional<RgbdFrame> frame;  ///< good images
+    std::optional<CameraShot> frame;  ///< good images
     std::chrono::milliseconds wait{
         0};  ///< until step() has something to do; the caller may be stopped meanwhile
   };
@@ -63,8 +63,8 @@ class WatchedCamera {
   void open();
   void close(const std::string& why);
   void close_if_silent();
-  std::optional<RgbdFrame> check(RgbdFrame frame);
-  std::string what_is_wrong(const RgbdFrame& frame) const;
+  std::optional<CameraShot> check(CameraShot frame);
+  std::string what_is_wrong(const CameraShot& frame) const;
   std::chrono::duration<double> pause() const;
 
   OpenCamera open_;

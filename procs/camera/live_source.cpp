@@ -57,7 +57,7 @@ void LiveSource::run(std::size_t camera) {
   }
 }
 
-void LiveSource::take(std::size_t camera, RgbdFrame frame) {
+void LiveSource::take(std::size_t camera, CameraShot frame) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (cameras_.size() == 1) {
     ready_.push_back(std::move(frame));
@@ -77,7 +77,7 @@ std::optional<CameraEvent> LiveSource::next() {
   std::unique_lock<std::mutex> lock(mutex_);
   changed_.wait(lock, [&] { return stop_ || !ready_.empty(); });
   if (stop_) return std::nullopt;
-  RgbdFrame frame = std::move(ready_.front());
+  CameraShot frame = std::move(ready_.front());
   ready_.pop_front();
   lock.unlock();
   return encode_shot(std::move(frame), calibration_, jpeg_quality_);

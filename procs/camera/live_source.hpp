@@ -40,7 +40,7 @@ class LiveSource : public CameraSource {
     std::thread thread;
   };
   void run(std::size_t camera);
-  void take(std::size_t camera, RgbdFrame frame);
+  void take(std::size_t camera, CameraShot frame);
   std::string pair_trouble() const;
 
   RgbdCalibration calibration_;
@@ -50,7 +50,7 @@ class LiveSource : public CameraSource {
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
   ImagePairs pairs_;
-  std::deque<RgbdFrame> ready_;
+  std::deque<CameraShot> ready_;
   std::int64_t skipped_ = 0;   // shots that nobody took in time
   std::int64_t unpaired_ = 0;  // images in a row that made no pair
   bool stop_ = false;

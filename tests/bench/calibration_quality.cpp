@@ -7,12 +7,13 @@
 // start, the pair begins with a depth camera whose focal length is 3 % off. Drives: figures of eight of a
 // differential base with the simulation's wheel errors (2 and 3 % scale, 1 % and 0.5 degree of drift, slips),
 // the camera's motion with noise as visual odometry has it, the mount's start 2 cm and 1 degree off; the
-// floor with 1 mrad and 2 mm.
+// floor is rendered for the depth camera and found by the head as its calibration left it.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include <lcmslam/calibration/camera_calibration.hpp>
+#include <lcmslam/calibration/floor_sight.hpp>
 #include <lcmslam/calibration/range_error.hpp>
 #include "tests/support/board_shots.hpp"
 #include "tests/support/camera_drive.hpp"
@@ -27,14 +28,19 @@ struct Row {
   double uncorrected = 0, ranges_alone = 0, ranges = 0;    // mm, largest within what was seen
   double pair_mm = 0, pair_degrees = 0;
   double mount_mm = 0, height_mm = 0, mount_degrees = 0;
-  double radius = 0, track = 0;  // %
+  double radius = 0, track = 0;            // %
+  double told_mm = 0, told_height_mm = 0;  // sigmas that the calibration says, of the larger of x and y; of z
 };
 
-/// mm, the largest of what the correction leaves.
-double range_error(const testing::HeadShots& shots,
-                   const std::vector<std::optional<Eigen::Isometry3d>>& poses, const CameraModel& camera,
-                   const CameraModel& placed_by, const Board& board, double focal_sigma,
-                   const DepthError& truth) {
+struct Corrected {
+  DepthError error;  // as it was found
+  double left = 0;   // mm, the largest of what the correction leaves
+};
+
+Corrected correct_ranges(const testing::HeadShots& shots,
+                         const std::vector<std::optional<Eigen::Isometry3d>>& poses,
+                         const CameraModel& camera, const CameraModel& placed_by, const Board& board,
+                         double focal_sigma, const DepthError& truth) {
   std::vector<RangeSample> samples;
   for (std::size_t i = 0; i < shots.depths.size(); ++i) {
     if (!poses[i]) continue;
@@ -45,19 +51,14 @@ double range_error(const testing::HeadShots& shots,
   RangeErrorFitSettings settings;
   settings.scale_sigma = std::max(5e-4, focal_sigma);
   const RangeErrorFit fit = fit_range_error(samples, settings);
-  double worst = 0;
+  Corrected result{fit.error};
   for (double r = fit.nearest; r < fit.farthest; r += 0.02)
-    worst = std::max(worst, 1e3 * std::abs(fit.error.at(r) - truth.at(r)));
-  if (std::getenv("CALIB_DEBUG"))
-    std::printf(
-        "fit offset %.1f scale %.5f (prior %.5f) wiggle %.1f period %.3f phase %.2f | truth %.1f %.1f %.3f "
-        "%.2f\n",
-        1e3 * fit.error.offset, fit.apparent_scale, settings.scale_sigma, 1e3 * fit.error.wiggle,
-        fit.error.period, fit.error.phase, 1e3 * truth.offset, 1e3 * truth.wiggle, truth.period, truth.phase);
-  return worst;
+    result.left = std::max(result.left, 1e3 * std::abs(fit.error.at(r) - truth.at(r)));
+  return result;
 }
 
-void measure_cameras(std::uint64_t seed, int views, Row& row) {
+/// The head as the calibration of its cameras leaves it.
+RgbdCalibration measure_cameras(std::uint64_t seed, int views, Row& row) {
   const testing::RgbdTruth truth = testing::drawn_head(seed);
   const RgbdCalibration& c = truth.calibration;
   const auto focal_error = [](const CameraModel& found, const CameraModel& real) {
@@ -77,7 +78,8 @@ void measure_cameras(std::uint64_t seed, int views, Row& row) {
   std::vector<std::optional<Eigen::Isometry3d>> poses;
   for (const BoardView& view : amplitudes) poses.push_back(board_pose(view, large, tof.camera));
   row.ranges_alone =
-      range_error(shots, poses, tof.camera, tof.camera, large, tof.sigma(0) / tof.camera.fx, c.depth_error);
+      correct_ranges(shots, poses, tof.camera, tof.camera, large, tof.sigma(0) / tof.camera.fx, c.depth_error)
+          .left;
   for (double r = 0.8; r < 3; r += 0.02)
     row.uncorrected = std::max(row.uncorrected, 1e3 * std::abs(c.depth_error.at(r)));
 
@@ -87,11 +89,48 @@ void measure_cameras(std::uint64_t seed, int views, Row& row) {
   const PairCalibration pair = calibrate_pair(shots.pairs, large, colour.camera, start);
   row.pair_focal = focal_error(pair.depth, c.depth);
   row.pair_mm = 1e3 * distance_between(pair.T_colour_depth, c.T_colour_depth);
-  row.ranges = range_error(shots, pair.T_depth_board, pair.depth, colour.camera, large, 0, c.depth_error);
+  const Corrected ranges =
+      correct_ranges(shots, pair.T_depth_board, pair.depth, colour.camera, large, 0, c.depth_error);
+  row.ranges = ranges.left;
   row.pair_degrees = angle_between(pair.T_colour_depth, c.T_colour_depth) / degree;
+  RgbdCalibration found = c;
+  found.colour = colour.camera, found.depth = pair.depth, found.T_colour_depth = pair.T_colour_depth;
+  found.depth_error = ranges.error;
+  return found;
 }
 
-void measure_drive(std::uint64_t seed, int laps, Row& row) {
+/// A bare floor up to a wall 4 m before the camera's axis, as a robot that nods a little has it before its
+/// depth camera; found by the head as it was calibrated.
+std::optional<FloorSight> seen_floor(const testing::RgbdTruth& truth, const RgbdCalibration& found,
+                                     const Eigen::Isometry3d& mount, const Eigen::Isometry3d& expected,
+                                     Random& random) {
+  const RgbdCalibration& c = truth.calibration;
+  FloorWatch watch(found, expected);
+  const DepthCorrector correct(found.depth, found.depth_error);
+  cv::Mat depth(c.depth.height, c.depth.width, CV_16UC1);
+  for (int image = 0; image < 60; ++image) {
+    const Eigen::Isometry3d T_floor_robot(
+        Eigen::Quaterniond(so3_exp({random.normal(0, 0.0005), random.normal(0, 0.0005), 0})));
+    const Eigen::Isometry3d T = T_floor_robot * mount * c.T_colour_depth;
+    for (int v = 0; v < depth.rows; ++v)
+      for (int u = 0; u < depth.cols; ++u) {
+        const Eigen::Vector3d ray = c.depth.ray({u, v}), d = T.linear() * ray;
+        const double to_floor = -T.translation().z() / d.z();
+        const bool floor = d.z() < 0 && to_floor < 4;
+        const double z = floor ? to_floor : 4, range = z * ray.norm();
+        const double cosine = floor ? -d.z() / ray.norm() : 1 / ray.norm();
+        const double sigma = truth.noise * range * range / std::sqrt(0.5 * std::max(0.05, cosine));
+        const double measured = range + c.depth_error.at(range) + random.normal(0, sigma);
+        depth.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(1000 * measured / ray.norm() + 0.5);
+      }
+    correct(depth);
+    watch.add(depth);
+  }
+  return watch.sight();
+}
+
+void measure_drive(std::uint64_t seed, int laps, double scale, const testing::RgbdTruth& truth,
+                   const RgbdCalibration& head, Row& row) {
   Random random(seed, 41);
   const auto draw = [&](double by) { return random.uniform(-by, by); };
   Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
@@ -104,19 +143,20 @@ void measure_drive(std::uint64_t seed, int laps, Row& row) {
   off.head<3>() *= 0.02 / off.head<3>().norm();
   off.tail<3>() *= degree / off.tail<3>().norm();
 
-  const DrivenPath path(testing::figure_of_eight(laps));
+  const DrivenPath path(testing::figure_of_eight(laps, scale));
   const Utime begin = 1'000'000;
   const auto steps = wheel_steps(simulate_encoders(path, "differential", begin, seed));
-  FloorSight floor;
-  floor.up = mount.linear().transpose() * so3_exp({random.normal(0, 0.001), random.normal(0, 0.001), 0}) *
-             Eigen::Vector3d::UnitZ();
-  floor.height = mount.translation().z() + random.normal(0, 0.002);
-  floor.up_sigma = 0.001, floor.height_sigma = 0.002;
-  const DriveCalibration found = calibrate_drive(
-      cut_drive(testing::seen_motion(path, mount, begin, seed), steps), floor, mount * se3_exp(off));
+  const Eigen::Isometry3d start = mount * se3_exp(off);
+  const auto floor = seen_floor(truth, head, mount, start, random);
+  if (!floor) std::printf("no floor is seen\n");
+  const DriveCalibration found =
+      calibrate_drive(cut_drive(testing::seen_motion(path, mount, begin, seed), steps), floor, start);
   const Eigen::Vector3d apart = found.T_robot_camera.translation() - mount.translation();
   row.mount_mm = 1e3 * apart.head<2>().norm();
   row.height_mm = 1e3 * std::abs(apart.z());
+  const Vector6d sigmas = found.robot_sigmas();
+  row.told_mm = 1e3 * std::max(sigmas[0], sigmas[1]);
+  row.told_height_mm = 1e3 * sigmas[2];
   row.mount_degrees = angle_between(found.T_robot_camera, mount) / degree;
 
   // The scales that the wheels really had on this drive.
@@ -135,9 +175,11 @@ void measure_drive(std::uint64_t seed, int laps, Row& row) {
 }
 
 void print(const char* name, const Row& r) {
-  std::printf("%-6s %7.3f %7.3f %7.3f %8.1f %7.1f %7.1f %8.2f %7.3f %8.2f %7.2f %7.3f %8.2f %7.2f\n", name,
-              r.colour_focal, r.tof_focal, r.pair_focal, r.uncorrected, r.ranges_alone, r.ranges, r.pair_mm,
-              r.pair_degrees, r.mount_mm, r.height_mm, r.mount_degrees, r.radius, r.track);
+  std::printf(
+      "%-6s %7.3f %7.3f %7.3f %8.1f %7.1f %7.1f %8.2f %7.3f %8.2f %7.2f %7.3f %8.2f %7.2f %8.2f %7.2f\n",
+      name, r.colour_focal, r.tof_focal, r.pair_focal, r.uncorrected, r.ranges_alone, r.ranges, r.pair_mm,
+      r.pair_degrees, r.mount_mm, r.height_mm, r.mount_degrees, r.radius, r.track, r.told_mm,
+      r.told_height_mm);
 }
 
 }  // namespace
@@ -145,29 +187,36 @@ void print(const char* name, const Row& r) {
 
 int main(int argc, char** argv) {
   using namespace lcmslam;
-  int seeds = 10, views = 20, laps = 4;
+  int seeds = 10, first = 1, views = 20, laps = 4;
   CLI::App app{"How well calibration finds what is known."};
-  app.add_option("--seeds", seeds, "from 1 on");
+  app.add_option("--seeds", seeds, "how many");
+  app.add_option("--first", first, "the first seed");
   app.add_option("--views", views,
                  "of the board before the colour camera; the ToF camera gets half as many more");
   app.add_option("--laps", laps, "of the figure of eight, 15 m each");
+  double scale = 1;
+  app.add_option("--scale", scale, "of the figure of eight, 5 m x 1.8 m");
+  bool drives_alone = false;
+  app.add_flag("--drives", drives_alone, "measures mount and wheels alone, with cameras as they truly are");
   CLI11_PARSE(app, argc, argv);
   std::printf(
       "errors    focal length, %%          ranges, mm               depth on colour     camera on robot      "
       "    "
-      "wheels, %%\n"
+      "wheels, %%     told sigma, mm\n"
       "seed    colour     tof  in pair   before     tof in pair       mm  degree       xy  height  degree   "
       "radius   "
-      " turn\n");
+      " turn       xy  height\n");
   std::vector<double Row::*> fields = {
       &Row::colour_focal,  &Row::tof_focal, &Row::pair_focal,   &Row::ranges,   &Row::ranges_alone,
       &Row::uncorrected,   &Row::pair_mm,   &Row::pair_degrees, &Row::mount_mm, &Row::height_mm,
-      &Row::mount_degrees, &Row::radius,    &Row::track};
+      &Row::mount_degrees, &Row::radius,    &Row::track,        &Row::told_mm,  &Row::told_height_mm};
   Row worst;
-  for (int seed = 1; seed <= seeds; ++seed) {
+  for (int seed = first; seed < first + seeds; ++seed) {
     Row row;
-    measure_cameras(static_cast<std::uint64_t>(seed), views, row);
-    measure_drive(static_cast<std::uint64_t>(seed), laps, row);
+    const auto number = static_cast<std::uint64_t>(seed);
+    const testing::RgbdTruth truth = testing::drawn_head(number);
+    measure_drive(number, laps, scale, truth,
+                  drives_alone ? truth.calibration : measure_cameras(number, views, row), row);
     print(std::to_string(seed).c_str(), row);
     std::fflush(stdout);
     for (const auto field : fields) worst.*field = std::max(worst.*field, row.*field);

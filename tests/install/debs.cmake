@@ -1,6 +1,30 @@
 # The Debian packages hold what they should, name what they need, and lintian finds no error (where there is one).
 include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)
 
+# The service is there, a unit that systemd takes, and nobody has enabled it.
+function(check_service package contents file)
+  if(contents MATCHES "\\.wants/|\\.requires/|system-preset/|/etc/systemd/")
+    message(FATAL_ERROR "${package} enables the service without being asked:\n${contents}")
+  endif()
+  set(root ${FOLDER}/root)
+  run(${dpkg_deb} --extract ${file} ${root})
+  file(READ ${root}/usr/lib/systemd/system/lcmslam.service unit)
+  if(NOT unit MATCHES "\nExecStart=/usr/bin/lcmslam launch /etc/lcmslam/robot.yaml\n" OR NOT unit MATCHES "\nWantedBy=multi-user.target\n")
+    message(FATAL_ERROR "${package}: the unit does not start the robot's graph:\n${unit}")
+  endif()
+  find_program(systemd_analyze systemd-analyze)
+  if(NOT systemd_analyze)
+    message(STATUS "there is no systemd-analyze here: the unit was not verified")
+    return()
+  endif()
+  string(REPLACE "=/usr/bin/" "=${root}/usr/bin/" unit "${unit}")  # it looks whether the program is there
+  file(WRITE ${FOLDER}/lcmslam.service "${unit}")
+  run(${systemd_analyze} verify --man=no ${FOLDER}/lcmslam.service)
+  if(output MATCHES "lcmslam\\.service:")
+    message(FATAL_ERROR "${package}: systemd does not take the unit as it is:\n${output}")
+  endif()
+endfunction()
+
 # expect(PACKAGE TEXT...): each is in `output`.
 function(expect package)
   foreach(text ${ARGN})
@@ -27,7 +51,9 @@ foreach(file ${files})
     expect(${package} ./usr/bin/lcmslam-fastslam ./usr/bin/lcmslam-tools ./usr/share/lcmslam/config/robot.yaml
            ./usr/share/doc/lcmslam/copyright ./usr/share/lcmslam/python/lcmslam_log.py ./usr/share/lcmslam/lcmtypes/pose_t.lcm
            ./usr/share/man/man1/lcmslam.1.gz ./usr/share/man/man1/lcmslam-log-cut.1.gz
-           ./usr/share/bash-completion/completions/lcmslam ./usr/lib/systemd/system/lcmslam.service)
+           ./usr/share/bash-completion/completions/lcmslam ./usr/lib/systemd/system/lcmslam.service
+           ./usr/share/lcmslam/systemd/robot.yaml)
+    check_service(${package} "${output}" ${file})
     run(${dpkg_deb} --info ${file} postinst)
     expect(${package} "cp /usr/share/lcmslam/systemd/robot.yaml /etc/lcmslam/robot.yaml")
     if(output MATCHES "systemctl (enable|start)")

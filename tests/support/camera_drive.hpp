@@ -8,15 +8,15 @@
 
 namespace lcmslam::testing {
 
-/// Figures of eight, 3 m x 2 m, and between them a straight way: turns to both sides.
-inline PlanarPath figure_of_eight(int laps) {
+/// Figures of eight, 5 m x 1.8 m by `scale`, and between them a straight way: turns to both sides.
+inline PlanarPath figure_of_eight(int laps, double scale = 1) {
   std::vector<Eigen::Vector2d> points;
   for (int lap = 0; lap < laps; ++lap)
     for (const auto& p : {Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 0.9), Eigen::Vector2d(2, 0.9),
                           Eigen::Vector2d(2.5, 0), Eigen::Vector2d(2, -0.9), Eigen::Vector2d(1, -0.9),
                           Eigen::Vector2d(0, 0.05), Eigen::Vector2d(-1, 0.9), Eigen::Vector2d(-2, 0.9),
                           Eigen::Vector2d(-2.5, 0), Eigen::Vector2d(-2, -0.9), Eigen::Vector2d(-1, -0.9)})
-      points.push_back(p);
+      points.push_back(scale * p);
   return PlanarPath(points);
 }
 

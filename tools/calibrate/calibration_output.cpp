@@ -51,9 +51,8 @@ void CalibrationOutput::write_text(const std::string& text, const std::string& c
 int refuse(const std::vector<std::string>& missing, bool accept) {
   for (const std::string& reason : missing) std::cout << "  missing: " << reason << "\n";
   if (missing.empty()) return 0;
-  std::cout << (accept
-                    ? "Written all the same, as --accept asks.\n"
-                    : "Refused: nothing is written. Add these views to the set, or take it with --accept.\n");
+  std::cout << (accept ? "Written all the same, as --accept asks.\n"
+                       : "Refused: nothing is written. Record what is missing, or take it with --accept.\n");
   return accept ? 0 : 1;
 }
 

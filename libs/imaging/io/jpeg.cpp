@@ -47,6 +47,19 @@ ImageSize jpeg_size(const std::vector<std::uint8_t>& bytes) {
   return read_header(decompressor().get(), bytes);
 }
 
+std::size_t jpeg_bytes(const std::uint8_t* data, std::size_t size) {
+  constexpr std::uint8_t begin = 0xd8, scan = 0xda, end = 0xd9;
+  if (size < 4 || data[0] != 0xff || data[1] != begin) throw CodecError("no JPEG: it begins otherwise");
+  for (std::size_t at = 2; at + 4 <= size && data[at] == 0xff;) {  // segments, each with its length
+    const bool image_follows = data[at + 1] == scan;
+    at += 2 + 256 * std::size_t{data[at + 2]} + data[at + 3];
+    if (!image_follows) continue;
+    for (; at + 2 <= size; ++at)  // within a scan 0xff is followed by 0
+      if (data[at] == 0xff && data[at + 1] == end) return at + 2;
+  }
+  throw CodecError("the JPEG has no end: it is cut off");
+}
+
 cv::Mat decode_jpeg(const std::vector<std::uint8_t>& bytes, ImageSize declared, bool gray) {
   const Handle handle = decompressor();
   const ImageSize size = read_header(handle.get(), bytes);

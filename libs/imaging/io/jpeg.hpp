@@ -17,6 +17,10 @@ struct ImageSize {
 /// Size that a JPEG's header declares; throws CodecError.
 ImageSize jpeg_size(const std::vector<std::uint8_t>& bytes);
 
+/// Bytes from a JPEG's begin to its end marker, which a driver's buffer may be longer than; throws CodecError
+/// where there is none: the image is cut off, or no JPEG. What is between is not decoded.
+std::size_t jpeg_bytes(const std::uint8_t* data, std::size_t size);
+
 /// Decodes to CV_8UC3 BGR, or to CV_8UC1 from the luminance alone (half the price). Throws CodecError
 /// when the data are damaged or the image is not of the declared size.
 cv::Mat decode_jpeg(const std::vector<std::uint8_t>& bytes, ImageSize declared, bool gray);

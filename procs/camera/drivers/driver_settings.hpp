@@ -17,6 +17,7 @@ struct VideoSettings {
   std::string device = "/dev/video0", file, format, images = "colour";
   int width = 0, height = 0;
   double rate = 0, exposure = 0, depth_unit = 0.001, start = 0;
+  bool keep_jpeg = true;
 
   void describe(SettingsVisitor& s) {
     s.text("device", device,
@@ -26,6 +27,8 @@ struct VideoSettings {
            "left/%06d.png");
     s.choice("images", images, {"colour", "depth"}, "what they show; depth: 16 bits along the optical axis");
     s.text("format", format, "of a camera's pixels, four letters: MJPG, YUYV, Y16; empty: its own choice");
+    s.flag("keep_jpeg", keep_jpeg,
+           "images that come as JPEG (format MJPG) go out as they are, not decoded and coded again");
     s.number("width", width, "pixels", {0, 8192}, "of a camera's images; 0: its own choice");
     s.number("height", height, "pixels", {0, 8192}, "of a camera's images; 0: its own choice");
     s.number("rate", rate, "Hz", {0, 1000},

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include <lcmslam/imaging/io/jpeg.hpp>
 #include "procs/camera/drivers/open_driver.hpp"
 #include "procs/camera/drivers/wall_clock.hpp"
 
@@ -42,10 +43,12 @@ class VideoCamera : public CameraDevice {
   explicit VideoCamera(const VideoSettings& settings) : settings_(settings) {}
 
  protected:
-  RgbdFrame frame_of(const cv::Mat& image, Utime utime, const std::string& name) const {
-    RgbdFrame frame;
+  CameraShot frame_of(const cv::Mat& image, Utime utime, const std::string& name) const {
+    CameraShot frame;
     frame.utime = frame.depth_utime = utime;
-    if (settings_.images == "depth")
+    if (jpeg_)
+      keep(image, frame);
+    else if (settings_.images == "depth")
       frame.depth = depth_in_millimetres(image, settings_.depth_unit, name);
     else
       frame.colour = colour_in_bgr(image, name);
@@ -59,9 +62,35 @@ class VideoCamera : public CameraDevice {
     return text;
   }
   double own_rate() const { return capture_.get(cv::CAP_PROP_FPS); }
+  /// Four letters.
+  std::string format() const {
+    const auto code = static_cast<std::uint32_t>(capture_.get(cv::CAP_PROP_FOURCC));
+    std::string text;
+    for (int i = 0; i < 4; ++i) text += static_cast<char>(code >> (8 * i) & 0xff);
+    return text;
+  }
+  /// Images come as JPEG and are to stay so.
+  bool keeps_jpeg() const {
+    return settings_.keep_jpeg && settings_.images == "colour" && format() == "MJPG";
+  }
 
   VideoSettings settings_;
   cv::VideoCapture capture_;
+  bool jpeg_ = false;  // capture_ gives bytes
+
+ private:
+  static void keep(const cv::Mat& bytes, CameraShot& frame) {
+    try {
+      if (bytes.depth() != CV_8U || !bytes.isContinuous()) throw CodecError("no bytes of a JPEG");
+      const std::size_t size = jpeg_bytes(bytes.data, bytes.total() * bytes.elemSize());
+      frame.jpeg.assign(bytes.data, bytes.data + size);
+      const ImageSize declared = jpeg_size(frame.jpeg);
+      frame.jpeg_size = {declared.width, declared.height};
+    } catch (const CodecError& error) {
+      frame.jpeg.clear();
+      frame.damage = error.what();
+    }
+  }
 };
 
 /// A video or an image sequence.
@@ -74,11 +103,14 @@ class VideoFile : public VideoCamera {
     if (!capture_.open(settings.file, backend) && (sequence_ || !capture_.open(settings.file)))
       throw CameraError(settings.file + ": cannot be opened, or is " +
                         (sequence_ ? "no sequence of images" : "no video that OpenCV reads"));
+    jpeg_ = !sequence_ && keeps_jpeg() &&
+            bytes_.open(settings.file, cv::CAP_FFMPEG, {cv::CAP_PROP_FORMAT, -1});  // as they are in the file
   }
 
-  std::optional<RgbdFrame> read(std::chrono::milliseconds) override {
+  std::optional<CameraShot> read(std::chrono::milliseconds) override {
     cv::Mat image;
-    if (ended_ || !capture_.read(image)) {
+    const bool more = jpeg_ ? capture_.grab() && next_bytes(image) : !ended_ && capture_.read(image);
+    if (ended_ || !more) {
       ended_ = true;
       return std::nullopt;
     }
@@ -87,10 +119,18 @@ class VideoFile : public VideoCamera {
 
   bool ended() const override { return ended_; }
   std::string describe() const override {
-    return settings_.file + ": " + size_and_rate(sequence_ ? rate() : own_rate());
+    return settings_.file + ": " + size_and_rate(sequence_ ? rate() : own_rate()) +
+           (jpeg_ ? ", MJPG as it is" : "");
   }
 
  private:
+  /// Where an image was left out some containers have a packet without bytes; decoded there is no image.
+  bool next_bytes(cv::Mat& bytes) {
+    while (bytes_.read(bytes))
+      if (!bytes.empty()) return true;
+    return false;
+  }
+
   double rate() const { return settings_.rate > 0 ? settings_.rate : sequence_rate; }
 
   /// us; images of a sequence have no stamps.
@@ -100,6 +140,7 @@ class VideoFile : public VideoCamera {
     return static_cast<Utime>(std::llround(ms * 1000));
   }
 
+  cv::VideoCapture bytes_;  // the same file, undecoded: has no stamps, which capture_ knows
   Utime start_;
   bool sequence_ = false, ended_ = false;
   std::int64_t images_ = 0;
@@ -117,7 +158,8 @@ class VideoDevice : public VideoCamera {
       const std::string& f = settings.format;
       capture_.set(cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc(f[0], f[1], f[2], f[3]));
     }
-    if (settings.images == "depth") capture_.set(cv::CAP_PROP_CONVERT_RGB, 0);
+    jpeg_ = keeps_jpeg();
+    if (settings.images == "depth" || jpeg_) capture_.set(cv::CAP_PROP_CONVERT_RGB, 0);
     if (settings.width > 0) capture_.set(cv::CAP_PROP_FRAME_WIDTH, settings.width);
     if (settings.height > 0) capture_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.height);
     if (settings.rate > 0) capture_.set(cv::CAP_PROP_FPS, settings.rate);
@@ -128,7 +170,7 @@ class VideoDevice : public VideoCamera {
     if (!settings.format.empty() && format() != settings.format) notes_ += " instead of " + settings.format;
   }
 
-  std::optional<RgbdFrame> read(std::chrono::milliseconds patience) override {
+  std::optional<CameraShot> read(std::chrono::milliseconds patience) override {
     std::vector<int> ready;
     try {
       if (!cv::VideoCapture::waitAny({capture_}, ready, std::chrono::nanoseconds(patience).count()))
@@ -144,17 +186,11 @@ class VideoDevice : public VideoCamera {
   }
 
   std::string describe() const override {
-    return settings_.device + ": " + size_and_rate(own_rate()) + ", " + format() + notes_;
+    return settings_.device + ": " + size_and_rate(own_rate()) + ", " + format() +
+           (jpeg_ ? " as it is" : "") + notes_;
   }
 
  private:
-  std::string format() const {
-    const auto code = static_cast<std::uint32_t>(capture_.get(cv::CAP_PROP_FOURCC));
-    std::string text;
-    for (int i = 0; i < 4; ++i) text += static_cast<char>(code >> (8 * i) & 0xff);
-    return text;
-  }
-
   /// V4L2 drivers stamp by the monotonic clock; one that does not is stamped at its arrival.
   Utime stamp(Utime arrival) const {
     const auto taken = static_cast<Utime>(capture_.get(cv::CAP_PROP_POS_MSEC) * 1000);

@@ -64,14 +64,20 @@ TEST(LinkWindow, OneMessageAlwaysAndNotTooMany) {
   LinkWindow window(0.3);
   EXPECT_TRUE(window.admits(100'000'000));
   window.sent(100'000'000);
-  EXPECT_FALSE(window.admits(2000));
-  EXPECT_TRUE(window.admits(500)) << "a pose waits for no map";
+  EXPECT_FALSE(window.admits(10));
+  EXPECT_FALSE(window.admits_beside(2000));
+  EXPECT_TRUE(window.admits_beside(500)) << "a pose waits for no map";
   window.reset();
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 14; ++i) {
     EXPECT_TRUE(window.admits(10));
     window.sent(10);
   }
-  EXPECT_FALSE(window.admits(10)) << "brokers take 20 at a time";
+  EXPECT_FALSE(window.admits(10)) << "the last places are the poses'";
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_TRUE(window.admits_beside(10));
+    window.sent(10);
+  }
+  EXPECT_FALSE(window.admits_beside(10)) << "brokers take 20 at a time";
 }
 
 }  // namespace

@@ -77,6 +77,27 @@ TEST_F(OutboxTest, TheMostUrgentChannelGoesFirstAndOfTheMapTheNewest) {
   EXPECT_THAT(send_all(), ElementsAre("POSE", "MAP/2", "MAP/1", "PICTURE"));
 }
 
+TEST_F(OutboxTest, ASmallMeasurementWaitsForNothingThatStandsBeforeIt) {
+  Outbox outbox(parse_rules({"STATUS@1", "POSE@5", "ORDERS", "MAP"}), {});
+  outbox.connected();
+  outbox.broker_keeps(0);
+  outbox.keep("MAP", "1", {{"MAP/1", Bytes(31'000, 'm')}});
+  const auto map = outbox.next(now_);  // the window is full with it
+  ASSERT_TRUE(map);
+  outbox.put("STATUS", 1, Bytes(2000, 's'), now_);
+  outbox.put("POSE", 1, Bytes(500, 'p'), now_);
+  outbox.put("ORDERS", 1, Bytes(500, 'o'), now_);
+  outbox.keep("MAP", "2", {{"MAP/2", Bytes(10, 'm')}});
+  const auto pose = outbox.next(now_);
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->name, "POSE");
+  EXPECT_FALSE(outbox.next(now_)) << "neither an order without a rate nor a map passes a STATUS that waits";
+  outbox.acknowledged(map->ticket, now_);
+  std::vector<std::string> names;
+  while (const auto out = outbox.next(now_)) names.push_back(out->name);
+  EXPECT_THAT(names, ElementsAre("STATUS", "ORDERS", "MAP/2"));
+}
+
 TEST_F(OutboxTest, NothingGoesWithoutAConnectionAndMeasurementsOfThatTimeNeverGo) {
   outbox_.put("POSE", 1, text("old"), now_);
   keep("1");

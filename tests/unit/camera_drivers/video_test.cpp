@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -20,9 +22,9 @@ const cv::Size size{160, 120};
 
 class VideoFiles : public ::testing::Test {
  protected:
-  std::vector<RgbdFrame> read_all(const VideoSettings& settings) {
+  std::vector<CameraShot> read_all(const VideoSettings& settings) {
     const auto camera = open_video(settings);
-    std::vector<RgbdFrame> frames;
+    std::vector<CameraShot> frames;
     while (auto frame = camera->read(std::chrono::milliseconds(100))) frames.push_back(std::move(*frame));
     EXPECT_TRUE(camera->ended());
     return frames;
@@ -58,10 +60,28 @@ TEST_F(VideoFiles, AreReadImageByImageWithTheirStamps) {
   const auto frames = read_all(settings);
   ASSERT_EQ(frames.size(), 30U);
   for (int i = 0; i < 30; ++i) {
-    const RgbdFrame& frame = frames[static_cast<std::size_t>(i)];
+    const CameraShot& frame = frames[static_cast<std::size_t>(i)];
     EXPECT_EQ(frame.utime, 1'000'000'000 + i * 40'000) << i;
-    EXPECT_LT(largest_difference(frame.colour, numbered_colour(size, i)), 12) << i;
+    EXPECT_LT(largest_difference(cv::imdecode(frame.jpeg, cv::IMREAD_COLOR), numbered_colour(size, i)), 12)
+        << i;
+    EXPECT_EQ(frame.jpeg_size, size);
+    EXPECT_TRUE(frame.colour.empty());
     EXPECT_TRUE(frame.depth.empty());
+  }
+  // The bytes are the file's own.
+  std::ifstream in(file, std::ios::binary);
+  const std::string all((std::istreambuf_iterator<char>(in)), {});
+  for (const CameraShot& frame : frames)
+    EXPECT_NE(all.find(std::string(frame.jpeg.begin(), frame.jpeg.end())), std::string::npos);
+
+  settings.keep_jpeg = false;
+  const auto decoded = read_all(settings);
+  ASSERT_EQ(decoded.size(), 30U);
+  for (std::size_t i = 0; i < 30; ++i) {
+    EXPECT_EQ(decoded[i].utime, frames[i].utime);
+    EXPECT_TRUE(decoded[i].jpeg.empty());
+    EXPECT_EQ(largest_difference(decoded[i].colour, cv::imdecode(frames[i].jpeg, cv::IMREAD_COLOR)) < 8,
+              true);
   }
 }
 
@@ -74,7 +94,7 @@ TEST_F(VideoFiles, SequencesOfImagesAreReadBitForBit) {
   const auto frames = read_all(settings);
   ASSERT_EQ(frames.size(), 12U);
   for (int i = 0; i < 12; ++i) {
-    const RgbdFrame& frame = frames[static_cast<std::size_t>(i)];
+    const CameraShot& frame = frames[static_cast<std::size_t>(i)];
     EXPECT_EQ(largest_difference(frame.colour, numbered_colour(size, i)), 0) << i;
     EXPECT_EQ(frame.utime, 7'000'000 + i * 50'000);
   }

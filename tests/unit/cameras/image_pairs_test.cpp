@@ -172,7 +172,7 @@ TEST(ImagePairs, TakeTheDepthImageWithItsStampAndAmplitude) {
 class Recording : public CameraDevice {
  public:
   Recording(Stamps stamps, bool depth) : stamps_(std::move(stamps)), depth_(depth) {}
-  std::optional<RgbdFrame> read(std::chrono::milliseconds) override {
+  std::optional<CameraShot> read(std::chrono::milliseconds) override {
     if (next_ == stamps_.size()) {
       ended_ = true;
       return std::nullopt;

@@ -40,7 +40,7 @@ class ScriptedCamera : public CameraDevice {
   }
   ~ScriptedCamera() override { --desk_.alive; }
 
-  std::optional<RgbdFrame> read(milliseconds patience) override {
+  std::optional<CameraShot> read(milliseconds patience) override {
     if (!desk_.plugged) throw CameraError("/dev/video0: the device is gone");
     if (desk_.silent || desk_.ended) {
       desk_.now += patience;

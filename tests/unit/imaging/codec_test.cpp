@@ -1,6 +1,7 @@
 // Codecs of the wire: lossless where promised, and proof against any bytes.
 
 #include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/imaging/io/jpeg.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -96,6 +97,19 @@ TEST(Codec, GrayOfAJpegIsItsLuminance) {
   raw.coding = ImageCoding::raw_bgr;
   raw.bytes.assign(picture.datastart, picture.dataend);
   EXPECT_LT(cv::norm(gray, decode_gray(raw), cv::NORM_L1) / static_cast<double>(gray.total()), 1.5);
+}
+
+TEST(Codec, AJpegEndsAtItsMarkerWhateverFollows) {
+  cv::Mat image(48, 64, CV_8UC3);
+  cv::randu(image, 0, 255);
+  const std::vector<std::uint8_t> jpeg = encode_jpeg(image, 90);
+  std::vector<std::uint8_t> padded = jpeg;
+  padded.insert(padded.end(), jpeg.begin(), jpeg.end());  // what was in the buffer before
+  EXPECT_EQ(jpeg_bytes(jpeg.data(), jpeg.size()), jpeg.size());
+  EXPECT_EQ(jpeg_bytes(padded.data(), padded.size()), jpeg.size());
+  for (std::size_t size = 0; size < jpeg.size(); ++size)
+    EXPECT_THROW(jpeg_bytes(jpeg.data(), size), CodecError) << size;
+  EXPECT_THROW(jpeg_bytes(jpeg.data() + 1, jpeg.size() - 1), CodecError);
 }
 
 TEST(Codec, RawImages) {

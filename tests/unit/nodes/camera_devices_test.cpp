@@ -144,7 +144,7 @@ class PacedCamera : public CameraDevice {
       : depth_(depth), period_(period), plugged_(plugged), number_(number) {
     if (!plugged) throw CameraError("nothing is plugged in");
   }
-  std::optional<RgbdFrame> read(milliseconds) override {
+  std::optional<CameraShot> read(milliseconds) override {
     if (!plugged_) throw CameraError("pulled out");
     std::this_thread::sleep_for(std::chrono::microseconds(period_ / 4));
     RgbdFrame frame;

@@ -17,6 +17,7 @@
 #include <cstring>
 #include <deque>
 #include <memory>
+#include <opencv2/imgcodecs.hpp>
 #include <thread>
 
 #include "tests/support/written_head.hpp"
@@ -59,7 +60,8 @@ int set_format(v4l2_format& format) {
   camera.size = camera.only_size.area() > 0 ? camera.only_size
                                             : cv::Size(static_cast<int>(std::min(pixels.width, 1280U)),
                                                        static_cast<int>(std::min(pixels.height, 960U)));
-  if (std::find(std::begin(formats), std::end(formats), pixels.pixelformat) == std::end(formats))
+  const bool jpeg = camera.has_jpeg && pixels.pixelformat == V4L2_PIX_FMT_MJPEG;
+  if (!jpeg && std::find(std::begin(formats), std::end(formats), pixels.pixelformat) == std::end(formats))
     pixels.pixelformat = formats[0];
   camera.format = pixels.pixelformat;
   pixels.width = static_cast<unsigned>(camera.size.width);
@@ -76,8 +78,16 @@ int dequeue(v4l2_buffer& buffer) {
   queued.pop_front();
   const cv::Mat image = camera.format == V4L2_PIX_FMT_Y16 ? numbered_depth(camera.size, ++camera.number)
                                                           : numbered_colour(camera.size, ++camera.number);
-  const std::size_t bytes = image.total() * image.elemSize();
-  std::memcpy(memory + buffer.index * buffer_size, image.data, bytes);
+  std::size_t bytes = image.total() * image.elemSize();
+  char* const to = memory + buffer.index * buffer_size;
+  if (camera.format == V4L2_PIX_FMT_MJPEG) {
+    cv::imencode(".jpg", image, camera.jpeg);
+    bytes = camera.jpeg.size() - std::min(camera.jpeg.size(), camera.cut_off.load());
+    std::memset(to, 0, buffer_size);
+    std::memcpy(to, camera.jpeg.data(), bytes);
+  } else {
+    std::memcpy(to, image.data, bytes);
+  }
   camera.captured = next_capture;
   buffer.length = buffer_size;
   buffer.bytesused = static_cast<unsigned>(bytes);

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <vector>
 
 namespace lcmslam::testing {
 
@@ -16,7 +17,9 @@ struct FakeV4l2 {
   // What the test does, also while it is open.
   std::atomic<bool> plugged{true};
   std::atomic<bool> silent{false};
-  cv::Size only_size;  ///< a camera that takes no other; empty: it takes any
+  cv::Size only_size;                   ///< a camera that takes no other; empty: it takes any
+  bool has_jpeg = false;                ///< takes the format MJPG
+  std::atomic<std::size_t> cut_off{0};  ///< bytes that its JPEG images lack at their end
 
   // What the driver was told.
   cv::Size size{640, 480};
@@ -27,6 +30,7 @@ struct FakeV4l2 {
 
   // What it captured last: number and time (us, monotonic).
   int number = 0;
+  std::vector<unsigned char> jpeg;
   std::int64_t captured = 0;
 };
 

@@ -73,6 +73,27 @@ TEST_F(V4l2, AFormatThatItLacksIsTold) {
   EXPECT_THAT(open_video(settings)->describe(), HasSubstr("instead of MJPG"));
 }
 
+TEST_F(V4l2, JpegImagesStayAsTheCameraMadeThem) {
+  fake_v4l2().has_jpeg = true;
+  settings.format = "MJPG";
+  const auto camera = open_video(settings);
+  EXPECT_THAT(camera->describe(), HasSubstr("MJPG as it is"));
+  for (int i = 0; i < 3; ++i) {
+    const auto shot = camera->read(milliseconds(500));
+    ASSERT_TRUE(shot);
+    EXPECT_EQ(shot->jpeg, fake_v4l2().jpeg);
+    EXPECT_EQ(shot->jpeg_size, cv::Size(320, 240));
+    EXPECT_TRUE(shot->colour.empty());
+    EXPECT_EQ(shot->damage, "");
+  }
+  settings.keep_jpeg = false;
+  const auto decoded = open_video(settings)->read(milliseconds(500));
+  ASSERT_TRUE(decoded);
+  EXPECT_LT(largest_difference(decoded->colour, testing::numbered_colour({320, 240}, fake_v4l2().number)),
+            12);
+  EXPECT_TRUE(decoded->jpeg.empty());
+}
+
 TEST_F(V4l2, ADepthCameraGivesItsSixteenBits) {
   settings.images = "depth";
   settings.format = "Y16 ";
@@ -112,12 +133,11 @@ TEST_F(V4l2, AnUnpluggedCameraIsAnErrorThatNamesIt) {
 /// The camera process on such a camera.
 class V4l2Node : public V4l2 {
  protected:
-  void start(cv::Size size) {
+  void start(cv::Size size, const std::string& more = "") {
     testing::write_head(folder / "head.yaml", size);
-    const std::string config =
-        "{source: video, video: {device: " + std::string(FakeV4l2::name) +
-        ", width: 320, height: 240, rate: 50}, live: {calibration: head.yaml, watch: " +
-        "{retry_after: 0.1}}}";
+    const std::string config = "{source: video, video: {device: " + std::string(FakeV4l2::name) +
+                               ", width: 320, height: 240, rate: 50" + more +
+                               "}, live: {calibration: head.yaml, watch: " + "{retry_after: 0.1}}}";
     node = std::make_unique<CameraNode>(ConfigNode::parse(config, (folder / "robot.yaml").string()),
                                         publisher, make_source_or_device);
   }
@@ -180,6 +200,34 @@ TEST_F(V4l2Node, ACameraThatIsUnpluggedIsToldWithinASecondAndComesBack) {
   EXPECT_TRUE(
       wait_for([&] { return node->report().detail.find("no image for 0.") != std::string::npos; }, 1));
   EXPECT_EQ(node->report().state, status_t::STARTING);
+}
+
+TEST_F(V4l2Node, PublishesTheCamerasOwnJpegAndCountsWhatIsCutOff) {
+  fake_v4l2().has_jpeg = true;
+  start({320, 240}, ", format: MJPG");
+  ASSERT_TRUE(wait_for([&] { return sent() >= 5; }));
+  bool the_last_is_there = false;  // the camera goes on meanwhile
+  ASSERT_TRUE(wait_for([&] {
+    const auto message = publisher.on<images_t>("CAMERA").back();
+    the_last_is_there = std::equal(message.images[0].data.begin(), message.images[0].data.end(),
+                                   fake_v4l2().jpeg.begin(), fake_v4l2().jpeg.end());
+    return the_last_is_there;
+  }));
+  EXPECT_EQ(publisher.on<images_t>("CAMERA").back().images[0].pixelformat, image_t::PIXEL_FORMAT_MJPEG);
+
+  fake_v4l2().cut_off = 100;
+  ASSERT_TRUE(wait_for([&] { return node->report().detail.find("cut off") != std::string::npos; }));
+  const auto before = sent();
+  const auto refused = [&] {
+    for (const auto& [name, value] : node->report().values)
+      if (name == "refused") return value;
+    return 0.0;
+  };
+  const double refused_before = refused();
+  EXPECT_TRUE(wait_for([&] { return refused() > refused_before + 3; }));
+  EXPECT_EQ(sent(), before);
+  fake_v4l2().cut_off = 0;
+  EXPECT_TRUE(wait_for([&] { return sent() > before + 3; }));
 }
 
 TEST_F(V4l2Node, ImagesOfAnotherSizeThanTheCalibrationsAreRefusedAndTold) {

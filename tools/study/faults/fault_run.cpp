@@ -69,8 +69,8 @@ class FaultRun {
 
   FaultRunResult run() {
     start_graph();
-    const Clock::time_point start = Clock::now();
-    while (step(seconds_since(start))) listen(std::chrono::milliseconds(5));
+    start_ = Clock::now();
+    while (step(seconds_since(start_))) listen(std::chrono::milliseconds(5));
     end_fault();
     const Clock::time_point end = Clock::now();
     while (Clock::now() - end < last_frames) listen(std::chrono::milliseconds(20));
@@ -84,9 +84,10 @@ class FaultRun {
 
  private:
   void subscribe() {
-    inputs_.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000, [this](const auto& m) { fastslam_.add(m); });
-    inputs_.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const auto& m) { icp_.add(m); });
-    inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { board_[m.process] = m; });
+    inputs_.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000,
+                                       [this](const auto& m) { fastslam_.add(m, elapsed_); });
+    inputs_.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const auto& m) { icp_.add(m, elapsed_); });
+    inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { hear(m); });
     inputs_.subscribe<graph_t>("ICP_GRAPH", 1000, [this](const auto& m) {
       told_[{m.sender, m.frame}].apply(m);
     });
@@ -112,9 +113,21 @@ class FaultRun {
   }
 
   void listen(Clock::duration wait) {
+    if (!exporting_) elapsed_ = seconds_since(start_);
     Arrival arrival;
     if (receiver_->take(arrival, wait)) arrival.deliver();
-    for (const std::string& event : supervisor_.poll()) result_.events.push_back(event);
+    for (const std::string& event : supervisor_.poll()) {
+      result_.events.push_back(event);
+      result_.record.alarms.push_back({elapsed_, event});
+    }
+  }
+
+  void hear(const status_t& status) {
+    const auto before = board_.find(status.process);
+    if (before != board_.end())
+      if (const std::string trouble = trouble_told(before->second, status); !trouble.empty())
+        result_.record.alarms.push_back({elapsed_, trouble});
+    board_[status.process] = status;
   }
 
   /// False at the end of the recording.
@@ -139,7 +152,13 @@ class FaultRun {
   }
 
   void begin_fault(const Fault& fault) {
-    if (settings_.export_before) export_maps("before-" + std::to_string(next_fault_));
+    if (settings_.export_before) {  // the drive stands still meanwhile
+      const Clock::time_point begin = Clock::now();
+      exporting_ = true;
+      export_maps("before-" + std::to_string(next_fault_));
+      exporting_ = false;
+      start_ += Clock::now() - begin;
+    }
     active_ = fault;
     source_.begin(fault);
     if (fault.kind == FaultKind::killed) signal_process(SIGKILL);
@@ -186,6 +205,8 @@ class FaultRun {
     if (!settings_.faults.empty() && source_.begun())
       undisturbed = *source_.begun() + static_cast<Utime>(1e6 * settings_.faults.front().at);
     const Trajectory truth = source_.truth();
+    result_.record.fastslam = fastslam_.held(truth, undisturbed);
+    result_.record.icp = icp_.held(truth, undisturbed);
     result_.map = judge_kept_map(settings_.folder / "map.lcmslam", told_, truth, source_.T_robot_camera());
     for (const auto& [watch, outcome, map] : {std::tuple(&fastslam_, &result_.fastslam, "fastslam_map.pcd"),
                                               std::tuple(&icp_, &result_.icp, "icp_map.pcd")}) {
@@ -221,7 +242,9 @@ class FaultRun {
   std::optional<Fault> active_;
   std::optional<BusyProcessors> busy_;
   std::size_t next_fault_ = 0;
-  double next_message_ = 0;
+  double next_message_ = 0, elapsed_ = 0;  // s
+  Clock::time_point start_ = Clock::now();
+  bool exporting_ = false;
   std::int64_t requests_ = 0, replied_ = 0;
 };
 

@@ -8,6 +8,7 @@
 
 #include "procs/camera/camera_source.hpp"
 #include "tools/study/faults/fault.hpp"
+#include "tools/study/faults/fault_responses.hpp"
 #include "tools/study/faults/kept_map.hpp"
 #include "tools/study/faults/mapper_watch.hpp"
 
@@ -39,6 +40,7 @@ struct FaultRunResult {
   std::vector<double> memory;       ///< bytes resident of all processes, a minute each: the largest
   double stop_seconds = 0;          ///< from the request to stop to the end of the last process
   std::vector<std::string> events;  ///< processes that ended or restarted
+  RunRecord record;                 ///< who said what, and where they were
 };
 
 /// Throws std::runtime_error when the graph does not start.

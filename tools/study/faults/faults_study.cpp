@@ -146,6 +146,25 @@ std::string kills_table(const std::vector<FaultsStudyRun>& runs) {
   return table.text();
 }
 
+std::string responses_table(const std::vector<FaultsStudyRun>& runs) {
+  Table table({"fault", "told after s", "by", "fastslam right after s", "m", "usual m", "icp right after s",
+               "m", "usual m"});
+  const auto seconds = [](const std::optional<double>& s) { return s ? fixed_number(*s, 2) : "-"; };
+  for (const FaultsStudyRun& run : runs) {
+    const auto usual = std::find_if(runs.begin(), runs.end(), [&](const FaultsStudyRun& other) {
+      return other.scene == run.scene && other.faults.empty();
+    });
+    if (usual == runs.end()) continue;
+    for (const FaultResponse& r : fault_responses(run.faults, run.result.record, usual->result.record)) {
+      const std::string name = run.scene + ": " + words({r.fault});
+      table.add({name, seconds(r.told), r.by.substr(0, 50), seconds(r.fastslam.found),
+                 fixed_number(r.fastslam.error, 4), fixed_number(r.fastslam.usual, 4), seconds(r.icp.found),
+                 fixed_number(r.icp.error, 4), fixed_number(r.icp.usual, 4)});
+    }
+  }
+  return table.text();
+}
+
 std::string faults_table(const std::vector<FaultsStudyRun>& runs) {
   Table table({"run", "mapper", "ATE m", "maps", "false TRACKING s", "m", "map kept", "stop s"});
   std::string faults;
@@ -160,7 +179,7 @@ std::string faults_table(const std::vector<FaultsStudyRun>& runs) {
                  fixed_number(run.result.stop_seconds, 1)});
     faults += name + ": " + words(run.faults) + "\n";
   }
-  return table.text() + "\n" + faults;
+  return table.text() + "\n" + faults + "\n" + responses_table(runs);
 }
 
 nlohmann::json faults_json(const std::vector<FaultsStudyRun>& runs) {

@@ -39,6 +39,8 @@ std::vector<FaultsStudyRun> study_kills(const FaultsStudySettings& settings,
 std::string kills_table(const std::vector<FaultsStudyRun>& runs);
 
 std::string faults_table(const std::vector<FaultsStudyRun>& runs);
+/// Of each fault: who told it when, and how both mappers came out of it.
+std::string responses_table(const std::vector<FaultsStudyRun>& runs);
 nlohmann::json faults_json(const std::vector<FaultsStudyRun>& runs);
 
 }  // namespace lcmslam

@@ -9,10 +9,11 @@
 
 namespace lcmslam {
 
-void MapperWatch::add(const pose_estimate_t& message) {
+void MapperWatch::add(const pose_estimate_t& message, double at) {
   const bool tracking =
       message.status == pose_estimate_t::TRACKING || message.status == pose_estimate_t::RELOCALISED;
-  poses_.push_back({message.utime,
+  poses_.push_back({at,
+                    message.utime,
                     from_message(message.T_map_robot, "T_map_robot"),
                     tracking,
                     {message.sender, message.frame}});
@@ -39,8 +40,7 @@ double MapperWatch::ate(const Trajectory& truth) const {
   }
 }
 
-MapperWatch::FalseTracking MapperWatch::longest_false_tracking(const Trajectory& truth, Utime undisturbed,
-                                                               double limit) const {
+std::vector<MapperWatch::Held> MapperWatch::held(const Trajectory& truth, Utime undisturbed) const {
   std::map<std::pair<std::int64_t, std::string>, Eigen::Isometry3d> T_world_map;
   Trajectory first;
   for (const Pose& pose : poses_)
@@ -55,19 +55,28 @@ MapperWatch::FalseTracking MapperWatch::longest_false_tracking(const Trajectory&
       T_world_map[poses_.front().session] = find_alignment(matches, Alignment::se3).T_truth_estimate;
   }
 
-  FalseTracking longest, now;
+  std::vector<Held> held;
   for (const Pose& pose : poses_) {
     const auto true_pose = pose_at(truth, pose.utime);
     if (!true_pose) continue;
     const auto [map, is_new] = T_world_map.try_emplace(pose.session, *true_pose * pose.T_map_robot.inverse());
     const double error = ((map->second * pose.T_map_robot).translation() - true_pose->translation()).norm();
-    if (!pose.tracking || !(error > limit)) {
+    held.push_back({pose.at, pose.tracking, error, pose.utime});
+  }
+  return held;
+}
+
+MapperWatch::FalseTracking MapperWatch::longest_false_tracking(const Trajectory& truth, Utime undisturbed,
+                                                               double limit) const {
+  FalseTracking longest, now;
+  for (const Held& pose : held(truth, undisturbed)) {
+    if (!pose.tracking || !(pose.error > limit)) {
       now = {};
       continue;
     }
     if (now.begin == 0) now.begin = pose.utime;
     now.seconds = 1e-6 * static_cast<double>(pose.utime - now.begin);
-    now.error = std::max(now.error, error);
+    now.error = std::max(now.error, pose.error);
     if (now.seconds >= longest.seconds) longest = now;
   }
   return longest;

@@ -13,7 +13,8 @@ namespace lcmslam {
 
 class MapperWatch {
  public:
-  void add(const pose_estimate_t& message);
+  /// `at`: s since the first frame, when it arrived.
+  void add(const pose_estimate_t& message, double at = 0);
 
   std::size_t poses() const { return poses_.size(); }
   /// Maps that it began: senders and frames.
@@ -32,8 +33,18 @@ class MapperWatch {
   /// onto the truth by its poses until `undisturbed`, one that begins later by its first pose.
   FalseTracking longest_false_tracking(const Trajectory& truth, Utime undisturbed, double limit) const;
 
+  /// A pose held against the truth, likewise.
+  struct Held {
+    double at = 0;
+    bool tracking = false;
+    double error = 0;  ///< m
+    Utime utime = 0;
+  };
+  std::vector<Held> held(const Trajectory& truth, Utime undisturbed) const;
+
  private:
   struct Pose {
+    double at = 0;
     Utime utime = 0;
     Eigen::Isometry3d T_map_robot = Eigen::Isometry3d::Identity();
     bool tracking = false;

@@ -61,7 +61,7 @@ class FreenectCamera : public CameraDevice {
   }
   ~FreenectCamera() override { close(); }
 
-  std::optional<RgbdFrame> read(std::chrono::milliseconds patience) override {
+  std::optional<CameraShot> read(std::chrono::milliseconds patience) override {
     const auto end = std::chrono::steady_clock::now() + patience;
     do {
       if (auto frame = take()) return frame;
@@ -146,14 +146,14 @@ class FreenectCamera : public CameraDevice {
   }
 
   void on_colour(std::uint32_t ticks) {
-    RgbdFrame frame;
+    CameraShot frame;
     frame.utime = frame.depth_utime = stamp(ticks);
     cv::cvtColor(colour_, frame.colour, cv::COLOR_RGB2BGR);
     give(std::move(frame));
   }
 
   void on_depth(std::uint32_t ticks) {
-    RgbdFrame frame;
+    CameraShot frame;
     frame.utime = frame.depth_utime = stamp(ticks);
     frame.depth = depth_.clone();
     if (format_ == FREENECT_DEPTH_11BIT)
@@ -162,7 +162,7 @@ class FreenectCamera : public CameraDevice {
     give(std::move(frame));
   }
 
-  void give(RgbdFrame frame) {
+  void give(CameraShot frame) {
     if (!wanted_.colour || !wanted_.depth)
       single_.push_back(std::move(frame));
     else if (frame.colour.empty())
@@ -171,9 +171,9 @@ class FreenectCamera : public CameraDevice {
       pairs_.add_colour(std::move(frame));
   }
 
-  std::optional<RgbdFrame> take() {
+  std::optional<CameraShot> take() {
     if (single_.empty()) return pairs_.next();
-    RgbdFrame frame = std::move(single_.front());
+    CameraShot frame = std::move(single_.front());
     single_.pop_front();
     return frame;
   }
@@ -187,7 +187,7 @@ class FreenectCamera : public CameraDevice {
   UnrolledCounter unroll_;  // both cameras have one clock
   DeviceClock clock_;
   ImagePairs pairs_{pair_tolerance};
-  std::deque<RgbdFrame> single_;
+  std::deque<CameraShot> single_;
 };
 
 }  // namespace

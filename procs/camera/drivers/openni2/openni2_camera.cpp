@@ -129,7 +129,7 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
 
   ~OpenNi2Camera() override { openni::OpenNI::removeDeviceDisconnectedListener(this); }
 
-  std::optional<RgbdFrame> read(std::chrono::milliseconds patience) override {
+  std::optional<CameraShot> read(std::chrono::milliseconds patience) override {
     if (opened_.streams.size() == 1) return read_image(patience);
     if (auto pair = pairs_.next()) return pair;
     while (const auto image = read_image(patience)) {
@@ -185,7 +185,7 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
   }
 
   /// One image of either camera.
-  std::optional<RgbdFrame> read_image(std::chrono::milliseconds patience) {
+  std::optional<CameraShot> read_image(std::chrono::milliseconds patience) {
     if (gone_) throw CameraError(name_ + ": has been unplugged");
     if (recorded_ && left_ == 0) {
       ended_ = true;
@@ -207,8 +207,8 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
     return frame_of(image, stream == &opened_.depth());
   }
 
-  RgbdFrame frame_of(const openni::VideoFrameRef& image, bool is_depth) {
-    RgbdFrame frame;
+  CameraShot frame_of(const openni::VideoFrameRef& image, bool is_depth) {
+    CameraShot frame;
     const auto device_time = static_cast<Utime>(image.getTimestamp());
     frame.utime = frame.depth_utime =
         recorded_ ? start_ + device_time : clock_.to_host(device_time, wall_clock());
