@@ -26,6 +26,7 @@ struct FeatureAnchorSettings {
   double recognised_share = 0.75;
   double max_disagreement = 5;
   double expected_within = 0.2;
+  double wait = 0.1;
 
   void describe(SettingsVisitor& s) {
     s.flag("enabled", enabled, "features place the robot against the keyframes around");
@@ -50,6 +51,8 @@ struct FeatureAnchorSettings {
         "expected_within", expected_within, "m", {0, 1000},
         "of where it is expected, a match is asked first, and all others only where too few of these agree: "
         "tiles and doors look alike at the next place, too");
+    s.number("wait", wait, "s", {0, 60},
+             "that a frame waits for its features where they come at all; then it goes on without them");
   }
 };
 

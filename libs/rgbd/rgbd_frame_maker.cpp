@@ -76,6 +76,10 @@ bool RgbdFrameMaker::awaits_features(const Prepared& prepared) const {
                       [&](const FeatureFrame& f) { return f.utime > prepared.frame.utime; });
 }
 
+bool RgbdFrameMaker::hears_features(const Prepared& prepared) const {
+  return !features_.empty() && seconds_between(features_.back().utime, prepared.frame.utime) < 1;
+}
+
 RgbdFrameMaker::Made RgbdFrameMaker::make(Prepared& prepared, const MotionBetween& motion_between,
                                           Utime previous) const {
   const RgbdCalibration& c = calibration();

@@ -67,6 +67,8 @@ class RgbdFrameMaker {
   void forget_features() { features_.clear(); }  ///< time begins anew
   bool has_features(const Prepared& prepared) const;
   bool awaits_features(const Prepared& prepared) const;
+  /// Whether any came in the second before it.
+  bool hears_features(const Prepared& prepared) const;
 
   /// The robot's motion between two times, in any order; nothing where it is not known.
   using MotionBetween = std::function<std::optional<Motion>(Utime from, Utime to)>;

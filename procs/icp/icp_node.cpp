@@ -34,10 +34,16 @@ RgbdFrameMakerSettings frame_settings(const IcpNodeSettings& settings) {
   return s;
 }
 
+/// s that a frame waits for its features: what becomes of it shall not depend on whether odometry or they
+/// came first.
+double features_wait(const DenseMapperSettings& settings) {
+  if (needs_features(settings.variant, settings.thesis)) return settings.thesis.features_wait;
+  return settings.features.enabled ? settings.features.wait : 0;
+}
+
 /// Frames that may wait for odometry, or for their features at 60 Hz.
 std::size_t waiting_frames(const IcpNodeSettings& settings) {
-  const DenseMapperSettings& s = settings.mapper;
-  const double features = needs_features(s.variant, s.thesis) ? 60 * s.thesis.features_wait : 0;
+  const double features = 60 * features_wait(settings.mapper);
   return static_cast<std::size_t>(std::max({6.0, features, static_cast<double>(settings.frame_queue)}));
 }
 
@@ -75,9 +81,13 @@ IcpNode::IcpNode(const IcpNodeSettings& settings, Publisher& publisher)
       join_(
           settings.max_wait, waiting_frames(settings), [this](Prepared& prepared) { on_frame(prepared); },
           settings.extrapolation) {
-  if (needs_features(settings_.variant, settings_.thesis))
-    join_.need([this](const Prepared& prepared) { return !maker_.awaits_features(prepared); },
-               settings_.thesis.features_wait);
+  const bool always = needs_features(settings_.variant, settings_.thesis);
+  if (const double wait = features_wait(settings_); wait > 0)
+    join_.need(
+        [this, always](const Prepared& prepared) {
+          return !maker_.awaits_features(prepared) || !(always || maker_.hears_features(prepared));
+        },
+        wait);
 }
 
 void IcpNode::connect(Inputs& inputs) {

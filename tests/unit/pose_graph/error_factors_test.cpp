@@ -16,11 +16,11 @@
 namespace lcmslam {
 namespace {
 
-constexpr double sigma_t = 0.01, sigma_r = 0.005;
+constexpr double stated_sigma_t = 0.01, stated_sigma_r = 0.005;
 
 Vector6d sigmas() {
   Vector6d s;
-  s << Eigen::Vector3d::Constant(sigma_t), Eigen::Vector3d::Constant(sigma_r);
+  s << Eigen::Vector3d::Constant(stated_sigma_t), Eigen::Vector3d::Constant(stated_sigma_r);
   return s;
 }
 
