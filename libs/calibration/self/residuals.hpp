@@ -81,6 +81,13 @@ T depth_error(const Patch& patch, const T* pixel, const Vector3<T>& p, const T* 
   return (T(1) / inverse - measured) / patch.sigma;
 }
 
+/// s from the colour image's stamp to the moment at which a row of the depth image was measured; `depth` as for
+/// depth_error().
+template <class T>
+T seconds_to_depth(double lag, double row, const T* depth) {
+  return T(lag) + depth[2] + row * depth[3];
+}
+
 /// A landmark and the surface that a depth camera of its own measured there; m by sigma.
 struct SurfaceOfOwnCamera {
   Eigen::Isometry3d T_start, T_colour_depth_start;
@@ -93,7 +100,7 @@ struct SurfaceOfOwnCamera {
 
   template <class T>
   bool operator()(const T* pose, const T* point, const T* extrinsics, const T* depth, T* residual) const {
-    const T seconds = T(lag) + depth[2] + row * depth[3];
+    const T seconds = seconds_to_depth(lag, row, depth);
     const Vector3<T> p = in_camera(T_start, twist, pose, point, seconds);
     const Eigen::Isometry3d T_depth_colour = T_colour_depth_start.inverse();
     const Vector3<T> begun = T_depth_colour.linear().cast<T>() * p + T_depth_colour.translation().cast<T>() -
@@ -120,7 +127,7 @@ struct SurfaceOfColour {
 
   template <class T>
   bool operator()(const T* pose, const T* point, const T* intrinsics, const T* depth, T* residual) const {
-    const T seconds = T(lag) + depth[2] + row * depth[3];
+    const T seconds = seconds_to_depth(lag, row, depth);
     const Vector3<T> p = in_camera(T_start, twist, pose, point, seconds);
     T seen[2];
     if (!project(intrinsics, rational, p, seen)) return false;
