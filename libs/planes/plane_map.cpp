@@ -75,6 +75,7 @@ void PlaneMap::look(const cv::Mat& labels, const std::vector<std::size_t>& plane
                     const Eigen::Isometry3d& T_map_depth) {
   std::map<std::size_t, PlaneView> views;  // of each plane that the frame shows
   std::vector<PlaneView*> view_of;         // of each label
+  view_of.reserve(plane_of.size());
   for (const std::size_t k : plane_of)
     view_of.push_back(
         &views.try_emplace(k, planes_[k].T_map_plane, planes_[k].fit.plane, T_map_depth).first->second);
