@@ -27,6 +27,7 @@ LiveMap::LiveMap(const RgbdCalibration& calibration, const LiveMapSettings& sett
 void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
   clean(frame);
   space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
+  planes_.frame();
   const std::lock_guard<std::mutex> lock(mutex_);
   ++version_;
 }
@@ -35,6 +36,7 @@ void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
   check_frame(frame, calibration_);
   clean(frame);
   space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
+  planes_.frame();
   if (last_keyframe_ < 0) return;  // it would stand where it is whatever the graph says
   const std::int64_t id = between_.empty() ? -1 : between_.begin()->first - 1;
   between_[id] = {last_keyframe_, keyframes_.at(last_keyframe_).T_map_camera.inverse() * pose.T_map_camera};

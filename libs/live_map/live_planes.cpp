@@ -5,10 +5,6 @@
 namespace lcmslam {
 namespace {
 
-/// Keyframes whose planes may be put together anew for each that comes: what a graph costs that bends all the
-/// time is bounded by it.
-constexpr std::size_t inserted_a_keyframe = 20;
-
 std::size_t bytes_of(const EncodedImage& labels, const std::vector<FramePlane>& planes) {
   return labels.bytes.size() + planes.size() * sizeof(FramePlane);
 }
@@ -26,8 +22,7 @@ void LivePlanes::insert(const Keyframe& keyframe, const CellMoments& cells, Plan
 }
 
 void LivePlanes::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth) {
-  take_over(false);
-  ++keyframes_since_;
+  frame();
   FramePlanes found = finder_(depth);
   Keyframe kept{found.planes, encode_amplitude(found.labels, 0), T_map_depth};
   {
@@ -50,22 +45,26 @@ void LivePlanes::forget(Keyframes::iterator keyframe) {
   keyframes_.erase(keyframe);
 }
 
+void LivePlanes::frame() {
+  take_over(false);
+  moved_.frame();
+  if (!making_.valid() && moved_.due()) put_together_anew();
+}
+
 void LivePlanes::correct(const std::map<int, Eigen::Isometry3d>& T_map_depth) {
   moved_.correct(T_map_depth);
   take_over(false);
-  const bool rested = inserted_a_keyframe * static_cast<std::size_t>(keyframes_since_) >= keyframes_.size();
-  if (!making_.valid() && rested && moved_.due()) put_together_anew();
+  if (!making_.valid() && moved_.due()) put_together_anew();
 }
 
 void LivePlanes::settle() {
   take_over(true);
-  if (!moved_.due()) return;
+  if (!moved_.moved()) return;
   put_together_anew();
   take_over(true);
 }
 
 void LivePlanes::put_together_anew() {
-  keyframes_since_ = 0;
   for (const auto& [id, T] : moved_.take()) keyframes_.at(id).T_map_depth = T;
   making_ = std::async(settings_.background ? std::launch::async : std::launch::deferred,
                        [keyframes = keyframes_, cells = finder_.cells(), settings = settings_.planes] {

@@ -24,6 +24,8 @@ class LivePlanes {
 
   /// `depth` CV_16UC1 mm, filtered, of the calibration's size.
   void keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth);
+  /// A frame that is no keyframe came: time for what a correction left.
+  void frame();
   /// Keyframes stand elsewhere: T_map_depth by keyframe.
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
   /// Waits for what is made beside the frames.
@@ -52,7 +54,6 @@ class LivePlanes {
   MovedKeyframes moved_;
   std::future<PlaneMap> making_;
   std::vector<int> meanwhile_;  // keyframes that came while it went on
-  int keyframes_since_ = 0;     // they were put together anew
 
   mutable std::mutex mutex_;  // guards what follows
   PlaneMap map_;

@@ -3,9 +3,6 @@
 namespace lcmslam {
 namespace {
 
-/// Keyframes that may be carved anew for each frame: where the graph of a large map bends all the time, this
-/// bounds what it costs.
-constexpr std::size_t carved_a_frame = 4;
 /// Of the field of view's corners beyond the largest depth.
 constexpr double corners = 1.3;
 
@@ -25,7 +22,8 @@ LiveSpace::LiveSpace(const CameraModel& depth_camera, const LiveMapSettings& set
 
 void LiveSpace::show(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth) {
   take_over(false);
-  ++frames_since_;
+  moved_.frame();
+  if (!carving_.valid() && moved_.due()) carve_anew();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     carver_.carve(depth, camera_, T_map_depth, grid_);
@@ -69,19 +67,17 @@ DistanceField LiveSpace::distances_in(const Eigen::AlignedBox3d& box) const {
 void LiveSpace::correct(const std::map<int, Eigen::Isometry3d>& T_map_depth) {
   moved_.correct(T_map_depth);
   take_over(false);
-  const bool rested = carved_a_frame * static_cast<std::size_t>(frames_since_) >= keyframes_.size();
-  if (!carving_.valid() && rested && moved_.due()) carve_anew();
+  if (!carving_.valid() && moved_.due()) carve_anew();
 }
 
 void LiveSpace::settle() {
   take_over(true);
-  if (!moved_.due()) return;
+  if (!moved_.moved()) return;
   carve_anew();
   take_over(true);
 }
 
 void LiveSpace::carve_anew() {
-  frames_since_ = 0;
   carving_ = std::async(background_ ? std::launch::async : std::launch::deferred,
                         [keyframes = keyframes_, grid = copy(), moved = moved_.take()]() mutable {
                           OccupancyGrid carved = keyframes.carve_anew(moved, grid);

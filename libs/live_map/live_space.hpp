@@ -79,7 +79,6 @@ class LiveSpace {
   MovedKeyframes moved_;
   std::future<Carved> carving_;
   std::vector<Kept> meanwhile_;  // keyframes that came while it went on
-  int frames_since_ = 0;         // space was carved anew
   std::atomic<std::size_t> kept_bytes_{0};
 
   mutable std::mutex mutex_;  // guards what follows

@@ -1,7 +1,9 @@
 #pragma once
 // Which keyframes stand where, and whether the graph has moved any of them so far that what was made at its
-// old pose must be made anew.
+// old pose must be made anew. Where the graph of a large map bends all the time, that takes a bounded share
+// of the frames' time.
 
+#include <algorithm>
 #include <map>
 
 #include <lcmslam/geometry/transform.hpp>
@@ -23,20 +25,22 @@ class MovedKeyframes {
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
     for (const auto& [id, T] : T_map_camera)
       if (const auto found = keyframes_.find(id); found != keyframes_.end()) found->second.wanted = T;
+    moved_ =
+        std::any_of(keyframes_.begin(), keyframes_.end(), [&](const auto& k) { return is_far(k.second); });
   }
+  /// A frame came, keyframe or not.
+  void frame() { ++frames_; }
 
   /// Whether one of them moved too far.
-  bool due() const {
-    for (const auto& [id, k] : keyframes_) {
-      const Eigen::Isometry3d moved = k.made.inverse() * k.wanted;
-      if (moved.translation().norm() > distance_ || so3_log(moved.linear()).norm() > angle_) return true;
-    }
-    return false;
-  }
+  bool moved() const { return moved_; }
+  /// The same, and enough frames came since take().
+  bool due() const { return moved_ && made_a_frame * frames_ >= keyframes_.size(); }
 
   /// All that moved, however little, T_map_camera by keyframe; they count as made there from now on.
   std::map<int, Eigen::Isometry3d> take() {
     std::map<int, Eigen::Isometry3d> moved;
+    moved_ = false;
+    frames_ = 0;
     for (auto& [id, k] : keyframes_) {
       if (k.made.isApprox(k.wanted, 1e-9)) continue;
       moved[id] = k.made = k.wanted;
@@ -48,6 +52,14 @@ class MovedKeyframes {
   struct Keyframe {
     Eigen::Isometry3d made, wanted;
   };
+  static constexpr std::size_t made_a_frame = 4;  // keyframes, a millisecond or two each
+  bool is_far(const Keyframe& k) const {
+    const Eigen::Isometry3d way = k.made.inverse() * k.wanted;
+    return way.translation().norm() > distance_ || so3_log(way.linear()).norm() > angle_;
+  }
+
+  bool moved_ = false;
+  std::size_t frames_ = 1'000'000'000;  // since take(); at first nothing is to be waited for
   double distance_, angle_;
   std::map<int, Keyframe> keyframes_;
 };

@@ -211,5 +211,37 @@ TEST(MovedKeyframes, ArePassedOnWhenOneMovedTooFar) {
   EXPECT_TRUE(moved.take().empty());
 }
 
+TEST(MovedKeyframes, WaitForFramesWhereThereAreManyOfThem) {
+  MovedKeyframes moved(0.1, 0.05);
+  for (int id = 0; id < 40; ++id) moved.add(id, Eigen::Isometry3d::Identity());
+  moved.correct({{1, planar_pose(1, 0, 0)}});
+  EXPECT_TRUE(moved.due()) << "the first time at once";
+  moved.take();
+  moved.correct({{1, planar_pose(2, 0, 0)}});
+  for (int frame = 0; frame < 9; ++frame) moved.frame();
+  EXPECT_TRUE(moved.moved());
+  EXPECT_FALSE(moved.due());
+  moved.frame();
+  EXPECT_TRUE(moved.due());
+}
+
+TEST(LiveMap, ARobotThatStandsStillSeesTheGraphsLastCorrection) {
+  LiveMap map(some_camera(), waiting());
+  for (int id = 0; id < 12; ++id) map.keep(id, wall(2), at(0));
+  const auto all_at = [&](double x) {
+    std::map<int, Eigen::Isometry3d> poses;
+    for (int id = 0; id < 12; ++id) poses[id] = at(x).T_map_camera;
+    return poses;
+  };
+  map.correct(all_at(0.4));
+  EXPECT_EQ(state(map, 2.42), CellState::occupied);
+  map.correct(all_at(0.8));
+  for (int frame = 0; frame < 5; ++frame) map.show(wall(2), at(10));  // of another place
+  EXPECT_EQ(state(map, 2.82), CellState::occupied);
+  EXPECT_NE(state(map, 2.42), CellState::occupied);
+  ASSERT_FALSE(map.planes().empty());
+  EXPECT_NEAR(map.planes().front().fit.centre.x(), 2.8, 0.02);
+}
+
 }  // namespace
 }  // namespace lcmslam
