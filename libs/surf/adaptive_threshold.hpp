@@ -32,7 +32,8 @@ class AdaptiveThreshold {
   /// `blobs` were above value() in the image just seen. Counts near `wanted` change nothing.
   void observe(int blobs);
 
-  /// Even the lowest threshold gave few: the scene has little texture, or the image is blurred.
+  /// It can fall no further: where few blobs are found besides, the scene has little texture, or the image is
+  /// blurred.
   bool at_lowest() const { return value_ <= settings_.lowest; }
 
  private:

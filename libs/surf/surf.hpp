@@ -19,7 +19,9 @@ struct SurfSettings {
   int intervals = 4;
   /// The paper does not smooth. Thresholds speak of the smoothed image; keypoints' sizes of the given one.
   bool smooth = true;
-  double edge_ratio = 8;
+  /// Along a line a blob stands where the line is as wide as its filter, which moves with the camera: what is
+  /// longer than this slides along as a robot goes by.
+  double edge_ratio = 3;
   /// 128-D descriptors, the sums split by the other derivative's sign. No key: a message holds 64.
   bool extended = false;
   bool upright = false;

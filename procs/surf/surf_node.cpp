@@ -154,7 +154,7 @@ NodeReport SurfNode::report() const {
   else if (blurred_)
     report.detail =
         fmt::format("image blurred: sharpness {:.1f}, usually {:.1f}", last_sharpness_, sharpness_.usual());
-  else if (threshold_.at_lowest() && frames_ > 0)
+  else if (frames_ > 0 && threshold_.at_lowest() && 2 * keypoints_ < surf_.settings().budget.max_features)
     report.detail = fmt::format("little texture: {:.0f} keypoints at the lowest threshold", keypoints_);
   if (frames_ > 0 && no_depth_) report.detail = "the depth image shows nothing";
   if (registration_ && !motion_doubt_.empty()) report.detail = motion_doubt_;
