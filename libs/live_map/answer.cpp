@@ -50,60 +50,69 @@ Eigen::AlignedBox3d box_around(const CollisionQuestion::Body& body) {
 
 using Fields = std::vector<const DistanceField*>;  // of the map, and of the newest frame where it reaches
 
-/// Calls `ask(item, fields)` with each item until it says false: in one go where the robot is near, else with
-/// distances that are made for some metres around.
+/// Calls `ask(number, item, fields)` with each item; what comes after one for which it says false may be left
+/// out. Where the robot is near it looks once. Elsewhere distances are made for some metres around an item,
+/// and for all others there. Throws std::runtime_error when that takes longer than who asks waits.
 template <class Item, class Ask>
-void ask_of_space(const LiveSpace& space, const std::vector<Item>& items, const Ask& ask) {
+void ask_of_space(const AskedMap& map, const std::vector<Item>& items, const Ask& ask) {
   constexpr double around = 3;  // m
-  Eigen::AlignedBox3d all;
-  for (const Item& item : items) all.extend(box_around(item));
-  const bool is_near = space.ask([&](const LiveSpace::View& view) {
-    if (!view.distances.covers(all)) return false;
-    for (const Item& item : items)
-      if (!ask(item, Fields{&view.distances.field(), &view.newest})) break;
-    return true;
-  });
-  if (is_near) return;
-  Eigen::AlignedBox3d made_for;
-  std::optional<DistanceField> made;
-  for (const Item& item : items) {
-    const Eigen::AlignedBox3d box = box_around(item);
-    std::optional<bool> more;
-    if (!made_for.contains(box))
-      more = space.ask([&](const LiveSpace::View& view) -> std::optional<bool> {
-        if (!view.distances.covers(box)) return std::nullopt;
-        return ask(item, Fields{&view.distances.field(), &view.newest});
-      });
-    if (!more && !made_for.contains(box)) {
-      const Eigen::Vector3d reach = Eigen::Vector3d::Constant(around);
-      made_for = {Eigen::Vector3d(box.min() - reach), Eigen::Vector3d(box.max() + reach)};
-      made.emplace(space.distances_in(made_for));
+  const LiveSpace& space = live(map).space();
+  std::vector<std::size_t> open;  // numbers of items, in their order
+  std::size_t wanted = items.size();
+  const auto ask_where = [&](const std::vector<std::size_t>& numbers, const auto& covers,
+                             const Fields& fields) {
+    std::vector<std::size_t> left;
+    for (const std::size_t i : numbers) {
+      if (i >= wanted) break;
+      if (!covers(box_around(items[i])))
+        left.push_back(i);
+      else if (!ask(i, items[i], fields))
+        wanted = i;
     }
-    if (!more) more = ask(item, Fields{&*made});
-    if (!*more) return;
+    return left;
+  };
+  for (std::size_t i = 0; i < items.size(); ++i) open.push_back(i);
+  open = space.ask([&](const LiveSpace::View& view) {
+    return ask_where(open, [&](const Eigen::AlignedBox3d& box) { return view.distances.covers(box); },
+                     {&view.distances.field(), &view.newest});
+  });
+  while (!open.empty() && open.front() < wanted) {
+    if (map.is_late && map.is_late())
+      throw std::runtime_error("its deadline was over when " + std::to_string(open.size()) + " of its " +
+                               std::to_string(items.size()) +
+                               " places, far from the robot, had no answer yet; ask for fewer, for places "
+                               "nearer to one another, or with a later deadline");
+    Eigen::AlignedBox3d made_for = box_around(items[open.front()]);
+    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(around);
+    made_for = {Eigen::Vector3d(made_for.min() - reach), Eigen::Vector3d(made_for.max() + reach)};
+    const DistanceField made = space.distances_in(made_for);
+    open = ask_where(open, [&](const Eigen::AlignedBox3d& box) { return made_for.contains(box); }, {&made});
   }
 }
 
 Answer reply(const DistanceQuestion& q, const AskedMap& map) {
-  json distances = json::array(), gradients = json::array();
-  ask_of_space(live(map).space(), q.points, [&](const Eigen::Vector3d& point, const Fields& fields) {
-    DistanceField::Sample sample = fields.front()->sample(point);
+  std::vector<DistanceField::Sample> samples(q.points.size());
+  ask_of_space(map, q.points, [&](std::size_t i, const Eigen::Vector3d& point, const Fields& fields) {
+    samples[i] = fields.front()->sample(point);
     for (const DistanceField* field : fields)
       if (const auto other = field->sample(point);
-          other.distance < sample.distance && other.distance < field->truncation())
-        sample = other;
-    distances.push_back(rounded(sample.distance));
-    gradients.push_back(row(sample.gradient));
+          other.distance < samples[i].distance && other.distance < field->truncation())
+        samples[i] = other;
     return true;
   });
+  json distances = json::array(), gradients = json::array();
+  for (const DistanceField::Sample& sample : samples) {
+    distances.push_back(rounded(sample.distance));
+    gradients.push_back(row(sample.gradient));
+  }
   return as_json({{"distances", distances}, {"gradients", gradients}});
 }
 
 Answer reply(const CollisionQuestion& q, const AskedMap& map) {
-  json collides = json::array();
-  ask_of_space(live(map).space(), q.bodies, [&](const CollisionQuestion::Body& body, const Fields& fields) {
+  std::vector<bool> collides(q.bodies.size());
+  ask_of_space(map, q.bodies, [&](std::size_t i, const CollisionQuestion::Body& body, const Fields& fields) {
     const CollisionChecker checker(fields);
-    collides.push_back(std::visit([&](const auto& b) { return checker.collides(b); }, body));
+    collides[i] = std::visit([&](const auto& b) { return checker.collides(b); }, body);
     return true;
   });
   return as_json({{"collides", collides}});
@@ -114,11 +123,10 @@ Answer reply(const PathQuestion& q, const AskedMap& map) {
   for (const Eigen::Isometry3d& T : q.T_map_robot)
     places.push_back({T * q.robot.T_map_box, q.robot.half_size});
   std::optional<std::size_t> first;
-  std::size_t asked = 0;
-  ask_of_space(live(map).space(), places, [&](const Box& place, const Fields& fields) {
-    if (CollisionChecker(fields).collides(place)) first = asked;
-    ++asked;
-    return !first;
+  ask_of_space(map, places, [&](std::size_t i, const Box& place, const Fields& fields) {
+    const bool collides = CollisionChecker(fields).collides(place);
+    if (collides) first = i;  // earlier than any before: later ones are not asked about
+    return !collides;
   });
   json answer = {{"free", !first.has_value()}};
   if (first) answer["first_collision"] = *first;

@@ -26,6 +26,8 @@ struct AskedMap {
     std::optional<Eigen::Isometry3d> T_robot_camera;  ///< of who saw it
   };
   std::function<Found()> locate;  ///< empty: nobody here knows places
+  /// Whether nobody waits for the answer any more; empty: there is no deadline.
+  std::function<bool()> is_late;
 };
 
 struct Answer {

@@ -85,11 +85,4 @@ bool CollisionChecker::collides(const Box& box) const {
   return part_collides(box, [](const Eigen::Vector3d&) { return 0.0; });
 }
 
-std::optional<std::size_t> CollisionChecker::first_collision(
-    const Box& robot, const std::vector<Eigen::Isometry3d>& T_map_robot) const {
-  for (std::size_t i = 0; i < T_map_robot.size(); ++i)
-    if (collides(Box{T_map_robot[i] * robot.T_map_box, robot.half_size})) return i;
-  return std::nullopt;
-}
-
 }  // namespace lcmslam

@@ -6,7 +6,6 @@
 // parts until the distance at a part's middle decides; answers err by a cell at most, and then say that the
 // body collides.
 
-#include <optional>
 #include <vector>
 
 #include <lcmslam/geometry/transform.hpp>
@@ -30,6 +29,7 @@ struct Box {
   Eigen::Vector3d half_size = Eigen::Vector3d::Zero();          ///< m, from the middle to the faces
 };
 
+/// Space that nobody has seen counts as free: ask the occupancy grid for that.
 class CollisionChecker {
  public:
   /// The fields must outlive it and not change meanwhile; all of one cell size (std::invalid_argument).
@@ -42,11 +42,6 @@ class CollisionChecker {
   bool collides(const Sphere& sphere) const;
   bool collides(const Capsule& capsule) const;
   bool collides(const Box& box) const;
-
-  /// The first pose at which the robot, a box in its own frame, collides; nothing when the way is free.
-  /// Space that nobody has seen counts as free: ask the occupancy grid for that.
-  std::optional<std::size_t> first_collision(const Box& robot,
-                                             const std::vector<Eigen::Isometry3d>& T_map_robot) const;
 
  private:
   template <class Outside>

@@ -14,6 +14,13 @@ namespace {
 
 constexpr int pixel_step = 4;  // rows and columns of labelled pixels that tell how far a plane reaches
 constexpr double sigmas = 3;
+constexpr double most_tilt = 0.25;  // rad, that may be: who knows less of a plane can say where none begins
+constexpr auto none = std::numeric_limits<std::size_t>::max();
+
+/// By how much the plane may be tilted, rad.
+double tilt_of(const PlaneFit& fit) {
+  return sigmas * std::sqrt(fit.variance.head<2>().maxCoeff());
+}
 
 Eigen::Isometry3d frame_of(const PlaneFit& fit) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -51,6 +58,10 @@ void PlaneMap::insert(const FramePlanes& found, const CellMoments& cells,
     const PlaneMoments moments = seen.moments.moved(T_map_depth);
     const PlaneFit fit = moments.fit(T_map_depth.translation());
     Plane* plane = partner(fit);
+    if (plane == nullptr && tilt_of(fit) > most_tilt) {
+      plane_of.push_back(none);
+      continue;
+    }
     if (plane == nullptr) {
       planes_.push_back({{},
                          fit,
@@ -78,11 +89,14 @@ void PlaneMap::look(const cv::Mat& labels, const std::vector<std::size_t>& plane
   view_of.reserve(plane_of.size());
   for (const std::size_t k : plane_of)
     view_of.push_back(
-        &views.try_emplace(k, planes_[k].T_map_plane, planes_[k].fit.plane, T_map_depth).first->second);
+        k == none
+            ? nullptr
+            : &views.try_emplace(k, planes_[k].T_map_plane, planes_[k].fit.plane, T_map_depth).first->second);
   const CameraModel& camera = cells.camera();
   for (int v = 0; v < labels.rows; v += pixel_step)
     for (int u = 0; u < labels.cols; u += pixel_step)
-      if (const std::uint8_t label = labels.at<std::uint8_t>(v, u); label != 0)
+      if (const std::uint8_t label = labels.at<std::uint8_t>(v, u);
+          label != 0 && view_of[label - 1u] != nullptr)
         view_of[label - 1u]->reach_to(cells.point(v, u, 1).cast<double>(), pixel_step / camera.fx);
   for (const auto& [k, view] : views)
     planes_[k].grid.look(view.box(), [&, plane = k, &seen = view](const Eigen::Vector2d& place) {
@@ -99,7 +113,7 @@ PlaneMap::Plane* PlaneMap::partner(const PlaneFit& fit) {
   Plane* best = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
   for (Plane& plane : planes_) {
-    const double tilt = sigmas * std::sqrt(fit.variance.head<2>().maxCoeff());
+    const double tilt = std::min(tilt_of(fit), most_tilt);
     const double spread = sigmas * std::sqrt(fit.variance[2] + plane.fit.variance[2]);
     const double off = std::abs(plane.fit.plane.distance(fit.centre));
     if (plane.fit.plane.normal.dot(fit.plane.normal) < std::cos(settings_.max_angle + tilt)) continue;

@@ -6,26 +6,35 @@
 namespace lcmslam {
 namespace {
 
-constexpr int reach = 2;              // cells, from a plane to pixels that may be its own
-constexpr float sure = 1;             // sigmas off the plane up to which pixels tell where it lies
-constexpr double least_share = 0.25;  // of a plane's points that must be left for another fit
+constexpr int reach = 2;     // cells, from a plane to pixels that may be its own
+constexpr float sure = 1;    // sigmas off the plane up to which pixels tell where it lies
+constexpr int smoothed = 2;  // pixels: what BilateralFilter takes means over
+constexpr double least_points = 10;
+constexpr double least_share = 0.05;  // of a plane's points that must be left for another fit
 
-/// The planes that may have pixels in a cell.
-struct NearPlanes {
-  struct Plane {
-    float x, y, z, offset;
-    std::uint8_t label;
-    PlaneMoments sure;  // of pixels that lie in it for sure, of weight 1
-  };
-  std::vector<Plane> planes;
+/// A plane that may have pixels in a cell.
+struct NearPlane {
+  float x, y, z, offset;
+  std::uint8_t label;
+  PlaneMoments sure;  // of pixels that lie in it for sure, of weight 1
 
-  void add(std::uint8_t label, const PlaneEquation& plane) {
-    for (const Plane& other : planes)
-      if (other.label == label) return;
-    const Eigen::Vector3f n = plane.normal.cast<float>();
-    planes.push_back({n.x(), n.y(), n.z(), static_cast<float>(plane.offset), label, {}});
+  float distance(const Eigen::Vector3f& point) const {
+    return x * point.x() + y * point.y() + z * point.z() + offset;
+  }
+  /// Where it is met along the ray of a point that lies near it, as a share of that point's depth.
+  float along(const Eigen::Vector3f& point) const {
+    const float off = distance(point);
+    return offset / (offset - off);
   }
 };
+using NearPlanes = std::vector<NearPlane>;
+
+void add_near(std::uint8_t label, const PlaneEquation& plane, NearPlanes& near) {
+  for (const NearPlane& other : near)
+    if (other.label == label) return;
+  const Eigen::Vector3f n = plane.normal.cast<float>();
+  near.push_back({n.x(), n.y(), n.z(), static_cast<float>(plane.offset), label, {}});
+}
 
 class RimFollower {
  public:
@@ -47,11 +56,12 @@ class RimFollower {
   }
 
   /// The planes that may have pixels in a cell.
-  void find_near(int column, int row, NearPlanes& near) const {
-    near.planes.clear();
+  NearPlanes planes_near(int column, int row) const {
+    NearPlanes near;
     for_around(column, row, reach, [&](std::uint8_t label) {
-      if (label != 0) near.add(label, found_.planes[label - 1u].fit.plane);
+      if (label != 0) add_near(label, found_.planes[label - 1u].fit.plane, near);
     });
+    return near;
   }
 
   void label_inner(int column, int row) {
@@ -61,29 +71,67 @@ class RimFollower {
     });
   }
 
-  /// The nearest plane for each pixel. The sure ones count for the planes.
-  void label_rim(int column, int row, NearPlanes& near) {
+  void label_rim(int column, int row, const NearPlanes& near) {
     for_rows(column, row, [&](int v, int u, const std::uint16_t* depth, std::uint8_t* label) {
       for (int i = 0; i < cells_.side(); ++i) {
         const float sigma = cells_.sigma_of(depth[i]);
         if (!(sigma <= max_sigma_)) continue;
         const Eigen::Vector3f point = cells_.point(v, u + i, 0.001f * static_cast<float>(depth[i]));
-        float best = gate_ * sigma;
-        NearPlanes::Plane* own = nullptr;
-        for (NearPlanes::Plane& p : near.planes) {
-          const float off = std::abs(p.x * point.x() + p.y * point.y() + p.z * point.z() + p.offset);
-          if (off >= best) continue;
-          best = off;
-          own = &p;
-        }
-        if (own == nullptr) continue;
-        label[i] = own->label;
-        if (best <= sure * sigma) own->sure.add(point.cast<double>());
+        const NearPlane* own = nullptr;
+        for (const NearPlane& p : near)
+          if (std::abs(p.distance(point)) < gate_ * sigma && (own == nullptr || is_before(p, *own, point)))
+            own = &p;
+        if (own != nullptr) label[i] = own->label;
+      }
+    });
+  }
+
+  /// The pixels of a rim's cell that count for the planes: those that lie in them, and that no neighbour of
+  /// another plane was smoothed with.
+  void add_sure(int column, int row, NearPlanes& near) const {
+    for_rows(column, row, [&](int v, int u, const std::uint16_t* depth, const std::uint8_t* label) {
+      for (int i = 0; i < cells_.side(); ++i) {
+        if (label[i] == 0 || (near.size() > 1 && is_bent(v, u + i))) continue;
+        const Eigen::Vector3f point = cells_.point(v, u + i, 0.001f * static_cast<float>(depth[i]));
+        for (NearPlane& p : near)
+          if (p.label == label[i] && std::abs(p.distance(point)) <= sure * cells_.sigma_of(depth[i]))
+            p.sure.add(point.cast<double>());
       }
     });
   }
 
  private:
+  /// Which of two planes near a point its pixel shows, by where they meet and not by what noise makes of the
+  /// point: of two that bulge (a box's sides) a ray meets the farther one last and enters there, of two that
+  /// form a corner the nearer one. Where they are almost one, or do not tell, the nearer to the point.
+  bool is_before(const NearPlane& a, const NearPlane& b, const Eigen::Vector3f& point) const {
+    const float along_a = a.along(point), along_b = b.along(point);
+    const int bulge = bulges(a, b);
+    if (bulge == 0) return std::abs(along_a - 1) < std::abs(along_b - 1);
+    return bulge > 0 ? along_a > along_b : along_a < along_b;
+  }
+  /// 1: the smaller plane lies behind the larger one, -1: in front of it, 0: neither.
+  int bulges(const NearPlane& a, const NearPlane& b) const {
+    constexpr float most_alike = 0.94f;  // cosine
+    if (a.x * b.x + a.y * b.y + a.z * b.z > most_alike) return 0;
+    const FramePlane *small = &found_.planes[a.label - 1u], *large = &found_.planes[b.label - 1u];
+    if (small->moments.points > large->moments.points) std::swap(small, large);
+    const double off = large->fit.plane.distance(small->fit.centre);
+    if (std::abs(off) < cells_.sigma(small->fit.centre.z())) return 0;
+    return off < 0 ? 1 : -1;
+  }
+  /// Whether a pixel of another plane is within what smoothing reaches.
+  bool is_bent(int v, int u) const {
+    const std::uint8_t own = found_.labels.at<std::uint8_t>(v, u);
+    const auto is_other = [&](int y, int x) {
+      if (y < 0 || x < 0 || y >= depth_.rows || x >= depth_.cols) return false;
+      const std::uint8_t label = found_.labels.at<std::uint8_t>(y, x);
+      return label != 0 && label != own;
+    };
+    for (int k = 1; k <= smoothed; ++k)
+      if (is_other(v, u - k) || is_other(v, u + k) || is_other(v - k, u) || is_other(v + k, u)) return true;
+    return false;
+  }
   std::uint8_t plane(int column, int row) const {
     return plane_of_cell_[static_cast<std::size_t>(row * cells_.columns() + column)];
   }
@@ -115,8 +163,12 @@ void follow_rims(const cv::Mat& depth, const CellMoments& cells, const std::vect
                  FramePlanes& found) {
   found.labels = cv::Mat(depth.size(), CV_8UC1, cv::Scalar(0));
   RimFollower follower(depth, cells, plane_of_cell, settings, found);
+  struct Rim {
+    int column, row;
+    NearPlanes near;
+  };
+  std::vector<Rim> rims;
   std::vector<PlaneMoments> sums(found.planes.size());
-  NearPlanes near;
   for (int row = 0; row < cells.rows(); ++row)
     for (int column = 0; column < cells.columns(); ++column) {
       if (follower.is_inner(column, row)) {
@@ -125,16 +177,21 @@ void follow_rims(const cv::Mat& depth, const CellMoments& cells, const std::vect
         follower.label_inner(column, row);
         continue;
       }
-      follower.find_near(column, row, near);
-      if (near.planes.empty()) continue;
-      follower.label_rim(column, row, near);
-      for (const NearPlanes::Plane& p : near.planes)
-        if (p.sure.points > 0)
-          sums[p.label - 1u].add(p.sure.weighed(cells.sigma(p.sure.sum.z() / p.sure.points)));
+      Rim rim{column, row, follower.planes_near(column, row)};
+      if (rim.near.empty()) continue;
+      follower.label_rim(column, row, rim.near);
+      rims.push_back(std::move(rim));
     }
+  // All labels are there now: which pixels have neighbours of another plane is known.
+  for (Rim& rim : rims) {
+    follower.add_sure(rim.column, rim.row, rim.near);
+    for (const NearPlane& p : rim.near)
+      if (p.sure.points > 0)
+        sums[p.label - 1u].add(p.sure.weighed(cells.sigma(p.sure.sum.z() / p.sure.points)));
+  }
   for (std::size_t k = 0; k < sums.size(); ++k) {
     FramePlane& plane = found.planes[k];
-    if (sums[k].points < least_share * plane.moments.points) continue;
+    if (sums[k].points < std::max(least_points, least_share * plane.moments.points)) continue;
     plane.moments = sums[k];
     plane.fit = sums[k].fit(Eigen::Vector3d::Zero());
   }

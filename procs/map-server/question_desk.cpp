@@ -52,13 +52,14 @@ void QuestionDesk::work() {
   while (true) {
     wake_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
     if (stop_) return;
-    const Waiting waiting = std::move(waiting_.front());
+    Waiting waiting = std::move(waiting_.front());
     waiting_.pop_front();
     working_ = true;
     lock.unlock();
     Answered result{
         waiting.asked.request, "it came too late: its deadline was over before its turn", {}, "", 0};
-    if (Clock::now() < waiting.until) result = answered(waiting.asked);
+    waiting.asked.map.is_late = [until = waiting.until] { return Clock::now() >= until; };
+    if (!waiting.asked.map.is_late()) result = answered(waiting.asked);
     lock.lock();
     working_ = false;
     answered_.push_back(std::move(result));

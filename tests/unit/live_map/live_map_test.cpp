@@ -121,25 +121,63 @@ nlohmann::json answered(const std::shared_ptr<const LiveMap>& map, const std::st
   return nlohmann::json::parse(answer(parse_question(question), asked).bytes);
 }
 
-TEST(LiveMap, WhoAsksFarFromTheRobotIsAnsweredAsNearIt) {
+/// Walls 2 m ahead along a way of 40 m, of which distances are kept around its end.
+std::shared_ptr<LiveMap> long_way() {
   LiveMapSettings settings = waiting();
   settings.distance.memory = 1;
-  const auto map = std::make_shared<LiveMap>(some_camera(), settings);
-  const std::string
-      distances = R"({"ask": "distance", "points": [[1, 0, 1], [1.5, 0, 1], [41, 0, 1]]})",
-      spheres = R"({"ask": "collision", "spheres": [[1.5, 0, 1, 0.6], [1.5, 0, 1, 0.4], [41.5, 0, 1, 0.6]]})";
+  auto map = std::make_shared<LiveMap>(some_camera(), settings);
+  for (double x = 0; x <= 40; x += 2)  // through all, as if the walls had not been there
+    for (int i = 0; i < 3; ++i) map->show(wall(2), at(x));
+  return map;
+}
+
+TEST(LiveMap, WhoAsksFarFromTheRobotIsAnsweredAsNearIt) {
+  const auto map = std::make_shared<LiveMap>(some_camera(), waiting());
   for (int i = 0; i < 3; ++i) map->show(wall(2), at(0));
   const auto there = answered(map, R"({"ask": "distance", "points": [[1, 0, 1], [1.5, 0, 1]]})");
-  for (double x = 2; x <= 40; x += 2)  // through all, as if the wall had not been there
-    for (int i = 0; i < 3; ++i) map->show(wall(2), at(x));
-  const bool covered = map->space().ask([](const LiveSpace::View& view) {
+  const auto way = long_way();
+  const bool covered = way->space().ask([](const LiveSpace::View& view) {
     return view.distances.covers({Eigen::Vector3d(1, 0, 1), Eigen::Vector3d(1, 0, 1)});
   });
   EXPECT_FALSE(covered);
-  const auto far = answered(map, distances);
-  for (int i = 0; i < 2; ++i) EXPECT_EQ(far["distances"][i], there["distances"][i]) << i;
-  EXPECT_NEAR(far["distances"][2], 1, 0.05);
-  EXPECT_EQ(answered(map, spheres)["collides"], nlohmann::json({true, false, true}));
+  const auto far = answered(way, R"({"ask": "distance", "points": [[1, 0, 1], [41, 0, 1], [1.5, 0, 1]]})");
+  EXPECT_EQ(far["distances"][0], there["distances"][0]);
+  EXPECT_NEAR(far["distances"][1], 1, 0.05);
+  EXPECT_EQ(far["distances"][2], there["distances"][1]);
+  const std::string spheres =
+      R"({"ask": "collision", "spheres": [[1.5, 0, 1, 0.6], [41.5, 0, 1, 0.6], [1.5, 0, 1, 0.4]]})";
+  EXPECT_EQ(answered(way, spheres)["collides"], nlohmann::json({true, true, false}));
+}
+
+TEST(LiveMap, TheFirstPoseThatCollidesIsTheFirstWhereverItIs) {
+  const auto path = [](const std::string& poses) {
+    return R"({"ask": "path", "robot": [0, 0, 1, 1, 0, 0, 0, 0.4, 0.4, 0.4], "poses": [)" + poses + "]}";
+  };
+  const auto map = long_way();
+  // At the robot, then far: what is near is looked at first, and the far one is nevertheless found.
+  EXPECT_EQ(answered(map, path("[41, 0, 0], [2, 0, 0], [42, 0, 0]"))["first_collision"], 1);
+  EXPECT_EQ(answered(map, path("[41, 0, 0], [1, 0, 0], [42, 0, 0], [2, 0, 0]"))["first_collision"], 2);
+  EXPECT_TRUE(answered(map, path("[41, 0, 0], [1, 0, 0]"))["free"]);
+}
+
+TEST(LiveMap, PlacesFarFromTheRobotAreMadeUntilTheDeadlineAndEachOnce) {
+  AskedMap asked;
+  asked.live = long_way();
+  int looks = 0, most = 1000;
+  asked.is_late = [&] { return ++looks > most; };
+  // Two places, to and fro between them, and one that is near.
+  const auto question = parse_question(
+      R"({"ask": "distance", "points": [[1, 0, 1], [11, 0, 1], [1.5, 0, 1], [11.5, 0, 1], [41, 0, 1]]})");
+  answer(question, asked);
+  EXPECT_EQ(looks, 2);
+  looks = 0;
+  most = 1;
+  try {
+    answer(question, asked);
+    ADD_FAILURE() << "answered after its deadline";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("2 of its 5 places"));
+  }
 }
 
 TEST(LiveMap, KeyframesAreWorkedInOnce) {

@@ -1,6 +1,7 @@
 #include <lcmslam/map_query/collision.hpp>
 
 #include <gmock/gmock.h>
+#include <optional>
 
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/map_query/newest_frame.hpp>
@@ -29,6 +30,12 @@ class Gate : public testing::Test {
   // Stands on the ground, half a metre wide.
   static Box robot() { return {Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.7)), {0.3, 0.25, 0.6}}; }
 
+  std::optional<std::size_t> first_collision(const std::vector<Eigen::Isometry3d>& T_map_robot) const {
+    for (std::size_t i = 0; i < T_map_robot.size(); ++i)
+      if (checker_.collides(Box{T_map_robot[i] * robot().T_map_box, robot().half_size})) return i;
+    return std::nullopt;
+  }
+
   OccupancyGrid grid_;
   DistanceField map_;
   NewestFrame newest_;
@@ -36,25 +43,25 @@ class Gate : public testing::Test {
 };
 
 TEST_F(Gate, LetsTheRobotPassWhereItFits) {
-  EXPECT_EQ(checker_.first_collision(robot(), way(0, 0)), std::nullopt);
-  EXPECT_EQ(checker_.first_collision(robot(), way(0.2, 0)), std::nullopt);
+  EXPECT_EQ(first_collision(way(0, 0)), std::nullopt);
+  EXPECT_EQ(first_collision(way(0.2, 0)), std::nullopt);
   // 0.3 m ahead of it: the post's face at 2 m.
-  const auto hit = checker_.first_collision(robot(), way(0.3, 0));
+  const auto hit = first_collision(way(0.3, 0));
   ASSERT_TRUE(hit);
   EXPECT_NEAR(0.04 * static_cast<double>(*hit), 1.7, 0.061);
   // Turned, it is as wide as its diagonal.
-  EXPECT_NE(checker_.first_collision(robot(), way(0.15, 0.8)), std::nullopt);
+  EXPECT_NE(first_collision(way(0.15, 0.8)), std::nullopt);
 }
 
 TEST_F(Gate, WhoeverStepsInTheWayCountsAtOnce) {
   OccupancyGrid frame({});
   fill(frame, Eigen::AlignedBox3f(Eigen::Vector3f(1, -0.2f, 0.1f), Eigen::Vector3f(1.2f, 0.2f, 1.7f)), 1);
   newest_.show(frame.take_changes());
-  const auto hit = checker_.first_collision(robot(), way(0, 0));
+  const auto hit = first_collision(way(0, 0));
   ASSERT_TRUE(hit);
   EXPECT_NEAR(0.04 * static_cast<double>(*hit), 0.7, 0.061);
   newest_.show({});
-  EXPECT_EQ(checker_.first_collision(robot(), way(0, 0)), std::nullopt);
+  EXPECT_EQ(first_collision(way(0, 0)), std::nullopt);
 }
 
 TEST_F(Gate, BallsAndCapsulesCollideAsFarAsTheyReach) {
@@ -63,7 +70,7 @@ TEST_F(Gate, BallsAndCapsulesCollideAsFarAsTheyReach) {
   EXPECT_FALSE(checker_.collides(Sphere{between, 0.43}));
   EXPECT_TRUE(checker_.collides(Sphere{between, 0.5}));
   EXPECT_FALSE(checker_.collides(Sphere{{1.6, 0.1, 1}, 0.45}));  // the box around it would, at its corner
-  EXPECT_FALSE(checker_.collides(Sphere{{0, 0, 1}, 1.8}));  // more than the newest frame's field tells
+  EXPECT_FALSE(checker_.collides(Sphere{{0, 0, 1}, 1.8}));       // more than the newest frame's field tells
   const Vector3d ahead(4, 0, 1), beside(0, 1.2, 1);
   EXPECT_FALSE(checker_.collides(Capsule{{0, 0, 1}, ahead, 0.43}));
   EXPECT_TRUE(checker_.collides(Capsule{{0, 0, 1}, ahead, 0.5}));
