@@ -87,23 +87,48 @@ void VisualOdometry::start(FeatureFrame frame) {
 }
 
 // All references at once: their points in the odometry frame against the frame's in the camera's.
-std::optional<VisualOdometry::Alignment> VisualOdometry::align(
-    const std::vector<const Reference*>& references, const FeatureFrame& frame) {
-  std::vector<PointPair> pairs;
-  std::size_t newest_begin = 0;
+VisualOdometry::Pairs VisualOdometry::match(const std::vector<const Reference*>& references,
+                                            const FeatureFrame& frame) {
+  Pairs result;
   for (const Reference* reference : references) {
-    newest_begin = pairs.size();
+    result.newest_begin = result.pairs.size();
     const Eigen::Matrix3d R = reference->T_odom_camera.linear();
     for (const Match& m : matcher_.match(reference->frame.features, frame.features, settings_.matching)) {
       const Feature& a = reference->frame.features[static_cast<std::size_t>(m.a)];
       const Feature& b = frame.features[static_cast<std::size_t>(m.b)];
-      pairs.push_back({reference->T_odom_camera * a.point.cast<double>(), b.point.cast<double>(),
-                       R * point_covariance(a, reference->frame) * R.transpose(),
-                       point_covariance(b, frame)});
+      result.pairs.push_back({reference->T_odom_camera * a.point.cast<double>(), b.point.cast<double>(),
+                              R * point_covariance(a, reference->frame) * R.transpose(),
+                              point_covariance(b, frame)});
     }
   }
-  const RigidRansacResult result = align_ransac(pairs, settings_.ransac, random_);
-  report_.matches = static_cast<int>(pairs.size());
+  return result;
+}
+
+VisualOdometry::Pairs VisualOdometry::Pairs::near(const Eigen::Isometry3d& T_odom_camera,
+                                                  double within) const {
+  Pairs result;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i == newest_begin) result.newest_begin = result.pairs.size();
+    if ((pairs[i].point_a - T_odom_camera * pairs[i].point_b).norm() < within)
+      result.pairs.push_back(pairs[i]);
+  }
+  if (newest_begin == pairs.size()) result.newest_begin = result.pairs.size();
+  return result;
+}
+
+std::optional<VisualOdometry::Alignment> VisualOdometry::align(
+    const std::vector<const Reference*>& references, const FeatureFrame& frame) {
+  const Pairs all = match(references, frame);
+  const double within = settings_.expected_within;
+  Pairs asked = all.near(expected(frame.utime) * frame.T_robot_camera, within);
+  RigidRansacResult result = align_ransac(asked.pairs, settings_.ransac, random_);
+  // What was expected shall not have chosen: then all that is seen where it should be from there.
+  if (Pairs found = result.success ? all.near(result.T_a_b, within) : all;
+      !result.success || found.pairs.size() > asked.pairs.size()) {
+    asked = std::move(found);
+    result = align_ransac(asked.pairs, settings_.ransac, random_);
+  }
+  report_.matches = static_cast<int>(all.pairs.size());
   report_.inliers = static_cast<int>(result.inliers.size());
   if (!result.success) {
     report_.reason = result.reason;
@@ -116,8 +141,9 @@ std::optional<VisualOdometry::Alignment> VisualOdometry::align(
   const Matrix6d A = adjoint(frame.T_robot_camera);
   alignment.covariance = A * result.covariance * A.transpose();
   alignment.newest_inliers =
-      static_cast<int>(std::count_if(result.inliers.begin(), result.inliers.end(),
-                                     [&](int i) { return static_cast<std::size_t>(i) >= newest_begin; }));
+      static_cast<int>(std::count_if(result.inliers.begin(), result.inliers.end(), [&](int i) {
+        return static_cast<std::size_t>(i) >= asked.newest_begin;
+      }));
 
   const Eigen::Isometry3d T_step = T_odom_aligned_.inverse() * alignment.T_odom_robot;
   const double seconds = seconds_since_aligned(frame.utime);
@@ -147,13 +173,17 @@ void VisualOdometry::accept(const Alignment& alignment, Utime utime) {
   report_.reason.clear();
 }
 
+// Where the last velocity leads.
+Eigen::Isometry3d VisualOdometry::expected(Utime utime) const {
+  return T_odom_aligned_ *
+         se3_exp(std::min(seconds_since_aligned(utime), settings_.max_prediction) * velocity_);
+}
+
 void VisualOdometry::predict(Utime utime) {
   const double before = seconds_since_aligned(sample_.utime);
   const double now = seconds_since_aligned(utime);
-  const double moving = std::min(now, settings_.max_prediction);
-  add_step(T_odom_aligned_ * se3_exp(moving * velocity_),
-           prediction_covariance(now) - prediction_covariance(before) +
-               diagonal(settings_.translation_floor, settings_.rotation_floor));
+  add_step(expected(utime), prediction_covariance(now) - prediction_covariance(before) +
+                                diagonal(settings_.translation_floor, settings_.rotation_floor));
   sample_.utime = utime;
   report_.status = now > settings_.max_prediction ? VisualStatus::lost : VisualStatus::degraded;
 }

@@ -27,6 +27,9 @@ struct VisualOdometrySettings {
   double keyframe_translation = 0.3;
   double keyframe_rotation = 0.35;
 
+  // Tiles look alike a quarter turn on, too: matches that stand where the last motion leads are asked first.
+  double expected_within = 0.2;
+
   // Faster motion is a wrong alignment.
   double max_speed = 3;
   double max_turn_rate = 6;
@@ -54,6 +57,9 @@ struct VisualOdometrySettings {
              "from the newest keyframe, beyond which a new one is due");
     s.number("keyframe_rotation", keyframe_rotation, "rad", {1e-3, 3.2},
              "from the newest keyframe, beyond which a new one is due");
+    s.number("expected_within", expected_within, "m", {0, 1000},
+             "of where the last motion leads, a match is asked first, and all others only where too few of "
+             "these agree");
     s.number("max_speed", max_speed, "m/s", {0.01, 100}, "faster motion is a wrong alignment");
     s.number("max_turn_rate", max_turn_rate, "rad/s", {0.01, 100}, "faster turning is a wrong alignment");
     s.number("covariance_factor", covariance_factor, "", {1e-3, 1e6},
@@ -108,6 +114,11 @@ class VisualOdometry {
     Eigen::Isometry3d T_odom_camera = Eigen::Isometry3d::Identity();
     int first_inliers = 0;  // of the first frame aligned to it
   };
+  struct Pairs {
+    std::vector<PointPair> pairs;  // points in the odometry frame, and in the camera's
+    std::size_t newest_begin = 0;  // those of the newest reference come last
+    Pairs near(const Eigen::Isometry3d& T_odom_camera, double within) const;
+  };
   struct Alignment {
     Eigen::Isometry3d T_odom_camera;
     Eigen::Isometry3d T_odom_robot;
@@ -117,6 +128,8 @@ class VisualOdometry {
 
   void start(FeatureFrame frame);
   std::optional<Alignment> align(const std::vector<const Reference*>& references, const FeatureFrame& frame);
+  Pairs match(const std::vector<const Reference*>& references, const FeatureFrame& frame);
+  Eigen::Isometry3d expected(Utime utime) const;
   void accept(const Alignment& alignment, Utime utime);
   void predict(Utime utime);
   void add_step(const Eigen::Isometry3d& T_odom_robot, const Matrix6d& Q);

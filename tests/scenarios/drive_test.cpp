@@ -49,12 +49,12 @@ TEST_P(Presets, MapTheDriveBetterThanTheWheels) {
   const Preset& preset = GetParam();
   TestBus bus;
   bus.add<OdometryNode>(ConfigNode::parse(preset.noisy ? testing::noisy_odometry : "{}"));
+  bus.add<SurfNode>(preset_config(preset, "surf"), 500);
   bus.add<FastSlamNode>(preset_config(preset, "fastslam"));
   const IcpNode& icp = bus.add<IcpNode>(preset_config(preset, "icp"));
   RecordedDrive& drive = RecordedDrive::instance();
   RecordedDrive::Part part;
   part.to = preset.to;
-  part.with_features = true;
   drive.play(bus, part);
   bus.finish();
 
