@@ -159,18 +159,18 @@ TEST(Elsewhere, SaysOnceThatAHostIsLostAndThatItIsHeardAgain) {
   word.utime = 0;
   word.n = 0;
   const auto at = [&](int ms) { return begin + std::chrono::milliseconds(ms); };
-  EXPECT_THAT(elsewhere.news(at(5000)), testing::IsEmpty()) << "who was never heard is not lost";
+  EXPECT_THAT(elsewhere.news(at(5000)), ::testing::IsEmpty()) << "who was never heard is not lost";
   elsewhere.hear(word, 0, at(5000));
   word.target = "stranger";
   elsewhere.hear(word, 0, at(5000));
-  EXPECT_THAT(elsewhere.news(at(5700)), testing::IsEmpty());
+  EXPECT_THAT(elsewhere.news(at(5700)), ::testing::IsEmpty());
   EXPECT_THAT(elsewhere.news(at(5900)),
-              testing::ElementsAre(
+              ::testing::ElementsAre(
                   AllOf(HasSubstr("robot is lost"), HasSubstr("0.9 s"), HasSubstr("camera, odometry"))));
-  EXPECT_THAT(elsewhere.news(at(9000)), testing::IsEmpty()) << "once";
+  EXPECT_THAT(elsewhere.news(at(9000)), ::testing::IsEmpty()) << "once";
   word.target = "robot";
   elsewhere.hear(word, 0, at(9000));
-  EXPECT_THAT(elsewhere.news(at(9100)), testing::ElementsAre(HasSubstr("robot is heard again")));
+  EXPECT_THAT(elsewhere.news(at(9100)), ::testing::ElementsAre(HasSubstr("robot is heard again")));
   EXPECT_EQ(elsewhere.news(at(10'100)).size(), 1U) << "and may be lost again";
 }
 
