@@ -15,6 +15,7 @@ class LandmarkJoiner {
   static JoinSettings defaults() {
     JoinSettings settings;
     settings.min_distance = 0.4;
+    settings.most_agreeing = 12;
     return settings;
   }
 

@@ -19,8 +19,8 @@ SessionJoiner::SessionJoiner(const JoinSettings& settings, std::string what)
 }
 
 void SessionJoiner::add(const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
-                        const ColouredCloud& cloud, PlaceIndex& map) {
-  if (!knows(T_session_camera)) say(T_session_camera, map.locate(features, cloud).place);
+                        const ColouredCloud& cloud, PlaceIndex& map, std::int32_t id) {
+  if (!knows(T_session_camera)) say(T_session_camera, map.locate(features, cloud).place, id);
 }
 
 bool SessionJoiner::knows(const Eigen::Isometry3d& T_session_part) const {
@@ -31,17 +31,39 @@ bool SessionJoiner::knows(const Eigen::Isometry3d& T_session_part) const {
   return std::any_of(sayings_.begin(), sayings_.end(), is_near);
 }
 
-void SessionJoiner::say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found) {
+SessionJoiner::Saying::Saying(const Place& found, const JoinSettings& settings, std::int32_t number)
+    : id(number), T_map_part(found.T_map_camera), part_covariance(found.covariance) {
+  part_covariance.diagonal().head<3>().array() += settings.floor_translation * settings.floor_translation;
+  part_covariance.diagonal().tail<3>().array() += settings.floor_rotation * settings.floor_rotation;
+}
+
+// T_map_session = T_map_part exp(xi) T_part_session: the error moves to the session's frame.
+void SessionJoiner::Saying::place(const Eigen::Isometry3d& T) {
+  T_session_part = T;
+  T_map_session = T_map_part * T.inverse();
+  const Matrix6d to_session = adjoint(T);
+  covariance = to_session * part_covariance * to_session.transpose();
+}
+
+void SessionJoiner::say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found,
+                        std::int32_t id) {
   ++asked_;
   if (!found) return;
-  Matrix6d covariance = found->covariance;
-  covariance.diagonal().head<3>().array() += settings_.floor_translation * settings_.floor_translation;
-  covariance.diagonal().tail<3>().array() += settings_.floor_rotation * settings_.floor_rotation;
-  // T_map_session = T_map_part exp(xi) T_part_session: the error moves to the session's frame.
-  const Matrix6d to_session = adjoint(T_session_part);
-  sayings_.push_back({T_session_part, found->T_map_camera * T_session_part.inverse(),
-                      to_session * covariance * to_session.transpose()});
+  Saying saying(*found, settings_, id);
+  saying.place(T_session_part);
+  sayings_.push_back(saying);
   vote();
+}
+
+void SessionJoiner::move(const std::map<std::int32_t, Eigen::Isometry3d>& T_session_part) {
+  bool any = false;
+  for (Saying& saying : sayings_) {
+    const auto moved = T_session_part.find(saying.id);
+    if (moved == T_session_part.end()) continue;
+    saying.place(moved->second);
+    any = true;
+  }
+  if (any) vote();
 }
 
 bool SessionJoiner::agree(const Saying& a, const Saying& b) const {

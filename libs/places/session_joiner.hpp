@@ -3,6 +3,7 @@
 // of landmarks) must be found in the old map on their own and agree on the answer; one that says otherwise
 // must be outvoted.
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace lcmslam {
 
 struct JoinSettings {
   int min_agreeing = 3;
-  int most_agreeing = 12;
+  int most_agreeing = 40;
   double min_distance = 0.2;
   double min_angle = 0.2;
   double max_disagreement = 4;
@@ -49,13 +50,15 @@ class SessionJoiner {
   /// Throws std::invalid_argument that names the setting.
   explicit SessionJoiner(const JoinSettings& settings = {}, std::string what = "keyframes");
 
-  /// Looks for a keyframe of the new session in the old map.
+  /// Looks for a keyframe of the new session in the old map. `id`: by which it may be moved.
   void add(const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
-           const ColouredCloud& cloud, PlaceIndex& map);
+           const ColouredCloud& cloud, PlaceIndex& map, std::int32_t id = 0);
   /// A part that lies as near as that was found: another look from there is no look of its own.
   bool knows(const Eigen::Isometry3d& T_session_part) const;
   /// A part of the session that lies there in it was looked for, and found or not.
-  void say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found);
+  void say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found, std::int32_t id = 0);
+  /// The session's own map has these elsewhere now; where they lie in the old one stays as it was seen.
+  void move(const std::map<std::int32_t, Eigen::Isometry3d>& T_session_part);
 
   /// Once enough agree.
   const std::optional<Joint>& joint() const { return joint_; }
@@ -64,6 +67,12 @@ class SessionJoiner {
 
  private:
   struct Saying {
+    Saying(const Place& found, const JoinSettings& settings, std::int32_t id);
+    void place(const Eigen::Isometry3d& T_session_part);
+
+    std::int32_t id;
+    Eigen::Isometry3d T_map_part;
+    Matrix6d part_covariance;  // of T_map_part
     Eigen::Isometry3d T_session_part, T_map_session;
     Matrix6d covariance;  // of T_map_session
   };

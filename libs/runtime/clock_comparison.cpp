@@ -7,7 +7,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t most_hosts = 64, most_exchanges = 8;
+constexpr std::size_t most_hosts = 64, most_exchanges = 32;
 constexpr Utime silence = 10'000'000;     // us
 constexpr double longest_round = 1;       // s; a slower exchange tells nothing
 constexpr double longest_offset = 3.2e9;  // s, a century

@@ -26,18 +26,24 @@ ColourCamera::ColourCamera(const Scene& scene, const RayCaster& caster, const Ca
         std::sqrt(sensor.read_sigma * sensor.read_sigma + sensor.shot_variance * static_cast<double>(value)));
 }
 
-cv::Mat ColourCamera::render(const RowPoses& poses, const PixelNoise& noise, int threads,
-                             float exposed) const {
-  const cv::Size size(camera_.width, camera_.height);
-  cv::Mat sharp(size, CV_8UC3), depth(size, CV_32FC1), image(size, CV_8UC3);
+cv::Mat ColourCamera::see(const RowPoses& poses, int threads) const {
+  static_assert(sizeof(Seen) == 5 * sizeof(float));
+  cv::Mat seen(camera_.height, camera_.width, CV_32FC(5));
+  interleaved_rows(camera_.height, threads,
+                   [&](int row) { trace_row(row, poses.at(row, camera_.height).cast<float>(), seen); });
+  return seen;
+}
+
+cv::Mat ColourCamera::expose(const cv::Mat& seen, const Vector6d& velocity, const PixelNoise& noise,
+                             int threads, float exposed) const {
+  const cv::Size size = seen.size();
+  cv::Mat sharp(size, CV_8UC3), image(size, CV_8UC3);
   const auto last = static_cast<std::uint64_t>(size.area());
   const float gain =
       exposed * (1 + static_cast<float>(sensor_.gain_sigma) * PixelNoise::normal(noise.bits(last)));
+  interleaved_rows(size.height, threads, [&](int row) { expose_row(row, seen, gain, sharp); });
   interleaved_rows(size.height, threads, [&](int row) {
-    trace_row(row, poses.at(row, size.height).cast<float>(), gain, sharp, depth);
-  });
-  interleaved_rows(size.height, threads, [&](int row) {
-    blur_row(row, poses.velocity, sharp, depth, image);
+    blur_row(row, velocity, sharp, seen, image);
     noise_row(row, noise, image);
   });
   return image;
@@ -51,9 +57,10 @@ ColourCamera::Seen ColourCamera::see(const RayPacket& rays, int i, const Vector3
   const float length = direction.norm(), cosine = -normal.dot(direction) / length;
   // Across the slope the pixel covers more of the surface; the geometric mean of both directions.
   const float footprint = pixel_angle * rays.range[i] * length / std::sqrt(std::max(cosine, 0.05f));
+  const cv::Vec4f colour = reflectivity(scene_, triangle, rays.u[i], rays.v[i], footprint);
   return {light_at(scene_, origin + rays.range[i] * direction, normal),
-          rays.range[i],  // directions have length 1 along the optical axis
-          reflectivity(scene_, triangle, rays.u[i], rays.v[i], footprint)};
+          {colour[0], colour[1], colour[2]},
+          rays.range[i]};  // directions have length 1 along the optical axis
 }
 
 double ColourCamera::brightness(const Eigen::Isometry3d& T_world_camera) const {
@@ -81,39 +88,35 @@ double ColourCamera::brightness(const Eigen::Isometry3d& T_world_camera) const {
   return sum / std::max(1, count);
 }
 
-void ColourCamera::trace_row(int row, const Eigen::Isometry3f& T_world_camera, float gain, cv::Mat& image,
-                             cv::Mat& depth) const {
+void ColourCamera::trace_row(int row, const Eigen::Isometry3f& T_world_camera, cv::Mat& seen) const {
   const auto* ray = rays_.ptr<cv::Vec2f>(row);
-  auto* pixel = image.ptr<cv::Vec3b>(row);
-  auto* z = depth.ptr<float>(row);
+  auto* pixel = seen.ptr<Seen>(row);
   const Eigen::Matrix3f R = T_world_camera.linear();
   const Vector3f origin = T_world_camera.translation();
   RayPacket rays;
   for (int left = 0; left < camera_.width; left += RayPacket::size) {
     rays.aim(ray, left, camera_.width, R);
     caster_.cast(origin, rays);
-    for (int i = 0; i < RayPacket::size && left + i < camera_.width; ++i) {
-      const int column = left + i;
-      if (rays.triangle[i] == RayPacket::none) {
-        pixel[column] = {0, 0, 0};
-        z[column] = 100;
-        continue;
-      }
-      const Seen seen = see(rays, i, origin);
-      for (int c = 0; c < 3; ++c)
-        pixel[column][c] =
-            static_cast<std::uint8_t>(std::min(255.f, gain * seen.light * seen.colour[c] + 0.5f));
-      z[column] = seen.depth;
-    }
+    for (int i = 0; i < RayPacket::size && left + i < camera_.width; ++i)
+      pixel[left + i] = rays.triangle[i] == RayPacket::none ? Seen{0, {0, 0, 0}, 100} : see(rays, i, origin);
   }
+}
+
+void ColourCamera::expose_row(int row, const cv::Mat& seen, float gain, cv::Mat& sharp) const {
+  const auto* light = seen.ptr<Seen>(row);
+  auto* pixel = sharp.ptr<cv::Vec3b>(row);
+  for (int column = 0; column < sharp.cols; ++column)
+    for (int c = 0; c < 3; ++c)
+      pixel[column][c] = static_cast<std::uint8_t>(
+          std::min(255.f, gain * light[column].light * light[column].colour[c] + 0.5f));
 }
 
 // Averages along each pixel's path in the image during the exposure. A point p in the camera frame
 // moves with -(v + w x p).
-void ColourCamera::blur_row(int row, const Vector6d& velocity, const cv::Mat& sharp, const cv::Mat& depth,
+void ColourCamera::blur_row(int row, const Vector6d& velocity, const cv::Mat& sharp, const cv::Mat& seen,
                             cv::Mat& image) const {
   const auto* ray = rays_.ptr<cv::Vec2f>(row);
-  const auto* z = depth.ptr<float>(row);
+  const auto* surface = seen.ptr<Seen>(row);
   const auto* source = sharp.ptr<cv::Vec3b>(row);
   auto* pixel = image.ptr<cv::Vec3b>(row);
   const Vector3f v = velocity.head<3>().cast<float>(), w = velocity.tail<3>().cast<float>();
@@ -121,7 +124,7 @@ void ColourCamera::blur_row(int row, const Vector6d& velocity, const cv::Mat& sh
   const auto along_y = static_cast<float>(sensor_.exposure * camera_.fy);
   for (int column = 0; column < camera_.width; ++column) {
     const Vector3f direction(ray[column][0], ray[column][1], 1);
-    const Vector3f flow = -(v / z[column] + w.cross(direction));
+    const Vector3f flow = -(v / surface[column].depth + w.cross(direction));
     const float dx = along_x * (flow.x() - direction.x() * flow.z());
     const float dy = along_y * (flow.y() - direction.y() * flow.z());
     const float length = std::max(std::abs(dx), std::abs(dy));

@@ -25,20 +25,29 @@ class ColourCamera {
 
   /// CV_8UC3 BGR. `poses` in the middle of the exposure, with the velocity that blurs. `gain`: of the
   /// image's brightness.
-  cv::Mat render(const RowPoses& poses, const PixelNoise& noise, int threads, float gain = 1) const;
+  cv::Mat render(const RowPoses& poses, const PixelNoise& noise, int threads, float gain = 1) const {
+    return expose(see(poses, threads), poses.velocity, noise, threads, gain);
+  }
+  /// Without exposure, blur and noise, CV_32FC(5): light, reflected blue, green and red, and the depth along
+  /// the optical axis.
+  cv::Mat see(const RowPoses& poses, int threads) const;
+  /// What the sensor makes of that.
+  cv::Mat expose(const cv::Mat& seen, const Vector6d& velocity, const PixelNoise& noise, int threads,
+                 float gain) const;
 
   /// Mean grey value (0..255, more where it would be overexposed) of what the camera sees with gain 1.
   double brightness(const Eigen::Isometry3d& T_world_camera) const;
 
  private:
   struct Seen {
-    float light, depth;  // depth along the optical axis
-    cv::Vec4f colour;
+    float light;
+    float colour[3];
+    float depth;  // along the optical axis
   };
   Seen see(const RayPacket& rays, int i, const Eigen::Vector3f& origin) const;
-  void trace_row(int row, const Eigen::Isometry3f& T_world_camera, float gain, cv::Mat& image,
-                 cv::Mat& depth) const;
-  void blur_row(int row, const Vector6d& velocity, const cv::Mat& sharp, const cv::Mat& depth,
+  void trace_row(int row, const Eigen::Isometry3f& T_world_camera, cv::Mat& seen) const;
+  void expose_row(int row, const cv::Mat& seen, float gain, cv::Mat& sharp) const;
+  void blur_row(int row, const Vector6d& velocity, const cv::Mat& sharp, const cv::Mat& seen,
                 cv::Mat& image) const;
   void noise_row(int row, const PixelNoise& noise, cv::Mat& image) const;
 

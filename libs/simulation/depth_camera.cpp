@@ -16,11 +16,16 @@ DepthCamera::DepthCamera(const Scene& scene, const RayCaster& caster, const Came
   ray_table(camera).convertTo(rays_, CV_32F);
 }
 
-cv::Mat DepthCamera::render(const RowPoses& poses, const PixelNoise& noise, int threads) const {
-  cv::Mat exact(camera_.height, camera_.width, CV_32FC2), depth(camera_.height, camera_.width, CV_16UC1);
+cv::Mat DepthCamera::see(const RowPoses& poses, int threads) const {
+  cv::Mat exact(camera_.height, camera_.width, CV_32FC2);
   interleaved_rows(camera_.height, threads,
                    [&](int row) { trace_row(row, poses.at(row, camera_.height).cast<float>(), exact); });
-  interleaved_rows(camera_.height, threads, [&](int row) { measure_row(row, exact, noise, depth); });
+  return exact;
+}
+
+cv::Mat DepthCamera::measure(const cv::Mat& seen, const PixelNoise& noise, int threads) const {
+  cv::Mat depth(seen.size(), CV_16UC1);
+  interleaved_rows(depth.rows, threads, [&](int row) { measure_row(row, seen, noise, depth); });
   return depth;
 }
 

@@ -50,7 +50,13 @@ class DepthCamera {
               const StructuredLightSensor& sensor = {});
 
   /// CV_16UC1, mm along the optical axis, 0 = invalid.
-  cv::Mat render(const RowPoses& poses, const PixelNoise& noise, int threads) const;
+  cv::Mat render(const RowPoses& poses, const PixelNoise& noise, int threads) const {
+    return measure(see(poses, threads), noise, threads);
+  }
+  /// Without noise, CV_32FC2: depth along the optical axis (m) and cosine of the incidence angle.
+  cv::Mat see(const RowPoses& poses, int threads) const;
+  /// What the sensor makes of that.
+  cv::Mat measure(const cv::Mat& seen, const PixelNoise& noise, int threads) const;
 
  private:
   void trace_row(int row, const Eigen::Isometry3f& T_world_camera, cv::Mat& exact) const;

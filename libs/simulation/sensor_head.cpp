@@ -43,8 +43,11 @@ class TofSource : public DepthSource {
   TofSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
             const TofSensor& sensor = {})
       : camera_(scene, caster, camera, sensor) {}
-  void render(const RowPoses& poses, const PixelNoise& noise, int threads, RgbdFrame& frame) const override {
-    TofImage image = camera_.render(poses.T_world_camera, noise, threads);
+  cv::Mat see(const RowPoses& poses, int threads) const override {
+    return camera_.see(poses.T_world_camera, threads);
+  }
+  void measure(const cv::Mat& seen, const PixelNoise& noise, int threads, RgbdFrame& frame) const override {
+    TofImage image = camera_.measure(seen, noise, threads);
     frame.depth = image.depth;
     frame.amplitude = image.grey;
   }
@@ -58,8 +61,9 @@ class StructuredLightSource : public DepthSource {
   StructuredLightSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
                         const StructuredLightSensor& sensor)
       : camera_(scene, caster, camera, sensor) {}
-  void render(const RowPoses& poses, const PixelNoise& noise, int threads, RgbdFrame& frame) const override {
-    frame.depth = camera_.render(poses, noise, threads);
+  cv::Mat see(const RowPoses& poses, int threads) const override { return camera_.see(poses, threads); }
+  void measure(const cv::Mat& seen, const PixelNoise& noise, int threads, RgbdFrame& frame) const override {
+    frame.depth = camera_.measure(seen, noise, threads);
   }
 
  private:

@@ -14,12 +14,16 @@
 
 namespace lcmslam {
 
-/// A depth camera of either kind; fills depth and amplitude of a frame.
+/// A depth camera of either kind: what it truly sees, and what it measures of that.
 class DepthSource {
  public:
   virtual ~DepthSource() = default;
-  virtual void render(const RowPoses& poses, const PixelNoise& noise, int threads,
-                      RgbdFrame& frame) const = 0;
+  virtual cv::Mat see(const RowPoses& poses, int threads) const = 0;
+  /// Fills depth and amplitude of a frame.
+  virtual void measure(const cv::Mat& seen, const PixelNoise& noise, int threads, RgbdFrame& frame) const = 0;
+  void render(const RowPoses& poses, const PixelNoise& noise, int threads, RgbdFrame& frame) const {
+    measure(see(poses, threads), noise, threads, frame);
+  }
 };
 
 struct SensorHead {

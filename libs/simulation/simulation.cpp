@@ -8,6 +8,7 @@
 #include <lcmslam/settings/check.hpp>
 #include <lcmslam/simulation/colour_camera.hpp>
 #include <lcmslam/simulation/driven_path.hpp>
+#include <lcmslam/simulation/kept_views.hpp>
 #include <lcmslam/simulation/sensor_head.hpp>
 #include <lcmslam/simulation/wheel_base.hpp>
 
@@ -15,6 +16,7 @@ namespace lcmslam {
 namespace {
 
 constexpr Utime start_time = 1'000'000;
+constexpr std::int64_t most_kept = 8'000'000'000;  // bytes of views of one lap
 enum Sensor : std::uint64_t { colour_sensor = 1, depth_sensor, depth_moment, colour_stamp, depth_stamp };
 
 // Bases that drive sideways turn up to 20 degrees away from their path, so that it matters.
@@ -26,6 +28,20 @@ SensorHead head_of(const SimulationSettings& settings, const Scene& scene, const
   const std::filesystem::path file = head_file(settings);
   if (file.empty()) return make_head(settings.head, scene, caster);
   return make_head(load_head(file), scene, caster);
+}
+
+/// Lap after lap.
+DrivenPath path_of(const SimulationSettings& settings, const Scene& scene, Utime image_period) {
+  const auto laps = [&](int count) {
+    return PlanarPath(control_points(scene, count), PathLimits(), sway_of(settings.base));
+  };
+  const std::vector<CarryingWheel> wheels = carrying_wheels(settings.base);
+  constexpr int planned = RepeatedLap::planned_laps;
+  if (settings.laps <= planned || is_holonomic(settings.base))  // whose swaying knows no laps
+    return {laps(settings.laps), scene.ground, wheels};
+  const PlanarPath plan = laps(planned);
+  const double lap_length = plan.length() - laps(planned - 1).length();
+  return {plan, scene.ground, wheels, RepeatedLap(plan, lap_length, settings.laps - planned, image_period)};
 }
 
 ColourSensor colour_sensor_of(const SensorHead& head) {
@@ -59,13 +75,14 @@ struct Simulation::Parts {
         caster(scene),
         head(head_of(settings, scene, caster)),
         colour(scene, caster, head.calibration.colour, colour_sensor_of(head)),
-        path(PlanarPath(control_points(scene, settings.laps), PathLimits(), sway_of(settings.base)),
-             scene.ground, carrying_wheels(settings.base)),
+        frame_rate(settings.frame_rate > 0 ? settings.frame_rate : head.frame_rate),
+        path(path_of(settings, scene, frame_period())),
         encoders(simulate_encoders(path, settings.base, start_time, settings.seed)),
         depth_offset(static_cast<Utime>(Random(settings.seed, 0xde).uniform(-12'000, 12'000))) {
-    if (settings.frame_rate > 0) head.frame_rate = settings.frame_rate;
     if (settings.faults.rolling_shutter > 0) head.rolling_shutter = settings.faults.rolling_shutter;
   }
+
+  Utime frame_period() const { return static_cast<Utime>(1e6 / frame_rate); }
 
   Eigen::Isometry3d T_world_camera(Utime utime) const {
     return path.pose(static_cast<double>(utime - start_time) * 1e-6) * head.calibration.T_robot_camera;
@@ -76,6 +93,29 @@ struct Simulation::Parts {
     const Eigen::Isometry3d before = T_world_camera(utime - 5000) * T_colour_camera,
                             after = T_world_camera(utime + 5000) * T_colour_camera;
     return {T_world_camera(utime) * T_colour_camera, se3_log(before.inverse() * after) / 0.01, readout};
+  }
+
+  /// Of the depth image that is taken with the colour image of this moment.
+  Utime depth_moment_of(Utime moment) const {
+    const double jitter = PixelNoise::uniform(PixelNoise(settings.seed, depth_moment, moment).bits(0));
+    return moment + depth_offset + static_cast<Utime>(4000 * jitter - 2000);
+  }
+
+  RowPoses colour_poses(Utime moment) const {
+    return row_poses(moment, Eigen::Isometry3d::Identity(), head.rolling_shutter);
+  }
+
+  /// A moment that comes again is rendered once.
+  CameraViews see(Utime moment) const {
+    const bool again = path.lap().comes_again(moment - start_time);
+    CameraViews views;
+    if (again && kept.find(moment, views)) return views;
+    views.colour = colour.see(colour_poses(moment), settings.threads);
+    views.depth = head.depth->see(
+        row_poses(depth_moment_of(moment), head.calibration.T_colour_depth, head.depth_rolling_shutter),
+        settings.threads);
+    if (again) kept.keep(moment, views);
+    return views;
   }
 
   /// Follows the light with a delay: the mean of the wanted gains' logarithms over the past, whose weights
@@ -109,9 +149,11 @@ struct Simulation::Parts {
   const RayCaster caster;
   SensorHead head;
   const ColourCamera colour;
+  const double frame_rate;  // Hz
   const DrivenPath path;
   const std::vector<Encoders> encoders;
   const Utime depth_offset;  // us, of this run; up to 2 ms of jitter besides
+  mutable KeptViews kept{most_kept};
 };
 
 Simulation::Simulation(const SimulationSettings& settings) : parts_(std::make_unique<Parts>(settings)) {}
@@ -124,7 +166,10 @@ Utime Simulation::start() const {
   return start_time;
 }
 double Simulation::frame_rate() const {
-  return parts_->head.frame_rate;
+  return parts_->frame_rate;
+}
+Utime Simulation::frame_period() const {
+  return parts_->frame_period();
 }
 double Simulation::path_length() const {
   return parts_->path.length();
@@ -154,17 +199,15 @@ RgbdFrame Simulation::render(Utime utime) const {
   frame.seq = std::llround(static_cast<double>(utime - start_time) * 1e-6 * frame_rate());
   frame.sensor = head.calibration.sensor;
 
-  frame.colour = parts_->colour.render(
-      parts_->row_poses(utime, Eigen::Isometry3d::Identity(), head.rolling_shutter),
-      PixelNoise(settings.seed, colour_sensor, utime), settings.threads, parts_->gain(utime));
-
-  const double jitter = PixelNoise::uniform(PixelNoise(settings.seed, depth_moment, utime).bits(0));
-  const Utime depth_moment_utime = utime + parts_->depth_offset + static_cast<Utime>(4000 * jitter - 2000);
-  frame.depth_utime = parts_->stamp(depth_moment_utime, utime, depth_stamp,
+  // What is seen is that of the first moment that is like this one; the noise is this one's own.
+  const Utime moment = start_time + parts_->path.lap().first(utime - start_time);
+  const CameraViews seen = parts_->see(moment);
+  frame.colour = parts_->colour.expose(seen.colour, parts_->colour_poses(moment).velocity,
+                                       PixelNoise(settings.seed, colour_sensor, utime), settings.threads,
+                                       parts_->gain(moment));
+  frame.depth_utime = parts_->stamp(utime + parts_->depth_moment_of(moment) - moment, utime, depth_stamp,
                                     faults.image_stamp_error + faults.depth_stamp_error);
-  head.depth->render(
-      parts_->row_poses(depth_moment_utime, head.calibration.T_colour_depth, head.depth_rolling_shutter),
-      PixelNoise(settings.seed, depth_sensor, utime), settings.threads, frame);
+  head.depth->measure(seen.depth, PixelNoise(settings.seed, depth_sensor, utime), settings.threads, frame);
   return frame;
 }
 

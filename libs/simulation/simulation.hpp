@@ -3,7 +3,8 @@
 // wheel encoders measure, and where it truly is. A source of data like a recording.
 //
 // Same settings, same bytes: every reading is a function of (settings, time), whatever the order of
-// calls and the number of threads.
+// calls and the number of threads. In a drive of more than three laps on wheels that do not drive sideways,
+// all but the first and the last are alike, and what cameras see in one is rendered once.
 
 #include <filesystem>
 #include <memory>
@@ -78,6 +79,7 @@ class Simulation {
   Utime start() const;  ///< 1 s
   Utime end() const;
   double frame_rate() const;   ///< Hz
+  Utime frame_period() const;  ///< us
   double path_length() const;  ///< m, seen from above
 
   /// Exact truth. The world frame is the scene's; the path begins anywhere in it. Clamped to start..end

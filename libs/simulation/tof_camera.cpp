@@ -27,17 +27,22 @@ TofCamera::TofCamera(const Scene& scene, const RayCaster& caster, const CameraMo
       cosine_.at<float>(y, x) = static_cast<float>(1 / camera.ray(Eigen::Vector2d(x, y)).norm());
 }
 
-TofImage TofCamera::render(const Eigen::Isometry3d& T_world_camera, const PixelNoise& noise,
-                           int threads) const {
-  const cv::Size size(camera_.width, camera_.height);
-  TofImage image{cv::Mat(size, CV_16UC1), cv::Mat(size, CV_8UC1), cv::Mat(size, CV_32FC1)};
+cv::Mat TofCamera::see(const Eigen::Isometry3d& T_world_camera, int threads) const {
+  cv::Mat seen(camera_.height, camera_.width, CV_64FC2);
   const Eigen::Isometry3f T = T_world_camera.cast<float>();
-  interleaved_rows(size.height, threads, [&](int row) {
+  interleaved_rows(camera_.height, threads, [&](int row) {
     std::vector<std::vector<Echo>> sub_rows(static_cast<std::size_t>(sensor_.sub_rays));
     for (int k = 0; k < sensor_.sub_rays; ++k)
       trace_row(sensor_.sub_rays * row + k, T, sub_rows[static_cast<std::size_t>(k)]);
-    measure_row(row, sub_rows.data(), noise, image);
+    sum_row(row, sub_rows.data(), seen);
   });
+  return seen;
+}
+
+TofImage TofCamera::measure(const cv::Mat& seen, const PixelNoise& noise, int threads) const {
+  const cv::Size size = seen.size();
+  TofImage image{cv::Mat(size, CV_16UC1), cv::Mat(size, CV_8UC1), cv::Mat(size, CV_32FC1)};
+  interleaved_rows(size.height, threads, [&](int row) { measure_row(row, seen, noise, image); });
   return image;
 }
 
@@ -74,8 +79,7 @@ bool TofCamera::is_lit(int row, int column) const {
   return static_cast<double>(cosine_.at<float>(row, column)) >= std::cos(sensor_.valid_angle);
 }
 
-void TofCamera::measure_row(int row, const std::vector<Echo>* sub_rows, const PixelNoise& noise,
-                            TofImage& image) const {
+void TofCamera::sum_row(int row, const std::vector<Echo>* sub_rows, cv::Mat& seen) const {
   const int split = sensor_.sub_rays;
   const double phase_per_metre = 2 * M_PI / sensor_.unambiguous_range;
   for (int column = 0; column < camera_.width; ++column) {
@@ -90,12 +94,18 @@ void TofCamera::measure_row(int row, const std::vector<Echo>* sub_rows, const Pi
         real += static_cast<double>(echo.signal * std::cos(phase));
         imaginary += static_cast<double>(echo.signal * std::sin(phase));
       }
-    const double amplitude = std::hypot(real, imaginary) / (split * split);
+    seen.at<cv::Vec2d>(row, column) = {reference + std::atan2(imaginary, real) / phase_per_metre,
+                                       std::hypot(real, imaginary) / (split * split)};
+  }
+}
+
+void TofCamera::measure_row(int row, const cv::Mat& seen, const PixelNoise& noise, TofImage& image) const {
+  for (int column = 0; column < camera_.width; ++column) {
+    const double range = seen.at<cv::Vec2d>(row, column)[0], amplitude = seen.at<cv::Vec2d>(row, column)[1];
     image.amplitude.at<float>(row, column) = static_cast<float>(amplitude);
     image.depth.at<std::uint16_t>(row, column) = 0;
     image.grey.at<std::uint8_t>(row, column) = 0;
     if (amplitude < sensor_.minimum_amplitude || !is_lit(row, column)) continue;
-    const double range = reference + std::atan2(imaginary, real) / phase_per_metre;
     const double corrected = amplitude * range * range;  // reflectivity x cos
     const double sigma = sensor_.noise * range * range / std::sqrt(corrected);
     const std::uint64_t bits = noise.bits(static_cast<std::uint64_t>(row * camera_.width + column));

@@ -50,7 +50,13 @@ class TofCamera {
   TofCamera(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
             const TofSensor& sensor = {});
 
-  TofImage render(const Eigen::Isometry3d& T_world_camera, const PixelNoise& noise, int threads) const;
+  TofImage render(const Eigen::Isometry3d& T_world_camera, const PixelNoise& noise, int threads) const {
+    return measure(see(T_world_camera, threads), noise, threads);
+  }
+  /// Without noise, CV_64FC2: range (m) and amplitude (1/m^2) of each pixel's phasor.
+  cv::Mat see(const Eigen::Isometry3d& T_world_camera, int threads) const;
+  /// What the sensor makes of that.
+  TofImage measure(const cv::Mat& seen, const PixelNoise& noise, int threads) const;
 
  private:
   /// What one sub-ray returns.
@@ -60,8 +66,8 @@ class TofCamera {
   };
   bool is_lit(int row, int column) const;
   void trace_row(int sub_row, const Eigen::Isometry3f& T_world_camera, std::vector<Echo>& echoes) const;
-  void measure_row(int row, const std::vector<Echo>* sub_rows, const PixelNoise& noise,
-                   TofImage& image) const;
+  void sum_row(int row, const std::vector<Echo>* sub_rows, cv::Mat& seen) const;
+  void measure_row(int row, const cv::Mat& seen, const PixelNoise& noise, TofImage& image) const;
 
   const Scene& scene_;
   const RayCaster& caster_;

@@ -19,7 +19,7 @@ class SimulationSource : public CameraSource {
       : settings_(settings.simulation),
         jpeg_quality_(settings.jpeg_quality),
         simulation_(settings_),
-        frame_period_(static_cast<Utime>(1e6 / simulation_.frame_rate())),
+        frame_period_(simulation_.frame_period()),
         next_encoders_(simulation_.start()),
         next_truth_(simulation_.start()),
         next_frame_(simulation_.start() + frame_period_) {}
@@ -72,7 +72,7 @@ std::filesystem::path cache_file(const SimulationSettings& s, int jpeg_quality) 
     std::ifstream in(file);
     text.append(std::istreambuf_iterator<char>(in), {});
   }
-  constexpr int revision = 1;
+  const int revision = s.laps > 3 ? 2 : 1;  // 2: laps that are alike
   char name[256];
   const std::filesystem::path head = head_file(s);
   const CameraFaults& f = s.faults;

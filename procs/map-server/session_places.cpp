@@ -6,6 +6,7 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t most_places = 200;
+constexpr double moved_distance = 0.001, moved_angle = 0.0005;  // m, rad: then a joint is told again
 
 std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
   return (session << 32) + keyframe;
@@ -81,6 +82,7 @@ void SessionPlaces::begin_session(std::int64_t stored) {
     stored_current_ = stored;
     const auto known = T_map_session_.find(stored);
     T_map_current_.reset();
+    told_.reset();
     if (known != T_map_session_.end()) T_map_current_ = known->second;
   });
 }
@@ -99,12 +101,23 @@ void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session
     current_.add(id, T_session_camera, features, cloud);
     const bool known = T_map_session_.count(stored_current_) > 0;
     if (known || map_.size() == 0 || joiner_.done()) return;
-    joiner_.add(T_session_camera, features, cloud, map_);
-    if (!joiner_.joint()) return;
-    const bool again = T_map_current_.has_value();
-    T_map_current_ = joiner_.joint()->T_map_session;
-    if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again, number_});
+    joiner_.add(T_session_camera, features, cloud, map_, id);
+    tell_joint();
   });
+}
+
+/// The more keyframes say where the session lies, and the better its graph knows them, the better it is
+/// known.
+void SessionPlaces::tell_joint() {
+  if (!joiner_.joint()) return;
+  const Joint& joint = *joiner_.joint();
+  T_map_current_ = joint.T_map_session;
+  const bool news = !told_ || (joiner_.done() && joint.agreeing > told_->agreeing) ||
+                    distance_between(joint.T_map_session, told_->T_map_session) > moved_distance ||
+                    angle_between(joint.T_map_session, told_->T_map_session) > moved_angle;
+  if (!news) return;
+  joined_.push_back({0, joint, told_.has_value(), number_});
+  told_ = joint;
 }
 
 void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
@@ -113,6 +126,8 @@ void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& mov
     const std::lock_guard<std::mutex> lock(mutex_);
     for (const auto& [id, T_session_camera] : moved) current_.move(id, T_session_camera);
     for (const std::int32_t id : gone) current_.drop(id);
+    joiner_.move(moved);
+    tell_joint();
   });
 }
 

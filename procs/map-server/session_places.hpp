@@ -35,7 +35,7 @@ class SessionPlaces {
   struct Joined {
     std::int64_t stored = 0;  ///< its id in the file; 0: the current one
     Joint joint;
-    bool again = false;  ///< it was found before, by fewer keyframes
+    bool again = false;  ///< it was found before, by fewer keyframes or before the graph moved them
     int number = 0;      ///< of calls of begin_session() before the one that was current
   };
   /// Since the last call; not what was found for a session that is not the current one any more.
@@ -76,6 +76,7 @@ class SessionPlaces {
   void load();
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
   void leave_current();
+  void tell_joint();
   void join_stored(MapFile& map, std::int64_t session);
 
   std::filesystem::path file_;
@@ -88,7 +89,8 @@ class SessionPlaces {
   std::int64_t stored_current_ = 0;                          // see begin_session()
   std::map<std::int64_t, Eigen::Isometry3d> T_map_session_;  // of sessions in the file, by id
   std::optional<Eigen::Isometry3d> T_map_current_;
-  std::int64_t left_ = 0;  // current sessions that the map took over
+  std::optional<Joint> told_;  // of the current session, last
+  std::int64_t left_ = 0;      // current sessions that the map took over
   std::vector<Kept> kept_;
   std::size_t next_kept_ = 0;
   std::vector<Joined> joined_;

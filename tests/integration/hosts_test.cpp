@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 
 #include "tests/integration/support/bus.hpp"
 #include "tests/integration/support/environment.hpp"
@@ -54,7 +55,7 @@ class TwoHosts : public testing::Test {
 
   std::vector<std::string> launch(const std::string& host, const std::string& interface) {
     return {find_program("lcmslam"),   "launch", (folder_ / "graph.yaml").string(), "--host", host, "--out",
-            (folder_ / host).string(), "--set",  "launch.interface=" + interface};
+            (folder_ / host).string(), "--set",  "launch.interface=" + interface,   "--force"};
   }
   std::vector<std::string> on_base(std::vector<std::string> line) {
     line.insert(line.begin(),
@@ -96,6 +97,54 @@ TEST_F(TwoHosts, NothingIsLostBetweenThemAndTheirClocksAreCompared) {
   for (Program* program : {&robot, &base}) program->send(SIGINT);
   EXPECT_EQ(robot.wait(60).exit_code, 0) << robot.output();
   EXPECT_EQ(base.wait(60).exit_code, 0) << base.output();
+}
+
+// First the cable, then the whole robot: its launch is killed, and its processes die with it.
+TEST_F(TwoHosts, ALostHostIsToldWithinASecondAndMappingGoesOnWhenItReturns) {
+  setenv("LCM_DEFAULT_URL", "udpm://239.255.76.67:7667?ttl=1&recv_buf_size=2097152", 1);
+  Bus bus;
+  Program base(on_base(launch("base", "wire1")));
+  std::optional<Program> robot(launch("robot", "wire0"));
+  const auto poses = [&] { return std::min(bus.count("FASTSLAM_POSE"), bus.count("ICP_POSE")); };
+  ASSERT_TRUE(wait_until([&] { return poses() > 50; }, patience)) << base.output() << robot->output();
+  const auto pid = [&](const std::string& process) { return bus.status(process)->pid; };
+  const std::vector<std::string> mappers = {"surf", "fastslam", "icp", "map-server"};
+  std::map<std::string, std::int64_t> pids;
+  for (const std::string& process : mappers) pids[process] = pid(process);
+  const auto seconds_until = [&](const std::function<bool()>& happens) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_TRUE(wait_until(happens, patience)) << base.output() << robot->output();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  const auto more_poses = [&] { return [&, before = poses()] { return poses() > before + 10; }; };
+
+  ASSERT_TRUE(shell(enter_ + "ip link set wire1 down"));
+  const double base_told = seconds_until([&] { return base.wrote("robot is lost"); });
+  const double robot_told = base_told + seconds_until([&] { return robot->wrote("base is lost"); });
+  ASSERT_TRUE(shell(enter_ + "ip link set wire1 up") &&
+              shell(enter_ + "ip route replace 224.0.0.0/4 dev wire1"));
+  const double heard = seconds_until([&] { return base.wrote("robot is heard again"); });
+  const double mapped = heard + seconds_until(more_poses());
+  EXPECT_THAT(pids, testing::Each(testing::ResultOf([&](const auto& p) { return pid(p.first) == p.second; },
+                                                    testing::IsTrue())));
+
+  const auto wrote_twice = [&](const std::string& text) {
+    const std::string output = base.output();
+    return output.find(text, output.find(text) + 1) != std::string::npos;
+  };
+  robot->send(SIGKILL);
+  const double dead_told = seconds_until([&] { return wrote_twice("robot is lost"); });
+  robot->wait(60);
+  robot.emplace(launch("robot", "wire0"));
+  seconds_until([&] { return wrote_twice("robot is heard again"); });
+  const double restarted = seconds_until(more_poses());
+  std::cout << "a cut cable is told by base after " << base_told << " s, by the robot after " << robot_told
+            << " s; mended, the robot is heard again after " << heard << " s and mapped on after " << mapped
+            << " s; a dead robot is told after " << dead_told << " s, mapped on " << restarted
+            << " s after its launch is heard again\n";
+  EXPECT_LT(base_told, 1);
+  EXPECT_LT(robot_told, 1.1);
+  EXPECT_LT(dead_told, 1);
 }
 
 TEST_F(TwoHosts, ARouteThatWasLeftOnLoIsSaid) {

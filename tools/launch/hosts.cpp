@@ -1,6 +1,7 @@
 #include "tools/launch/hosts.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
@@ -35,6 +36,29 @@ bool Elsewhere::take(const status_t& status) {
   if (hosts_.count(status.process) == 0) return false;
   heard_[status.process] = {status, Clock::now()};
   return true;
+}
+
+void Elsewhere::hear(const command_t& message, Utime now, Clock::time_point at) {
+  clocks_.hear(message, now);
+  const auto is_there = [&](const auto& process) { return process.second == message.target; };
+  if (message.name == "clock" && std::any_of(hosts_.begin(), hosts_.end(), is_there))
+    launches_.try_emplace(message.target, Launch{at}).first->second.heard = at;
+}
+
+std::vector<std::string> Elsewhere::news(Clock::time_point now) {
+  std::vector<std::string> news;
+  for (auto& [host, launch] : launches_) {
+    if ((now - launch.heard > longest_pause) == launch.lost) continue;
+    launch.lost = !launch.lost;
+    std::string processes;
+    for (const auto& [process, where] : hosts_)
+      if (where == host) processes += (processes.empty() ? "" : ", ") + process;
+    news.push_back(launch.lost
+                       ? fmt::format("{} is lost: no word from its launch for {:.1f} s; there run {}", host,
+                                     std::chrono::duration<double>(now - launch.heard).count(), processes)
+                       : fmt::format("{} is heard again: {}", host, processes));
+  }
+  return news;
 }
 
 std::string Elsewhere::format(Utime now) const {

@@ -97,9 +97,10 @@ class RunningGraph {
     const auto now = std::chrono::steady_clock::now();
     if (elsewhere_.any() && now >= next_clock_) {
       publisher_.publish(clock_channel, elsewhere_.tell(wall_clock()));
-      next_clock_ = now + std::chrono::seconds(1);
+      next_clock_ = now + Elsewhere::word_period;
       if (std::string warning = elsewhere_.warning(wall_clock()); !warning.empty()) events.push_back(warning);
     }
+    for (std::string& news : elsewhere_.news()) events.push_back(std::move(news));
     return events;
   }
 

@@ -159,7 +159,7 @@ std::vector<std::string> Supervisor::poll() {
     if (state.asked && state.pid != 0 && Clock::now() > state.restart_at) kill(state.pid, SIGKILL);
     if (reap(state)) {
       std::string event = name + " ended: " + state.last_exit;
-      const bool ran_long = Clock::now() - state.started > longest_backoff;
+      const bool ran_long = Clock::now() - state.started > state.spec.long_run;
       if (ran_long) state.in_a_row = 0;
       state.given_up = state.spec.restart_limit > 0 && state.in_a_row >= state.spec.restart_limit;
       if (state.asked) {
@@ -167,10 +167,10 @@ std::vector<std::string> Supervisor::poll() {
       } else if (state.refused) {
         event += ": " + last_words(state.spec.log);
       } else if (comes_back(state)) {
-        if (ran_long) state.backoff = std::chrono::seconds(1);
-        state.restart_at = Clock::now() + state.backoff;
-        event += ", restarts in " + std::to_string(state.backoff.count()) + " s";
-        state.backoff = std::min(2 * state.backoff, longest_backoff);
+        const std::chrono::seconds wait = ran_long ? std::chrono::seconds(0) : state.backoff;
+        state.restart_at = Clock::now() + wait;
+        event += ", restarts in " + std::to_string(wait.count()) + " s";
+        state.backoff = ran_long ? std::chrono::seconds(1) : std::min(2 * state.backoff, longest_backoff);
         ++state.in_a_row;
       } else if (state.failed && state.given_up) {
         event += ", stays away after " + std::to_string(state.in_a_row) +

@@ -27,6 +27,8 @@ struct ProcessSpec {
   ProcessLimits limits{};
   std::uintmax_t log_bytes = 0;  ///< after which the log begins anew; 0: never
   int log_files = 1;
+  /// Who ran so long did not fail to start: it comes back at once.
+  std::chrono::milliseconds long_run{30'000};
 };
 
 class Supervisor {
@@ -47,7 +49,7 @@ class Supervisor {
     std::string last_exit;  ///< "exit 1", "signal 9 (Killed)"; empty before the first
     Clock::time_point started{};
     Clock::time_point restart_at{};
-    std::chrono::seconds backoff{1};
+    std::chrono::seconds backoff{1};  ///< before the next restart, if it comes soon
   };
 
   ~Supervisor() { stop(); }

@@ -17,6 +17,7 @@
 #include "tools/study/consistency_study.hpp"
 #include "tools/study/depth_filter_study.hpp"
 #include "tools/study/endurance_command.hpp"
+#include "tools/study/faults/kills_study.hpp"
 #include "tools/study/filter_study.hpp"
 #include "tools/study/landmark_study.hpp"
 #include "tools/study/resampling_study.hpp"
@@ -146,10 +147,9 @@ int run_faults_study(FaultsStudySettings settings, const std::vector<int>& seeds
 int run_kills_study(FaultsStudySettings settings, const std::vector<int>& seeds) {
   settings.seed = static_cast<std::uint64_t>(seeds.front());
   settings.lcm_url = lcm_url_from_environment();
-  if (!enter_private_bus()) throw std::runtime_error("--only kills needs a network namespace of its own");
-  const std::filesystem::path folder = new_run_folder("study-kills");
-  const std::vector<FaultsStudyRun> runs = study_kills(settings, folder);
-  write_report(folder, faults_json(runs), kills_table(runs));
+  const std::filesystem::path folder = std::filesystem::absolute(new_run_folder("study-kills"));
+  const nlohmann::json report = study_kills(settings, folder);
+  write_report(folder, report, kills_table(report));
   return 0;
 }
 

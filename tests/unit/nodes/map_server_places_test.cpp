@@ -81,6 +81,18 @@ class Life {
     graph.n_gone = static_cast<std::int32_t>(keyframes.size());
     send("ICP_GRAPH", graph);
   }
+  /// The graph says that the keyframes of drive(from, ...) lie there.
+  void correct(int from, const Eigen::Isometry3d& T_map_world) {
+    graph_t graph{};
+    for (int k = 0; k < views_of_room; ++k) {
+      const SeenView& view = seen_view(from + frames_between * k);
+      graph.nodes.push_back({k, view.features.utime, to_message(T_map_world * view.T_world_camera)});
+    }
+    graph.n_nodes = views_of_room;
+    graph.map_revision = views_of_room;
+    send("ICP_GRAPH", graph);
+    bus_.work();
+  }
   double value(const std::string& name) { return value_of(node_, name); }
   void finish() { bus_.finish(); }
 
@@ -139,6 +151,20 @@ TEST_F(MapServerPlaces, ASessionThatBeginsElsewhereIsJoined) {
   ASSERT_EQ(sessions[1].state, SessionState::joined);
   expect_near(*sessions[1].T_map_session, elsewhere().inverse());
   EXPECT_THAT(sessions[1].evidence, HasSubstr("agree"));
+}
+
+// What was seen of the old map stays; where the session has its keyframes has changed.
+TEST_F(MapServerPlaces, AJoinedSessionIsPlacedAnewWhenItsGraphMovesIt) {
+  map_once();
+  const Eigen::Isometry3d bent = planar_pose(0.1, 0.05, 0.03) * elsewhere();
+  Life server(scratch_.path(), "map", 13);
+  server.drive(first_number + 2, bent);
+  server.correct(first_number + 2, elsewhere());
+  EXPECT_EQ(server.value("sessions_joined"), 1) << "once, however often it is placed";
+  server.finish();
+  const auto sessions = MapFile(file()).sessions();
+  ASSERT_EQ(sessions.size(), 2U);
+  expect_near(sessions[1].T_map_session.value_or(Eigen::Isometry3d::Identity()), elsewhere().inverse());
 }
 
 // While the server lives on.

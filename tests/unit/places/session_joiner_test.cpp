@@ -26,7 +26,8 @@ class SessionJoinerTest : public testing::Test {
   /// A keyframe at a stop; `slip` displaces where the session believes it to be.
   void add(std::size_t stop, const Eigen::Isometry3d& slip = Eigen::Isometry3d::Identity()) {
     const Seen seen = room.seen_from(stops()[stop]);
-    joiner.add(slip * T_map_session.inverse() * seen.T_room_camera, seen.features, seen.cloud, map);
+    joiner.add(slip * T_map_session.inverse() * seen.T_room_camera, seen.features, seen.cloud, map,
+               static_cast<std::int32_t>(stop));
   }
 
   Room room{1};
@@ -87,6 +88,24 @@ TEST_F(SessionJoinerTest, OneThatSaysOtherwiseMustBeOutvoted) {
   EXPECT_EQ(joiner.joint()->agreeing, 6);
   EXPECT_EQ(joiner.joint()->disagreeing, 1);
   EXPECT_LT(distance_between(joiner.joint()->T_map_session, T_map_session), 0.02);
+}
+
+// The session's graph closes a loop: its keyframes move, and what they say with them.
+TEST_F(SessionJoinerTest, FollowsTheSessionsOwnMap) {
+  const Eigen::Isometry3d bend = planar_pose(0.05, 0.03, 0.02);
+  std::map<std::int32_t, Eigen::Isometry3d> moved;
+  for (std::size_t i = 0; i < 5; ++i) {
+    add(i, bend);
+    moved[static_cast<std::int32_t>(i)] = T_map_session.inverse() * room.seen_from(stops()[i]).T_room_camera;
+  }
+  ASSERT_TRUE(joiner.joint());
+  EXPECT_GT(distance_between(joiner.joint()->T_map_session, T_map_session), 0.03);
+  moved[77] = Eigen::Isometry3d::Identity();  // which was never asked
+  joiner.move(moved);
+  ASSERT_TRUE(joiner.joint());
+  EXPECT_EQ(joiner.joint()->agreeing, 5);
+  EXPECT_LT(distance_between(joiner.joint()->T_map_session, T_map_session), 0.02);
+  EXPECT_LT(angle_between(joiner.joint()->T_map_session, T_map_session), 0.01);
 }
 
 TEST_F(SessionJoinerTest, ARobotThatWasCarriedUnseenIsNotJoined) {

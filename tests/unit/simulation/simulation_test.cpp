@@ -167,6 +167,60 @@ bool same(const RgbdFrame& a, const RgbdFrame& b) {
          (a.amplitude.empty() || cv::norm(a.amplitude, b.amplitude, cv::NORM_INF) == 0);
 }
 
+// Many laps: all but the first and the last are the same drive, again and again.
+class ManyLaps : public testing::Test {
+ protected:
+  static Simulation drive(int laps, const std::string& base = "differential") {
+    SimulationSettings s = settings("kitchen", base);
+    s.laps = laps;
+    return Simulation(s);
+  }
+  const Simulation six_ = drive(6);
+  const Utime period_ = drive(7).end() - six_.end();
+  const Utime moment_ = six_.start() + 60'000'000;  // in the second lap
+};
+
+TEST_F(ManyLaps, TakeAWholeNumberOfImagesEachAndAreAlike) {
+  EXPECT_EQ(period_ % six_.frame_period(), 0);
+  const Simulation three = drive(3);
+  EXPECT_NEAR(1e-6 * static_cast<double>(six_.end() - three.end()), 3e-6 * static_cast<double>(period_), 0.3);
+  EXPECT_NEAR((six_.path_length() - three.path_length()) / 3, drive(7).path_length() - six_.path_length(),
+              1e-9);
+  for (Utime t = six_.start() + 40'000'000; t < six_.start() + period_; t += 1'000'000) {
+    const Eigen::Isometry3d between = six_.T_world_robot(t).inverse() * six_.T_world_robot(t + 2 * period_);
+    EXPECT_LT(between.translation().norm() + rotation_angle(between), 1e-6) << "at " << t;
+  }
+}
+
+TEST_F(ManyLaps, FollowEachOtherWithoutAJerk) {
+  double most = 0;  // m/s that the speed changes in 20 ms
+  const Utime step = 20'000;
+  for (Utime t = six_.start() + step; t + step < six_.end(); t += step) {
+    const Eigen::Isometry3d here = six_.T_world_robot(t);
+    const Eigen::Vector3d before = here.inverse() * six_.T_world_robot(t - step).translation(),
+                          after = here.inverse() * six_.T_world_robot(t + step).translation();
+    most = std::max(most, (before + after).norm() / 0.02);
+  }
+  EXPECT_LT(most, 0.015);
+  const Simulation sideways = drive(6, "mecanum");  // whose swaying does not fit into a lap
+  for (Utime t = sideways.start(); t + step < sideways.end(); t += step)
+    ASSERT_LT((sideways.T_world_robot(t).inverse() * sideways.T_world_robot(t + step)).translation().norm(),
+              0.0101)
+        << "at " << t;
+}
+
+TEST_F(ManyLaps, WhatIsSeenAgainIsTheSameBytesWhetherItWasKeptOrIsRenderedAnew) {
+  const RgbdFrame first = six_.render(moment_), kept = six_.render(moment_ + period_);
+  const RgbdFrame anew = drive(6).render(moment_ + period_);
+  EXPECT_TRUE(same(kept, anew));
+  EXPECT_GT(cv::norm(first.colour, kept.colour, cv::NORM_INF), 0) << "noise of its own";
+  EXPECT_GT(cv::norm(first.depth, kept.depth, cv::NORM_INF), 0);
+  EXPECT_LT(cv::norm(first.colour, kept.colour, cv::NORM_L1) / static_cast<double>(3 * first.colour.total()),
+            3)
+      << "grey values, noise and gain";
+  EXPECT_EQ(kept.depth_utime - first.depth_utime, period_);
+}
+
 class EveryHead : public testing::TestWithParam<const char*> {};
 
 TEST_P(EveryHead, FramesDependOnSeedAndTimeOnly) {

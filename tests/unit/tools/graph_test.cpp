@@ -146,6 +146,34 @@ TEST_F(Graph, AGraphOfSeveralHostsNeedsATtl) {
   EXPECT_EQ(obstacle_between_hosts(read_graph(options)), "");
 }
 
+TEST(Elsewhere, SaysOnceThatAHostIsLostAndThatItIsHeardAgain) {
+  lcmslam::Graph graph;
+  graph.host = "base";
+  graph.elsewhere = {{"camera", "robot"}, {"odometry", "robot"}, {"bridge", "cloud"}};
+  Elsewhere elsewhere(graph, 1);
+  const auto begin = Elsewhere::Clock::now();
+  command_t word;
+  word.name = "clock";
+  word.target = "robot";
+  word.sender = 2;
+  word.utime = 0;
+  word.n = 0;
+  const auto at = [&](int ms) { return begin + std::chrono::milliseconds(ms); };
+  EXPECT_THAT(elsewhere.news(at(5000)), ::testing::IsEmpty()) << "who was never heard is not lost";
+  elsewhere.hear(word, 0, at(5000));
+  word.target = "stranger";
+  elsewhere.hear(word, 0, at(5000));
+  EXPECT_THAT(elsewhere.news(at(5700)), ::testing::IsEmpty());
+  EXPECT_THAT(elsewhere.news(at(5900)),
+              ::testing::ElementsAre(
+                  AllOf(HasSubstr("robot is lost"), HasSubstr("0.9 s"), HasSubstr("camera, odometry"))));
+  EXPECT_THAT(elsewhere.news(at(9000)), ::testing::IsEmpty()) << "once";
+  word.target = "robot";
+  elsewhere.hear(word, 0, at(9000));
+  EXPECT_THAT(elsewhere.news(at(9100)), ::testing::ElementsAre(HasSubstr("robot is heard again")));
+  EXPECT_EQ(elsewhere.news(at(10'100)).size(), 1U) << "and may be lost again";
+}
+
 TEST(Ttl, IsPutIntoTheUrl) {
   EXPECT_EQ(with_ttl("udpm://239.255.76.67:7667", 1), "udpm://239.255.76.67:7667?ttl=1");
   EXPECT_EQ(with_ttl("udpm://239.255.76.67:7667?recv_buf_size=5", 1),

@@ -103,6 +103,16 @@ TEST_F(SupervisorTest, RestartsWithGrowingPauses) {
   EXPECT_EQ(supervisor.processes()[0].starts, 2);
 }
 
+TEST_F(SupervisorTest, WhoRanLongComesBackAtOnceAndNotWhoThenFailsSoon) {
+  Supervisor supervisor;
+  ProcessSpec spec = shell("test -e ran && exit 1; touch ran; sleep 0.3; exit 1", true);
+  spec.arguments.insert(spec.arguments.begin(), {"env", "-C", scratch_.path().string()});
+  spec.long_run = std::chrono::milliseconds(200);
+  supervisor.start(spec);
+  EXPECT_THAT(events(supervisor, 3), ElementsAre("worker ended: exit 1, restarts in 0 s", "worker restarted",
+                                                 "worker ended: exit 1, restarts in 1 s"));
+}
+
 TEST_F(SupervisorTest, WrongConfigurationIsNotTriedAgain) {
   Supervisor supervisor;
   supervisor.start(shell("echo 'surf: unknown key'; exit 2", true));

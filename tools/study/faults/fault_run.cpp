@@ -91,6 +91,8 @@ class FaultRun {
     inputs_.subscribe<graph_t>("ICP_GRAPH", 1000, [this](const auto& m) {
       told_[{m.sender, m.frame}].apply(m);
     });
+    inputs_.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000,
+                                   [this](const auto& m) { told_landmarks_.apply(m); });
     inputs_.subscribe<map_reply_t>("MAP_REPLY", 100, [this](const auto& m) { replied_ = m.request_id; });
     stranger_.listen<features_t>(inputs_, "FEATURES");
     stranger_.listen<odometry_t>(inputs_, "ODOMETRY");
@@ -207,7 +209,8 @@ class FaultRun {
     const Trajectory truth = source_.truth();
     result_.record.fastslam = fastslam_.held(truth, undisturbed);
     result_.record.icp = icp_.held(truth, undisturbed);
-    result_.map = judge_kept_map(settings_.folder / "map.lcmslam", told_, truth, source_.T_robot_camera());
+    result_.map = judge_kept_map(settings_.folder / "map.lcmslam", told_, told_landmarks_, truth,
+                                 source_.T_robot_camera());
     for (const auto& [watch, outcome, map] : {std::tuple(&fastslam_, &result_.fastslam, "fastslam_map.pcd"),
                                               std::tuple(&icp_, &result_.icp, "icp_map.pcd")}) {
       outcome->ate = watch->ate(truth);
@@ -237,6 +240,7 @@ class FaultRun {
   Supervisor supervisor_;
   StatusBoard board_;
   ToldGraphs told_;
+  ToldLandmarks told_landmarks_;
   MapperWatch fastslam_, icp_;
   FaultRunResult result_;
   std::optional<Fault> active_;

@@ -21,18 +21,10 @@ struct Scene {
   double seconds = 0;  // of its faults
 };
 
+/// Played from a log: rendering takes most of a processor, and who judges must not wait for it.
 std::unique_ptr<CameraSource> open_kitchen(const FaultsStudySettings&) {
   SimulationSourceSettings settings;
   settings.simulation.scene = share_path("config/scenes/kitchen.yaml");
-  return make_simulation_source(settings);
-}
-
-/// As many as `minutes` take; rendered once, then played from a log.
-std::unique_ptr<CameraSource> open_laps(const FaultsStudySettings& study) {
-  SimulationSourceSettings settings;
-  settings.simulation.scene = share_path("config/scenes/kitchen.yaml");
-  settings.simulation.laps = std::max(1, static_cast<int>(std::ceil(study.minutes)));
-  settings.simulation.seconds = 60 * study.minutes;
   settings.render = "cached";
   return make_simulation_source(settings);
 }
@@ -44,8 +36,7 @@ std::unique_ptr<CameraSource> open_data_set(const FaultsStudySettings& study) {
 }
 
 FaultsStudyRun run_scene(const Scene& scene, std::uint64_t seed, std::vector<Fault> faults,
-                         const FaultsStudySettings& settings, const std::filesystem::path& folder,
-                         bool export_before = true) {
+                         const FaultsStudySettings& settings, const std::filesystem::path& folder) {
   FaultsStudyRun run{scene.name, seed, std::move(faults), {}};
   FaultRunSettings graph;
   graph.config = share_path(scene.config);
@@ -53,7 +44,6 @@ FaultsStudyRun run_scene(const Scene& scene, std::uint64_t seed, std::vector<Fau
   graph.folder = folder / (scene.name + "-" + (run.faults.empty() ? "undisturbed" : std::to_string(seed)));
   graph.faults = run.faults;
   graph.seed = seed;
-  graph.export_before = export_before;
   std::filesystem::create_directories(graph.folder);
   std::cout << "lcmslam study: " << graph.folder.filename().string() << std::endl;
   run.result = run_with_faults(*scene.open(settings), graph);
@@ -109,43 +99,6 @@ std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
   return runs;
 }
 
-std::vector<FaultsStudyRun> study_kills(const FaultsStudySettings& settings,
-                                        const std::filesystem::path& folder) {
-  constexpr double apart = 30;  // s
-  const double seconds = 60 * settings.minutes;
-  const Scene laps{"kitchen laps", "config/demo.yaml",
-                   [](const FaultsStudySettings& study) { return open_laps(study); }, seconds};
-  std::vector<FaultsStudyRun> runs;
-  for (const bool killed : {false, true})
-    runs.push_back(run_scene(laps, settings.seed,
-                             killed ? kill_schedule(settings.seed, seconds, apart) : std::vector<Fault>{},
-                             settings, folder, false));
-  return runs;
-}
-
-std::string kills_table(const std::vector<FaultsStudyRun>& runs) {
-  Table table({"run", "killed", "sessions", "joined", "keyframes told", "lost", "placed", "error m",
-               "memory MB, by quarters", "stop s"});
-  for (const FaultsStudyRun& run : runs) {
-    const KeptMap& map = run.result.map;
-    std::string memory;
-    for (std::size_t quarter = 0; quarter < 4; ++quarter) {
-      const auto at = [&](std::size_t n) {
-        return static_cast<std::ptrdiff_t>(n * run.result.memory.size() / 4);
-      };
-      const auto begin = run.result.memory.begin() + at(quarter),
-                 end = run.result.memory.begin() + at(quarter + 1);
-      if (begin < end)
-        memory += fmt::format("{}{:.0f}", quarter > 0 ? ", " : "", 1e-6 * *std::max_element(begin, end));
-    }
-    table.add({run.faults.empty() ? "undisturbed" : "killed", std::to_string(run.faults.size()),
-               std::to_string(map.sessions), std::to_string(map.joined), std::to_string(map.told),
-               std::to_string(map.lost), std::to_string(map.placed), fixed_number(map.error, 4), memory,
-               fixed_number(run.result.stop_seconds, 1)});
-  }
-  return table.text();
-}
-
 std::string responses_table(const std::vector<FaultsStudyRun>& runs) {
   Table table({"fault", "told after s", "by", "fastslam right after s", "m", "usual m", "icp right after s",
                "m", "usual m"});
@@ -182,29 +135,37 @@ std::string faults_table(const std::vector<FaultsStudyRun>& runs) {
   return table.text() + "\n" + faults + "\n" + responses_table(runs);
 }
 
+nlohmann::json run_json(const FaultsStudyRun& run) {
+  nlohmann::json faults = nlohmann::json::array();
+  for (const Fault& fault : run.faults)
+    faults.push_back({{"kind", to_string(fault.kind)},
+                      {"at_s", fault.at},
+                      {"seconds", fault.seconds},
+                      {"process", fault.process}});
+  const KeptMap& map = run.result.map;
+  return {{"scene", run.scene},
+          {"seed", run.seed},
+          {"faults", faults},
+          {"fastslam", mapper_json(run.result.fastslam)},
+          {"icp", mapper_json(run.result.icp)},
+          {"stop_s", run.result.stop_seconds},
+          {"sessions", map.sessions},
+          {"sessions_joined", map.joined},
+          {"keyframes_told", map.told},
+          {"keyframes_lost", map.lost},
+          {"keyframes_placed", map.placed},
+          {"landmarks_told", map.landmarks_told},
+          {"landmarks_lost", map.landmarks_lost},
+          {"fastslam_gap_s", map.fastslam_gap},
+          {"icp_gap_s", map.icp_gap},
+          {"map_error_m", map.error},
+          {"memory_bytes", run.result.memory},
+          {"events", run.result.events}};
+}
+
 nlohmann::json faults_json(const std::vector<FaultsStudyRun>& runs) {
   nlohmann::json list = nlohmann::json::array();
-  for (const FaultsStudyRun& run : runs) {
-    nlohmann::json faults = nlohmann::json::array();
-    for (const Fault& fault : run.faults)
-      faults.push_back({{"kind", to_string(fault.kind)},
-                        {"at_s", fault.at},
-                        {"seconds", fault.seconds},
-                        {"process", fault.process}});
-    list.push_back({{"scene", run.scene},
-                    {"seed", run.seed},
-                    {"faults", faults},
-                    {"fastslam", mapper_json(run.result.fastslam)},
-                    {"icp", mapper_json(run.result.icp)},
-                    {"stop_s", run.result.stop_seconds},
-                    {"sessions", run.result.map.sessions},
-                    {"sessions_joined", run.result.map.joined},
-                    {"keyframes_told", run.result.map.told},
-                    {"keyframes_lost", run.result.map.lost},
-                    {"map_error_m", run.result.map.error},
-                    {"memory_bytes", run.result.memory},
-                    {"events", run.result.events}});
-  }
+  for (const FaultsStudyRun& run : runs) list.push_back(run_json(run));
   return {{"runs", list}};
 }
 

@@ -31,16 +31,10 @@ struct FaultsStudyRun {
 std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
                                          const std::filesystem::path& folder);
 
-/// The kitchen, lap after lap with its time-of-flight head, for `minutes` undisturbed and again while every
-/// half minute one of the processes is killed.
-std::vector<FaultsStudyRun> study_kills(const FaultsStudySettings& settings,
-                                        const std::filesystem::path& folder);
-/// What the map's file has of both runs.
-std::string kills_table(const std::vector<FaultsStudyRun>& runs);
-
 std::string faults_table(const std::vector<FaultsStudyRun>& runs);
 /// Of each fault: who told it when, and how both mappers came out of it.
 std::string responses_table(const std::vector<FaultsStudyRun>& runs);
+nlohmann::json run_json(const FaultsStudyRun& run);
 nlohmann::json faults_json(const std::vector<FaultsStudyRun>& runs);
 
 }  // namespace lcmslam
