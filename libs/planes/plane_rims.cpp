@@ -45,7 +45,12 @@ class RimFollower {
         plane_of_cell_(plane_of_cell),
         gate_(static_cast<float>(settings.max_distance_sigmas)),
         max_sigma_(static_cast<float>(settings.max_sigma)),
-        found_(found) {}
+        found_(found),
+        bulges_(found.planes.size() * found.planes.size()) {
+    for (std::size_t a = 0; a < found.planes.size(); ++a)
+      for (std::size_t b = 0; b < found.planes.size(); ++b)
+        bulges_[a * found.planes.size() + b] = bulge_of(a, b);
+  }
 
   /// Whether a cell and all around it are of the same plane.
   bool is_inner(int column, int row) const {
@@ -71,6 +76,21 @@ class RimFollower {
     });
   }
 
+  /// Where but one plane is near, its pixels are labelled and count for it at once.
+  void follow_lone_rim(int column, int row, NearPlane& near) {
+    for_rows(column, row, [&](int v, int u, const std::uint16_t* depth, std::uint8_t* label) {
+      for (int i = 0; i < cells_.side(); ++i) {
+        const float sigma = cells_.sigma_of(depth[i]);
+        if (!(sigma <= max_sigma_)) continue;
+        const Eigen::Vector3f point = cells_.point(v, u + i, 0.001f * static_cast<float>(depth[i]));
+        const float off = std::abs(near.distance(point));
+        if (off >= gate_ * sigma) continue;
+        label[i] = near.label;
+        if (off <= sure * sigma) near.sure.add(point.cast<double>());
+      }
+    });
+  }
+
   void label_rim(int column, int row, const NearPlanes& near) {
     for_rows(column, row, [&](int v, int u, const std::uint16_t* depth, std::uint8_t* label) {
       for (int i = 0; i < cells_.side(); ++i) {
@@ -89,9 +109,10 @@ class RimFollower {
   /// The pixels of a rim's cell that count for the planes: those that lie in them, and that no neighbour of
   /// another plane was smoothed with.
   void add_sure(int column, int row, NearPlanes& near) const {
+    const bool mixed = shows_two_planes(column, row);
     for_rows(column, row, [&](int v, int u, const std::uint16_t* depth, const std::uint8_t* label) {
       for (int i = 0; i < cells_.side(); ++i) {
-        if (label[i] == 0 || (near.size() > 1 && is_bent(v, u + i))) continue;
+        if (label[i] == 0 || (mixed && is_bent(v, u + i))) continue;
         const Eigen::Vector3f point = cells_.point(v, u + i, 0.001f * static_cast<float>(depth[i]));
         for (NearPlane& p : near)
           if (p.label == label[i] && std::abs(p.distance(point)) <= sure * cells_.sigma_of(depth[i]))
@@ -106,19 +127,34 @@ class RimFollower {
   /// form a corner the nearer one. Where they are almost one, or do not tell, the nearer to the point.
   bool is_before(const NearPlane& a, const NearPlane& b, const Eigen::Vector3f& point) const {
     const float along_a = a.along(point), along_b = b.along(point);
-    const int bulge = bulges(a, b);
+    const int bulge = bulges_[(a.label - 1u) * found_.planes.size() + (b.label - 1u)];
     if (bulge == 0) return std::abs(along_a - 1) < std::abs(along_b - 1);
     return bulge > 0 ? along_a > along_b : along_a < along_b;
   }
   /// 1: the smaller plane lies behind the larger one, -1: in front of it, 0: neither.
-  int bulges(const NearPlane& a, const NearPlane& b) const {
-    constexpr float most_alike = 0.94f;  // cosine
-    if (a.x * b.x + a.y * b.y + a.z * b.z > most_alike) return 0;
-    const FramePlane *small = &found_.planes[a.label - 1u], *large = &found_.planes[b.label - 1u];
+  std::int8_t bulge_of(std::size_t a, std::size_t b) const {
+    constexpr double most_alike = 0.94;  // cosine
+    const FramePlane *small = &found_.planes[a], *large = &found_.planes[b];
+    if (small->fit.plane.normal.dot(large->fit.plane.normal) > most_alike) return 0;
     if (small->moments.points > large->moments.points) std::swap(small, large);
     const double off = large->fit.plane.distance(small->fit.centre);
-    if (std::abs(off) < cells_.sigma(small->fit.centre.z())) return 0;
+    if (std::abs(off) < static_cast<double>(cells_.sigma(small->fit.centre.z()))) return 0;
     return off < 0 ? 1 : -1;
+  }
+  /// Whether a cell with what smoothing brings into it has pixels of two planes.
+  bool shows_two_planes(int column, int row) const {
+    const int side = cells_.side(), left = std::max(column * side - smoothed, 0),
+              right = std::min((column + 1) * side + smoothed, depth_.cols);
+    int lowest = 256, highest = 0;
+    for (int v = std::max(row * side - smoothed, 0); v < std::min((row + 1) * side + smoothed, depth_.rows);
+         ++v) {
+      const auto* label = found_.labels.ptr<std::uint8_t>(v);
+      for (int u = left; u < right; ++u) {
+        lowest = std::min(lowest, label[u] == 0 ? 256 : static_cast<int>(label[u]));
+        highest = std::max(highest, static_cast<int>(label[u]));
+      }
+    }
+    return lowest < highest;
   }
   /// Whether a pixel of another plane is within what smoothing reaches.
   bool is_bent(int v, int u) const {
@@ -154,6 +190,7 @@ class RimFollower {
   const std::vector<std::uint8_t>& plane_of_cell_;
   float gate_, max_sigma_;
   FramePlanes& found_;
+  std::vector<std::int8_t> bulges_;  // of each pair of planes
 };
 
 }  // namespace
@@ -169,6 +206,10 @@ void follow_rims(const cv::Mat& depth, const CellMoments& cells, const std::vect
   };
   std::vector<Rim> rims;
   std::vector<PlaneMoments> sums(found.planes.size());
+  const auto count = [&](const NearPlane& p) {
+    if (p.sure.points > 0)
+      sums[p.label - 1u].add(p.sure.weighed(cells.sigma(p.sure.sum.z() / p.sure.points)));
+  };
   for (int row = 0; row < cells.rows(); ++row)
     for (int column = 0; column < cells.columns(); ++column) {
       if (follower.is_inner(column, row)) {
@@ -179,15 +220,18 @@ void follow_rims(const cv::Mat& depth, const CellMoments& cells, const std::vect
       }
       Rim rim{column, row, follower.planes_near(column, row)};
       if (rim.near.empty()) continue;
+      if (rim.near.size() == 1) {
+        follower.follow_lone_rim(column, row, rim.near.front());
+        count(rim.near.front());
+        continue;
+      }
       follower.label_rim(column, row, rim.near);
       rims.push_back(std::move(rim));
     }
   // All labels are there now: which pixels have neighbours of another plane is known.
   for (Rim& rim : rims) {
     follower.add_sure(rim.column, rim.row, rim.near);
-    for (const NearPlane& p : rim.near)
-      if (p.sure.points > 0)
-        sums[p.label - 1u].add(p.sure.weighed(cells.sigma(p.sure.sum.z() / p.sure.points)));
+    for (const NearPlane& p : rim.near) count(p);
   }
   for (std::size_t k = 0; k < sums.size(); ++k) {
     FramePlane& plane = found.planes[k];

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <iostream>
 
 #include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
@@ -27,8 +28,8 @@ struct Key {
   bool is_default = false;  // the value is the default's
 };
 
-// The default errs by 0.31 of odometry's error; points without normals and borders that are left out tell
-// less.
+// The default errs by 0.30 of odometry's error; points without normals or weights and borders that are left
+// out tell less.
 constexpr double less = 0.7;
 
 std::vector<Key> keys() {
@@ -65,7 +66,8 @@ std::vector<Key> keys() {
   all.push_back({"colour_scale: 0.1, metric: plane_to_plane", ""});
   // At three frames a second the images of a bend are some hundred pixels apart.
   all.push_back({"colour_overlap: true", "overlap: {columns: 6, rows: 4, scale: 0.125, search: 250}"});
-  for (const char* weighting : {"weigh_by_noise: false", "noise_floor: 0.01"}) all.push_back({weighting, ""});
+  all.push_back({"weigh_by_noise: false", "", less});
+  all.push_back({"noise_floor: 0.01", ""});
   for (const char* stop : {"max_iterations: 3", "epsilon_translation: 0.001, epsilon_rotation: 0.001",
                            "epsilon_rms: 1e-3", "min_pairs: 100"})
     all.push_back({stop, "", usual, std::string(stop) == "min_pairs: 100"});  // there are always more
@@ -122,6 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Keys, RegistrationKeys, ::testing::ValuesIn(keys()));
 TEST_P(RegistrationKeys, RegisterTheKitchen) {
   const Key& key = GetParam();
   const Bend bend = drive_the_bend(config_of(key));
+  std::cout << bend.share << " of odometry's error\n";
   EXPECT_LT(bend.share, key.share);
   EXPECT_EQ(same_poses(bend, bend_by_default()), key.is_default)
       << "the key has no effect, or the default another";

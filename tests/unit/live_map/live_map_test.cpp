@@ -155,9 +155,10 @@ TEST(LiveMap, TheFirstPoseThatCollidesIsTheFirstWhereverItIs) {
   };
   const auto map = long_way();
   // At the robot, then far: what is near is looked at first, and the far one is nevertheless found.
-  EXPECT_EQ(answered(map, path("[41, 0, 0], [2, 0, 0], [42, 0, 0]"))["first_collision"], 1);
-  EXPECT_EQ(answered(map, path("[41, 0, 0], [1, 0, 0], [42, 0, 0], [2, 0, 0]"))["first_collision"], 2);
-  EXPECT_TRUE(answered(map, path("[41, 0, 0], [1, 0, 0]"))["free"]);
+  EXPECT_EQ(answered(map, path("[41, 0, 0, 0], [2, 0, 0, 0], [42, 0, 0, 0]"))["first_collision"], 1);
+  EXPECT_EQ(
+      answered(map, path("[41, 0, 0, 0], [1, 0, 0, 0], [42, 0, 0, 0], [2, 0, 0, 0]"))["first_collision"], 2);
+  EXPECT_TRUE(answered(map, path("[41, 0, 0, 0], [1, 0, 0, 0]"))["free"]);
 }
 
 TEST(LiveMap, PlacesFarFromTheRobotAreMadeUntilTheDeadlineAndEachOnce) {
