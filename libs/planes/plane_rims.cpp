@@ -76,43 +76,31 @@ class RimFollower {
     });
   }
 
-  /// Where but one plane is near, its pixels are labelled and count for it at once.
-  void follow_lone_rim(int column, int row, NearPlane& near) {
+  /// Each pixel goes to a plane, and counts for it where it lies in it for sure.
+  void label_rim(int column, int row, NearPlanes& near) {
     for_rows(column, row, [&](int v, int u, const std::uint16_t* depth, std::uint8_t* label) {
       for (int i = 0; i < cells_.side(); ++i) {
         const float sigma = cells_.sigma_of(depth[i]);
         if (!(sigma <= max_sigma_)) continue;
         const Eigen::Vector3f point = cells_.point(v, u + i, 0.001f * static_cast<float>(depth[i]));
-        const float off = std::abs(near.distance(point));
-        if (off >= gate_ * sigma) continue;
-        label[i] = near.label;
-        if (off <= sure * sigma) near.sure.add(point.cast<double>());
-      }
-    });
-  }
-
-  void label_rim(int column, int row, const NearPlanes& near) {
-    for_rows(column, row, [&](int v, int u, const std::uint16_t* depth, std::uint8_t* label) {
-      for (int i = 0; i < cells_.side(); ++i) {
-        const float sigma = cells_.sigma_of(depth[i]);
-        if (!(sigma <= max_sigma_)) continue;
-        const Eigen::Vector3f point = cells_.point(v, u + i, 0.001f * static_cast<float>(depth[i]));
-        const NearPlane* own = nullptr;
-        for (const NearPlane& p : near)
+        NearPlane* own = nullptr;
+        for (NearPlane& p : near)
           if (std::abs(p.distance(point)) < gate_ * sigma && (own == nullptr || is_before(p, *own, point)))
             own = &p;
-        if (own != nullptr) label[i] = own->label;
+        if (own == nullptr) continue;
+        label[i] = own->label;
+        if (std::abs(own->distance(point)) <= sure * sigma) own->sure.add(point.cast<double>());
       }
     });
   }
 
-  /// The pixels of a rim's cell that count for the planes: those that lie in them, and that no neighbour of
-  /// another plane was smoothed with.
-  void add_sure(int column, int row, NearPlanes& near) const {
-    const bool mixed = shows_two_planes(column, row);
+  /// Once all labels are there: pixels that a neighbour of another plane was smoothed with do not count.
+  void leave_out_smoothed(int column, int row, NearPlanes& near) const {
+    if (near.size() < 2 || !shows_two_planes(column, row)) return;
+    for (NearPlane& p : near) p.sure = {};
     for_rows(column, row, [&](int v, int u, const std::uint16_t* depth, const std::uint8_t* label) {
       for (int i = 0; i < cells_.side(); ++i) {
-        if (label[i] == 0 || (mixed && is_bent(v, u + i))) continue;
+        if (label[i] == 0 || is_bent(v, u + i)) continue;
         const Eigen::Vector3f point = cells_.point(v, u + i, 0.001f * static_cast<float>(depth[i]));
         for (NearPlane& p : near)
           if (p.label == label[i] && std::abs(p.distance(point)) <= sure * cells_.sigma_of(depth[i]))
@@ -158,14 +146,16 @@ class RimFollower {
   }
   /// Whether a pixel of another plane is within what smoothing reaches.
   bool is_bent(int v, int u) const {
-    const std::uint8_t own = found_.labels.at<std::uint8_t>(v, u);
-    const auto is_other = [&](int y, int x) {
-      if (y < 0 || x < 0 || y >= depth_.rows || x >= depth_.cols) return false;
-      const std::uint8_t label = found_.labels.at<std::uint8_t>(y, x);
-      return label != 0 && label != own;
-    };
-    for (int k = 1; k <= smoothed; ++k)
-      if (is_other(v, u - k) || is_other(v, u + k) || is_other(v - k, u) || is_other(v + k, u)) return true;
+    const auto* row = found_.labels.ptr<std::uint8_t>(v);
+    const std::uint8_t own = row[u];
+    const auto is_other = [own](std::uint8_t label) { return label != 0 && label != own; };
+    for (int k = 1; k <= smoothed; ++k) {
+      const int up = std::max(v - k, 0), down = std::min(v + k, depth_.rows - 1);
+      if (is_other(row[std::max(u - k, 0)]) || is_other(row[std::min(u + k, depth_.cols - 1)]) ||
+          is_other(found_.labels.ptr<std::uint8_t>(up)[u]) ||
+          is_other(found_.labels.ptr<std::uint8_t>(down)[u]))
+        return true;
+    }
     return false;
   }
   std::uint8_t plane(int column, int row) const {
@@ -206,10 +196,6 @@ void follow_rims(const cv::Mat& depth, const CellMoments& cells, const std::vect
   };
   std::vector<Rim> rims;
   std::vector<PlaneMoments> sums(found.planes.size());
-  const auto count = [&](const NearPlane& p) {
-    if (p.sure.points > 0)
-      sums[p.label - 1u].add(p.sure.weighed(cells.sigma(p.sure.sum.z() / p.sure.points)));
-  };
   for (int row = 0; row < cells.rows(); ++row)
     for (int column = 0; column < cells.columns(); ++column) {
       if (follower.is_inner(column, row)) {
@@ -220,18 +206,14 @@ void follow_rims(const cv::Mat& depth, const CellMoments& cells, const std::vect
       }
       Rim rim{column, row, follower.planes_near(column, row)};
       if (rim.near.empty()) continue;
-      if (rim.near.size() == 1) {
-        follower.follow_lone_rim(column, row, rim.near.front());
-        count(rim.near.front());
-        continue;
-      }
       follower.label_rim(column, row, rim.near);
       rims.push_back(std::move(rim));
     }
-  // All labels are there now: which pixels have neighbours of another plane is known.
   for (Rim& rim : rims) {
-    follower.add_sure(rim.column, rim.row, rim.near);
-    for (const NearPlane& p : rim.near) count(p);
+    follower.leave_out_smoothed(rim.column, rim.row, rim.near);
+    for (const NearPlane& p : rim.near)
+      if (p.sure.points > 0)
+        sums[p.label - 1u].add(p.sure.weighed(cells.sigma(p.sure.sum.z() / p.sure.points)));
   }
   for (std::size_t k = 0; k < sums.size(); ++k) {
     FramePlane& plane = found.planes[k];
