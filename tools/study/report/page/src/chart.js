@@ -98,12 +98,13 @@ function logarithmicTicks(values, most) {
   return fine.filter((_, i) => i % Math.ceil(fine.length / most) === 0);
 }
 
-/** `rest` says more of a linear axis. */
+/** `rest` says more of a linear axis. One value alone would have no scale: it gets one on both sides. */
 function axis({ logarithmic }, values, room, rest) {
-  const finite = values.filter(Number.isFinite);
+  const finite = values.filter(Number.isFinite), low = Math.min(...finite), high = Math.max(...finite);
+  const alone = low === high && !rest.zero && { domain: [low - 1, high + 1] };
   return { label: null, grid: true, ...(logarithmic
     ? { type: "log", ticks: logarithmicTicks(finite, room), tickFormat: shown }
-    : { type: "linear", ticks: room, ...rest }) };
+    : { type: "linear", ticks: room, ...alone, ...rest }) };
 }
 
 function draw(chart, list, width) {
