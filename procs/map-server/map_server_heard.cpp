@@ -1,0 +1,245 @@
+// What the map server hears of mappers and cameras, and asks for again when it missed something.
+
+#include <fmt/format.h>
+#include <set>
+
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
+#include "procs/map-server/map_server_node.hpp"
+
+namespace lcmslam {
+namespace {
+
+constexpr Utime resend_period = 2'000'000;   // us of message time between two requests
+constexpr Utime longest_behind = 1'000'000;  // us that a map may be older than its mapper's poses say
+
+template <class M>
+SessionKey key_of(const M& message) {
+  return {message.sender, message.frame};
+}
+
+/// For what a message says that cannot be, or that there is no room for: it is counted, and STATUS tells it.
+[[noreturn]] void refuse(const std::string& why) {
+  throw DecodeError(why);
+}
+
+template <class Map, class M>
+auto& session_of(SessionTable<Map>& sessions, const M& message) {
+  auto* session = sessions.session(key_of(message));
+  if (session == nullptr)
+    refuse(
+        fmt::format("sender {} is not the mapper that is alive, or max_sessions are there", message.sender));
+  return *session;
+}
+
+/// Keyframes of the map that stay when the message has been followed.
+std::size_t kept_by(const graph_t& message, const DenseMap& map) {
+  const auto& keyframes = map.keyframes();
+  std::set<std::int32_t> named;
+  const auto name = [&](std::int32_t id) {
+    if (keyframes.count(id) > 0) named.insert(id);
+  };
+  for (const graph_node_t& node : message.nodes) name(node.keyframe);
+  if (message.change == 0) return named.size();
+  named.clear();
+  for (const std::int32_t id : message.gone) name(id);
+  return keyframes.size() - named.size();
+}
+
+}  // namespace
+
+void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
+  hear_fastslam(key_of(message));
+  add_to_path(fastslam_path_, message);
+  fastslam_pose_ = message;
+  if (recorder_) recorder_->pose("fastslam", key_of(message), message);
+  const auto* session = landmark_maps_.find(key_of(message));
+  const bool complete = session != nullptr && !session->map.incomplete();
+  follow("fastslam", message, complete ? session->map.revision() : 0);
+}
+
+void MapServerNode::hear_fastslam(const SessionKey& key) {
+  const std::size_t last = landmark_maps_.empty() ? 0 : landmark_maps_.current();
+  if (!landmark_maps_.hear(key)) return;
+  fastslam_path_.clear();
+  if (!landmark_places_) return;
+  const bool was_another = !landmark_maps_.empty() && !(landmark_maps_.all()[last].key == key);
+  landmark_places_->begin_session(
+      recorder_ ? recorder_->stored("fastslam", key) : 0,
+      was_another ? landmark_maps_.all()[last].map.landmarks() : std::vector<Landmark>());
+}
+
+void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
+  if (dense_maps_.hear(key_of(message))) {
+    icp_path_.clear();
+    if (layers_) layers_->begin_map();
+    begin_places(key_of(message));
+  }
+  add_to_path(icp_path_, message);
+  T_map_robot_ = from_message(message.T_map_robot, "T_map_robot");
+  icp_pose_ = message;
+  if (layers_ && message.status == pose_estimate_t::TRACKING) layers_->pose(message.utime, *T_map_robot_);
+  if (recorder_) recorder_->pose("icp", key_of(message), message);
+  const auto* session = dense_maps_.find(key_of(message));
+  if (session == nullptr) return follow("icp", message, 0);
+  if (!session->graph.complete()) return follow("icp", message, 0);
+  // The pose counts all keyframes that were made, the graph those that are kept.
+  const std::int64_t kept = session->graph.map_revision();
+  const std::int64_t given_up = kept > 0 ? std::max<std::int64_t>(0, message.map_revision - kept) : 0;
+  follow("icp", message, static_cast<std::int64_t>(session->map.keyframes().size()) + given_up);
+}
+
+void MapServerNode::add_to_path(Path& path, const pose_estimate_t& message) const {
+  path.push_back(from_message(message.T_map_robot, "T_map_robot").translation());
+  if (path.size() <= max_path_) return;
+  for (std::size_t i = 0; 2 * i < path.size(); ++i) path[i] = path[2 * i];
+  path.resize((path.size() + 1) / 2);
+}
+
+void MapServerNode::on_landmarks(const landmarks_t& message) {
+  const std::vector<Landmark> landmarks = landmarks_of(message);
+  LandmarkMap& map = session_of(landmark_maps_, message).map;
+  // A mapper takes away a few landmarks at a time. Who takes the most of a map away leaves it beside.
+  const bool may_take_most = message.base_revision == 0 || 2 * message.removed.size() > map.size();
+  std::optional<LandmarkMap> before;
+  if (may_take_most && map.size() > 0) before = map;
+  bool whole = message.base_revision == 0;
+  try {
+    if (whole && message.n_tiles > 1)
+      whole = map.add_tile({message.map_revision, message.tile, message.n_tiles, landmarks});
+    else
+      map.apply({message.map_revision, message.base_revision, landmarks, message.removed});
+  } catch (const std::invalid_argument& error) {
+    refuse(error.what());
+  }
+  ++changes_;
+  if (before && 2 * map.size() < before->size()) keep_beside(message, map, std::move(*before));
+  const auto* session = landmark_maps_.find(key_of(message));
+  if (recorder_) recorder_->landmarks(session->key, message, session->map, whole);
+  if (landmark_places_ && session == &landmark_maps_.all()[landmark_maps_.current()])
+    landmark_places_->follow(session->map);
+}
+
+/// Whether the map's mapper is the one that is told and derived from.
+bool MapServerNode::is_current(const SessionKey& key) const {
+  return !dense_maps_.empty() && dense_maps_.all()[dense_maps_.current()].key == key;
+}
+
+void MapServerNode::on_calibration(const camera_calibration_t& message) {
+  if (recorder_) recorder_->calibration(message);
+  if (!layers_) return;
+  if (layers_->calibration()) {
+    if (is_of_another_camera(message.sender, calibration_message_.sender, *stamps_)) return;
+    if (same_calibration(message, calibration_message_)) return;
+  }
+  layers_->calibrate(from_message(message));
+  calibration_message_ = message;
+}
+
+void MapServerNode::on_camera(const images_t& message) {
+  if (layers_->calibration()) layers_->camera(checked_images(message, *layers_->calibration()));
+}
+
+/// A message took the most of a map away: it stays beside as it was `before`, or else in its place.
+void MapServerNode::keep_beside(const landmarks_t& message, LandmarkMap& map, LandmarkMap before) {
+  if (!landmark_maps_.keep_beside(key_of(message), before)) {
+    map = std::move(before);
+    refuse("it takes away the most of a map, and there is no room to keep that beside");
+  }
+  const auto& kept = landmark_maps_.all().back();
+  if (recorder_) recorder_->kept_beside(kept.key, kept.map);
+}
+
+void MapServerNode::on_keyframe(const keyframe_t& message) {
+  const KeyframeTile tile = from_message(message);
+  DenseMap& map = session_of(dense_maps_, message).map;
+  bool complete = false;
+  try {
+    complete = map.add(tile);
+  } catch (const std::invalid_argument& error) {
+    refuse(error.what());
+  }
+  ++changes_;
+  if (!complete) return;
+  const DenseKeyframe& keyframe = map.keyframes().at(tile.part.id);
+  if (recorder_) recorder_->keyframe(key_of(message), keyframe);
+  if (const auto found = keyframe_features_.keyframe({key_of(message), keyframe.id, keyframe.utime}))
+    remember(*found);
+  if (layers_ && is_current(key_of(message))) derive_from(key_of(message), keyframe);
+}
+
+void MapServerNode::on_features(const features_t& message) {
+  for (const KeyframeFeatures::Found& found : keyframe_features_.features(message)) remember(found);
+}
+
+/// A keyframe has its features.
+void MapServerNode::remember(const KeyframeFeatures::Found& found) {
+  const auto& [key, id, utime] = found.keyframe;
+  if (recorder_) recorder_->features(key, id, found.features);
+  const auto* session = dense_maps_.find(key);
+  if (!places_ || !is_current(key) || session == nullptr) return;
+  const auto keyframe = session->map.keyframes().find(id);
+  if (keyframe != session->map.keyframes().end())
+    places_->keyframe(id, keyframe->second.T_world_camera, found.features, keyframe->second.cloud);
+}
+
+void MapServerNode::begin_places(const SessionKey& key) {
+  if (places_) places_->begin_session(recorder_ ? recorder_->stored("icp", key) : 0);
+}
+
+void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyframe) {
+  auto images = layers_->keyframe(
+      keyframe, [&] { return recorder_ ? recorder_->kept_images(key, keyframe.id) : std::nullopt; });
+  if (recorder_ && images) recorder_->images(key, keyframe.id, std::move(*images));
+}
+
+void MapServerNode::on_graph(const graph_t& message) {
+  from_message(message);  // throws before anything is kept beside
+  auto* session = &session_of(dense_maps_, message);
+  if (2 * kept_by(message, session->map) < session->map.keyframes().size()) {
+    if (!dense_maps_.keep_beside(key_of(message), session->map))
+      refuse("it takes away the most of a map, and there is no room to keep that beside");
+    const auto& kept = dense_maps_.all().back();
+    if (recorder_) recorder_->kept_beside(kept.key, kept.map);
+  }
+  session = dense_maps_.find(key_of(message));
+  session->graph.apply(message);
+  lcmslam::follow(session->map, session->graph, message);
+  ++changes_;
+  if (recorder_) recorder_->graph(session->key, message, session->graph, session->map);
+  if (!is_current(session->key)) return;
+  if (layers_) layers_->correct(session->map);
+  if (!places_) return;
+  std::map<std::int32_t, Eigen::Isometry3d> moved;
+  for (const graph_node_t& told : message.nodes)
+    if (const auto keyframe = session->map.keyframes().find(told.keyframe);
+        keyframe != session->map.keyframes().end())
+      moved[keyframe->first] = keyframe->second.T_world_camera;
+  std::vector<std::int32_t> gone;
+  for (const std::int32_t id : message.gone)
+    if (session->map.keyframes().count(id) == 0) gone.push_back(id);
+  places_->correct(moved, gone);
+}
+
+// A map that stays behind what its mapper's poses name has lost something: this server restarted, or a
+// message did not arrive.
+void MapServerNode::follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision) {
+  Progress& progress = progress_[process];
+  const bool behind = revision < pose.map_revision;
+  const bool watched = progress.up_to_date != 0 && pose.utime >= progress.up_to_date;
+  if (!behind || !watched) progress.up_to_date = pose.utime;
+  if (pose.utime < progress.asked) progress.asked = 0;
+  if (pose.utime - progress.up_to_date < longest_behind || pose.utime - progress.asked < resend_period)
+    return;
+  progress.asked = pose.utime;
+  ++resends_;
+  command_t command;
+  command.utime = pose.utime;
+  command.target = process;
+  command.name = "resend";
+  command.n = 0;
+  publisher_.publish("COMMAND", command);
+}
+
+}  // namespace lcmslam
