@@ -10,7 +10,6 @@
 namespace lcmslam {
 namespace {
 
-constexpr int sums_of_cell = 10;
 constexpr int lanes = 8;
 
 /// Rows of pixels, from the first one on.
@@ -53,8 +52,8 @@ LCMSLAM_VECTORISED(add_rows, (const PixelRows& pixels, float* __restrict sums), 
         zz[l] += dz * dz;
       }
     }
-    const float* const all[sums_of_cell] = {n, x, y, z, xx, xy, xz, yy, yz, zz};
-    for (int k = 0; k < sums_of_cell; ++k)
+    const float* const all[sums_of_points] = {n, x, y, z, xx, xy, xz, yy, yz, zz};
+    for (int k = 0; k < sums_of_points; ++k)
       for (int l = 0; l < lanes; ++l) sums[k * p.columns + first + l] = all[k][l];
   }
 }
@@ -92,7 +91,7 @@ std::vector<PlaneMoments> CellMoments::operator()(const cv::Mat& depth) {
              farthest = static_cast<float>(calibration_.depth_max);
   std::vector<PlaneMoments> cells(static_cast<std::size_t>(columns_ * rows_));
   places_.resize(3 * stride);
-  sums_.resize(sums_of_cell * stride);
+  sums_.resize(sums_of_points * stride);
   for (int row = 0; row < rows_; ++row) {
     const auto* middle = depth.ptr<std::uint16_t>(row * cell_ + cell_ / 2);
     for (int u = 0; u < width; ++u) {
@@ -117,20 +116,16 @@ std::vector<PlaneMoments> CellMoments::operator()(const cv::Mat& depth) {
                            width};
     add_rows(pixels, sums_.data());
     for (int column = 0; column < columns_; ++column) {
-      double sums[sums_of_cell] = {};
-      for (std::size_t k = 0; k < sums_of_cell; ++k)
+      std::array<double, sums_of_points> sums{};
+      for (std::size_t k = 0; k < sums_of_points; ++k)
         for (int i = 0; i < cell_; ++i)
           sums[k] += static_cast<double>(sums_[k * stride + static_cast<std::size_t>(column * cell_ + i)]);
       if (sums[0] <= 0) continue;
-      PlaneMoments moments;
-      moments.weight = moments.points = sums[0];
-      moments.sum = {sums[1], sums[2], sums[3]};
-      moments.squares << sums[4], sums[5], sums[6], sums[5], sums[7], sums[8], sums[6], sums[8], sums[9];
-      Eigen::Isometry3d back = Eigen::Isometry3d::Identity();
+      Eigen::Vector3d place;
       for (std::size_t axis = 0; axis < 3; ++axis)
-        back.translation()[static_cast<int>(axis)] =
+        place[static_cast<int>(axis)] =
             static_cast<double>(places_[axis * stride + static_cast<std::size_t>(column * cell_)]);
-      moments = moments.moved(back);
+      const PlaneMoments moments = moments_about(place, sums);
       cells[static_cast<std::size_t>(row * columns_ + column)] =
           moments.weighed(sigma(moments.sum.z() / moments.weight));
     }

@@ -29,8 +29,10 @@ class CellMoments {
   /// Point of a pixel, m.
   Eigen::Vector3f point(int v, int u, float z) const { return {z * ray_x_(v, u), z * ray_y_(v, u), z}; }
   double sigma(double z) const { return calibration_.depth_noise.sigma(z); }
-  /// The same of a measured depth; infinity where it cannot be one.
-  float sigma_of(std::uint16_t millimetres) const { return sigmas_[millimetres]; }
+  /// The same by measured depth, mm; infinity where it cannot be one.
+  const float* sigmas() const { return sigmas_.data(); }
+  const float* ray_x(int v) const { return ray_x_[v]; }  ///< x/z along a row
+  const float* ray_y(int v) const { return ray_y_[v]; }  ///< y/z
 
  private:
   RgbdCalibration calibration_;

@@ -21,6 +21,17 @@ Eigen::Vector3d flattest(const Eigen::Matrix3d& spread, const Eigen::Matrix3d& r
 
 }  // namespace
 
+PlaneMoments moments_about(const Eigen::Vector3d& place, const std::array<double, sums_of_points>& sums) {
+  PlaneMoments moments;
+  moments.weight = moments.points = sums[0];
+  moments.sum = {sums[1], sums[2], sums[3]};
+  moments.squares << sums[4], sums[5], sums[6], sums[5], sums[7], sums[8], sums[6], sums[8], sums[9];
+  moments.squares += moments.sum * place.transpose() + place * moments.sum.transpose() +
+                     moments.weight * place * place.transpose();
+  moments.sum += moments.weight * place;
+  return moments;
+}
+
 PlaneMoments PlaneMoments::moved(const Eigen::Isometry3d& T) const {
   const Eigen::Matrix3d& R = T.linear();
   const Eigen::Vector3d& t = T.translation();

@@ -2,6 +2,7 @@
 // Planes by the moments of their points: sums that can be added, and the plane of least squares through them.
 
 #include <Eigen/Dense>
+#include <array>
 
 namespace lcmslam {
 
@@ -23,6 +24,9 @@ struct PlaneFit {
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
 };
+
+/// Sums over points: their number, x, y, z, xx, xy, xz, yy, yz, zz (m, m^2).
+constexpr int sums_of_points = 10;
 
 /// Depth cameras err along their rays. Where points are seen at a slant, least squares of their distances
 /// would take that for a tilt, which no number of frames takes away; so the fit asks what is least compared
@@ -59,5 +63,8 @@ struct PlaneMoments {
   /// `seen_from` (m) decides which way the normal looks. Needs points that are not on one line.
   PlaneFit fit(const Eigen::Vector3d& seen_from) const;
 };
+
+/// Of points, of weight 1, whose coordinates were summed from `place` (m) on.
+PlaneMoments moments_about(const Eigen::Vector3d& place, const std::array<double, sums_of_points>& sums);
 
 }  // namespace lcmslam

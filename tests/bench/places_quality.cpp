@@ -173,8 +173,10 @@ void ask(const char* what, PlaceIndex& places, const std::vector<View>& askers, 
     const bool near = error.translation().norm() < 0.05 && rotation_angle(error) < 2 * M_PI / 180;
     known&& near ? ++right : ++wrong;
     if (known && !near)
-      std::printf("  off by %.3f m, %.2f deg: %s\n", error.translation().norm(),
-                  rotation_angle(error) * 180 / M_PI, to_string(located.evidence).c_str());
+      std::printf("  off by %.3f m, %.2f deg (sigma %.3f m): %s\n", error.translation().norm(),
+                  rotation_angle(error) * 180 / M_PI,
+                  std::sqrt(located.place->covariance.diagonal().head<3>().sum()),
+                  to_string(located.evidence).c_str());
     errors.push_back(1000 * error.translation().norm());
     const Vector6d xi = se3_log(error);
     squares.push_back(xi.dot(located.place->covariance.inverse() * xi) / 6);
