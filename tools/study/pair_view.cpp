@@ -18,6 +18,8 @@ PairView make_pair_view(const RgbdFrame& frame, const DepthRegistration& registr
   view.depth_utime = calibration.depth_time(frame.depth_utime);
   view.colour = frame.colour;
   view.camera = calibration.colour;
+  view.depth_camera = calibration.depth_registered ? calibration.colour : calibration.depth;
+  if (!calibration.depth_registered) view.T_camera_depth = calibration.T_colour_depth;
   view.features = describe_frame(frame, registration(frame), calibration, surf);
   RgbdFrame filtered = frame;
   filtered.depth = frame.depth.clone();

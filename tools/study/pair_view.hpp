@@ -14,7 +14,8 @@ namespace lcmslam {
 struct PairView {
   Utime utime = 0, depth_utime = 0;  ///< us, on the colour camera's clock
   cv::Mat colour;                    ///< CV_8UC3
-  CameraModel camera;
+  CameraModel camera, depth_camera;
+  Eigen::Isometry3d T_camera_depth = Eigen::Isometry3d::Identity();
   Cloud cloud;  ///< thinned, with normals and sigmas
   FeatureFrame features;
 };

@@ -1,5 +1,5 @@
-// Thesis, figures 3.2 to 3.4 and 3.16: which points of one view the other shows, by colour (NCC), by SURF
-// correspondences and by the frustum; held against what the scene's exact poses say.
+// Thesis, figures 3.2 to 3.4: which points of one view the other shows, by colour (NCC) and by SURF
+// correspondences; held against what the scene's exact poses say.
 
 #include <fmt/format.h>
 #include <cmath>
@@ -8,26 +8,12 @@
 
 #include <lcmslam/dense_mapper/thesis/alternating.hpp>
 #include <lcmslam/registration/kd_tree_target.hpp>
-#include <lcmslam/registration/registration.hpp>
-#include <lcmslam/registration/view_frustum.hpp>
 #include <lcmslam/rgbd/colour_overlap.hpp>
 #include "tools/study/report/registration_pairs.hpp"
 #include "tools/study/report/result_parts.hpp"
 
 namespace lcmslam {
 namespace {
-
-/// How a choice of points agrees with the true one.
-struct Agreeing {
-  int both = 0, chosen = 0, real = 0;
-  void count(bool is_chosen, bool is_real) {
-    both += is_chosen && is_real ? 1 : 0;
-    chosen += is_chosen ? 1 : 0;
-    real += is_real ? 1 : 0;
-  }
-  double precision() const { return chosen > 0 ? static_cast<double>(both) / chosen : std::nan(""); }
-  double recall() const { return real > 0 ? static_cast<double>(both) / real : std::nan(""); }
-};
 
 /// Points of the source that have a surface of the target where they truly lie.
 std::vector<bool> truly_shared(const RegistrationPair& pair, const KdTreeTarget& target) {
@@ -38,16 +24,6 @@ std::vector<bool> truly_shared(const RegistrationPair& pair, const KdTreeTarget&
   for (const Eigen::Vector3f& p : pair.source.cloud.points)
     shared.push_back(target.find(T * p, reach, found));
   return shared;
-}
-
-/// Truth by the image alone: the point projects into the target's image.
-std::vector<bool> truly_in_view(const RegistrationPair& pair) {
-  std::vector<bool> seen;
-  for (const Eigen::Vector3f& p : pair.source.cloud.points) {
-    const auto pixel = pair.target.camera.project(pair.T_target_source * p.cast<double>());
-    seen.push_back(pixel && pair.target.camera.contains(*pixel));
-  }
-  return seen;
 }
 
 Picture mask_picture(const StudyContext& context, const RegistrationPair& pair, const ImageOverlap& overlap) {
@@ -149,81 +125,11 @@ ExperimentResult study_overlap(const StudyContext& context, PairStore& store) {
   return result;
 }
 
-ExperimentResult study_frustum(const StudyContext& context, PairStore& store) {
-  ExperimentResult result;
-  result.seeds = {context.seeds.front()};
-  const int count = context.quick ? 3 : 12;
-  result.settings = {{"scene", "office"},
-                     {"pairs", count},
-                     {"apart_s", 2},
-                     {"start", "10 cm and 5 degrees beside the truth"}};
-  Agreeing agreeing;
-  std::vector<double> with, without;
-  int right_with = 0, right_without = 0, pairs = 0;
-  for (const RegistrationPair& pair : store.pairs({"office", context.seeds.front(), count, 2, 0.04, 0.5})) {
-    const ViewFrustum frustum(pair.target.camera);
-    const std::vector<bool> seen = truly_in_view(pair);
-    const Eigen::Isometry3d T_start = start_beside(pair, 0.1, 5, pairs);
-    std::vector<bool> kept;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      kept.push_back(frustum.contains(T_start.cast<float>() * pair.source.cloud.points[i]));
-      agreeing.count(kept.back(), seen[i]);
-    }
-    const KdTreeTarget target(pair.target.cloud);
-    RegistrationSettings settings = thesis_icp(SolverKind::small_angle);
-    const PairError plain =
-        error_of(pair, register_cloud(pair.source.cloud, target, T_start, settings).T_target_source);
-    settings.frustum = true;
-    SensorViews views;
-    views.frustum = &frustum;
-    const PairError culled = error_of(
-        pair, register_cloud(pair.source.cloud, target, T_start, settings, nullptr, &views).T_target_source);
-    ++pairs;
-    without.push_back(plain.translation);
-    with.push_back(culled.translation);
-    right_without += plain.right() ? 1 : 0;
-    right_with += culled.right() ? 1 : 0;
-    if (pairs != 1) continue;
-    Cloud inside, outside;
-    for (std::size_t i = 0; i < kept.size(); ++i)
-      (kept[i] ? inside : outside).points.push_back(pair.source.cloud.points[i]);
-    Chart chart{"The three sets of points from above", {"right", "m"}, {"forward", "m"}, {}, true};
-    chart.series = {cloud_from_above("target", pair.target.cloud, Eigen::Isometry3d::Identity()),
-                    cloud_from_above("source, inside the target's frustum", inside, T_start),
-                    cloud_from_above("source, outside", outside, T_start)};
-    result.charts = {chart};
-  }
-  const Spread a = spread_of(without), b = spread_of(with);
-  result.tables = {
-      {"Small-angle ICP with and without the frustum",
-       {"points", "pairs", "right", "error cm (median)", "worst cm"},
-       {{"all", pairs, right_without, number(100 * a.median), number(100 * a.high)},
-        {"inside the frustum", pairs, right_with, number(100 * b.median), number(100 * b.high)}}},
-      {"The frustum's choice against the truth",
-       {"precision %", "recall %"},
-       {{number(100 * agreeing.precision()), number(100 * agreeing.recall())}}}};
-  result.agreement = b.median < a.median && right_with >= right_without   ? Agreement::agrees
-                     : right_with >= right_without || b.median < a.median ? Agreement::agrees_in_part
-                                                                          : Agreement::differs;
-  result.finding = fmt::format(
-      "From a start 10 cm and 5 degrees off the frustum keeps {:.0f} % rightly and {:.0f} % of what it "
-      "should keep; ICP's error "
-      "is {:.1f} cm with it and {:.1f} cm without, right in {} and {} of {} pairs.",
-      100 * agreeing.precision(), 100 * agreeing.recall(), 100 * b.median, 100 * a.median, right_with,
-      right_without, pairs);
-  return result;
-}
-
 }  // namespace
 
 Experiment overlap_experiment(const SharedPairs& pairs) {
   return {"overlap", "Which part of two views overlaps", "figures 3.2 to 3.4",
           [pairs](const StudyContext& context) { return study_overlap(context, *pairs); }};
-}
-
-Experiment frustum_experiment(const SharedPairs& pairs) {
-  return {"frustum", "Culling by the target's frustum", "figure 3.16",
-          [pairs](const StudyContext& context) { return study_frustum(context, *pairs); }};
 }
 
 }  // namespace lcmslam

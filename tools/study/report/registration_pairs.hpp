@@ -1,6 +1,7 @@
 #pragma once
 // Pairs of simulated images whose relative pose is known exactly, for the experiments on registration.
 
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -51,6 +52,23 @@ PairError error_of(const RegistrationPair& pair, const Eigen::Isometry3d& T_targ
 
 /// Truth, moved by so much in directions that `number` draws: m and degrees.
 Eigen::Isometry3d start_beside(const RegistrationPair& pair, double translation, double rotation, int number);
+
+/// How a choice of points agrees with the true one.
+struct Agreeing {
+  int both = 0, chosen = 0, real = 0;
+  void count(bool is_chosen, bool is_real) {
+    both += is_chosen && is_real ? 1 : 0;
+    chosen += is_chosen ? 1 : 0;
+    real += is_real ? 1 : 0;
+  }
+  void add(const Agreeing& other) {
+    both += other.both;
+    chosen += other.chosen;
+    real += other.real;
+  }
+  double precision() const { return chosen > 0 ? static_cast<double>(both) / chosen : std::nan(""); }
+  double recall() const { return real > 0 ? static_cast<double>(both) / real : std::nan(""); }
+};
 
 /// Thesis algorithm 3.1: point to point by the estimator, all points, until the RMS error stands still.
 RegistrationSettings thesis_icp(SolverKind solver);
