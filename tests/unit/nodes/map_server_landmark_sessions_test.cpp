@@ -14,8 +14,8 @@ namespace lcmslam {
 namespace {
 
 using ::testing::HasSubstr;
-using testing_scene::LandmarkRoom;
 using testing::value_of;
+using testing_scene::LandmarkRoom;
 
 /// One life of a map server.
 class LandmarkLife {
