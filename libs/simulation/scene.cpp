@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include <lcmslam/geometry/transform.hpp>
-#include <lcmslam/simulation/painter.hpp>
+#include <lcmslam/simulation/scene_materials.hpp>
 #include <lcmslam/simulation/shapes.hpp>
 
 namespace lcmslam {
@@ -23,20 +21,12 @@ Vector3f vector3(const std::vector<double>& values) {
   return {static_cast<float>(values[0]), static_cast<float>(values[1]), static_cast<float>(values[2])};
 }
 
-cv::Scalar colour(const ConfigNode& config, const std::string& key, const std::vector<double>& fallback) {
-  const std::vector<double> rgb = config.get(key, fallback);
-  if (rgb.size() != 3) config.fail(key, "must be three numbers 0..255: red, green, blue");
-  for (const double value : rgb)
-    if (!(value >= 0 && value <= 255)) config.fail(key, "must be three numbers 0..255: red, green, blue");
-  return {rgb[2], rgb[1], rgb[0]};
-}
-
 /// Reads one scene file: materials first, then everything that refers to them.
 class SceneReader {
  public:
-  explicit SceneReader(const ConfigNode& config) : builder_(scene_.triangles) {
+  explicit SceneReader(const ConfigNode& config) : builder_(scene_.triangles), materials_(scene_.materials) {
     scene_.name = config.text("name");
-    for (const ConfigNode& node : config.sections("materials")) read_material(node);
+    for (const ConfigNode& node : config.sections("materials")) materials_.read(node);
     if (config.sections("rooms").empty()) config.fail("rooms", "a scene needs at least one room");
     for (const ConfigNode& node : config.sections("rooms")) read_room(node);
     builder_.kind = SurfaceKind::floor;
@@ -63,9 +53,6 @@ class SceneReader {
   Scene take() { return std::move(scene_); }
 
  private:
-  void read_material(const ConfigNode& node);
-  void add_picture(const std::string& name, const std::string& kind, const PaintSettings& paint, int seed,
-                   double infrared, const FaceMaterial& face);
   void read_room(const ConfigNode& node);
   GroundProfile read_ground(const ConfigNode& node);
   void read_box(const ConfigNode& node);
@@ -75,7 +62,9 @@ class SceneReader {
   void read_head(const ConfigNode& node);
   std::vector<Eigen::Vector2d> read_points(const ConfigNode& node, const std::string& key, std::size_t least);
 
-  FaceMaterial material(const ConfigNode& node, const std::string& key, const std::string& fallback = "");
+  FaceMaterial material(const ConfigNode& node, const std::string& key, const std::string& fallback = "") {
+    return materials_.of(node, key, fallback);
+  }
   /// Pose of an object's own frame: `at` (base centre), `yaw`, `pitch`, `roll` in degrees.
   Isometry3f pose(const ConfigNode& node);
   /// Calls place(offset) for each copy: `copies` of them, `step` apart in the object's frame.
@@ -84,80 +73,8 @@ class SceneReader {
 
   Scene scene_;
   ShapeBuilder builder_;
-  /// All pictures of a material; each object that names it takes the next one.
-  struct Variants {
-    std::vector<FaceMaterial> faces;
-    std::size_t next = 0;
-  };
-  std::map<std::string, Variants> materials_;
+  SceneMaterials materials_;
 };
-
-void SceneReader::read_material(const ConfigNode& node) {
-  std::vector<std::string> kinds;
-  for (const auto& [kind, painter] : painters()) kinds.push_back(kind);
-  const std::string name = node.text("name"), kind = node.choice("kind", "plain", kinds);
-  PaintSettings paint;
-  paint.colour = colour(node, "colour", {200, 200, 200});
-  paint.accent = colour(node, "accent", {60, 60, 60});
-  paint.texel = node.get("texel", 0.003, {0.0005, 0.1});
-  paint.cell = node.get("cell", 0.15, {0.005, 10});
-  paint.variation = node.get("variation", 0.1, {0, 1});
-  paint.text = node.get("text", "");
-  const double infrared = node.get("infrared", -1.0, {-1, 1});
-  const std::vector<double> size = node.has("size") ? node.numbers("size", 2) : std::vector<double>{1.2, 1.2};
-  if (!(size[0] >= 0.01 && size[1] >= 0.01 && size[0] <= 20 && size[1] <= 20))
-    node.fail("size", "must be two lengths from 0.01 to 20 m");
-
-  const double texels = size[0] * size[1] / (paint.texel * paint.texel);
-  if (texels > 16e6)
-    node.fail("texel", "makes more than 16 million texels; use a larger texel or a smaller size");
-  FaceMaterial face;
-  face.fitted = node.get("fitted", kind == "poster" || kind == "label" || kind == "door" || kind == "oven");
-  face.texture_size = {static_cast<float>(size[0]), static_cast<float>(size[1])};
-  if (materials_.count(name)) node.fail("name", "material '" + name + "' is already defined");
-  const int seed = node.get("seed", static_cast<int>(scene_.materials.size()) + 1, {0, 1e9});
-  const int variants = node.get("variants", 1, {1, 100});
-  for (int variant = 0; variant < variants; ++variant) {
-    add_picture(name, kind, paint, seed + 1000 * variant, infrared, face);
-    std::rotate(&paint.colour[0], &paint.colour[1], &paint.colour[3]);  // other pictures, other colours
-  }
-}
-
-void SceneReader::add_picture(const std::string& name, const std::string& kind, const PaintSettings& paint,
-                              int seed, double infrared, const FaceMaterial& face) {
-  const cv::Size pixels(std::max(1, static_cast<int>(face.texture_size.x() / paint.texel + 0.5)),
-                        std::max(1, static_cast<int>(face.texture_size.y() / paint.texel + 0.5)));
-  cv::Mat canvas(kind == "plain" ? cv::Size(1, 1) : pixels, CV_8UC3, paint.colour);
-  Random random(static_cast<std::uint64_t>(seed));
-  painters().at(kind)(canvas, paint, random);
-
-  // Pigments differ less in the near infrared than in visible light.
-  cv::Mat grey, bgri;
-  cv::cvtColor(canvas, grey, cv::COLOR_BGR2GRAY);
-  if (infrared >= 0)
-    grey.setTo(infrared * 255);
-  else
-    grey.convertTo(grey, CV_8U, 0.6, 60);
-  cv::merge(std::vector<cv::Mat>{canvas, grey}, bgri);
-
-  FaceMaterial numbered = face;
-  numbered.index = static_cast<std::uint16_t>(scene_.materials.size());
-  materials_[name].faces.push_back(numbered);
-  scene_.materials.push_back({name, Texture(bgri, face.texture_size), kind == "plain"});
-}
-
-FaceMaterial SceneReader::material(const ConfigNode& node, const std::string& key,
-                                   const std::string& fallback) {
-  const std::string name = fallback.empty() ? node.text(key) : node.get(key, fallback);
-  auto found = materials_.find(name);
-  if (found != materials_.end()) {
-    Variants& variants = found->second;
-    return variants.faces[variants.next++ % variants.faces.size()];
-  }
-  std::string known;
-  for (const auto& [other, face] : materials_) known += (known.empty() ? "" : ", ") + other;
-  node.fail(key, "no material is named '" + name + "'; there are: " + known);
-}
 
 Isometry3f SceneReader::pose(const ConfigNode& node) {
   const std::vector<double> at = node.numbers("at", 3);
