@@ -6,11 +6,12 @@
 #include <string>
 
 #include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/planes/point_sums.hpp>
 
 namespace lcmslam {
 namespace {
 
-constexpr int lanes = 8;
+constexpr int lanes = PointSums::lanes;
 
 /// Rows of pixels, from the first one on.
 struct PixelRows {
@@ -22,15 +23,13 @@ struct PixelRows {
   int rows, columns;
 };
 
-/// The sums of each column over the rows. Points count from a point of their cell: differences of squares of
-/// metres would drown what makes a cell plane. Some columns at once, so that their sums stay in registers;
-/// the last ones perhaps twice.
+/// The sums of each column over the rows. Points count from a point of their cell. Some columns at once, so
+/// that their sums stay in registers; the last ones perhaps twice.
 LCMSLAM_VECTORISED(add_rows, (const PixelRows& pixels, float* __restrict sums), (pixels, sums)) {
   const PixelRows p = pixels;
   for (int start = 0; start < p.columns; start += lanes) {
     const int first = start + lanes <= p.columns ? start : p.columns - lanes;
-    float n[lanes] = {}, x[lanes] = {}, y[lanes] = {}, z[lanes] = {}, xx[lanes] = {}, xy[lanes] = {},
-          xz[lanes] = {}, yy[lanes] = {}, yz[lanes] = {}, zz[lanes] = {};
+    PointSums points;
     for (int v = 0; v < p.rows; ++v) {
       const std::uint16_t* depth = p.depth + v * p.depth_pitch + first;
       const float *ray_x = p.ray_x + v * p.ray_pitch + first, *ray_y = p.ray_y + v * p.ray_pitch + first;
@@ -40,21 +39,11 @@ LCMSLAM_VECTORISED(add_rows, (const PixelRows& pixels, float* __restrict sums), 
         const float dx = one * (ray_x[l] * metres - p.place_x[first + l]);
         const float dy = one * (ray_y[l] * metres - p.place_y[first + l]);
         const float dz = one * (metres - p.place_z[first + l]);
-        n[l] += one;
-        x[l] += dx;
-        y[l] += dy;
-        z[l] += dz;
-        xx[l] += dx * dx;
-        xy[l] += dx * dy;
-        xz[l] += dx * dz;
-        yy[l] += dy * dy;
-        yz[l] += dy * dz;
-        zz[l] += dz * dz;
+        points.add(l, one, dx, dy, dz);
       }
     }
-    const float* const all[sums_of_points] = {n, x, y, z, xx, xy, xz, yy, yz, zz};
     for (int k = 0; k < sums_of_points; ++k)
-      for (int l = 0; l < lanes; ++l) sums[k * p.columns + first + l] = all[k][l];
+      for (int l = 0; l < lanes; ++l) sums[k * p.columns + first + l] = points.of(k)[l];
   }
 }
 

@@ -6,11 +6,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include <lcmslam/parallel/instruction_set.hpp>
+#include <lcmslam/planes/point_sums.hpp>
 
 namespace lcmslam {
 namespace {
 
-constexpr int lanes = 8;
+constexpr int lanes = PointSums::lanes;
 constexpr float nobodys = -1;  // sigma
 
 struct Pixels {
@@ -73,8 +74,7 @@ LCMSLAM_VECTORISED(add_sure,
   const Pixels p = pixels;
   const SurePixels s = sure;
   const std::int32_t label = s.plane.label;
-  float n[lanes] = {}, x[lanes] = {}, y[lanes] = {}, z[lanes] = {}, xx[lanes] = {}, xy[lanes] = {},
-        xz[lanes] = {}, yy[lanes] = {}, yz[lanes] = {}, zz[lanes] = {};
+  PointSums points;
   for (int start = 0; start < p.count; start += lanes)
     for (int l = 0; l < lanes; ++l) {
       const int i = start + l;
@@ -82,20 +82,10 @@ LCMSLAM_VECTORISED(add_sure,
       const float one = ((labels[i] == label) & (std::abs(off) <= s.gate * p.sigma[i])) ? 1.0f : 0.0f;
       const float dx = one * (p.x[i] - s.place_x), dy = one * (p.y[i] - s.place_y),
                   dz = one * (p.z[i] - s.place_z);
-      n[l] += one;
-      x[l] += dx;
-      y[l] += dy;
-      z[l] += dz;
-      xx[l] += dx * dx;
-      xy[l] += dx * dy;
-      xz[l] += dx * dz;
-      yy[l] += dy * dy;
-      yz[l] += dy * dz;
-      zz[l] += dz * dz;
+      points.add(l, one, dx, dy, dz);
     }
-  const float* const all[sums_of_points] = {n, x, y, z, xx, xy, xz, yy, yz, zz};
   for (int k = 0; k < sums_of_points; ++k)
-    for (int l = 0; l < lanes; ++l) sums[k] += all[k][l];
+    for (int l = 0; l < lanes; ++l) sums[k] += points.of(k)[l];
 }
 
 }  // namespace
