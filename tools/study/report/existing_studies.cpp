@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <cmath>
+#include <map>
 
 #include <lcmslam/configuration/share.hpp>
 #include "procs/camera/camera_source.hpp"
@@ -67,6 +68,8 @@ ExperimentResult study_real_pairs(const StudyContext& context) {
                     {}};
   double plain = 0, modern = 0;
   int cases = 0;
+  Chart chart{"Right pairs, all recordings", {"method", ""}, {"right", "%"}, {}, false};
+  std::map<int, std::map<std::string, std::pair<int, int>>> right;  // by frames apart and method: of how many
   for (const char* name : {"tum_fr1_rpy", "livingroom1"}) {
     if (context.data.empty() || !std::filesystem::is_directory(context.data / name)) continue;
     PairStudySettings settings;
@@ -79,6 +82,9 @@ ExperimentResult study_real_pairs(const StudyContext& context) {
       const double share = s.pairs > 0 ? 100.0 * s.right / s.pairs : std::nan("");
       table.rows.push_back({name, s.apart, s.method, s.pairs, number(share)});
       if (!std::isfinite(share)) continue;
+      auto& [good, all] = right[s.apart][s.method];
+      good += s.right;
+      all += s.pairs;
       if (s.method == "plain ICP (3.1)") plain += share, ++cases;
       if (s.method == "modern start") modern += share;
     }
@@ -87,6 +93,19 @@ ExperimentResult study_real_pairs(const StudyContext& context) {
     result.finding = "No recording was there (--data); nothing was measured.";
     return result;
   }
+  for (const auto& [apart, by_method] : right) {
+    ChartSeries bars;
+    bars.name = fmt::format("{} frames apart", apart);
+    bars.mark = ChartSeries::Mark::bars;
+    chart.x.names.clear();
+    for (const auto& [method, counts] : by_method) {
+      chart.x.names.push_back(method);
+      bars.x.push_back(static_cast<double>(chart.x.names.size()));
+      bars.y.push_back(100.0 * counts.first / counts.second);
+    }
+    chart.series.push_back(bars);
+  }
+  result.charts = {chart};
   result.tables = {table};
   result.finding = fmt::format(
       "On real recordings plain ICP is right in {:.0f} % of the pairs, the mapper's own start in {:.0f} %.",

@@ -11,9 +11,10 @@
 namespace lcmslam {
 
 struct ChartAxis {
-  std::string label;         ///< "rotation offset"
-  std::string unit;          ///< "deg"; empty: a count or a ratio
-  bool logarithmic = false;  ///< for values that span decades
+  std::string label;                    ///< "rotation offset"
+  std::string unit;                     ///< "deg"; empty: a count or a ratio
+  bool logarithmic = false;             ///< for values that span decades
+  std::vector<std::string> names = {};  ///< what 1, 2, ... are along x; empty: the values are numbers
 };
 
 /// A curve, a cloud of points or a row of bars. `x`, `y` of one length, in their axes' units.

@@ -81,7 +81,7 @@ ExperimentResult study_presets(const StudyContext& context, DriveStore& drives) 
       {"scene", "mapper", "seed", "pose error cm", "odometry's error cm", "map off the surface cm"},
       {}};
   Chart chart{"Pose error by scene",
-              {"scene: 1 kitchen, 2 table, 3 office", ""},
+              {"scene", "", false, {"kitchen", "table", "office"}},
               {"pose error", "cm", true},
               {},
               false};

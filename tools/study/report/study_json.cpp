@@ -28,7 +28,8 @@ nlohmann::json numbers(const std::vector<double>& values) {
 }
 
 nlohmann::json axis_json(const ChartAxis& axis) {
-  return {{"label", axis.label}, {"unit", axis.unit}, {"logarithmic", axis.logarithmic}};
+  return {
+      {"label", axis.label}, {"unit", axis.unit}, {"logarithmic", axis.logarithmic}, {"names", axis.names}};
 }
 
 nlohmann::json series_json(const ChartSeries& series) {

@@ -26,7 +26,7 @@ const drawn = (data) => data.filter(({ x, y }) => Number.isFinite(x) && Number.i
 const spreads = (data) => data.filter(({ low, high }) => Number.isFinite(low) && high > low);
 
 function tip(name, chart) {
-  return ({ x, y, low, high }) => `${name}\n${withUnit(chart.x)}: ${shown(x)}\n${withUnit(chart.y)}: ${shown(y)}` +
+  return ({ x, y, low, high }) => `${name}\n${withUnit(chart.x)}: ${chart.x.names[x - 1] ?? shown(x)}\n${withUnit(chart.y)}: ${shown(y)}` +
     (Number.isFinite(low) && high > low ? ` (${shown(low)} to ${shown(high)})` : "");
 }
 
@@ -107,6 +107,13 @@ function axis({ logarithmic }, values, room, rest) {
     : { type: "linear", ticks: room, ...alone, ...rest }) };
 }
 
+/** Places that have names say them; many stand at a slant. */
+function namedTicks({ names }) {
+  const slanted = names.length > 4;
+  return { ticks: names.map((_, i) => i + 1), tickFormat: (place) => names[place - 1], ...(slanted ? { tickRotate: -35 } : {}),
+    margins: slanted ? { marginBottom: 24 + 4.2 * Math.max(...names.map((name) => name.length)), marginLeft: 96 } : {} };
+}
+
 function draw(chart, list, width) {
   const equal = chart.equal_scales ? equalScales(list, width) : null;
   const bars = list.filter(({ series }) => series.mark === "bars");
@@ -114,9 +121,10 @@ function draw(chart, list, width) {
   const places = [...new Set(all.map(({ x }) => x))].sort((one, other) => one - other);
   const apart = Math.min(...places.slice(1).map((x, i) => x - places[i])) / (places.at(-1) - places[0]);
   const fit = places.length === 1 || apart * (width - margins.marginLeft - margins.marginRight) > 44;
-  const ownTicks = fit && places.length <= 12 && { ticks: places, tickFormat: shown };
+  const { margins: wider, ...named } = chart.x.names.length ? namedTicks(chart.x) : {};
+  const ownTicks = chart.x.names.length ? named : fit && places.length <= 12 && { ticks: places, tickFormat: shown };
   return Plot.plot({
-    width, height: equal?.height ?? Math.round(Math.min(360, Math.max(260, width * 0.5))), ...margins, style,
+    width, height: equal?.height ?? Math.round(Math.min(360, Math.max(260, width * 0.5))), ...margins, ...wider, style,
     inset: equal || bars.length ? 0 : 6,
     x: axis(chart.x, all.map(({ x }) => x), Math.max(3, Math.floor(width / 80)), { ...(equal ? { domain: equal.x } : ownTicks) }),
     y: axis(chart.y, all.flatMap(({ y, low, high }) => [y, low, high]), 6, equal ? { domain: equal.y } : { nice: true, zero: bars.length > 0 }),
