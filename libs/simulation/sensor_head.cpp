@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <lcmslam/geometry/random.hpp>
 #include <lcmslam/simulation/depth_camera.hpp>
 #include <lcmslam/simulation/tof_camera.hpp>
 
@@ -10,6 +11,7 @@ namespace lcmslam {
 namespace {
 
 constexpr double degree = M_PI / 180;
+constexpr std::uint64_t unit_stream = 0x756e6974;
 
 CameraModel pinhole(int width, int height, double horizontal_angle, double vertical_angle) {
   CameraModel camera;
@@ -40,8 +42,7 @@ Eigen::Isometry3d mount_pose(const HeadMount& mount) {
 
 class TofSource : public DepthSource {
  public:
-  TofSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
-            const TofSensor& sensor = {})
+  TofSource(const Scene& scene, const RayCaster& caster, const CameraModel& camera, const TofSensor& sensor)
       : camera_(scene, caster, camera, sensor) {}
   cv::Mat see(const RowPoses& poses, int threads) const override {
     return camera_.see(poses.T_world_camera, threads);
@@ -70,20 +71,25 @@ class StructuredLightSource : public DepthSource {
   DepthCamera camera_;
 };
 
-SensorHead tof_head(const Scene& scene, const RayCaster& caster, cv::Size size) {
+TofSensor piece_of(TofSensor sensor, std::uint64_t unit) {
+  if (unit > 0) sensor.wiggle_phase = Random(unit, unit_stream).uniform(0, 2 * M_PI);
+  return sensor;
+}
+
+SensorHead tof_head(const Scene& scene, const RayCaster& caster, cv::Size size, std::uint64_t unit) {
   SensorHead head;
   RgbdCalibration& calibration = head.calibration;
   if (size.empty()) size = {176, 144};
   calibration.depth = pinhole(size.width, size.height, 47.5 * degree, 39.6 * degree);
   calibration.T_colour_depth.translation() << 0.08, 0, 0;
   calibration.T_colour_depth.rotate(Eigen::AngleAxisd(-2 * degree, Eigen::Vector3d::UnitY()));  // inwards
-  const TofSensor sensor;
+  const TofSensor sensor = piece_of({}, unit);
   // The wiggle is systematic, but unknown to who uses the camera: its root mean square.
   calibration.depth_noise = {sensor.wiggle / std::sqrt(2.0), 0, 0, sensor.noise};
   calibration.depth_min = sensor.minimum_range;
   calibration.depth_max = sensor.unambiguous_range;
   head.frame_rate = 10;
-  head.depth = std::make_unique<TofSource>(scene, caster, calibration.depth);
+  head.depth = std::make_unique<TofSource>(scene, caster, calibration.depth, sensor);
   head.tolerance = noise_tolerance(sensor);
   return head;
 }
@@ -108,11 +114,11 @@ SensorHead rgbd_head(const Scene& scene, const RayCaster& caster, cv::Size size)
 }  // namespace
 
 SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster,
-                     cv::Size depth_size) {
+                     cv::Size depth_size, std::uint64_t unit) {
   if (name != "tof" && name != "rgbd")
     throw std::invalid_argument("head '" + name + "' is not known: use tof or rgbd");
   SensorHead head =
-      name == "tof" ? tof_head(scene, caster, depth_size) : rgbd_head(scene, caster, depth_size);
+      name == "tof" ? tof_head(scene, caster, depth_size, unit) : rgbd_head(scene, caster, depth_size);
   head.calibration.sensor = name;
   head.calibration.colour = colour_camera();
   head.calibration.has_mount = true;
@@ -122,7 +128,8 @@ SensorHead make_head(const std::string& name, const Scene& scene, const RayCaste
 }
 
 // What a user of the head would measure of it: the noise's mean course, the wiggle's root mean square.
-SensorHead make_head(const HeadSettings& settings, const Scene& scene, const RayCaster& caster) {
+SensorHead make_head(const HeadSettings& settings, const Scene& scene, const RayCaster& caster,
+                     std::uint64_t unit) {
   SensorHead head;
   RgbdCalibration& calibration = head.calibration;
   calibration.sensor = settings.name;
@@ -141,7 +148,7 @@ SensorHead make_head(const HeadSettings& settings, const Scene& scene, const Ray
   if (settings.depth_rolls)
     calibration.rolling_shutter = head.depth_rolling_shutter = settings.rolling_shutter;
   if (settings.kind == "time_of_flight") {
-    const TofSensor& sensor = settings.time_of_flight;
+    const TofSensor sensor = piece_of(settings.time_of_flight, unit);
     calibration.depth_noise = {sensor.wiggle / std::sqrt(2.0), 0, 0, sensor.noise};
     calibration.depth_min = sensor.minimum_range;
     calibration.depth_max = sensor.unambiguous_range;

@@ -38,11 +38,13 @@ struct SensorHead {
 
 /// "tof" or "rgbd"; throws std::invalid_argument for another name. Scene and caster must outlive it.
 /// `depth_size`: other pixels of the depth camera behind the same lens, with the same noise of a pixel in
-/// metres; empty: the pinned size, which alone Simulation uses.
+/// metres; empty: the pinned size, which alone Simulation uses. `unit`: which piece of the model. Their
+/// time-of-flight cameras' systematic errors are as large and lie at other ranges; 0: as described.
 SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster,
-                     cv::Size depth_size = {});
+                     cv::Size depth_size = {}, std::uint64_t unit = 0);
 
 /// A head as a file describes it.
-SensorHead make_head(const HeadSettings& settings, const Scene& scene, const RayCaster& caster);
+SensorHead make_head(const HeadSettings& settings, const Scene& scene, const RayCaster& caster,
+                     std::uint64_t unit = 0);
 
 }  // namespace lcmslam

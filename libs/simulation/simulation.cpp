@@ -26,8 +26,8 @@ HeadingSway sway_of(const std::string& base) {
 
 SensorHead head_of(const SimulationSettings& settings, const Scene& scene, const RayCaster& caster) {
   const std::filesystem::path file = head_file(settings);
-  if (file.empty()) return make_head(settings.head, scene, caster);
-  return make_head(load_head(file), scene, caster);
+  if (file.empty()) return make_head(settings.head, scene, caster, {}, settings.unit);
+  return make_head(load_head(file), scene, caster, settings.unit);
 }
 
 /// Lap after lap.

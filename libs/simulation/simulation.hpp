@@ -45,12 +45,16 @@ struct SimulationSettings {
   double frame_rate = 0;
   int laps = 1;
   int threads = 1;
+  std::uint64_t unit = 0;
   CameraFaults faults = {};  // written so that a scene alone may be given in braces
 
   void describe(SettingsVisitor& s) {
     s.required_path("scene", scene, "a file of config/scenes, relative to the file that names it");
     s.text("head", head,
            "which cameras the robot has: tof, rgbd, or one of config/heads by its name or its file's path");
+    s.number("unit", unit, "", {0, 2147483647},
+             "which piece of that head: its time-of-flight camera's systematic error is as large and lies at "
+             "other ranges; 0: as described");
     s.choice("base", base, {"differential", "steered", "mecanum"}, "which wheels the robot has");
     s.number("seed", seed, "", {0, 2147483647},
              "of the sensors' errors; the scene and the path do not depend on it");

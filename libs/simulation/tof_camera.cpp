@@ -109,8 +109,9 @@ void TofCamera::measure_row(int row, const cv::Mat& seen, const PixelNoise& nois
     const double corrected = amplitude * range * range;  // reflectivity x cos
     const double sigma = sensor_.noise * range * range / std::sqrt(corrected);
     const std::uint64_t bits = noise.bits(static_cast<std::uint64_t>(row * camera_.width + column));
-    const double measured = range + sensor_.wiggle * std::sin(2 * M_PI * range / sensor_.wiggle_period) +
-                            sigma * static_cast<double>(PixelNoise::smooth_normal(bits));
+    const double wiggle =
+        sensor_.wiggle * std::sin(2 * M_PI * range / sensor_.wiggle_period + sensor_.wiggle_phase);
+    const double measured = range + wiggle + sigma * static_cast<double>(PixelNoise::smooth_normal(bits));
     if (measured < sensor_.minimum_range || measured > sensor_.unambiguous_range) continue;
     const double depth = 1000 * measured * static_cast<double>(cosine_.at<float>(row, column));
     image.depth.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(depth + 0.5);

@@ -20,18 +20,21 @@ struct TofSensor {
   double unambiguous_range = 7.5;    ///< m, half the modulation's wavelength
   double minimum_range = 0.3;        ///< m
   double noise = 0.001;              ///< 1/m: sigma = noise r^2 / sqrt(reflectivity cos)
-  double wiggle = 0.006;             ///< m, systematic error wiggle sin(2 pi r / period)
+  double wiggle = 0.006;             ///< m, systematic error wiggle sin(2 pi r / period + phase)
   double wiggle_period = 1.9;        ///< m
   double minimum_amplitude = 0.002;  ///< 1/m^2: weaker pixels are invalid
   int sub_rays = 3;                  ///< of a pixel along each axis
+  double wiggle_phase = 0;           ///< rad
   double valid_angle = M_PI / 2;     ///< rad from the optical axis: pixels farther out are invalid
 
   void describe(SettingsVisitor& s) {
     s.number("unambiguous_range", unambiguous_range, "m", {0.5, 100}, "half the modulation's wavelength");
     s.number("minimum_range", minimum_range, "m", {0, 10}, "nearest range");
     s.number("noise", noise, "1/m", {0, 1}, "sigma = noise r^2 / sqrt(reflectivity cos(incidence))");
-    s.number("wiggle", wiggle, "m", {0, 0.1}, "systematic error: wiggle sin(2 pi r / wiggle_period)");
+    s.number("wiggle", wiggle, "m", {0, 0.1},
+             "systematic error: wiggle sin(2 pi r / wiggle_period + wiggle_phase)");
     s.number("wiggle_period", wiggle_period, "m", {0.01, 100}, "see wiggle");
+    s.number("wiggle_phase", wiggle_phase, "rad", {-7, 7}, "see wiggle");
     s.number("minimum_amplitude", minimum_amplitude, "1/m^2", {0, 10}, "weaker pixels are invalid");
     s.number("sub_rays", sub_rays, "", {1, 5}, "of a pixel along each axis: mixed pixels arise from them");
     s.number("valid_angle", valid_angle, "rad", {0.01, 1.6},

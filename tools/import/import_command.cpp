@@ -151,6 +151,7 @@ int simulate_command(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   output.add_to(app);
   app.add_option("--head", simulation.head, "tof, rgbd, or one of config/heads: its name or its file");
+  app.add_option("--unit", simulation.unit, "which piece of that head; 0: as described");
   app.add_option("--base", simulation.base, "differential, steered or mecanum");
   app.add_option("--seed", simulation.seed, "of the sensors' errors");
   app.add_option("--seconds", simulation.seconds, "only the first so many seconds");

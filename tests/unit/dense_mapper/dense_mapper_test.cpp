@@ -176,6 +176,34 @@ TEST(DenseMapper, GarbageIsLostAndTheMapIsLeftAlone) {
   expect_pose(step.T_world_robot, no_mount, 0.01, 0.005);
 }
 
+// Registration errs beside the newest node, by as much more or less than stated as the graph has learned
+// from how its edges contradict each other.
+TEST(DenseMapper, APoseErrsAsTheGraphHasLearned) {
+  DenseMapperSettings settings;
+  settings.graph.optimiser.stated_measurements = 0.5;  // so that what is learned counts
+  DenseMapper mapper(settings);
+  const Cloud scene = room(0.03);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  double learned = 1, told = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i);
+    const auto step = mapper.step(coloured_frame(i * frame_time, seen_from(scene, T, seed), no_mount));
+    const double along = i < 30 ? 0.03 : -0.03;
+    T = T * se3_exp(twist(along, 0, 0, 0, 0, along));
+    const double factor = mapper.graph().error_factors().edges;
+    if (step.node || std::abs(factor - 1) < 0.3) continue;
+    const KeyframeGraph::Node& node = mapper.graph().nodes().back();
+    const Matrix6d A = adjoint(step.T_world_robot.inverse() * node.T_world_camera);
+    const Matrix6d beside = step.map_covariance - A * node.covariance * A.transpose();
+    const double sigmas = factor * settings.graph.optimiser.edge_error;
+    EXPECT_LT((beside - sigmas * sigmas * step.covariance).norm(), 1e-6 * beside.norm()) << i;
+    learned = factor;
+    told = beside.norm();
+  }
+  EXPECT_NE(learned, 1);
+  EXPECT_GT(told, 0);
+}
+
 TEST(DenseMapper, RecoversAtAKeyframeAfterAJump) {
   DenseMapper mapper;
   const Cloud scene = room(0.03);

@@ -72,6 +72,37 @@ INSTANTIATE_TEST_SUITE_P(Heads, ShippedHead,
                                          "swissranger"),
                          [](const auto& test) { return std::string(test.param); });
 
+// The same noise in the same scene: what differs is where along the range the camera errs.
+TEST(Heads, PiecesOfAModelErrAsMuchAtOtherRanges) {
+  const Simulation described(with_head("tof"));
+  const Utime t = described.start() + 3'000'000;
+  const RgbdFrame frame = described.render(t);
+  constexpr int pieces = 4;
+  double squares = 0;
+  for (int unit = 1; unit <= pieces; ++unit) {
+    SimulationSettings settings = with_head("tof");
+    settings.unit = static_cast<std::uint64_t>(unit);
+    const Simulation piece(settings);
+    EXPECT_EQ(piece.calibration().depth_noise.constant, described.calibration().depth_noise.constant);
+    const RgbdFrame other = piece.render(t);
+    EXPECT_EQ(cv::norm(frame.colour, other.colour), 0);
+    double sum = 0;
+    int count = 0;
+    for (int v = 0; v < frame.depth.rows; ++v)
+      for (int u = 0; u < frame.depth.cols; ++u) {
+        const int a = frame.depth.at<std::uint16_t>(v, u), b = other.depth.at<std::uint16_t>(v, u);
+        if (a == 0 || b == 0) continue;
+        EXPECT_LE(std::abs(a - b), 13) << "twice the wiggle's 6 mm, rounded";
+        sum += (a - b) * (a - b);
+        ++count;
+      }
+    ASSERT_GT(count, 10000);
+    EXPECT_GT(sum, count) << "unit " << unit;
+    squares += sum / count / pieces;
+  }
+  EXPECT_NEAR(std::sqrt(squares), 6, 2.5);  // mm: of the difference of two sines of random phase
+}
+
 TEST(Heads, TheSwissRangersFileMeasuresAsThePinnedHead) {
   const Simulation pinned(with_head("tof")), file(with_head("swissranger"));
   const Utime t = pinned.start() + 3'000'000;
