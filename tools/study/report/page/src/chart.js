@@ -111,7 +111,7 @@ function axis({ logarithmic }, values, room, rest) {
 function namedTicks({ names }) {
   const slanted = names.length > 4;
   return { ticks: names.map((_, i) => i + 1), tickFormat: (place) => names[place - 1], ...(slanted ? { tickRotate: -35 } : {}),
-    margins: slanted ? { marginBottom: 24 + 4.2 * Math.max(...names.map((name) => name.length)), marginLeft: 96 } : {} };
+    margins: slanted ? { marginBottom: 24 + 4.2 * Math.max(...names.map((name) => name.length)), marginLeft: 24 + 5 * names[0].length } : {} };
 }
 
 function draw(chart, list, width) {
