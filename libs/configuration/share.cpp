@@ -10,7 +10,9 @@ namespace fs = std::filesystem;
 
 fs::path share_folder() {
   if (const char* given = std::getenv("LCMSLAM_SHARE"); given != nullptr && *given != '\0') return given;
-  return fs::read_symlink("/proc/self/exe").parent_path().parent_path() / "share" / "lcmslam";
+  // Asked once: in a mount namespace that is entered later, the kernel names the file from its mount's root.
+  static const fs::path program = fs::read_symlink("/proc/self/exe");
+  return program.parent_path().parent_path() / "share" / "lcmslam";
 }
 
 fs::path share_path(const fs::path& name) {

@@ -22,9 +22,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds longest_wait{100};  // a stop request is seen within this time
 constexpr std::chrono::seconds status_period{1};
-constexpr std::chrono::milliseconds look_period{50};  // a node that has changed its state says so within it
-constexpr std::chrono::seconds longest_drain{2};      // of what still arrives when a stop is asked
-constexpr unsigned longest_stop = 60;                 // s, above a supervisor's own patience
+constexpr std::chrono::milliseconds look_period{50};    // a node that has changed its state says so within it
+constexpr std::chrono::milliseconds words_period{200};  // and what its words say now; they may count seconds
+constexpr std::chrono::seconds longest_drain{2};        // of what still arrives when a stop is asked
+constexpr unsigned longest_stop = 60;                   // s, above a supervisor's own patience
 
 class Process {
  public:
@@ -46,9 +47,10 @@ class Process {
     spdlog::info("{} {} runs", name_, lcmslam_version);
 
     // A report counts what is in a map: too much to be asked for after each message.
-    Clock::time_point next_status = Clock::now(), next_look = next_status;
+    Clock::time_point next_status = Clock::now(), next_words = next_status, next_look = next_status;
     Clock::duration wait{0};
     int last_state = -1;
+    std::string last_words;
     while (!stop_requested()) {
       Arrival arrival;
       if (receiver.take(arrival, wait)) handle(arrival);
@@ -56,10 +58,13 @@ class Process {
       wait = std::min<Clock::duration>(work.value_or(longest_wait), longest_wait);
       if (Clock::now() >= next_look) {
         const NodeReport report = node_->report();
-        if (report.state != last_state || Clock::now() >= next_status) {
+        const bool says_else = report.detail != last_words && Clock::now() >= next_words;
+        if (report.state != last_state || says_else || Clock::now() >= next_status) {
           publish_status(report, receiver);
           last_state = report.state;
+          last_words = report.detail;
           next_status = Clock::now() + status_period;
+          next_words = Clock::now() + words_period;
         }
         next_look = Clock::now() + look_period;
       }

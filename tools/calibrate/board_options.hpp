@@ -11,7 +11,8 @@ struct BoardOptions {
   double square_mm = 1000 * BoardSettings().square;
 
   void add_to(CLI::App& app) {
-    app.add_option("--board", settings.kind, "its kind")->check(CLI::IsMember({"charuco", "checkerboard"}));
+    app.add_option("--board", settings.kind, "its kind (" + settings.kind + ")")
+        ->check(CLI::IsMember({"charuco", "checkerboard"}));
     app.add_option("--columns", settings.columns,
                    "squares across (" + std::to_string(settings.columns) + ")");
     app.add_option("--rows", settings.rows, "squares down (" + std::to_string(settings.rows) + ")");

@@ -44,7 +44,7 @@ class ColourViews {
   /// While somebody waves the board: says what is missing.
   bool is_enough() const {
     if (views.size() < 4) {
-      std::cout << fmt::format("{} views\n", views.size()) << std::flush;
+      tell_views(views.size());
       return false;
     }
     try {

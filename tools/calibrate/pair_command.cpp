@@ -87,26 +87,36 @@ int calibrate_pair_command(int argc, char** argv) {
   ViewChoice choice(input.is_sequence());
   std::vector<PairView> views;
   std::vector<cv::Mat> depths;
-  int images = 0;
+  int images = 0, of_both = 0;
   const auto of_input = read_shots(input, [&](const Shot& shot) {
     ++images;
     if (shot.colour.empty() || shot.amplitude.empty()) return true;
+    ++of_both;
     auto depth = find_board(shot.amplitude, board);
     if (!depth || !choice.takes(*depth, shot.amplitude.cols)) return true;
     auto colour = find_board(shot.colour, board);
     if (!colour) return true;
     colour->name = depth->name = shot.name;
+    if (input.live) tell_views(views.size() + 1);
     views.push_back({std::move(*colour), std::move(*depth)});
     depths.push_back(shot.depth);
     return true;
   });
   std::cout << fmt::format("{} shots, {} with the board in both images\n", images, views.size());
+  if (of_both == 0)
+    throw std::runtime_error(
+        "no shot has a colour and an amplitude image: this command needs a log whose CAMERA has both, or the "
+        "folders "
+        "colour/, amplitude/ and depth/ with files of the same names");
   auto calibration = output.base(of_input);
   if (!calibration)
     throw std::runtime_error(
         "the intrinsics of both cameras must be known: give their calibration with --into");
   if (calibration->depth_registered)
-    throw std::runtime_error("the calibration says depth_registered: both images have one camera's geometry");
+    throw std::runtime_error(
+        "the calibration says depth_registered: it knows one camera alone, whose geometry both images have. "
+        "A depth "
+        "camera of its own comes beside the colour camera with calibrate tof --into COLOUR.yaml");
   const PairCalibration pair =
       calibrate_pair(views, board, calibration->colour, calibration->depth, settings);
   std::cout << pair_report(pair);

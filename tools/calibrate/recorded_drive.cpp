@@ -27,8 +27,8 @@ class DriveReader {
         const auto message = decode_message<odometry_t>(event.data, event.size);
         if (message.source != "visual") odometry_.push_back(from_message(message));
       }
-    } catch (const DecodeError&) {
-      ++drive.damaged;
+    } catch (const DecodeError& error) {
+      if (drive.damaged++ == 0) drive.first_damage = error.what();
     }
   }
 
@@ -80,7 +80,9 @@ RecordedDrive read_drive(const std::string& log, const std::optional<RgbdCalibra
     drive.take(*event);
   }
   RecordedDrive result = drive.finish();
-  if (result.images == 0) throw std::runtime_error(log + ": no image of CAMERA in it can be read");
+  if (result.images == 0)
+    throw std::runtime_error(log + ": no image of CAMERA in it can be read" +
+                             (result.damaged > 0 ? " by this calibration: " + result.first_damage : ""));
   if (result.steps.empty())
     throw std::runtime_error(log + ": it has neither ENCODERS nor ODOMETRY of wheels");
   return result;

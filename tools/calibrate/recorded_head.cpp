@@ -35,8 +35,8 @@ class HeadReader {
         const auto message = decode_message<odometry_t>(event.data, event.size);
         if (message.source != "visual") head.scene->add(from_message(message));
       }
-    } catch (const DecodeError&) {
-      ++head.damaged;
+    } catch (const DecodeError& error) {
+      if (head.damaged++ == 0) first_damage = error.what();
     } catch (const std::invalid_argument&) {  // wheels that say nothing
       ++head.damaged;
     }
@@ -44,6 +44,7 @@ class HeadReader {
   }
 
   RecordedHead head;
+  std::string first_damage;  // what was wrong with the first message that could not be read
 
  private:
   bool take(const images_t& message) {
@@ -75,7 +76,9 @@ RecordedHead read_head(const std::string& log, const std::optional<RgbdCalibrati
     throw_when_stopped();
     if (!head.take(*event)) break;
   }
-  if (head.head.scene->frames() == 0) throw std::runtime_error(log + ": has no CAMERA");
+  if (head.head.scene->frames() == 0)
+    throw std::runtime_error(log + ": no image of CAMERA in it can be read" +
+                             (head.head.damaged > 0 ? " by this calibration: " + head.first_damage : ""));
   return std::move(head.head);
 }
 

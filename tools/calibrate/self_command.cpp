@@ -23,9 +23,9 @@ int calibrate_self_command(int argc, char** argv) {
       ->required()
       ->check(CLI::ExistingFile);
   output.add_to(app, "calibration (YAML) to write");
-  app.add_option("--rate", options.rate, "Hz of the images that are used, at most; 0: all")
+  app.add_option("--rate", options.rate, "Hz of the images that are used, at most; 0 (the default): all")
       ->check(CLI::Range(0.0, 1000.0));
-  app.add_option("--seconds", options.seconds, "of the log, from its start; 0: all")
+  app.add_option("--seconds", options.seconds, "of the log, from its start; 0 (the default): all")
       ->check(CLI::Range(0.0, 1e6));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   output.check();

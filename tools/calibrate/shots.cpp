@@ -1,8 +1,10 @@
 #include "tools/calibrate/shots.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <stdexcept>
@@ -73,14 +75,20 @@ class MessageShots {
       if (channel == "CAMERA_CALIBRATION" && !calibration)
         calibration = from_message(decode_message<camera_calibration_t>(data, size));
       if (channel == "CAMERA") return take(decode_message<images_t>(data, size));
-    } catch (const std::runtime_error&) {
-      ++damaged;  // what cannot be read is no view
+    } catch (const std::runtime_error& error) {
+      if (damaged++ == 0) first_damage = error.what();  // what cannot be read is no view
     }
     return true;
   }
 
   std::optional<RgbdCalibration> calibration;
+  /// ": 3 damaged, the first: ..." or nothing.
+  std::string damage() const {
+    return damaged == 0 ? "" : fmt::format(": {} damaged, the first: {}", damaged, first_damage);
+  }
+
   int images = 0, damaged = 0;
+  std::string first_damage;
 
  private:
   bool take(const images_t& message) {
@@ -108,8 +116,7 @@ std::optional<RgbdCalibration> read_log(const ShotInput& input, const ShotHandle
     if (!shots.take(event->channel, event->data, event->size)) break;
   }
   if (shots.images == 0)
-    throw std::runtime_error(input.path + ": no image of CAMERA in it can be read (" +
-                             std::to_string(shots.damaged) + " are damaged)");
+    throw std::runtime_error(input.path + ": no image of CAMERA in it can be read" + shots.damage());
   return shots.calibration;
 }
 
@@ -133,7 +140,9 @@ std::optional<RgbdCalibration> listen(const ShotInput& input, const ShotHandler&
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
     return enough || stop_requested() || (input.seconds > 0 && time.count() > input.seconds);
   });
-  if (shots.images == 0) throw std::runtime_error("no image came on CAMERA: is a camera running?");
+  if (shots.images == 0)
+    throw std::runtime_error(shots.damaged == 0 ? "no image came on CAMERA: is a camera running?"
+                                                : "no image of CAMERA can be read" + shots.damage());
   return shots.calibration;
 }
 
@@ -141,7 +150,9 @@ std::optional<RgbdCalibration> listen(const ShotInput& input, const ShotHandler&
 
 void ShotInput::add_to(CLI::App& app) {
   auto* source = app.add_option("input", path, "a folder of images, or an .lcmlog")->check(CLI::ExistingPath);
-  app.add_flag("--live", live, "instead of that: what comes on CAMERA, until the views are enough, or Ctrl-C")
+  app.add_flag(
+         "--live", live,
+         "instead of that: what comes on CAMERA, until Ctrl-C (calibrate camera: until the views are enough)")
       ->excludes(source);
   app.add_option("--seconds", seconds, "with --live: end after this time")->check(CLI::PositiveNumber);
   app.add_option("--every", every, "s between images of a log or the bus (0.25)")->check(CLI::PositiveNumber);
@@ -150,6 +161,10 @@ void ShotInput::add_to(CLI::App& app) {
 
 bool ShotInput::is_sequence() const {
   return live || !fs::is_directory(path);
+}
+
+void tell_views(std::size_t views) {
+  std::cout << fmt::format("{} view{}\n", views, views == 1 ? "" : "s") << std::flush;
 }
 
 std::optional<RgbdCalibration> read_shots(const ShotInput& input,

@@ -36,4 +36,7 @@ struct ShotInput {
 std::optional<RgbdCalibration> read_shots(const ShotInput& input,
                                           const std::function<bool(const Shot&)>& use);
 
+/// "3 views", for whoever holds the board before a camera that runs.
+void tell_views(std::size_t views);
+
 }  // namespace lcmslam

@@ -22,16 +22,23 @@ struct TofViews {
   int images = 0;
 };
 
-/// A ToF camera alone: its amplitude image is the colour image, too.
+/// What `calibrate camera` finds of a colour camera is all that is known of its head until now.
+bool is_of_another_camera(const RgbdCalibration& base, const cv::Size& amplitude) {
+  return base.colour.width != amplitude.width || base.colour.height != amplitude.height;
+}
+
+/// A ToF camera alone: its amplitude image is the colour image, too. Beside a colour camera of another size
+/// it is a camera of its own, whose place `calibrate pair` finds. Throws std::runtime_error where it may be
+/// none.
 RgbdCalibration with_depth(const std::optional<RgbdCalibration>& base, const CameraModel& camera,
                            const DepthError& error, const std::string& name) {
   RgbdCalibration calibration;
   if (base) {
     calibration = *base;
-    if (calibration.depth_registered)
-      throw std::runtime_error(
-          "the calibration says depth_registered: such depth images have the colour camera's "
-          "geometry; calibrate camera is what they need");
+    if (calibration.depth_registered) {
+      calibration.depth_registered = false;
+      calibration.T_colour_depth.setIdentity();
+    }
   } else {
     calibration.sensor = name;
     calibration.depth_registered = true;
@@ -86,11 +93,25 @@ int calibrate_tof_command(int argc, char** argv) {
     auto view = find_board(shot.amplitude, board);
     if (!view || !choice.takes(*view, shot.amplitude.cols)) return true;
     view->name = shot.name;
+    if (input.live) tell_views(seen.views.size() + 1);
     seen.views.push_back(std::move(*view));
     seen.depths.push_back(shot.depth);
     return true;
   });
   std::cout << fmt::format("{} amplitude images, {} views taken\n", seen.images, seen.views.size());
+  const auto base = output.base(of_input);
+  if (base && base->depth_registered && !is_of_another_camera(*base, seen.size))
+    throw std::runtime_error(
+        "the calibration says depth_registered, and its images have the amplitude's size: depth images that "
+        "a "
+        "driver registers to colour have the colour camera's geometry, and calibrate camera is what they "
+        "need. "
+        "A depth camera with a geometry of its own has depth_registered: false, depth and colour_depth "
+        "there");
+  if (seen.images == 0)
+    throw std::runtime_error(
+        "no amplitude image: this command needs a log whose CAMERA has them, or the folders amplitude/ and "
+        "depth/");
   if (seen.views.size() < 3)
     throw std::runtime_error(
         "too few views of the board in amplitude images: its squares must be large, some 8 pixels "
@@ -103,10 +124,15 @@ int calibrate_tof_command(int argc, char** argv) {
   const RangeErrorFit fit = fit_ranges(seen, camera, board, range_settings);
   std::cout << range_report(fit);
   if (const int refused = refuse(missing_views(camera, coverage), output.accept)) return refused;
+  const bool unplaced = base && base->depth_registered;
+  if (unplaced)
+    std::cout << "  note: where it sits on the colour camera is not known yet: calibrate pair finds it\n";
   output.write(
-      with_depth(output.base(of_input), camera.camera, fit.error, std::filesystem::path(output.file).stem()),
-      fmt::format("Depth camera by lcmslam calibrate tof: {} views, {:.3f} pixels RMS; ranges {:.1f} mm RMS.",
-                  camera.views.size(), camera.rms, 1e3 * fit.rms_after),
+      with_depth(base, camera.camera, fit.error, std::filesystem::path(output.file).stem()),
+      fmt::format(
+          "Depth camera by lcmslam calibrate tof: {} views, {:.3f} pixels RMS; ranges {:.1f} mm RMS.{}",
+          camera.views.size(), camera.rms, 1e3 * fit.rms_after,
+          unplaced ? " colour_depth is not known yet." : ""),
       camera_covariance(camera, "depth"));
   return 0;
 }

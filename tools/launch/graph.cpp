@@ -88,7 +88,9 @@ Graph read_graph(const GraphOptions& options) {
 }
 
 std::filesystem::path program_folder() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  static const std::filesystem::path program =
+      std::filesystem::read_symlink("/proc/self/exe");  // see share_folder()
+  return program.parent_path();
 }
 
 }  // namespace lcmslam

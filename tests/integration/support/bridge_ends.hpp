@@ -87,7 +87,7 @@ class Mapper {
     }
   }
   /// Colour and depth of a room with some texture.
-  void picture() {
+  void picture(const std::string& channel = "CAMERA") {
     if (frame_.colour.bytes.empty()) {
       cv::Mat colour(480, 640, CV_8UC3), depth(480, 640, CV_16UC1);
       for (int v = 0; v < 480; ++v)
@@ -102,7 +102,7 @@ class Mapper {
     frame_.utime = frame_.colour.utime = frame_.depth.utime = wall_clock();
     images_t message = to_message(frame_);
     set_origin(message, {pictures_++, 77});
-    bus_.publish("CAMERA", message);
+    bus_.publish(channel, message);
   }
   void keyframe(int points = 4000) {  // 10 bytes each
     keyframe_t message{};

@@ -97,14 +97,12 @@ TEST(CalibrateCommand, WithoutABoardItSaysWhatMayBeWrong) {
   EXPECT_THAT(run.errors, HasSubstr("too few views of the board"));
 }
 
-TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
-  const testing::ScratchFolder scratch;
-  const testing::RgbdTruth truth = testing::drawn_head(3);
+/// A large board before both cameras of a head: the folders colour, amplitude and depth.
+void write_shots(const fs::path& shots, const testing::RgbdTruth& truth) {
   const RgbdCalibration& c = truth.calibration;
   const Board board = testing::large_board();
   const testing::BoardRenderer colour(board, c.colour, {0.6, 2.5, 2}), amplitude(board, c.depth, {0.5, 3, 4});
   Random random(3);
-  const fs::path shots = scratch.path() / "shots";
   for (const char* folder : {"colour", "amplitude", "depth"}) fs::create_directories(shots / folder);
   constexpr int count = 18;
   for (int i = 0; i < count; ++i) {
@@ -116,6 +114,19 @@ TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
     cv::imwrite((shots / "amplitude" / name_of_shot(i)).string(), amplitude(T, random));
     cv::imwrite((shots / "depth" / name_of_shot(i)).string(), testing::board_depth(board, truth, T, random));
   }
+}
+
+testing::CommandRun with_large_board(std::vector<std::string> arguments) {
+  for (const char* word : {"--columns", "8", "--rows", "7", "--square", "80"}) arguments.emplace_back(word);
+  return calibrate(std::move(arguments));
+}
+
+TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
+  const testing::ScratchFolder scratch;
+  const testing::RgbdTruth truth = testing::drawn_head(3);
+  const RgbdCalibration& c = truth.calibration;
+  const fs::path shots = scratch.path() / "shots";
+  write_shots(shots, truth);
   // The start: 3 % and 2 cm off, no error of the ranges known.
   RgbdCalibration start = c;
   start.depth.fx *= 1.03, start.depth.fy *= 1.03;
@@ -124,13 +135,8 @@ TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
   const std::string rough = scratch.write("rough.yaml", calibration_text(start)).string();
   const std::string tof = (scratch.path() / "tof.yaml").string(),
                     pair = (scratch.path() / "pair.yaml").string();
-  const std::vector<std::string> board_of_it = {"--columns", "8", "--rows", "7", "--square", "80"};
-  const auto with_board = [&](std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), board_of_it.begin(), board_of_it.end());
-    return calibrate(arguments);
-  };
   // A whole checkerboard does not reach the corners of an image of so few pixels.
-  const auto run = with_board({"tof", shots.string(), "-o", tof, "--into", rough, "--accept"});
+  const auto run = with_large_board({"tof", shots.string(), "-o", tof, "--into", rough, "--accept"});
   ASSERT_EQ(run.exit_code, 0) << run.out << run.errors;
   EXPECT_THAT(run.out, HasSubstr("wiggle"));
   const RgbdCalibration of_tof = load_calibration(tof);
@@ -138,7 +144,7 @@ TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
   for (double r = 1; r < 2.4; r += 0.1)
     EXPECT_NEAR(of_tof.depth_error.at(r), c.depth_error.at(r), 0.005) << r;
 
-  const auto second = with_board({"pair", shots.string(), "-o", pair, "--into", tof});
+  const auto second = with_large_board({"pair", shots.string(), "-o", pair, "--into", tof});
   ASSERT_EQ(second.exit_code, 0) << second.out << second.errors;
   const RgbdCalibration of_pair = load_calibration(pair);
   EXPECT_LT(distance_between(of_pair.T_colour_depth, c.T_colour_depth), 0.003);
@@ -146,6 +152,82 @@ TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
   EXPECT_TRUE(of_pair.colour == c.colour) << "other values stay";
   for (double r = 1; r < 2.4; r += 0.1)
     EXPECT_NEAR(of_pair.depth_error.at(r), c.depth_error.at(r), 0.003) << r;
+}
+
+// The order in which docs/CALIBRATION.md has a new user do it.
+TEST(CalibrateCommand, TofAndPairGoOnFromWhatCameraFound) {
+  const testing::ScratchFolder scratch;
+  const testing::RgbdTruth truth = testing::drawn_head(4);
+  const RgbdCalibration& c = truth.calibration;
+  write_shots(scratch.path() / "shots", truth);
+  RgbdCalibration colour_alone;
+  colour_alone.sensor = "head";
+  colour_alone.colour = colour_alone.depth = c.colour;
+  colour_alone.depth_registered = true;
+  const std::string head = scratch.write("head.yaml", calibration_text(colour_alone)).string(),
+                    shots = (scratch.path() / "shots").string(), tof = (scratch.path() / "tof.yaml").string(),
+                    both = (scratch.path() / "both.yaml").string();
+  const auto early = with_large_board({"pair", shots, "--into", head, "-o", both});
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_THAT(early.errors, HasSubstr("calibrate tof --into"));
+
+  const auto run = with_large_board({"tof", shots, "--into", head, "-o", tof, "--accept"});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.errors;
+  EXPECT_THAT(run.out, HasSubstr("calibrate pair finds it"));
+  const RgbdCalibration of_tof = load_calibration(tof);
+  EXPECT_FALSE(of_tof.depth_registered);
+  EXPECT_TRUE(of_tof.colour == c.colour);
+  EXPECT_NEAR(of_tof.depth.fx, c.depth.fx, 0.006 * c.depth.fx);
+
+  const auto second = with_large_board({"pair", shots, "--into", tof, "-o", both});
+  ASSERT_EQ(second.exit_code, 0) << second.out << second.errors;
+  const RgbdCalibration of_pair = load_calibration(both);
+  EXPECT_LT(distance_between(of_pair.T_colour_depth, c.T_colour_depth), 0.003);
+  EXPECT_LT(angle_between(of_pair.T_colour_depth, c.T_colour_depth), 0.2 * M_PI / 180);
+}
+
+// A driver that registers depth gives amplitude images of colour's size, if any.
+TEST(CalibrateCommand, TofRefusesDepthThatIsRegistered) {
+  const testing::ScratchFolder scratch;
+  RgbdCalibration registered;
+  registered.sensor = "head";
+  registered.colour = registered.depth = testing::drawn_tof_camera(3);
+  registered.depth_registered = true;
+  const std::string head = scratch.write("head.yaml", calibration_text(registered)).string();
+  fs::create_directories(scratch.path() / "shots/amplitude");
+  cv::imwrite((scratch.path() / "shots/amplitude/a.png").string(),
+              cv::Mat(144, 176, CV_8UC1, cv::Scalar(90)));
+  const auto run = with_large_board({"tof", (scratch.path() / "shots").string(), "--into", head, "-o",
+                                     (scratch.path() / "o.yaml").string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.errors, HasSubstr("depth_registered: false"));
+}
+
+TEST(CalibrateCommand, SaysThatAnInputHasNoAmplitude) {
+  const testing::ScratchFolder scratch;
+  fs::create_directories(scratch.path() / "images");
+  cv::imwrite((scratch.path() / "images/a.png").string(), cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)));
+  for (const char* command : {"tof", "pair"})
+    EXPECT_THAT(
+        calibrate({command, (scratch.path() / "images").string(), "-o", (scratch.path() / "o.yaml").string()})
+            .errors,
+        HasSubstr("amplitude/"));
+}
+
+TEST(CalibrateCommand, SaysWhyNoImageOfALogFitsTheCalibration) {
+  const testing::ScratchFolder scratch;
+  const std::string log = LCMSLAM_SOURCE_DIR "/logs/kitchen_drive.lcmlog";
+  RgbdCalibration other;
+  other.sensor = "other";
+  other.colour = other.depth = testing::drawn_colour_camera(3);  // the log's depth images are smaller
+  other.depth_registered = true;
+  const std::string head = scratch.write("head.yaml", calibration_text(other)).string();
+  for (const char* command : {"mount", "self"}) {
+    const auto run = calibrate({command, log, "--into", head, "-o", (scratch.path() / "o.yaml").string()});
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_THAT(run.errors, HasSubstr("by this calibration: "));
+    EXPECT_THAT(run.errors, HasSubstr("176x144"));
+  }
 }
 
 TEST(CalibrateCommand, ALogWithoutImagesIsNoDrive) {

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <lcmslam/messages/geometry_messages.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -35,6 +37,40 @@ TEST(FaultResponses, SayWhenItWasToldAndWhatCameAfter) {
   EXPECT_NEAR(responses[0].icp.found.value(), 0, 0.11);
   EXPECT_NEAR(responses[1].told.value(), 1, 1e-9);
   EXPECT_EQ(responses[1].by, "icp restarted");
+}
+
+TEST(FaultResponses, WhatWasToldBeforeIsNotOfTheFault) {
+  const RunRecord usual{{}, poses(0.01), poses(0.01)};
+  RunRecord run = usual;
+  run.alarms = {
+      {8.5, "surf: inputs' losses"}, {10.1, "surf: inputs' losses"}, {10.6, "icp: of_other_senders"}};
+  const auto responses = fault_responses({{FaultKind::stranger, 10, 3, ""}}, run, usual);
+  EXPECT_NEAR(responses[0].told.value(), 0.6, 1e-9);
+  EXPECT_EQ(responses[0].by, "icp: of_other_senders");
+}
+
+// The first seconds of a drive are a straight way: what is wrong later must not be how the way's roll was
+// guessed.
+TEST(MapperWatch, LaysAMapByDirectionsToo) {
+  Trajectory truth;
+  MapperWatch watch;
+  for (int i = 0; i < 200; ++i) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation() = i < 100 ? Eigen::Vector3d(0.01 * i, 0, 0) : Eigen::Vector3d(1, 0.02 * (i - 100), 0);
+    T.translation().y() += 1e-4 * (i * 7 % 5 - 2);
+    T.translation().z() += 1e-4 * (i * 3 % 7 - 3);
+    truth.push_back({1'000'000 + 100'000 * i, T});
+    pose_estimate_t pose{};
+    pose.utime = truth.back().utime;
+    pose.frame = "map";
+    pose.status = pose_estimate_t::TRACKING;
+    T.translation().y() += 0.001 * (i % 3 - 1);  // it errs a little, in its way's height and side
+    T.translation().z() += 0.001 * (i % 5 - 2);
+    pose.T_map_robot = to_message(T);
+    watch.add(pose, 0.1 * i);
+  }
+  for (const Held& held : watch.held(truth, 1'000'000 + 100'000 * 80))
+    EXPECT_LT(held.error, 0.004) << held.at;
 }
 
 TEST(FaultResponses, WhatNobodyToldAndWhoNeverCameBackIsSaid) {

@@ -82,7 +82,14 @@ std::vector<FaultResponse> fault_responses(const std::vector<Fault>& faults, con
       response_of.told = at - begin;
       response_of.by = who;
     };
-    for (const Alarm& alarm : run.alarms) tell(alarm.at, alarm.text);
+    // Of a busy machine losses are told all the time: what was told just before tells nothing of the fault.
+    const auto was_told = [&](const Alarm& alarm) {
+      return std::any_of(run.alarms.begin(), run.alarms.end(), [&](const Alarm& other) {
+        return other.text == alarm.text && other.at < begin && other.at >= begin - patience;
+      });
+    };
+    for (const Alarm& alarm : run.alarms)
+      if (!was_told(alarm)) tell(alarm.at, alarm.text);
     for (const auto& [poses, name] : {std::pair(&run.fastslam, "FASTSLAM_POSE"), {&run.icp, "ICP_POSE"}})
       for (const auto& pose : *poses)
         if (!pose.tracking) tell(pose.at, name);

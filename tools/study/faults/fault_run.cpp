@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include <lcmslam/configuration/share.hpp>
 #include <lcmslam/features_t.hpp>
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
@@ -203,9 +204,7 @@ class FaultRun {
   }
 
   void judge() {
-    Utime undisturbed = std::numeric_limits<Utime>::max();
-    if (!settings_.faults.empty() && source_.begun())
-      undisturbed = *source_.begun() + static_cast<Utime>(1e6 * settings_.faults.front().at);
+    const Utime undisturbed = source_.begun().value_or(0) + static_cast<Utime>(1e6 * settings_.laid_until);
     const Trajectory truth = source_.truth();
     result_.record.fastslam = fastslam_.held(truth, undisturbed);
     result_.record.icp = icp_.held(truth, undisturbed);
@@ -259,6 +258,8 @@ FaultRunResult run_with_faults(CameraSource& source, const FaultRunSettings& set
 }
 
 bool mount_small_disk(const std::filesystem::path& folder, int megabytes) {
+  share_folder();  // programs and files are found by the name that this one has before
+  program_folder();
   const std::string size = "size=" + std::to_string(megabytes) + "m";
   return unshare(CLONE_NEWNS) == 0 && mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
          mount("tmpfs", folder.c_str(), "tmpfs", MS_NOSUID | MS_NODEV, size.c_str()) == 0;

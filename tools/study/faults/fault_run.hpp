@@ -21,6 +21,9 @@ struct FaultRunSettings {
   std::filesystem::path folder;  ///< of the results
   std::vector<Fault> faults;     ///< by time
   std::uint64_t seed = 1;
+  /// s: by the poses until then a run is laid onto the truth, with faults or without: of one that is laid by
+  /// all of its poses less is left.
+  double laid_until = FaultScheduleSettings().first;
   bool export_before = true;  ///< maps, before each fault, to be found again after the run
 };
 

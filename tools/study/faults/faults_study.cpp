@@ -77,6 +77,16 @@ std::string words(const std::vector<Fault>& faults) {
   return text.empty() ? "none" : text;
 }
 
+/// Who said what, and each pose against the truth: [s, 1 where it says TRACKING, m].
+nlohmann::json record_json(const RunRecord& record) {
+  nlohmann::json alarms = nlohmann::json::array();
+  for (const Alarm& alarm : record.alarms) alarms.push_back({alarm.at, alarm.text});
+  nlohmann::json json = {{"alarms", alarms}};
+  for (const auto& [name, poses] : {std::pair("fastslam", &record.fastslam), {"icp", &record.icp}})
+    for (const auto& pose : *poses) json[name].push_back({pose.at, pose.tracking ? 1 : 0, pose.error});
+  return json;
+}
+
 }  // namespace
 
 std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
@@ -165,7 +175,10 @@ nlohmann::json run_json(const FaultsStudyRun& run) {
 
 nlohmann::json faults_json(const std::vector<FaultsStudyRun>& runs) {
   nlohmann::json list = nlohmann::json::array();
-  for (const FaultsStudyRun& run : runs) list.push_back(run_json(run));
+  for (const FaultsStudyRun& run : runs) {
+    list.push_back(run_json(run));
+    list.back()["record"] = record_json(run.result.record);
+  }
   return {{"runs", list}};
 }
 

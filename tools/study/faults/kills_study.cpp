@@ -70,6 +70,7 @@ nlohmann::json run_laps(const std::string& name, const FaultsStudySettings& sett
   graph.folder = folder / name;
   if (name == "killed") graph.faults = kill_schedule(settings.seed, seconds, apart);
   graph.seed = settings.seed;
+  graph.laid_until = apart - 2;  // the first kill at the earliest
   graph.export_before = false;
   std::filesystem::create_directories(graph.folder);
   const FaultsStudyRun run{"kitchen laps", settings.seed, graph.faults,

@@ -8,6 +8,26 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 
 namespace lcmslam {
+namespace {
+
+/// T_truth_estimate by positions and directions alike: positions of a way that is nearly straight leave it
+/// open how the world is turned about that way, and all that comes later would seem to be wrong.
+Eigen::Isometry3d laid_onto_truth(const std::vector<MatchedPose>& matches) {
+  Eigen::Vector4d turn = Eigen::Vector4d::Zero();
+  Eigen::Vector3d truth = Eigen::Vector3d::Zero(), estimate = Eigen::Vector3d::Zero();
+  for (const MatchedPose& match : matches) {
+    const Eigen::Quaterniond q(match.T_world_truth.linear() * match.T_world_estimate.linear().transpose());
+    turn += q.coeffs().dot(turn) < 0 ? -q.coeffs() : q.coeffs();
+    truth += match.T_world_truth.translation();
+    estimate += match.T_world_estimate.translation();
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::Quaterniond(turn.normalized()).toRotationMatrix();
+  T.translation() = (truth - T.linear() * estimate) / static_cast<double>(matches.size());
+  return T;
+}
+
+}  // namespace
 
 void MapperWatch::add(const pose_estimate_t& message, double at) {
   const bool tracking =
@@ -51,8 +71,7 @@ std::vector<MapperWatch::Held> MapperWatch::held(const Trajectory& truth, Utime 
     EvaluationSettings settings;
     settings.association = Association::interpolate_truth;
     const auto matches = associate(truth, first, settings);
-    if (matches.size() >= 10)
-      T_world_map[poses_.front().session] = find_alignment(matches, Alignment::se3).T_truth_estimate;
+    if (matches.size() >= 10) T_world_map[poses_.front().session] = laid_onto_truth(matches);
   }
 
   std::vector<Held> held;

@@ -1,0 +1,173 @@
+// How soon a process says that something is wrong, and that it is right again: a disk that is full, a broker
+// that dies, a camera that gives nothing more, strangers on the bus. The times are printed.
+
+#include <gmock/gmock.h>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <fstream>
+
+#include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/udpm/multicast_address.hpp>
+#include "tests/integration/support/bridge_ends.hpp"
+#include "tests/integration/support/environment.hpp"
+#include "tests/integration/support/program.hpp"
+#include "tests/support/datagrams.hpp"
+#include "tests/support/written_head.hpp"
+
+namespace lcmslam::integration {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double patience = 30;  // s
+constexpr double soon = 1;       // s: what a robot's operator was promised
+
+class Detection : public ::testing::Test {
+ protected:
+  /// One process alone, in the shell after `before`.
+  void start(const std::string& process, const std::string& settings, const std::string& before = "") {
+    process_ = process;
+    const std::string file = folder_ / (process + ".yaml");
+    std::ofstream(file) << process << ":\n" << settings;
+    program_.emplace(std::vector<std::string>{
+        "/bin/sh", "-c",
+        before + "exec '" + find_program("lcmslam-" + process) + "' --config '" + file + "'"});
+  }
+
+  /// s until a STATUS that the predicate accepts, while `meanwhile` is done each 20 ms.
+  double told_after(
+      const std::function<bool(const status_t&)>& accepts, const std::function<void()>& meanwhile = [] {}) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_TRUE(wait_until(
+        [&] {
+          meanwhile();
+          const auto status = bus_.status(process_);
+          return status && accepts(*status);
+        },
+        patience))
+        << program_->output();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+
+  /// us, of a report that has just come: the next one is due in a second.
+  Utime reported(const std::function<void()>& meanwhile = [] {}) {
+    const auto before = bus_.status(process_);
+    told_after([&](const status_t& s) { return s.utime != before->utime; }, meanwhile);
+    return bus_.status(process_)->utime;
+  }
+  /// What its words say is told at once, and not only when a report is due.
+  void expect_told_early(Utime reported) {
+    EXPECT_LT(1e-6 * static_cast<double>(bus_.status(process_)->utime - reported), soon * patience_factor);
+  }
+
+  static void print(const std::string& fault, double told, double recovered) {
+    std::cout << fmt::format("{}: told after {:.2f} s, right again after {:.2f} s\n", fault, told, recovered);
+  }
+
+  TemporaryFolder folder_;
+  Bus bus_;
+  std::string process_;
+  std::optional<Program> program_;
+};
+
+// What would make a file grow fails, as on a disk that is full, from one moment on to another.
+TEST_F(Detection, AFullDisk) {
+  start("map-server", "  folder: '" + folder_.path().string() + "'\n", "trap '' XFSZ; ");
+  pose_estimate_t pose{};
+  pose.sender = 77;
+  pose.frame = "map";
+  pose.child_frame = "robot";
+  pose.status = pose_estimate_t::TRACKING;
+  pose.T_map_robot.quat[0] = 1;
+  const auto drive = [&] {
+    pose.utime = wall_clock();
+    ++pose.seq;
+    bus_.publish("FASTSLAM_POSE", pose);
+  };
+  told_after([](const status_t& s) { return value_of(s, "store_commits") > 0; }, drive);
+  ASSERT_FALSE(HasFailure());
+  const Utime before = reported(drive);
+  rlimit limit{1, RLIM_INFINITY};
+  ASSERT_EQ(prlimit(program_->pid(), RLIMIT_FSIZE, &limit, nullptr), 0);
+  const double told = told_after(
+      [](const status_t& s) { return s.detail.find("map's file is not written") != std::string::npos; },
+      drive);
+  expect_told_early(before);
+  const double commits = value_of(*bus_.status("map-server"), "store_commits");
+  limit.rlim_cur = RLIM_INFINITY;
+  ASSERT_EQ(prlimit(program_->pid(), RLIMIT_FSIZE, &limit, nullptr), 0);
+  const double recovered = told_after(
+      [&](const status_t& s) { return s.detail.empty() && value_of(s, "store_commits") > commits; }, drive);
+  print("full disk", told, recovered);
+}
+
+TEST_F(Detection, ABrokerThatDies) {
+  if (BrokerProgram::find().empty())
+    GTEST_SKIP() << "no mosquitto on this machine: apt-get install mosquitto";
+  if (!std::filesystem::exists(find_program("lcmslam-bridge")))
+    GTEST_SKIP() << "no bridge was built: libmosquitto-dev is not installed";
+  BrokerProgram broker(folder_);
+  start("bridge", "  host: 127.0.0.1\n  port: " + std::to_string(broker.port) +
+                      "\n  robot: dora\n  longest_pause: 1\n  send: [ICP_KEYFRAME, ICP_POSE]\n");
+  Mapper mapper(bus_);
+  const auto is_connected = [](const status_t& s) { return value_of(s, "connected") == 1; };
+  told_after(is_connected);
+  ASSERT_FALSE(HasFailure());
+  const Utime before = reported();
+  broker.kill_hard();
+  const double told = told_after([&](const status_t& s) { return !is_connected(s); }, [&] { mapper.pose(); });
+  expect_told_early(before);
+  mapper.keyframe(1000);
+  broker.start();
+  const double recovered =
+      told_after([&](const status_t& s) { return is_connected(s) && value_of(s, "kept_waiting") == 0; });
+  print("broker dies", told, recovered);
+}
+
+// Another driver's process that ends, or whose plug was pulled.
+TEST_F(Detection, ACameraThatGivesNothingMore) {
+  lcmslam::testing::write_head(folder_ / "head.yaml", {640, 480});
+  start("camera", "  source: channel\n  channel: {channel: OPENNI_FRAME}\n  live: {calibration: '" +
+                      (folder_ / "head.yaml").string() + "'}\n");
+  Mapper mapper(bus_);
+  const auto drive = [&] { mapper.picture("OPENNI_FRAME"); };
+  const auto runs = [](const status_t& s) { return s.state == status_t::RUNNING; };
+  told_after(runs, drive);
+  ASSERT_FALSE(HasFailure());
+  const double told = told_after([&](const status_t& s) { return !runs(s); });
+  EXPECT_THAT(bus_.status("camera")->detail, HasSubstr("no image"));
+  const double recovered = told_after(runs, drive);
+  print("camera gives nothing more", told, recovered);
+  EXPECT_LT(told, soon * patience_factor);
+}
+
+// Counted, and told with the next report: one each second.
+TEST_F(Detection, StrangersOnTheBus) {
+  start("odometry", "  source: wheels\n");
+  told_after([](const status_t&) { return true; });
+  ASSERT_FALSE(HasFailure());
+  const std::int64_t pid = program_->pid();
+  const auto errors = [](const status_t& s) {
+    std::int64_t sum = 0;
+    for (const auto& input : s.inputs) sum += input.decode_errors;
+    return sum;
+  };
+  const std::size_t reports = bus_.status_count("odometry", pid);
+  bus_.publish("ENCODERS", lcmslam::testing::bytes_of("no message of this type"));
+  const double garbage = told_after([&](const status_t& s) { return errors(s) > 0; });
+  EXPECT_LE(bus_.status_count("odometry", pid), reports + 2) << "one may have been under way";
+
+  const MulticastAddress address = multicast_address(lcm_url_from_environment());
+  const lcmslam::testing::UdpSender stranger;
+  const std::size_t later = bus_.status_count("odometry", pid);
+  for (const lcmslam::testing::Bytes& datagram : lcmslam::testing::killing_datagrams("ENCODERS"))
+    stranger.send(address.group, address.port, datagram);
+  const double strangers = told_after([](const status_t& s) { return value_of(s, "bus_malformed") > 0; });
+  EXPECT_LE(bus_.status_count("odometry", pid), later + 2);
+  std::cout << fmt::format("garbage: told after {:.2f} s; killing datagrams: after {:.2f} s\n", garbage,
+                           strangers);
+}
+
+}  // namespace
+}  // namespace lcmslam::integration
