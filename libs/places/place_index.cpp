@@ -59,6 +59,15 @@ std::vector<int> one_a_feature(const std::vector<int>& inliers, const std::vecto
   return once;
 }
 
+/// What two say of one pose, each with the floor.
+Place both(const UncertainTransform& a, const UncertainTransform& b, const Matrix6d& floor) {
+  const Matrix6d information_a = (a.covariance + floor).inverse(),
+                 information_b = (b.covariance + floor).inverse();
+  const Matrix6d covariance = (information_a + information_b).inverse();
+  const Vector6d step = covariance * information_b * se3_log(a.T.inverse() * b.T);
+  return {a.T * se3_exp(step), covariance + floor};
+}
+
 /// The smaller of the two standard deviations of where they are in the image, as a share of its width.
 double spread(const FeatureFrame& frame, const std::vector<int>& features) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -285,7 +294,9 @@ std::string PlaceIndex::fit_surfaces(const FeatureFrame& asker, const Cloud& see
     return "the map has surfaces where one sees through";
   if (agreement.compared > 0 && evidence.agrees < settings_.min_agreement)
     return "the map's surfaces are nearer or farther than what is seen";
-  located.place = Place{fit.T_target_source, fit.covariance + floor};
+  const double counted = std::min<double>(fit.pairs, settings_.registration.independent_pairs);
+  const Matrix6d of_surfaces = std::max(1.0, counted / settings_.surface_pairs) * fit.covariance;
+  located.place = both(pose, {fit.T_target_source, of_surfaces}, floor);
   return "";
 }
 

@@ -24,6 +24,7 @@ struct PlaceSettings {
   double tolerance_rotation = 0.02;
   double max_seen_through = 0.15;
   double min_agreement = 0.6;
+  double surface_pairs = 10;
   double floor_translation = 0.005;
   double floor_rotation = 0.003;
   RegistrationSettings registration = registration_defaults();
@@ -35,9 +36,6 @@ struct PlaceSettings {
     s.max_distance = 0.15;
     s.min_distance = 0.06;
     s.max_iterations = 15;
-    // Both clouds bear the errors of the same camera, which no number of points takes away: with hundreds of
-    // pairs that counted each on its own, far surfaces pulled the pose off what the features say.
-    s.independent_pairs = 10;
     return s;
   }
 
@@ -74,6 +72,9 @@ struct PlaceSettings {
              "share of the view in which the asker sees through surfaces of the map");
     s.number("min_agreement", min_agreement, "", {0, 1},
              "share of the view in which the map's surfaces are as far as the asker's");
+    s.number("surface_pairs", surface_pairs, "", {1, 1e9},
+             "for as many surfaces count where they and the features decide together: both clouds bear the "
+             "errors of one camera, which no number of points takes away");
     s.number("floor_translation", floor_translation, "m", {0, 1000},
              "noise floor of a found pose, added (squared)");
     s.number("floor_rotation", floor_rotation, "rad", {0, 3.1416},
