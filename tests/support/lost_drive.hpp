@@ -30,6 +30,7 @@ class LostDrive {
     std::function<double(double seconds)> slip = [](double) { return 0.0; };
     /// Whether the processor gets to an image at all.
     std::function<bool(int image, double seconds)> taken = [](int, double) { return true; };
+    int seed = 1;  ///< of the particles
   };
 
   explicit LostDrive(const Plan& plan) : plan_(plan) {
@@ -149,10 +150,17 @@ class LostDrive {
     return count;
   }
 
+  const Plan& plan() const { return plan_; }
+
+ private:
+  Plan plan_;
+
+ public:
   TestBus bus;
   OdometryNode& odometry = bus.add<OdometryNode>();
   SurfNode& surf = bus.add<SurfNode>(ConfigNode::parse("{max_features: 600}"), 500);
-  FastSlamNode& fastslam = bus.add<FastSlamNode>(ConfigNode::parse("{particles: 50}"));
+  FastSlamNode& fastslam =
+      bus.add<FastSlamNode>(ConfigNode::parse("{particles: 50, seed: " + std::to_string(plan_.seed) + "}"));
   IcpNode& icp = bus.add<IcpNode>();
 
  private:
@@ -234,7 +242,6 @@ class LostDrive {
     return m;
   }
 
-  Plan plan_;
   std::vector<Piece> pieces_;
   std::vector<double> before_, last_;  // rad of each wheel: added to what was recorded, and as it stood last
   std::int64_t images_ = 0, encoders_ = 0;
