@@ -107,11 +107,19 @@ function axis({ logarithmic }, values, room, rest) {
     : { type: "linear", ticks: room, ...alone, ...rest }) };
 }
 
-/** Places that have names say them; many stand at a slant. */
-function namedTicks({ names }) {
-  const slanted = names.length > 4;
-  return { ticks: names.map((_, i) => i + 1), tickFormat: (place) => names[place - 1], ...(slanted ? { tickRotate: -35 } : {}),
-    margins: slanted ? { marginBottom: 24 + 4.2 * Math.max(...names.map((name) => name.length)), marginLeft: 24 + 5 * names[0].length } : {} };
+/** Bars of many things that have names lie beside them, one below the other. */
+const liesInRows = (chart) => chart.x.names.length > 4 && chart.series.every(({ mark }) => mark === "bars");
+
+function drawRows(chart, list, width) {
+  const { names } = chart.x, slot = 0.8 / list.length;
+  return Plot.plot({
+    width, height: 40 + names.length * Math.max(20, 12 * list.length), ...margins, marginLeft: 12 + 6.2 * Math.max(...names.map(({ length }) => length)), style,
+    x: axis(chart.y, list.flatMap(({ data }) => data.map(({ y }) => y)), Math.max(3, Math.floor(width / 120)), { nice: true, zero: true }),
+    y: { domain: [names.length + 0.5, 0.5], ticks: names.map((_, i) => i + 1), tickFormat: (place) => names[place - 1], label: null },
+    ariaLabel: chart.title,
+    marks: list.map(({ data, look, name }, i) => Plot.rectX(drawn(data), { x1: 0, x2: "y", y1: (d) => d.x - 0.4 + i * slot, y2: (d) => d.x - 0.4 + (i + 0.94) * slot,
+      fill: look.colour, fillOpacity: look.strong ? 0.85 : 0.4, stroke: look.colour, title: tip(name, chart), tip: true })),
+  });
 }
 
 function draw(chart, list, width) {
@@ -121,10 +129,10 @@ function draw(chart, list, width) {
   const places = [...new Set(all.map(({ x }) => x))].sort((one, other) => one - other);
   const apart = Math.min(...places.slice(1).map((x, i) => x - places[i])) / (places.at(-1) - places[0]);
   const fit = places.length === 1 || apart * (width - margins.marginLeft - margins.marginRight) > 44;
-  const { margins: wider, ...named } = chart.x.names.length ? namedTicks(chart.x) : {};
-  const ownTicks = chart.x.names.length ? named : fit && places.length <= 12 && { ticks: places, tickFormat: shown };
+  const { names } = chart.x;
+  const ownTicks = names.length ? { ticks: names.map((_, i) => i + 1), tickFormat: (place) => names[place - 1] } : fit && places.length <= 12 && { ticks: places, tickFormat: shown };
   return Plot.plot({
-    width, height: equal?.height ?? Math.round(Math.min(360, Math.max(260, width * 0.5))), ...margins, ...wider, style,
+    width, height: equal?.height ?? Math.round(Math.min(360, Math.max(260, width * 0.5))), ...margins, style,
     inset: equal || bars.length ? 0 : 6,
     x: axis(chart.x, all.map(({ x }) => x), Math.max(3, Math.floor(width / 80)), { ...(equal ? { domain: equal.x } : ownTicks) }),
     y: axis(chart.y, all.flatMap(({ y, low, high }) => [y, low, high]), 6, equal ? { domain: equal.y } : { nice: true, zero: bars.length > 0 }),
@@ -154,7 +162,9 @@ export function chartFigure(chart) {
   const title = element("figcaption", {}, chart.title);
   if (list.length === 0) return element("figure", { class: "chart missing" }, title, element("p", {}, "Nothing was measured."));
   const frame = element("div", { class: "frame" });
-  drawToWidth(frame, (width) => draw(chart, list, width));
+  const rows = liesInRows(chart);
+  drawToWidth(frame, (width) => (rows ? drawRows : draw)(chart, list, width));
   return element("figure", { class: "chart" }, title, element("ul", { class: "legend" }, ...list.map((one) => key(one, chart))),
-    element("p", { class: "axis" }, `↑ ${withUnit(chart.y)}`), frame, element("p", { class: "axis x" }, `${withUnit(chart.x)} →`));
+    element("p", { class: "axis" }, rows ? `${withUnit(chart.x)} ↓` : `↑ ${withUnit(chart.y)}`), frame,
+    element("p", { class: "axis x" }, `${withUnit(rows ? chart.y : chart.x)} →`));
 }
