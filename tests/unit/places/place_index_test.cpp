@@ -157,7 +157,6 @@ TEST_F(PlaceIndexTest, SurfacesThatErrDoNotOverruleFeatures) {
   const Located located = ask(asker);
   ASSERT_TRUE(located.place) << located.why_not;
   const Vector6d error = se3_log(located.place->T_map_camera.inverse() * asked_from);
-
   EXPECT_LT(error.head<3>().norm(), 0.018);  // of 0.04: surfaces alone that are believed say 0.022
   EXPECT_LT(error.dot(located.place->covariance.inverse() * error), 16.8);  // 99 % of chi-square
 }
