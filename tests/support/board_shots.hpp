@@ -79,7 +79,7 @@ inline std::vector<BoardView> exact_views(const Board& board, const CameraModel&
       const auto pixel = camera.project(T * board.corner(id));
       if (!pixel || !camera.contains(*pixel)) continue;
       view.ids.push_back(id);
-      view.pixels.push_back(*pixel + noise * Eigen::Vector2d(random.normal(), random.normal()));
+      view.pixels.emplace_back(*pixel + noise * Eigen::Vector2d(random.normal(), random.normal()));
     }
     views.push_back(std::move(view));
   }

@@ -19,7 +19,7 @@ ColouredCloud seen_from(const Cloud& scene, const Eigen::Isometry3d& T_world_rob
   Random random(seed);
   ColouredCloud cloud;
   for (std::size_t i = 0; i < moved.size(); ++i) {
-    cloud.points.push_back(moved.points[i] + static_cast<float>(random.normal(0, 0.003)) * moved.normals[i]);
+    cloud.points.emplace_back(moved.points[i] + static_cast<float>(random.normal(0, 0.003)) * moved.normals[i]);
     cloud.normals.push_back(moved.normals[i]);
     cloud.sigmas.push_back(0.003f);
     cloud.colours.emplace_back(10, 20, 30);
@@ -283,8 +283,8 @@ TEST(DenseMapper, TracksAHandHeldRecording) {
   std::vector<Eigen::Vector3d> found, truth;
   for (std::size_t k = 0; k < steps.size(); ++k) {
     EXPECT_EQ(to_string(steps[k].status), "tracking") << k;
-    found.push_back((steps[k].T_world_robot * optical_axes()).translation());
-    truth.push_back(recording->T_world_camera(first + k).translation());
+    found.emplace_back((steps[k].T_world_robot * optical_axes()).translation());
+    truth.emplace_back(recording->T_world_camera(first + k).translation());
   }
   const auto T_truth_world = align_svd(found, truth);
   ASSERT_TRUE(T_truth_world);
