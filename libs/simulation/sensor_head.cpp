@@ -3,15 +3,14 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <lcmslam/geometry/random.hpp>
 #include <lcmslam/simulation/depth_camera.hpp>
+#include <lcmslam/simulation/head_piece.hpp>
 #include <lcmslam/simulation/tof_camera.hpp>
 
 namespace lcmslam {
 namespace {
 
 constexpr double degree = M_PI / 180;
-constexpr std::uint64_t unit_stream = 0x756e6974;
 
 CameraModel pinhole(int width, int height, double horizontal_angle, double vertical_angle) {
   CameraModel camera;
@@ -71,30 +70,35 @@ class StructuredLightSource : public DepthSource {
   DepthCamera camera_;
 };
 
-TofSensor piece_of(TofSensor sensor, std::uint64_t unit) {
-  if (unit > 0) sensor.wiggle_phase = Random(unit, unit_stream).uniform(0, 2 * M_PI);
-  return sensor;
+/// The rest of a head whose calibration is told.
+void build(SensorHead& head, const HeadPiece& piece) {
+  head.calibration.check();
+  head.built = head.calibration;
+  head.built.colour = piece.colour(head.calibration.colour);
+  head.built.depth = piece.depth(head.calibration.depth);
+  head.built.T_robot_camera = piece.mount(head.calibration.T_robot_camera);
+  head.clock = piece.clock();
 }
 
-SensorHead tof_head(const Scene& scene, const RayCaster& caster, cv::Size size, std::uint64_t unit) {
+SensorHead tof_head(const Scene& scene, const RayCaster& caster, cv::Size size, const HeadPiece& piece) {
   SensorHead head;
   RgbdCalibration& calibration = head.calibration;
   if (size.empty()) size = {176, 144};
   calibration.depth = pinhole(size.width, size.height, 47.5 * degree, 39.6 * degree);
   calibration.T_colour_depth.translation() << 0.08, 0, 0;
   calibration.T_colour_depth.rotate(Eigen::AngleAxisd(-2 * degree, Eigen::Vector3d::UnitY()));  // inwards
-  const TofSensor sensor = piece_of({}, unit);
+  const TofSensor sensor = piece.sensor({});
   // The wiggle is systematic, but unknown to who uses the camera: its root mean square.
   calibration.depth_noise = {sensor.wiggle / std::sqrt(2.0), 0, 0, sensor.noise};
   calibration.depth_min = sensor.minimum_range;
   calibration.depth_max = sensor.unambiguous_range;
   head.frame_rate = 10;
-  head.depth = std::make_unique<TofSource>(scene, caster, calibration.depth, sensor);
+  head.depth = std::make_unique<TofSource>(scene, caster, piece.depth(calibration.depth), sensor);
   head.tolerance = noise_tolerance(sensor);
   return head;
 }
 
-SensorHead rgbd_head(const Scene& scene, const RayCaster& caster, cv::Size size) {
+SensorHead rgbd_head(const Scene& scene, const RayCaster& caster, cv::Size size, const HeadPiece& piece) {
   SensorHead head;
   RgbdCalibration& calibration = head.calibration;
   if (size.empty()) size = {640, 480};
@@ -106,7 +110,7 @@ SensorHead rgbd_head(const Scene& scene, const RayCaster& caster, cv::Size size)
   calibration.depth_min = sensor.minimum;
   calibration.depth_max = sensor.maximum;
   head.frame_rate = 30;
-  head.depth = std::make_unique<StructuredLightSource>(scene, caster, calibration.depth, sensor);
+  head.depth = std::make_unique<StructuredLightSource>(scene, caster, piece.depth(calibration.depth), sensor);
   head.tolerance = noise_tolerance(sensor, calibration.depth.fx);
   return head;
 }
@@ -117,19 +121,21 @@ SensorHead make_head(const std::string& name, const Scene& scene, const RayCaste
                      cv::Size depth_size, std::uint64_t unit) {
   if (name != "tof" && name != "rgbd")
     throw std::invalid_argument("head '" + name + "' is not known: use tof or rgbd");
-  SensorHead head =
-      name == "tof" ? tof_head(scene, caster, depth_size, unit) : rgbd_head(scene, caster, depth_size);
+  const HeadPiece piece(unit);
+  SensorHead head = name == "tof" ? tof_head(scene, caster, depth_size, piece)
+                                  : rgbd_head(scene, caster, depth_size, piece);
   head.calibration.sensor = name;
   head.calibration.colour = colour_camera();
   head.calibration.has_mount = true;
   head.calibration.T_robot_camera = mount_pose(scene.head);
-  head.calibration.check();
+  build(head, piece);
   return head;
 }
 
 // What a user of the head would measure of it: the noise's mean course, the wiggle's root mean square.
 SensorHead make_head(const HeadSettings& settings, const Scene& scene, const RayCaster& caster,
                      std::uint64_t unit) {
+  const HeadPiece piece(unit);
   SensorHead head;
   RgbdCalibration& calibration = head.calibration;
   calibration.sensor = settings.name;
@@ -148,11 +154,11 @@ SensorHead make_head(const HeadSettings& settings, const Scene& scene, const Ray
   if (settings.depth_rolls)
     calibration.rolling_shutter = head.depth_rolling_shutter = settings.rolling_shutter;
   if (settings.kind == "time_of_flight") {
-    const TofSensor sensor = piece_of(settings.time_of_flight, unit);
+    const TofSensor sensor = piece.sensor(settings.time_of_flight);
     calibration.depth_noise = {sensor.wiggle / std::sqrt(2.0), 0, 0, sensor.noise};
     calibration.depth_min = sensor.minimum_range;
     calibration.depth_max = sensor.unambiguous_range;
-    head.depth = std::make_unique<TofSource>(scene, caster, calibration.depth, sensor);
+    head.depth = std::make_unique<TofSource>(scene, caster, piece.depth(calibration.depth), sensor);
     head.tolerance = noise_tolerance(sensor);
   } else {
     const StructuredLightSensor& sensor = settings.triangulation;
@@ -160,10 +166,11 @@ SensorHead make_head(const HeadSettings& settings, const Scene& scene, const Ray
     calibration.depth_noise = {sensor.constant, sensor.quadratic + disparity, sensor.offset, 0};
     calibration.depth_min = sensor.minimum;
     calibration.depth_max = sensor.maximum;
-    head.depth = std::make_unique<StructuredLightSource>(scene, caster, calibration.depth, sensor);
+    head.depth =
+        std::make_unique<StructuredLightSource>(scene, caster, piece.depth(calibration.depth), sensor);
     head.tolerance = noise_tolerance(sensor, calibration.depth.fx);
   }
-  calibration.check();
+  build(head, piece);
   return head;
 }
 

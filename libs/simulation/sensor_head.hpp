@@ -1,5 +1,5 @@
 #pragma once
-// The sensor heads, the two pinned ones and those of files: exact calibration, and the depth half of a frame.
+// The sensor heads, the two pinned ones and those of files: calibration, and the depth half of a frame.
 
 #include <memory>
 #include <string>
@@ -27,7 +27,9 @@ class DepthSource {
 };
 
 struct SensorHead {
-  RgbdCalibration calibration;
+  RgbdCalibration calibration;       ///< as its user is told
+  RgbdCalibration built;             ///< as this piece is
+  Utime clock = 0;                   ///< us by which this piece's stamps are late
   double frame_rate = 10;            ///< Hz
   double exposure = 1.0 / 60;        ///< s, of the colour camera
   double rolling_shutter = 0;        ///< s, of the colour camera
@@ -38,8 +40,8 @@ struct SensorHead {
 
 /// "tof" or "rgbd"; throws std::invalid_argument for another name. Scene and caster must outlive it.
 /// `depth_size`: other pixels of the depth camera behind the same lens, with the same noise of a pixel in
-/// metres; empty: the pinned size, which alone Simulation uses. `unit`: which piece of the model. Their
-/// time-of-flight cameras' systematic errors are as large and lie at other ranges; 0: as described.
+/// metres; empty: the pinned size, which alone Simulation uses. `unit`: which piece of the model
+/// (head_piece.hpp); 0: as described.
 SensorHead make_head(const std::string& name, const Scene& scene, const RayCaster& caster,
                      cv::Size depth_size = {}, std::uint64_t unit = 0);
 

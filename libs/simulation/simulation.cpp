@@ -74,7 +74,7 @@ struct Simulation::Parts {
         scene(load_scene(settings.scene)),
         caster(scene),
         head(head_of(settings, scene, caster)),
-        colour(scene, caster, head.calibration.colour, colour_sensor_of(head)),
+        colour(scene, caster, head.built.colour, colour_sensor_of(head)),
         frame_rate(settings.frame_rate > 0 ? settings.frame_rate : head.frame_rate),
         path(path_of(settings, scene, frame_period())),
         encoders(simulate_encoders(path, settings.base, start_time, settings.seed)),
@@ -85,7 +85,7 @@ struct Simulation::Parts {
   Utime frame_period() const { return static_cast<Utime>(1e6 / frame_rate); }
 
   Eigen::Isometry3d T_world_camera(Utime utime) const {
-    return path.pose(static_cast<double>(utime - start_time) * 1e-6) * head.calibration.T_robot_camera;
+    return path.pose(static_cast<double>(utime - start_time) * 1e-6) * head.built.T_robot_camera;
   }
 
   /// Of a camera at T_colour_camera on the head.
@@ -112,7 +112,7 @@ struct Simulation::Parts {
     if (again && kept.find(moment, views)) return views;
     views.colour = colour.see(colour_poses(moment), settings.threads);
     views.depth = head.depth->see(
-        row_poses(depth_moment_of(moment), head.calibration.T_colour_depth, head.depth_rolling_shutter),
+        row_poses(depth_moment_of(moment), head.built.T_colour_depth, head.depth_rolling_shutter),
         settings.threads);
     if (again) kept.keep(moment, views);
     return views;
@@ -141,7 +141,7 @@ struct Simulation::Parts {
     const double jitter = settings.faults.stamp_jitter;
     if (jitter > 0)
       error += jitter * (2 * PixelNoise::uniform(PixelNoise(settings.seed, sensor, shot).bits(0)) - 1);
-    return moment + static_cast<Utime>(std::llround(1e6 * error));
+    return moment + head.clock + static_cast<Utime>(std::llround(1e6 * error));
   }
 
   const SimulationSettings settings;
@@ -161,6 +161,9 @@ Simulation::~Simulation() = default;
 
 const RgbdCalibration& Simulation::calibration() const {
   return parts_->head.calibration;
+}
+const RgbdCalibration& Simulation::true_calibration() const {
+  return parts_->head.built;
 }
 Utime Simulation::start() const {
   return start_time;

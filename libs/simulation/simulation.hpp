@@ -53,8 +53,8 @@ struct SimulationSettings {
     s.text("head", head,
            "which cameras the robot has: tof, rgbd, or one of config/heads by its name or its file's path");
     s.number("unit", unit, "", {0, 2147483647},
-             "which piece of that head: its time-of-flight camera's systematic error is as large and lies at "
-             "other ranges; 0: as described");
+             "which piece of that head: focal lengths, mount and clock are off by what a careful calibration "
+             "leaves, and a time-of-flight camera errs as much at other ranges; 0: just as told");
     s.choice("base", base, {"differential", "steered", "mecanum"}, "which wheels the robot has");
     s.number("seed", seed, "", {0, 2147483647},
              "of the sensors' errors; the scene and the path do not depend on it");
@@ -77,8 +77,11 @@ class Simulation {
   explicit Simulation(const SimulationSettings& settings);
   ~Simulation();
 
-  /// Exact intrinsics, T_colour_depth and mount. Depth is not registered to colour with either head.
+  /// Intrinsics, T_colour_depth and mount as the robot is told. Depth is not registered to colour with either
+  /// head.
   const RgbdCalibration& calibration() const;
+  /// As they are: the same for unit 0.
+  const RgbdCalibration& true_calibration() const;
 
   Utime start() const;  ///< 1 s
   Utime end() const;
@@ -93,8 +96,9 @@ class Simulation {
   /// The newest reading at or before `utime` (a multiple of 20 ms after start()).
   const Encoders& encoders(Utime utime) const;
 
-  /// One shot with the colour exposure's middle at `utime`, stamped with the settings' faults. depth_utime is
-  /// up to 15 ms off, and the depth is that of the robot's pose then. `amplitude` is empty for the rgbd head.
+  /// One shot with the colour exposure's middle at `utime`, stamped with the settings' faults and the
+  /// piece's. depth_utime is up to 15 ms off, and the depth is that of the robot's pose then. `amplitude` is
+  /// empty for the rgbd head.
   RgbdFrame render(Utime utime) const;
 
   /// Metres from a point in the world to the nearest surface of the scene.

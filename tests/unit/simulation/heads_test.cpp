@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <complex>
 #include <fstream>
 
 #include <lcmslam/configuration/config.hpp>
+#include <lcmslam/simulation/head_piece.hpp>
 #include <lcmslam/simulation/head_settings.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
@@ -33,10 +35,9 @@ Utime fastest_turn(const Simulation& simulation) {
   return best;
 }
 
-// Median distance of depth points from the scene, with the head where it truly was, m.
-double depth_error(const Simulation& simulation, const RgbdFrame& frame,
+// Median distance of depth points from the scene, with the robot where it truly was, m.
+double depth_error(const Simulation& simulation, const RgbdCalibration& c, const RgbdFrame& frame,
                    const Eigen::Isometry3d& T_world_robot) {
-  const RgbdCalibration& c = simulation.calibration();
   const Eigen::Isometry3d T = T_world_robot * c.T_robot_camera * c.T_colour_depth;
   std::vector<double> errors;
   for (int v = 3; v < frame.depth.rows; v += 29)
@@ -48,6 +49,10 @@ double depth_error(const Simulation& simulation, const RgbdFrame& frame,
   std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
                    errors.end());
   return errors[errors.size() / 2];
+}
+
+double square(double x) {
+  return x * x;
 }
 
 class ShippedHead : public testing::TestWithParam<const char*> {};
@@ -62,7 +67,7 @@ TEST_P(ShippedHead, MeasuresTheSceneWithItsOwnNoise) {
   EXPECT_EQ(frame.colour.size(), cv::Size(c.colour.width, c.colour.height));
   EXPECT_EQ(frame.depth.size(), cv::Size(c.depth.width, c.depth.height));
   EXPECT_EQ(frame.utime, t);
-  const double error = depth_error(simulation, frame, simulation.T_world_robot(frame.depth_utime));
+  const double error = depth_error(simulation, c, frame, simulation.T_world_robot(frame.depth_utime));
   EXPECT_LT(error, 3 * c.depth_noise.sigma(2.5));
   EXPECT_GT(error, 0.0002);
 }
@@ -72,35 +77,52 @@ INSTANTIATE_TEST_SUITE_P(Heads, ShippedHead,
                                          "swissranger"),
                          [](const auto& test) { return std::string(test.param); });
 
-// The same noise in the same scene: what differs is where along the range the camera errs.
-TEST(Heads, PiecesOfAModelErrAsMuchAtOtherRanges) {
+// What a piece truly measures fits what it truly is, and not what it is said to be.
+TEST(Heads, PiecesOfAModelAreNotQuiteAsTold) {
   const Simulation described(with_head("tof"));
-  const Utime t = described.start() + 3'000'000;
-  const RgbdFrame frame = described.render(t);
-  constexpr int pieces = 4;
-  double squares = 0;
-  for (int unit = 1; unit <= pieces; ++unit) {
-    SimulationSettings settings = with_head("tof");
-    settings.unit = static_cast<std::uint64_t>(unit);
-    const Simulation piece(settings);
-    EXPECT_EQ(piece.calibration().depth_noise.constant, described.calibration().depth_noise.constant);
-    const RgbdFrame other = piece.render(t);
-    EXPECT_EQ(cv::norm(frame.colour, other.colour), 0);
-    double sum = 0;
-    int count = 0;
-    for (int v = 0; v < frame.depth.rows; ++v)
-      for (int u = 0; u < frame.depth.cols; ++u) {
-        const int a = frame.depth.at<std::uint16_t>(v, u), b = other.depth.at<std::uint16_t>(v, u);
-        if (a == 0 || b == 0) continue;
-        EXPECT_LE(std::abs(a - b), 13) << "twice the wiggle's 6 mm, rounded";
-        sum += (a - b) * (a - b);
-        ++count;
-      }
-    ASSERT_GT(count, 10000);
-    EXPECT_GT(sum, count) << "unit " << unit;
-    squares += sum / count / pieces;
+  EXPECT_EQ(described.true_calibration().colour.fx, described.calibration().colour.fx);
+  SimulationSettings settings = with_head("rgbd");
+  settings.unit = 2;
+  const Simulation piece(settings);
+  const RgbdCalibration& told = piece.calibration();
+  const RgbdCalibration& built = piece.true_calibration();
+  EXPECT_EQ(told.colour.fx, described.calibration().colour.fx);
+  EXPECT_NE(built.colour.fx / told.colour.fx, built.depth.fx / told.depth.fx);
+  double as_told = 0, as_built = 0;
+  for (int i = 1; i <= 12; ++i) {
+    const RgbdFrame frame = piece.render(piece.start() + 1'000'000 * i);
+    const Utime shot = frame.depth_utime - (frame.utime - piece.start() - 1'000'000 * i);
+    as_told += depth_error(piece, told, frame, piece.T_world_robot(frame.depth_utime)) / 12;
+    as_built += depth_error(piece, built, frame, piece.T_world_robot(shot)) / 12;
   }
-  EXPECT_NEAR(std::sqrt(squares), 6, 2.5);  // mm: of the difference of two sines of random phase
+  EXPECT_GT(as_told, 1.2 * as_built);
+}
+
+// As large as the mappers are told, and the piece's own.
+TEST(Heads, PiecesErrByWhatACarefulCalibrationLeaves) {
+  constexpr int pieces = 2000;
+  const CameraModel lens = Simulation(with_head("tof")).calibration().colour;
+  double focal = 0, clock = 0, place = 0, angle = 0;
+  std::complex<double> phase = 0;
+  for (std::uint64_t unit = 1; unit <= pieces; ++unit) {
+    const HeadPiece piece(unit);
+    const CameraModel built = piece.colour(lens);
+    EXPECT_NEAR(built.fx / lens.fx, built.fy / lens.fy, 1e-12);
+    focal += square(built.fx / lens.fx - 1) / pieces;
+    clock += square(1e-6 * static_cast<double>(piece.clock())) / pieces;
+    const Vector6d mount = se3_log(piece.mount(Eigen::Isometry3d::Identity()));
+    place += mount.head<3>().squaredNorm() / 3 / pieces;
+    angle += mount.tail<3>().squaredNorm() / 3 / pieces;
+    const TofSensor sensor = piece.sensor({});
+    EXPECT_EQ(sensor.wiggle, TofSensor().wiggle);
+    phase += std::polar(1.0 / pieces, sensor.wiggle_phase);
+  }
+  const double within = 4 / std::sqrt(2.0 * pieces);  // four sigmas of a standard deviation
+  EXPECT_NEAR(std::sqrt(focal) / 0.001, 1, within);
+  EXPECT_NEAR(std::sqrt(clock) / 0.001, 1, within);
+  EXPECT_NEAR(std::sqrt(place) / 0.002, 1, within);
+  EXPECT_NEAR(std::sqrt(angle) / 0.001, 1, within);
+  EXPECT_LT(std::abs(phase), 4 / std::sqrt(pieces)) << "any phase is as likely";
 }
 
 TEST(Heads, TheSwissRangersFileMeasuresAsThePinnedHead) {
