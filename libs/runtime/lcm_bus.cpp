@@ -129,6 +129,7 @@ void Receiver::Queue::push(std::vector<std::uint8_t> bytes) {
   Arrival arrival{input, std::move(bytes), std::chrono::steady_clock::now()};
   {
     const std::lock_guard<std::mutex> lock(receiver->mutex_);
+    pulse.beat(arrival.time);
     waiting.push_back(std::move(arrival));
     if (waiting.size() > input->capacity()) drop_oldest();
   }
@@ -175,6 +176,15 @@ std::map<const Input*, Receiver::QueueCount> Receiver::counts() {
     queue->count.oldest = 0;
   }
   return result;
+}
+
+std::vector<std::string> Receiver::stopped() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const SteadyTime now = std::chrono::steady_clock::now();
+  std::vector<std::string> channels;
+  for (const auto& queue : queues_)
+    if (queue->input->admits && queue->pulse.stopped(now)) channels.push_back(queue->input->channel());
+  return channels;
 }
 
 std::int64_t draw_sender() {

@@ -12,6 +12,7 @@
 #include <lcmslam/runtime/bus.hpp>
 #include <lcmslam/runtime/inputs.hpp>
 #include <lcmslam/runtime/publisher.hpp>
+#include <lcmslam/runtime/pulse.hpp>
 #include <lcmslam/runtime/seal.hpp>
 
 namespace lcmslam {
@@ -97,6 +98,9 @@ class Receiver {
   };
   std::map<const Input*, QueueCount> counts();
 
+  /// Channels of measurements on which messages came regularly and come no more.
+  std::vector<std::string> stopped();
+
   /// What came from the network and was not taken, and the state of the socket.
   Refusals refusals() const { return reader_->refusals(); }
   SocketState socket() const { return reader_->socket(); }
@@ -108,6 +112,7 @@ class Receiver {
     PartAssembler assembler;
     std::deque<Arrival> waiting;
     QueueCount count;
+    Pulse pulse;
     std::vector<MessageIdentity> skipped;  // since the last one was taken
     std::int64_t unreadable = 0;           // the same
     void receive_part(const std::vector<std::uint8_t>& bytes);

@@ -57,7 +57,7 @@ class Process {
       const auto work = node_->work();
       wait = std::min<Clock::duration>(work.value_or(longest_wait), longest_wait);
       if (Clock::now() >= next_look) {
-        const NodeReport report = node_->report();
+        const NodeReport report = with_stopped(node_->report(), receiver.stopped());
         const bool says_else = report.detail != last_words && Clock::now() >= next_words;
         if (report.state != last_state || says_else || Clock::now() >= next_status) {
           publish_status(report, receiver);

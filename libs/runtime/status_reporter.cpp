@@ -35,11 +35,19 @@ std::string trouble_of(const Input& input, const Receiver::QueueCount& queue) {
                      queue.incomplete);
 }
 
+void say_too(NodeReport& report, const std::string& trouble) {
+  if (!trouble.empty()) report.detail += (report.detail.empty() ? "" : "; ") + trouble;
+}
+
 }  // namespace
 
+NodeReport with_stopped(NodeReport report, const std::vector<std::string>& channels) {
+  for (const std::string& channel : channels) say_too(report, channel + " comes no more");
+  return report;
+}
+
 NodeReport with_stamps(NodeReport report, const StampJudge& stamps) {
-  const std::string trouble = stamps.trouble();
-  if (!trouble.empty()) report.detail += (report.detail.empty() ? "" : "; ") + trouble;
+  say_too(report, stamps.trouble());
   if (stamps.refused() > 0)
     report.values.emplace_back("stamps_refused", static_cast<double>(stamps.refused()));
   if (stamps.foreign() > 0)

@@ -10,6 +10,9 @@ namespace lcmslam {
 /// The node's own report, and what its inputs' stamps gave to say.
 NodeReport with_stamps(NodeReport report, const StampJudge& stamps);
 
+/// The node's own report, and which channels' measurements come no more.
+NodeReport with_stopped(NodeReport report, const std::vector<std::string>& channels);
+
 class StatusReporter {
  public:
   StatusReporter(std::string process, Publisher& publisher);

@@ -9,6 +9,7 @@
 
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
+#include <lcmslam/twist_t.hpp>
 #include "tests/integration/support/bridge_ends.hpp"
 #include "tests/integration/support/environment.hpp"
 #include "tests/integration/support/program.hpp"
@@ -139,6 +140,29 @@ TEST_F(Detection, ACameraThatGivesNothingMore) {
   EXPECT_THAT(bus_.status("camera")->detail, HasSubstr("no image"));
   const double recovered = told_after(runs, drive);
   print("camera gives nothing more", told, recovered);
+  EXPECT_LT(told, soon * patience_factor);
+}
+
+// A sender that hangs: its process lives and does nothing.
+TEST_F(Detection, MeasurementsThatComeNoMore) {
+  start("odometry", "  source: twist\n");
+  twist_t twist{};
+  twist.sender = 77;
+  const auto drive = [&] {
+    twist.utime = wall_clock();
+    ++twist.seq;
+    bus_.publish("TWIST", twist);
+  };
+  const auto stopped = [](const status_t& s) {
+    return s.detail.find("TWIST comes no more") != std::string::npos;
+  };
+  std::int64_t sent = 0;
+  told_after([&](const status_t&) { return sent > 50; }, [&] { drive(), ++sent; });
+  ASSERT_FALSE(HasFailure());
+  EXPECT_FALSE(stopped(*bus_.status("odometry")));
+  const double told = told_after(stopped);
+  const double recovered = told_after([&](const status_t& s) { return !stopped(s); }, drive);
+  print("measurements come no more", told, recovered);
   EXPECT_LT(told, soon * patience_factor);
 }
 

@@ -1,10 +1,9 @@
 #include "tools/study/faults/fault_run.hpp"
 
-#include <sched.h>
-#include <sys/mount.h>
 #include <atomic>
 #include <csignal>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <thread>
 
@@ -85,9 +84,12 @@ class FaultRun {
 
  private:
   void subscribe() {
-    inputs_.subscribe<pose_estimate_t>("FASTSLAM_POSE", 10000,
-                                       [this](const auto& m) { fastslam_.add(m, elapsed_); });
-    inputs_.subscribe<pose_estimate_t>("ICP_POSE", 10000, [this](const auto& m) { icp_.add(m, elapsed_); });
+    for (const auto& [channel, watch] : {std::pair("FASTSLAM_POSE", &fastslam_), {"ICP_POSE", &icp_}})
+      inputs_.subscribe<pose_estimate_t>(
+          channel, 10000, [this, channel = std::string(channel), watch = watch](const auto& m) {
+            watch->add(m, elapsed_);
+            hear_pose(channel, m.detail);
+          });
     inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { hear(m); });
     inputs_.subscribe<graph_t>("ICP_GRAPH", 1000, [this](const auto& m) {
       told_[{m.sender, m.frame}].apply(m);
@@ -131,6 +133,14 @@ class FaultRun {
       if (const std::string trouble = trouble_told(before->second, status); !trouble.empty())
         result_.record.alarms.push_back({elapsed_, trouble});
     board_[status.process] = status;
+  }
+
+  /// What a pose says in words, say that the wheels slipped.
+  void hear_pose(const std::string& channel, const std::string& detail) {
+    std::string& before = pose_words_[channel];
+    if (!detail.empty() && detail != before)
+      result_.record.alarms.push_back({elapsed_, channel + ": " + detail});
+    before = detail;
   }
 
   /// False at the end of the recording.
@@ -238,6 +248,7 @@ class FaultRun {
   std::optional<Receiver> receiver_;
   Supervisor supervisor_;
   StatusBoard board_;
+  std::map<std::string, std::string> pose_words_;  // by channel, the last ones
   ToldGraphs told_;
   ToldLandmarks told_landmarks_;
   MapperWatch fastslam_, icp_;
@@ -255,14 +266,6 @@ class FaultRun {
 
 FaultRunResult run_with_faults(CameraSource& source, const FaultRunSettings& settings) {
   return FaultRun(source, settings).run();
-}
-
-bool mount_small_disk(const std::filesystem::path& folder, int megabytes) {
-  share_folder();  // programs and files are found by the name that this one has before
-  program_folder();
-  const std::string size = "size=" + std::to_string(megabytes) + "m";
-  return unshare(CLONE_NEWNS) == 0 && mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-         mount("tmpfs", folder.c_str(), "tmpfs", MS_NOSUID | MS_NODEV, size.c_str()) == 0;
 }
 
 }  // namespace lcmslam

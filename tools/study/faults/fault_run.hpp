@@ -49,8 +49,4 @@ struct FaultRunResult {
 /// Throws std::runtime_error when the graph does not start.
 FaultRunResult run_with_faults(CameraSource& source, const FaultRunSettings& settings);
 
-/// A folder in memory that holds `megabytes`, seen by this process and those it starts alone. Before any
-/// thread. False where that is forbidden.
-bool mount_small_disk(const std::filesystem::path& folder, int megabytes);
-
 }  // namespace lcmslam

@@ -9,6 +9,7 @@
 
 #include <lcmslam/configuration/share.hpp>
 #include <lcmslam/evaluation/table.hpp>
+#include "tools/study/faults/small_disk.hpp"
 
 namespace lcmslam {
 namespace {
@@ -44,7 +45,7 @@ FaultsStudyRun run_scene(const Scene& scene, std::uint64_t seed, std::vector<Fau
   graph.folder = folder / (scene.name + "-" + (run.faults.empty() ? "undisturbed" : std::to_string(seed)));
   graph.faults = run.faults;
   graph.seed = seed;
-  std::filesystem::create_directories(graph.folder);
+  const SmallDisk disk(graph.folder, disk_megabytes);
   std::cout << "lcmslam study: " << graph.folder.filename().string() << std::endl;
   run.result = run_with_faults(*scene.open(settings), graph);
   return run;
@@ -91,8 +92,7 @@ nlohmann::json record_json(const RunRecord& record) {
 
 std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
                                          const std::filesystem::path& folder) {
-  if (!mount_small_disk(folder, disk_megabytes))
-    throw std::runtime_error("--only faults fills a small disk of its own, which needs root");
+  if (!own_mounts()) throw std::runtime_error("--only faults fills small disks of its own, which needs root");
   std::vector<Scene> scenes = {{"kitchen", "config/demo.yaml", open_kitchen, 40}};
   if (!settings.recording.empty()) scenes.push_back({"recording", "config/dataset.yaml", open_data_set, 26});
   const auto begin = std::chrono::steady_clock::now();

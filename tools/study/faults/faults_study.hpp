@@ -26,8 +26,8 @@ struct FaultsStudyRun {
   FaultRunResult result;
 };
 
-/// First an undisturbed run of each scene, then disturbed ones by turns. The results of each in
-/// `folder`/SCENE-SEED.
+/// First an undisturbed run of each scene, then disturbed ones by turns, each in `folder`/SCENE-SEED, whose
+/// disk ends with it.
 std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
                                          const std::filesystem::path& folder);
 
