@@ -54,7 +54,7 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
     changed_space_.look_through(frame.cloud, step.T_world_robot * frame.T_robot_camera, map_, keyframes_);
   // Tell: how wrong the pose may be in the whole map, and where it is as seen by whoever must not see it
   // jump.
-  tell_covariance(step);
+  tell_covariance(frame.T_robot_camera, step);
   tell_local_pose(expected, step);
 
   // A jump to where the robot was found again is no motion that goes on.
@@ -170,12 +170,15 @@ bool DenseMapper::is_found(const Tracked& tracked) {
 }
 
 // The map in sight stands on the newest node and errs as that does; registration errs beside it, as the edge
-// would that it may become.
-void DenseMapper::tell_covariance(Step& step) const {
+// would that it may become, and so does the head's place on the robot.
+void DenseMapper::tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step& step) const {
   const KeyframeGraph::Node& newest = graph_.nodes().back();
   const Eigen::Isometry3d T_node_robot = newest.T_world_camera.inverse() * step.T_world_robot;
   const Matrix6d A = adjoint(T_node_robot.inverse());
-  step.map_covariance = A * newest.covariance * A.transpose();
+  const Eigen::Isometry3d T_world_first = graph_.nodes().front().T_world_camera * T_robot_camera.inverse();
+  step.map_covariance =
+      A * newest.covariance * A.transpose() +
+      mount_error(T_world_first.inverse() * step.T_world_robot, T_robot_camera, settings_.mount_error);
   // A new node's own covariance has its registration in it.
   if (step.node) return;
   step.map_covariance += step.status == MappingStatus::tracking

@@ -88,7 +88,7 @@ class DenseMapper {
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
   bool hangs_on_odometry();
-  void tell_covariance(Step& step) const;
+  void tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step& step) const;
   void tell_local_pose(const Expectation& expected, Step& step);
   void grow(const PreparedFrame& prepared, Step& step);
   void add_node(const PreparedFrame& prepared, bool keyframe, Step& step);

@@ -53,6 +53,8 @@ void DenseMapperSettings::describe(SettingsVisitor& s) {
   s.section("map", map, "the growing map that frames are registered to");
   s.section("free_space", free_space, "what is not there any more");
   s.section("features", features, "where the SURF features of a frame place the robot");
+  s.section("mount_error", mount_error,
+            "what the told covariance of a pose holds for the head's place on the robot");
   s.section("depth_clock", depth_clock, "by how much the depth image's stamps are off");
   s.section("graph", graph, "the keyframes' pose graph");
   s.section("prior", prior, "what is known before a frame is registered");

@@ -6,6 +6,7 @@
 #include <lcmslam/dense_mapper/free_space.hpp>
 #include <lcmslam/dense_mapper/map_target.hpp>
 #include <lcmslam/dense_mapper/motion_prior.hpp>
+#include <lcmslam/dense_mapper/mount_error.hpp>
 #include <lcmslam/dense_mapper/thesis/thesis_settings.hpp>
 #include <lcmslam/dense_mapper/voxel_map.hpp>
 #include <lcmslam/pose_graph/keyframe_graph.hpp>
@@ -24,6 +25,7 @@ struct DenseMapperSettings {
   DepthClockSettings depth_clock;  // of whoever makes the frames
   KeyframeGraphSettings graph;
   FreeSpaceSettings free_space;
+  MountErrorSettings mount_error;
 
   // registration: a coarse pass over few points from far, then a fine one
   double voxel_size = 0.04;

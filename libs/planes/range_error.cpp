@@ -192,6 +192,11 @@ double RangeError::sigma(double range) const {
   return std::sqrt(covariance_(k, k));
 }
 
+// DepthNoise adds its parts up as they are; what the constant becomes is independent of the rest.
+double RangeError::remaining(double stated, double range) const {
+  return std::min(stated, std::hypot(std::max(0.0, stated - noise_.constant), sigma(range)));
+}
+
 void RangeError::correct(cv::Mat& depth) const {
   if (largest() < negligible) return;
   constexpr int fine = 100;  // a metre

@@ -54,6 +54,8 @@ class RangeError {
   /// Measured less true range, m, by the measured one; and its standard deviation.
   double at(double range) const;
   double sigma(double range) const;
+  /// m: what a corrected depth errs by, which the calibration states to be `stated` uncorrected.
+  double remaining(double stated, double range) const;
   /// The largest at any range, m.
   double largest() const { return error_.cwiseAbs().maxCoeff(); }
 

@@ -86,7 +86,11 @@ void SurfNode::on_camera(const images_t& message) {
   no_depth_ = cv::countNonZero(frame.depth) == 0;
   range_error_->learn(frame.depth, frame.depth_utime);
   range_error_->correct(frame.depth);
-  const FeatureFrame features = describe(frame);
+  FeatureFrame features = describe(frame);
+  for (Feature& feature : features.features)
+    if (feature.kind == MeasurementKind::point)
+      feature.depth_sigma =
+          static_cast<float>(range_error_->remaining(feature.depth_sigma, feature.point.norm()));
   publisher_.publish("FEATURES", to_message(features));
   ++frames_;
   look_at(frame);

@@ -19,7 +19,8 @@ ColouredCloud seen_from(const Cloud& scene, const Eigen::Isometry3d& T_world_rob
   Random random(seed);
   ColouredCloud cloud;
   for (std::size_t i = 0; i < moved.size(); ++i) {
-    cloud.points.emplace_back(moved.points[i] + static_cast<float>(random.normal(0, 0.003)) * moved.normals[i]);
+    cloud.points.emplace_back(moved.points[i] +
+                              static_cast<float>(random.normal(0, 0.003)) * moved.normals[i]);
     cloud.normals.push_back(moved.normals[i]);
     cloud.sigmas.push_back(0.003f);
     cloud.colours.emplace_back(10, 20, 30);
@@ -202,6 +203,29 @@ TEST(DenseMapper, APoseErrsAsTheGraphHasLearned) {
   }
   EXPECT_NE(learned, 1);
   EXPECT_GT(told, 0);
+}
+
+// A robot that drives in a bow: the same in all but what is told.
+TEST(DenseMapper, APoseErrsByTheHeadsPlaceToo) {
+  DenseMapperSettings exact;
+  exact.mount_error = {0, 0};
+  DenseMapper mapper, sure(exact);
+  const Cloud scene = room(0.03);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity(), mount = Eigen::Isometry3d::Identity();
+  mount.translation() << 0.2, 0, 0.5;
+  for (int i = 0; i < 15; ++i) {
+    const auto frame =
+        coloured_frame(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), mount);
+    const auto step = mapper.step(frame), other = sure.step(frame);
+    ASSERT_EQ(step.T_world_robot.matrix(), other.T_world_robot.matrix());
+    const Matrix6d expected = mount_error(step.T_world_robot, mount, DenseMapperSettings().mount_error);
+    EXPECT_LT((step.map_covariance - other.map_covariance - expected).norm(),
+              1e-9 * step.map_covariance.norm() + 1e-15);
+    if (i == 14) {
+      EXPECT_GT(expected.norm(), 1e-7);
+    }
+    T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.05));
+  }
 }
 
 TEST(DenseMapper, RecoversAtAKeyframeAfterAJump) {

@@ -81,6 +81,18 @@ TEST(RangeError, SigmaIsWhatIsLeft) {
   EXPECT_LT(sum / count, 1.5);
 }
 
+// Of what is stated the wiggle is a part: what is learned of it is gone, what is not stays.
+TEST(RangeError, WhatRemainsIsLessThanStatedWhereItHasLearned) {
+  const double constant = tof_camera().depth_noise.constant, stated = constant + 0.0027;
+  const RangeError fresh(tof_camera(), {}), learned = after_a_drive(corridor(), wiggle);
+  EXPECT_NEAR(fresh.remaining(stated, 2.5), std::hypot(constant, 0.0027), 1e-5);
+  for (const double range : {2.0, 3.0, 4.0}) {
+    EXPECT_NEAR(learned.remaining(stated, range), std::hypot(learned.sigma(range), 0.0027), 1e-9) << range;
+    EXPECT_LT(learned.remaining(stated, range), 0.8 * stated) << range;
+  }
+  EXPECT_LE(learned.remaining(0.001, 3), 0.001) << "never more than stated";
+}
+
 TEST(RangeError, WhatIsKnownIsTakenAwayAndNothingStaysNothing) {
   const RgbdCalibration calibration = tof_camera();
   const RangeError error = after_a_drive(corridor(), wiggle);
