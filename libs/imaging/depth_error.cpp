@@ -11,6 +11,7 @@ namespace {
 constexpr float table_step = 0.004F;   // m between the table's entries
 constexpr double farthest_range = 80;  // m: 65.5 m of depth, to the side
 constexpr int largest_depth = 65535;
+constexpr float least_factor = 0.5F;  // of a depth by tilt: beyond, nothing is believed of it
 
 void wrong_depth_error(const char* name, double is, const char* right) {
   std::ostringstream message;
@@ -39,18 +40,23 @@ void DepthError::check() const {
   // A steeper wiggle would give one measured range to several true ones.
   if (!(std::abs(wiggle) * 2 * M_PI / period <= 0.5))
     wrong_depth_error("wiggle", wiggle, "must be at most a twelfth of its period");
+  if (!(std::abs(tilt_x) <= 0.2)) wrong_depth_error("tilt_x", tilt_x, "must be -0.2 to 0.2 1/m");
+  if (!(std::abs(tilt_y) <= 0.2)) wrong_depth_error("tilt_y", tilt_y, "must be -0.2 to 0.2 1/m");
 }
 
 bool DepthError::operator==(const DepthError& other) const {
   return offset == other.offset && scale == other.scale && wiggle == other.wiggle && period == other.period &&
-         phase == other.phase;
+         phase == other.phase && tilt_x == other.tilt_x && tilt_y == other.tilt_y;
 }
 
 DepthCorrector::DepthCorrector(const CameraModel& camera, const DepthError& error)
-    : stretch_(camera.height, camera.width, CV_32FC1) {
+    : stretch_(camera.height, camera.width, CV_32FC1), tilt_(stretch_.size(), CV_32FC1) {
   for (int v = 0; v < camera.height; ++v)
-    for (int u = 0; u < camera.width; ++u)
-      stretch_.at<float>(v, u) = static_cast<float>(camera.ray({u, v}).norm());
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d ray = camera.ray({u, v});
+      stretch_.at<float>(v, u) = static_cast<float>(ray.norm());
+      tilt_.at<float>(v, u) = static_cast<float>(1e-3 * (error.tilt_x * ray.x() + error.tilt_y * ray.y()));
+    }
   const auto entries = static_cast<std::size_t>(farthest_range / static_cast<double>(table_step)) + 2;
   factors_.reserve(entries);
   factors_.push_back(1);
@@ -68,12 +74,15 @@ void DepthCorrector::operator()(cv::Mat& depth) const {
   for (int v = 0; v < depth.rows; ++v) {
     auto* z = depth.ptr<std::uint16_t>(v);
     const auto* stretch = stretch_.ptr<float>(v);
+    const auto* tilt = tilt_.ptr<float>(v);
     for (int u = 0; u < depth.cols; ++u) {
       if (z[u] == 0) continue;
-      const float at = std::min(0.001F * static_cast<float>(z[u]) * stretch[u] / table_step, last);
+      const auto measured = static_cast<float>(z[u]);
+      const float level = measured / std::max(least_factor, 1 - measured * tilt[u]);
+      const float at = std::min(0.001F * level * stretch[u] / table_step, last);
       const auto i = static_cast<std::size_t>(at);
       const float factor = factors_[i] + (at - static_cast<float>(i)) * (factors_[i + 1] - factors_[i]);
-      const int corrected = static_cast<int>(factor * static_cast<float>(z[u]) + 0.5F);
+      const int corrected = static_cast<int>(factor * level + 0.5F);
       z[u] = static_cast<std::uint16_t>(std::min(corrected, largest_depth));
     }
   }

@@ -121,7 +121,8 @@ CameraModel read_intrinsics(const camera_intrinsics_t& m) {
   return camera;
 }
 
-constexpr std::string_view rolling_shutter_key = ";rolling_shutter=", depth_error_key = ";depth_error=";
+constexpr std::string_view rolling_shutter_key = ";rolling_shutter=", depth_error_key = ";depth_error=",
+                           depth_tilt_key = ";depth_tilt=";
 
 std::string joined(std::initializer_list<double> values) {
   std::string text;
@@ -136,7 +137,8 @@ std::string joined(std::initializer_list<double> values) {
 std::string sensor_text(const RgbdCalibration& c) {
   std::string text = c.sensor;
   const DepthError& e = c.depth_error;
-  if (!e.is_zero())
+  if (e.has_tilt()) text += std::string(depth_tilt_key) + joined({e.tilt_x, e.tilt_y});
+  if (e.has_range_error())
     text += std::string(depth_error_key) + joined({e.offset, e.scale, e.wiggle, e.period, e.phase});
   if (c.rolling_shutter != 0) text += std::string(rolling_shutter_key) + joined({c.rolling_shutter});
   return text;
@@ -166,6 +168,7 @@ void read_sensor_text(std::string text, RgbdCalibration& c) {
                "rolling_shutter must be a number of seconds");
   take_numbers(text, depth_error_key, {&e.offset, &e.scale, &e.wiggle, &e.period, &e.phase},
                "depth_error must be offset, scale, wiggle, period and phase");
+  take_numbers(text, depth_tilt_key, {&e.tilt_x, &e.tilt_y}, "depth_tilt must be two numbers, 1/m");
   c.sensor = text;
 }
 

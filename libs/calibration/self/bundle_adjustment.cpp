@@ -32,7 +32,7 @@ struct Block {
   int first, size;
 };
 constexpr Block intrinsics_block{head::fx, 9}, extrinsics_block{head::tx, 6},
-    depth_block{head::depth_scale, 4}, rows_block{head::colour_rows, 1};
+    depth_block{head::depth_scale, 6}, rows_block{head::colour_rows, 1};
 constexpr Block head_blocks[] = {intrinsics_block, extrinsics_block, depth_block, rows_block};
 
 struct Scales {

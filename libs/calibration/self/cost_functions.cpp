@@ -12,11 +12,11 @@ ceres::CostFunction* cost_of(const Reprojection& residual) {
 }
 
 ceres::CostFunction* cost_of(const SurfaceOfOwnCamera& residual) {
-  return new AutoDiffCostFunction<SurfaceOfOwnCamera, 1, 6, 3, 6, 4>(new SurfaceOfOwnCamera(residual));
+  return new AutoDiffCostFunction<SurfaceOfOwnCamera, 1, 6, 3, 6, 6>(new SurfaceOfOwnCamera(residual));
 }
 
 ceres::CostFunction* cost_of(const SurfaceOfColour& residual) {
-  return new AutoDiffCostFunction<SurfaceOfColour, 1, 6, 3, 9, 4>(new SurfaceOfColour(residual));
+  return new AutoDiffCostFunction<SurfaceOfColour, 1, 6, 3, 9, 6>(new SurfaceOfColour(residual));
 }
 
 ceres::CostFunction* cost_of(const Aspect& residual) {
@@ -29,8 +29,6 @@ ceres::CostFunction* cost_of(const Prior& residual, int block_size) {
       return new AutoDiffCostFunction<Prior, 1, 9>(new Prior(residual));
     case 6:
       return new AutoDiffCostFunction<Prior, 1, 6>(new Prior(residual));
-    case 4:
-      return new AutoDiffCostFunction<Prior, 1, 4>(new Prior(residual));
     default:
       return new AutoDiffCostFunction<Prior, 1, 1>(new Prior(residual));
   }

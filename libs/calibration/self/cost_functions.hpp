@@ -12,7 +12,7 @@ ceres::CostFunction* cost_of(
     const residuals::SurfaceOfOwnCamera& residual);                        ///< pose, point, extrinsics, depth
 ceres::CostFunction* cost_of(const residuals::SurfaceOfColour& residual);  ///< pose, point, intrinsics, depth
 ceres::CostFunction* cost_of(const residuals::Aspect& residual);           ///< intrinsics
-/// Of a block of 9, 6, 4 or 1 numbers.
+/// Of a block of 9, 6 or 1 numbers.
 ceres::CostFunction* cost_of(const residuals::Prior& residual, int block_size);
 
 }  // namespace lcmslam

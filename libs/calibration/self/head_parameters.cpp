@@ -25,6 +25,8 @@ constexpr ParameterName names[head::count] = {{"fx", "pixels"},
                                               {"depth_offset", "m"},
                                               {"depth_clock_offset", "s"},
                                               {"depth_rolling_shutter", "s"},
+                                              {"depth_tilt_x", "1/m"},
+                                              {"depth_tilt_y", "1/m"},
                                               {"rolling_shutter", "s"}};
 
 }  // namespace
@@ -51,6 +53,8 @@ HeadNumbers CalibrationPriors::sigmas(const RgbdCalibration& start) const {
   s[head::depth_offset] = depth_offset;
   s[head::depth_clock] = depth_clock;
   s[head::depth_rows] = s[head::colour_rows] = rolling_shutter;
+  // Where the depth camera's direction is free, that takes most of a tilt.
+  if (start.depth_registered) s[head::depth_tilt_x] = s[head::depth_tilt_y] = depth_tilt;
   return s;
 }
 
@@ -66,6 +70,7 @@ HeadNumbers unmodelled_sigmas(const RgbdCalibration& start) {
   s[head::depth_scale] = 5e-4;
   s[head::depth_clock] = 6e-4;
   s[head::depth_rows] = s[head::colour_rows] = 2e-3;
+  s[head::depth_tilt_x] = s[head::depth_tilt_y] = 5e-4;
   return s;
 }
 
@@ -107,6 +112,8 @@ RgbdCalibration HeadModel::calibration(double rows_differ) const {
   const double scale = 1 / values[head::depth_scale], offset = -values[head::depth_offset] * scale;
   c.depth_error.offset = start.depth_error.offset + (1 + start.depth_error.scale) * offset;
   c.depth_error.scale = (1 + start.depth_error.scale) * scale - 1;
+  c.depth_error.tilt_x = start.depth_error.tilt_x + scale * values[head::depth_tilt_x];
+  c.depth_error.tilt_y = start.depth_error.tilt_y + scale * values[head::depth_tilt_y];
   c.depth_clock_offset = values[head::depth_clock];
   if (std::abs(values[head::depth_rows] - values[head::colour_rows]) < rows_differ)
     c.rolling_shutter = std::clamp(values[head::colour_rows], 0.0, 0.1);

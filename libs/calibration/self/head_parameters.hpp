@@ -5,6 +5,7 @@
 //   k1 k2 p1 p2 k3       its lens (Brown-Conrady; k4 to k6 stay as the start says)
 //   tx ty tz rx ry rz    T_colour_depth = T_start * (R(r), t): m and rad in the depth camera's start frame
 //   depth_scale, depth_offset    true range along the ray = scale * measured + offset (m)
+//   depth_tilt_x, depth_tilt_y   1/m, inverse depth measured less that expected, by the ray's x and y
 //   depth_clock          s, added to a depth stamp gives the colour camera's clock
 //   colour_rows, depth_rows      s from an image's first row to its last
 
@@ -36,6 +37,8 @@ enum Parameter : int {
   depth_offset,
   depth_clock,
   depth_rows,
+  depth_tilt_x,
+  depth_tilt_y,
   colour_rows,
   count
 };
@@ -56,6 +59,7 @@ struct CalibrationPriors {
   double translation = 0.03, rotation = 0.03;
   double depth_scale = 0.01, depth_offset = 0.003;
   double depth_clock = 0.02, rolling_shutter = 0.02;
+  double depth_tilt = 0.02;
 
   void describe(SettingsVisitor& s) {
     s.number("focal_length", focal_length, "", {0, 1}, "of the focal length, relative");
@@ -71,6 +75,8 @@ struct CalibrationPriors {
     s.number("depth_offset", depth_offset, "m", {0, 1}, "of what all depths are off by");
     s.number("depth_clock", depth_clock, "s", {0, 1}, "of the depth stamps' offset");
     s.number("rolling_shutter", rolling_shutter, "s", {0, 0.1}, "of the time from the first row to the last");
+    s.number("depth_tilt", depth_tilt, "1/m", {0, 0.2},
+             "of the slope of inverse depth's error over the image, where depth is registered");
   }
   /// Of each parameter.
   HeadNumbers sigmas(const RgbdCalibration& start) const;

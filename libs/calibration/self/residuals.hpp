@@ -69,20 +69,21 @@ struct Reprojection {
   }
 };
 
-/// `p`: the landmark in the depth camera; depth: scale, offset, clock, rows. A range is `scale` times the
-/// measured one
+/// `p`: the landmark in the depth camera; depth: scale, offset, clock, rows, tilt in x and y. A range is
+/// `scale` times the measured one
 /// + `offset`. In what the sensor measures: a world that shrinks together with its scale must not err by
 /// less.
 template <class T>
 T depth_error(const Patch& patch, const T* pixel, const Vector3<T>& p, const T* depth) {
   const T inverse =
       patch.inverse + patch.along_u * (pixel[0] - patch.u) + patch.along_v * (pixel[1] - patch.v);
-  const T measured = (p.z() - depth[1] * p.z() / p.norm()) / depth[0];
+  const T level = (p.z() - depth[1] * p.z() / p.norm()) / depth[0];
+  const T measured = level / (T(1) + level * (depth[4] * p.x() + depth[5] * p.y()) / p.z());
   return (T(1) / inverse - measured) / patch.sigma;
 }
 
-/// s from the colour image's stamp to the moment at which a row of the depth image was measured; `depth` as for
-/// depth_error().
+/// s from the colour image's stamp to the moment at which a row of the depth image was measured; `depth` as
+/// for depth_error().
 template <class T>
 T seconds_to_depth(double lag, double row, const T* depth) {
   return T(lag) + depth[2] + row * depth[3];

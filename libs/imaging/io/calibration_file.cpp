@@ -109,6 +109,8 @@ DepthError read_error(const ConfigNode& node) {
   error.wiggle = node.get("wiggle", 0.0, Range{-1, 1});
   error.period = node.get("period", error.period, Range{0.05, 100});
   error.phase = node.get("phase", 0.0, Range{-100, 100});
+  error.tilt_x = node.get("tilt_x", 0.0, Range{-0.2, 0.2});
+  error.tilt_y = node.get("tilt_y", 0.0, Range{-0.2, 0.2});
   return error;
 }
 

@@ -59,7 +59,8 @@ std::string calibration_text(const RgbdCalibration& c, const std::string& commen
   if (!e.is_zero())
     text << "depth_error: {offset: " << digits_of(e.offset) << ", scale: " << digits_of(e.scale)
          << ", wiggle: " << digits_of(e.wiggle) << ", period: " << digits_of(e.period)
-         << ", phase: " << digits_of(e.phase) << "}\n";
+         << ", phase: " << digits_of(e.phase) << ", tilt_x: " << digits_of(e.tilt_x)
+         << ", tilt_y: " << digits_of(e.tilt_y) << "}\n";
   text << "depth_min: " << digits_of(c.depth_min) << "\ndepth_max: " << digits_of(c.depth_max)
        << "\npixel_sigma: " << digits_of(c.pixel_sigma) << "\n";
   return text.str();

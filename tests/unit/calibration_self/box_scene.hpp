@@ -71,7 +71,8 @@ inline SceneObservations seen_room(const RgbdCalibration& head, const std::vecto
         const Eigen::Vector3d ray = head.depth.ray({u, v});
         const double z = range_to_wall(T.translation(), T.linear() * ray), stretch = ray.norm();
         keyframe.inverse_depth.at<float>(v, u) =
-            static_cast<float>(1 / (z + head.depth_error.at(z * stretch) / stretch));
+            static_cast<float>(1 / (z + head.depth_error.at(z * stretch) / stretch) +
+                               head.depth_error.tilt_x * ray.x() + head.depth_error.tilt_y * ray.y());
       }
     }
     scene.keyframes.push_back(keyframe);

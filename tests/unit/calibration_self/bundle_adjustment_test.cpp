@@ -173,6 +173,19 @@ TEST(SelfCalibration, FindsAnOffsetOfAllRanges) {
   EXPECT_LT(distance_between(model.T_colour_depth(), truth.T_colour_depth), 5e-4);
 }
 
+// Each image's planes stay planes: only that the same walls are seen from elsewhere tells it.
+TEST(SelfCalibration, FindsTheTiltOfRegisteredDepth) {
+  RgbdCalibration truth = sharp(true_head(true)), start = truth;
+  truth.depth_error.tilt_x = 0.012, truth.depth_error.tilt_y = -0.005;
+  SceneObservations scene = seen_room(truth, rich_motion(), 400);
+  HeadModel model(start);
+  const BundleResult result = adjust_bundle(model, scene, wide(), {});
+  const DepthError found = observed_head(model, result, {}).calibration().depth_error;
+  EXPECT_NEAR(found.tilt_x, 0.012, 5e-4);
+  EXPECT_NEAR(found.tilt_y, -0.005, 5e-4);
+  EXPECT_FALSE(found.has_range_error());
+}
+
 TEST(SelfCalibration, LeavesWhatIsHeld) {
   SceneObservations scene = seen_room(true_head(), rich_motion(), 200);
   HeadModel model(true_head());
@@ -180,7 +193,7 @@ TEST(SelfCalibration, LeavesWhatIsHeld) {
   none.focal_length = none.aspect = none.principal_point = none.radial = none.tangential = none.third_radial =
       0;
   none.translation = none.rotation = none.depth_scale = none.depth_offset = 0;
-  none.depth_clock = none.rolling_shutter = 0;
+  none.depth_clock = none.rolling_shutter = none.depth_tilt = 0;
   const BundleResult result = adjust_bundle(model, scene, none, {});
   EXPECT_EQ(model.values, HeadModel(true_head()).values);
   EXPECT_TRUE(result.covariance.isZero());

@@ -48,10 +48,11 @@ TEST(Calibration, EveryShippedFileLoads) {
 }
 
 TEST(Calibration, WhatIsWrittenIsReadAgain) {
-  RgbdCalibration c =
-      parse(tof + "mount: {translation: [0.1, 0.02, 1.3], rpy: [0.01, 0.349, -0.02]}\n" +
-            "depth_error: {offset: 0.01, scale: 0.001, wiggle: 0.006, period: 1.9, phase: -0.4}\n"
-            "depth_clock_offset: -0.0142\nrolling_shutter: 0.03\nsensor: 'head: \"1\"'\n");
+  RgbdCalibration c = parse(tof + "mount: {translation: [0.1, 0.02, 1.3], rpy: [0.01, 0.349, -0.02]}\n" +
+                            "depth_error: {offset: 0.01, scale: 0.001, wiggle: 0.006, period: 1.9, phase: "
+                            "-0.4, tilt_x: 0.01, tilt_y: "
+                            "-0.002}\n"
+                            "depth_clock_offset: -0.0142\nrolling_shutter: 0.03\nsensor: 'head: \"1\"'\n");
   c.colour.distortion = {0.1 / 3, -0.2, 0.001, 0.002, 0.3};
   c.colour.fx = 1000.0 / 3;
   const RgbdCalibration back = parse(calibration_text(c, "two\nlines"));
@@ -65,6 +66,8 @@ TEST(Calibration, WhatIsWrittenIsReadAgain) {
   EXPECT_EQ(back.rolling_shutter, c.rolling_shutter);
   EXPECT_TRUE(back.depth_error == c.depth_error);
   EXPECT_EQ(back.depth_error.phase, -0.4);
+  EXPECT_EQ(back.depth_error.tilt_x, 0.01);
+  EXPECT_EQ(back.depth_error.tilt_y, -0.002);
   EXPECT_EQ(back.depth_noise.constant, c.depth_noise.constant);
   EXPECT_EQ(back.depth_max, c.depth_max);
   EXPECT_EQ(back.pixel_sigma, c.pixel_sigma);

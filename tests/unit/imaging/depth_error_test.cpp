@@ -43,6 +43,32 @@ TEST(DepthError, ImagesAreFreedOfItAlongTheirRays) {
   EXPECT_THROW(correct(other), std::invalid_argument);
 }
 
+// At the rim here 10 mm at 1 m, 0.16 m at 4 m.
+TEST(DepthError, ImagesAreFreedOfATiltOfInverseDepth) {
+  const CameraModel c = camera();
+  DepthError error{0.03, -0.005, 0.008, 1.5, 0.2};
+  error.tilt_x = 0.02, error.tilt_y = -0.01;
+  cv::Mat truth(c.height, c.width, CV_16UC1), measured(c.height, c.width, CV_16UC1);
+  for (int v = 0; v < c.height; ++v)
+    for (int u = 0; u < c.width; ++u) {
+      const Eigen::Vector3d ray = c.ray({u, v});
+      const double z = 0.8 + 0.06 * u + 0.02 * v, range = z * ray.norm();
+      const double off_range = z * (range + error.at(range)) / range;
+      truth.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(1e3 * z + 0.5);
+      measured.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(
+          1e3 / (1 / off_range + error.tilt_x * ray.x() + error.tilt_y * ray.y()) + 0.5);
+    }
+  DepthCorrector(c, error)(measured);
+  cv::Mat difference;
+  cv::absdiff(measured, truth, difference);
+  double worst = 0;
+  cv::minMaxLoc(difference, nullptr, &worst);
+  EXPECT_LE(worst, 1) << "mm: what rounding leaves";
+  EXPECT_FALSE(error.is_zero());
+  EXPECT_THROW((DepthError{0, 0, 0, 1, 0, 0.3, 0}.check()), std::invalid_argument);
+  EXPECT_FALSE((DepthError{0, 0, 0, 1, 0, 0.01, 0} == DepthError{})) << "tables are made anew for it";
+}
+
 TEST(DepthError, AWiggleThatIsTooSteepIsRefused) {
   EXPECT_NO_THROW((DepthError{0, 0, 0.006, 1.9, 0}.check()));
   EXPECT_THROW((DepthError{0, 0, 0.2, 1, 0}.check()), std::invalid_argument);

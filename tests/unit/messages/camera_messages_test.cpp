@@ -209,6 +209,15 @@ TEST(CameraMessages, DepthsErrorRidesWithTheSensorsNameAndIsTakenOut) {
     EXPECT_EQ(back.rolling_shutter, seconds);
     EXPECT_EQ(back.sensor, c.sensor);
   }
+  RgbdCalibration tilted = c;
+  for (const DepthError& range : {DepthError{}, c.depth_error}) {
+    tilted.depth_error = range;
+    tilted.depth_error.tilt_x = 0.01, tilted.depth_error.tilt_y = -0.002;
+    const RgbdCalibration back = from_message(through_the_wire(to_message(tilted)));
+    EXPECT_TRUE(back.depth_error == tilted.depth_error);
+    EXPECT_EQ(back.rolling_shutter, 0.03);
+    EXPECT_EQ(back.sensor, c.sensor);
+  }
   camera_calibration_t message = to_message(c);
   for (const char* wrong : {"", "0.02", "0.02,0,0.006,1.9", "0.02,0,0.006,1.9,x", "0.02,0,0.9,1,0"}) {
     message.sensor = c.sensor + ";depth_error=" + wrong;
