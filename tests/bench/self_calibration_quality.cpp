@@ -1,7 +1,7 @@
 // How well a head is calibrated without a board: the simulation knows the truth, the calibration begins
-// beside it (focal length, the depth camera's place and direction), and what is found is compared. At the end,
-// whether what is said of the errors is true: each number's error over its sigma, and all of them by their
-// covariance (NEES, 1 for each number in the mean).
+// beside it (focal length, the depth camera's place and direction), and what is found is compared. At the
+// end, whether what is said of the errors is true: each number's error over its sigma, and all of them by
+// their covariance (NEES, 1 for each number in the mean).
 //   self_calibration_quality --head rgbd --seeds 10
 
 #include <CLI/CLI.hpp>

@@ -14,6 +14,7 @@
 #include <lcmslam/calibration/self/observability.hpp>
 #include <lcmslam/calibration/self/range_curve.hpp>
 #include <lcmslam/calibration/self/residuals.hpp>
+#include <lcmslam/calibration/self/velocity_scale.hpp>
 
 namespace lcmslam {
 namespace {
@@ -70,6 +71,7 @@ class Adjustment {
         curve_share_(priors.range_curve) {
     for (const ObservedKeyframe& keyframe : scene.keyframes) {
       starts_.push_back(keyframe.T_world_camera.inverse());
+      told_twists_.push_back(keyframe.twist);
       poses_.push_back({});
     }
     const auto& d = model.start.colour.distortion;
@@ -216,23 +218,17 @@ class Adjustment {
   }
 
   residuals::SurfaceOfColour surface_of_colour(const Comparison& c) const {
-    residuals::SurfaceOfColour surface{c.pixel.T_start, c.pixel.twist, {}, c.lag, c.row, weighed(*c.patch), c.range};
+    residuals::SurfaceOfColour surface{c.pixel.T_start, c.pixel.twist,     {},     c.lag,
+                                       c.row,           weighed(*c.patch), c.range};
     std::copy(rational_, rational_ + 3, surface.rational);
     return surface;
   }
 
   residuals::SurfaceOfOwnCamera surface_of_own_camera(const Comparison& c) const {
     const CameraModel& d = model_.start.depth;
-    residuals::SurfaceOfOwnCamera surface{c.pixel.T_start,
-                                          model_.start.T_colour_depth,
-                                          c.pixel.twist,
-                                          {d.fx, d.fy, d.cx, d.cy},
-                                          {},
-                                          {},
-                                          c.lag,
-                                          c.row,
-                                          weighed(*c.patch),
-                                          c.range};
+    residuals::SurfaceOfOwnCamera surface{
+        c.pixel.T_start, model_.start.T_colour_depth, c.pixel.twist, {d.fx, d.fy, d.cx, d.cy}, {}, {}, c.lag,
+        c.row,           weighed(*c.patch),           c.range};
     for (std::size_t i = 0; i < d.distortion.size(); ++i)
       (i < 5 ? surface.lens[i] : surface.rational[i - 5]) = d.distortion[i];
     return surface;
@@ -311,7 +307,7 @@ class Adjustment {
     if (!summary.IsSolutionUsable()) throw std::runtime_error("self calibration: " + summary.message);
   }
 
-  /// Poses begin anew where the solution put them.
+  /// Poses begin anew where the solution put them, and velocities follow them.
   void take_over() {
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
@@ -321,6 +317,10 @@ class Adjustment {
       scene_.keyframes[k].T_world_camera = starts_[k].inverse();
       poses_[k] = {};
     }
+    const VelocityScale scale = velocity_scale(scene_.keyframes);
+    for (std::size_t k = 0; k < told_twists_.size(); ++k)
+      scene_.keyframes[k].twist << scale.translation * told_twists_[k].head<3>(),
+          scale.rotation * told_twists_[k].tail<3>();
   }
 
   BundleResult conclude() {
@@ -372,6 +372,7 @@ class Adjustment {
   double curve_share_;
   double rational_[3] = {};
   std::vector<Eigen::Isometry3d> starts_;     // T_camera_world
+  std::vector<Vector6d> told_twists_;         // as they were at first
   std::vector<std::array<double, 6>> poses_;  // what they have moved since
   std::vector<Comparison> comparisons_;
   Scales scales_{1, 1};

@@ -1,9 +1,9 @@
 #pragma once
-// What all ranges of a depth camera err by, over the range: a curve that nobody knows before, so that it may not
-// bend the scene instead. A time-of-flight camera's wiggle is one (imaging/depth_error.hpp).
+// What all ranges of a depth camera err by, over the range: a curve that nobody knows before, so that it may
+// not bend the scene instead. A time-of-flight camera's wiggle is one (imaging/depth_error.hpp).
 //
-// A uniform cubic B-spline (de Boor 1978, "A practical guide to splines"): smooth, and four of its numbers count
-// at a range.
+// A uniform cubic B-spline (de Boor 1978, "A practical guide to splines"): smooth, and four of its numbers
+// count at a range.
 
 #include <algorithm>
 #include <array>
@@ -38,8 +38,7 @@ class RangeCurve {
   /// m, as offset: the true range of a measured one is that much larger.
   double at(const Place& p) const {
     double sum = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      sum += p.weights[i] * values[static_cast<std::size_t>(p.first) + i];
+    for (std::size_t i = 0; i < 4; ++i) sum += p.weights[i] * values[static_cast<std::size_t>(p.first) + i];
     return sum;
   }
 

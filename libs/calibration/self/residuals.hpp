@@ -71,8 +71,8 @@ struct Reprojection {
 };
 
 /// `p`: the landmark in the depth camera; depth: scale, offset, clock, rows. A range is `scale` times the
-/// measured one + `offset` + `curve`. In what the sensor measures: a world that shrinks together with its scale
-/// must not err by less.
+/// measured one + `offset` + `curve`. In what the sensor measures: a world that shrinks together with its
+/// scale must not err by less.
 template <class T>
 T depth_error(const Patch& patch, const T* pixel, const Vector3<T>& p, const T* depth, const T& curve) {
   const T inverse =
@@ -84,11 +84,12 @@ T depth_error(const Patch& patch, const T* pixel, const Vector3<T>& p, const T* 
 /// Of a RangeCurve's four numbers.
 template <class T>
 T curve_at(const RangeCurve::Place& place, const T* a, const T* b, const T* c, const T* d) {
-  return place.weights[0] * a[0] + place.weights[1] * b[0] + place.weights[2] * c[0] + place.weights[3] * d[0];
+  return place.weights[0] * a[0] + place.weights[1] * b[0] + place.weights[2] * c[0] +
+         place.weights[3] * d[0];
 }
 
-/// s from the colour image's stamp to the moment at which a row of the depth image was measured; `depth` as for
-/// depth_error().
+/// s from the colour image's stamp to the moment at which a row of the depth image was measured; `depth` as
+/// for depth_error().
 template <class T>
 T seconds_to_depth(double lag, double row, const T* depth) {
   return T(lag) + depth[2] + row * depth[3];
