@@ -180,14 +180,20 @@ TEST(SelfCalibration, RangesThatWiggleDoNotBendTheHead) {
   truth.depth_max = 7.5;
   const RgbdCalibration start = spoiled(truth);
   truth.depth_error.wiggle = 0.006, truth.depth_error.period = 1.9, truth.depth_error.phase = 1;
-  SceneObservations scene = seen_room(truth, rich_motion(), 400);
-  HeadModel model(start);
+  SceneObservations scene = seen_room(truth, rich_motion(), 400), again = scene;
+  HeadModel model(start), bent(start);
   const BundleResult result = adjust_bundle(model, scene, {}, {});
   const Eigen::Isometry3d T = model.T_colour_depth();
   EXPECT_LT(distance_between(T, truth.T_colour_depth), 0.002);
   EXPECT_LT(angle_between(T, truth.T_colour_depth), 0.1 * M_PI / 180);
   EXPECT_NEAR(model.values[head::cy], truth.colour.cy, 1);
   EXPECT_FALSE(is_observed(result, head::depth_offset, {})) << "the curve is one, too";
+
+  CalibrationPriors sure;
+  sure.range_curve = 0;
+  adjust_bundle(bent, again, sure, {});
+  EXPECT_GT(distance_between(bent.T_colour_depth(), truth.T_colour_depth), 0.002)
+      << "the wiggle is too small to tell anything here";
 }
 
 // Wheels whose radii and track are 6 and 4 % off.
