@@ -74,8 +74,9 @@ void refine(const cv::Mat& grey, const Board& board, BoardView& view) {
   std::vector<cv::Point2f> corners;
   for (const auto& p : view.pixels)
     corners.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
-  const double share = board.has_markers() ? 0.45 * (1 - board.settings().marker) : 0.35;
-  const int half = std::clamp(static_cast<int>(share * spacing(view)), 2, 11);
+  const double share = 0.45 * (board.has_markers() ? 1 - board.settings().marker : 1);
+  constexpr int widest = 30;  // pixels: beyond them an edge is no straight line behind a lens
+  const int half = std::clamp(static_cast<int>(share * spacing(view)), 2, widest);
   cv::cornerSubPix(grey, corners, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-4});
   for (std::size_t i = 0; i < corners.size(); ++i) view.pixels[i] = {corners[i].x, corners[i].y};

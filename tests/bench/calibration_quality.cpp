@@ -29,6 +29,7 @@ struct Row {
   double pair_mm = 0, pair_degrees = 0;
   double mount_mm = 0, height_mm = 0, mount_degrees = 0;
   double radius = 0, track = 0;            // %
+  double told_tof_focal = 0;               // %, one sigma of the ToF camera alone
   double told_mm = 0, told_height_mm = 0;  // sigmas that the calibration says, of the larger of x and y; of z
 };
 
@@ -75,6 +76,7 @@ RgbdCalibration measure_cameras(std::uint64_t seed, int views, Row& row) {
   for (const PairView& pair : shots.pairs) amplitudes.push_back(pair.depth);
   const CameraCalibration tof = calibrate_camera(amplitudes, large, {c.depth.width, c.depth.height});
   row.tof_focal = focal_error(tof.camera, c.depth);
+  row.told_tof_focal = 100 * std::max(tof.sigma(0) / tof.camera.fx, tof.sigma(1) / tof.camera.fy);
   std::vector<std::optional<Eigen::Isometry3d>> poses;
   for (const BoardView& view : amplitudes) poses.push_back(board_pose(view, large, tof.camera));
   row.ranges_alone =
@@ -176,10 +178,11 @@ void measure_drive(std::uint64_t seed, int laps, double scale, const testing::Rg
 
 void print(const char* name, const Row& r) {
   std::printf(
-      "%-6s %7.3f %7.3f %7.3f %8.1f %7.1f %7.1f %8.2f %7.3f %8.2f %7.2f %7.3f %8.2f %7.2f %8.2f %7.2f\n",
+      "%-6s %7.3f %7.3f %7.3f %8.1f %7.1f %7.1f %8.2f %7.3f %8.2f %7.2f %7.3f %8.2f %7.2f %8.2f %7.2f "
+      "%8.3f\n",
       name, r.colour_focal, r.tof_focal, r.pair_focal, r.uncorrected, r.ranges_alone, r.ranges, r.pair_mm,
       r.pair_degrees, r.mount_mm, r.height_mm, r.mount_degrees, r.radius, r.track, r.told_mm,
-      r.told_height_mm);
+      r.told_height_mm, r.told_tof_focal);
 }
 
 }  // namespace
@@ -202,14 +205,15 @@ int main(int argc, char** argv) {
   std::printf(
       "errors    focal length, %%          ranges, mm               depth on colour     camera on robot      "
       "    "
-      "wheels, %%     told sigma, mm\n"
+      "wheels, %%     told sigma, mm   %%\n"
       "seed    colour     tof  in pair   before     tof in pair       mm  degree       xy  height  degree   "
       "radius   "
-      " turn       xy  height\n");
+      " turn       xy  height      tof\n");
   std::vector<double Row::*> fields = {
-      &Row::colour_focal,  &Row::tof_focal, &Row::pair_focal,   &Row::ranges,   &Row::ranges_alone,
-      &Row::uncorrected,   &Row::pair_mm,   &Row::pair_degrees, &Row::mount_mm, &Row::height_mm,
-      &Row::mount_degrees, &Row::radius,    &Row::track,        &Row::told_mm,  &Row::told_height_mm};
+      &Row::colour_focal, &Row::tof_focal,   &Row::pair_focal,     &Row::ranges,
+      &Row::ranges_alone, &Row::uncorrected, &Row::pair_mm,        &Row::pair_degrees,
+      &Row::mount_mm,     &Row::height_mm,   &Row::mount_degrees,  &Row::radius,
+      &Row::track,        &Row::told_mm,     &Row::told_height_mm, &Row::told_tof_focal};
   Row worst;
   for (int seed = first; seed < first + seeds; ++seed) {
     Row row;

@@ -1,8 +1,11 @@
 // How well a head is calibrated without a board: the simulation knows the truth, the calibration begins
-// beside it (focal length, the depth camera's place and direction), and what is found is compared.
+// beside it (focal length, the depth camera's place and direction), and what is found is compared. At the
+// end, whether what is said of the errors is true: each number's error over its sigma, and all of them by
+// their covariance (NEES, 1 for each number in the mean).
 //   self_calibration_quality --head rgbd --seeds 10
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +16,8 @@
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/odometry/wheel_odometry.hpp>
+#include <lcmslam/simulation/head_settings.hpp>
+#include <lcmslam/simulation/simulation.hpp>
 #include "procs/camera/camera_log.hpp"
 #include "procs/camera/camera_source.hpp"
 
@@ -55,9 +60,65 @@ Errors errors_of(const HeadModel& found, const RgbdCalibration& truth, const Bun
               M_PI};
 }
 
+/// What is to be found, in the numbers of a head that begins at `start`.
+HeadNumbers true_numbers(const RgbdCalibration& start, const RgbdCalibration& truth, double colour_rows) {
+  HeadNumbers n = HeadModel(truth).values;
+  const Eigen::Isometry3d T = start.T_colour_depth.inverse() * truth.T_colour_depth;
+  const Eigen::Vector3d turn = so3_log(T.linear());
+  for (std::size_t i = 0; i < 3; ++i) {
+    n[head::tx + i] = T.translation()(static_cast<Eigen::Index>(i));
+    n[head::rx + i] = turn(static_cast<Eigen::Index>(i));
+  }
+  n[head::colour_rows] = colour_rows;
+  return n;
+}
+
+/// Errors over what was said of them, over seeds.
+class Honesty {
+ public:
+  void add(const HeadModel& found, const HeadNumbers& truth, const BundleResult& result) {
+    std::vector<int> free;
+    for (int p = 0; p < head::count; ++p)
+      if (!result.held(static_cast<head::Parameter>(p))) free.push_back(p);
+    const auto n = static_cast<Eigen::Index>(free.size());
+    Eigen::VectorXd errors(n);
+    Eigen::MatrixXd covariance(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const int p = free[static_cast<std::size_t>(i)];
+      const auto at = static_cast<std::size_t>(p);
+      errors(i) = found.values[at] - truth[at];
+      const double z = errors(i) / result.sigmas[at];
+      sums_[at] += z, squares_[at] += z * z, largest_[at] = std::max(largest_[at], std::abs(z));
+      for (Eigen::Index k = 0; k < n; ++k)
+        covariance(i, k) = result.covariance(p, free[static_cast<std::size_t>(k)]);
+    }
+    nees_ += errors.dot(covariance.ldlt().solve(errors)) / static_cast<double>(n);
+    ++seeds_;
+  }
+
+  void print() const {
+    std::printf("| error / sigma | mean | RMS | largest |\n|---|---|---|---|\n");
+    for (std::size_t i = 0; i < head::count; ++i)
+      if (largest_[i] > 0)
+        std::printf("| %s | %.2f | %.2f | %.2f |\n", name_of(static_cast<head::Parameter>(i)).name,
+                    sums_[i] / seeds_, std::sqrt(squares_[i] / seeds_), largest_[i]);
+    std::printf("NEES of a number: %.2f\n", nees_ / seeds_);
+  }
+
+ private:
+  HeadNumbers sums_{}, squares_{}, largest_{};
+  double nees_ = 0;
+  int seeds_ = 0;
+};
+
+double rolling_shutter_of(const SimulationSettings& settings) {
+  const auto file = head_file(settings);
+  return file.empty() ? settings.faults.rolling_shutter : load_head(file).rolling_shutter;
+}
+
 /// `log`: a recording whose calibration is the truth; empty: it is rendered.
 Errors measure(const SimulationSourceSettings& settings, const std::string& log, const Off& off,
-               const BundleSettings& bundle, bool verbose) {
+               const BundleSettings& bundle, bool verbose, Honesty& honesty) {
   const auto source = log.empty() ? make_simulation_source(settings) : open_log(log);
   const RgbdCalibration truth = source->calibration(), start = spoiled(truth, off, settings.simulation.seed);
   RecordedScene recording(start, {});
@@ -86,6 +147,8 @@ Errors measure(const SimulationSourceSettings& settings, const std::string& log,
         truth.colour.fx, truth.colour.cx, truth.colour.cy, right.values[head::k1], right.values[head::k2],
         t.x(), t.y(), t.z(), r.x(), r.y(), r.z());
   }
+  honesty.add(model, true_numbers(start, truth, log.empty() ? rolling_shutter_of(settings.simulation) : 0),
+              result);
   return errors_of(model, truth, result);
 }
 
@@ -129,9 +192,10 @@ int main(int argc, char** argv) {
       "| seed | focal length, %% (sigma) | translation, mm (sigma) | rotation, degrees (sigma) "
       "|\n|---|---|---|---|\n");
   Errors worst{};
+  Honesty honesty;
   for (int i = first; i < first + seeds; ++i) {
     settings.simulation.seed = static_cast<std::uint64_t>(i);
-    const Errors e = measure(settings, log, off, bundle, verbose);
+    const Errors e = measure(settings, log, off, bundle, verbose, honesty);
     std::printf("| %d | %.3f (%.3f) | %.2f (%.2f) | %.3f (%.3f) |\n", i, 100 * e.focal, 100 * e.focal_sigma,
                 1e3 * e.translation, 1e3 * e.translation_sigma, e.degrees, e.degrees_sigma);
     std::fflush(stdout);
@@ -140,5 +204,6 @@ int main(int argc, char** argv) {
     worst.degrees = std::max(worst.degrees, e.degrees);
   }
   std::printf("| worst | %.3f | %.2f | %.3f |\n", 100 * worst.focal, 1e3 * worst.translation, worst.degrees);
+  honesty.print();
   return 0;
 }

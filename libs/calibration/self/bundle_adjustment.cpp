@@ -12,7 +12,9 @@
 #include <lcmslam/calibration/self/depth_patch.hpp>
 #include <lcmslam/calibration/self/marginal_covariance.hpp>
 #include <lcmslam/calibration/self/observability.hpp>
+#include <lcmslam/calibration/self/range_curve.hpp>
 #include <lcmslam/calibration/self/residuals.hpp>
+#include <lcmslam/calibration/self/velocity_scale.hpp>
 
 namespace lcmslam {
 namespace {
@@ -51,7 +53,8 @@ struct Comparison {
   std::size_t landmark;
   residuals::Reprojection pixel;
   std::optional<residuals::Patch> patch;
-  double lag, row;  // of depth
+  RangeCurve::Place range;  // as measured there
+  double lag, row;          // of depth
 };
 
 class Adjustment {
@@ -63,9 +66,12 @@ class Adjustment {
         settings_(settings),
         prior_sigmas_(priors.sigmas(model.start)),
         prior_values_(model.values),
-        aspect_sigma_(priors.aspect) {
+        aspect_sigma_(priors.aspect),
+        curve_(model.start.depth_max),
+        curve_share_(priors.range_curve) {
     for (const ObservedKeyframe& keyframe : scene.keyframes) {
       starts_.push_back(keyframe.T_world_camera.inverse());
+      told_twists_.push_back(keyframe.twist);
       poses_.push_back({});
     }
     const auto& d = model.start.colour.distortion;
@@ -148,8 +154,9 @@ class Adjustment {
         if (pixel && !keyframe.inverse_depth.empty())
           c.patch = depth_patch(keyframe.inverse_depth, *pixel, depth_camera, model_.start.depth_noise);
         if (c.patch) {
-          depth_error =
-              residuals::depth_error<double>(*c.patch, pixel->data(), p, h.data() + head::depth_scale);
+          c.range = curve_.place(depth_camera.ray(*pixel).norm() / c.patch->inverse);
+          depth_error = residuals::depth_error<double>(*c.patch, pixel->data(), p,
+                                                       h.data() + head::depth_scale, curve_.at(c.range));
           const double gate =
               round == 0 ? settings_.depth_gate / c.patch->sigma : outlier_sigmas * scales_.depth;
           if (std::abs(depth_error) < std::max(near_depth_gate, gate))
@@ -186,14 +193,17 @@ class Adjustment {
       pixel.sigma *= scales_.pixel * settings_.correlation;
       problem_->AddResidualBlock(cost_of(pixel), new ceres::CauchyLoss(width), pose, point, intrinsics, rows);
       if (!c.patch) continue;
+      double* curve = curve_.values.data() + c.range.first;
+      auto* loss = new ceres::CauchyLoss(width);
       if (model_.registered())
-        problem_->AddResidualBlock(cost_of(surface_of_colour(c)), new ceres::CauchyLoss(width), pose, point,
-                                   intrinsics, depth);
+        problem_->AddResidualBlock(cost_of(surface_of_colour(c)), loss, pose, point, intrinsics, depth, curve,
+                                   curve + 1, curve + 2, curve + 3);
       else
-        problem_->AddResidualBlock(cost_of(surface_of_own_camera(c)), new ceres::CauchyLoss(width), pose,
-                                   point, extrinsics, depth);
+        problem_->AddResidualBlock(cost_of(surface_of_own_camera(c)), loss, pose, point, extrinsics, depth,
+                                   curve, curve + 1, curve + 2, curve + 3);
     }
     add_priors();
+    add_curve_priors();
     // The first keyframe that is compared to anything is the world.
     for (auto& pose : poses_)
       if (problem_->HasParameterBlock(pose.data())) {
@@ -208,22 +218,17 @@ class Adjustment {
   }
 
   residuals::SurfaceOfColour surface_of_colour(const Comparison& c) const {
-    residuals::SurfaceOfColour surface{c.pixel.T_start, c.pixel.twist, {}, c.lag, c.row, weighed(*c.patch)};
+    residuals::SurfaceOfColour surface{c.pixel.T_start, c.pixel.twist,     {},     c.lag,
+                                       c.row,           weighed(*c.patch), c.range};
     std::copy(rational_, rational_ + 3, surface.rational);
     return surface;
   }
 
   residuals::SurfaceOfOwnCamera surface_of_own_camera(const Comparison& c) const {
     const CameraModel& d = model_.start.depth;
-    residuals::SurfaceOfOwnCamera surface{c.pixel.T_start,
-                                          model_.start.T_colour_depth,
-                                          c.pixel.twist,
-                                          {d.fx, d.fy, d.cx, d.cy},
-                                          {},
-                                          {},
-                                          c.lag,
-                                          c.row,
-                                          weighed(*c.patch)};
+    residuals::SurfaceOfOwnCamera surface{
+        c.pixel.T_start, model_.start.T_colour_depth, c.pixel.twist, {d.fx, d.fy, d.cx, d.cy}, {}, {}, c.lag,
+        c.row,           weighed(*c.patch),           c.range};
     for (std::size_t i = 0; i < d.distortion.size(); ++i)
       (i < 5 ? surface.lens[i] : surface.rational[i - 5]) = d.distortion[i];
     return surface;
@@ -255,6 +260,21 @@ class Adjustment {
                                  nullptr, model_.values.data() + head::fx);
   }
 
+  // What errs alike in all images is as large as the calibration's noise of one pixel, which counts it.
+  void add_curve_priors() {
+    constexpr double mixed = 1.6;  // a number's sigma over the curve's, which is a mean of four
+    for (std::size_t i = 0; i < curve_.values.size(); ++i) {
+      double* value = &curve_.values[i];
+      if (!problem_->HasParameterBlock(value)) continue;
+      const double range = std::max(model_.start.depth_min, curve_.range_of(static_cast<int>(i)));
+      const double sigma = curve_share_ * mixed * model_.start.depth_noise.sigma(range);
+      if (sigma > 0)
+        problem_->AddResidualBlock(cost_of(residuals::Prior{0, 0, sigma}, 1), nullptr, value);
+      else
+        problem_->SetParameterBlockConstant(value);
+    }
+  }
+
   std::vector<double*> used_landmarks() {
     std::vector<double*> blocks;
     for (auto& landmark : scene_.landmarks)
@@ -279,13 +299,15 @@ class Adjustment {
     for (const Block& block : head_blocks)
       if (problem_->HasParameterBlock(model_.values.data() + block.first))
         order->AddElementToGroup(model_.values.data() + block.first, 1);
+    for (double& value : curve_.values)
+      if (problem_->HasParameterBlock(&value)) order->AddElementToGroup(&value, 1);
     options.linear_solver_ordering.reset(order);
     ceres::Solver::Summary summary;
     ceres::Solve(options, problem_.get(), &summary);
     if (!summary.IsSolutionUsable()) throw std::runtime_error("self calibration: " + summary.message);
   }
 
-  /// Poses begin anew where the solution put them.
+  /// Poses begin anew where the solution put them, and velocities follow them.
   void take_over() {
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
@@ -295,6 +317,10 @@ class Adjustment {
       scene_.keyframes[k].T_world_camera = starts_[k].inverse();
       poses_[k] = {};
     }
+    const VelocityScale scale = velocity_scale(scene_.keyframes);
+    for (std::size_t k = 0; k < told_twists_.size(); ++k)
+      scene_.keyframes[k].twist << scale.translation * told_twists_[k].head<3>(),
+          scale.rotation * told_twists_[k].tail<3>();
   }
 
   BundleResult conclude() {
@@ -311,6 +337,9 @@ class Adjustment {
     for (auto& pose : poses_)
       if (problem_->HasParameterBlock(pose.data()) && !problem_->IsParameterBlockConstant(pose.data()))
         others.push_back(pose.data());
+    for (double& value : curve_.values)
+      if (problem_->HasParameterBlock(&value) && !problem_->IsParameterBlockConstant(&value))
+        others.push_back(&value);
     Eigen::MatrixXd covariance;
     if (!blocks.empty()) covariance = marginal_covariance(*problem_, blocks, others, used_landmarks());
 
@@ -339,8 +368,11 @@ class Adjustment {
   BundleSettings settings_;
   HeadNumbers prior_sigmas_, prior_values_;
   double aspect_sigma_;
+  RangeCurve curve_;
+  double curve_share_;
   double rational_[3] = {};
   std::vector<Eigen::Isometry3d> starts_;     // T_camera_world
+  std::vector<Vector6d> told_twists_;         // as they were at first
   std::vector<std::array<double, 6>> poses_;  // what they have moved since
   std::vector<Comparison> comparisons_;
   Scales scales_{1, 1};

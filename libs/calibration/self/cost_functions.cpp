@@ -12,11 +12,12 @@ ceres::CostFunction* cost_of(const Reprojection& residual) {
 }
 
 ceres::CostFunction* cost_of(const SurfaceOfOwnCamera& residual) {
-  return new AutoDiffCostFunction<SurfaceOfOwnCamera, 1, 6, 3, 6, 6>(new SurfaceOfOwnCamera(residual));
+  return new AutoDiffCostFunction<SurfaceOfOwnCamera, 1, 6, 3, 6, 6, 1, 1, 1, 1>(
+      new SurfaceOfOwnCamera(residual));
 }
 
 ceres::CostFunction* cost_of(const SurfaceOfColour& residual) {
-  return new AutoDiffCostFunction<SurfaceOfColour, 1, 6, 3, 9, 6>(new SurfaceOfColour(residual));
+  return new AutoDiffCostFunction<SurfaceOfColour, 1, 6, 3, 9, 6, 1, 1, 1, 1>(new SurfaceOfColour(residual));
 }
 
 ceres::CostFunction* cost_of(const Aspect& residual) {

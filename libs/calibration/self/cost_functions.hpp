@@ -8,10 +8,11 @@
 namespace lcmslam {
 
 ceres::CostFunction* cost_of(const residuals::Reprojection& residual);  ///< pose, point, intrinsics, rows
-ceres::CostFunction* cost_of(
-    const residuals::SurfaceOfOwnCamera& residual);                        ///< pose, point, extrinsics, depth
-ceres::CostFunction* cost_of(const residuals::SurfaceOfColour& residual);  ///< pose, point, intrinsics, depth
-ceres::CostFunction* cost_of(const residuals::Aspect& residual);           ///< intrinsics
+/// pose, point, extrinsics, depth, a range curve's four numbers
+ceres::CostFunction* cost_of(const residuals::SurfaceOfOwnCamera& residual);
+/// pose, point, intrinsics, depth, a range curve's four numbers
+ceres::CostFunction* cost_of(const residuals::SurfaceOfColour& residual);
+ceres::CostFunction* cost_of(const residuals::Aspect& residual);  ///< intrinsics
 /// Of a block of 9, 6 or 1 numbers.
 ceres::CostFunction* cost_of(const residuals::Prior& residual, int block_size);
 

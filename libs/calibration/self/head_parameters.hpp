@@ -58,6 +58,7 @@ struct CalibrationPriors {
   double radial = 0.3, tangential = 0.005, third_radial = 1;
   double translation = 0.03, rotation = 0.03;
   double depth_scale = 0.01, depth_offset = 0.003;
+  double range_curve = 1;
   double depth_clock = 0.02, rolling_shutter = 0.02;
   double depth_tilt = 0.02;
 
@@ -73,6 +74,8 @@ struct CalibrationPriors {
     s.number("rotation", rotation, "rad", {0, 1}, "of the depth camera's direction, about each axis");
     s.number("depth_scale", depth_scale, "", {0, 1}, "of the depths' scale");
     s.number("depth_offset", depth_offset, "m", {0, 1}, "of what all depths are off by");
+    s.number("range_curve", range_curve, "", {0, 10},
+             "of what all ranges err by, over the range; in units of the calibration's depth noise");
     s.number("depth_clock", depth_clock, "s", {0, 1}, "of the depth stamps' offset");
     s.number("rolling_shutter", rolling_shutter, "s", {0, 0.1}, "of the time from the first row to the last");
     s.number("depth_tilt", depth_tilt, "1/m", {0, 0.2},

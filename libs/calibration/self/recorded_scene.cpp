@@ -118,6 +118,12 @@ std::optional<Vector6d> RecordedScene::velocity(std::size_t pose) const {
   return se3_log(path_[before].T_world_camera.inverse() * path_[after].T_world_camera) / (past + coming);
 }
 
+Vector6d RecordedScene::motion_between(std::size_t pose, std::size_t later) const {
+  if (const auto motion = wheels_.between(path_[pose].utime, path_[later].utime))
+    return se3_log(camera_motion(*motion, start_.T_robot_camera));
+  return se3_log(path_[pose].T_world_camera.inverse() * path_[later].T_world_camera);
+}
+
 /// Of the earlier keyframes the last ones, and those that look at the same place.
 std::vector<std::size_t> RecordedScene::views_of(const std::vector<const Keyframe*>& keyframes,
                                                  std::size_t of) const {
@@ -147,10 +153,14 @@ SceneObservations RecordedScene::observations() const {
   for (std::size_t i = 0; i < keyframes_.size(); i += step) {
     const auto twist = velocity(keyframes_[i].pose);
     if (!twist) continue;
+    const std::optional<Vector6d> motion =
+        keyframes.empty() ? std::nullopt
+                          : std::optional(motion_between(keyframes.back()->pose, keyframes_[i].pose));
     keyframes.push_back(&keyframes_[i]);
     observed.push_back(keyframes_[i].observed);
     greys.push_back(keyframes_[i].grey);
     observed.back().twist = *twist;
+    observed.back().motion = motion;
   }
   if (keyframes.size() < fewest_keyframes)
     throw std::runtime_error("self calibration: " + std::to_string(frames_) + " frames gave " +

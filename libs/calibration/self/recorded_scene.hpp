@@ -84,6 +84,7 @@ class RecordedScene {
   };
   bool is_keyframe(const Eigen::Isometry3d& T) const;
   std::optional<Vector6d> velocity(std::size_t pose) const;
+  Vector6d motion_between(std::size_t pose, std::size_t later) const;
   std::vector<std::size_t> views_of(const std::vector<const Keyframe*>& keyframes, std::size_t of) const;
 
   RgbdCalibration start_;

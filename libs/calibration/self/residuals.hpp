@@ -8,6 +8,7 @@
 #include <ceres/rotation.h>
 #include <Eigen/Core>
 
+#include <lcmslam/calibration/self/range_curve.hpp>
 #include <lcmslam/geometry/transform.hpp>
 
 namespace lcmslam::residuals {
@@ -70,16 +71,22 @@ struct Reprojection {
 };
 
 /// `p`: the landmark in the depth camera; depth: scale, offset, clock, rows, tilt in x and y. A range is
-/// `scale` times the measured one
-/// + `offset`. In what the sensor measures: a world that shrinks together with its scale must not err by
-/// less.
+/// `scale` times the measured one + `offset` + `curve`. In what the sensor measures: a world that shrinks
+/// together with its scale must not err by less.
 template <class T>
-T depth_error(const Patch& patch, const T* pixel, const Vector3<T>& p, const T* depth) {
+T depth_error(const Patch& patch, const T* pixel, const Vector3<T>& p, const T* depth, const T& curve) {
   const T inverse =
       patch.inverse + patch.along_u * (pixel[0] - patch.u) + patch.along_v * (pixel[1] - patch.v);
-  const T level = (p.z() - depth[1] * p.z() / p.norm()) / depth[0];
+  const T level = (p.z() - (depth[1] + curve) * p.z() / p.norm()) / depth[0];
   const T measured = level / (T(1) + level * (depth[4] * p.x() + depth[5] * p.y()) / p.z());
   return (T(1) / inverse - measured) / patch.sigma;
+}
+
+/// Of a RangeCurve's four numbers.
+template <class T>
+T curve_at(const RangeCurve::Place& place, const T* a, const T* b, const T* c, const T* d) {
+  return place.weights[0] * a[0] + place.weights[1] * b[0] + place.weights[2] * c[0] +
+         place.weights[3] * d[0];
 }
 
 /// s from the colour image's stamp to the moment at which a row of the depth image was measured; `depth` as
@@ -98,9 +105,11 @@ struct SurfaceOfOwnCamera {
   double lag;  // s from the colour image's stamp to depth's
   double row;
   Patch patch;
+  RangeCurve::Place range;
 
   template <class T>
-  bool operator()(const T* pose, const T* point, const T* extrinsics, const T* depth, T* residual) const {
+  bool operator()(const T* pose, const T* point, const T* extrinsics, const T* depth, const T* a, const T* b,
+                  const T* c, const T* d, T* residual) const {
     const T seconds = seconds_to_depth(lag, row, depth);
     const Vector3<T> p = in_camera(T_start, twist, pose, point, seconds);
     const Eigen::Isometry3d T_depth_colour = T_colour_depth_start.inverse();
@@ -113,7 +122,7 @@ struct SurfaceOfOwnCamera {
     for (int i = 0; i < 4; ++i) camera[i] = T(focal[i]);
     for (int i = 0; i < 5; ++i) camera[4 + i] = T(lens[i]);
     if (!project(camera, rational, q, seen)) return false;
-    residual[0] = depth_error(patch, seen, q, depth);
+    residual[0] = depth_error(patch, seen, q, depth, curve_at(range, a, b, c, d));
     return true;
   }
 };
@@ -125,14 +134,16 @@ struct SurfaceOfColour {
   double rational[3];
   double lag, row;
   Patch patch;
+  RangeCurve::Place range;
 
   template <class T>
-  bool operator()(const T* pose, const T* point, const T* intrinsics, const T* depth, T* residual) const {
+  bool operator()(const T* pose, const T* point, const T* intrinsics, const T* depth, const T* a, const T* b,
+                  const T* c, const T* d, T* residual) const {
     const T seconds = seconds_to_depth(lag, row, depth);
     const Vector3<T> p = in_camera(T_start, twist, pose, point, seconds);
     T seen[2];
     if (!project(intrinsics, rational, p, seen)) return false;
-    residual[0] = depth_error(patch, seen, p, depth);
+    residual[0] = depth_error(patch, seen, p, depth, curve_at(range, a, b, c, d));
     return true;
   }
 };

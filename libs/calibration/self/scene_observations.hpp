@@ -2,6 +2,7 @@
 // What a recording shows of a head: keyframes with their depth images, and landmarks seen in several.
 
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include <lcmslam/geometry/transform.hpp>
@@ -12,8 +13,9 @@ struct ObservedKeyframe {
   Utime utime = 0;                                                   ///< of the colour image
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< at the middle of the colour image
   Vector6d twist = Vector6d::Zero();  ///< of the camera, its own frame: m/s, rad/s
-  double depth_lag = 0;               ///< s from the colour image's stamp to the depth image's, as stamped
-  cv::Mat inverse_depth;              ///< CV_32FC1, 1/m along the optical axis, 0 = none
+  std::optional<Vector6d> motion;  ///< log of T_previous_this by what said the twist: as twist times seconds
+  double depth_lag = 0;            ///< s from the colour image's stamp to the depth image's, as stamped
+  cv::Mat inverse_depth;           ///< CV_32FC1, 1/m along the optical axis, 0 = none
 };
 
 struct LandmarkSighting {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/support/board_renderer.hpp"
+#include "tests/support/board_shots.hpp"
 
 namespace lcmslam {
 namespace {
@@ -46,6 +46,27 @@ TEST_P(BoardTest, CornersAreFoundToAFractionOfAPixelWhicheverWayUpItIs) {
     EXPECT_LT(distance_between(*pose, T), 0.001);
     EXPECT_LT(angle_between(*pose, T), 0.004);
   }
+}
+
+// What tells a corner are its edges, and the more of them the less noise is left: windows reach as far as
+// squares.
+TEST(BoardTest, CornersInFewPixelsAreFoundByTheWholeOfTheirEdges) {
+  const Board b = testing::large_board();
+  const CameraModel c = testing::drawn_tof_camera(3);
+  const testing::BoardRenderer render(b, c, {0.5, 3, 5});
+  Random random(3);
+  double squares = 0, count = 0;
+  for (int i = 0; i < 12; ++i) {
+    testing::BoardPlaces places;
+    places.near = 0.85, places.far = 0.7, places.middle = 0.15;
+    const Eigen::Isometry3d T = places(i, b, c, random);
+    const auto view = find_board(render(T, random), b);
+    if (!view) continue;
+    for (std::size_t k = 0; k < view->ids.size(); ++k, ++count)
+      squares += (*c.project(T * b.corner(view->ids[k])) - view->pixels[k]).squaredNorm();
+  }
+  ASSERT_GT(count, 300);
+  EXPECT_LT(std::sqrt(squares / count), 0.035) << "pixels";
 }
 
 TEST(BoardTest, OfMarkersAPartIsEnough) {

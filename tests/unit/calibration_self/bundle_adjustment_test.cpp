@@ -186,6 +186,52 @@ TEST(SelfCalibration, FindsTheTiltOfRegisteredDepth) {
   EXPECT_FALSE(found.has_range_error());
 }
 
+// As a time-of-flight camera's wiggle does, of which the start knows nothing but that ranges err by as much.
+TEST(SelfCalibration, RangesThatWiggleDoNotBendTheHead) {
+  RgbdCalibration truth = true_head();
+  truth.depth_noise = {0.005, 0, 0, 0};
+  truth.depth_max = 7.5;
+  const RgbdCalibration start = spoiled(truth);
+  truth.depth_error.wiggle = 0.006, truth.depth_error.period = 1.9, truth.depth_error.phase = 1;
+  SceneObservations scene = seen_room(truth, rich_motion(), 400), again = scene;
+  HeadModel model(start), bent(start);
+  const BundleResult result = adjust_bundle(model, scene, {}, {});
+  const Eigen::Isometry3d T = model.T_colour_depth();
+  EXPECT_LT(distance_between(T, truth.T_colour_depth), 0.002);
+  EXPECT_LT(angle_between(T, truth.T_colour_depth), 0.1 * M_PI / 180);
+  EXPECT_NEAR(model.values[head::cy], truth.colour.cy, 1);
+  EXPECT_FALSE(is_observed(result, head::depth_offset, {})) << "the curve is one, too";
+
+  CalibrationPriors sure;
+  sure.range_curve = 0;
+  adjust_bundle(bent, again, sure, {});
+  EXPECT_GT(distance_between(bent.T_colour_depth(), truth.T_colour_depth), 0.002)
+      << "the wiggle is too small to tell anything here";
+}
+
+// Wheels whose radii and track are 6 and 4 % off.
+TEST(SelfCalibration, VelocitiesFollowThePathThatWasFound) {
+  const RgbdCalibration truth = sharp(true_head());
+  const std::vector<Shot> shots = rich_motion();
+  SceneObservations scene = seen_room(truth, shots, 400);
+  const auto told = [](Vector6d motion) {
+    motion.head<3>() *= 1.06, motion.tail<3>() *= 0.96;
+    return motion;
+  };
+  for (std::size_t k = 0; k < shots.size(); ++k) {
+    scene.keyframes[k].twist = told(shots[k].twist);
+    if (k > 0)
+      scene.keyframes[k].motion =
+          told(se3_log(shots[k - 1].T_world_camera.inverse() * shots[k].T_world_camera));
+  }
+  scene.keyframes[5].motion->tail<3>() += Eigen::Vector3d(0.05, 0, 0.05);  // a slip
+  HeadModel model(spoiled(truth));
+  adjust_bundle(model, scene, wide(), {});
+  EXPECT_NEAR(model.values[head::colour_rows], truth.rolling_shutter, 2e-4);
+  EXPECT_NEAR(model.values[head::depth_clock], truth.depth_clock_offset, 1e-4);
+  EXPECT_NEAR(scene.keyframes[3].twist(0), shots[3].twist(0), 2e-3);
+}
+
 TEST(SelfCalibration, LeavesWhatIsHeld) {
   SceneObservations scene = seen_room(true_head(), rich_motion(), 200);
   HeadModel model(true_head());
