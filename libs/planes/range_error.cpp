@@ -177,6 +177,9 @@ void RangeError::solve() {
   const Eigen::LLT<Eigen::MatrixXd> root(information_ + prior_);
   error_ = root.solve(told_);
   covariance_ = root.solve(Eigen::MatrixXd::Identity(error_.size(), error_.size()));
+  const double prior = noise_.constant * noise_.constant;
+  const Eigen::ArrayXd told = (1 - covariance_.diagonal().array() / prior).max(0);  // the share of each knot
+  learned_ = (told * error_.array().square()).sum() / std::max(1.0, told.sum());
 }
 
 double RangeError::at(double range) const {
@@ -192,9 +195,12 @@ double RangeError::sigma(double range) const {
   return std::sqrt(covariance_(k, k));
 }
 
-// DepthNoise adds its parts up as they are; what the constant becomes is independent of the rest.
+// How much of the constant part was an error by range is seen by how large what was learned is; the rest of
+// it is new in each image and stays.
 double RangeError::remaining(double stated, double range) const {
-  return std::min(stated, std::hypot(std::max(0.0, stated - noise_.constant), sigma(range)));
+  const double prior = noise_.constant * noise_.constant, unknown = sigma(range);
+  const double left = std::sqrt(std::max(prior - learned_, unknown * unknown));
+  return std::max(0.0, stated - noise_.constant) + std::min(noise_.constant, left);
 }
 
 void RangeError::correct(cv::Mat& depth) const {

@@ -79,6 +79,7 @@ class RangeError {
   DepthNoise noise_;
   Eigen::MatrixXd prior_, information_, covariance_;  // of w at the knots
   Eigen::VectorXd told_, error_;
+  double learned_ = 0;  // m^2: of the error, in the mean of the ranges of which planes tell
   Utime last_ = 0;
   bool looked_ = false;
 };
