@@ -1,9 +1,12 @@
 #include <lcmslam/imaging/camera_model.hpp>
 
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace lcmslam {
 namespace {
@@ -146,7 +149,9 @@ void CameraModel::check(const std::string& name) const {
   }
 }
 
-cv::Mat ray_table(const CameraModel& camera) {
+namespace {
+
+cv::Mat make_ray_table(const CameraModel& camera) {
   cv::Mat table(camera.height, camera.width, CV_32FC2);
   for (int v = 0; v < camera.height; ++v) {
     auto* row = table.ptr<cv::Vec2f>(v);
@@ -156,6 +161,21 @@ cv::Mat ray_table(const CameraModel& camera) {
     }
   }
   return table;
+}
+
+}  // namespace
+
+// Half a dozen parts of a process want the same table, and a distorted VGA image takes 30 ms.
+cv::Mat ray_table(const CameraModel& camera) {
+  constexpr std::size_t kept = 4;  // cameras
+  static std::mutex mutex;
+  static std::deque<std::pair<CameraModel, cv::Mat>> tables;
+  const std::lock_guard<std::mutex> lock(mutex);
+  for (const auto& [known, table] : tables)
+    if (known == camera) return table;
+  tables.emplace_back(camera, make_ray_table(camera));
+  if (tables.size() > kept) tables.pop_front();
+  return tables.back().second;
 }
 
 }  // namespace lcmslam

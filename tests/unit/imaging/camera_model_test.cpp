@@ -79,6 +79,23 @@ TEST_P(CameraModelTest, RayTableHoldsTheRaysOfThePixels) {
   }
 }
 
+TEST(CameraModel, ARayTableIsMadeOnceForEachCamera) {
+  const CameraModel one = camera({0.2624, -0.9531, -0.0054, 0.0026, 1.1633});
+  CameraModel other = one;
+  other.distortion[0] += 0.01;
+  const cv::Mat table = ray_table(one), of_other = ray_table(other);
+  EXPECT_EQ(ray_table(one).data, table.data);
+  EXPECT_NE(of_other.data, table.data);
+  EXPECT_NE(of_other.at<cv::Vec2f>(0, 0), table.at<cv::Vec2f>(0, 0));
+  const cv::Mat before = table.clone();
+  for (int width = 8; width < 16; ++width) {  // more cameras than are kept: whoever has a table keeps it
+    other.width = width;
+    EXPECT_EQ(ray_table(other).cols, width);
+  }
+  EXPECT_EQ(cv::norm(before, table, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(before, ray_table(one), cv::NORM_INF), 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Lenses, CameraModelTest, testing::ValuesIn(lenses));
 
 TEST(CameraModel, NothingBehindTheCamera) {
