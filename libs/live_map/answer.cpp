@@ -135,9 +135,9 @@ Answer reply(const PathQuestion& q, const AskedMap& map) {
 
 Answer reply(const SpaceQuestion& q, const AskedMap& map) {
   json states = json::array();
-  live(map).space().ask([&](const LiveSpace::View& view) {
+  live(map).space().ask_occupied([&](const OccupancyGrid& occupied) {
     for (const Eigen::Vector3d& point : q.points) {
-      const CellState state = view.occupied.state(Eigen::Vector3f(point.cast<float>()));
+      const CellState state = occupied.state(Eigen::Vector3f(point.cast<float>()));
       states.push_back(state == CellState::free       ? "free"
                        : state == CellState::occupied ? "occupied"
                                                       : "unknown");

@@ -24,6 +24,7 @@ struct LiveMapSettings {
   double moved_distance = 0.02;
   double moved_angle = 0.01;
   int distance_every = 3;
+  int distance_rest = 300;
   int refit_every = 5;
   bool background = true;
 
@@ -36,6 +37,9 @@ struct LiveMapSettings {
         "distance_every", distance_every, "", {1, 1000},
         "so many frames distances follow free and occupied space, and with each keyframe; what the newest "
         "frame shows counts at once");
+    s.number("distance_rest", distance_rest, "", {0, 1'000'000},
+             "so many frames after the last question for distances they no longer follow; the next question "
+             "then waits until they have caught up");
     s.number(
         "refit_every", refit_every, "", {1, 1000},
         "so many frames a keyframe's part of the surface follows the graph, the one that has moved most; "

@@ -13,6 +13,7 @@ LiveSpace::LiveSpace(const CameraModel& depth_camera, const LiveMapSettings& set
       cell_size_(settings.occupancy.cell_size),
       background_(settings.background),
       distance_every_(settings.distance_every),
+      distance_rest_(settings.distance_rest),
       distance_(settings.distance),
       keyframes_(settings.occupancy),
       moved_(settings.moved_distance, settings.moved_angle),
@@ -28,8 +29,11 @@ void LiveSpace::show(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth)
     const std::lock_guard<std::mutex> lock(mutex_);
     carver_.carve(depth, camera_, T_map_depth, grid_);
     grid_.make_room(T_map_depth.translation().cast<float>());
-    newest_.show(carver_.hits());
-    if (++unmeasured_ >= distance_every_) measure();
+    hits_ = carver_.hits();
+    place_ = T_map_depth.translation();
+    if (++unmeasured_ >= distance_every_ && awake_) measure();
+    if (++unasked_ > distance_rest_) awake_ = false;
+    if (!awake_) return;
   }
   follow(T_map_depth.translation());
 }
@@ -40,13 +44,22 @@ void LiveSpace::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d
   moved_.add(keyframe, T_map_depth);
   if (carving_.valid()) meanwhile_.push_back({keyframe, depth.clone(), T_map_depth});
   const std::lock_guard<std::mutex> lock(mutex_);
-  measure();
+  if (awake_) measure();
 }
 
 /// Distances follow what has changed.
-void LiveSpace::measure() {
+void LiveSpace::measure() const {
   near_.update(grid_.take_changes());
   unmeasured_ = 0;
+}
+
+/// Somebody asks: what has changed while nobody did is made up for.
+void LiveSpace::bring_up_to_date() const {
+  if (hits_) newest_.show(*std::exchange(hits_, std::nullopt));
+  unasked_ = 0;
+  if (std::exchange(awake_, true)) return;
+  measure();
+  if (std::optional<NearDistances> moved = near_.moved(place_, grid_)) near_ = std::move(*moved);
 }
 
 /// The robot may come to where distances are not kept. Only this thread changes the grid, so it can be read
@@ -59,8 +72,8 @@ void LiveSpace::follow(const Eigen::Vector3d& place) {
 }
 
 DistanceField LiveSpace::distances_in(const Eigen::AlignedBox3d& box) const {
-  const auto occupied =
-      ask([&](const View& view) { return occupied_around(box, distance_.truncation, view.occupied); });
+  const auto occupied = ask_occupied(
+      [&](const OccupancyGrid& grid) { return occupied_around(box, distance_.truncation, grid); });
   return field_of(occupied, cell_size_, distance_);
 }
 
@@ -98,14 +111,12 @@ void LiveSpace::take_over(bool wait) {
   meanwhile_.clear();
   const std::lock_guard<std::mutex> lock(mutex_);
   grid_.adopt(std::move(carved.grid));
-  measure();
+  if (awake_) measure();
 }
 
 std::size_t LiveSpace::memory_bytes() const {
-  return ask([this](const View& view) {
-    return kept_bytes_ + view.occupied.memory_bytes() + view.distances.memory_bytes() +
-           view.newest.memory_bytes();
-  });
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return kept_bytes_ + grid_.memory_bytes() + near_.memory_bytes() + newest_.field().memory_bytes();
 }
 
 }  // namespace lcmslam

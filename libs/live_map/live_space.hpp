@@ -1,6 +1,9 @@
 #pragma once
 // Free and occupied space and distances while frames keep coming: one thread shows frames, any thread asks.
 //
+// Distances follow the frames while somebody asks for them. When nobody has for a while they rest, and the
+// next question brings them up to date.
+//
 // When the graph bends, space is carved anew beside the frames, from the keyframes' depth, and takes the old
 // one's place when it is done. Frames between keyframes that came meanwhile are seen again soon enough.
 
@@ -8,6 +11,7 @@
 #include <future>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include <lcmslam/live_map/live_map_settings.hpp>
 #include <lcmslam/live_map/moved_keyframes.hpp>
@@ -44,13 +48,20 @@ class LiveSpace {
   template <class Ask>
   auto ask(const Ask& question) const {
     const std::lock_guard<std::mutex> lock(mutex_);
+    bring_up_to_date();
     return question(View{grid_, near_, newest_.field()});
+  }
+  /// The same for questions that need no distances: `question(const OccupancyGrid&)`.
+  template <class Ask>
+  auto ask_occupied(const Ask& question) const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return question(std::as_const(grid_));
   }
   /// Distances in a box, m, that View's do not cover: made for the purpose, frames do not wait meanwhile.
   DistanceField distances_in(const Eigen::AlignedBox3d& box) const;
   /// For questions that take their time.
   OccupancyGrid copy() const {
-    return ask([](const View& view) { return view.occupied.copy(); });
+    return ask_occupied([](const OccupancyGrid& occupied) { return occupied.copy(); });
   }
   std::size_t memory_bytes() const;
 
@@ -66,13 +77,14 @@ class LiveSpace {
   };
   void carve_anew();
   void take_over(bool wait);
-  void measure();
+  void measure() const;
   void follow(const Eigen::Vector3d& place);
+  void bring_up_to_date() const;
 
   CameraModel camera_;
   double cell_size_;  // m
   bool background_;
-  int distance_every_;
+  int distance_every_, distance_rest_;
   DistanceSettings distance_;
   DepthCarver carver_;
   CarvedKeyframes keyframes_;
@@ -82,10 +94,15 @@ class LiveSpace {
   std::atomic<std::size_t> kept_bytes_{0};
 
   mutable std::mutex mutex_;  // guards what follows
-  OccupancyGrid grid_;
-  NearDistances near_;
-  NewestFrame newest_;
-  int unmeasured_ = 0;  // frames that distances have not followed yet
+  mutable OccupancyGrid grid_;
+  mutable NearDistances near_;
+  mutable NewestFrame newest_;
+  mutable std::optional<std::vector<OccupancyChange>> hits_;  // of the newest frame, until somebody asks
+  mutable int unmeasured_ = 0;                                // frames that distances have not followed yet
+  // Only a question sets it, only a frame takes it back: while it is set, distances are the frames' alone.
+  mutable bool awake_ = false;
+  mutable int unasked_ = 0;                          // frames since the last question
+  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();  // of the camera, in the map
 };
 
 }  // namespace lcmslam

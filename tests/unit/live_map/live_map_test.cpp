@@ -39,8 +39,8 @@ FramePose at(double x) {
 }
 
 CellState state(const LiveMap& map, double x) {
-  return map.space().ask([&](const LiveSpace::View& view) {
-    return view.occupied.state(Eigen::Vector3f(static_cast<float>(x), 0, 1));
+  return map.space().ask_occupied([&](const OccupancyGrid& occupied) {
+    return occupied.state(Eigen::Vector3f(static_cast<float>(x), 0, 1));
   });
 }
 
@@ -80,6 +80,8 @@ double distance_at_1(const LiveMap& map) {
 
 TEST(LiveMap, DistancesFollowEveryThirdFrameAndEachKeyframe) {
   LiveMap shown(some_camera(), waiting()), kept(some_camera(), waiting());
+  EXPECT_EQ(distance_at_1(shown), 2);  // somebody asks: from now on they follow
+  EXPECT_EQ(distance_at_1(kept), 2);
   shown.show(wall(2), at(0));
   shown.show(wall(2), at(0));
   EXPECT_EQ(distance_at_1(shown), 2);  // nothing near
@@ -89,9 +91,38 @@ TEST(LiveMap, DistancesFollowEveryThirdFrameAndEachKeyframe) {
   EXPECT_NEAR(distance_at_1(kept), 1, 0.05);
 }
 
+// Nobody asked for more than `distance_rest` frames: the next answer is nevertheless of what is there by now,
+// around where the robot is by now.
+TEST(LiveMap, DistancesThatRestedAreBroughtUpToDate) {
+  LiveMapSettings settings = waiting();
+  settings.distance_rest = 2;
+  settings.distance.memory = 1;
+  LiveMap map(some_camera(), settings), asked(some_camera(), settings);
+  EXPECT_EQ(distance_at_1(map), 2);
+  const auto covered_at = [](const LiveMap& of, double x) {
+    return of.space().ask([&](const LiveSpace::View& view) {
+      return view.distances.covers({Eigen::Vector3d(x, 0, 1), Eigen::Vector3d(x, 0, 1)});
+    });
+  };
+  for (double x = 0; x <= 40; x += 2)
+    for (int i = 0; i < 3; ++i)
+      for (LiveMap* each : {&map, &asked}) {
+        each->show(wall(2), at(x));
+        if (each == &asked) distance_at_1(asked);
+      }
+  const auto distance_at_41 = [](const LiveSpace::View& view) {
+    return view.distances.field().sample({41, 0, 1}).distance;
+  };
+  EXPECT_TRUE(covered_at(map, 41));
+  EXPECT_FALSE(covered_at(map, 1));
+  EXPECT_NEAR(map.space().ask(distance_at_41), 1, 0.05);
+  EXPECT_EQ(map.space().ask(distance_at_41), asked.space().ask(distance_at_41));
+}
+
 TEST(LiveMap, WhoStepsInTheWayCountsAtOnce) {
   LiveMap map(some_camera(), waiting());
   for (int i = 0; i < 6; ++i) map.show(wall(2), at(0));
+  EXPECT_NEAR(distance_at_1(map), 1, 0.05);
   map.show(wall(1.2), at(0));
   EXPECT_NEAR(distance_at_1(map), 1, 0.05);
   EXPECT_NEAR(map.space().ask([](const LiveSpace::View& v) {
