@@ -2,8 +2,10 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
-#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/thinned_depth.hpp>
 #include <lcmslam/parallel/instruction_set.hpp>
 
 namespace lcmslam {
@@ -27,7 +29,8 @@ struct InverseDepths {
   cv::Mat_<float> x, y, q;
   std::ptrdiff_t pitch = 0;  // floats from row to row
 
-  explicit InverseDepths(const cv::Mat& points);
+  explicit InverseDepths(const cv::Size& size);
+  void set_row(int v, const float* point, int columns);
   std::ptrdiff_t at(int v, int u) const { return (v + border) * pitch + u + border; }
 };
 
@@ -41,22 +44,23 @@ LCMSLAM_VECTORISED(invert_row, (const float* point, int columns, float* x, float
   }
 }
 
-InverseDepths::InverseDepths(const cv::Mat& points) {
-  const cv::Size size = points.size() + cv::Size(2 * border, 2 * border);
-  for (cv::Mat_<float>* plane : {&x, &y, &q}) plane->create(size);
-  pitch = size.width;
+InverseDepths::InverseDepths(const cv::Size& size) {
+  const cv::Size with_border = size + cv::Size(2 * border, 2 * border);
   const float nothing = std::numeric_limits<float>::quiet_NaN();
-  for (int v = 0; v < size.height; ++v) {
-    float* const rows[] = {x.ptr<float>(v), y.ptr<float>(v), q.ptr<float>(v)};
-    const bool inside = v >= border && v < border + points.rows;
-    for (float* row : rows) {
-      std::fill(row, row + (inside ? border : size.width), nothing);
-      std::fill(row + size.width - border, row + size.width, nothing);
+  pitch = with_border.width;
+  for (cv::Mat_<float>* plane : {&x, &y, &q}) {
+    plane->create(with_border);
+    for (int v = 0; v < with_border.height; ++v) {
+      float* row = plane->ptr<float>(v);
+      const bool inside = v >= border && v < border + size.height;
+      std::fill(row, row + (inside ? border : with_border.width), nothing);
+      std::fill(row + with_border.width - border, row + with_border.width, nothing);
     }
-    if (inside)
-      invert_row(points.ptr<float>(v - border), points.cols, rows[0] + border, rows[1] + border,
-                 rows[2] + border);
   }
+}
+
+void InverseDepths::set_row(int v, const float* point, int columns) {
+  invert_row(point, columns, x.ptr<float>() + at(v, 0), y.ptr<float>() + at(v, 0), q.ptr<float>() + at(v, 0));
 }
 
 /// Some pixels of a row, one a lane.
@@ -159,31 +163,96 @@ LCMSLAM_VECTORISED(fit_planes,
   }
 }
 
-}  // namespace
-
-cv::Mat estimate_normals(const RegisteredDepth& registered, int step) {
-  if (step < 1) throw std::invalid_argument("estimate_normals: step must be at least 1");
-  const InverseDepths image(registered.points);
-  const int rows = registered.points.rows, columns = registered.points.cols;
-  cv::Mat normals((rows + step - 1) / step, (columns + step - 1) / step, CV_32FC3);
-  for (int v = 0; v < rows; v += step) {
-    const auto* sigma = registered.sigma.ptr<float>(v);
-    auto* normal = normals.ptr<cv::Vec3f>(v / step);
+/// Fits at every `step`-th row and column; `sigma` is of these.
+cv::Mat fit_normals(const InverseDepths& image, const cv::Mat& sigma, int step, float pixel_pitch) {
+  cv::Mat normals(sigma.size(), CV_32FC3);
+  for (int v = 0; v < normals.rows; ++v) {
+    auto* normal = normals.ptr<cv::Vec3f>(v);
     for (int first = 0; first < normals.cols; first += lanes) {
       Pixels pixels;
       pixels.neighbours = step == 1 && first + lanes <= normals.cols;
       for (int l = 0; l < lanes; ++l) {  // beyond the row's end its last pixel again
-        const int u = step * std::min(first + l, normals.cols - 1);
-        pixels.at[l] = image.at(v, u);
-        pixels.sigma[l] = sigma[u];
+        const int u = std::min(first + l, normals.cols - 1);
+        pixels.at[l] = image.at(step * v, step * u);
+        pixels.sigma[l] = sigma.at<float>(v, u);
       }
-      fit_planes(image.x.ptr<float>(), image.y.ptr<float>(), image.q.ptr<float>(), image.pitch,
-                 registered.pitch, pixels);
+      fit_planes(image.x.ptr<float>(), image.y.ptr<float>(), image.q.ptr<float>(), image.pitch, pixel_pitch,
+                 pixels);
       for (int l = 0; l < std::min(lanes, normals.cols - first); ++l)
         normal[first + l] = {pixels.nx[l], pixels.ny[l], pixels.nz[l]};
     }
   }
   return normals;
+}
+
+/// `row_of(v)` gives where the points and sigmas of a row can be read; it is asked from the first to the
+/// last.
+template <class RowOf>
+ThinnedDepth thin(const cv::Size& size, float pitch, int step, const RowOf& row_of) {
+  if (step < 1) throw std::invalid_argument("thinned depth: step must be at least 1");
+  ThinnedDepth result;
+  result.step = step;
+  result.rows = size.height;
+  result.pitch = pitch;
+  result.points.create((size.height + step - 1) / step, (size.width + step - 1) / step, CV_32FC3);
+  result.sigma.create(result.points.size(), CV_32FC1);
+  InverseDepths image(size);
+  for (int v = 0; v < size.height; ++v) {
+    const auto [points, sigma] = row_of(v);
+    image.set_row(v, points, size.width);
+    if (v % step != 0) continue;
+    auto* kept = result.points.ptr<cv::Vec3f>(v / step);
+    auto* kept_sigma = result.sigma.ptr<float>(v / step);
+    for (int u = 0; u < size.width; u += step) {
+      kept[u / step] = {points[3 * u], points[3 * u + 1], points[3 * u + 2]};
+      kept_sigma[u / step] = sigma[u];
+    }
+  }
+  result.normals = fit_normals(image, result.sigma, step, pitch);
+  return result;
+}
+
+}  // namespace
+
+ThinnedDepth thinned(const RegisteredDepth& registered, int step) {
+  return thin(registered.points.size(), registered.pitch, step, [&](int v) {
+    return std::pair(registered.points.ptr<float>(v), registered.sigma.ptr<float>(v));
+  });
+}
+
+cv::Mat estimate_normals(const RegisteredDepth& registered, int step) {
+  if (step < 1) throw std::invalid_argument("estimate_normals: step must be at least 1");
+  const cv::Size size = registered.points.size();
+  InverseDepths image(size);
+  for (int v = 0; v < size.height; ++v) image.set_row(v, registered.points.ptr<float>(v), size.width);
+  cv::Mat_<float> sigma((size.height + step - 1) / step, (size.width + step - 1) / step);
+  for (int v = 0; v < sigma.rows; ++v)
+    for (int u = 0; u < sigma.cols; ++u) sigma(v, u) = registered.sigma.at<float>(step * v, step * u);
+  return fit_normals(image, sigma, step, registered.pitch);
+}
+
+DepthPoints::DepthPoints(const RgbdCalibration& calibration)
+    : calibration_(calibration),
+      geometry_(depth_row_geometry(calibration, calibration.T_colour_depth)),
+      moves_(!calibration.T_colour_depth.matrix().isIdentity(0)),
+      rays_(ray_table(calibration.depth)) {}
+
+void DepthPoints::row(const RgbdFrame& frame, int row, int first, int columns, float* points,
+                      float* sigma) const {
+  unproject_row(frame.depth.ptr<std::uint16_t>(row) + first,
+                frame.amplitude.empty() ? nullptr : frame.amplitude.ptr<std::uint8_t>(row) + first,
+                rays_.ptr<float>(row) + 2 * first, columns, geometry_, points, sigma);
+  if (moves_) move_row(columns, geometry_, points);
+}
+
+ThinnedDepth DepthPoints::thinned(const RgbdFrame& frame, int step) const {
+  check_frame(frame, calibration_);
+  const auto width = static_cast<std::size_t>(rays_.cols);
+  std::vector<float> points(3 * width, std::numeric_limits<float>::quiet_NaN()), sigma(width, points[0]);
+  return thin(rays_.size(), static_cast<float>(1 / calibration_.depth.fx), step, [&](int v) {
+    if (!frame.depth.empty()) row(frame, v, 0, rays_.cols, points.data(), sigma.data());
+    return std::pair<const float*, const float*>(points.data(), sigma.data());
+  });
 }
 
 }  // namespace lcmslam

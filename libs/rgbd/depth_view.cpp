@@ -43,14 +43,6 @@ class RowMove {
 
 }  // namespace
 
-DepthView prepared_view(const DepthRegistration& registration, const RgbdFrame& frame, int step) {
-  DepthView view;
-  view.depth = registration.unproject(frame);
-  view.normals = estimate_normals(view.depth, step);
-  view.step = step;
-  return view;
-}
-
 Cloud cloud_of(const DepthView& view, const Eigen::Isometry3d& T_colour_depth_time,
                const Vector6d& row_motion) {
   Cloud cloud;
@@ -58,17 +50,16 @@ Cloud cloud_of(const DepthView& view, const Eigen::Isometry3d& T_colour_depth_ti
   cloud.points.reserve(most);
   cloud.normals.reserve(most);
   cloud.sigmas.reserve(most);
-  const cv::Mat& points = view.depth.points;
-  for (int v = 0; v < points.rows; v += view.step) {
-    const RowMove move(v, points.rows, T_colour_depth_time, row_motion, view.depth.pitch);
-    const auto* point = points.ptr<cv::Vec3f>(v);
-    const auto* sigma = view.depth.sigma.ptr<float>(v);
-    const auto* normal = view.normals.ptr<cv::Vec3f>(v / view.step);
-    for (int u = 0; u < points.cols; u += view.step) {
+  for (int v = 0; v < view.points.rows; ++v) {
+    const RowMove move(view.step * v, view.rows, T_colour_depth_time, row_motion, view.pitch);
+    const auto* point = view.points.ptr<cv::Vec3f>(v);
+    const auto* sigma = view.sigma.ptr<float>(v);
+    const auto* normal = view.normals.ptr<cv::Vec3f>(v);
+    for (int u = 0; u < view.points.cols; ++u) {
       if (std::isnan(point[u][2])) continue;
       const Eigen::Vector3f x = vector(point[u]);
       cloud.points.push_back(move.point(x));
-      cloud.normals.push_back(move.normal(vector(normal[u / view.step]), x));
+      cloud.normals.push_back(move.normal(vector(normal[u]), x));
       cloud.sigmas.push_back(sigma[u]);
     }
   }

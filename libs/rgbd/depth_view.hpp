@@ -3,18 +3,12 @@
 // than the image, and preparing is most of the work.
 
 #include <lcmslam/cloud/cloud.hpp>
-#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/thinned_depth.hpp>
 
 namespace lcmslam {
 
-struct DepthView {
-  RegisteredDepth
-      depth;        ///< DepthRegistration::unproject(): at the depth image's time, rows as they were read
-  cv::Mat normals;  ///< CV_32FC3, of every step-th row and column
-  int step = 1;
-};
-
-DepthView prepared_view(const DepthRegistration& registration, const RgbdFrame& frame, int step);
+/// At the depth image's time, rows as they were read.
+using DepthView = ThinnedDepth;
 
 /// Every step-th row's and column's points with normals and sigmas in the colour camera's frame, tile by
 /// tile. `T_colour_depth_time` as for DepthRegistration; `row_motion`: the camera's twist from the first row

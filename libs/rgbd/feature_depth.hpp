@@ -3,7 +3,7 @@
 // place 14 ms later, 14 pixels beside, and a feature's depth must be read where the feature was then.
 
 #include <lcmslam/features/feature.hpp>
-#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/thinned_depth.hpp>
 
 namespace lcmslam {
 
@@ -14,5 +14,10 @@ namespace lcmslam {
 FeatureFrame placed_by(const RegisteredDepth& depth, const CameraModel& depth_camera,
                        const Eigen::Isometry3d& T_depth_colour, FeatureFrame features,
                        const Eigen::Isometry3d& T_colour_points = Eigen::Isometry3d::Identity());
+
+/// The same by all points of `frame`, of which only those around the features are made.
+FeatureFrame placed_by(const DepthPoints& depth, const RgbdFrame& frame,
+                       const Eigen::Isometry3d& T_depth_colour, FeatureFrame features,
+                       const Eigen::Isometry3d& T_colour_points);
 
 }  // namespace lcmslam

@@ -32,6 +32,7 @@ RgbdFrameMaker::RgbdFrameMaker(const RgbdFrameMakerSettings& settings)
 
 void RgbdFrameMaker::calibrate(const RgbdCalibration& calibration) {
   registration_.emplace(calibration);
+  depth_points_.emplace(registration_->calibration());
   filter_.emplace(calibration, settings_.depth_filter);
   range_error_.emplace(calibration, settings_.range_error);
 }
@@ -54,7 +55,7 @@ RgbdFrameMaker::Prepared RgbdFrameMaker::prepare(RgbdFrame frame, LateColour lat
     range_error_->learn(frame.depth, frame.depth_utime);
     range_error_->correct(frame.depth);
   }
-  prepared.view = prepared_view(*registration_, frame, step_for(frame.depth.total(), settings_.cloud_points));
+  prepared.view = depth_points_->thinned(frame, step_for(frame.depth.total(), settings_.cloud_points));
   prepared.frame = std::move(frame);
   prepared.late_colour = std::move(late_colour);
   return prepared;
@@ -130,10 +131,10 @@ Vector6d RgbdFrameMaker::row_motion(const MotionBetween& motion_between, Utime p
 // Where colour cannot be had, the points are grey.
 ColouredCloud RgbdFrameMaker::colourise(Prepared& prepared, const Way& way) const {
   RgbdFrame& frame = prepared.frame;
+  const CameraModel& camera = registration_->calibration().depth;
+  const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   // Where registration compares colours, its cloud is the coloured one.
-  const int step = settings_.intensities
-                       ? prepared.view.step
-                       : step_for(prepared.view.depth.points.total(), settings_.keyframe_points);
+  const int step = settings_.intensities ? prepared.view.step : step_for(pixels, settings_.keyframe_points);
   if (frame.colour.empty() && prepared.late_colour) frame.colour = std::exchange(prepared.late_colour, {})();
   RegisteredDepth depth = (*registration_)(frame, way.T_colour_depth_time, step);
   straighten_rows(depth.points, way.row_motion);
@@ -148,7 +149,7 @@ std::optional<FeatureFrame> RgbdFrameMaker::features_at(const Prepared& prepared
   FeatureFrame placed = *found;
   if (way.joined) {
     const RgbdCalibration& c = calibration();
-    placed = placed_by(prepared.view.depth, c.depth, (way.T_colour_depth_time * c.T_colour_depth).inverse(),
+    placed = placed_by(*depth_points_, prepared.frame, (way.T_colour_depth_time * c.T_colour_depth).inverse(),
                        *found, way.T_colour_depth_time);
   }
   straighten_rows(placed, way.row_motion);

@@ -108,6 +108,7 @@ class RgbdFrameMaker {
 
   RgbdFrameMakerSettings settings_;
   std::optional<DepthRegistration> registration_;
+  std::optional<DepthPoints> depth_points_;
   std::optional<DepthFilter> filter_;
   std::optional<RangeError> range_error_;
   DepthClock depth_clock_;

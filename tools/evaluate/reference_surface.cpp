@@ -38,7 +38,7 @@ ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& rob
     const RgbdFrame frame = decode_images(decode_message<images_t>(event->data, event->size), calibration);
     const auto T_world_robot = pose_at(robot, calibration.depth_time(frame.depth_utime));
     if (!T_world_robot) continue;
-    const DepthView view = prepared_view(*registration, frame, pixel_step);
+    const DepthView view = DepthPoints(calibration).thinned(frame, pixel_step);
     Cloud cloud = usable_points(cloud_of(view, Eigen::Isometry3d::Identity(), Vector6d::Zero()));
     const Eigen::Isometry3d T_world_camera = *T_world_robot * calibration.T_robot_camera;
     move(cloud, T_world_camera);

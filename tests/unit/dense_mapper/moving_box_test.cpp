@@ -75,8 +75,8 @@ class MovingBox : public testing::Test {
       RgbdFrame frame;
       frame.depth = image.depth.clone();
       filter(frame.depth, image.grey);
-      clouds.push_back(
-          cloud_of(prepared_view(registration, frame, 1), Eigen::Isometry3d::Identity(), Vector6d::Zero()));
+      clouds.push_back(cloud_of(DepthPoints(registration.calibration()).thinned(frame, 1),
+                                Eigen::Isometry3d::Identity(), Vector6d::Zero()));
     }
     return clouds;
   }

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <lcmslam/imaging/depth_registration.hpp>
+#include <cstring>
+
+#include <lcmslam/imaging/thinned_depth.hpp>
 #include <lcmslam/rgbd/make_cloud.hpp>
 #include "tests/support/analytic_scene.hpp"
 
@@ -254,6 +256,37 @@ TEST(Registration, AFrameWithoutDepthHasNoPoints) {
   frame.colour = cv::Mat(480, 640, CV_8UC3, cv::Scalar(0));
   EXPECT_EQ(make_cloud(frame, registered, 1, true).size(), 0u);
   EXPECT_TRUE(std::isnan(depth_at_pixels(registered, tof_head(), {{320, 240}})[0].point.z()));
+}
+
+// NaN equals NaN.
+bool same_bits(const cv::Mat& a, const cv::Mat& b) {
+  return a.type() == b.type() && a.size() == b.size() && a.isContinuous() && b.isContinuous() &&
+         std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
+}
+
+TEST(Registration, AThinnedImageIsThatOfAllItsPoints) {
+  for (const RgbdCalibration& head : {tof_head(), registered_head()}) {
+    const CameraModel& camera = head.depth_registered ? head.colour : head.depth;
+    RgbdFrame frame = frame_of(render(wall(), camera, Eigen::Isometry3d::Identity()));
+    for (int v = 0; v < frame.depth.rows; ++v)
+      for (int u = 0; u < frame.depth.cols; ++u)
+        if ((u * v) % 11 == 0) frame.depth.at<std::uint16_t>(v, u) = 0;
+    if (!head.depth_registered) frame.amplitude = cv::Mat(frame.depth.size(), CV_8UC1, cv::Scalar(40));
+    const DepthRegistration registration(head);
+    const RegisteredDepth whole = registration.unproject(frame);
+    for (const int step : {1, 3, 5}) {
+      const ThinnedDepth thin = DepthPoints(registration.calibration()).thinned(frame, step),
+                         expected = thinned(whole, step);
+      EXPECT_TRUE(same_bits(thin.points, expected.points)) << step;
+      EXPECT_TRUE(same_bits(thin.sigma, expected.sigma)) << step;
+      EXPECT_TRUE(same_bits(thin.normals, expected.normals)) << step;
+      EXPECT_TRUE(same_bits(thin.normals, estimate_normals(whole, step))) << step;
+      EXPECT_EQ(thin.rows, camera.height);
+      EXPECT_EQ(thin.pitch, whole.pitch);
+      const cv::Vec3f last = whole.points.at<cv::Vec3f>(step * (thin.points.rows - 1), 0);
+      EXPECT_TRUE(same_bits(cv::Mat(thin.points.at<cv::Vec3f>(thin.points.rows - 1, 0)), cv::Mat(last)));
+    }
+  }
 }
 
 }  // namespace

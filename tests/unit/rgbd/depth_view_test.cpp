@@ -18,21 +18,19 @@ constexpr float focal_length = 130;
 
 /// A plane n . p = d (frame of the middle row) as a camera sees it whose rows are read one after the other.
 DepthView view_of_plane(const Eigen::Vector3d& n, double d, const Vector6d& motion, int step) {
-  DepthView view;
-  view.step = step;
-  view.depth.pitch = 1 / focal_length;
-  view.depth.points.create(height, width, CV_32FC3);
-  view.depth.sigma = cv::Mat(height, width, CV_32FC1, cv::Scalar(0.002));
+  RegisteredDepth depth;
+  depth.pitch = 1 / focal_length;
+  depth.points.create(height, width, CV_32FC3);
+  depth.sigma = cv::Mat(height, width, CV_32FC1, cv::Scalar(0.002));
   for (int v = 0; v < height; ++v) {
     const Eigen::Isometry3d T = row_transform(v, height, motion).cast<double>();
     for (int u = 0; u < width; ++u) {
       const Eigen::Vector3d ray((u - 79.5) / 130, (v - 59.5) / 130, 1);
       const double z = (d - n.dot(T.translation())) / n.dot(T.linear() * ray);
-      view.depth.points.at<cv::Vec3f>(v, u) = cv::Vec3d(z * ray.x(), z * ray.y(), z);
+      depth.points.at<cv::Vec3f>(v, u) = cv::Vec3d(z * ray.x(), z * ray.y(), z);
     }
   }
-  view.normals = estimate_normals(view.depth, step);
-  return view;
+  return thinned(depth, step);
 }
 
 // Worst distance from the plane, m, and worst angle between normals, rad.
@@ -93,8 +91,8 @@ TEST(DepthView, TakesTheSamePointsAsTheColouredCloud) {
           random.below(10) == 0 ? 0 : static_cast<std::uint16_t>(1500 + 3 * u + random.below(4));
   const DepthRegistration registration(calibration);
   const ColouredCloud coloured = usable_points(make_cloud(frame, registration(frame), 3));
-  const Cloud plain = usable_points(
-      cloud_of(prepared_view(registration, frame, 3), Eigen::Isometry3d::Identity(), Vector6d::Zero()));
+  const Cloud plain = usable_points(cloud_of(DepthPoints(registration.calibration()).thinned(frame, 3),
+                                             Eigen::Isometry3d::Identity(), Vector6d::Zero()));
   ASSERT_GT(plain.size(), 500U);
   ASSERT_EQ(plain.size(), coloured.size());
   // Another order: each pixel's ray is its own.

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include <lcmslam/geometry/transform.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -65,6 +67,40 @@ TEST(FeatureDepth, ReadsWhereTheFeatureWas) {
   T_depth_colour.linear() = so3_exp({0, -0.15, 0});
   const auto turned = placed_by(wall.depth, wall.camera, T_depth_colour, wall.features({112}));
   EXPECT_NEAR(turned.features[0].point.z(), 2, 1e-3);
+}
+
+TEST(FeatureDepth, ADepthImageSaysWhatItsPointsSay) {
+  const Wall wall;
+  RgbdCalibration calibration;
+  calibration.colour = calibration.depth = wall.camera;
+  calibration.T_colour_depth.translation() = Eigen::Vector3d(0.03, -0.02, 0.01);
+  calibration.T_colour_depth.linear() = so3_exp({0.01, -0.02, 0.03});
+  const DepthRegistration registration(calibration);
+  RgbdFrame frame;
+  frame.depth.create(120, 160, CV_16UC1);
+  for (int v = 0; v < 120; ++v)
+    for (int u = 0; u < 160; ++u)
+      frame.depth.at<std::uint16_t>(v, u) =
+          (u * v) % 7 == 0 ? 0 : static_cast<std::uint16_t>((u < 100 ? 2000 : 1000) + (u ^ v) % 4);
+  std::vector<float> columns;
+  for (float x = -1; x < 162; x += 1.7f) columns.push_back(x);
+  const Eigen::Isometry3d T_depth_colour = calibration.T_colour_depth.inverse();
+  Eigen::Isometry3d T_points = Eigen::Isometry3d::Identity();
+  T_points.linear() = so3_exp({0, 0.01, 0});
+  const FeatureFrame by_points =
+      placed_by(registration.unproject(frame), wall.camera, T_depth_colour, wall.features(columns), T_points);
+  const FeatureFrame by_image = placed_by(DepthPoints(registration.calibration()), frame, T_depth_colour,
+                                          wall.features(columns), T_points);
+  int points = 0;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Feature &a = by_points.features[i], &b = by_image.features[i];
+    ASSERT_EQ(a.kind, b.kind) << i;
+    if (a.kind != MeasurementKind::point) continue;
+    ++points;
+    EXPECT_EQ(a.point, b.point) << i;
+    EXPECT_EQ(a.depth_sigma, b.depth_sigma) << i;
+  }
+  EXPECT_GT(points, 50);
 }
 
 }  // namespace
