@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <stdexcept>
 
+#include <lcmslam/features/dot_product_distance.hpp>
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -144,6 +146,7 @@ std::int32_t squared_norm(const Descriptor& descriptor) {
 DistanceFunction distance_function(InstructionSet set) {
   if (!has(set)) throw std::invalid_argument("matching: this processor lacks the instruction set asked for");
 #if defined(__x86_64__)
+  if (const auto faster = dot_product_distances(); faster && set == InstructionSet::avx2) return faster;
   if (set == InstructionSet::avx2) return distances_avx2;
   if (set == InstructionSet::sse2) return distances_sse2;
 #endif
@@ -153,6 +156,7 @@ DistanceFunction distance_function(InstructionSet set) {
 LoneDistanceFunction lone_distance_function(InstructionSet set) {
   if (!has(set)) throw std::invalid_argument("matching: this processor lacks the instruction set asked for");
 #if defined(__x86_64__)
+  if (const auto faster = lone_dot_product_distances(); faster && set == InstructionSet::avx2) return faster;
   if (set == InstructionSet::avx2) return lone_distances_avx2;
 #endif
   return lone_distances_portable;

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include <lcmslam/features/dot_product_distance.hpp>
 #include <lcmslam/features/matching.hpp>
 #include <lcmslam/geometry/random.hpp>
 
@@ -21,7 +22,17 @@ Descriptor any_descriptor(Random& random) {
   return descriptor;
 }
 
-TEST(DescriptorDistance, EveryInstructionSetEqualsDirectSummation) {
+class DescriptorDistanceTest : public testing::TestWithParam<bool> {
+ protected:
+  DescriptorDistanceTest() : before_(allow_dot_products(GetParam())) {}
+  ~DescriptorDistanceTest() override { allow_dot_products(before_); }
+
+ private:
+  bool before_;
+};
+
+TEST_P(DescriptorDistanceTest, EveryInstructionSetEqualsDirectSummation) {
+  EXPECT_TRUE(GetParam() || dot_product_distances() == nullptr);
   for (const InstructionSet set : all_sets) {
     if (!has(set)) continue;
     const DistanceFunction distances_of = distance_function(set);
@@ -46,6 +57,8 @@ TEST(DescriptorDistance, EveryInstructionSetEqualsDirectSummation) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(DotProducts, DescriptorDistanceTest, testing::Bool());
 
 TEST(DescriptorDistance, TheBestSetIsThere) {
   EXPECT_TRUE(has(InstructionSet::portable));
