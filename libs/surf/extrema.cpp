@@ -12,18 +12,24 @@
 namespace lcmslam {
 namespace {
 
+inline float larger(float a, float b) {
+  return a > b ? a : b;
+}
+
 // marks[c] = 1 where a sample is above the threshold and its eight neighbours: earlier ones are less,
-// later ones at most equal.
+// later ones at most equal. So are its places in the layers below and above, which leave few for a look at
+// all of those.
 LCMSLAM_VECTORISED(mark_peaks,
-                   (const float* upper, const float* row, const float* lower, int n, float threshold,
-                    std::uint8_t* __restrict marks),
-                   (upper, row, lower, n, threshold, marks)) {
+                   (const float* upper, const float* row, const float* lower, const float* below,
+                    const float* above, int n, float threshold, std::uint8_t* __restrict marks),
+                   (upper, row, lower, below, above, n, threshold, marks)) {
   for (int c = 0; c < n; ++c) {
+    const float less = larger(larger(larger(threshold, upper[c - 1]), larger(upper[c], upper[c + 1])),
+                              larger(row[c - 1], below[c]));
+    const float at_most =
+        larger(larger(row[c + 1], lower[c - 1]), larger(larger(lower[c], lower[c + 1]), above[c]));
     const float value = row[c];
-    marks[c] =
-        static_cast<std::uint8_t>((value > threshold) & (value > upper[c - 1]) & (value > upper[c]) &
-                                  (value > upper[c + 1]) & (value > row[c - 1]) & (value >= row[c + 1]) &
-                                  (value >= lower[c - 1]) & (value >= lower[c]) & (value >= lower[c + 1]));
+    marks[c] = static_cast<std::uint8_t>((value > less) & (value >= at_most));
   }
 }
 
@@ -96,8 +102,8 @@ void find_in_rows(const HessianLayer& below, const HessianLayer& layer, const He
   if (marks.size() < static_cast<std::size_t>(n)) marks.resize(static_cast<std::size_t>(n));
   const auto step = static_cast<float>(layer.step);
   for (int r = first_row; r < end_row; ++r) {
-    mark_peaks(layer.row(r - 1) + first, layer.row(r) + first, layer.row(r + 1) + first, n, threshold,
-               marks.data());
+    mark_peaks(layer.row(r - 1) + first, layer.row(r) + first, layer.row(r + 1) + first, below.row(r) + first,
+               above.row(r) + first, n, threshold, marks.data());
     const std::uint8_t* const begin = marks.data();
     for (int i = 0; i < n; ++i) {
       const void* mark = std::memchr(begin + i, 1, static_cast<std::size_t>(n - i));

@@ -142,6 +142,33 @@ TEST(HessianPyramid, EveryLayerEqualsDirectSummation) {
   }
 }
 
+// Stripes as wide as a lobe are what its filter answers most to: the largest sums that there are.
+TEST(HessianPyramid, BlackAndWhiteStripesOverflowNothing) {
+  for (const int width : {3, 5, 7, 9})
+    for (const bool upright : {false, true}) {
+      cv::Mat image(60, 70, CV_8UC1);
+      for (int y = 0; y < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x)
+          image.at<std::uint8_t>(y, x) = (upright ? x : y) / width % 2 != 0 ? 255 : 0;
+      IntegralImage integral;
+      integral.compute(image);
+      HessianPyramid pyramid;
+      pyramid.compute(integral, 1, 4);
+      int largest = 0;
+      for (int i = 0; i < 4; ++i) {
+        const HessianLayer& layer = pyramid.layer(0, i);
+        for (int r = layer.first_row; r <= layer.last_row; ++r)
+          for (int c = layer.first_column; c <= layer.last_column; ++c) {
+            const BoxHessian sums = box_hessian(integral, layer.lobe, c, r);
+            const double expected = determinant(sums, layer.lobe);
+            ASSERT_NEAR(layer.row(r)[c], expected, 1e-3 + 1e-5 * std::abs(expected)) << layer.lobe;
+            if (layer.lobe == width) largest = std::max({largest, std::abs(sums.xx), std::abs(sums.yy)});
+          }
+      }
+      EXPECT_EQ(largest, 255 * 2 * width * (2 * width - 1));
+    }
+}
+
 // On a quadratic surface the box filters are exact multiples of the second derivatives: lobe^2 for the
 // stripes' mean and (lobe + 1)^2 for the squares' mean.
 TEST(BoxHessian, MeasuresSecondDerivatives) {
