@@ -3,38 +3,36 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
+
+#include <lcmslam/cloud/voxel_index.hpp>
 
 namespace lcmslam {
 namespace {
 
 constexpr int few = 4;
 
-struct CellHash {
-  std::size_t operator()(const Eigen::Vector3i& cell) const {
-    const auto part = [&](int i, std::uint64_t factor) {
-      return static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell(i))) * factor;
-    };
-    return part(0, 73856093U) ^ part(1, 19349663U) ^ part(2, 83492791U);  // Teschner et al. 2003
-  }
-};
-
 /// Points in cubic cells.
 class CellCounts {
  public:
   CellCounts(const std::vector<Eigen::Vector3f>& points, float edge) : edge_(edge) {
-    counts_.reserve(points.size() / 4);
-    for (const Eigen::Vector3f& point : points)
-      if (point.allFinite()) ++counts_[cell(point)];
+    for (const Eigen::Vector3f& point : points) {
+      if (!voxel_exists(point, 1 / edge_)) continue;
+      const auto next = static_cast<std::int32_t>(counts_.size());
+      const auto slot = static_cast<std::size_t>(index_.insert(voxel_key(cell(point)), next));
+      if (slot == counts_.size()) counts_.push_back(0);
+      ++counts_[slot];
+    }
   }
 
   /// In the eight cells around a point's nearest corner: a window of two edges, the point near its middle.
   int around(const Eigen::Vector3f& point) const {
-    const Eigen::Vector3i corner = cell(point + Eigen::Vector3f::Constant(0.5F * edge_));
+    const Eigen::Vector3f middle = point + Eigen::Vector3f::Constant(0.5F * edge_);
+    if (!voxel_exists(middle, 1 / edge_)) return 0;
+    const Eigen::Vector3i corner = cell(middle);
     int count = 0;
     for (int i = 0; i < 8; ++i) {
-      const auto found = counts_.find(corner - Eigen::Vector3i(i & 1, i >> 1 & 1, i >> 2 & 1));
-      if (found != counts_.end()) count += found->second;
+      const auto slot = index_.find(voxel_key(corner - Eigen::Vector3i(i & 1, i >> 1 & 1, i >> 2 & 1)));
+      if (slot != VoxelIndex::none) count += counts_[static_cast<std::size_t>(slot)];
     }
     return count;
   }
@@ -45,7 +43,8 @@ class CellCounts {
   }
 
   float edge_;
-  std::unordered_map<Eigen::Vector3i, int, CellHash> counts_;
+  VoxelIndex index_;
+  std::vector<int> counts_;
 };
 
 }  // namespace

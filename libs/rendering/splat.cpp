@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
@@ -16,6 +17,8 @@ constexpr double max_radius = 60;   // pixels
 constexpr float roughness = 0.03F;  // m, of a surface as depth cameras see it: what lies deeper is hidden
 constexpr float nothing = std::numeric_limits<float>::infinity();
 
+using Four = float __attribute__((vector_size(16)));
+
 struct Disc {
   int left, right, top, bottom;  // clipped bounds, inclusive
   double x, y, radius;
@@ -25,15 +28,15 @@ struct Disc {
   bool paint;
 };
 
+/// Calls visit(row, first column, last column) for the parts of a disc's rows that lie in the band.
 template <class Visit>
-void for_pixels(const Disc& disc, const Visit& visit) {
-  const double limit = disc.radius * disc.radius;
-  for (int row = disc.top; row <= disc.bottom; ++row)
-    for (int column = disc.left; column <= disc.right; ++column) {
-      const double dx = column - disc.x, dy = row - disc.y;
-      const double distance = (dx * dx + dy * dy) / limit;
-      if (distance <= 1) visit(row, column, static_cast<float>(distance));
-    }
+void for_rows(const Disc& disc, const cv::Range& band, const Visit& visit) {
+  for (int row = std::max(disc.top, band.start); row <= std::min(disc.bottom, band.end - 1); ++row) {
+    const double dy = row - disc.y, half = std::sqrt(std::max(0.0, disc.radius * disc.radius - dy * dy));
+    const int first = std::max(disc.left, static_cast<int>(std::ceil(disc.x - half)));
+    const int last = std::min(disc.right, static_cast<int>(std::floor(disc.x + half)));
+    if (first <= last) visit(row, first, last);
+  }
 }
 
 std::vector<Disc> project_discs(const ViewCamera& camera, const std::vector<SplatPoint>& points,
@@ -67,62 +70,123 @@ std::vector<Disc> project_discs(const ViewCamera& camera, const std::vector<Spla
   return discs;
 }
 
-/// Darkens pixels that lie behind their neighbours, 1 where flat.
-float eye_dome_light(const cv::Mat1f& depth, int row, int column, bool orthographic) {
-  constexpr int reach = 3;
-  constexpr float strength = 1.2F, most = 0.35F;
-  const float own = depth(row, column);
-  float behind = 0;
-  for (const auto& [dy, dx] : {std::pair{-reach, 0}, {reach, 0}, {0, -reach}, {0, reach}}) {
-    const int y = row + dy, x = column + dx;
-    if (y < 0 || x < 0 || y >= depth.rows || x >= depth.cols || depth(y, x) == nothing) continue;
-    const float step = orthographic ? 0.3F * (own - depth(y, x)) : std::log(own / depth(y, x));
-    behind += std::clamp(step, 0.F, most);
+/// Some rows of the supersampled picture at a time: all of it would be a hundred megabytes.
+class Band {
+ public:
+  static constexpr int reach = 3;  // supersampled pixels, of the light
+
+  Band(const cv::Size& size, int rows)
+      : size_(size), depth_(rows + 2 * reach, size.width), sum_(rows, size.width) {}
+
+  /// Draws rows `band` of the discs that reach into them, in their order. `layer`: colours times coverage,
+  /// coverage.
+  void draw(const std::vector<Disc>& discs, const std::vector<std::size_t>& reaching, const cv::Range& band,
+            bool orthographic, cv::Mat4f& layer) {
+    band_ = band;
+    around_ = {std::max(0, band.start - reach), std::min(size_.height, band.end + reach)};
+    depth_.setTo(nothing);
+    sum_.setTo(0);
+    for (const std::size_t i : reaching)
+      if (!discs[i].paint) hide_behind(discs[i]);
+    for (const std::size_t i : reaching) blend(discs[i]);
+    for (int row = band.start; row < band.end; ++row) light(row, orthographic);
+    cv::resize(sum_.rowRange(0, band.size()), layer,
+               {size_.width / supersampling, band.size() / supersampling}, 0, 0, cv::INTER_AREA);
   }
-  return std::exp(-strength * behind);
-}
 
-}  // namespace
+ private:
+  float* depth(int row) { return depth_[row - around_.start]; }
 
-void draw_splats(cv::Mat& picture, const ViewCamera& camera, const std::vector<SplatPoint>& points) {
-  const cv::Size size(picture.cols * supersampling, picture.rows * supersampling);
-  const std::vector<Disc> discs = project_discs(camera, points, size);
-
-  cv::Mat1f depth(size, nothing);
-  for (const Disc& disc : discs) {
-    if (disc.paint) continue;
-    for_pixels(disc, [&](int row, int column, float) {
-      depth(row, column) = std::min(depth(row, column), disc.depth);
+  void hide_behind(const Disc& disc) {
+    for_rows(disc, around_, [&](int row, int first, int last) {
+      float* nearest = depth(row);
+      for (int column = first; column <= last; ++column)
+        nearest[column] = std::min(nearest[column], disc.depth);
     });
   }
 
   // Colours of the front surface blend; what lies behind it by more than its roughness is hidden.
-  cv::Mat4f sum(size, cv::Vec4f::all(0));  // weighted BGR, weight
-  for (const Disc& disc : discs)
-    for_pixels(disc, [&](int row, int column, float distance) {
-      if (std::abs(disc.depth - depth(row, column)) > roughness) return;
-      const float weight = disc.share * std::exp(-4 * distance);
-      const cv::Vec3f colour = disc.colour;
-      sum(row, column) += weight * cv::Vec4f(colour[0], colour[1], colour[2], 1);
+  void blend(const Disc& disc) {
+    const Four colour = {static_cast<float>(disc.colour[0]), static_cast<float>(disc.colour[1]),
+                         static_cast<float>(disc.colour[2]), 1};
+    const auto steepness = static_cast<float>(-4 / (disc.radius * disc.radius));
+    const auto weight = [&](double way) { return std::exp(steepness * static_cast<float>(way * way)); };
+    along_.clear();  // the weight is a product of a row's and a column's
+    for (int column = disc.left; column <= disc.right; ++column) along_.push_back(weight(column - disc.x));
+    for_rows(disc, band_, [&](int row, int first, int last) {
+      const float* nearest = depth(row);
+      cv::Vec4f* sums = sum_[row - band_.start];
+      const float of_row = disc.share * weight(row - disc.y);
+      for (int column = first; column <= last; ++column) {
+        if (std::abs(disc.depth - nearest[column]) > roughness) continue;
+        Four sum;
+        std::memcpy(&sum, sums[column].val, sizeof sum);
+        sum += of_row * along_[static_cast<std::size_t>(column - disc.left)] * colour;
+        std::memcpy(sums[column].val, &sum, sizeof sum);
+      }
     });
+  }
 
-  for (int row = 0; row < size.height; ++row)
-    for (int column = 0; column < size.width; ++column) {
-      cv::Vec4f& pixel = sum(row, column);
+  void light(int row, bool orthographic) {
+    cv::Vec4f* sum = sum_[row - band_.start];
+    for (int column = 0; column < size_.width; ++column) {
+      cv::Vec4f& pixel = sum[column];
       if (pixel[3] <= 0) continue;
-      const float light = eye_dome_light(depth, row, column, camera.orthographic) / pixel[3];
+      const float light = eye_dome_light(row, column, orthographic) / pixel[3];
       pixel = cv::Vec4f(pixel[0] * light, pixel[1] * light, pixel[2] * light, 1);
     }
-  cv::Mat4f layer;  // colours times coverage, coverage
-  cv::resize(sum, layer, picture.size(), 0, 0, cv::INTER_AREA);
-  for (int row = 0; row < picture.rows; ++row)
-    for (int column = 0; column < picture.cols; ++column) {
-      const cv::Vec4f& over = layer(row, column);
-      cv::Vec3b& under = picture.at<cv::Vec3b>(row, column);
-      for (int channel = 0; channel < 3; ++channel)
-        under[channel] =
-            cv::saturate_cast<uchar>(over[channel] + (1 - over[3]) * static_cast<float>(under[channel]));
+  }
+
+  /// Darkens pixels that lie behind their neighbours, 1 where flat.
+  float eye_dome_light(int row, int column, bool orthographic) {
+    constexpr float strength = 1.2F, most = 0.35F;
+    const float own = depth(row)[column];
+    float behind = 0;
+    for (const auto& [dy, dx] : {std::pair{-reach, 0}, {reach, 0}, {0, -reach}, {0, reach}}) {
+      const int y = row + dy, x = column + dx;
+      if (y < 0 || x < 0 || y >= size_.height || x >= size_.width || depth(y)[x] == nothing) continue;
+      const float step = orthographic ? 0.3F * (own - depth(y)[x]) : std::log(own / depth(y)[x]);
+      behind += std::clamp(step, 0.F, most);
     }
+    return std::exp(-strength * behind);
+  }
+
+  cv::Size size_;
+  cv::Range band_, around_;  // rows that are drawn; with those that throw their light on them
+  cv::Mat1f depth_;
+  cv::Mat4f sum_;  // weighted BGR, weight
+  std::vector<float> along_;
+};
+
+}  // namespace
+
+void draw_splats(cv::Mat& picture, const ViewCamera& camera, const std::vector<SplatPoint>& points) {
+  constexpr int band_rows = 32 * supersampling;
+  const cv::Size size(picture.cols * supersampling, picture.rows * supersampling);
+  const std::vector<Disc> discs = project_discs(camera, points, size);
+  const int bands = (size.height + band_rows - 1) / band_rows;
+  std::vector<std::vector<std::size_t>> reaching(static_cast<std::size_t>(bands));
+  for (std::size_t i = 0; i < discs.size(); ++i) {
+    const int first = std::max(0, discs[i].top - Band::reach) / band_rows;
+    const int last = std::min(bands - 1, (discs[i].bottom + Band::reach) / band_rows);
+    for (int b = first; b <= last; ++b) reaching[static_cast<std::size_t>(b)].push_back(i);
+  }
+
+  Band band(size, band_rows);
+  cv::Mat4f layer;
+  for (int b = 0; b < bands; ++b) {
+    if (reaching[static_cast<std::size_t>(b)].empty()) continue;
+    const cv::Range rows(b * band_rows, std::min((b + 1) * band_rows, size.height));
+    band.draw(discs, reaching[static_cast<std::size_t>(b)], rows, camera.orthographic, layer);
+    for (int row = 0; row < layer.rows; ++row)
+      for (int column = 0; column < picture.cols; ++column) {
+        const cv::Vec4f& over = layer(row, column);
+        cv::Vec3b& under = picture.at<cv::Vec3b>(rows.start / supersampling + row, column);
+        for (int channel = 0; channel < 3; ++channel)
+          under[channel] =
+              cv::saturate_cast<uchar>(over[channel] + (1 - over[3]) * static_cast<float>(under[channel]));
+      }
+  }
 }
 
 }  // namespace lcmslam
