@@ -6,6 +6,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include <lcmslam/parallel/instruction_set.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -20,6 +22,16 @@ constexpr std::size_t most_points = 1500;  // of a frame
 std::size_t cell(std::size_t scale, int right, int down) {
   return (scale * shifts + static_cast<std::size_t>(down / step + reach / step)) * shifts +
          static_cast<std::size_t>(right / step + reach / step);
+}
+
+static_assert(step == 1, "a row of shifts is a row of pixels");
+LCMSLAM_VECTORISED(add_row, (const float* strength, double* sums), (strength, sums)) {
+  for (int i = 0; i < shifts; ++i) sums[i] += static_cast<double>(strength[i]);
+}
+
+/// Small pixels beyond the image to which a shifted edge may come, `middle` pixels from its border.
+int border_of(double middle) {
+  return reach + static_cast<int>(std::ceil((scales.back() - 1) * middle)) + 2;
 }
 
 /// The strength of colour edges in a small grey image, each frame's mean 1: bright frames do not outweigh
@@ -81,6 +93,11 @@ void EdgeOffset::add(const RgbdFrame& frame, const RegisteredDepth& depth) {
   const std::vector<cv::Point2f> edges = edge_pixels(depth);
   if (strength.empty() || edges.empty()) return;
   const double middle_x = 0.5 * strength.cols, middle_y = 0.5 * strength.rows;
+  // What falls off the image says nothing: it counts as the image's mean.
+  const int border_x = border_of(middle_x), border_y = border_of(middle_y);
+  cv::Mat around;
+  cv::copyMakeBorder(strength, around, border_y, border_y, border_x, border_x, cv::BORDER_CONSTANT,
+                     cv::Scalar::all(1));
   for (std::size_t i = 0; i < edges.size(); i += edges.size() / most_points + 1) {
     ++points_;
     mean_ += 1;
@@ -88,12 +105,8 @@ void EdgeOffset::add(const RgbdFrame& frame, const RegisteredDepth& depth) {
       const int x = static_cast<int>(middle_x + scales[scale] * (edges[i].x / pixel_ - middle_x));
       const int y = static_cast<int>(middle_y + scales[scale] * (edges[i].y / pixel_ - middle_y));
       for (int down = -reach; down <= reach; down += step)
-        for (int right = -reach; right <= reach; right += step) {
-          const int u = x + right, v = y + down;
-          const bool inside = u >= 0 && v >= 0 && u < strength.cols && v < strength.rows;
-          // What falls off the image says nothing: it counts as the image's mean.
-          sums_[cell(scale, right, down)] += inside ? static_cast<double>(strength.at<float>(v, u)) : 1.0;
-        }
+        add_row(around.ptr<float>(y + down + border_y) + x - reach + border_x,
+                &sums_[cell(scale, -reach, down)]);
     }
   }
 }
