@@ -9,6 +9,7 @@ namespace {
 
 constexpr int near_reach = 2, far_reach = 4;  // pixels from the judged one, to see the side's slope
 static_assert(far_reach <= DepthImage::border);
+constexpr int piece = 32;  // pixels of a row that are judged together
 
 // Standard deviations of the prediction's error, in those of a plain difference (sqrt 2 sigma):
 // p = a + (a - b) / 3 has (4/3)^2 + (1/3)^2 + 1 sigma^2, p = a + (a - b) has 2^2 + 1 + 1.
@@ -39,6 +40,31 @@ struct RowSettings {
   float free_slope_x, free_slope_y;  // times q
   float steepest_x, steepest_y;      // times q
 };
+
+/// 1 where the surface goes on from q to its neighbour a as noise and a free slope allow, whatever its own
+/// is.
+inline int is_flat(float q, float allowed, float a) {
+  return (a > 0) & (std::abs(q - a) <= allowed);
+}
+
+/// Whether each of `columns` pixels is kept at once, as most are: it goes on flatly along both axes, or there
+/// is nothing to keep.
+LCMSLAM_VECTORISED(all_flat,
+                   (const float* const rows[2 * far_reach + 1], const float* sigma, int columns,
+                    const RowSettings& settings, bool& all),
+                   (rows, sigma, columns, settings, all)) {
+  const float *row = rows[far_reach], *above = rows[far_reach - 1], *below = rows[far_reach + 1];
+  const float noise_sigmas = settings.noise, slope_x = settings.free_slope_x, slope_y = settings.free_slope_y;
+  int kept = 1;
+  for (int u = 0; u < columns; ++u) {
+    const float q = row[u], noise = noise_sigmas * sigma[u];
+    const float allowed_x = noise + slope_x * q, allowed_y = noise + slope_y * q;
+    const int sideways = is_flat(q, allowed_x, row[u - 1]) | is_flat(q, allowed_x, row[u + 1]);
+    const int upright = is_flat(q, allowed_y, above[u]) | is_flat(q, allowed_y, below[u]);
+    kept &= (sideways & upright) | (q == 0);
+  }
+  all = kept != 0;
+}
 
 /// Sets keep[u] to 0 where a measured pixel's surface ends on both sides across some edge.
 LCMSLAM_VECTORISED(judge_row,
@@ -85,7 +111,16 @@ class JumpEdgeFilter : public DepthFilterPart {
       if (v < size.height) {
         const float* rows[2 * far_reach + 1];
         for (int j = -far_reach; j <= far_reach; ++j) rows[j + far_reach] = image.inverse_row(v + j);
-        judge_row(rows, image.sigma_row(v), size.width, row_settings, kept(v));
+        for (int u = 0; u < size.width; u += piece) {
+          const int columns = std::min(piece, size.width - u);
+          bool all = false;
+          all_flat(rows, image.sigma_row(v) + u, columns, row_settings, all);
+          if (all)
+            std::fill_n(kept(v) + u, columns, 1);
+          else
+            judge_row(rows, image.sigma_row(v) + u, columns, row_settings, kept(v) + u);
+          for (const float*& row : rows) row += columns;
+        }
       }
       if (v >= far_reach) remove(v - far_reach, image);
     }
