@@ -39,7 +39,7 @@ struct LiveMapSettings {
         "frame shows counts at once");
     s.number("distance_rest", distance_rest, "", {0, 1'000'000},
              "so many frames after the last question for distances they no longer follow; the next question "
-             "then waits until they have caught up, some tens of ms");
+             "then waits until they have caught up");
     s.number(
         "refit_every", refit_every, "", {1, 1000},
         "so many frames a keyframe's part of the surface follows the graph, the one that has moved most; "

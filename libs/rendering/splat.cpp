@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
@@ -15,6 +16,8 @@ constexpr double overlap = 1.2, paint_overlap = 0.95;
 constexpr double max_radius = 60;   // pixels
 constexpr float roughness = 0.03F;  // m, of a surface as depth cameras see it: what lies deeper is hidden
 constexpr float nothing = std::numeric_limits<float>::infinity();
+
+using Four = float __attribute__((vector_size(16)));
 
 struct Disc {
   int left, right, top, bottom;  // clipped bounds, inclusive
@@ -104,18 +107,23 @@ class Band {
 
   // Colours of the front surface blend; what lies behind it by more than its roughness is hidden.
   void blend(const Disc& disc) {
-    const cv::Vec4f colour(disc.colour[0], disc.colour[1], disc.colour[2], 1);
+    const Four colour = {static_cast<float>(disc.colour[0]), static_cast<float>(disc.colour[1]),
+                         static_cast<float>(disc.colour[2]), 1};
     const auto steepness = static_cast<float>(-4 / (disc.radius * disc.radius));
     const auto weight = [&](double way) { return std::exp(steepness * static_cast<float>(way * way)); };
     along_.clear();  // the weight is a product of a row's and a column's
     for (int column = disc.left; column <= disc.right; ++column) along_.push_back(weight(column - disc.x));
     for_rows(disc, band_, [&](int row, int first, int last) {
       const float* nearest = depth(row);
-      cv::Vec4f* sum = sum_[row - band_.start];
+      cv::Vec4f* sums = sum_[row - band_.start];
       const float of_row = disc.share * weight(row - disc.y);
-      for (int column = first; column <= last; ++column)
-        if (!(std::abs(disc.depth - nearest[column]) > roughness))
-          sum[column] += of_row * along_[static_cast<std::size_t>(column - disc.left)] * colour;
+      for (int column = first; column <= last; ++column) {
+        if (std::abs(disc.depth - nearest[column]) > roughness) continue;
+        Four sum;
+        std::memcpy(&sum, sums[column].val, sizeof sum);
+        sum += of_row * along_[static_cast<std::size_t>(column - disc.left)] * colour;
+        std::memcpy(sums[column].val, &sum, sizeof sum);
+      }
     });
   }
 

@@ -11,15 +11,18 @@ struct Depth {
   float z = 0, sigma = 0;  // m
 };
 
+cv::Point rounded(const Eigen::Vector2d& pixel) {
+  return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
+}
+
 // Mean of the 3x3 pixels there; nothing where fewer than five are valid or they are not one surface.
 // `three(row, first, points, sigmas)` gives three pixels of a row.
 template <class Three>
-std::optional<Depth> depth_around(const cv::Size& size, const Three& three, const Eigen::Vector2d& pixel,
+std::optional<Depth> depth_around(const cv::Size& size, const Three& three, const cv::Point& pixel,
                                   const Eigen::Isometry3f& T_colour_points) {
   constexpr int least = 5;
   constexpr float sigmas = 4, slope = 0.01f;  // pixels beside each other: 3 noises and a grazing surface
-  const auto column = static_cast<int>(std::lround(pixel.x())),
-             row = static_cast<int>(std::lround(pixel.y()));
+  const int column = pixel.x, row = pixel.y;
   if (column < 1 || row < 1 || column + 1 >= size.width || row + 1 >= size.height) return std::nullopt;
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   float sigma = 0, low = 1e9f, high = 0;
@@ -54,9 +57,13 @@ FeatureFrame place(const cv::Size& size, const Three& three, const CameraModel& 
     const Eigen::Vector3d ray((static_cast<double>(f.x) - features.cx) / features.fx,
                               (static_cast<double>(f.y) - features.cy) / features.fy, 1);
     std::optional<Depth> found = Depth{f.point.z(), f.depth_sigma};
+    std::optional<cv::Point> last;
     for (int round = 0; round < rounds && found; ++round) {
-      const auto pixel = depth_camera.project(T_depth_colour * (static_cast<double>(found->z) * ray));
+      const auto seen = depth_camera.project(T_depth_colour * (static_cast<double>(found->z) * ray));
+      const auto pixel = seen ? std::optional(rounded(*seen)) : std::nullopt;
+      if (pixel && pixel == last) break;  // it would be the same again
       found = pixel ? depth_around(size, three, *pixel, T_points) : std::nullopt;
+      last = pixel;
     }
     if (found) {
       f.point = (static_cast<double>(found->z) * ray).cast<float>();

@@ -120,14 +120,18 @@ LCMSLAM_VECTORISED(determinant_row,
   }
 }
 
+LCMSLAM_VECTORISED(take_low, (const std::uint32_t* __restrict sums, int n, std::uint16_t* __restrict low),
+                   (sums, n, low)) {
+  for (int i = 0; i < n; ++i) low[i] = static_cast<std::uint16_t>(sums[i]);
+}
+
 /// An integral image modulo 2^16.
 class LowSums {
  public:
   void set(const IntegralImage& integral) {
     stride_ = static_cast<std::size_t>(integral.width()) + 1;
     sums_.resize(stride_ * (static_cast<std::size_t>(integral.height()) + 1));
-    std::transform(integral.row(0), integral.row(0) + sums_.size(), sums_.begin(),
-                   [](std::uint32_t sum) { return static_cast<std::uint16_t>(sum); });
+    take_low(integral.row(0), static_cast<int>(sums_.size()), sums_.data());
   }
   const std::uint16_t* row(int y) const { return sums_.data() + static_cast<std::size_t>(y) * stride_; }
 

@@ -270,7 +270,7 @@ TEST(Registration, AThinnedImageIsThatOfAllItsPoints) {
     RgbdFrame frame = frame_of(render(wall(), camera, Eigen::Isometry3d::Identity()));
     for (int v = 0; v < frame.depth.rows; ++v)
       for (int u = 0; u < frame.depth.cols; ++u)
-        frame.depth.at<std::uint16_t>(v, u) *= (u * v) % 11 != 0 ? 1 : 0;
+        if ((u * v) % 11 == 0) frame.depth.at<std::uint16_t>(v, u) = 0;
     if (!head.depth_registered) frame.amplitude = cv::Mat(frame.depth.size(), CV_8UC1, cv::Scalar(40));
     const DepthRegistration registration(head);
     const RegisteredDepth whole = registration.unproject(frame);

@@ -73,7 +73,8 @@ TEST(FeatureDepth, ADepthImageSaysWhatItsPointsSay) {
   const Wall wall;
   RgbdCalibration calibration;
   calibration.colour = calibration.depth = wall.camera;
-  calibration.T_colour_depth = Eigen::Translation3d(0.03, -0.02, 0.01) * so3_exp({0.01, -0.02, 0.03});
+  calibration.T_colour_depth.translation() = Eigen::Vector3d(0.03, -0.02, 0.01);
+  calibration.T_colour_depth.linear() = so3_exp({0.01, -0.02, 0.03});
   const DepthRegistration registration(calibration);
   RgbdFrame frame;
   frame.depth.create(120, 160, CV_16UC1);
@@ -84,7 +85,8 @@ TEST(FeatureDepth, ADepthImageSaysWhatItsPointsSay) {
   std::vector<float> columns;
   for (float x = -1; x < 162; x += 1.7f) columns.push_back(x);
   const Eigen::Isometry3d T_depth_colour = calibration.T_colour_depth.inverse();
-  const Eigen::Isometry3d T_points(so3_exp({0, 0.01, 0}));
+  Eigen::Isometry3d T_points = Eigen::Isometry3d::Identity();
+  T_points.linear() = so3_exp({0, 0.01, 0});
   const FeatureFrame by_points =
       placed_by(registration.unproject(frame), wall.camera, T_depth_colour, wall.features(columns), T_points);
   const FeatureFrame by_image = placed_by(DepthPoints(registration.calibration()), frame, T_depth_colour,
