@@ -66,7 +66,7 @@ TEST(BoardTest, CornersInFewPixelsAreFoundByTheWholeOfTheirEdges) {
       squares += (*c.project(T * b.corner(view->ids[k])) - view->pixels[k]).squaredNorm();
   }
   ASSERT_GT(count, 300);
-  EXPECT_LT(std::sqrt(squares / count), 0.035) << "pixels";
+  EXPECT_LT(std::sqrt(squares / count), 0.066) << "pixels; 0.074 by windows of 11 pixels at most";
 }
 
 TEST(BoardTest, OfMarkersAPartIsEnough) {
