@@ -26,6 +26,7 @@ double scale_of(const std::vector<Pair>& pairs) {
   std::vector<Pair> kept = pairs;
   for (int pass = 0; pass < passes; ++pass) {
     std::vector<double> differences;
+    differences.reserve(pairs.size());
     for (const Pair& pair : pairs) differences.push_back((pair.real - scale * pair.told).norm());
     std::vector<double> sorted = differences;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
