@@ -79,6 +79,11 @@ std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCal
   if (std::max(sigma[0], sigma[1]) > 0.02)
     missing.push_back(fmt::format("x and y are known to {:.0f} mm only: turn more, to both sides",
                                   mm_per_m * std::max(sigma[0], sigma[1])));
+  if (found.height_observed && sigma[2] > 0.02)
+    missing.push_back(fmt::format(
+        "the height is known to {:.0f} mm only: what was taken for the floor lies at different heights; "
+        "let the depth camera see the floor in most images",
+        mm_per_m * sigma[2]));
   if (sigma[5] > 0.01)
     missing.push_back(fmt::format("yaw is known to {:.2f} degrees only: drive longer straight ways",
                                   degrees_per_rad * sigma[5]));
