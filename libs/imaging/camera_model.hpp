@@ -49,8 +49,8 @@ struct CameraModel {
   void check(const std::string& name) const;
 };
 
-/// Rays of all pixels, CV_32FC2 of (x/z, y/z): computed once for each camera and shared by all who ask, in any
-/// thread; nobody may write to it.
+/// Rays of all pixels, CV_32FC2 of (x/z, y/z): computed once for each camera and shared by all who ask, in
+/// any thread; nobody may write to it.
 cv::Mat ray_table(const CameraModel& camera);
 
 }  // namespace lcmslam

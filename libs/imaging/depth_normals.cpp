@@ -2,18 +2,15 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
-#include <lcmslam/imaging/thinned_depth.hpp>
+#include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/inverse_depths.hpp>
 #include <lcmslam/parallel/instruction_set.hpp>
 
 namespace lcmslam {
 namespace {
 
-// The inverse depth of a plane n . p = 1 is linear in the ray: 1/z = n . (x, y, 1). Measured inverse
-// depths around a pixel therefore give n by linear least squares in two unknowns, a and b, after
-// centring:  1/z = c + a x + b y,  n = (a, b, c).
+// Two unknowns, a and b, after centring:  1/z = c + a x + b y,  n = (a, b, c).
 
 constexpr int reach = 2;                    // samples on either side: 5 x 5
 constexpr float steepest = 5;               // depth over lateral distance of a surface still worth fitting
@@ -24,16 +21,6 @@ constexpr float fewest_samples = 10;
 constexpr int border = reach * greatest_stride;  // pixels without depth, so that nobody asks where images end
 constexpr int lanes = 8;                         // pixels that are fitted at once
 
-/// Rays and inverse depths of a point image, a plane each.
-struct InverseDepths {
-  cv::Mat_<float> x, y, q;
-  std::ptrdiff_t pitch = 0;  // floats from row to row
-
-  explicit InverseDepths(const cv::Size& size);
-  void set_row(int v, const float* point, int columns);
-  std::ptrdiff_t at(int v, int u) const { return (v + border) * pitch + u + border; }
-};
-
 LCMSLAM_VECTORISED(invert_row, (const float* point, int columns, float* x, float* y, float* q),
                    (point, columns, x, y, q)) {
   for (int u = 0; u < columns; ++u) {
@@ -42,25 +29,6 @@ LCMSLAM_VECTORISED(invert_row, (const float* point, int columns, float* x, float
     y[u] = point[3 * u + 1] * inverse;
     q[u] = inverse;
   }
-}
-
-InverseDepths::InverseDepths(const cv::Size& size) {
-  const cv::Size with_border = size + cv::Size(2 * border, 2 * border);
-  const float nothing = std::numeric_limits<float>::quiet_NaN();
-  pitch = with_border.width;
-  for (cv::Mat_<float>* plane : {&x, &y, &q}) {
-    plane->create(with_border);
-    for (int v = 0; v < with_border.height; ++v) {
-      float* row = plane->ptr<float>(v);
-      const bool inside = v >= border && v < border + size.height;
-      std::fill(row, row + (inside ? border : with_border.width), nothing);
-      std::fill(row + with_border.width - border, row + with_border.width, nothing);
-    }
-  }
-}
-
-void InverseDepths::set_row(int v, const float* point, int columns) {
-  invert_row(point, columns, x.ptr<float>() + at(v, 0), y.ptr<float>() + at(v, 0), q.ptr<float>() + at(v, 0));
 }
 
 /// Some pixels of a row, one a lane.
@@ -163,7 +131,31 @@ LCMSLAM_VECTORISED(fit_planes,
   }
 }
 
-/// Fits at every `step`-th row and column; `sigma` is of these.
+}  // namespace
+
+InverseDepths::InverseDepths(const cv::Size& size) {
+  const cv::Size with_border = size + cv::Size(2 * border, 2 * border);
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  pitch = with_border.width;
+  for (cv::Mat_<float>* plane : {&x, &y, &q}) {
+    plane->create(with_border);
+    for (int v = 0; v < with_border.height; ++v) {
+      float* row = plane->ptr<float>(v);
+      const bool inside = v >= border && v < border + size.height;
+      std::fill(row, row + (inside ? border : with_border.width), nothing);
+      std::fill(row + with_border.width - border, row + with_border.width, nothing);
+    }
+  }
+}
+
+std::ptrdiff_t InverseDepths::at(int v, int u) const {
+  return (v + border) * pitch + u + border;
+}
+
+void InverseDepths::set_row(int v, const float* point, int columns) {
+  invert_row(point, columns, x.ptr<float>() + at(v, 0), y.ptr<float>() + at(v, 0), q.ptr<float>() + at(v, 0));
+}
+
 cv::Mat fit_normals(const InverseDepths& image, const cv::Mat& sigma, int step, float pixel_pitch) {
   cv::Mat normals(sigma.size(), CV_32FC3);
   for (int v = 0; v < normals.rows; ++v) {
@@ -185,41 +177,6 @@ cv::Mat fit_normals(const InverseDepths& image, const cv::Mat& sigma, int step, 
   return normals;
 }
 
-/// `row_of(v)` gives where the points and sigmas of a row can be read; it is asked from the first to the
-/// last.
-template <class RowOf>
-ThinnedDepth thin(const cv::Size& size, float pitch, int step, const RowOf& row_of) {
-  if (step < 1) throw std::invalid_argument("thinned depth: step must be at least 1");
-  ThinnedDepth result;
-  result.step = step;
-  result.rows = size.height;
-  result.pitch = pitch;
-  result.points.create((size.height + step - 1) / step, (size.width + step - 1) / step, CV_32FC3);
-  result.sigma.create(result.points.size(), CV_32FC1);
-  InverseDepths image(size);
-  for (int v = 0; v < size.height; ++v) {
-    const auto [points, sigma] = row_of(v);
-    image.set_row(v, points, size.width);
-    if (v % step != 0) continue;
-    auto* kept = result.points.ptr<cv::Vec3f>(v / step);
-    auto* kept_sigma = result.sigma.ptr<float>(v / step);
-    for (int u = 0; u < size.width; u += step) {
-      kept[u / step] = {points[3 * u], points[3 * u + 1], points[3 * u + 2]};
-      kept_sigma[u / step] = sigma[u];
-    }
-  }
-  result.normals = fit_normals(image, result.sigma, step, pitch);
-  return result;
-}
-
-}  // namespace
-
-ThinnedDepth thinned(const RegisteredDepth& registered, int step) {
-  return thin(registered.points.size(), registered.pitch, step, [&](int v) {
-    return std::pair(registered.points.ptr<float>(v), registered.sigma.ptr<float>(v));
-  });
-}
-
 cv::Mat estimate_normals(const RegisteredDepth& registered, int step) {
   if (step < 1) throw std::invalid_argument("estimate_normals: step must be at least 1");
   const cv::Size size = registered.points.size();
@@ -229,30 +186,6 @@ cv::Mat estimate_normals(const RegisteredDepth& registered, int step) {
   for (int v = 0; v < sigma.rows; ++v)
     for (int u = 0; u < sigma.cols; ++u) sigma(v, u) = registered.sigma.at<float>(step * v, step * u);
   return fit_normals(image, sigma, step, registered.pitch);
-}
-
-DepthPoints::DepthPoints(const RgbdCalibration& calibration)
-    : calibration_(calibration),
-      geometry_(depth_row_geometry(calibration, calibration.T_colour_depth)),
-      moves_(!calibration.T_colour_depth.matrix().isIdentity(0)),
-      rays_(ray_table(calibration.depth)) {}
-
-void DepthPoints::row(const RgbdFrame& frame, int row, int first, int columns, float* points,
-                      float* sigma) const {
-  unproject_row(frame.depth.ptr<std::uint16_t>(row) + first,
-                frame.amplitude.empty() ? nullptr : frame.amplitude.ptr<std::uint8_t>(row) + first,
-                rays_.ptr<float>(row) + 2 * first, columns, geometry_, points, sigma);
-  if (moves_) move_row(columns, geometry_, points);
-}
-
-ThinnedDepth DepthPoints::thinned(const RgbdFrame& frame, int step) const {
-  check_frame(frame, calibration_);
-  const auto width = static_cast<std::size_t>(rays_.cols);
-  std::vector<float> points(3 * width, std::numeric_limits<float>::quiet_NaN()), sigma(width, points[0]);
-  return thin(rays_.size(), static_cast<float>(1 / calibration_.depth.fx), step, [&](int v) {
-    if (!frame.depth.empty()) row(frame, v, 0, rays_.cols, points.data(), sigma.data());
-    return std::pair<const float*, const float*>(points.data(), sigma.data());
-  });
 }
 
 }  // namespace lcmslam

@@ -16,8 +16,6 @@ struct ThinnedDepth {
   float pitch = 0;  ///< of the whole image's pixels, rad
 };
 
-ThinnedDepth thinned(const RegisteredDepth& registered, int step);
-
 /// Gives pieces of DepthRegistration::unproject(frame), bit for bit.
 class DepthPoints {
  public:
@@ -28,8 +26,7 @@ class DepthPoints {
   /// `columns` points (x, y, z one after the other) and sigmas from pixel (first, row) on. The frame must
   /// pass check_frame() and have depth.
   void row(const RgbdFrame& frame, int row, int first, int columns, float* points, float* sigma) const;
-  /// What thinned() makes of all points. Throws std::invalid_argument when the frame is not of the
-  /// calibration's size.
+  /// Throws std::invalid_argument when the frame is not of the calibration's size.
   ThinnedDepth thinned(const RgbdFrame& frame, int step) const;
 
   const RgbdCalibration& calibration() const { return calibration_; }

@@ -74,21 +74,21 @@ std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCal
   std::vector<std::string> missing;
   const Vector6d sigma = found.robot_sigmas();
   if (2 * drive.tracked < drive.images)
-    missing.push_back(
+    missing.emplace_back(
         "the camera was tracked in less than half of the images: drive slowly, before things with texture");
   if (std::max(sigma[0], sigma[1]) > 0.02)
-    missing.push_back(fmt::format("x and y are known to {:.0f} mm only: turn more, to both sides",
-                                  mm_per_m * std::max(sigma[0], sigma[1])));
+    missing.emplace_back(fmt::format("x and y are known to {:.0f} mm only: turn more, to both sides",
+                                     mm_per_m * std::max(sigma[0], sigma[1])));
   if (found.height_observed && sigma[2] > 0.02)
-    missing.push_back(fmt::format(
+    missing.emplace_back(fmt::format(
         "the height is known to {:.0f} mm only: what was taken for the floor lies at different heights; "
         "let the depth camera see the floor in most images",
         mm_per_m * sigma[2]));
   if (sigma[5] > 0.01)
-    missing.push_back(fmt::format("yaw is known to {:.2f} degrees only: drive longer straight ways",
-                                  degrees_per_rad * sigma[5]));
+    missing.emplace_back(fmt::format("yaw is known to {:.2f} degrees only: drive longer straight ways",
+                                     degrees_per_rad * sigma[5]));
   if (std::max(sigma[3], sigma[4]) > 0.01)
-    missing.push_back("roll and pitch are not known: turn more, or let the depth camera see the floor");
+    missing.emplace_back("roll and pitch are not known: turn more, or let the depth camera see the floor");
   return missing;
 }
 
@@ -96,10 +96,10 @@ std::vector<std::string> wheels_doubts(const DriveCalibration& found) {
   std::vector<std::string> missing;
   const Eigen::VectorXd sigma = found.factor_covariance.diagonal().cwiseSqrt();
   if (sigma.head(sigma.size() - 1).maxCoeff() > 0.01)
-    missing.push_back(
+    missing.emplace_back(
         "radii are known to worse than 1 %: drive farther, some 20 m, straight ways among them");
   if (sigma[sigma.size() - 1] > 0.01)
-    missing.push_back("the track is known to worse than 1 %: turn more, to both sides, some full circles");
+    missing.emplace_back("the track is known to worse than 1 %: turn more, to both sides, some full circles");
   return missing;
 }
 

@@ -9,6 +9,7 @@
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/rgbd/make_cloud.hpp>
 #include <lcmslam/rgbd/rolling_shutter.hpp>
+#include "tests/support/thinned_points.hpp"
 
 namespace lcmslam {
 namespace {
@@ -30,7 +31,7 @@ DepthView view_of_plane(const Eigen::Vector3d& n, double d, const Vector6d& moti
       depth.points.at<cv::Vec3f>(v, u) = cv::Vec3d(z * ray.x(), z * ray.y(), z);
     }
   }
-  return thinned(depth, step);
+  return testing_scene::thinned(depth, step);
 }
 
 // Worst distance from the plane, m, and worst angle between normals, rad.
