@@ -41,6 +41,10 @@ void say_too(NodeReport& report, const std::string& trouble) {
 
 }  // namespace
 
+bool just_started(const status_t& status) {
+  return status.uptime < 0.5;
+}
+
 NodeReport with_stopped(NodeReport report, const std::vector<std::string>& channels) {
   for (const std::string& channel : channels) say_too(report, channel + " comes no more");
   return report;

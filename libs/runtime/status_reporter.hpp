@@ -13,6 +13,9 @@ NodeReport with_stamps(NodeReport report, const StampJudge& stamps);
 /// The node's own report, and which channels' measurements come no more.
 NodeReport with_stopped(NodeReport report, const std::vector<std::string>& channels);
 
+/// Whether this is among the first words of a process: it has heard nothing yet of what is told at intervals.
+bool just_started(const status_t& status);
+
 class StatusReporter {
  public:
   StatusReporter(std::string process, Publisher& publisher);

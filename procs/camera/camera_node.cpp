@@ -5,6 +5,7 @@
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/runtime/machine.hpp>
+#include <lcmslam/runtime/status_reporter.hpp>
 #include <lcmslam/status_t.hpp>
 #include "procs/camera/publish_event.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr std::size_t frames_ahead = 10;  // a third of a second in which the machine may be busy otherwise
 constexpr std::size_t live_frames_ahead = 3;
 constexpr std::chrono::milliseconds tolerated_delay{200};
-constexpr std::chrono::seconds calibration_period{1};
+constexpr std::chrono::milliseconds calibration_period{1000}, soonest_calibration{100};
 
 }  // namespace
 
@@ -46,6 +47,7 @@ CameraNode::~CameraNode() {
 void CameraNode::connect(Inputs& inputs) {
   inputs.subscribe<status_t>("STATUS", 100, [this](const status_t& status) {
     if (status.state == status_t::RUNNING) wait_for_.erase(status.process);
+    calibration_asked_ |= just_started(status);
   });
   if (source_->calibrates_only())
     inputs.subscribe<images_t>("CAMERA", 1, [this](const images_t& images) { on_foreign_images(images); });
@@ -128,13 +130,14 @@ bool CameraNode::consumers_ready() {
 
 std::optional<Node::Duration> CameraNode::work() {
   const auto now = Clock::now();
-  if (now >= next_calibration_) publish_calibration();
+  if (now >= calibrated_ + (calibration_asked_ ? soonest_calibration : calibration_period))
+    publish_calibration();
   if (!consumers_ready()) return std::chrono::milliseconds(20);
 
   if (!next_) next_ = pop();
   if (!next_) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (source_ended_ && ready_.empty()) return next_calibration_ - now;
+    if (source_ended_ && ready_.empty()) return calibrated_ + calibration_period - now;
     return std::chrono::milliseconds(2);
   }
   if (source_->is_live()) {
@@ -170,7 +173,8 @@ void CameraNode::publish_calibration() {
   camera_calibration_t message = to_message(source_->calibration());
   message.utime = last_utime_;
   publisher_.publish("CAMERA_CALIBRATION", message);
-  next_calibration_ = Clock::now() + calibration_period;
+  calibrated_ = Clock::now();
+  calibration_asked_ = false;
 }
 
 NodeReport CameraNode::report() const {

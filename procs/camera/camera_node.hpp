@@ -68,7 +68,8 @@ class CameraNode : public Node {
   Utime first_utime_ = 0;
   Utime last_utime_ = 0;
   std::string misfit_;  // why another driver's images are not of the calibration; empty: they are
-  Clock::time_point next_calibration_;
+  Clock::time_point calibrated_;    // when its calibration was last told
+  bool calibration_asked_ = false;  // by a process that has just started
   std::size_t frames_sent_ = 0;
   std::size_t skipped_ = 0;  // a camera's images that went out of date before their turn
   double slowed_ = 0;        // s by which the source fell behind

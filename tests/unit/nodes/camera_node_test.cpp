@@ -77,6 +77,29 @@ TEST_F(CalibrationSource, IsPublishedForAsLongAsTheProcessRuns) {
   EXPECT_LE(*wait, std::chrono::seconds(1)) << "the next calibration is never sent";
 }
 
+// A second without calibration is a second without features for who was killed and started again.
+TEST_F(CalibrationSource, IsToldAtOnceToWhoHasJustStarted) {
+  using Clock = std::chrono::steady_clock;
+  CameraNode& node = start("head.yaml");
+  node.work();
+  const auto calibrations_after = [&](double uptime) {
+    publisher_.all.clear();
+    status_t status{};
+    status.process = "surf";
+    status.uptime = uptime;
+    const auto bytes = encode_message(status);
+    EXPECT_TRUE(inputs_.deliver("STATUS", bytes.data(), bytes.size()));
+    const auto end = Clock::now() + std::chrono::milliseconds(300);
+    while (publisher_.all.empty() && Clock::now() < end) {
+      const auto wait = node.work();
+      std::this_thread::sleep_for(std::min<Node::Duration>(*wait, std::chrono::milliseconds(10)));
+    }
+    return publisher_.all.size();
+  };
+  EXPECT_EQ(calibrations_after(60), 0U);
+  EXPECT_EQ(calibrations_after(0.01), 1U);
+}
+
 TEST_F(CalibrationSource, SaysWhenTheImagesAreNotOfTheCalibration) {
   const auto images = encode_message(recorded_images());
   CameraNode& fitting = start("head.yaml");

@@ -22,6 +22,8 @@ class DisturbedSource {
   /// Publishes what is due `elapsed` s after the beginning; `active`: the fault that is under way. False at
   /// the end of the source.
   bool publish_until(double elapsed, const Fault* active);
+  /// Somebody has started who does not know the calibration; cameras tell it at once.
+  void calibrate() { calibrated_ = 0; }
   /// At the moment when a fault begins: what happens once.
   void begin(const Fault& fault);
 

@@ -17,6 +17,7 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/status_reporter.hpp>
 #include "tools/launch/graph.hpp"
 #include "tools/launch/status_table.hpp"
 #include "tools/study/faults/disturbed_source.hpp"
@@ -133,6 +134,7 @@ class FaultRun {
       if (const std::string trouble = trouble_told(before->second, status); !trouble.empty())
         result_.record.alarms.push_back({elapsed_, trouble});
     board_[status.process] = status;
+    if (just_started(status)) source_.calibrate();
   }
 
   /// What a pose says in words, say that the wheels slipped.
