@@ -211,11 +211,11 @@ void MapServerNode::on_graph(const graph_t& message) {
   if (!is_current(session->key)) return;
   if (layers_) layers_->correct(session->map);
   if (!places_) return;
-  std::map<std::int32_t, Eigen::Isometry3d> moved;
+  std::map<std::int32_t, Eigen::Isometry3d> moved;  // by the graph: a restarted server has no keyframes yet
+  const auto& nodes = session->graph.nodes();
   for (const graph_node_t& told : message.nodes)
-    if (const auto keyframe = session->map.keyframes().find(told.keyframe);
-        keyframe != session->map.keyframes().end())
-      moved[keyframe->first] = keyframe->second.T_world_camera;
+    if (const auto node = nodes.find(told.keyframe); node != nodes.end())
+      moved[node->first] = from_message(node->second.T_map_camera, "T_map_camera");
   std::vector<std::int32_t> gone;
   for (const std::int32_t id : message.gone)
     if (session->map.keyframes().count(id) == 0) gone.push_back(id);

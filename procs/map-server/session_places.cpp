@@ -27,6 +27,7 @@ void SessionPlaces::load() {
     bool first = true;
     for (const StoredSession& session : map.sessions()) {
       if (session.mapper != "icp" || map.counts(session.id).features == 0) continue;
+      if (first) first_session_ = session.id;
       if (first || session.T_map_session)
         add_session(map, session.id, session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
       else
@@ -73,7 +74,7 @@ void SessionPlaces::join_stored(MapFile& map, std::int64_t session) {
 
 void SessionPlaces::begin_session(std::int64_t stored) {
   jobs_.hand_in([this, stored, number = ++begun_] {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    std::unique_lock<std::mutex> lock(mutex_);
     number_ = number;
     leave_current();
     current_ = PlaceIndex();
@@ -83,8 +84,34 @@ void SessionPlaces::begin_session(std::int64_t stored) {
     const auto known = T_map_session_.find(stored);
     T_map_current_.reset();
     told_.reset();
-    if (known != T_map_session_.end()) T_map_current_ = known->second;
+    if (known == T_map_session_.end()) return;
+    T_map_current_ = known->second;
+    lock.unlock();
+    if (stored != first_session_) go_on(stored);
   });
+}
+
+/// What was joined in an earlier run goes on, and its graph moves it: it is taken out of the map, and asked
+/// for its place again.
+void SessionPlaces::go_on(std::int64_t session) {
+  try {
+    MapFile map(file_);
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      for (const Kept& kept : kept_)
+        if (kept.session == session) map_.drop(index_key(session, kept.keyframe));
+      T_map_session_.erase(session);
+    }
+    for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+      const auto features = map.features(session, keyframe.id);
+      const auto cloud = map.cloud(session, keyframe.id);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (features && cloud) look_for(keyframe.id, keyframe.T_map_camera, *features, *cloud);
+    }
+  } catch (const std::exception& error) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    error_ = error.what();
+  }
 }
 
 /// A mapper that begins anew looks for its last map, too, where it is known how that lies.
@@ -98,12 +125,18 @@ void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session
                              FeatureFrame features, ColouredCloud cloud) {
   jobs_.hand_in([this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {
     const std::lock_guard<std::mutex> lock(mutex_);
-    current_.add(id, T_session_camera, features, cloud);
-    const bool known = T_map_session_.count(stored_current_) > 0;
-    if (known || map_.size() == 0 || joiner_.done()) return;
-    joiner_.add(T_session_camera, features, cloud, map_, id);
-    tell_joint();
+    look_for(id, T_session_camera, features, cloud);
   });
+}
+
+/// A keyframe of the current session.
+void SessionPlaces::look_for(std::int32_t id, const Eigen::Isometry3d& T_session_camera,
+                             const FeatureFrame& features, const ColouredCloud& cloud) {
+  current_.add(id, T_session_camera, features, cloud);
+  const bool known = T_map_session_.count(stored_current_) > 0;
+  if (known || map_.size() == 0 || joiner_.done()) return;
+  joiner_.add(T_session_camera, features, cloud, map_, id);
+  tell_joint();
 }
 
 /// The more keyframes say where the session lies, and the better its graph knows them, the better it is

@@ -76,6 +76,9 @@ class SessionPlaces {
   void load();
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
   void leave_current();
+  void go_on(std::int64_t session);
+  void look_for(std::int32_t id, const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
+                const ColouredCloud& cloud);
   void tell_joint();
   void join_stored(MapFile& map, std::int64_t session);
 
@@ -85,6 +88,7 @@ class SessionPlaces {
   mutable std::mutex mutex_;  // guards what follows, held while something is looked for
   PlaceIndex map_, current_;
   SessionJoiner joiner_;
+  std::int64_t first_session_ = 0;                           // whose frame is the map's, in the file
   int number_ = 0;                                           // of the current session
   std::int64_t stored_current_ = 0;                          // see begin_session()
   std::map<std::int64_t, Eigen::Isometry3d> T_map_session_;  // of sessions in the file, by id

@@ -48,11 +48,7 @@ class Life {
       view.features.utime += later;
       const Eigen::Isometry3d T_map_camera = T_map_world * view.T_world_camera;
       if (later == 0) bus_.deliver("CAMERA", *view.images);
-      pose_estimate_t pose =
-          make_pose_estimate(view.features.utime, T_map_camera * calibration.T_robot_camera.inverse(),
-                             Matrix6d::Identity() * 1e-6);
-      pose.status = pose_estimate_t::TRACKING;
-      send("ICP_POSE", pose);
+      track(view.features.utime, T_map_camera);
       send("FEATURES", to_message(view.features));
       DenseKeyframe keyframe{k, view.features.utime, T_map_camera, view.cloud, 0};
       for (const keyframe_t& tile : make_keyframe_tiles(keyframe, calibration.T_robot_camera, k + 1))
@@ -60,6 +56,14 @@ class Life {
       bus_.work();
     }
     for (int k = 0; k < 2 * views_of_room; ++k) bus_.work();
+  }
+  /// The mapper says where it is.
+  void track(Utime utime, const Eigen::Isometry3d& T_map_camera) {
+    const RgbdCalibration& calibration = SimulatedKitchen::instance().simulation().calibration();
+    pose_estimate_t pose = make_pose_estimate(utime, T_map_camera * calibration.T_robot_camera.inverse(),
+                                              Matrix6d::Identity() * 1e-6);
+    pose.status = pose_estimate_t::TRACKING;
+    send("ICP_POSE", pose);
   }
   json localise() {
     map_request_t request{};
@@ -107,7 +111,7 @@ class Life {
   testing::TestBus bus_;
   MapServerNode& node_;
   std::int64_t mapper_, seq_ = 0;
-  std::string frame_;
+  std::string frame_ = "map";
 };
 
 class MapServerPlaces : public ::testing::Test {
@@ -165,6 +169,29 @@ TEST_F(MapServerPlaces, AJoinedSessionIsPlacedAnewWhenItsGraphMovesIt) {
   const auto sessions = MapFile(file()).sessions();
   ASSERT_EQ(sessions.size(), 2U);
   expect_near(sessions[1].T_map_session.value_or(Eigen::Isometry3d::Identity()), elsewhere().inverse());
+}
+
+// The mapper lives on, and its graph learns more; a joint that the server's death froze would bend the map.
+TEST_F(MapServerPlaces, ASessionThatOutlivesTheServerIsPlacedAnewWhenItsGraphMovesIt) {
+  map_once();
+  const Eigen::Isometry3d bent = planar_pose(0.1, 0.05, 0.03) * elsewhere();
+  {
+    Life server(scratch_.path(), "map", 13);
+    server.drive(first_number + 2, bent);
+    EXPECT_EQ(server.value("sessions_joined"), 1);
+    server.finish();
+  }
+  const Eigen::Isometry3d before = *MapFile(file()).sessions().at(1).T_map_session;
+  EXPECT_GT(distance_between(before, elsewhere().inverse()), 0.05);
+  Life server(scratch_.path(), "map", 13);
+  const SeenView& next = seen_view(first_number + 3);
+  server.track(next.features.utime, bent * next.T_world_camera);
+  server.correct(first_number + 2, elsewhere());
+  EXPECT_EQ(server.value("kept_keyframes"), views_of_room) << "of the old map, without the session itself";
+  server.finish();
+  const auto sessions = MapFile(file()).sessions();
+  ASSERT_EQ(sessions.size(), 2U);
+  expect_near(*sessions[1].T_map_session, elsewhere().inverse());
 }
 
 // While the server lives on.
