@@ -16,7 +16,7 @@ inline PlanarPath figure_of_eight(int laps, double scale = 1) {
                           Eigen::Vector2d(2.5, 0), Eigen::Vector2d(2, -0.9), Eigen::Vector2d(1, -0.9),
                           Eigen::Vector2d(0, 0.05), Eigen::Vector2d(-1, 0.9), Eigen::Vector2d(-2, 0.9),
                           Eigen::Vector2d(-2.5, 0), Eigen::Vector2d(-2, -0.9), Eigen::Vector2d(-1, -0.9)})
-      points.push_back(scale * p);
+      points.emplace_back(scale * p);
   return PlanarPath(points);
 }
 
