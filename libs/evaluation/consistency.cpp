@@ -1,6 +1,6 @@
 #include <lcmslam/evaluation/consistency.hpp>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -29,31 +29,43 @@ double nees(const Eigen::VectorXd& e, const Eigen::MatrixXd& P) {
   return e.dot(P.llt().solve(e));
 }
 
-// Gauss-Newton on the sum of NEES over a motion of the estimate's world, expressed in the frame of its first
-// pose: T_i <- T_0 exp(xi) T_0^-1 T_i, e_i <- e_i - Ad((T_0^-1 T_i)^-1) xi.
-void fit_world(std::vector<MatchedPose>& matches, const Components& rows) {
+// Gauss-Newton on the sum of NEES over a motion xi of the estimate's world, expressed in the frame of its
+// first pose, and one eta of its body: T_i <- T_0 exp(xi) T_0^-1 T_i exp(eta),
+// e_i <- e_i - Ad((T_0^-1 T_i)^-1) xi - eta. What the way does not tell of them stays 0. Returns the truth's
+// body on the estimate's.
+Eigen::Isometry3d fit_frames(std::vector<MatchedPose>& matches, const Components& rows,
+                             const ConsistencyFit& fit) {
   const auto n = static_cast<Eigen::Index>(rows.size());
+  const Eigen::Index world = fit.world ? n : 0, body = fit.body ? n : 0;
+  Eigen::Isometry3d T_estimate_truth = Eigen::Isometry3d::Identity();
   for (int iteration = 0; iteration < 5; ++iteration) {
     const Eigen::Isometry3d T_first = matches.front().T_world_estimate;
-    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(world + body, world + body);
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(world + body);
     for (const MatchedPose& match : matches) {
-      const Eigen::MatrixXd A = adjoint(match.T_world_estimate.inverse() * T_first)(rows, rows);
+      Eigen::MatrixXd A(n, world + body);
+      if (fit.world) A.leftCols(n) = adjoint(match.T_world_estimate.inverse() * T_first)(rows, rows);
+      if (fit.body) A.rightCols(n).setIdentity();
       const Eigen::MatrixXd P = (*match.covariance)(rows, rows);
       const Eigen::MatrixXd weighted = P.llt().solve(A);
       information += A.transpose() * weighted;
       gradient += weighted.transpose() * error_of(match, rows);
     }
-    Vector6d xi = Vector6d::Zero();
-    xi(rows) = Eigen::VectorXd(information.ldlt().solve(gradient));
+    const Eigen::VectorXd step = information.completeOrthogonalDecomposition().solve(gradient);
+    Vector6d xi = Vector6d::Zero(), eta = Vector6d::Zero();
+    xi(rows).head(world) = step.head(world);
+    eta(rows).head(body) = step.tail(body);
     const Eigen::Isometry3d T_moved = T_first * se3_exp(xi) * T_first.inverse();
-    for (MatchedPose& match : matches) match.T_world_estimate = T_moved * match.T_world_estimate;
+    for (MatchedPose& match : matches)
+      match.T_world_estimate = T_moved * match.T_world_estimate * se3_exp(eta);
+    T_estimate_truth = T_estimate_truth * se3_exp(eta);
   }
+  return T_estimate_truth;
 }
 
 }  // namespace
 
-std::optional<Consistency> consistency(std::vector<MatchedPose> matches, bool fit) {
+std::optional<Consistency> consistency(std::vector<MatchedPose> matches, const ConsistencyFit& fit) {
   if (matches.empty()) return std::nullopt;
   const Components rows = components_of(matches);
   const auto tells_nothing = [&](const MatchedPose& match) {
@@ -62,9 +74,9 @@ std::optional<Consistency> consistency(std::vector<MatchedPose> matches, bool fi
   };
   matches.erase(std::remove_if(matches.begin(), matches.end(), tells_nothing), matches.end());
   if (matches.empty()) return std::nullopt;
-  if (fit) fit_world(matches, rows);
 
   Consistency result;
+  if (fit.world || fit.body) result.T_estimate_truth = fit_frames(matches, rows, fit);
   result.components = static_cast<int>(rows.size());
   const bool planar = rows.size() == 3;
   const Eigen::Index position = planar ? 2 : 3;

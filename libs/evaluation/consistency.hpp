@@ -14,10 +14,15 @@
 
 namespace lcmslam {
 
-/// `fit`: where the estimate's world lies in the truth's is not known, and is fitted by the covariances
-/// (least sum of NEES). A fit of the paths would not do: the first pose is known to a millimetre in its own
-/// world, and stands some centimetres beside the truth then. Nothing when no pose brings a positive definite
-/// covariance.
-std::optional<Consistency> consistency(std::vector<MatchedPose> matches, bool fit);
+/// What is not known between truth and estimate, and is fitted by the covariances (least sum of NEES).
+struct ConsistencyFit {
+  /// Where the estimate's world lies in the truth's. A fit of the paths would not do: the first pose is known
+  /// to a millimetre in its own world, and stands some centimetres beside the truth then.
+  bool world = false;
+  bool body = false;  ///< where the truth's body sits on the estimate's
+};
+
+/// Nothing when no pose brings a positive definite covariance.
+std::optional<Consistency> consistency(std::vector<MatchedPose> matches, const ConsistencyFit& fit);
 
 }  // namespace lcmslam

@@ -140,7 +140,8 @@ TrajectoryReport evaluate(const Trajectory& truth, const Trajectory& estimate,
   report.per_metre = relative_errors(report.matches, 1, StepUnit::metres);
   if (settings.alignment != Alignment::sim3)  // covariances know of no scale
     report.consistency = consistency(
-        report.matches, settings.alignment == Alignment::se2 || settings.alignment == Alignment::se3);
+        report.matches,
+        {settings.alignment == Alignment::se2 || settings.alignment == Alignment::se3, settings.fit_body});
   return report;
 }
 

@@ -36,6 +36,7 @@ struct EvaluationSettings {
                                       ///< interpolate_truth: largest gap of the truth is 10 times this
   double clock_offset = 0;            ///< s, added to the estimate's stamps gives the truth's clock
   Alignment alignment = Alignment::se3;
+  bool fit_body = false;          ///< where covariances are judged, fits where the truth's body sits
   double max_tracking_gap = 1.0;  ///< s; matched poses further apart are lost track between them
 };
 
@@ -69,6 +70,7 @@ struct Consistency {
   ErrorStatistics nees;        ///< normalised estimation error squared
   double inside = 0;           ///< share of the poses that err less than their covariance's 95 % bound
   double position_inside = 0;  ///< the same of their positions
+  Eigen::Isometry3d T_estimate_truth = Eigen::Isometry3d::Identity();  ///< the truth's body, where fitted
 };
 
 /// Step of the relative pose error.

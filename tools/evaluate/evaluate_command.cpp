@@ -88,7 +88,8 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
          "LOG or FILE.yaml that says where the camera sits on the robot (default: a log that is read)")
       ->check(CLI::ExistingFile);
   app.add_flag("--align-bodies", r.align_bodies,
-               "take away a constant rotation and lever between truth and estimate too");
+               "take away a constant rotation and lever between truth and estimate too: of errors from 8 "
+               "degrees and 3 cm on, of NEES whatever fits best");
   auto* exported = app.add_option("--export", r.exported,
                                   "write the one estimate's poses into this file (TUM's format, with the "
                                   "frames in its first line) and end; no truth is needed");
@@ -247,6 +248,7 @@ int evaluate_command(int argc, char** argv) {
   if (!r.exported.empty()) return export_poses(r);
   EvaluationInputs inputs = read_inputs(r.inputs);
   r.settings.alignment = alignments.at(r.alignment);
+  r.settings.fit_body = r.align_bodies;
   r.settings.association = !r.association.empty()         ? associations.at(r.association)
                            : inputs.truth.channel.empty() ? Association::nearest
                                                           : Association::interpolate_truth;

@@ -68,11 +68,16 @@ std::string clock_text(const EvaluatedEstimate& e) {
 
 std::string consistency_text(const EvaluatedEstimate& e) {
   const Consistency& c = *e.report->consistency;
-  return fmt::format(
+  std::string text = fmt::format(
       "{}: consistency of its covariances: NEES median {:.1f}, mean {:.1f} ({} when honest, more: "
       "overconfident); "
-      "within 95 %: {:.0f} % of the poses, {:.0f} % of the positions\n",
+      "within 95 %: {:.0f} % of the poses, {:.0f} % of the positions",
       e.path.name, c.nees.median, c.nees.mean, c.components, 100 * c.inside, 100 * c.position_inside);
+  const double angle = rotation_angle(c.T_estimate_truth), lever = c.T_estimate_truth.translation().norm();
+  if (angle > 0 || lever > 0)
+    text += fmt::format(", with the truth's body {:.2f} degrees and {:.1f} mm beside the estimate's",
+                        degrees(angle), 1e3 * lever);
+  return text + "\n";
 }
 
 /// What to say so that the two speak of one body.

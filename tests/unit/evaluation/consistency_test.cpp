@@ -84,6 +84,24 @@ TEST(Consistency, FitsTheWorldByTheCovariances) {
   EXPECT_NEAR(c.nees.mean, 6, 0.25);
 }
 
+// A motion capture's body sits a degree beside the camera: that is no error of the estimate.
+TEST(Consistency, FitsTheBodyWhereItIsAsked) {
+  const Trajectory truth = testing::curved_path(2000);
+  Random random(7);
+  const Eigen::Isometry3d T_estimate_truth =
+      se3_exp((Vector6d() << 0.02, -0.01, 0.005, 0.03, -0.02, 0.01).finished());
+  const Trajectory estimate =
+      testing::moved(in_other_frame(estimate_of(truth, 7, 0.2 * typical_sigma), T_estimate_truth.inverse()),
+                     testing::random_pose(random));
+  EvaluationSettings settings;
+  EXPECT_GT(evaluate(truth, estimate, settings).consistency->nees.mean, 12);
+  settings.fit_body = true;
+  const Consistency c = evaluate(truth, estimate, settings).consistency.value();
+  EXPECT_NEAR(c.nees.mean, 6, 0.25);
+  EXPECT_LT(distance_between(c.T_estimate_truth, T_estimate_truth), 0.001);
+  EXPECT_LT(angle_between(c.T_estimate_truth, T_estimate_truth), 0.001);
+}
+
 TEST(Consistency, IsTheSameOfAnotherFrameOfTheBody) {
   const Trajectory truth = testing::curved_path(300);
   const Trajectory estimate = estimate_of(truth, 4, 0.1 * typical_sigma);
