@@ -82,15 +82,18 @@ std::optional<Consistency> consistency(std::vector<MatchedPose> matches, const C
   const Eigen::Index position = planar ? 2 : 3;
   const auto n = static_cast<double>(matches.size());
   std::vector<double> values;
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rows.size()));
   for (const MatchedPose& match : matches) {
     const Eigen::VectorXd e = error_of(match, rows);
     const Eigen::MatrixXd P = (*match.covariance)(rows, rows);
     values.push_back(nees(e, P));
+    squares += e.cwiseAbs2().cwiseQuotient(P.diagonal()) / n;
     result.inside += (values.back() < (planar ? inside_3 : inside_6)) / n;
     const double off = nees(e.head(position), P.topLeftCorner(position, position));
     result.position_inside += (off < (planar ? inside_2 : inside_3)) / n;
   }
   result.nees = statistics(std::move(values));
+  for (const double square : squares) result.error_over_sigma.push_back(std::sqrt(square));
   return result;
 }
 

@@ -70,6 +70,8 @@ struct Consistency {
   ErrorStatistics nees;        ///< normalised estimation error squared
   double inside = 0;           ///< share of the poses that err less than their covariance's 95 % bound
   double position_inside = 0;  ///< the same of their positions
+  std::vector<double>
+      error_over_sigma;  ///< RMS of each component: x, y, z, roll, pitch, yaw (body), or x, y, yaw
   Eigen::Isometry3d T_estimate_truth = Eigen::Isometry3d::Identity();  ///< the truth's body, where fitted
 };
 

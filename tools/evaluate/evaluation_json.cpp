@@ -40,7 +40,8 @@ nlohmann::json report_json(const TrajectoryReport& r) {
                            {"nees_mean", r.consistency->nees.mean},
                            {"nees_median", r.consistency->nees.median},
                            {"poses_within_95", r.consistency->inside},
-                           {"positions_within_95", r.consistency->position_inside}};
+                           {"positions_within_95", r.consistency->position_inside},
+                           {"error_over_sigma", r.consistency->error_over_sigma}};
   return json;
 }
 

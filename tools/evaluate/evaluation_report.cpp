@@ -1,6 +1,7 @@
 #include "tools/evaluate/evaluation_report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -73,6 +74,9 @@ std::string consistency_text(const EvaluatedEstimate& e) {
       "overconfident); "
       "within 95 %: {:.0f} % of the poses, {:.0f} % of the positions",
       e.path.name, c.nees.median, c.nees.mean, c.components, 100 * c.inside, 100 * c.position_inside);
+  text += fmt::format("; errors over their sigmas, {}: {:.2f}",
+                      c.components == 3 ? "x, y, yaw" : "x, y, z, roll, pitch, yaw",
+                      fmt::join(c.error_over_sigma, ", "));
   const double angle = rotation_angle(c.T_estimate_truth), lever = c.T_estimate_truth.translation().norm();
   if (angle > 0 || lever > 0)
     text += fmt::format(", with the truth's body {:.2f} degrees and {:.1f} mm beside the estimate's",

@@ -45,6 +45,8 @@ TEST(Consistency, OfHonestCovariancesIsTheNumberOfComponents) {
     EXPECT_NEAR(c.nees.median, 5.35, 0.3) << "seed " << seed;
     EXPECT_NEAR(c.inside, 0.95, 0.015) << "seed " << seed;
     EXPECT_NEAR(c.position_inside, 0.95, 0.015) << "seed " << seed;
+    ASSERT_EQ(c.error_over_sigma.size(), 6U);
+    for (const double ratio : c.error_over_sigma) EXPECT_NEAR(ratio, 1, 0.05) << "seed " << seed;
   }
 }
 
