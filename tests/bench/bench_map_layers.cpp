@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include <lcmslam/geometry/random.hpp>
+#include <lcmslam/live_map/live_space.hpp>
 #include <lcmslam/map_layers/carved_keyframes.hpp>
 #include <lcmslam/map_layers/navigation_grid.hpp>
 #include <lcmslam/map_query/collision.hpp>
@@ -202,6 +203,30 @@ void path_of_1000_poses(benchmark::State& state) {
   state.counters["collisions"] = collisions;
 }
 BENCHMARK(path_of_1000_poses)->Unit(benchmark::kMillisecond);
+
+/// The first question waits for distances that have rested for so many of the drive's images.
+void question_after_rest(benchmark::State& state) {
+  const Drive& drive = Drive::instance();
+  const auto rested = static_cast<std::size_t>(state.range(0));
+  LiveMapSettings settings;
+  settings.background = false;
+  for (auto _ : state) {
+    state.PauseTiming();
+    LiveSpace space(drive.camera, settings);
+    const auto ask = [&] {
+      return space.ask([](const LiveSpace::View& view) { return view.distances.memory_bytes(); });
+    };
+    std::size_t i = 0;
+    for (; i < drive.depths.size() - rested; ++i) {
+      space.show(drive.depths[i], drive.T_map_camera[i]);
+      ask();
+    }
+    for (; i < drive.depths.size(); ++i) space.show(drive.depths[i], drive.T_map_camera[i]);
+    state.ResumeTiming();
+    benchmark::DoNotOptimize(ask());
+  }
+}
+BENCHMARK(question_after_rest)->Arg(1)->Arg(80)->Unit(benchmark::kMillisecond);
 
 void newest_frame(benchmark::State& state) {
   const Drive& drive = Drive::instance();
