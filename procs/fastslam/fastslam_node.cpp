@@ -9,6 +9,7 @@
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/rgbd/rolling_shutter.hpp>
 #include "procs/fastslam/step_messages.hpp"
 
 namespace lcmslam {
@@ -52,6 +53,9 @@ void FastSlamNode::connect(Inputs& inputs) {
       .primary = true;
   inputs.subscribe_measured<odometry_t>(
       "ODOMETRY", 500, [this](const odometry_t& m) { join_.add(from_message(m), m.sender); });
+  inputs.subscribe<camera_calibration_t>(
+      "CAMERA_CALIBRATION", 10,
+      [this, &inputs](const camera_calibration_t& m) { shutter_.hear(m, inputs.stamps()); });
 }
 
 void FastSlamNode::command(const command_t& command) {
@@ -118,6 +122,7 @@ void FastSlamNode::on_features(FeatureFrame frame) {
     start(frame);
     last_utime_ = frame.utime;
   }
+  straighten_rows(frame, join_.motion(), shutter_.seconds());
   gaps_ += frame.utime - last_utime_ > longest_prediction ? 1 : 0;
   last_ = slam_->step(motion_to(frame.utime), frame);
   if (const auto smoothed = slam_->take_smoothed(); !smoothed.empty()) publish_smoothed(smoothed);

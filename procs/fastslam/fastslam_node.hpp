@@ -1,12 +1,14 @@
 #pragma once
-// FEATURES + ODOMETRY -> FASTSLAM_POSE (and in two parts, FASTSLAM_LOCAL_POSE, which never jumps, and
-// FASTSLAM_CORRECTION), FASTSLAM_PARTICLES, FASTSLAM_ASSOCIATIONS, FASTSLAM_LANDMARKS; at the
-// end, and on the command "smooth", FASTSLAM_SMOOTHED: the path again as all measurements together show it.
+// FEATURES + ODOMETRY (+ CAMERA_CALIBRATION: how long rows are read) -> FASTSLAM_POSE (and in two parts,
+// FASTSLAM_LOCAL_POSE, which never jumps, and FASTSLAM_CORRECTION), FASTSLAM_PARTICLES,
+// FASTSLAM_ASSOCIATIONS, FASTSLAM_LANDMARKS; at the end, and on the command "smooth", FASTSLAM_SMOOTHED: the
+// path again as all measurements together show it.
 
 #include <lcmslam/fastslam/fastslam.hpp>
 #include <lcmslam/features/feature.hpp>
 #include <lcmslam/runtime/motion_join.hpp>
 #include <lcmslam/runtime/node.hpp>
+#include "procs/camera_shutter.hpp"
 #include "procs/fastslam/fastslam_node_settings.hpp"
 
 namespace lcmslam {
@@ -44,6 +46,7 @@ class FastSlamNode : public Node {
   std::size_t frame_queue_;      // frames that may wait
   double new_map_when_carried_;  // s
   MotionJoin<FeatureFrame> join_;
+  CameraShutter shutter_;
   std::optional<FastSlam> slam_;
   Utime last_utime_ = 0;
   std::int64_t revision_ = 0;
