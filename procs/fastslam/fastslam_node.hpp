@@ -8,8 +8,8 @@
 #include <lcmslam/features/feature.hpp>
 #include <lcmslam/runtime/motion_join.hpp>
 #include <lcmslam/runtime/node.hpp>
-#include "procs/camera_shutter.hpp"
 #include "procs/fastslam/fastslam_node_settings.hpp"
+#include "procs/told_calibration.hpp"
 
 namespace lcmslam {
 

@@ -6,15 +6,14 @@
 #include <utility>
 
 #include <lcmslam/configuration/read_settings.hpp>
-#include <lcmslam/configuration/share.hpp>
 #include <lcmslam/dense_mapper/thesis/thesis_tracker.hpp>
-#include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include "procs/icp/icp_messages.hpp"
+#include "procs/told_calibration.hpp"
 
 namespace lcmslam {
 namespace {
@@ -45,15 +44,6 @@ double features_wait(const DenseMapperSettings& settings) {
 std::size_t waiting_frames(const IcpNodeSettings& settings) {
   const double features = 60 * features_wait(settings.mapper);
   return static_cast<std::size_t>(std::max({6.0, features, static_cast<double>(settings.frame_queue)}));
-}
-
-/// Logs from before calibrations told their rolling shutter know it by the sensor's name.
-RgbdCalibration calibration_of(const camera_calibration_t& message) {
-  RgbdCalibration calibration = from_message(message);
-  if (tells_rolling_shutter(message)) return calibration;
-  if (const auto known = find_calibration(calibration.sensor, share_path("config/calibration")))
-    calibration.rolling_shutter = known->rolling_shutter;
-  return calibration;
 }
 
 /// Whether only keyframes show their colours.
@@ -110,7 +100,7 @@ void IcpNode::on_calibration(const camera_calibration_t& message) {
     calibration_message_.sender = message.sender;
     return;
   }
-  const RgbdCalibration calibration = calibration_of(message);
+  const RgbdCalibration calibration = told_calibration(message);
   join_.flush();  // frames of the old one
   maker_.calibrate(calibration);
   calibration_message_ = message;
