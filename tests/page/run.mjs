@@ -1,5 +1,5 @@
 // node tests/page/run.mjs [--page DIST] [--out FOLDER] [--only WORDS]: drives the page in Chromium against a mock server.
-// With --programs FOLDER: against the graph that these programs make (graph_test.mjs).
+// With --programs FOLDER: against the graph that these programs make (graph_test.mjs), or the one that --tests names (bridge).
 // Exit code 77: there is no Chromium or no npm package here. Pictures of the page go to FOLDER.
 import { existsSync, mkdirSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
@@ -15,6 +15,7 @@ const { values } = parseArgs({ options: {
   out: { type: "string", default: join(root, "build/page") },
   only: { type: "string", default: "" },
   programs: { type: "string", default: "" },
+  tests: { type: "string", default: "graph" },
   chromium: { type: "string", default: "/usr/bin/chromium" },
 } });
 
@@ -41,7 +42,7 @@ const tools = {
 };
 const browser = await launch(values.chromium);
 let failed = 0;
-for (const file of values.programs ? ["graph"] : ["parts", "live", "tools", "looks", "doors"]) {
+for (const file of values.programs ? [values.tests] : ["parts", "live", "tools", "looks", "doors"]) {
   const { tests } = await import(`./${file}_test.mjs`);
   for (const [name, run] of Object.entries(tests)) {
     if (!`${file} ${name}`.includes(values.only)) continue;

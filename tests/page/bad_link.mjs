@@ -1,0 +1,69 @@
+// A bad radio link, as TCP sees it: what tests/integration/support/slow_link.hpp is, both ways. A lost packet costs the time
+// until it has been sent again, in which all behind it waits. A kernel that can shape traffic is not needed.
+import { connect, createServer } from "node:net";
+
+const packet = 1448; // bytes
+const held = 32 * 1024; // bytes that wait for the link: a modem's buffer
+
+/** A number from 0 to 1, the same ones each time (mulberry32). */
+function drawing(seed) {
+  return () => {
+    seed = (seed + 0x6d2b79f5) | 0;
+    let t = Math.imul(seed ^ (seed >>> 15), 1 | seed);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
+  };
+}
+
+/**
+ * Listens, and forwards each connection.
+ * @param {{host?: string, port: number, megabits?: number, delay?: number, loss?: number}} quality `delay`: ms there and
+ *   back; `loss`: share of the packets
+ * @returns {Promise<{port: number, lost: number, close: () => void}>}
+ */
+export async function badLink({ host = "127.0.0.1", port, megabits = 2, delay = 200, loss = 0 }) {
+  const bytesPerMs = (megabits * 1e6) / 8 / 1000;
+  const draw = drawing(1);
+  const link = { lost: 0 };
+  const sockets = new Set();
+
+  /** Carries bytes at the link's rate, after its delay and after what was lost. */
+  function carry(from, to) {
+    let free = 0;
+    let due = 0;
+    let waiting = 0;
+    from.on("data", (bytes) => {
+      const now = performance.now();
+      free = Math.max(free, now) + bytes.length / bytesPerMs;
+      due = Math.max(due, free + delay / 2);
+      for (let at = 0; at < bytes.length; at += packet)
+        if (draw() < loss) {
+          due = Math.max(due, free + delay / 2 + delay);
+          link.lost += 1;
+        }
+      waiting += bytes.length;
+      if (waiting > held) from.pause();
+      setTimeout(() => {
+        waiting -= bytes.length;
+        if (waiting <= held) from.resume();
+        if (!to.destroyed) to.write(bytes);
+      }, due - now);
+    });
+    from.on("close", () => to.destroy());
+    from.on("error", () => to.destroy());
+    sockets.add(from);
+  }
+
+  const server = createServer((near) => {
+    const far = connect(port, host);
+    carry(far, near);
+    carry(near, far);
+  });
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  link.port = server.address().port;
+  link.close = () => {
+    server.close();
+    for (const socket of sockets) socket.destroy();
+  };
+  return link;
+}
