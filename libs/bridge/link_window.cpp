@@ -9,32 +9,37 @@ double seconds(Time from, Time to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-constexpr double memory = 30;  // s in which the link's own time is looked for
-
 }  // namespace
 
-void LinkWindow::sent(std::size_t bytes) {
-  in_flight_ += bytes;
+void LinkWindow::Smallest::add(Time at, double time) {
+  while (!candidates_.empty() && candidates_.back().second >= time) candidates_.pop_back();
+  candidates_.emplace_back(at, time);
+  while (seconds(candidates_.front().first, at) > memory_) candidates_.pop_front();
+}
+
+void LinkWindow::sent(std::size_t bytes, bool beside) {
+  if (!beside) in_flight_ += bytes;
   ++messages_;
 }
 
-void LinkWindow::acknowledged(std::size_t bytes, Time sent, Time now) {
+void LinkWindow::acknowledged(std::size_t bytes, Time sent, Time now, bool beside) {
   const bool full = 2 * in_flight_ > window_;
-  in_flight_ -= std::min(bytes, in_flight_);
+  if (!beside) in_flight_ -= std::min(bytes, in_flight_);
   messages_ -= messages_ > 0 ? 1 : 0;
 
   const double time = seconds(sent, now);
-  while (!fastest_.empty() && fastest_.back().time >= time) fastest_.pop_back();
-  fastest_.push_back({now, time});
-  while (seconds(fastest_.front().at, now) > memory) fastest_.pop_front();
+  own_.add(now, time);
+  newest_.add(now, time);
+  if (full && time - own_() <= delay_)
+    window_ = std::min(window_ + (searching_ ? bytes : bytes * bytes / window_ + 1), most);
 
-  const double queued = time - fastest_.front().time;
-  if (queued <= delay_) {
-    const bool searching = shrunk_ == Time{};
-    if (full) window_ = std::min(window_ + (searching ? bytes : bytes * bytes / window_ + 1), most);
-  } else if (seconds(shrunk_, now) > time) {  // what is under way now was sent before the last time
-    const double without_queue = static_cast<double>(window_) * fastest_.front().time / time;
+  if (shrunk_ == Time{}) shrunk_ = now;
+  const bool queue = newest_() - own_() > delay_;
+  const double since = seconds(shrunk_, now);  // what is under way now was sent after that
+  if (since > patience || (queue && since > std::max(time, lately))) {
+    const double without_queue = static_cast<double>(window_) * own_() / newest_();
     window_ = std::max(static_cast<std::size_t>(0.9 * without_queue), least);
+    searching_ = searching_ && !queue;
     shrunk_ = now;
   }
 }

@@ -3,14 +3,17 @@
 // new does not wait behind what is old in somebody's send buffer.
 //
 // A message is under way until the broker has acknowledged it. Its time is that of the link plus that of the
-// queue in front of it; the smallest time seen lately is the link's own. While the queue takes less than
-// `delay`, a full window grows, at first as fast as TCP's, after the first queue by a message each time round
-// (LEDBAT, RFC 6817, does much the same). When the queue takes longer the window becomes what the link alone
-// holds, and a little less, so that the queue ends and the link's own time is seen again.
+// queue in front of it; the smallest time of the last half minute is the link's own. While the queue takes
+// less than `delay`, a full window grows, at first as fast as TCP's, after the first queue by a message each
+// time round (LEDBAT, RFC 6817, does much the same). When all messages of a second took longer, and from time
+// to time anyway, the window becomes what the link alone holds, and a little less, so that the queue ends and
+// the link's own time is seen again. One slow message is no queue: a radio that loses packets holds up all
+// behind them until they have been sent again.
 
 #include <chrono>
 #include <cstddef>
 #include <deque>
+#include <utility>
 
 namespace lcmslam::bridge {
 
@@ -21,15 +24,17 @@ class LinkWindow {
   /// `delay`: s that the queue may take.
   explicit LinkWindow(double delay) : delay_(delay) {}
 
-  /// One message always, however big it is.
+  /// One message always, however big it is; one beside small ones, so that those do not keep it waiting.
   bool admits(std::size_t bytes) const {
-    return messages_ == 0 || (messages_ + places_beside < most_messages && in_flight_ + bytes <= window_);
+    const bool room = in_flight_ + bytes <= window_ || (bytes > window_ && 2 * in_flight_ <= window_);
+    return messages_ == 0 || (messages_ + places_beside < most_messages && room);
   }
   /// Of a measurement that comes at a rate: small ones make no queue, and have places of their own.
   bool admits_beside(std::size_t bytes) const { return bytes <= small && messages_ < most_messages; }
-  void sent(std::size_t bytes);
+  /// `beside`: as admits_beside() has it; what goes beside takes nothing of the window.
+  void sent(std::size_t bytes, bool beside = false);
   /// Of a message that was sent at `sent`.
-  void acknowledged(std::size_t bytes, Time sent, Time now);
+  void acknowledged(std::size_t bytes, Time sent, Time now, bool beside = false);
   /// The connection is another one.
   void reset();
 
@@ -42,14 +47,24 @@ class LinkWindow {
   static constexpr std::size_t most_messages = 20;  // what brokers take before they acknowledge
   static constexpr std::size_t places_beside = 6;   // of these, for small measurements alone
 
+  /// The smallest of a while's times.
+  class Smallest {
+   public:
+    explicit Smallest(double memory) : memory_(memory) {}
+    void add(Time at, double time);
+    double operator()() const { return candidates_.front().second; }
+
+   private:
+    double memory_;                                   // s
+    std::deque<std::pair<Time, double>> candidates_;  // ascending
+  };
+  static constexpr double lately = 1, long_ago = 30, patience = 10;  // s
+
   double delay_;
   std::size_t window_ = first, in_flight_ = 0, messages_ = 0;
-  struct Sample {
-    Time at;
-    double time;  // s
-  };
-  std::deque<Sample> fastest_;  // candidates for the smallest time, ascending
-  Time shrunk_{};
+  Smallest own_{long_ago}, newest_{lately};
+  bool searching_ = true;  // no queue was seen yet
+  Time shrunk_{};          // or begun
 };
 
 }  // namespace lcmslam::bridge

@@ -205,7 +205,8 @@ std::optional<Outgoing> Outbox::next(Time now) {
       const std::size_t bytes = slot.waiting.front().bytes->size();
       if (!affords(bytes, now)) return std::nullopt;
       const bool beside = channel.rule.rate > 0 && window_.admits_beside(bytes + overhead);
-      if (beside || (!full && window_.admits(bytes + overhead))) return send_measurement(i, slot, now);
+      if (beside || (!full && window_.admits(bytes + overhead)))
+        return send_measurement(i, slot, beside, now);
       full = true;
     }
     if (full || !decided_ || channel.waiting.empty()) continue;
@@ -218,17 +219,17 @@ std::optional<Outgoing> Outbox::next(Time now) {
   return std::nullopt;
 }
 
-Outgoing Outbox::send_measurement(std::size_t channel, Slot& slot, Time now) {
+Outgoing Outbox::send_measurement(std::size_t channel, Slot& slot, bool beside, Time now) {
   const double wait = period(channels_[channel]);
   const Measurement measurement = slot.waiting.front();
   slot.waiting.pop_front();
   const Outgoing out{++last_ticket_, channels_[channel].rule.channel, measurement.bytes, false,
                      slot.sent++,    std::max(1.0, 2 * wait)};
-  under_way_[out.ticket] = {channel, out.bytes->size() + overhead, {}, 0, measurement.put, now};
+  under_way_[out.ticket] = {channel, out.bytes->size() + overhead, {}, 0, measurement.put, now, beside};
   const bool in_time = now - slot.due < seconds(wait);  // a little late: on average at its rate
   slot.due = (in_time ? slot.due : now) + seconds(wait);
   ++channels_[channel].under_way;
-  window_.sent(out.bytes->size() + overhead);
+  window_.sent(out.bytes->size() + overhead, beside);
   bucket_.take(static_cast<double>(out.bytes->size() + overhead), now);
   ++counts_.sent;
   return out;
@@ -271,7 +272,7 @@ void Outbox::acknowledged(std::uint64_t ticket, Time now) {
   const UnderWay message = found->second;
   under_way_.erase(found);
   ++counts_.acknowledged;
-  window_.acknowledged(message.bytes, message.sent, now);
+  window_.acknowledged(message.bytes, message.sent, now, message.beside);
   --channels_[message.channel].under_way;
   if (message.name.empty()) {
     counts_.age = std::max(counts_.age, std::chrono::duration<double>(now - message.put).count());

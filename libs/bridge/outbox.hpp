@@ -128,6 +128,7 @@ class Outbox {
     std::string name;          // empty: a measurement
     std::uint64_t number = 0;  // of a kept one
     Time put{}, sent{};
+    bool beside = false;  // the window
   };
 
   double period(const Channel& channel) const { return channel.rule.rate > 0 ? 1 / channel.rule.rate : 0; }
@@ -135,7 +136,7 @@ class Outbox {
   void drop(const Kept& kept);
   void make_room();
   bool affords(std::size_t bytes, Time now);
-  Outgoing send_measurement(std::size_t channel, Slot& slot, Time now);
+  Outgoing send_measurement(std::size_t channel, Slot& slot, bool beside, Time now);
   std::uint64_t next_kept(const Channel& channel) const;
   Outgoing send_kept(std::size_t channel, std::uint64_t number, Time now);
 

@@ -32,6 +32,16 @@ export async function badLink({ host = "127.0.0.1", port, megabits = 2, delay = 
     let free = 0;
     let due = 0;
     let waiting = 0;
+    const queue = []; // in order: timers of their own could pass each other
+    const send = () => {
+      while (queue.length > 0 && queue[0].due <= performance.now()) {
+        const { bytes } = queue.shift();
+        waiting -= bytes.length;
+        if (!to.destroyed) to.write(bytes);
+      }
+      if (waiting <= held) from.resume();
+      if (queue.length > 0) setTimeout(send, queue[0].due - performance.now());
+    };
     from.on("data", (bytes) => {
       const now = performance.now();
       free = Math.max(free, now) + bytes.length / bytesPerMs;
@@ -43,11 +53,8 @@ export async function badLink({ host = "127.0.0.1", port, megabits = 2, delay = 
         }
       waiting += bytes.length;
       if (waiting > held) from.pause();
-      setTimeout(() => {
-        waiting -= bytes.length;
-        if (waiting <= held) from.resume();
-        if (!to.destroyed) to.write(bytes);
-      }, due - now);
+      queue.push({ bytes, due });
+      if (queue.length === 1) setTimeout(send, due - now);
     });
     from.on("close", () => to.destroy());
     from.on("error", () => to.destroy());

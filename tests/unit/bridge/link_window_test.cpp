@@ -6,6 +6,8 @@
 
 #include <deque>
 
+#include <lcmslam/geometry/random.hpp>
+
 namespace lcmslam::bridge {
 namespace {
 
@@ -16,8 +18,10 @@ struct LinkResult {
   double longest = 0;  // s that a message took, in the second half
 };
 
-/// Sends whenever the window admits it, for a minute.
-LinkResult run(double rate, double way, std::size_t size) {
+/// Sends whenever the window admits it, for a minute. `loss`: share of the packets; all behind one wait until
+/// it has been sent again, a time round later.
+LinkResult run(double rate, double way, std::size_t size, double loss = 0) {
+  Random random(1);
   LinkWindow window(0.3);
   const Time begin(std::chrono::seconds(1000));
   const auto at = [&](double t) {
@@ -27,7 +31,7 @@ LinkResult run(double rate, double way, std::size_t size) {
     double sent, acknowledged;
   };
   std::deque<Message> messages;
-  double free = 0;
+  double free = 0, held = 0;
   LinkResult result;
   for (double t = 0; t < 60; t += 0.005) {
     while (!messages.empty() && messages.front().acknowledged <= t) {
@@ -41,7 +45,9 @@ LinkResult run(double rate, double way, std::size_t size) {
     while (window.admits(size)) {
       window.sent(size);
       free = std::max(free, t) + static_cast<double>(size) / rate;
-      messages.push_back({t, free + 2 * way});
+      for (std::size_t packet = 0; packet < size; packet += 1448)
+        if (random.uniform() < loss) held = std::max(held, free + 4 * way);
+      messages.push_back({t, std::max(held, free + 2 * way)});
     }
   }
   return result;
@@ -54,6 +60,27 @@ TEST(LinkWindow, FillsASlowLinkWithoutAQueue) {
   const LinkResult crawling = run(10'000, 0.2, 1'000);
   EXPECT_GT(crawling.rate, 0.8 * 10'000);
   EXPECT_LT(crawling.longest, 2.8) << "the least that is under way is 20 kB";
+}
+
+// A packet in twenty: something is held up most of the time.
+TEST(LinkWindow, FillsALinkThatLosesPackets) {
+  EXPECT_GT(run(250'000, 0.1, 8'000, 0.05).rate, 0.6 * 250'000);
+}
+
+TEST(LinkWindow, PosesTakeNothingOfIt) {
+  LinkWindow window(0.3);
+  for (int i = 0; i < 10; ++i) window.sent(1'500, true);
+  EXPECT_TRUE(window.admits(30'000));
+  EXPECT_EQ(window.in_flight(), 0U);
+}
+
+// Else whoever sends small ones all the time keeps a large one waiting for ever, and all that comes after it.
+TEST(LinkWindow, ALargeMessageGoesBesideSmallOnes) {
+  LinkWindow window(0.3);
+  window.sent(3'000);
+  EXPECT_TRUE(window.admits(100'000));
+  window.sent(100'000);
+  EXPECT_FALSE(window.admits(100'000)) << "one";
 }
 
 TEST(LinkWindow, FillsAFastLinkToo) {
