@@ -30,6 +30,7 @@ const std::map<std::string, Association> associations = {{"nearest", Association
 template <class T>
 CLI::IsMember one_of(const std::map<std::string, T>& choices) {
   std::vector<std::string> names;
+  names.reserve(choices.size());
   for (const auto& [name, value] : choices) names.push_back(name);
   return CLI::IsMember(names);
 }

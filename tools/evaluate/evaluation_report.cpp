@@ -227,7 +227,7 @@ EvaluationPlot evaluation_plot(const Evaluation& evaluation) {
                                                           1e6 * evaluation.settings.max_tracking_gap;
       if (lost_track) path.points.push_back(gap), error.points.push_back(gap);
       last = match.utime;
-      path.points.push_back(match.T_world_estimate.translation().head<2>());
+      path.points.emplace_back(match.T_world_estimate.translation().head<2>());
       error.points.emplace_back(
           1e-6 * static_cast<double>(match.utime - truth.front().utime),
           (match.T_world_estimate.translation() - match.T_world_truth.translation()).norm());
