@@ -67,7 +67,7 @@ class CameraNode : public Node {
   Clock::time_point start_time_;  // when the event of first_utime_ is due
   Utime first_utime_ = 0;
   Utime last_utime_ = 0;
-  std::string misfit_;  // why another driver's images are not of the calibration; empty: they are
+  std::string misfit_;              // why another driver's images are not of the calibration; empty: they are
   Clock::time_point calibrated_;    // when its calibration was last told
   bool calibration_asked_ = false;  // by a process that has just started
   std::size_t frames_sent_ = 0;
