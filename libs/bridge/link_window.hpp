@@ -64,7 +64,7 @@ class LinkWindow {
   std::size_t window_ = first, in_flight_ = 0, messages_ = 0;
   Smallest own_{long_ago}, newest_{lately};
   bool searching_ = true;  // no queue was seen yet
-  Time shrunk_{};          // or begun
+  Time shrunk_{};          // the last time, or when the first answer came
 };
 
 }  // namespace lcmslam::bridge

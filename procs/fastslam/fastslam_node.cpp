@@ -39,7 +39,7 @@ FastSlamNode::FastSlamNode(const FastSlamNodeSettings& settings, Publisher& publ
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
       new_map_when_carried_(settings.new_map_when_carried),
       join_(settings.max_wait, std::max<std::size_t>(6, frame_queue_),
-            [this](FeatureFrame& frame) { on_features(std::move(frame)); }) {}
+            [this](const FeatureFrame& frame) { on_features(frame); }) {}
 
 void FastSlamNode::connect(Inputs& inputs) {
   inputs.on_new_session = [this] { begin_session(); };
@@ -111,7 +111,7 @@ Motion FastSlamNode::motion_to(Utime utime) const {
   return unknown_motion(std::min(utime - last_utime_, longest_guess));
 }
 
-void FastSlamNode::on_features(FeatureFrame frame) {
+void FastSlamNode::on_features(const FeatureFrame& frame) {
   const double begin = publisher_.cpu_time();
   if (slam_ && frame.utime <= last_utime_) return;
   if (slam_ && is_elsewhere()) begin_map_beside();
@@ -122,9 +122,10 @@ void FastSlamNode::on_features(FeatureFrame frame) {
     start(frame);
     last_utime_ = frame.utime;
   }
-  straighten_rows(frame, join_.motion(), shutter_.seconds());
+  FeatureFrame straight = frame;  // what is published names pixels where they were seen
+  straighten_rows(straight, join_.motion(), shutter_.seconds());
   gaps_ += frame.utime - last_utime_ > longest_prediction ? 1 : 0;
-  last_ = slam_->step(motion_to(frame.utime), frame);
+  last_ = slam_->step(motion_to(frame.utime), straight);
   if (const auto smoothed = slam_->take_smoothed(); !smoothed.empty()) publish_smoothed(smoothed);
   last_utime_ = frame.utime;
   ++steps_;

@@ -27,7 +27,7 @@ class FastSlamNode : public Node {
   NodeReport report() const override;
 
  private:
-  void on_features(FeatureFrame frame);
+  void on_features(const FeatureFrame& frame);
   void start(const FeatureFrame& frame);
   void begin_session();
   void begin_map_beside();
