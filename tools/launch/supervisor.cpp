@@ -132,6 +132,7 @@ void Supervisor::spawn(State& state) {
 
   std::vector<std::string> variables = environment_of(state.spec);
   std::vector<char*> environment;
+  environment.reserve(variables.size() + 1);
   for (auto& variable : variables) environment.push_back(variable.data());
   environment.push_back(nullptr);
 
