@@ -3,6 +3,8 @@
 // the other, each of its own landmarks, are looked for on their own (LandmarkPlaces) and must agree
 // (SessionJoiner). What was born together was seen together: within a group the map does not bend.
 
+#include <functional>
+
 #include <lcmslam/places/landmark_places.hpp>
 #include <lcmslam/places/session_joiner.hpp>
 
@@ -27,11 +29,21 @@ class LandmarkJoiner {
   /// All groups of a whole map, which is ordered by id, as long as somebody needs to be asked.
   void add_all(const std::vector<Landmark>& landmarks, LandmarkPlaces& map);
 
+  /// The session's map has its landmarks elsewhere now; where the groups that were found lie in the old one
+  /// stays as it was seen. `find` gives a landmark of today, or nullptr. True when a group has moved.
+  bool move(const std::function<const Landmark*(std::int64_t id)>& find);
+
   const std::optional<Joint>& joint() const { return joiner_.joint(); }
   bool done() const { return joiner_.done(); }
 
  private:
+  struct Group {
+    std::vector<Landmark> landmarks;  // as they were when T was said
+    Eigen::Isometry3d T_session_group;
+  };
   SessionJoiner joiner_;
+  std::map<std::int32_t, Group> found_;
+  std::int32_t asked_ = 0;
 };
 
 }  // namespace lcmslam

@@ -67,12 +67,21 @@ LandmarkPlaces::LandmarkPlaces(const LandmarkPlaceSettings& settings) : settings
   check(settings, "places of landmarks");
 }
 
-void LandmarkPlaces::add(const std::vector<Landmark>& landmarks, const Eigen::Isometry3d& T_map_session) {
+void LandmarkPlaces::add(const std::vector<Landmark>& landmarks, const Eigen::Isometry3d& T_map_session,
+                         std::int64_t session) {
   for (const Landmark& landmark : landmarks) {
     if (!has_descriptor(landmark)) continue;
     index_.insert(static_cast<int>(landmarks_.size()), landmark.descriptor, landmark.laplacian);
     landmarks_.push_back(transformed(landmark, T_map_session));
+    sessions_.push_back(session);
   }
+}
+
+void LandmarkPlaces::drop(std::int64_t session) {
+  LandmarkPlaces rest(settings_);
+  for (std::size_t i = 0; i < landmarks_.size(); ++i)
+    if (sessions_[i] != session) rest.add({landmarks_[i]}, Eigen::Isometry3d::Identity(), sessions_[i]);
+  *this = std::move(rest);
 }
 
 /// Each one's nearest neighbours: the same thing may be mapped more than once, and stand in more than one

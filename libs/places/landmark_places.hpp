@@ -31,8 +31,11 @@ class LandmarkPlaces {
   explicit LandmarkPlaces(const LandmarkPlaceSettings& settings = {});
 
   /// Landmarks of a map that lies there. Those without a descriptor (known identities) are left out.
+  /// `session`: by which they may be dropped.
   void add(const std::vector<Landmark>& landmarks,
-           const Eigen::Isometry3d& T_map_session = Eigen::Isometry3d::Identity());
+           const Eigen::Isometry3d& T_map_session = Eigen::Isometry3d::Identity(), std::int64_t session = 0);
+  /// All landmarks of a session.
+  void drop(std::int64_t session);
   std::size_t size() const { return landmarks_.size(); }
   /// In the map's frame.
   const std::vector<Landmark>& landmarks() const { return landmarks_; }
@@ -55,6 +58,7 @@ class LandmarkPlaces {
 
   LandmarkPlaceSettings settings_;
   std::vector<Landmark> landmarks_;
+  std::vector<std::int64_t> sessions_;  // theirs
   DescriptorIndex index_;
   DescriptorSearch search_;
 };

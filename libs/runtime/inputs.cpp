@@ -98,6 +98,12 @@ Input& Inputs::subscribe_bytes(const std::string& channel, std::size_t capacity,
   return *inputs_.back();
 }
 
+std::int64_t Inputs::refused() const {
+  std::int64_t sum = stamps_.refused() + stamps_.foreign();
+  for (const auto& input : inputs_) sum += input->decode_errors;
+  return sum;
+}
+
 bool Inputs::deliver(const std::string& channel, const std::uint8_t* data, std::size_t size) {
   bool found = false;
   for (const auto& input : inputs_) {

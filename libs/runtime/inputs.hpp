@@ -118,6 +118,8 @@ class Inputs {
   /// Called before the first message of a new session: time began anew.
   std::function<void()> on_new_session;
   const StampJudge& stamps() const { return stamps_; }
+  /// Messages that no handler saw: they do not decode, or their stamps are not believed.
+  std::int64_t refused() const;
 
   const std::vector<std::unique_ptr<Input>>& all() const { return inputs_; }
 

@@ -42,7 +42,8 @@ void LaunchedProcess::describe(SettingsVisitor& s) {
 
 void LaunchSettings::describe(SettingsVisitor& s) {
   s.texts("processes", processes, "processes that run", all_sections());
-  s.flag("restart", restart, "a process that dies comes back, after pauses of 1 s to 30 s");
+  s.flag("restart", restart,
+         "a process that dies comes back: at once, if soon again after pauses of 0.2 s to 30 s");
   s.number("restart_limit", restart_limit, "", {0, 1'000'000},
            "so often in a row, each time within 30 s of its start; then it stays away. 0: always");
   s.text(

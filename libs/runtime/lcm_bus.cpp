@@ -178,6 +178,14 @@ std::map<const Input*, Receiver::QueueCount> Receiver::counts() {
   return result;
 }
 
+std::int64_t Receiver::refused() {
+  const Refusals refusals = reader_->refusals();
+  std::int64_t sum = refusals.foreign() + refusals.unsealed() + refusals.malformed();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const auto& queue : queues_) sum += queue->count.bad_parts;
+  return sum;
+}
+
 std::vector<std::string> Receiver::stopped() {
   const std::lock_guard<std::mutex> lock(mutex_);
   const SteadyTime now = std::chrono::steady_clock::now();

@@ -103,6 +103,8 @@ class Receiver {
 
   /// What came from the network and was not taken, and the state of the socket.
   Refusals refusals() const { return reader_->refusals(); }
+  /// Datagrams and pieces that nobody on this bus should have sent.
+  std::int64_t refused();
   SocketState socket() const { return reader_->socket(); }
 
  private:

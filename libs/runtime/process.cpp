@@ -10,6 +10,7 @@
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/status_pace.hpp>
 #include <lcmslam/runtime/status_reporter.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
 #include <lcmslam/runtime/terminal_colours.hpp>
@@ -21,9 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds longest_wait{100};  // a stop request is seen within this time
-constexpr std::chrono::seconds status_period{1};
 constexpr std::chrono::milliseconds look_period{50};    // a node that has changed its state says so within it
-constexpr std::chrono::milliseconds words_period{200};  // and what its words say now; they may count seconds
 constexpr std::chrono::seconds longest_drain{2};        // of what still arrives when a stop is asked
 constexpr unsigned longest_stop = 60;                   // s, above a supervisor's own patience
 
@@ -47,10 +46,9 @@ class Process {
     spdlog::info("{} {} runs", name_, lcmslam_version);
 
     // A report counts what is in a map: too much to be asked for after each message.
-    Clock::time_point next_status = Clock::now(), next_words = next_status, next_look = next_status;
+    Clock::time_point next_look = Clock::now();
     Clock::duration wait{0};
-    int last_state = -1;
-    std::string last_words;
+    StatusPace pace;
     while (!stop_requested()) {
       Arrival arrival;
       if (receiver.take(arrival, wait)) handle(arrival);
@@ -58,14 +56,8 @@ class Process {
       wait = std::min<Clock::duration>(work.value_or(longest_wait), longest_wait);
       if (Clock::now() >= next_look) {
         const NodeReport report = with_stopped(node_->report(), receiver.stopped());
-        const bool says_else = report.detail != last_words && Clock::now() >= next_words;
-        if (report.state != last_state || says_else || Clock::now() >= next_status) {
-          publish_status(report, receiver);
-          last_state = report.state;
-          last_words = report.detail;
-          next_status = Clock::now() + status_period;
-          next_words = Clock::now() + words_period;
-        }
+        const std::int64_t refused = inputs_.refused() + receiver.refused() + commands_refused_;
+        if (pace.due(report, refused, Clock::now())) publish_status(report, receiver);
         next_look = Clock::now() + look_period;
       }
       wait = std::max(Clock::duration{0}, std::min(wait, next_look - Clock::now()));

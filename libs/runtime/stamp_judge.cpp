@@ -69,6 +69,7 @@ StampVerdict StampJudge::take(Voice& voice, std::int64_t sender, Utime utime) {
   voice.speaks = true;
   voice.sender = sender;
   voice.newest = utime;
+  voice.others = others_newest(voice);
   voice.runs.clear();
   const auto is_refuted = [&](const Run& run) { return std::abs(run.newest - utime) > tolerance(voice); };
   for (auto& [channel, other] : voices_)
@@ -81,6 +82,7 @@ StampVerdict StampJudge::doubt(Voice& voice, std::int64_t sender, Utime utime) {
   const bool begins_anew = run.newest < now() - std::max(latest, usual_silence(voice));
   const bool ahead = !voice.speaks || run.newest > voice.newest;
   if ((begins_anew || ahead) && is_believed(run, voice)) return follow(voice, run, begins_anew);
+  if (succeeds(run, voice)) return follow(voice, run, false);
   if (voice.speaks && sender != voice.sender) {
     ++foreign_, ++voice.foreign;
     voice.last_foreign = sender;
@@ -126,6 +128,18 @@ bool StampJudge::is_believed(const Run& run, const Voice& own) const {
     const bool silent = span >= usual_silence(voice);
     return !voice.speaks || joined || silent;
   });
+}
+
+// His stamps alone prove nothing (they may be ahead, or his predecessor's late), and nor do the others' alone
+// (they may have been late themselves).
+bool StampJudge::succeeds(const Run& run, const Voice& voice) const {
+  const std::optional<Utime> others = others_newest(voice);
+  const bool known = voice.speaks && voice.period > 0 && others && voice.others;
+  if (!known || run.sender == voice.sender || run.count < settings_.agreeing_successor || !run.regular)
+    return false;
+  const Utime silence = std::min(run.newest - voice.newest, *others - *voice.others);
+  return silence >= std::max(us(settings_.shortest_silence), usual_silence(voice)) &&
+         run.newest <= *others + tolerance(voice);
 }
 
 StampVerdict StampJudge::follow(Voice& voice, const Run& believed, bool anew) {

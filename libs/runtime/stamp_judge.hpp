@@ -12,6 +12,9 @@
 //   backward  time began anew (a log that loops): a new session, beside whatever the old one made
 //   another sender, its predecessor silent: the process restarted
 //
+// How long a predecessor has been silent is told best by the other channels: where they say so, a successor
+// is believed sooner than his own messages alone would be.
+//
 // Message time only, never the wall clock: the same messages give the same verdicts.
 
 #include <cstdint>
@@ -38,6 +41,9 @@ struct StampJudgeSettings {
   int agreeing = 3;      ///< messages of a run at least, where they come as regularly as the channel's did
   int agreeing_irregular = 10;  ///< the same for others
   double shortest_run = 0.5;    ///< s, by its own stamps
+  // Of a successor, when the others and he agree on how long his predecessor has been silent:
+  int agreeing_successor = 2;
+  double shortest_silence = 0.3;  ///< s; a process starts no faster, and one that is busy may pause so long
 };
 
 class StampJudge {
@@ -70,7 +76,8 @@ class StampJudge {
     bool speaks = false;  // in this session
     std::int64_t sender = 0;
     Utime newest = 0;
-    Utime period = 0;  // usual, us
+    std::optional<Utime> others = {};  // newest of the others when it spoke last
+    Utime period = 0;                  // usual, us
     std::vector<Run> runs;
     std::int64_t refused = 0, foreign = 0, last_foreign = 0;  // in this session
   };
@@ -84,6 +91,7 @@ class StampJudge {
   StampVerdict doubt(Voice& voice, std::int64_t sender, Utime utime);
   const Run& run_of(Voice& voice, std::int64_t sender, Utime utime) const;
   bool is_believed(const Run& run, const Voice& own) const;
+  bool succeeds(const Run& run, const Voice& voice) const;
   StampVerdict follow(Voice& voice, const Run& believed, bool anew);
 
   StampJudgeSettings settings_;

@@ -22,6 +22,7 @@ void LandmarkSessions::load() {
     std::vector<std::int64_t> unknown;
     for (const StoredSession& session : map.sessions()) {
       if (session.mapper != "fastslam" || map.counts(session.id).landmarks == 0) continue;
+      if (map_.size() == 0) first_session_ = session.id;
       if (map_.size() == 0 || session.T_map_session)
         place(session.id, map.landmarks(session.id),
               session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
@@ -43,7 +44,7 @@ void LandmarkSessions::load() {
 
 void LandmarkSessions::place(std::int64_t session, const std::vector<Landmark>& landmarks,
                              const Eigen::Isometry3d& T_map_session) {
-  map_.add(landmarks, T_map_session);
+  map_.add(landmarks, T_map_session, session);
   kept_ = map_.size();
   T_map_session_[session] = T_map_session;
   if (session == stored_current_) T_map_current_ = T_map_session;
@@ -62,12 +63,30 @@ void LandmarkSessions::begin_session(std::int64_t stored, std::vector<Landmark> 
     stored_current_ = stored;
     const auto known = T_map_session_.find(stored);
     T_map_current_.reset();
-    if (known != T_map_session_.end()) T_map_current_ = known->second;
+    told_.reset();
+    if (known == T_map_session_.end()) return;
+    T_map_current_ = known->second;
+    if (stored != first_session_) go_on(stored);
   });
+}
+
+/// As SessionPlaces: what was joined in an earlier run goes on and its mapper learns more, so that it is
+/// taken out of the map, and asked for its place again.
+void LandmarkSessions::go_on(std::int64_t session) {
+  map_.drop(session);
+  kept_ = map_.size();
+  T_map_session_.erase(session);
+  try {
+    joiner_.add_all(MapFile(file_).landmarks(session), map_);
+    tell_joint();
+  } catch (const std::exception&) {
+    // Its next groups say where it lies.
+  }
 }
 
 /// A group is looked for once the next one is there: its landmarks have been seen for a while then.
 void LandmarkSessions::follow(const LandmarkMap& map) {
+  follow_moved(map);
   constexpr std::size_t size = LandmarkJoiner::group_size;
   std::vector<Landmark> group = map.after(newest_, 2 * size);
   if (group.size() < 2 * size) return;
@@ -79,14 +98,27 @@ void LandmarkSessions::follow(const LandmarkMap& map) {
   });
 }
 
+/// Where it lies follows its map, as a dense session's follows its graph.
+void LandmarkSessions::follow_moved(const LandmarkMap& map) {
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+  const bool is_of_this_session = lock && number_ == begun_;  // else the next time
+  if (is_of_this_session && joiner_.move([&](std::int64_t id) { return map.find(id); })) tell_joint();
+}
+
 void LandmarkSessions::look_for(const std::vector<Landmark>& group) {
   const bool known = T_map_session_.count(stored_current_) > 0;
   if (known || map_.size() == 0 || joiner_.done()) return;
   joiner_.add(group, map_);
+  tell_joint();
+}
+
+void LandmarkSessions::tell_joint() {
   if (!joiner_.joint()) return;
-  const bool again = T_map_current_.has_value();
-  T_map_current_ = joiner_.joint()->T_map_session;
-  if (!again || joiner_.done()) joined_.push_back({0, *joiner_.joint(), again, number_});
+  const Joint& joint = *joiner_.joint();
+  T_map_current_ = joint.T_map_session;
+  if (!SessionPlaces::is_news(joint, joiner_.done(), told_)) return;
+  joined_.push_back({0, joint, told_.has_value(), number_});
+  told_ = joint;
 }
 
 std::vector<LandmarkSessions::Joined> LandmarkSessions::take_joined() {

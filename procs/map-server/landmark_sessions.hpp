@@ -34,7 +34,10 @@ class LandmarkSessions {
   void load();
   void place(std::int64_t session, const std::vector<Landmark>& landmarks,
              const Eigen::Isometry3d& T_map_session);
+  void go_on(std::int64_t session);
+  void follow_moved(const LandmarkMap& map);
   void look_for(const std::vector<Landmark>& group);
+  void tell_joint();
 
   std::filesystem::path file_;
   int begun_ = 0;             // sessions, as who calls knows it
@@ -45,10 +48,12 @@ class LandmarkSessions {
   std::mutex mutex_;  // guards what follows, held while something is looked for
   LandmarkPlaces map_;
   LandmarkJoiner joiner_;
-  int number_ = 0;  // of the current session
+  std::int64_t first_session_ = 0;  // whose frame is the map's, in the file
+  int number_ = 0;                  // of the current session
   std::int64_t stored_current_ = 0;
   std::map<std::int64_t, Eigen::Isometry3d> T_map_session_;  // of sessions in the file, by id
   std::optional<Eigen::Isometry3d> T_map_current_;
+  std::optional<Joint> told_;  // of the current session, last
   std::vector<Joined> joined_;
 
   JobThread jobs_;  // last: it ends before what it works on

@@ -145,12 +145,15 @@ void SessionPlaces::tell_joint() {
   if (!joiner_.joint()) return;
   const Joint& joint = *joiner_.joint();
   T_map_current_ = joint.T_map_session;
-  const bool news = !told_ || (joiner_.done() && joint.agreeing > told_->agreeing) ||
-                    distance_between(joint.T_map_session, told_->T_map_session) > moved_distance ||
-                    angle_between(joint.T_map_session, told_->T_map_session) > moved_angle;
-  if (!news) return;
+  if (!is_news(joint, joiner_.done(), told_)) return;
   joined_.push_back({0, joint, told_.has_value(), number_});
   told_ = joint;
+}
+
+bool SessionPlaces::is_news(const Joint& joint, bool done, const std::optional<Joint>& told) {
+  return !told || (done && joint.agreeing > told->agreeing) ||
+         distance_between(joint.T_map_session, told->T_map_session) > moved_distance ||
+         angle_between(joint.T_map_session, told->T_map_session) > moved_angle;
 }
 
 void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& moved,

@@ -40,6 +40,8 @@ class SessionPlaces {
   };
   /// Since the last call; not what was found for a session that is not the current one any more.
   std::vector<Joined> take_joined();
+  /// Whether a joint says something else than the one that was told last.
+  static bool is_news(const Joint& joint, bool done, const std::optional<Joint>& told);
   /// Of those, without what is of another session than the one of this number.
   static std::vector<Joined> of_current(std::vector<Joined> joined, int number);
   /// Of the current session: from its frame to the map's, once that is known.

@@ -48,11 +48,14 @@ foreach(file ${files})
   get_filename_component(package ${file} NAME)
   run(${dpkg_deb} --contents ${file})
   if(package MATCHES "^lcmslam_")
-    expect(${package} ./usr/bin/lcmslam-fastslam ./usr/bin/lcmslam-tools ./usr/share/lcmslam/config/robot.yaml
+    expect(${package} ./usr/bin/lcmslam-tools ./usr/share/lcmslam/config/robot.yaml ./usr/share/lcmslam/page/index.html
            ./usr/share/doc/lcmslam/copyright ./usr/share/lcmslam/python/lcmslam_log.py ./usr/share/lcmslam/lcmtypes/pose_t.lcm
            ./usr/share/man/man1/lcmslam.1.gz ./usr/share/man/man1/lcmslam-log-cut.1.gz
            ./usr/share/bash-completion/completions/lcmslam ./usr/lib/systemd/system/lcmslam.service
            ./usr/share/lcmslam/systemd/robot.yaml)
+    foreach(process camera surf odometry fastslam icp map-server)
+      expect(${package} ./usr/bin/lcmslam-${process}\n)
+    endforeach()
     check_service(${package} "${output}" ${file})
     run(${dpkg_deb} --info ${file} postinst)
     expect(${package} "cp /usr/share/lcmslam/systemd/robot.yaml /etc/lcmslam/robot.yaml")

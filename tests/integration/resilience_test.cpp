@@ -2,9 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <csignal>
+#include <iostream>
 #include <set>
+#include <thread>
 
 #include <lcmslam/runtime/options.hpp>
 #include "tests/integration/support/bus.hpp"
@@ -75,6 +78,26 @@ class Resilience : public testing::Test {
     }
   }
 
+  /// s, the longest time without a new message on the channel, of the next `seconds`.
+  double silence(const std::string& channel, double seconds) const {
+    using Clock = std::chrono::steady_clock;
+    const auto since = [](Clock::time_point time) {
+      return std::chrono::duration<double>(Clock::now() - time).count();
+    };
+    const auto begin = Clock::now();
+    auto last = begin;
+    double longest = 0;
+    std::size_t count = bus_.count(channel);
+    while (since(begin) < seconds) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      longest = std::max(longest, since(last));
+      if (bus_.count(channel) == count) continue;
+      count = bus_.count(channel);
+      last = Clock::now();
+    }
+    return longest;
+  }
+
   std::size_t occurrences(const std::string& text) const {
     const std::string output = launch_->output();
     std::size_t n = 0;
@@ -104,6 +127,27 @@ TEST_F(Resilience, AKilledProcessComesBackAndTheOthersGoOn) {
   EXPECT_TRUE(ending.ended) << launch_->output();
   EXPECT_EQ(ending.exit_code, 0) << launch_->output();
   EXPECT_THAT(alive(processes), testing::IsEmpty());
+}
+
+// Killed again soon after, too: a process that has not run for long is back as fast.
+TEST_F(Resilience, AKillCostsLessThanASecondOfPoses) {
+  launch();
+  wait_for_mapping();
+  ASSERT_TRUE(wait_until([&] { return bus_.count("FASTSLAM_POSE") > 100; }, 60));
+  std::cout << fmt::format("undisturbed: {:.2f} and {:.2f} s\n", silence("FASTSLAM_POSE", 2),
+                           silence("ICP_POSE", 2));
+  for (int round = 0; round < 2; ++round)
+    for (const auto& [victim, channel] : {std::pair("surf", "FASTSLAM_POSE"),
+                                          {"icp", "ICP_POSE"},
+                                          {"fastslam", "FASTSLAM_POSE"},
+                                          {"odometry", "ICP_POSE"}}) {
+      ASSERT_EQ(kill(static_cast<pid_t>(pid_of(victim)), SIGKILL), 0);
+      const double missed = silence(channel, 2);
+      std::cout << fmt::format("{} is killed: no {} for {:.2f} s\n", victim, channel, missed);
+      EXPECT_LT(missed, 1 * patience_factor) << victim << " " << round;
+    }
+  launch_->send(SIGINT);
+  EXPECT_EQ(launch_->wait(stop_patience).exit_code, 0) << launch_->output();
 }
 
 TEST_F(Resilience, CtrlCStopsAllAndSavesTheMaps) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lcmslam/associations_t.hpp>
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
@@ -80,12 +81,13 @@ FeatureFrame see(const RgbdCalibration& c, Utime utime) {
   return frame;
 }
 
-/// m, RMS of the landmarks' places in the map; their number must be a map's.
-double map_error(double told_shutter) {
-  testing::TestBus bus;
+/// Turns on the spot; gives what was seen. In each image others of the features have no depth where
+/// `bearings`.
+std::vector<FeatureFrame> drive(testing::TestBus& bus, double told_shutter, bool bearings) {
   bus.add<FastSlamNode>(ConfigNode::parse("{particles: 40}"));
   const RgbdCalibration c = camera(told_shutter);
   bus.deliver("CAMERA_CALIBRATION", to_message(c));
+  std::vector<FeatureFrame> frames;
   Utime odometry = begin - 4 * odometry_period;
   for (int k = 0; k < images; ++k) {
     const Utime utime = begin + k * image_period;
@@ -96,9 +98,20 @@ double map_error(double told_shutter) {
       sample.covariance = Matrix6d::Identity() * 1e-6 * static_cast<double>(odometry) * 1e-6;
       bus.deliver("ODOMETRY", to_message(sample, "wheels"));
     }
-    bus.deliver("FEATURES", to_message(see(c, utime)));
+    frames.push_back(see(c, utime));
+    if (bearings)
+      for (std::size_t i = static_cast<std::size_t>(k % 3); i < frames.back().features.size(); i += 3)
+        frames.back().features[i].kind = MeasurementKind::bearing;
+    bus.deliver("FEATURES", to_message(frames.back()));
   }
   bus.finish();
+  return frames;
+}
+
+/// m, RMS of the landmarks' places in the map; their number must be a map's.
+double map_error(double told_shutter) {
+  testing::TestBus bus;
+  drive(bus, told_shutter, false);
   std::map<std::int64_t, Eigen::Vector3d> map;
   for (const landmarks_t& tile : bus.on<landmarks_t>("FASTSLAM_LANDMARKS"))
     for (const landmark_t& l : tile.landmarks) map[l.id] = {l.mean[0], l.mean[1], l.mean[2]};
@@ -117,6 +130,24 @@ TEST(RollingCamera, FastSlamMapsWhatItsRowsShearedWhereItIsToldOfIt) {
   const double straight = map_error(readout), sheared = map_error(0);
   EXPECT_LT(straight, 0.003);
   EXPECT_GT(sheared, 3 * straight);
+}
+
+// Straightened for the filter alone: who draws them over the image must find them where they were seen. Of
+// what has no depth it is the pixel that is straightened.
+TEST(RollingCamera, AssociationsNamePixelsAsSeen) {
+  testing::TestBus bus;
+  const std::vector<FeatureFrame> frames = drive(bus, readout, true);
+  const auto messages = bus.on<associations_t>("FASTSLAM_ASSOCIATIONS");
+  ASSERT_EQ(messages.size(), frames.size());
+  int bearings = 0;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    for (const association_t& association : messages[k].associations) {
+      const Feature& seen = frames[k].features.at(static_cast<std::size_t>(association.feature));
+      bearings += seen.kind == MeasurementKind::bearing;
+      EXPECT_FLOAT_EQ(association.x, seen.x) << "image " << k;
+      EXPECT_FLOAT_EQ(association.y, seen.y) << "image " << k;
+    }
+  EXPECT_GT(bearings, 50);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "tools/launch/supervisor.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,7 +16,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::chrono::seconds longest_backoff{30};
+constexpr std::chrono::milliseconds first_pause{200}, longest_pause{30'000};  // between restarts in a row
 constexpr std::chrono::seconds longest_end{20};  // of a process that is to start again
 constexpr std::chrono::milliseconds poll_period{20};
 constexpr int wrong_configuration = 2;  // exit code, see run_process()
@@ -24,6 +25,20 @@ std::string describe_exit(int status) {
   if (WIFSIGNALED(status))
     return "signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")";
   return "exit " + std::to_string(WEXITSTATUS(status));
+}
+
+/// Before a restart when that many came in a row, each soon after the last: none, 0.2 s, 0.4 s ... 30 s. What
+/// dies once is missed until it is back; what cannot run must not keep the machine busy.
+std::chrono::milliseconds pause_after(int restarts) {
+  if (restarts == 0) return std::chrono::milliseconds(0);
+  std::chrono::milliseconds pause = first_pause;
+  for (int i = 1; i < restarts && pause < longest_pause; ++i) pause *= 2;
+  return std::min(pause, longest_pause);
+}
+
+std::string describe_pause(std::chrono::milliseconds pause) {
+  return pause.count() == 0 ? "restarts at once"
+                            : fmt::format("restarts in {:g} s", 0.001 * static_cast<double>(pause.count()));
 }
 
 /// Runs in the child between fork and exec: only async-signal-safe calls.
@@ -117,6 +132,7 @@ void Supervisor::spawn(State& state) {
 
   std::vector<std::string> variables = environment_of(state.spec);
   std::vector<char*> environment;
+  environment.reserve(variables.size() + 1);
   for (auto& variable : variables) environment.push_back(variable.data());
   environment.push_back(nullptr);
 
@@ -167,11 +183,9 @@ std::vector<std::string> Supervisor::poll() {
       } else if (state.refused) {
         event += ": " + last_words(state.spec.log);
       } else if (comes_back(state)) {
-        const std::chrono::seconds wait = ran_long ? std::chrono::seconds(0) : state.backoff;
-        state.restart_at = Clock::now() + wait;
-        event += ", restarts in " + std::to_string(wait.count()) + " s";
-        state.backoff = ran_long ? std::chrono::seconds(1) : std::min(2 * state.backoff, longest_backoff);
-        ++state.in_a_row;
+        const std::chrono::milliseconds pause = pause_after(state.in_a_row++);
+        state.restart_at = Clock::now() + pause;
+        event += ", " + describe_pause(pause);
       } else if (state.failed && state.given_up) {
         event += ", stays away after " + std::to_string(state.in_a_row) +
                  " restarts in a row: " + last_words(state.spec.log);

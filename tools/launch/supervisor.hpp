@@ -49,7 +49,6 @@ class Supervisor {
     std::string last_exit;  ///< "exit 1", "signal 9 (Killed)"; empty before the first
     Clock::time_point started{};
     Clock::time_point restart_at{};
-    std::chrono::seconds backoff{1};  ///< before the next restart, if it comes soon
   };
 
   ~Supervisor() { stop(); }

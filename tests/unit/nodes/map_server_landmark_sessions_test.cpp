@@ -27,7 +27,7 @@ class LandmarkLife {
 
   /// The mapper tells these, as many at a time as it finds in some frames.
   void drive(const std::vector<Landmark>& landmarks, const std::string& frame = "map") {
-    std::int64_t revision = 0;
+    std::int64_t& revision = revisions_[frame];
     for (std::size_t i = 0; i < landmarks.size(); i += 25) {
       utime_ += 1'000'000;
       pose_estimate_t pose =
@@ -61,6 +61,7 @@ class LandmarkLife {
   testing::TestBus bus_;
   MapServerNode& node_;
   std::int64_t mapper_, seq_ = 0;
+  std::map<std::string, std::int64_t> revisions_;  // by frame
   Utime utime_ = 1'000'000;
 };
 
@@ -74,6 +75,7 @@ class MapServerLandmarkSessions : public ::testing::Test {
     server.finish();
   }
   static Eigen::Isometry3d elsewhere() { return planar_pose(2, -1, 0.7); }
+  static Eigen::Isometry3d bent() { return planar_pose(0.1, 0.05, 0.03) * elsewhere(); }
   void expect_joined(std::size_t sessions) const {
     const auto kept = MapFile(file()).sessions();
     ASSERT_EQ(kept.size(), sessions);
@@ -110,6 +112,36 @@ TEST_F(MapServerLandmarkSessions, OneOfAnEarlierRunIsLookedForAgain) {
   EXPECT_FALSE(MapFile(file()).sessions().back().T_map_session);
   LandmarkLife server(scratch_.path(), "map", 23);
   server.drive({});
+  server.finish();
+  expect_joined(2);
+}
+
+TEST_F(MapServerLandmarkSessions, OneThatWasJoinedFollowsItsMap) {
+  map_once();
+  LandmarkLife server(scratch_.path(), "map", 13);
+  server.drive(room.mapped(bent(), 2));
+  server.drive(room.mapped(elsewhere(), 2));
+  EXPECT_EQ(server.value("landmark_sessions_joined"), 1) << "once, however often it is placed";
+  server.finish();
+  expect_joined(2);
+}
+
+// The mapper lives on and learns more; a joint that the server's death froze would bend the map.
+TEST_F(MapServerLandmarkSessions, OneThatOutlivesTheServerIsPlacedAnewAsItsMapMoves) {
+  map_once();
+  double kept = 0;
+  {
+    LandmarkLife server(scratch_.path(), "map", 13);
+    kept = server.value("kept_landmarks");
+    server.drive(room.mapped(bent(), 2));
+    EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
+    server.finish();
+  }
+  const Eigen::Isometry3d before = *MapFile(file()).sessions().at(1).T_map_session;
+  EXPECT_GT(distance_between(before, elsewhere().inverse()), 0.05);
+  LandmarkLife server(scratch_.path(), "map", 13);
+  server.drive(room.mapped(elsewhere(), 2));
+  EXPECT_EQ(server.value("kept_landmarks"), kept) << "of the old map, without the session itself";
   server.finish();
   expect_joined(2);
 }

@@ -66,6 +66,27 @@ TEST_F(LandmarkJoinerTest, NobodyIsAskedForeverOnceEnoughAgree) {
   EXPECT_LT(joiner.joint()->asked, static_cast<int>(session.size() / 60));
 }
 
+// What was seen of the old map stays; where the session has its landmarks has changed.
+TEST_F(LandmarkJoinerTest, FollowsWhereTheSessionsLandmarksGo) {
+  const Eigen::Isometry3d bend = planar_pose(0.1, 0.05, 0.03);
+  std::vector<Landmark> bent;
+  for (const Landmark& landmark : session) bent.push_back(transformed(landmark, bend));
+  joiner.add_all(bent, map);
+  ASSERT_TRUE(joiner.joint());
+  EXPECT_GT(distance_between(joiner.joint()->T_map_session, T_old_new), 0.05);
+  const auto in = [](const std::vector<Landmark>& landmarks, std::size_t every) {
+    return [&landmarks, every](std::int64_t id) {
+      const auto i = static_cast<std::size_t>(id - landmarks.front().id);
+      return i % every == 0 ? &landmarks.at(i) : nullptr;
+    };
+  };
+  EXPECT_FALSE(joiner.move(in(bent, 1)));
+  EXPECT_FALSE(joiner.move(in(session, 10))) << "too few are left to say where a group has gone";
+  EXPECT_TRUE(joiner.move(in(session, 3)));
+  expect_right(joiner.joint()->T_map_session);
+  EXPECT_FALSE(joiner.move(in(session, 1))) << "it has followed";
+}
+
 TEST_F(LandmarkJoinerTest, ARoomThatLooksAlikeIsNotJoined) {
   joiner.add_all(LandmarkRoom(2).mapped(T_old_new.inverse(), 2), map);
   EXPECT_FALSE(joiner.joint());

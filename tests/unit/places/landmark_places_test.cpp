@@ -58,6 +58,18 @@ TEST_F(LandmarkPlacesTest, MapsThatLieElsewhereAreAddedThere) {
   expect_right(other.locate(group()));
 }
 
+TEST_F(LandmarkPlacesTest, ASessionCanBeDropped) {
+  const std::size_t size = map.size();
+  const auto twin = planar_pose(20, 0, 0);
+  map.add(room.mapped(nowhere, 3), twin, 7);
+  EXPECT_FALSE(map.locate(group()).place) << "twins";
+  map.drop(7);
+  EXPECT_EQ(map.size(), size);
+  expect_right(map.locate(group()));
+  map.drop(0);
+  EXPECT_EQ(map.size(), 0U);
+}
+
 TEST_F(LandmarkPlacesTest, StrangersAreNotFound) {
   const LandmarkRoom other(2);
   for (const double from : {0.0, 0.3, 0.7})

@@ -242,6 +242,9 @@ TEST(Inputs, HandlersOfMeasurementsSeeOnePublisherAndTimeThatGoesOn) {
   EXPECT_EQ(inputs.stamps().refused(), 5);
   EXPECT_EQ(inputs.stamps().foreign(), 5);
   EXPECT_EQ(input.senders.at(7).received, 15) << "all are counted";
+  EXPECT_EQ(inputs.refused(), 10);
+  inputs.deliver("ENCODERS", nullptr, 0);
+  EXPECT_EQ(inputs.refused(), 11);
   EXPECT_EQ(sessions, 0);
   handled.clear();
   for (int i = 0; i < 10; ++i) deliver(5'000'000 + i * step);

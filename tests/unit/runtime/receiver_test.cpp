@@ -5,7 +5,9 @@
 
 #include <lcmslam/encoders_t.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/udpm/multicast_address.hpp>
 #include <lcmslam/status_t.hpp>
+#include "tests/support/datagrams.hpp"
 #include "tests/support/own_bus.hpp"
 
 namespace lcmslam {
@@ -189,6 +191,23 @@ TEST_F(ReceiverTest, BigMessagesCrossInPieces) {
   EXPECT_THAT(details, ElementsAreArray(sent));
   EXPECT_EQ(inputs_.all()[0]->senders.at(6).lost, 0);
   EXPECT_EQ(publisher.split(), 9);
+}
+
+TEST_F(ReceiverTest, WhatNobodyShouldHaveSentIsCountedTogether) {
+  const std::string url = own_bus("udpm://239.255.76.67:7667?ttl=0");
+  LcmBus sending(url), receiving(url);
+  ASSERT_TRUE(sending.usable() && receiving.usable());
+  subscribe("IMAGES", 1);
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  Receiver receiver(receiving, inputs_);
+  LcmPublisher publisher(sending.lcm(), 6, 1'000'000);
+  drain(receiver, publisher);
+  EXPECT_EQ(receiver.refused(), 0);
+  sending.lcm().publish("IMAGES_PART", "no part", 7);
+  const MulticastAddress address = multicast_address(url);
+  testing::UdpSender().send(address.group, address.port, testing::bytes_of("no datagram of LCM"));
+  drain(receiver, publisher);
+  EXPECT_EQ(receiver.refused(), 2);
 }
 
 // With a receive buffer that cannot hold what comes, messages are lost; each of them is counted.

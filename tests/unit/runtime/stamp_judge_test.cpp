@@ -169,6 +169,76 @@ TEST_F(Stamps, PublisherThatIsReplacedAtOnceIsTakenOverSoon) {
   EXPECT_EQ(drive(8, 9, surf, wheels + 1), 0);
 }
 
+// A killed process is back after a quarter of a second; his first message is doubted.
+TEST_F(Stamps, SuccessorIsBelievedSoonWhereTheOthersTellThatItsPredecessorIsSilent) {
+  drive(0, 5);
+  for (const double t : times(5, 5.25, 0.02)) odometry(t);
+  EXPECT_EQ(drive(5.26, 7, surf + 1), 1);
+  EXPECT_EQ(judge_.sessions(), 1);
+}
+
+TEST_F(Stamps, SuccessorOfASlowChannelWaitsForAsManyOfItsPeriods) {
+  int left_out = 0;
+  for (const double t : times(0, 20, 0.02)) odometry(t);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(judge_.judge("CAMERA", 1, at(20 + 0.5 * i)), StampVerdict::take);
+  for (int i = 0; i < 20; ++i) {
+    for (const double t : times(30 + 0.5 * i, 30.5 + 0.5 * i, 0.02)) odometry(t);
+    left_out += !is_taken(judge_.judge("CAMERA", 2, at(30.5 + 0.5 * i)));
+  }
+  EXPECT_GE(left_out, 1);
+  EXPECT_LE(left_out, 3);
+}
+
+// However seldom it speaks, however often the stranger does, and whatever he stamps.
+TEST_F(Stamps, StrangerBesideALivingPublisherIsNeverBelieved) {
+  for (const double rate : {1.0, 2.0, 10.0, 30.0})
+    for (const double stranger_rate : {1.0, 10.0, 50.0})
+      for (const double ahead : {-0.5, -0.05, 0.0, 0.4, 1.5}) {
+        SCOPED_TRACE(::testing::Message()
+                     << rate << " Hz, stranger " << stranger_rate << " Hz, ahead " << ahead);
+        judge_ = StampJudge();
+        double next = 0, next_stranger = 4;
+        for (const double t : times(0, 12, 0.02)) {
+          ASSERT_EQ(odometry(t), StampVerdict::take);
+          if (t >= next) {
+            ASSERT_EQ(features(t), StampVerdict::take);
+            next += 1 / rate;
+          }
+          if (t >= next_stranger) {
+            ASSERT_FALSE(is_taken(features(t + ahead, stranger)));
+            next_stranger += 1 / stranger_rate;
+          }
+        }
+      }
+}
+
+// A busy machine: what was measured long ago, and pauses that are no deaths.
+TEST_F(Stamps, StrangerIsNotBelievedForThatALivingPublisherIsLate) {
+  drive(0, 4);
+  for (const double t : times(4, 12, 0.02)) {
+    ASSERT_EQ(odometry(t), StampVerdict::take);
+    if (t < 4.5) continue;
+    const bool living_speaks = std::lround(50 * t) % 5 == 0;
+    if (living_speaks) {
+      ASSERT_EQ(features(t - 0.45), StampVerdict::take) << t;
+    }
+    ASSERT_FALSE(is_taken(features(t, stranger))) << t;
+  }
+}
+
+TEST_F(Stamps, StrangerIsNotBelievedForThatTheOthersCameLate) {
+  drive(0, 4);
+  for (const double t : times(4, 12, 0.5)) {  // odometry comes in bursts
+    for (const double f : times(t, t + 0.5, 0.1)) {
+      ASSERT_EQ(features(f), StampVerdict::take);
+      ASSERT_FALSE(is_taken(features(f + 0.01, stranger)));
+      ASSERT_FALSE(is_taken(features(f + 0.03, stranger)));
+    }
+    for (const double o : times(t, t + 0.5, 0.02)) ASSERT_EQ(odometry(o), StampVerdict::take);
+    for (const double late : {0.42, 0.44, 0.46}) ASSERT_FALSE(is_taken(features(t + late, stranger)));
+  }
+}
+
 TEST_F(Stamps, TwoStrangersDoNotVouchForEachOther) {
   for (const double t : times(0, 10, 1)) EXPECT_EQ(features(t), StampVerdict::take);  // at 1 Hz
   for (const double t : times(109.05, 109.95, 0.02)) {
