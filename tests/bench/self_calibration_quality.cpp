@@ -147,7 +147,8 @@ Errors measure(const SimulationSourceSettings& settings, const std::string& log,
         "%.3f %.3f %.3f degrees\n",
         truth.colour.fx, truth.colour.cx, truth.colour.cy, right.values[head::k1], right.values[head::k2],
         t.x(), t.y(), t.z(), r.x(), r.y(), r.z());
-    for (const std::string& advice : drive_advice(model, result, scene.keyframes.size()))
+    const auto most = static_cast<std::size_t>(RecordedSceneSettings().keyframes);
+    for (const std::string& advice : drive_advice(model, result, scene.keyframes.size(), most))
       std::printf("  note: %s\n", advice.c_str());
   }
   honesty.add(model, true_numbers(start, truth, log.empty() ? rolling_shutter_of(settings.simulation) : 0),

@@ -8,7 +8,7 @@ namespace {
 
 /// Something of one or three axes, and how sure it is: standard deviations of all axes together.
 struct Accuracy {
-  std::string name, limit;
+  std::string name, limit, command;  // the command that finds it with a board
   int axes = 1;
   double wanted = 0, sigma = 0, stays = 0;
 };
@@ -33,13 +33,13 @@ std::vector<Accuracy> accuracies(const HeadModel& model, const BundleResult& res
                                  const WantedAccuracy& wanted) {
   const HeadNumbers stays = unmodelled_sigmas(model.start);
   const double f = model.colour().fx;
-  std::vector<Accuracy> all = {
-      {"the focal length", "0.3 %", 1, wanted.focal, result.sigmas[head::fx] / f, stays[head::fx] / f}};
+  std::vector<Accuracy> all = {{"the focal length", "0.3 %", "camera", 1, wanted.focal,
+                                result.sigmas[head::fx] / f, stays[head::fx] / f}};
   if (model.registered()) return all;
   const double by_scale = result.sigmas[head::depth_scale] * model.T_colour_depth().translation().norm();
-  all.push_back({"the depth camera's place", "2 mm", 3, wanted.translation, length(result.sigmas, head::tx),
-                 std::hypot(length(stays, head::tx), by_scale)});
-  all.push_back({"the depth camera's direction", "0.1 degrees", 3, wanted.rotation,
+  all.push_back({"the depth camera's place", "2 mm", "pair", 3, wanted.translation,
+                 length(result.sigmas, head::tx), std::hypot(length(stays, head::tx), by_scale)});
+  all.push_back({"the depth camera's direction", "0.1 degrees", "pair", 3, wanted.rotation,
                  length(result.sigmas, head::rx), length(stays, head::rx)});
   return all;
 }
@@ -47,16 +47,18 @@ std::vector<Accuracy> accuracies(const HeadModel& model, const BundleResult& res
 }  // namespace
 
 std::vector<std::string> drive_advice(const HeadModel& model, const BundleResult& result,
-                                      std::size_t keyframes, const WantedAccuracy& wanted) {
-  constexpr double most = 20;  // times as many keyframes: nobody drives that
+                                      std::size_t keyframes, std::size_t most, const WantedAccuracy& wanted) {
+  const double longest = static_cast<double>(most) / static_cast<double>(keyframes);
   std::vector<std::string> advice;
   for (const Accuracy& a : accuracies(model, result, wanted)) {
     if (result.held(a.axes == 1 ? head::fx : head::tx) || probability(a, a.sigma) >= wanted.probability)
       continue;
     double share = 1;
-    while (share < most && probability(a, sigma_with(a, share)) < wanted.probability) share += 0.1;
-    char help[160] = "no drive tells more: calibrate pair does, with a board";
-    if (share < most)
+    while (share <= longest && probability(a, sigma_with(a, share)) < wanted.probability) share += 0.1;
+    char help[160];
+    std::snprintf(help, sizeof help, "no longer drive tells enough: calibrate %s does, with a board",
+                  a.command.c_str());
+    if (share <= longest)
       std::snprintf(help, sizeof help,
                     "drive until there are some %.0f keyframes (%zu now), one each 12 cm or 7 degrees",
                     std::ceil(share * static_cast<double>(keyframes)), keyframes);

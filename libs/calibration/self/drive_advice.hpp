@@ -13,10 +13,11 @@ struct WantedAccuracy {
   double probability = 0.8;     ///< with which the errors are to be smaller
 };
 
-/// What a recording tells less well than is wanted, and how many keyframes would tell it; none: it tells
-/// enough. What keyframes add up to shrinks as their number grows; what no residual shows, and the scale of
-/// the world in the distance of both cameras, stays.
+/// What a recording tells less well than is wanted, and how many keyframes, at most `most`, would tell it;
+/// none: it tells enough. What keyframes add up to shrinks as their number grows; what no residual shows, and
+/// the scale of the world in the distance of both cameras, stays.
 std::vector<std::string> drive_advice(const HeadModel& model, const BundleResult& result,
-                                      std::size_t keyframes, const WantedAccuracy& wanted = {});
+                                      std::size_t keyframes, std::size_t most,
+                                      const WantedAccuracy& wanted = {});
 
 }  // namespace lcmslam

@@ -36,22 +36,25 @@ struct Known {
 
 TEST(DriveAdvice, ALongDriveNeedsNone) {
   const Known k(1.2, 0.078);
-  EXPECT_THAT(drive_advice(k.model, k.result, 150), IsEmpty());
+  EXPECT_THAT(drive_advice(k.model, k.result, 150, 240), IsEmpty());
 }
 
 TEST(DriveAdvice, AShortDriveIsToGoOn) {
   Known k(1.58, 0.089);
-  EXPECT_THAT(drive_advice(k.model, k.result, 60),
+  EXPECT_THAT(drive_advice(k.model, k.result, 60, 240),
               ElementsAre(AllOf(HasSubstr("direction is within 0.1 degrees with a probability of 71 %"),
                                 HasSubstr("(60 now)"), HasSubstr("some 1"))));
+  EXPECT_THAT(drive_advice(k.model, k.result, 60, 90), ElementsAre(HasSubstr("calibrate pair does")))
+      << "more than are taken";
   k.result.sigmas[head::fx] = 2;
-  EXPECT_THAT(drive_advice(k.model, k.result, 60).front(), HasSubstr("the focal length is within 0.3 %"));
+  EXPECT_THAT(drive_advice(k.model, k.result, 60, 240).front(),
+              HasSubstr("the focal length is within 0.3 %"));
 }
 
 // The world's scale is not seen, and the distance of both cameras has it.
 TEST(DriveAdvice, WhatNoDriveTellsIsForTheBoard) {
   const Known k(2.5, 0.075, 0.03);
-  EXPECT_THAT(drive_advice(k.model, k.result, 60),
+  EXPECT_THAT(drive_advice(k.model, k.result, 60, 240),
               ElementsAre(AllOf(HasSubstr("place is within 2 mm"), HasSubstr("calibrate pair does"))));
 }
 
