@@ -8,10 +8,14 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include <lcmslam/calibration/corner_fit.hpp>
+
 namespace lcmslam {
 namespace {
 
 constexpr int fewest_corners = 12;
+constexpr double widest_window = 42,
+                 widest_fit = 12;       // pixels: behind a lens no edge is straight farther out
 constexpr int comfortable_width = 500;  // pixels: detectors are made for larger images than a ToF camera's
 
 std::optional<BoardView> find_markers(const cv::Mat& grey, const Board& board) {
@@ -60,6 +64,12 @@ std::optional<BoardView> find_checkerboard(const cv::Mat& grey, const Board& boa
   return view;
 }
 
+/// Around a corner there is nothing but the four squares' edges within this share of the corners' distance:
+/// no marker's either.
+double undisturbed(const Board& board) {
+  return 0.64 * (board.has_markers() ? 1 - board.settings().marker : 1);
+}
+
 /// Least distance between corners, pixels.
 double spacing(const BoardView& view) {
   double least = 1e9;
@@ -68,18 +78,40 @@ double spacing(const BoardView& view) {
   return least;
 }
 
-/// Where the grey values' gradients say that the corner is. The window holds nothing but the four squares'
-/// edges: no marker's either.
-void refine(const cv::Mat& grey, const Board& board, BoardView& view) {
+/// Where the grey values' gradients say that the corner is.
+void refine_by_gradients(const cv::Mat& grey, double radius, BoardView& view) {
   std::vector<cv::Point2f> corners;
   for (const auto& p : view.pixels)
     corners.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
-  const double share = 0.45 * (board.has_markers() ? 1 - board.settings().marker : 1);
-  constexpr int widest = 30;  // pixels: beyond them an edge is no straight line behind a lens
-  const int half = std::clamp(static_cast<int>(share * spacing(view)), 2, widest);
+  const int half = std::max(2, static_cast<int>(M_SQRT1_2 * radius));
   cv::cornerSubPix(grey, corners, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-4});
   for (std::size_t i = 0; i < corners.size(); ++i) view.pixels[i] = {corners[i].x, corners[i].y};
+}
+
+/// Where a model of the image has it. Corners that look otherwise leave.
+void refine_by_model(const cv::Mat& grey, const Board& board, double radius, BoardView& view) {
+  std::vector<cv::Point2d> points, pixels;
+  for (std::size_t i = 0; i < view.ids.size(); ++i) {
+    const Eigen::Vector3d p = board.corner(view.ids[i]);
+    points.emplace_back(p.x(), p.y());
+    pixels.emplace_back(view.pixels[i].x(), view.pixels[i].y());
+  }
+  const cv::Mat H = cv::findHomography(points, pixels);  // good enough for the edges' directions
+  BoardView refined{view.name, {}, {}};
+  if (!H.empty()) {
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> h(H.ptr<double>());
+    for (std::size_t i = 0; i < view.ids.size(); ++i) {
+      const Eigen::Vector3d p = h * Eigen::Vector3d(points[i].x, points[i].y, 1);
+      const Eigen::Matrix2d edges =
+          p.z() * h.topLeftCorner<2, 2>() - p.head<2>() * h.block<1, 2>(2, 0);  // but for their length
+      const auto corner = fit_corner(grey, view.pixels[i], edges, std::clamp(radius, 2.5, widest_fit));
+      if (!corner) continue;
+      refined.ids.push_back(view.ids[i]);
+      refined.pixels.push_back(*corner);
+    }
+  }
+  view = std::move(refined);
 }
 
 }  // namespace
@@ -92,8 +124,11 @@ std::optional<BoardView> find_board(const cv::Mat& grey, const Board& board) {
   if (factor > 1) cv::resize(grey, large, {}, factor, factor, cv::INTER_CUBIC);
   auto view = board.has_markers() ? find_markers(large, board) : find_checkerboard(large, board);
   if (!view || static_cast<int>(view->ids.size()) < fewest_corners) return std::nullopt;
-  refine(large, board, *view);
+  const double radius = undisturbed(board) * spacing(*view);
+  refine_by_gradients(large, std::min(radius, widest_window), *view);
   for (auto& p : view->pixels) p = (p + Eigen::Vector2d(0.5, 0.5)) / factor - Eigen::Vector2d(0.5, 0.5);
+  refine_by_model(grey, board, radius / factor, *view);
+  if (static_cast<int>(view->ids.size()) < fewest_corners) return std::nullopt;
   return view;
 }
 

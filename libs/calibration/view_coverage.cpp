@@ -54,6 +54,18 @@ void look_at_tilts(const ViewCoverage& coverage, std::vector<std::string>& missi
                       ", too");
 }
 
+/// Pixels from the leftmost corner to the rightmost.
+double width_of(const BoardView& view) {
+  double left = 1e9, right = -1e9;
+  for (const auto& p : view.pixels) left = std::min(left, p.x()), right = std::max(right, p.x());
+  return right - left;
+}
+
+/// Both focal lengths', the less sure one's; relative.
+double focal_sigma(const CameraCalibration& c) {
+  return std::max(c.sigma(0) / c.camera.fx, c.sigma(1) / c.camera.fy);
+}
+
 }  // namespace
 
 double ViewCoverage::filled() const {
@@ -72,6 +84,7 @@ ViewCoverage coverage_of(const CameraCalibration& calibration, const Board& boar
         std::clamp(static_cast<int>((pixel + 0.5) * ViewCoverage::cells / size), 0, ViewCoverage::cells - 1));
   };
   for (const CalibratedView& c : calibration.views) {
+    coverage.largest = std::max(coverage.largest, width_of(c.view) / camera.width);
     for (const auto& p : c.view.pixels)
       ++coverage.corners[cell(p.y(), camera.height)][cell(p.x(), camera.width)];
     const Eigen::Vector3d normal = c.T_camera_board.linear().col(2);
@@ -98,7 +111,7 @@ std::vector<std::string> missing_views(const CameraCalibration& calibration, con
                       std::to_string(limits.fewest_views) + ", better 20");
   look_for_gaps(coverage, missing);
   look_at_tilts(coverage, missing);
-  const double sigma = calibration.sigma(0) / calibration.camera.fx;
+  const double sigma = focal_sigma(calibration);
   if (missing.empty() && !(sigma < limits.focal_sigma))
     missing.push_back("the focal length is known to " + text(100 * sigma, 2) + " % only (must be below " +
                       text(100 * limits.focal_sigma, 2) +
@@ -108,6 +121,26 @@ std::vector<std::string> missing_views(const CameraCalibration& calibration, con
                       " pixels beside where they should (at most " + text(limits.rms, 2) +
                       "): is the board flat, are its columns, rows and kind right, are images blurred?");
   return missing;
+}
+
+// A view tells the focal length by how differently near and far corners of a tilted board are spaced: the
+// larger it is in the image and the more tilted, the more. Of views like those there are, n halve the error
+// of n / 4.
+std::vector<std::string> wanted_views(const CameraCalibration& calibration, const ViewCoverage& coverage,
+                                      const CoverageLimits& limits) {
+  const double sigma = focal_sigma(calibration);
+  if (sigma <= limits.wanted_sigma) return {};
+  constexpr double large = 0.6;  // of the image's width
+  const auto views = static_cast<double>(calibration.views.size());
+  const double as_many = sigma / limits.wanted_sigma;
+  const std::string known = "the focal length is known to " + text(100 * sigma, 2) + " % (one sigma; " +
+                            text(100 * limits.wanted_sigma, 2) + " % is wanted): ";
+  if (coverage.largest < large)
+    return {known + "hold the board nearer, so that it fills the image, and tilted by 20 to 40 degrees"};
+  if (2 * coverage.tilted_views < static_cast<int>(calibration.views.size()))
+    return {known + "tilt the board by 20 to 40 degrees, near enough to fill the image"};
+  return {known + "some " + text(std::ceil(views * (as_many * as_many - 1)), 0) +
+          " more views, near and tilted by 20 to 40 degrees"};
 }
 
 }  // namespace lcmslam

@@ -14,6 +14,7 @@ struct ViewCoverage {
   int tilted_views = 0;                                    ///< by at least 15 degrees
   double tilt_across = 0, tilt_down = 0;                   ///< rad, largest about the image's axes
   double nearest = 0, farthest = 0;                        ///< m, of the board's middle
+  double largest = 0;                                      ///< share of the image's width that a view filled
 
   /// Share of the cells that have corners.
   double filled() const;
@@ -23,12 +24,18 @@ ViewCoverage coverage_of(const CameraCalibration& calibration, const Board& boar
 
 struct CoverageLimits {
   int fewest_views = 8;
-  double focal_sigma = 0.003;  ///< of the focal length's relative error; three times it must not matter
-  double rms = 1.5;            ///< pixels
+  double focal_sigma = 0.003;   ///< of the focal length's relative error: less sure is refused
+  double wanted_sigma = 0.001;  ///< of the same: a view more is wanted until three sigmas are 0.3 %
+  double rms = 1.5;             ///< pixels
 };
 
 /// Why the set is refused, and what to add; none: it is good.
 std::vector<std::string> missing_views(const CameraCalibration& calibration, const ViewCoverage& coverage,
                                        const CoverageLimits& limits = {});
+
+/// What would make a good set better: which views, and about how many, until the focal length is as sure as
+/// it should be; none: it is.
+std::vector<std::string> wanted_views(const CameraCalibration& calibration, const ViewCoverage& coverage,
+                                      const CoverageLimits& limits = {});
 
 }  // namespace lcmslam

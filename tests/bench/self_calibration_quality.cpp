@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <vector>
 
+#include <lcmslam/calibration/self/drive_advice.hpp>
 #include <lcmslam/calibration/self/recorded_scene.hpp>
 #include <lcmslam/calibration/self/self_report.hpp>
 #include <lcmslam/geometry/random.hpp>
@@ -146,6 +147,9 @@ Errors measure(const SimulationSourceSettings& settings, const std::string& log,
         "%.3f %.3f %.3f degrees\n",
         truth.colour.fx, truth.colour.cx, truth.colour.cy, right.values[head::k1], right.values[head::k2],
         t.x(), t.y(), t.z(), r.x(), r.y(), r.z());
+    const auto most = static_cast<std::size_t>(RecordedSceneSettings().keyframes);
+    for (const std::string& advice : drive_advice(model, result, scene.keyframes.size(), most))
+      std::printf("  note: %s\n", advice.c_str());
   }
   honesty.add(model, true_numbers(start, truth, log.empty() ? rolling_shutter_of(settings.simulation) : 0),
               result);
@@ -176,6 +180,8 @@ int main(int argc, char** argv) {
   app.add_option("--scene", settings.simulation.scene, "scene (YAML)")->check(CLI::ExistingFile);
   app.add_option("--head", settings.simulation.head, "rgbd, tof or one of config/heads");
   app.add_option("--seconds", settings.simulation.seconds, "of the drive");
+  app.add_option("--laps", settings.simulation.laps,
+                 "in which the path is driven; --seconds 0: the whole of it");
   app.add_option("--rate", settings.simulation.frame_rate, "Hz of the images");
   app.add_option("--first", first, "seed");
   app.add_option("--seeds", seeds, "how many");

@@ -48,6 +48,10 @@ void CalibrationOutput::write_text(const std::string& text, const std::string& c
   std::cout << fmt::format("{}: written; {}: how sure it is\n", file, covariance_file().string());
 }
 
+void advise(const std::vector<std::string>& wanted) {
+  for (const std::string& advice : wanted) std::cout << "  note: " << advice << "\n";
+}
+
 int refuse(const std::vector<std::string>& missing, bool accept) {
   for (const std::string& reason : missing) std::cout << "  missing: " << reason << "\n";
   if (missing.empty()) return 0;

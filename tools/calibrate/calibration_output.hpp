@@ -30,6 +30,8 @@ struct CalibrationOutput {
   void write_text(const std::string& text, const std::string& covariance) const;
 };
 
+/// Prints what would make a calibration better that is good enough to be used.
+void advise(const std::vector<std::string>& wanted);
 /// "2 of 3": prints why a set is refused; gives the exit code, 0 where it goes on.
 int refuse(const std::vector<std::string>& missing, bool accept);
 

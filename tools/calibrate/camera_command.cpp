@@ -6,6 +6,7 @@
 #include "tools/calibrate/calibrate_commands.hpp"
 #include "tools/calibrate/calibration_output.hpp"
 #include "tools/calibrate/camera_report.hpp"
+#include "tools/calibrate/live_views.hpp"
 #include "tools/calibrate/shots.hpp"
 #include "tools/calibrate/view_choice.hpp"
 #include "tools/parse_command.hpp"
@@ -13,7 +14,7 @@
 namespace lcmslam {
 namespace {
 
-/// The views, as they come, and whether they are enough.
+/// The views, as they come.
 class ColourViews {
  public:
   ColourViews(const Board& board, const ShotInput& input, const CameraCalibrationSettings& settings)
@@ -33,7 +34,7 @@ class ColourViews {
     view->name = shot.name;
     if (!choice_.takes(*view, size.width)) return true;
     views.push_back(std::move(*view));
-    return !live_ || !is_enough();
+    return !live_ || !tell_whether_enough(views, board_, size, settings_);
   }
 
   std::vector<BoardView> views;
@@ -41,24 +42,6 @@ class ColourViews {
   int images = 0, with_board = 0;
 
  private:
-  /// While somebody waves the board: says what is missing.
-  bool is_enough() const {
-    if (views.size() < 4) {
-      tell_views(views.size());
-      return false;
-    }
-    try {
-      const CameraCalibration now = calibrate_camera(views, board_, size, settings_);
-      const auto missing = missing_views(now, coverage_of(now, board_));
-      std::cout << fmt::format("{} views; {}\n", views.size(), missing.empty() ? "enough" : missing.front())
-                << std::flush;
-      return missing.empty();
-    } catch (const std::runtime_error& error) {
-      std::cout << fmt::format("{} views; {}\n", views.size(), error.what()) << std::flush;
-      return false;
-    }
-  }
-
   const Board& board_;
   ViewChoice choice_;
   bool live_;
@@ -113,6 +96,7 @@ int calibrate_camera_command(int argc, char** argv) {
   const ViewCoverage coverage = coverage_of(calibration, board);
   std::cout << camera_report(calibration, coverage);
   write_pictures(calibration, board, pictures);
+  advise(wanted_views(calibration, coverage));
   if (const int refused = refuse(missing_views(calibration, coverage), output.accept)) return refused;
   output.write(
       with_colour(output.base(of_input), calibration.camera, std::filesystem::path(output.file).stem()),

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <iostream>
 
+#include <lcmslam/calibration/self/drive_advice.hpp>
 #include <lcmslam/calibration/self/self_report.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
 #include "tools/calibrate/calibrate_commands.hpp"
@@ -44,6 +45,8 @@ int calibrate_self_command(int argc, char** argv) {
                    "  {} pixels within {:.2f} pixels, {} depths within {:.2f} of the sensor's noise\n",
                    result.pixels, result.pixel_scale, result.depths, result.depth_scale)
             << report_text(model, result, settings);
+  advise(drive_advice(model, result, scene.keyframes.size(),
+                      static_cast<std::size_t>(RecordedSceneSettings().keyframes)));
   output.write(observed_head(model, result, settings).calibration(),
                "Refined from " + log + " by lcmslam calibrate self.", self_covariance_text(result));
   return 0;

@@ -152,7 +152,7 @@ void ShotInput::add_to(CLI::App& app) {
   auto* source = app.add_option("input", path, "a folder of images, or an .lcmlog")->check(CLI::ExistingPath);
   app.add_flag(
          "--live", live,
-         "instead of that: what comes on CAMERA, until Ctrl-C (calibrate camera: until the views are enough)")
+         "instead of that: what comes on CAMERA, until Ctrl-C (camera and tof: until the views are enough)")
       ->excludes(source);
   app.add_option("--seconds", seconds, "with --live: end after this time")->check(CLI::PositiveNumber);
   app.add_option("--every", every, "s between images of a log or the bus (0.25)")->check(CLI::PositiveNumber);

@@ -7,6 +7,7 @@
 #include "tools/calibrate/calibrate_commands.hpp"
 #include "tools/calibrate/calibration_output.hpp"
 #include "tools/calibrate/camera_report.hpp"
+#include "tools/calibrate/live_views.hpp"
 #include "tools/calibrate/range_report.hpp"
 #include "tools/calibrate/shots.hpp"
 #include "tools/calibrate/view_choice.hpp"
@@ -14,6 +15,9 @@
 
 namespace lcmslam {
 namespace {
+
+/// m: over as much a wiggle of the ranges tells itself from an offset.
+constexpr WantedRanges whole_period{1.0, 2.4};
 
 struct TofViews {
   std::vector<BoardView> views;
@@ -93,10 +97,9 @@ int calibrate_tof_command(int argc, char** argv) {
     auto view = find_board(shot.amplitude, board);
     if (!view || !choice.takes(*view, shot.amplitude.cols)) return true;
     view->name = shot.name;
-    if (input.live) tell_views(seen.views.size() + 1);
     seen.views.push_back(std::move(*view));
     seen.depths.push_back(shot.depth);
-    return true;
+    return !input.live || !tell_whether_enough(seen.views, board, seen.size, {}, whole_period);
   });
   std::cout << fmt::format("{} amplitude images, {} views taken\n", seen.images, seen.views.size());
   const auto base = output.base(of_input);
@@ -123,6 +126,7 @@ int calibrate_tof_command(int argc, char** argv) {
   range_settings.scale_sigma = std::max(5e-4, camera.sigma(0) / camera.camera.fx);
   const RangeErrorFit fit = fit_ranges(seen, camera, board, range_settings);
   std::cout << range_report(fit);
+  advise(wanted_views(camera, coverage));
   if (const int refused = refuse(missing_views(camera, coverage), output.accept)) return refused;
   const bool unplaced = base && base->depth_registered;
   if (unplaced)

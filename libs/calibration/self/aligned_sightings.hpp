@@ -3,13 +3,13 @@
 
 #include <lcmslam/calibration/self/patch_alignment.hpp>
 #include <lcmslam/calibration/self/scene_observations.hpp>
-#include <lcmslam/imaging/camera_model.hpp>
+#include <lcmslam/imaging/calibration.hpp>
 
 namespace lcmslam {
 
 /// Puts a landmark's sightings where the texture of the middle one lies in the other images; those that do
-/// not show it leave. `greys`: CV_8UC1, of each keyframe.
+/// not show it leave, and all of a landmark at an edge of depth. `greys`: CV_8UC1, of each keyframe.
 void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
-                     const std::vector<cv::Mat>& greys, const CameraModel& camera);
+                     const std::vector<cv::Mat>& greys, const RgbdCalibration& head);
 
 }  // namespace lcmslam

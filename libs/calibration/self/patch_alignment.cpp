@@ -26,12 +26,12 @@ struct Greys {
   std::vector<double> values;
   double contrast = 0;  // their length
 
-  bool take(const cv::Mat& image, const Affine& warp, int radius) {
+  bool take(const cv::Mat& image, const PatchWarp& warp, int radius) {
     values.clear();
     double sum = 0;
     for (int y = -radius; y <= radius; ++y)
       for (int x = -radius; x <= radius; ++x) {
-        const Eigen::Vector2d p = warp.A * Eigen::Vector2d(x, y) + warp.t;
+        const Eigen::Vector2d p = warp(x, y);
         values.push_back(grey_at(image, p.x(), p.y()));
         sum += values.back();
       }
@@ -48,10 +48,10 @@ struct Greys {
 
 // Baker and Matthews 2004, "Lucas-Kanade 20 years on": the inverse compositional algorithm, with each patch's
 // own brightness and contrast taken out.
-std::optional<Affine> align_patch(const cv::Mat& reference, const Eigen::Vector2d& at, int radius,
-                                  const cv::Mat& image, const Affine& start,
-                                  const PatchAlignmentSettings& settings) {
-  Affine here;
+std::optional<PatchWarp> align_patch(const cv::Mat& reference, const Eigen::Vector2d& at, int radius,
+                                     const cv::Mat& image, const PatchWarp& start,
+                                     const PatchAlignmentSettings& settings) {
+  PatchWarp here;
   here.t = at;
   Greys wanted, seen;
   if (!wanted.take(reference, here, radius)) return std::nullopt;
@@ -71,7 +71,7 @@ std::optional<Affine> align_patch(const cv::Mat& reference, const Eigen::Vector2
   if (!H.allFinite()) return std::nullopt;
   const Eigen::LDLT<Matrix6> solver(H);
 
-  Affine warp = start;
+  PatchWarp warp = start;
   double likeness = 0;
   for (int i = 0; i < settings.iterations; ++i) {
     if (!seen.take(image, warp, radius) || !(seen.contrast > 0)) return std::nullopt;

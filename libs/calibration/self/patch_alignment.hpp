@@ -10,10 +10,15 @@
 
 namespace lcmslam {
 
-/// From offsets to a middle: A x + t.
-struct Affine {
+/// From offsets to a middle: A x + t + bend (x^2, xy, y^2).
+struct PatchWarp {
   Eigen::Matrix2d A = Eigen::Matrix2d::Identity();
   Eigen::Vector2d t = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, 2, 3> bend = Eigen::Matrix<double, 2, 3>::Zero();
+
+  Eigen::Vector2d operator()(double x, double y) const {
+    return A * Eigen::Vector2d(x, y) + t + bend * Eigen::Vector3d(x * x, x * y, y * y);
+  }
 };
 
 struct PatchAlignmentSettings {
@@ -25,9 +30,10 @@ struct PatchAlignmentSettings {
 };
 
 /// `reference` and `image` are CV_8UC1; `radius`: of the square patch around `at`. `start` takes offsets in
-/// the reference to pixels of the image. Nothing where the texture is too poor, elsewhere, or not alike.
-std::optional<Affine> align_patch(const cv::Mat& reference, const Eigen::Vector2d& at, int radius,
-                                  const cv::Mat& image, const Affine& start,
-                                  const PatchAlignmentSettings& settings = {});
+/// the reference to pixels of the image; its bend stays. Nothing where the texture is too poor, elsewhere, or
+/// not alike.
+std::optional<PatchWarp> align_patch(const cv::Mat& reference, const Eigen::Vector2d& at, int radius,
+                                     const cv::Mat& image, const PatchWarp& start,
+                                     const PatchAlignmentSettings& settings = {});
 
 }  // namespace lcmslam

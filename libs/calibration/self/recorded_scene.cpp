@@ -149,8 +149,9 @@ SceneObservations RecordedScene::observations() const {
   std::vector<const Keyframe*> keyframes;
   std::vector<ObservedKeyframe> observed;
   std::vector<cv::Mat> greys;
-  const std::size_t step = keyframes_.size() / (static_cast<std::size_t>(settings_.keyframes) + 1) + 1;
-  for (std::size_t i = 0; i < keyframes_.size(); i += step) {
+  const std::size_t most = std::min(keyframes_.size(), static_cast<std::size_t>(settings_.keyframes));
+  for (std::size_t n = 0; n < most; ++n) {
+    const std::size_t i = n * keyframes_.size() / most;
     const auto twist = velocity(keyframes_[i].pose);
     if (!twist) continue;
     const std::optional<Vector6d> motion =
@@ -176,7 +177,7 @@ SceneObservations RecordedScene::observations() const {
   }
   SceneObservations scene;
   scene.landmarks = tracks.landmarks(static_cast<std::size_t>(settings_.landmarks));
-  for (SightedLandmark& landmark : scene.landmarks) align_sightings(landmark, observed, greys, start_.colour);
+  for (SightedLandmark& landmark : scene.landmarks) align_sightings(landmark, observed, greys, start_);
   scene.landmarks.erase(std::remove_if(scene.landmarks.begin(), scene.landmarks.end(),
                                        [](const auto& landmark) {
                                          return landmark.sightings.size() < LandmarkTracks::fewest_sightings;

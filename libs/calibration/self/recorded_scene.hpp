@@ -23,7 +23,7 @@ namespace lcmslam {
 
 struct RecordedSceneSettings {
   int max_features = 700;
-  int keyframes = 90;
+  int keyframes = 240;
   double keyframe_translation = 0.12, keyframe_rotation = 0.12;
   double velocity_window = 0.07;
   int neighbours = 5, others = 6;
@@ -34,7 +34,7 @@ struct RecordedSceneSettings {
 
   void describe(SettingsVisitor& s) {
     s.number("max_features", max_features, "", {50, 5000}, "keypoints of an image");
-    s.number("keyframes", keyframes, "", {5, 1000}, "at most: of more every second, third ... is taken");
+    s.number("keyframes", keyframes, "", {5, 1000}, "at most: of more so many are taken, evenly");
     s.number("keyframe_translation", keyframe_translation, "m", {1e-3, 10}, "from keyframe to keyframe");
     s.number("keyframe_rotation", keyframe_rotation, "rad", {1e-3, 3}, "from keyframe to keyframe");
     s.number("velocity_window", velocity_window, "s", {1e-3, 1},

@@ -43,11 +43,13 @@ bool project(const T* c, const double* rational, const Vector3<T>& p, T* pixel) 
   return true;
 }
 
-/// Inverse depth around a pixel of the depth image: a plane's is linear there.
+/// Inverse depth around a pixel of the depth image: a plane's is linear there, once it is freed of what all
+/// ranges err by.
 struct Patch {
   double u = 0, v = 0;                           ///< pixel
   double inverse = 0, along_u = 0, along_v = 0;  ///< 1/m, 1/m a pixel
   double sigma = 0;                              ///< m, of the depth at (u, v)
+  double freed = 0;                              ///< m, of the range there, by the curve as it was
 };
 
 /// A landmark and the colour pixel where it was seen; pixels by sigma.
@@ -122,7 +124,7 @@ struct SurfaceOfOwnCamera {
     for (int i = 0; i < 4; ++i) camera[i] = T(focal[i]);
     for (int i = 0; i < 5; ++i) camera[4 + i] = T(lens[i]);
     if (!project(camera, rational, q, seen)) return false;
-    residual[0] = depth_error(patch, seen, q, depth, curve_at(range, a, b, c, d));
+    residual[0] = depth_error(patch, seen, q, depth, curve_at(range, a, b, c, d) - patch.freed);
     return true;
   }
 };
@@ -143,7 +145,7 @@ struct SurfaceOfColour {
     const Vector3<T> p = in_camera(T_start, twist, pose, point, seconds);
     T seen[2];
     if (!project(intrinsics, rational, p, seen)) return false;
-    residual[0] = depth_error(patch, seen, p, depth, curve_at(range, a, b, c, d));
+    residual[0] = depth_error(patch, seen, p, depth, curve_at(range, a, b, c, d) - patch.freed);
     return true;
   }
 };

@@ -24,6 +24,32 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+/// The keyframes' inverse depths freed of what all ranges err by, as far as that is known: a wide patch of a
+/// slanted surface holds a good part of a wiggle, which neither moves it as its middle's error does nor
+/// leaves it a plane.
+std::vector<cv::Mat> freed_depths(const BundleState& state, const CameraModel& camera) {
+  std::vector<cv::Mat> images;
+  for (const ObservedKeyframe& keyframe : state.scene.keyframes) images.push_back(keyframe.inverse_depth);
+  const RangeCurve& curve = state.curve;
+  if (std::all_of(curve.values.begin(), curve.values.end(), [](double value) { return value == 0; }))
+    return images;
+  const cv::Mat rays = ray_table(camera);
+  for (cv::Mat& image : images) {
+    image = image.clone();
+    for (int v = 0; v < image.rows; ++v) {
+      auto* inverse = image.ptr<float>(v);
+      const auto* ray = rays.ptr<cv::Vec2f>(v);
+      for (int u = 0; u < image.cols; ++u) {
+        if (!(inverse[u] > 0)) continue;
+        const auto x = static_cast<double>(ray[u][0]), y = static_cast<double>(ray[u][1]);
+        const double length = std::sqrt(1 + x * x + y * y), range = length / static_cast<double>(inverse[u]);
+        inverse[u] = static_cast<float>(length / (range + curve.at(curve.place(range))));
+      }
+    }
+  }
+  return images;
+}
+
 class Comparer {
  public:
   Comparer(const BundleState& state, const BundleSettings& settings, const Comparisons* former)
@@ -31,7 +57,8 @@ class Comparer {
         settings_(settings),
         former_(former),
         depth_camera_(state.model.depth()),
-        T_depth_colour_(state.model.T_colour_depth().inverse()) {}
+        T_depth_colour_(state.model.T_colour_depth().inverse()),
+        inverse_depths_(freed_depths(state, depth_camera_)) {}
 
   /// Pixels by the sighting's sigma; nothing where it is another landmark.
   std::optional<double> look_in_colour(const LandmarkSighting& sighting, Comparison& c) const {
@@ -69,12 +96,15 @@ class Comparer {
       if (!pixel) return std::nullopt;
       c.row = std::clamp((pixel->y() + 0.5) / depth_camera_.height - 0.5, -0.5, 0.5);
     }
-    if (keyframe.inverse_depth.empty()) return std::nullopt;
-    c.patch = depth_patch(keyframe.inverse_depth, *pixel, depth_camera_, state_.model.start.depth_noise);
+    const cv::Mat& inverse_depth = inverse_depths_[c.keyframe];
+    if (inverse_depth.empty()) return std::nullopt;
+    c.patch = depth_patch(inverse_depth, *pixel, depth_camera_, state_.model.start.depth_noise);
     if (!c.patch) return std::nullopt;
-    c.range = state_.curve.place(depth_camera_.ray(*pixel).norm() / c.patch->inverse);
-    const double error = std::abs(residuals::depth_error<double>(
-        *c.patch, pixel->data(), p, h.data() + head::depth_scale, state_.curve.at(c.range)));
+    const double freed = depth_camera_.ray(*pixel).norm() / c.patch->inverse;
+    c.range = state_.curve.place(freed - state_.curve.at(state_.curve.place(freed)));  // as measured
+    c.patch->freed = state_.curve.at(c.range);
+    const double error = std::abs(
+        residuals::depth_error<double>(*c.patch, pixel->data(), p, h.data() + head::depth_scale, 0.0));
     const double gate =
         former_ == nullptr ? settings_.depth_gate / c.patch->sigma : outlier_sigmas * former_->depth_scale;
     if (error < std::max(near_depth_gate, gate)) return error;
@@ -88,6 +118,7 @@ class Comparer {
   const Comparisons* former_;
   CameraModel depth_camera_;
   Eigen::Isometry3d T_depth_colour_;
+  std::vector<cv::Mat> inverse_depths_;  // of each keyframe
 };
 
 }  // namespace

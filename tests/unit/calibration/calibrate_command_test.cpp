@@ -140,7 +140,7 @@ TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
   ASSERT_EQ(run.exit_code, 0) << run.out << run.errors;
   EXPECT_THAT(run.out, HasSubstr("wiggle"));
   const RgbdCalibration of_tof = load_calibration(tof);
-  EXPECT_NEAR(of_tof.depth.fx, c.depth.fx, 0.006 * c.depth.fx);
+  EXPECT_NEAR(of_tof.depth.fx, c.depth.fx, 0.003 * c.depth.fx);
   for (double r = 1; r < 2.4; r += 0.1)
     EXPECT_NEAR(of_tof.depth_error.at(r), c.depth_error.at(r), 0.005) << r;
 
@@ -177,7 +177,7 @@ TEST(CalibrateCommand, TofAndPairGoOnFromWhatCameraFound) {
   const RgbdCalibration of_tof = load_calibration(tof);
   EXPECT_FALSE(of_tof.depth_registered);
   EXPECT_TRUE(of_tof.colour == c.colour);
-  EXPECT_NEAR(of_tof.depth.fx, c.depth.fx, 0.006 * c.depth.fx);
+  EXPECT_NEAR(of_tof.depth.fx, c.depth.fx, 0.003 * c.depth.fx);
 
   const auto second = with_large_board({"pair", shots, "--into", tof, "-o", both});
   ASSERT_EQ(second.exit_code, 0) << second.out << second.errors;

@@ -17,7 +17,7 @@ double grey(double x, double y) {
 /// What is at x in the texture is at warp(x - texture_middle) in the image.
 const Eigen::Vector2d texture_middle(60.3, 58.8);
 
-cv::Mat seen_by(const Affine& warp, double gain, double offset) {
+cv::Mat seen_by(const PatchWarp& warp, double gain, double offset) {
   cv::Mat image(120, 120, CV_8UC1);
   const Eigen::Matrix2d back = warp.A.inverse();
   for (int v = 0; v < image.rows; ++v)
@@ -28,14 +28,14 @@ cv::Mat seen_by(const Affine& warp, double gain, double offset) {
   return image;
 }
 
-Affine straight() {
-  Affine warp;
+PatchWarp straight() {
+  PatchWarp warp;
   warp.t = texture_middle;
   return warp;
 }
 
-Affine slanted() {
-  Affine warp;
+PatchWarp slanted() {
+  PatchWarp warp;
   warp.A << 0.9, 0.12, -0.1, 1.15;
   warp.t << 52.4, 63.7;
   return warp;
@@ -45,7 +45,7 @@ constexpr int patch_radius = 9;
 
 TEST(PatchAlignment, FindsASlantedTextureInOtherLight) {
   const cv::Mat reference = seen_by(straight(), 1, 0), image = seen_by(slanted(), 0.7, 30);
-  Affine start;
+  PatchWarp start;
   start.t = slanted().t + Eigen::Vector2d(1.3, -1.1);
   const auto found = align_patch(reference, texture_middle, patch_radius, image, start);
   ASSERT_TRUE(found);
@@ -55,7 +55,7 @@ TEST(PatchAlignment, FindsASlantedTextureInOtherLight) {
 
 TEST(PatchAlignment, RefusesWhatIsNotThere) {
   const cv::Mat reference = seen_by(straight(), 1, 0);
-  Affine start;
+  PatchWarp start;
   start.t = texture_middle;
   EXPECT_TRUE(align_patch(reference, texture_middle, patch_radius, reference, start));
   EXPECT_FALSE(
