@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include <lcmslam/features/pair_columns.hpp>
 #include <lcmslam/geometry/rigid_alignment.hpp>
 #include <lcmslam/settings/check.hpp>
 
@@ -22,20 +23,7 @@ bool usable(const PointPair& pair) {
          is_covariance(pair.covariance_b);
 }
 
-// e and the inverse of its covariance at a given motion.
-struct Residual {
-  Eigen::Vector3d error;
-  Eigen::Matrix3d information;
-
-  Residual(const PointPair& pair, const Eigen::Isometry3d& T_a_b)
-      : error(pair.point_a - T_a_b * pair.point_b),
-        information(
-            (pair.covariance_a + T_a_b.linear() * pair.covariance_b * T_a_b.linear().transpose()).inverse()) {
-  }
-
-  double mahalanobis2() const { return error.dot(information * error); }
-};
-
+constexpr int refinement_steps = 10;  // of least squares on all inliers
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 struct Consensus {
@@ -45,36 +33,55 @@ struct Consensus {
 
 // Stops counting, at infinite cost, once it cannot be below `bound`: most hypotheses are wrong and show
 // it early.
-Consensus consensus(const std::vector<PointPair>& pairs, const std::vector<int>& candidates,
-                    const Eigen::Isometry3d& T_a_b, double limit, double bound = infinite) {
+Consensus consensus(const PairColumns& candidates, const Eigen::Isometry3d& T_a_b, double limit,
+                    double bound = infinite) {
   Consensus result{0, {}};
-  for (int i : candidates) {
-    const double distance2 = Residual(pairs[static_cast<std::size_t>(i)], T_a_b).mahalanobis2();
-    if (distance2 < limit) {
-      result.inliers.push_back(i);
-      result.cost += distance2;
-    } else {
-      result.cost += limit;
+  PairResiduals residuals;
+  for (int first = 0; first < candidates.size();) {
+    const int count = candidates.measure(T_a_b, first, residuals);
+    for (int i = 0; i < count; ++i) {
+      const double distance2 = residuals.distance2[i];
+      if (distance2 < limit) {
+        result.inliers.push_back(first + i);
+        result.cost += distance2;
+      } else {
+        result.cost += limit;
+      }
+      if (result.cost >= bound) return {};
     }
-    if (result.cost >= bound) return {};
+    first += count;
   }
   return result;
 }
 
-bool gauss_newton(const std::vector<PointPair>& pairs, const std::vector<int>& indices, int max_steps,
-                  Eigen::Isometry3d& T_a_b, Matrix6d& covariance) {
+bool gauss_newton(const PairColumns& pairs, int max_steps, Eigen::Isometry3d& T_a_b, Matrix6d& covariance) {
   for (int step = 0; step < max_steps; ++step) {
-    Matrix6d normal = Matrix6d::Zero();
+    // In frame b d(exp(xi) p)/d(xi) = [1, -hat(p)]; the normal matrix's blocks, W the information:
+    Eigen::Matrix3d translation = Eigen::Matrix3d::Zero();  // W
+    Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();        // hat(p) W
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Zero();     // -hat(p) W hat(p)
     Vector6d gradient = Vector6d::Zero();
-    for (int i : indices) {
-      const PointPair& pair = pairs[static_cast<std::size_t>(i)];
-      const Residual residual(pair, T_a_b);
-      // d(T exp(xi) p)/d(xi) = [R, -R hat(p)]
-      Eigen::Matrix<double, 3, 6> jacobian;
-      jacobian << T_a_b.linear(), -T_a_b.linear() * hat(pair.point_b);
-      normal += jacobian.transpose() * residual.information * jacobian;
-      gradient += jacobian.transpose() * (residual.information * residual.error);
+    PairResiduals residuals;
+    for (int first = 0; first < pairs.size();) {
+      const int count = pairs.measure(T_a_b, first, residuals);
+      for (int i = 0; i < count; ++i) {
+        const auto& w = residuals.information;
+        const auto& e = residuals.error;
+        Eigen::Matrix3d information;
+        information << w[0][i], w[1][i], w[2][i], w[1][i], w[3][i], w[4][i], w[2][i], w[4][i], w[5][i];
+        const Eigen::Vector3d weighed = information * Eigen::Vector3d(e[0][i], e[1][i], e[2][i]);
+        const Eigen::Matrix3d turn = hat(pairs.point_b(first + i));
+        const Eigen::Matrix3d turned = turn * information;
+        translation += information;
+        mixed += turned;
+        rotation -= turned * turn;
+        gradient.head<3>() += weighed;
+        gradient.tail<3>() += turn * weighed;
+      }
+      first += count;
     }
+    Matrix6d normal;
+    normal << translation, mixed.transpose(), mixed, rotation;
     // Scaled to unit diagonal, so that metres and radians compare: near singular is not fixed.
     const Vector6d scale = normal.diagonal().cwiseSqrt().cwiseInverse();
     if (!scale.allFinite()) return false;
@@ -96,14 +103,16 @@ bool gauss_newton(const std::vector<PointPair>& pairs, const std::vector<int>& i
 // Local optimisation (Chum, Matas & Kittler 2003): three points fix the motion only roughly, so that many
 // inliers lie beyond the limit. Least squares on whoever is within a wider limit, which narrows; kept
 // when it ends better.
-void optimise(const std::vector<PointPair>& pairs, const std::vector<int>& candidates, double limit,
+void optimise(const std::vector<PointPair>& candidates, const PairColumns& columns, double limit,
               Eigen::Isometry3d& T_a_b, Consensus& best) {
   Eigen::Isometry3d refined = T_a_b;
   for (const double width : {4., 2., 1.}) {
-    const Consensus near = consensus(pairs, candidates, refined, width * limit);
+    const Consensus near = consensus(columns, refined, width * limit);
     Matrix6d covariance;
-    if (near.inliers.size() < 3 || !gauss_newton(pairs, near.inliers, 1, refined, covariance)) return;
-    Consensus found = consensus(pairs, candidates, refined, limit, best.cost);
+    if (near.inliers.size() < 3 ||
+        !gauss_newton(PairColumns(candidates, near.inliers), 1, refined, covariance))
+      return;
+    Consensus found = consensus(columns, refined, limit, best.cost);
     if (found.cost >= best.cost) continue;
     best = std::move(found);
     T_a_b = refined;
@@ -122,22 +131,20 @@ bool lengths_agree(const PointPair& p, const PointPair& q, double limit) {
   return (length_a - length_b) * (length_a - length_b) < limit * variance;
 }
 
-std::optional<Eigen::Isometry3d> hypothesis(const std::vector<PointPair>& pairs,
-                                            const std::vector<int>& candidates, double limit,
+std::optional<Eigen::Isometry3d> hypothesis(const std::vector<PointPair>& candidates, double limit,
                                             Random& random) {
-  int sample[3];
+  std::size_t sample[3];
   for (int k = 0; k < 3; ++k) {
     bool repeated = true;
     while (repeated) {
-      sample[k] = candidates[random.below(candidates.size())];
+      sample[k] = random.below(candidates.size());
       repeated = std::find(sample, sample + k, sample[k]) != sample + k;
     }
   }
   std::vector<Eigen::Vector3d> source, target;
   for (int k = 0; k < 3; ++k) {
-    const PointPair& pair = pairs[static_cast<std::size_t>(sample[k])];
-    if (!lengths_agree(pair, pairs[static_cast<std::size_t>(sample[(k + 1) % 3])], limit))
-      return std::nullopt;
+    const PointPair& pair = candidates[sample[k]];
+    if (!lengths_agree(pair, candidates[sample[(k + 1) % 3]], limit)) return std::nullopt;
     source.push_back(pair.point_b);
     target.push_back(pair.point_a);
   }
@@ -175,21 +182,10 @@ RigidRansacResult failure(RigidRansacResult result, const std::string& reason) {
   return result;
 }
 
-}  // namespace
-
-bool refine_rigid(const std::vector<PointPair>& pairs, const std::vector<int>& indices,
-                  Eigen::Isometry3d& T_a_b, Matrix6d& covariance) {
-  constexpr int max_steps = 10;
-  return gauss_newton(pairs, indices, max_steps, T_a_b, covariance);
-}
-
-RigidRansacResult align_ransac(const std::vector<PointPair>& pairs, const RigidRansacSettings& settings,
+RigidRansacResult align_usable(const std::vector<PointPair>& candidates, const RigidRansacSettings& settings,
                                Random& random) {
-  check(settings, "rigid RANSAC");
+  constexpr const char* degenerate = "the inliers do not fix the motion (on one line or in one place)";
   RigidRansacResult result;
-  std::vector<int> candidates;
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (usable(pairs[i])) candidates.push_back(static_cast<int>(i));
   const auto too_few = [&](std::size_t count, const std::string& what) {
     return std::to_string(count) + " " + what + ", " + std::to_string(settings.min_inliers) + " needed";
   };
@@ -197,17 +193,18 @@ RigidRansacResult align_ransac(const std::vector<PointPair>& pairs, const RigidR
   if (candidates.size() < enough) return failure(result, too_few(candidates.size(), "matches with depth"));
 
   // Draw, count, keep the best and better it.
+  const PairColumns columns(candidates);
   Consensus best;
   double needed = settings.max_iterations;
   while (result.iterations < std::min<double>(needed, settings.max_iterations)) {
     ++result.iterations;
-    const auto T_a_b = hypothesis(pairs, candidates, settings.chi_square, random);
+    const auto T_a_b = hypothesis(candidates, settings.chi_square, random);
     if (!T_a_b) continue;
-    Consensus found = consensus(pairs, candidates, *T_a_b, settings.chi_square, best.cost);
+    Consensus found = consensus(columns, *T_a_b, settings.chi_square, best.cost);
     if (found.cost >= best.cost) continue;
     best = std::move(found);
     result.T_a_b = *T_a_b;
-    optimise(pairs, candidates, settings.chi_square, result.T_a_b, best);
+    optimise(candidates, columns, settings.chi_square, result.T_a_b, best);
     const double fraction = static_cast<double>(best.inliers.size()) / static_cast<double>(candidates.size());
     needed = needed_iterations(fraction, settings.confidence);
   }
@@ -216,17 +213,39 @@ RigidRansacResult align_ransac(const std::vector<PointPair>& pairs, const RigidR
   // Least squares on the inliers, then whoever agrees with it, until the set stays the same.
   for (int round = 0; round < settings.max_refinements; ++round) {
     if (result.inliers.size() < 3) break;
-    if (!refine_rigid(pairs, result.inliers, result.T_a_b, result.covariance))
-      return failure(result, "the inliers do not fix the motion (on one line or in one place)");
-    Consensus found = consensus(pairs, candidates, result.T_a_b, settings.chi_square);
+    if (!gauss_newton(PairColumns(candidates, result.inliers), refinement_steps, result.T_a_b,
+                      result.covariance))
+      return failure(result, degenerate);
+    Consensus found = consensus(columns, result.T_a_b, settings.chi_square);
     const bool same = found.inliers == result.inliers;
     result.inliers = std::move(found.inliers);
     if (same) break;
   }
   if (result.inliers.size() < enough) return failure(result, too_few(result.inliers.size(), "inliers"));
-  if (!fix_rotation(pairs, result.inliers))
-    return failure(result, "the inliers do not fix the motion (on one line or in one place)");
+  if (!fix_rotation(candidates, result.inliers)) return failure(result, degenerate);
   result.success = true;
+  return result;
+}
+
+}  // namespace
+
+bool refine_rigid(const std::vector<PointPair>& pairs, const std::vector<int>& indices,
+                  Eigen::Isometry3d& T_a_b, Matrix6d& covariance) {
+  return gauss_newton(PairColumns(pairs, indices), refinement_steps, T_a_b, covariance);
+}
+
+RigidRansacResult align_ransac(const std::vector<PointPair>& pairs, const RigidRansacSettings& settings,
+                               Random& random) {
+  check(settings, "rigid RANSAC");
+  std::vector<PointPair> candidates;
+  std::vector<int> index_of;  // each candidate's in `pairs`
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!usable(pairs[i])) continue;
+    candidates.push_back(pairs[i]);
+    index_of.push_back(static_cast<int>(i));
+  }
+  RigidRansacResult result = align_usable(candidates, settings, random);
+  for (int& index : result.inliers) index = index_of[static_cast<std::size_t>(index)];
   return result;
 }
 
