@@ -81,7 +81,7 @@ TEST_F(SupervisorTest, ProgramThatCannotBeStartedIsAnErrorThatNamesIt) {
 
 TEST_F(SupervisorTest, ProcessIsToldThatItIsNotTheFirst) {
   ProcessSpec spec = shell("echo \"start $*\"; exit 1", true);
-  spec.arguments.push_back("worker");  // $0
+  spec.arguments.emplace_back("worker");  // $0
   spec.on_restart = "--set=worker.map_frame=map-restart-";
   Supervisor supervisor;
   supervisor.start(spec);
