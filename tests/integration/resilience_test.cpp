@@ -134,9 +134,8 @@ TEST_F(Resilience, AKillCostsLessThanASecondOfPoses) {
   launch();
   wait_for_mapping();
   ASSERT_TRUE(wait_until([&] { return bus_.count("FASTSLAM_POSE") > 100; }, 60));
-  // What a busy machine keeps back anyway is not the kill's.
-  const double undisturbed = std::max(silence("FASTSLAM_POSE", 3), silence("ICP_POSE", 3));
-  std::cout << fmt::format("undisturbed: {:.2f} s\n", undisturbed);
+  std::cout << fmt::format("undisturbed: {:.2f} and {:.2f} s\n", silence("FASTSLAM_POSE", 2),
+                           silence("ICP_POSE", 2));
   for (int round = 0; round < 2; ++round)
     for (const auto& [victim, channel] : {std::pair("surf", "FASTSLAM_POSE"),
                                           {"icp", "ICP_POSE"},
@@ -145,7 +144,7 @@ TEST_F(Resilience, AKillCostsLessThanASecondOfPoses) {
       ASSERT_EQ(kill(static_cast<pid_t>(pid_of(victim)), SIGKILL), 0);
       const double missed = silence(channel, 2);
       std::cout << fmt::format("{} is killed: no {} for {:.2f} s\n", victim, channel, missed);
-      EXPECT_LT(missed, 1 * patience_factor + undisturbed) << victim << " " << round;
+      EXPECT_LT(missed, 1 * patience_factor) << victim << " " << round;
     }
   launch_->send(SIGINT);
   EXPECT_EQ(launch_->wait(stop_patience).exit_code, 0) << launch_->output();
