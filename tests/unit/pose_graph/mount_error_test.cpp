@@ -58,7 +58,7 @@ TEST(MountError, IsNothingAtTheStartAndForACameraInTheHand) {
   EXPECT_EQ(settings.sigmas(optical_axes()).norm(), 0);
 }
 
-Matrix6d edge_covariance() {
+Matrix6d step_covariance() {
   Vector6d d;
   d << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(2.5e-5);
   return d.asDiagonal();
@@ -86,7 +86,7 @@ struct Circle {
       graph.poses.push_back(told * built.inverse() * robot.back() * built);
       if (i == 0) continue;
       const Eigen::Isometry3d step = graph.poses[graph.poses.size() - 2].inverse() * graph.poses.back();
-      graph.edges.push_back({i - 1, i, EdgeKind::odometry, {step, edge_covariance()}, 0});
+      graph.edges.push_back({i - 1, i, EdgeKind::odometry, {step, step_covariance()}, 0});
     }
     graph.ground = GroundConstraint{told.inverse(), floor, {}, settings.sigmas(told)};
   }
@@ -124,7 +124,7 @@ TEST(MountError, IsCarriedToANewNodeAsTheGraphWouldHaveIt) {
   circle.graph.edges.resize(1);
   const auto [from, to] = std::make_pair(circle.graph.poses[0], circle.graph.poses[1]);
   const PoseError solved = pose_errors(circle.graph, least_squares())[1];
-  const PoseError carried = on_ground(carried_along({}, {from.inverse() * to, edge_covariance()}),
+  const PoseError carried = on_ground(carried_along({}, {from.inverse() * to, step_covariance()}),
                                       from.inverse() * to, *circle.graph.ground, least_squares(), {});
   EXPECT_GT(solved.by_mount.norm(), 1e-4);
   EXPECT_LT((solved.by_mount - carried.by_mount).norm(), 1e-9 * solved.by_mount.norm());
