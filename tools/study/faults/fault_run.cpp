@@ -79,6 +79,7 @@ class FaultRun {
     const Clock::time_point stop = Clock::now();
     for (const std::string& event : supervisor_.stop()) result_.events.push_back(event);
     result_.stop_seconds = seconds_since(stop);
+    hear_out(*receiver_);
     judge();
     return result_;
   }
@@ -92,11 +93,7 @@ class FaultRun {
             hear_pose(channel, m.detail);
           });
     inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { hear(m); });
-    inputs_.subscribe<graph_t>("ICP_GRAPH", 1000, [this](const auto& m) {
-      told_[{m.sender, m.frame}].apply(m);
-    });
-    inputs_.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000,
-                                   [this](const auto& m) { told_landmarks_.apply(m); });
+    told_.listen(inputs_);
     inputs_.subscribe<map_reply_t>("MAP_REPLY", 100, [this](const auto& m) { replied_ = m.request_id; });
     stranger_.listen<features_t>(inputs_, "FEATURES");
     stranger_.listen<odometry_t>(inputs_, "ODOMETRY");
@@ -221,8 +218,7 @@ class FaultRun {
     const Trajectory truth = source_.truth();
     result_.record.fastslam = fastslam_.held(truth, undisturbed);
     result_.record.icp = icp_.held(truth, undisturbed);
-    result_.map = judge_kept_map(settings_.folder / "map.lcmslam", told_, told_landmarks_, truth,
-                                 source_.T_robot_camera());
+    result_.map = judge_kept_map(settings_.folder / "map.lcmslam", told_, truth, source_.T_robot_camera());
     for (const auto& [watch, outcome, map] : {std::tuple(&fastslam_, &result_.fastslam, "fastslam_map.pcd"),
                                               std::tuple(&icp_, &result_.icp, "icp_map.pcd")}) {
       outcome->ate = watch->ate(truth);
@@ -252,8 +248,7 @@ class FaultRun {
   Supervisor supervisor_;
   StatusBoard board_;
   std::map<std::string, std::string> pose_words_;  // by channel, the last ones
-  ToldGraphs told_;
-  ToldLandmarks told_landmarks_;
+  ToldMaps told_;
   MapperWatch fastslam_, icp_;
   FaultRunResult result_;
   std::optional<Fault> active_;

@@ -129,16 +129,19 @@ std::string responses_table(const std::vector<FaultsStudyRun>& runs) {
 }
 
 std::string faults_table(const std::vector<FaultsStudyRun>& runs) {
-  Table table({"run", "mapper", "ATE m", "maps", "false TRACKING s", "m", "map kept", "stop s"});
+  Table table({"run", "mapper", "ATE m", "maps", "false TRACKING s", "m", "map kept", "told", "lost",
+               "not judged", "stop s"});
   std::string faults;
   for (const FaultsStudyRun& run : runs) {
     const std::string name =
         run.scene + (run.faults.empty() ? " undisturbed" : " " + std::to_string(run.seed));
-    for (const auto& [mapper, outcome] :
-         {std::pair("fastslam", &run.result.fastslam), std::pair("icp", &run.result.icp)})
+    const KeptMap& map = run.result.map;
+    for (const auto& [mapper, outcome, kept] : {std::tuple("fastslam", &run.result.fastslam, &map.landmarks),
+                                                std::tuple("icp", &run.result.icp, &map.keyframes)})
       table.add({name, mapper, fixed_number(outcome->ate, 4), std::to_string(outcome->sessions),
                  fixed_number(outcome->false_tracking.seconds, 1),
                  fixed_number(outcome->false_tracking.error, 2), kept_words(*outcome),
+                 std::to_string(kept->told), std::to_string(kept->lost), std::to_string(kept->unjudged),
                  fixed_number(run.result.stop_seconds, 1)});
     faults += name + ": " + words(run.faults) + "\n";
   }
@@ -161,11 +164,13 @@ nlohmann::json run_json(const FaultsStudyRun& run) {
           {"stop_s", run.result.stop_seconds},
           {"sessions", map.sessions},
           {"sessions_joined", map.joined},
-          {"keyframes_told", map.told},
-          {"keyframes_lost", map.lost},
+          {"keyframes_told", map.keyframes.told},
+          {"keyframes_lost", map.keyframes.lost},
+          {"keyframes_unjudged", map.keyframes.unjudged},
           {"keyframes_placed", map.placed},
-          {"landmarks_told", map.landmarks_told},
-          {"landmarks_lost", map.landmarks_lost},
+          {"landmarks_told", map.landmarks.told},
+          {"landmarks_lost", map.landmarks.lost},
+          {"landmarks_unjudged", map.landmarks.unjudged},
           {"fastslam_gap_s", map.fastslam_gap},
           {"icp_gap_s", map.icp_gap},
           {"map_error_m", map.error},
