@@ -8,6 +8,7 @@
 
 #include <lcmslam/configuration/share.hpp>
 #include <lcmslam/map_store/file/sqlite.hpp>
+#include "tools/launch/graph.hpp"
 
 namespace lcmslam {
 
