@@ -47,7 +47,7 @@ double silence(const std::vector<MapperWatch::Held>& poses, double from, double 
 nlohmann::json kills_json(const FaultsStudyRun& run) {
   nlohmann::json kills = nlohmann::json::array();
   const RunRecord& record = run.result.record;
-  for (const FaultResponse& response : fault_responses(run.faults, record, record)) {
+  for (const FaultResponse& response : fault_responses(run.faults, record, {record})) {
     const double from = response.fault.at, to = from + apart - 4;  // kills are up to 4 s nearer
     nlohmann::json kill = {{"process", response.fault.process},
                            {"at_s", from},
