@@ -6,7 +6,7 @@
 
 #include <lcmslam/map_store/file/map_store.hpp>
 #include <lcmslam/messages/map_messages.hpp>
-#include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
 #include "tests/unit/map_store_file/sample_store.hpp"
 #include "tests/unit/messages/graph_samples.hpp"
 
@@ -45,7 +45,7 @@ class KeptMapTest : public ::testing::Test {
     transaction.commit();
     told_.listen(inputs_);
     for (const char* channel : {"ICP_POSE", "FASTSLAM_POSE"}) {
-      pose_estimate_t pose = make_pose_estimate(1000, Eigen::Isometry3d::Identity(), Matrix6d::Identity());
+      pose_estimate_t pose{};
       pose.sender = mapper;
       pose.frame = "map";
       tell(channel, pose);
