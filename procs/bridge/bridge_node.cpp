@@ -221,6 +221,7 @@ NodeReport BridgeNode::report() const {
   const bridge::OutboxCounts counts = outbox_.counts();
   const std::lock_guard<std::mutex> lock(mutex_);
   report.detail = link_ ? link_->state() : "closed";
+  report.refused = incoming_.refused();
   if (incoming_.refused() > 0 && !incoming_.last_error().empty())
     report.detail += "; refused: " + incoming_.last_error();
   const auto add = [&](const char* name, auto value) {

@@ -77,6 +77,7 @@ std::shared_ptr<const EncodedFrame> MapServerNode::newest_image() const {
 
 NodeReport MapServerNode::report() const {
   NodeReport report;
+  report.refused = requests_refused_;
   if (!failure_.empty()) report.detail = "maps are not saved: " + failure_;
   if (!failure_.empty() && changes_ != saved_changes_) report.state = status_t::FAILED;
   const std::string unwritten = recorder_ ? recorder_->error() : "";

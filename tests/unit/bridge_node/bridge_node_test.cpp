@@ -142,6 +142,7 @@ TEST_F(BridgeNodeTest, OrdersFromOutsideGoOnTheBusAsTheyAre) {
   EXPECT_EQ(commands[0].sender, 99);
   const NodeReport report = node_->report();
   EXPECT_THAT(report.values, ::testing::Contains(std::make_pair(std::string("refused"), 1.0)));
+  EXPECT_EQ(report.refused, 1) << "STATUS tells it soon";
 }
 
 TEST_F(BridgeNodeTest, WrongSettingsAreSaid) {

@@ -239,6 +239,15 @@ TEST_F(LivePage, AnswersQuestionsAndRefusesInWords) {
     EXPECT_NE(json::parse(*reply)["error"], "") << *reply;
   }
   EXPECT_EQ(bus_.count("TELEOP") + bus_.count("GOAL"), 0u);
+  EXPECT_EQ(testing::value_of(*node_, "page_commands_refused"), 9);
+  EXPECT_EQ(node_->report().refused, 9) << "STATUS tells it soon";
+}
+
+TEST_F(LivePage, CountsForeignSitesAmongWhatWasRefused) {
+  testing::WebClient foreign(port_);
+  EXPECT_FALSE(foreign.open_socket("/live", "Origin: http://evil.example\r\n"));
+  EXPECT_TRUE(testing::wait_for([&] { return node_->report().refused == 1; }));
+  EXPECT_EQ(testing::value_of(*node_, "page_refused"), 1);
 }
 
 TEST_F(LivePage, MappingGoesOnWhereThePortIsTaken) {

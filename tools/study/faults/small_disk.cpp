@@ -3,9 +3,12 @@
 #include <sched.h>
 #include <sys/mount.h>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 
 #include <lcmslam/configuration/share.hpp>
+#include <lcmslam/map_store/file/sqlite.hpp>
+#include "tools/launch/graph.hpp"
 
 namespace lcmslam {
 
@@ -25,6 +28,24 @@ SmallDisk::SmallDisk(std::filesystem::path folder, int megabytes) : folder_(std:
 // Who still holds a file there keeps it until then.
 SmallDisk::~SmallDisk() {
   umount2(folder_.c_str(), MNT_DETACH);
+}
+
+Ballast::Ballast(std::filesystem::path folder, const std::filesystem::path& map)
+    : file_(std::move(folder) / "ballast") {
+  if (std::filesystem::exists(map))
+    Database(map, Database::Access::write).execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  fill();
+}
+
+Ballast::~Ballast() {
+  std::error_code ignored;
+  std::filesystem::remove(file_, ignored);
+}
+
+void Ballast::fill() {
+  const std::string megabyte(1 << 20, 'x');
+  std::ofstream file(file_, std::ios::binary | std::ios::app);
+  while (file) file << megabyte << std::flush;  // the last one as far as it fits
 }
 
 }  // namespace lcmslam
