@@ -1,9 +1,11 @@
 #include "tools/study/faults/small_disk.hpp"
 
+#include <fcntl.h>
 #include <sched.h>
 #include <sys/mount.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
 #include <cerrno>
-#include <fstream>
 #include <system_error>
 
 #include <lcmslam/configuration/share.hpp>
@@ -42,10 +44,17 @@ Ballast::~Ballast() {
   std::filesystem::remove(file_, ignored);
 }
 
+/// Nearly all is taken without being written: that would hold up the run for a third of a second.
 void Ballast::fill() {
-  const std::string megabyte(1 << 20, 'x');
-  std::ofstream file(file_, std::ios::binary | std::ios::app);
-  while (file) file << megabyte << std::flush;  // the last one as far as it fits
+  const int file = open(file_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  if (file < 0) return;
+  struct statvfs room {};
+  const off_t size = lseek(file, 0, SEEK_END);
+  const bool has_room = fstatvfs(file, &room) == 0 && room.f_bavail > 0;
+  if (has_room) (void)fallocate(file, 0, size, static_cast<off_t>(room.f_bavail * room.f_frsize));
+  const std::string rest(4096, 'x');
+  while (write(file, rest.data(), rest.size()) > 0) continue;
+  close(file);
 }
 
 }  // namespace lcmslam
