@@ -22,12 +22,13 @@ LiveMap::LiveMap(const RgbdCalibration& calibration, const LiveMapSettings& sett
       range_error_(calibration, settings.range_error),
       space_(calibration.depth, settings),
       planes_(calibration, settings),
-      surface_(calibration, settings.surface) {}
+      surface_(calibration, settings.surface),
+      unwatched_(settings.surface_rest + 1) {}
 
 void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
   clean(frame);
   space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
-  planes_.frame();
+  frame_shown();
   const std::lock_guard<std::mutex> lock(mutex_);
   ++version_;
 }
@@ -36,7 +37,7 @@ void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
   check_frame(frame, calibration_);
   clean(frame);
   space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
-  planes_.frame();
+  frame_shown();
   if (last_keyframe_ < 0) return;  // it would stand where it is whatever the graph says
   const std::int64_t id = between_.empty() ? -1 : between_.begin()->first - 1;
   between_[id] = {last_keyframe_, keyframes_.at(last_keyframe_).T_map_camera.inverse() * pose.T_map_camera};
@@ -81,7 +82,7 @@ void LiveMap::clean(RgbdFrame& frame) {
 
 void LiveMap::fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose) {
   const std::lock_guard<std::mutex> lock(surface_mutex_);
-  surface_.fuse(id, frame, pose.T_map_camera, pose.T_colour_depth_time);
+  surface_.hand_in(id, frame, pose.T_map_camera, pose.T_colour_depth_time);
 }
 
 void LiveMap::kept(int keyframe, const Eigen::Isometry3d& T_map_camera,
@@ -114,17 +115,55 @@ void LiveMap::correct(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
 
 bool LiveMap::improve() {
   const std::lock_guard<std::mutex> lock(surface_mutex_);
-  return surface_.refuse(1) > 0;
+  const bool is_left = surface_.refuse(1) > 0;
+  if (!is_left) fell_behind_ = false;
+  return is_left;
+}
+
+LiveMap::Haste LiveMap::haste() const {
+  if (unwatched_ > settings_.surface_rest) return Haste::none;
+  return fell_behind_ ? Haste::much : Haste::some;
+}
+
+void LiveMap::frame_shown() {
+  planes_.frame();
+  if (unwatched_ <= settings_.surface_rest) ++unwatched_;
+}
+
+/// False: for a while nobody did.
+bool LiveMap::watch_surface() const {
+  const bool was_watched = unwatched_ <= settings_.surface_rest;
+  if (!was_watched) fell_behind_ = true;
+  unwatched_ = 0;
+  return was_watched;
+}
+
+/// Frames go on in between.
+void LiveMap::settle_surface() const {
+  constexpr int at_once = 4;
+  const auto is_left = [this] {
+    const std::lock_guard<std::mutex> lock(surface_mutex_);
+    return surface_.refuse(at_once) > 0;
+  };
+  while (is_left()) {
+  }
+  fell_behind_ = false;
 }
 
 void LiveMap::settle() {
   space_.settle();
   planes_.settle();
-  while (improve()) {
-  }
+  settle_surface();
 }
 
 Mesh LiveMap::mesh() const {
+  if (!watch_surface()) settle_surface();
+  const std::lock_guard<std::mutex> lock(surface_mutex_);
+  return surface_.mesh();
+}
+
+Mesh LiveMap::settled_mesh() const {
+  settle_surface();
   const std::lock_guard<std::mutex> lock(surface_mutex_);
   return surface_.mesh();
 }
@@ -140,6 +179,7 @@ ColouredCloud LiveMap::cloud(double resolution) const {
 }
 
 std::int64_t LiveMap::changed_mesh(std::int64_t changed, const SeeCube& see) const {
+  watch_surface();  // who follows it need not wait
   std::vector<std::pair<MeshCube, Mesh>> cubes;
   {
     const std::lock_guard<std::mutex> lock(surface_mutex_);

@@ -9,6 +9,7 @@
 //   while (map.improve()) ...         // when nothing else is to be done
 //   map.space().ask(...);
 
+#include <atomic>
 #include <functional>
 #include <mutex>
 #include <opencv2/core.hpp>
@@ -51,6 +52,9 @@ class LiveMap {
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_camera);
   /// A piece of the surface's work that was left; false: there is none.
   bool improve();
+  /// How soon improve() is worth its time: while nobody looks at the surface it need not follow the graph.
+  enum class Haste { none, some, much };
+  Haste haste() const;
   /// All that is left.
   void settle();
 
@@ -62,6 +66,8 @@ class LiveMap {
   std::vector<PlanePatch> planes() const { return planes_.patches(); }
   /// Takes its time (a second for a flat); only what changed since it was last asked for is meshed anew.
   Mesh mesh() const;
+  /// With all that was left of the surface's work, for who asks once: it is not watched by that.
+  Mesh settled_mesh() const;
   /// What the keyframes saw: the mean of each voxel of `resolution` (m). Takes its time, too.
   ColouredCloud cloud(double resolution) const;
   /// The cubes of the mesh that changed after `changed` (SurfaceMesh), each with what is in it now. Returns
@@ -77,6 +83,9 @@ class LiveMap {
   void clean(RgbdFrame& frame);
   void kept(int keyframe, const Eigen::Isometry3d& T_map_camera, const Eigen::Isometry3d& T_camera_depth);
   void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose);
+  void frame_shown();
+  void settle_surface() const;
+  bool watch_surface() const;
 
   RgbdCalibration calibration_;
   LiveMapSettings settings_;
@@ -86,7 +95,9 @@ class LiveMap {
   LivePlanes planes_;
 
   mutable std::mutex surface_mutex_;
-  mutable Surface surface_;  // meshes what changed when it is asked
+  mutable Surface surface_;                       // meshes what changed when it is asked
+  mutable std::atomic<int> unwatched_;            // frames since somebody looked at it
+  mutable std::atomic<bool> fell_behind_{false};  // while nobody did
 
   struct Keyframe {
     Eigen::Isometry3d T_map_camera, T_camera_depth;  // depth camera at its own time

@@ -26,6 +26,7 @@ struct LiveMapSettings {
   int distance_every = 3;
   int distance_rest = 300;
   int refit_every = 5;
+  int surface_rest = 100;
   bool background = true;
 
   void describe(SettingsVisitor& s) {
@@ -44,6 +45,9 @@ struct LiveMapSettings {
         "refit_every", refit_every, "", {1, 1000},
         "so many frames a keyframe's part of the surface follows the graph, the one that has moved most; "
         "all do when no more frames come, and before a map is saved");
+    s.number("surface_rest", surface_rest, "", {0, 1'000'000},
+             "so many frames after it was last looked at the surface no longer follows the graph; who looks "
+             "next waits until it has caught up");
     s.flag("background", background,
            "what is made anew is made beside the frames; without it the frames wait, and the same log gives "
            "the same maps");

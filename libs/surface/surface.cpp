@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <lcmslam/cloud/voxel_average.hpp>
 #include <lcmslam/settings/check.hpp>
@@ -12,7 +13,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr double fine_share = 0.8;  // of the memory; coarse blocks are few
+constexpr double fine_share = 0.8;        // of the memory; coarse blocks are few
+constexpr std::size_t most_waiting = 30;  // half a megabyte each; who looks first waits for 0.15 s
 
 std::size_t blocks_in(double megabytes) {
   return std::max<std::size_t>(static_cast<std::size_t>(megabytes * 1e6) / sizeof(VoxelBlock), 16);
@@ -34,6 +36,13 @@ ColouredCloud coloured_points(const SurfaceView& view) {
   return cloud;
 }
 
+std::size_t bytes_of(const SurfaceImage& image) {
+  std::size_t bytes = 0;
+  for (const cv::Mat* part : {&image.depth, &image.amplitude, &image.colour, &image.seen})
+    bytes += part->total() * part->elemSize();
+  return bytes;
+}
+
 void require_finite(const Eigen::Isometry3d& T, const char* name) {
   if (!T.matrix().allFinite())
     throw std::invalid_argument(std::string("surface: ") + name + " must be finite");
@@ -53,30 +62,55 @@ Surface::Surface(const RgbdCalibration& calibration, const SurfaceSettings& sett
       coarse_(settings_.coarse_voxel_size, settings_.truncation),
       mesh_(settings_) {}
 
-void Surface::fuse(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
-                   const Eigen::Isometry3d& T_colour_depth_time) {
+void Surface::hand_in(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
+                      const Eigen::Isometry3d& T_colour_depth_time) {
   require_finite(T_map_camera, "T_map_camera");
   require_finite(T_colour_depth_time, "T_colour_depth_time");
   if (keyframes_.count(keyframe) > 0)
     throw std::invalid_argument("surface: keyframe " + std::to_string(keyframe) +
-                                " is fused already; move() tells a new pose");
-  const SurfaceImage image = maker_.image(frame, T_colour_depth_time);
-  put_in(maker_.view(image), T_map_camera * image.T_camera_depth);
+                                " is there already; move() tells a new pose");
+  SurfaceImage image = maker_.image(frame, T_colour_depth_time);
+  waiting_bytes_ += bytes_of(image);
   Keyframe& kept = keyframes_[keyframe];
+  kept.waiting = std::move(image);
+  kept.T_wanted = T_map_camera;
+  waiting_.push_back(keyframe);
+  camera_ = T_map_camera.translation();
+  if (waiting_.size() > most_waiting) fuse_oldest();
+}
+
+void Surface::fuse(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
+                   const Eigen::Isometry3d& T_colour_depth_time) {
+  hand_in(keyframe, frame, T_map_camera, T_colour_depth_time);
+  fuse_all();
+}
+
+void Surface::fuse_oldest() {
+  Keyframe& kept = keyframes_.at(waiting_.front());
+  waiting_.pop_front();
+  const SurfaceImage image = *std::exchange(kept.waiting, std::nullopt);
+  waiting_bytes_ -= bytes_of(image);
+  put_in(maker_.view(image), kept.T_wanted * image.T_camera_depth);
   kept.view.emplace(image);
-  kept.T_map_camera = kept.T_wanted = T_map_camera;
+  kept.T_map_camera = kept.T_wanted;
   kept.fused = fusion_;
   kept_bytes_ += kept.view->memory_bytes();
-  keep_bounds(T_map_camera.translation());
+  keep_bounds();
+}
+
+void Surface::fuse_all() {
+  while (!waiting_.empty()) fuse_oldest();
 }
 
 void Surface::move(std::int64_t keyframe, const Eigen::Isometry3d& T_map_camera) {
   require_finite(T_map_camera, "T_map_camera");
   const auto found = keyframes_.find(keyframe);
-  if (found != keyframes_.end() && found->second.view) found->second.T_wanted = T_map_camera;
+  if (found != keyframes_.end() && (found->second.waiting || found->second.view))
+    found->second.T_wanted = T_map_camera;
 }
 
 int Surface::refuse(int keyframes) {
+  fuse_all();
   std::vector<std::pair<double, std::int64_t>> moved;  // shift, keyframe
   for (const auto& [id, keyframe] : keyframes_)
     if (keyframe.view && shift(keyframe) >= 1) moved.emplace_back(-shift(keyframe), id);
@@ -106,8 +140,8 @@ void Surface::put_in(const SurfaceView& view, const Eigen::Isometry3d& T_map_dep
   fuse_view(view, T_map_depth, settings_, settings_.max_range, fusion_, coarse_);
 }
 
-void Surface::keep_bounds(const Eigen::Vector3d& camera) {
-  const Eigen::Vector3f place = camera.cast<float>();
+void Surface::keep_bounds() {
+  const Eigen::Vector3f place = camera_.cast<float>();
   fine_.keep_near(place, blocks_in(fine_share * settings_.memory));
   coarse_.keep_near(place, blocks_in((1 - fine_share) * settings_.memory));
   const auto most = static_cast<std::size_t>(settings_.kept_memory * 1e6);
@@ -127,14 +161,16 @@ ColouredCloud Surface::cloud(const std::vector<std::int64_t>& keyframes, double 
   VoxelAverage average(resolution);
   for (const std::int64_t id : keyframes) {
     const auto found = keyframes_.find(id);
-    if (found == keyframes_.end() || !found->second.view) continue;
-    const SurfaceImage image = found->second.view->unpacked();
+    if (found == keyframes_.end() || !(found->second.waiting || found->second.view)) continue;
+    const SurfaceImage image =
+        found->second.waiting ? *found->second.waiting : found->second.view->unpacked();
     average.add(coloured_points(maker_.view(image)), found->second.T_wanted * image.T_camera_depth);
   }
   return average.result();
 }
 
 const SurfaceMesh& Surface::meshed() {
+  fuse_all();
   mesh_.update(fine_, coarse_);
   return mesh_;
 }
@@ -144,7 +180,7 @@ Mesh Surface::mesh() {
 }
 
 std::size_t Surface::memory_bytes() const {
-  return fine_.memory_bytes() + coarse_.memory_bytes() + mesh_.memory_bytes() + kept_bytes_;
+  return fine_.memory_bytes() + coarse_.memory_bytes() + mesh_.memory_bytes() + kept_bytes_ + waiting_bytes_;
 }
 
 }  // namespace lcmslam

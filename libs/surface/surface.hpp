@@ -3,14 +3,18 @@
 // the graph has moved them.
 //
 //   Surface surface(calibration);
-//   surface.fuse(keyframe, frame, T_map_camera);
+//   surface.hand_in(keyframe, frame, T_map_camera);
 //   surface.move(keyframe, corrected);  // as often as the graph bends
 //   surface.refuse(2);                  // a few each cycle, so that nothing waits
 //   const Mesh mesh = surface.mesh();
 //
+// The newest keyframes wait until the surface is looked at, or too many of them do: meanwhile the graph bends
+// them most, and each is fused once.
+//
 // Two levels: fine voxels where the camera was near, coarse ones wherever it looked. Both see the same
 // frames.
 
+#include <deque>
 #include <map>
 #include <optional>
 
@@ -27,21 +31,24 @@ class Surface {
   /// Throws std::invalid_argument for a calibration or a setting that is wrong.
   explicit Surface(const RgbdCalibration& calibration, const SurfaceSettings& settings = {});
 
-  /// Fuses a frame whose depth has passed DepthFilter; `keyframe` is its name for move(). `T_map_camera` is
+  /// Takes a frame whose depth has passed DepthFilter; `keyframe` is its name for move(). `T_map_camera` is
   /// that of the colour camera at the colour image's time, `T_colour_depth_time` as for DepthRegistration.
   /// Throws std::invalid_argument for images of another size, poses that are not finite, and a keyframe that
-  /// is fused already.
+  /// is there already.
+  void hand_in(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
+               const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity());
+  /// The same, and nothing waits any more.
   void fuse(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
             const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity());
 
   /// Where a keyframe stands now. One whose images are not kept any more stays where it was fused.
   void move(std::int64_t keyframe, const Eigen::Isometry3d& T_map_camera);
 
-  /// Fuses at most so many of the keyframes that moved, those that moved farthest first. Returns how many are
-  /// left.
+  /// Fuses all that wait, and at most so many of the keyframes that moved, those that moved farthest first.
+  /// Returns how many are left.
   int refuse(int keyframes);
 
-  /// As the surface is now; only what changed is meshed anew.
+  /// As the surface is now, with all that waited; only what changed is meshed anew.
   Mesh mesh();
   /// The same in its cubes, for who follows it; until something else is called.
   const SurfaceMesh& meshed();
@@ -56,14 +63,17 @@ class Surface {
 
  private:
   struct Keyframe {
-    std::optional<KeptView> view;    // absent: its images were too many
-    Eigen::Isometry3d T_map_camera;  // as it is fused
+    std::optional<SurfaceImage> waiting;  // until it is fused
+    std::optional<KeptView> view;         // then; absent: its images were too many
+    Eigen::Isometry3d T_map_camera;       // as it is fused
     Eigen::Isometry3d T_wanted;
     std::int64_t fused = 0;  // number of the fusion
   };
 
+  void fuse_oldest();
+  void fuse_all();
   void put_in(const SurfaceView& view, const Eigen::Isometry3d& T_map_depth);
-  void keep_bounds(const Eigen::Vector3d& camera);
+  void keep_bounds();
   /// How far it moved in the units of its thresholds; below 1 it stays.
   double shift(const Keyframe& keyframe) const;
 
@@ -72,6 +82,9 @@ class Surface {
   VoxelBlocks fine_, coarse_;
   SurfaceMesh mesh_;
   std::map<std::int64_t, Keyframe> keyframes_;
+  std::deque<std::int64_t> waiting_;  // of those that are not fused yet, the oldest first
+  std::size_t waiting_bytes_ = 0;
+  Eigen::Vector3d camera_ = Eigen::Vector3d::Zero();  // newest place, m
   std::int64_t fusion_ = 0;
   std::size_t kept_bytes_ = 0;
 };

@@ -103,10 +103,12 @@ void LayerWorker::work() {
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stop_) {
     const auto called = [&] { return stop_ || has_work(); };
-    if (!unfinished_)
+    if (!unfinished_) {
       wake_.wait(lock, called);
-    else if (!wake_.wait_for(lock, quiet_time, called))
-      quiet_ = due_ = true;
+    } else if (!wake_.wait_for(lock, quiet_time, called)) {
+      quiet_ = true;
+      due_ = is_due(map_->haste());
+    }
     while (!stop_ && step(lock)) {
     }
     idle_.notify_all();
@@ -145,11 +147,17 @@ bool LayerWorker::step(std::unique_lock<std::mutex>& lock) {
   if (map == map_) unfinished_ = unfinished;
   // While frames come, several corrections of the graph cost one fusion.
   jobs_since_ = job ? jobs_since_ + 1 : 0;
-  due_ = unfinished_ && (quiet_ || jobs_since_ >= settings_.refit_every);
+  due_ = unfinished_ && is_due(map->haste());
   if (error.empty()) return true;
   ++state_.failed;
   state_.error = error;
   return true;
+}
+
+/// Whether the surface is to follow the graph now.
+bool LayerWorker::is_due(LiveMap::Haste haste) const {
+  if (haste == LiveMap::Haste::none) return false;
+  return haste == LiveMap::Haste::much || quiet_ || jobs_since_ >= settings_.refit_every;
 }
 
 void LayerWorker::settle(std::chrono::steady_clock::duration longest) {

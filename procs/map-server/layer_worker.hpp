@@ -61,6 +61,7 @@ class LayerWorker {
   void work();
   bool has_work() const;
   bool step(std::unique_lock<std::mutex>& lock);
+  bool is_due(LiveMap::Haste haste) const;
   void count(std::int64_t State::*what);
 
   LiveMapSettings settings_;

@@ -51,7 +51,7 @@ class MapFiles {
 
   void save_derived(const LiveMap& live, const std::optional<Eigen::Isometry3d>& T_map_robot) {
     if (wants("mesh")) {
-      const Mesh mesh = live.mesh();
+      const Mesh mesh = live.settled_mesh();
       save_mesh_ply(file("icp_mesh.ply"), mesh);
       save_mesh_glb(file("icp_mesh.glb"), mesh);
     }
@@ -82,7 +82,7 @@ class MapFiles {
   bool save_pictures(const MapsToSave::Dense& map, const LiveMap& live) {
     constexpr double finest = 0.005;  // m
     if (!wants("png")) return false;
-    const Mesh mesh = live.mesh();
+    const Mesh mesh = live.settled_mesh();
     if (mesh.vertices.empty()) return false;
     const ColouredCloud surface{mesh.vertices, mesh.colours, mesh.normals, {}};
     const ColouredCloud seen = live.cloud(finest);

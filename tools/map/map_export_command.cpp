@@ -122,7 +122,7 @@ class Exporter {
   void save_derived(const StoredSession& session, const std::string& name) {
     const auto layers = rebuild_layers(map_, session.id);
     if (wants("mesh")) {
-      const Mesh mesh = layers->mesh();
+      const Mesh mesh = layers->settled_mesh();
       for (const char* ending : {".ply", ".obj", ".glb"}) save_mesh(file(name + "_mesh" + ending), mesh);
     }
     const OccupancyGrid space = layers->space().copy();

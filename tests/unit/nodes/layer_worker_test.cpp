@@ -38,17 +38,21 @@ LiveMapSettings settings(bool background, int refit_every) {
 }
 
 /// Where the surface stands, m.
-double mean_x(const LayerWorker& worker) {
-  const Mesh mesh = worker.map()->mesh();
+double mean_x(const Mesh& mesh) {
   double sum = 0;
   for (const Eigen::Vector3f& v : mesh.vertices) sum += static_cast<double>(v.x());
   return sum / static_cast<double>(mesh.vertices.size());
+}
+
+double mean_x(const LayerWorker& worker) {
+  return mean_x(worker.map()->mesh());
 }
 
 TEST(LayerWorker, WhileFramesComeTheSurfaceFollowsTheGraphNowAndThen) {
   LayerWorker worker(settings(false, 3));
   worker.begin_map(some_camera());
   worker.keep(1, wall(), at(0));
+  EXPECT_NEAR(mean_x(worker), 2, 0.02);  // from now on somebody looks
   worker.correct({{1, at(0.2).T_map_camera}});
   EXPECT_NEAR(mean_x(worker), 2, 0.02);
   worker.correct({{1, at(0.4).T_map_camera}});
@@ -58,6 +62,36 @@ TEST(LayerWorker, WhileFramesComeTheSurfaceFollowsTheGraphNowAndThen) {
   EXPECT_NEAR(mean_x(worker), 2.4, 0.02);
   worker.settle(std::chrono::seconds(0));  // as before a map is saved
   EXPECT_NEAR(mean_x(worker), 2.1, 0.02);
+}
+
+TEST(LayerWorker, ASurfaceThatNobodyLooksAtFollowsWhenSomebodyDoes) {
+  LiveMapSettings resting = settings(false, 1);
+  resting.surface_rest = 2;
+  LayerWorker worker(resting);
+  worker.begin_map(some_camera());
+  worker.keep(1, wall(), at(0));
+  EXPECT_NEAR(mean_x(worker), 2, 0.02);
+  for (int frame = 0; frame < 3; ++frame) worker.show(wall(), at(0), false);
+  worker.correct({{1, at(0.2).T_map_camera}});
+  EXPECT_EQ(worker.map()->haste(), LiveMap::Haste::none);
+  double moved = 0;  // of who follows it: of the last keyframe
+  const auto see = [&](const MeshCube&, const Mesh& mesh) {
+    for (const Eigen::Vector3f& v : mesh.vertices) moved = std::max(moved, static_cast<double>(v.x()));
+  };
+  worker.map()->changed_mesh(0, see);
+  EXPECT_NEAR(moved, 2, 0.04) << "nothing was done while nobody looked";
+  EXPECT_EQ(worker.map()->haste(), LiveMap::Haste::much);
+  worker.show(wall(), at(0), false);  // there is time after it
+  EXPECT_EQ(worker.map()->haste(), LiveMap::Haste::some);
+  worker.map()->changed_mesh(0, see);
+  EXPECT_NEAR(moved, 2.2, 0.04);
+
+  for (int frame = 0; frame < 3; ++frame) worker.show(wall(), at(0), false);
+  worker.correct({{1, at(0.4).T_map_camera}});
+  EXPECT_NEAR(mean_x(worker.map()->settled_mesh()), 2.4, 0.02);
+  EXPECT_EQ(worker.map()->haste(), LiveMap::Haste::none) << "saving is not watching";
+  worker.correct({{1, at(0.1).T_map_camera}});
+  EXPECT_NEAR(mean_x(worker), 2.1, 0.02) << "who asks after a while waits";
 }
 
 TEST(LayerWorker, WhenNoMoreFramesComeAllOfItDoes) {

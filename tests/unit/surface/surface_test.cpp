@@ -138,6 +138,30 @@ TEST(Surface, WhereTheGraphBendsNoSecondWallStays) {
               0.002 * static_cast<double>(right));
 }
 
+TEST(Surface, WhatWaitsIsFusedWhereTheGraphHasBentIt) {
+  Surface waiting(camera_head(), settings()), right(camera_head(), settings());
+  for (std::size_t i = 0; i < poses().size(); ++i) {
+    const auto id = static_cast<std::int64_t>(i);
+    right.fuse(id, frame_of(room(), poses()[i]), poses()[i]);
+    waiting.hand_in(id, frame_of(room(), poses()[i]), poses()[i] * pose(0.03, 0.02, 0.05));
+    waiting.move(id, poses()[i]);
+  }
+  EXPECT_EQ(waiting.fine().size(), 0u);
+  EXPECT_EQ(waiting.cloud({0, 1, 2}, 0.005).size(), right.cloud({0, 1, 2}, 0.005).size());
+  const Mesh mesh = waiting.mesh();
+  EXPECT_EQ(mesh.vertices, right.mesh().vertices) << "to the bit";
+  EXPECT_EQ(waiting.refuse(10), 0);
+}
+
+TEST(Surface, FewKeyframesWait) {
+  Surface surface(camera_head(), settings());
+  for (int i = 0; i < 60; ++i) surface.hand_in(i, frame_of(room(), poses()[0]), poses()[0]);
+  EXPECT_GT(surface.fine().size(), 100u);
+  const std::size_t memory = surface.memory_bytes();
+  EXPECT_EQ(surface.refuse(0), 0);
+  EXPECT_LT(surface.memory_bytes() + 20 * 160 * 120 * 6, memory) << "images that waited are gone";
+}
+
 TEST(Surface, WhatMovedAwayDisappears) {
   Surface surface(camera_head(), settings());
   for (int i = 0; i < 3; ++i) surface.fuse(i, frame_of(room(), poses()[0]), poses()[0]);
@@ -201,7 +225,7 @@ TEST(Surface, SaysWhatIsWrong) {
   RgbdFrame frame = frame_of(room(), poses()[0]);
   surface.fuse(5, frame, poses()[0]);
   EXPECT_THAT(message_of([&] { surface.fuse(5, frame, poses()[0]); }),
-              HasSubstr("keyframe 5 is fused already"));
+              HasSubstr("keyframe 5 is there already"));
   Eigen::Isometry3d nowhere = poses()[0];
   nowhere.translation().x() = NAN;
   EXPECT_THAT(message_of([&] { surface.fuse(6, frame, nowhere); }), HasSubstr("T_map_camera must be finite"));
