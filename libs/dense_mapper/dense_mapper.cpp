@@ -97,7 +97,9 @@ void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
   motion_.observe(prepared.frame.utime, step.T_world_robot, false);
   if (static_cast<int>(prepared.cloud.size()) < settings_.min_points) return;
   if (settings_.prior.planar)
-    graph_.set_ground(GroundConstraint{prepared.frame.T_robot_camera.inverse(), settings_.prior.ground, {},
+    graph_.set_ground(GroundConstraint{prepared.frame.T_robot_camera.inverse(),
+                                       settings_.prior.ground,
+                                       {},
                                        settings_.mount_error.sigmas(prepared.frame.T_robot_camera)});
   step.quality = 1;
   step.status = MappingStatus::tracking;
@@ -178,10 +180,10 @@ void DenseMapper::tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step&
   const PoseError error =
       carried_along(newest.error, {newest.T_world_camera.inverse() * T_world_camera, Matrix6d::Zero()});
   const Matrix6d A = adjoint(T_robot_camera);
-  step.map_covariance = A * error.own * A.transpose() +
-                        mount_error(graph_.nodes().front().T_world_camera.inverse() * T_world_camera,
-                                    T_robot_camera, settings_.mount_error.sigmas(T_robot_camera),
-                                    error.by_mount);
+  step.map_covariance =
+      A * error.own * A.transpose() +
+      mount_error(graph_.nodes().front().T_world_camera.inverse() * T_world_camera, T_robot_camera,
+                  settings_.mount_error.sigmas(T_robot_camera), error.by_mount);
   // A new node's own covariance has its registration in it.
   if (step.node) return;
   step.map_covariance += step.status == MappingStatus::tracking

@@ -23,7 +23,8 @@ using EdgesShare = Eigen::Matrix<double, 6, of_edges>;
 
 // Too long and too far: Z_true = Z exp(b), a part of what Z measures, as the second pose's body has it.
 // A camera that contradicts itself by more also errs by more where it agrees with itself.
-EdgesShare shared_error(const GraphEdge& edge, const PoseGraphSettings& settings, const ErrorFactors& factors) {
+EdgesShare shared_error(const GraphEdge& edge, const PoseGraphSettings& settings,
+                        const ErrorFactors& factors) {
   const Eigen::Isometry3d& Z = edge.T_from_to.T;
   EdgesShare b = EdgesShare::Zero();
   b.block<3, 1>(0, 0) = factors.edges * settings.motion_scale * (Z.linear().transpose() * Z.translation());

@@ -1,7 +1,8 @@
 #pragma once
 // What a graph's measurements leave open of its poses, after
 //
-//   H = sum J_ij^T R_ij^-1 J_ij + sum A^T R_i^-1 A,   G = H^-1 (sum J_ij^T R_ij^-1 b_ij + sum A^T R_i^-1 A b_i)
+//   H = sum J_ij^T R_ij^-1 J_ij + sum A^T R_i^-1 A,   G = H^-1 (sum J_ij^T R_ij^-1 b_ij + sum A^T R_i^-1 A
+//   b_i)
 //
 // with R what an edge or the ground errs by and b the errors that all edges share, and all of the ground: the
 // mount's (mount_error.hpp). Only the entries of H^-1 that its sparse

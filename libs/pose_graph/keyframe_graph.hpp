@@ -151,7 +151,7 @@ class KeyframeGraph {
   std::vector<NewNode> fresh_;
   LoopFinder finder_;  // only the work touches it
   std::size_t edges_begun_ = 0, finder_bytes_ = 0;
-  std::vector<Eigen::Isometry3d> solved_;     // poses that the last work found
+  std::vector<Eigen::Isometry3d> solved_;  // poses that the last work found
   std::vector<PoseError> solved_errors_;   // theirs, until the poses are there
   ErrorFactors factors_, solved_factors_;  // by which the nodes' errors were made, and those
   Utime due_ = 0;

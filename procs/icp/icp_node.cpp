@@ -211,9 +211,8 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   // First the graph: the pose stands in the map that it makes.
   if (step.thinned) drop_tiles_of_the_gone();
   if (step.node || step.deformed || step.thinned) publish_graph(false);
-  pose_estimate_t pose =
-      icp_pose(step, made.depth_utime, made.T_frame_depth,
-               std::hypot(maker_.depth_clock().sigma(), settings_.stamp_sigma) * twist_);
+  pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth,
+                                  std::hypot(maker_.depth_clock().sigma(), settings_.stamp_sigma) * twist_);
   pose.frame = map_frame();
   if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
   if (step.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");

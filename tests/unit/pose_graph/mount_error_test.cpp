@@ -45,8 +45,7 @@ TEST(MountError, IsWhatDrawnMountsMakeOfThePath) {
     const Vector6d error = se3_log((told * T_first_now * told.inverse()).inverse() * T);
     sum += error * error.transpose() / draws;
   }
-  const Matrix6d P =
-      mount_error(told.inverse() * T * told, told, settings.sigmas(told), Matrix6d::Zero());
+  const Matrix6d P = mount_error(told.inverse() * T * told, told, settings.sigmas(told), Matrix6d::Zero());
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j)
       EXPECT_NEAR(P(i, j), sum(i, j), 0.05 * std::sqrt(P(i, i) * P(j, j)) + 1e-9) << i << " " << j;
@@ -72,8 +71,8 @@ PoseGraphSettings least_squares() {
   return s;
 }
 
-/// A robot drives round in a circle and its cameras measure exactly; a graph that holds it to the floor with the
-/// mount as it is told.
+/// A robot drives round in a circle and its cameras measure exactly; a graph that holds it to the floor with
+/// the mount as it is told.
 struct Circle {
   std::vector<Eigen::Isometry3d> robot;
   Eigen::Isometry3d told = mounted();

@@ -108,7 +108,8 @@ TEST(PoseCovariance, IsTheDenseInverseOfTheNumericInformation) {
   EXPECT_TRUE(sparse.front().covariance().isZero());
   for (Eigen::Index node = 1; node < n; ++node) {
     const Matrix6d expected = dense.block<6, 6>(6 * (node - 1), 6 * (node - 1));
-    EXPECT_LT((sparse[static_cast<std::size_t>(node)].covariance() - expected).norm(), 1e-4 * expected.norm()) << node;
+    EXPECT_LT((sparse[static_cast<std::size_t>(node)].covariance() - expected).norm(), 1e-4 * expected.norm())
+        << node;
   }
 }
 
