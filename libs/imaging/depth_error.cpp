@@ -21,12 +21,16 @@ void wrong_depth_error(const char* name, double is, const char* right) {
   throw std::invalid_argument(message.str());
 }
 
-/// 1 / z less `tilt` (1/mm), of a row; 0 stays 0.
+/// 1 / z less `tilt` (1/mm).
+inline float levelled(float measured, float tilt) {
+  return measured / std::max(least_factor, 1 - measured * tilt);
+}
+
+/// Of a row; 0 stays 0.
 LCMSLAM_VECTORISED(level_row, (std::uint16_t* __restrict z, const float* __restrict tilt, int n),
                    (z, tilt, n)) {
   for (int u = 0; u < n; ++u) {
-    const auto measured = static_cast<float>(z[u]);
-    const float level = measured / std::max(least_factor, 1 - measured * tilt[u]);
+    const float level = levelled(static_cast<float>(z[u]), tilt[u]);
     z[u] = static_cast<std::uint16_t>(std::min(static_cast<int>(level + 0.5F), largest_depth));
   }
 }
@@ -94,8 +98,7 @@ void DepthCorrector::operator()(cv::Mat& depth) const {
     }
     for (int u = 0; u < depth.cols; ++u) {
       if (z[u] == 0) continue;
-      const auto measured = static_cast<float>(z[u]);
-      const float level = measured / std::max(least_factor, 1 - measured * tilt[u]);
+      const float level = levelled(static_cast<float>(z[u]), tilt[u]);
       const float at = std::min(0.001F * level * stretch[u] / table_step, last);
       const auto i = static_cast<std::size_t>(at);
       const float factor = factors_[i] + (at - static_cast<float>(i)) * (factors_[i + 1] - factors_[i]);
