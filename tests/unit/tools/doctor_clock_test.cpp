@@ -22,10 +22,10 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr double seconds = 40, late = 0.08;
-constexpr Utime start = 1'000'000'000;
+constexpr Utime drive_start = 1'000'000'000;
 
 Utime stamp(double t) {
-  return start + std::llround(1e6 * t);
+  return drive_start + std::llround(1e6 * t);
 }
 
 /// Of a robot that turns in place, to both sides.
@@ -161,7 +161,7 @@ TEST(DoctorsClock, SaysThatALogHasNoOdometry) {
   const testing::ScratchFolder scratch;
   const std::string file = (scratch.path() / "camera.lcmlog").string();
   LogWriter log(file);
-  log.write(start, "CAMERA", testing::camera_message(start, 0));
+  log.write(drive_start, "CAMERA", testing::camera_message(drive_start, 0));
   log.close();
   const auto found = doctor(file);
   EXPECT_EQ(found.exit_code, 0);
