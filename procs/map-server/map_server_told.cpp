@@ -72,7 +72,8 @@ std::shared_ptr<const EncodedFrame> MapServerNode::image_at(Utime colour_time) c
 }
 
 std::shared_ptr<const EncodedFrame> MapServerNode::newest_image() const {
-  return layers_ ? layers_->newest_image() : nullptr;
+  const auto image = layers_ ? layers_->newest_image() : nullptr;
+  return image ? image : picture_;
 }
 
 NodeReport MapServerNode::report() const {

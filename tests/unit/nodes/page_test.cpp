@@ -163,6 +163,17 @@ TEST_F(LivePage, ShowsTheNewestImageOfWhichFastSlamToldSomething) {
       << "not back to the old one";
 }
 
+TEST_F(LivePage, ShowsAPictureThatCameWithoutDepthAndCalibration) {
+  images_t picture = testing::SimulatedKitchen::instance().frame(3);
+  picture.n_images = 1;
+  ASSERT_EQ(picture.image_types[0], images_t::LEFT);
+  picture.image_types.resize(1);
+  picture.images.resize(1);
+  bus_.deliver("CAMERA", picture);
+  ASSERT_TRUE(shown([&] { return has("image "); }));
+  EXPECT_EQ(board_["image "]["utime"], picture.images[0].utime);
+}
+
 TEST_F(LivePage, ANewMapTakesThePlaceOfTheOldOne) {
   pose("ICP_POSE", 0);
   keyframe(0);
