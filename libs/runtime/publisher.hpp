@@ -33,7 +33,7 @@ class Publisher {
   template <class M>
   void publish(const std::string& channel, M message, Utime cause = 0) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    set_origin(message, Origin{counts_[channel].sent, sender_});
+    set_origin(message, Origin{numbers_[channel]++, sender_});
     const std::vector<std::uint8_t> bytes = encode_message(message);
     count(channel, bytes.size(), message.utime);
     send(channel, bytes, message.utime);
@@ -63,6 +63,7 @@ class Publisher {
   std::int64_t sender_;
   mutable std::mutex mutex_;
   std::map<std::string, OutputCount> counts_;
+  std::map<std::string, std::int64_t> numbers_;  // of its own messages; those of others have theirs
 };
 
 }  // namespace lcmslam

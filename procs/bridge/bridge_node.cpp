@@ -222,8 +222,14 @@ void BridgeNode::hand_on() {
     messages.swap(inbox_);
     handed_on_ += static_cast<std::int64_t>(messages.size());
   }
-  for (const Incoming::Message& message : messages)
+  for (Incoming::Message& message : messages) {
+    // They come the newest first, and again only where they changed: gaps of their numbers are no losses.
+    if (settings_.side == bridge::Side::operating && message.channel == "ICP_KEYFRAME") {
+      const AnyMessage is = identify(message.bytes.data(), message.bytes.size());
+      renumber(message.bytes, is, numbers_[{message.channel, is.origin.sender}]++);
+    }
     publisher_.forward(message.channel, message.bytes, message.utime);
+  }
 }
 
 /// What makes the map still goes out, if the broker is there.

@@ -23,9 +23,9 @@ struct NoLink : bridge::BrokerLink {
 
 class BridgeNodeTest : public ::testing::Test {
  protected:
-  void make(BridgeSettings settings = {}) {
+  void make(BridgeSettings settings = {}, const std::vector<std::string>& receive = {"COMMAND"}) {
     settings.robot = "dora";
-    settings.receive = {"COMMAND"};
+    settings.receive = receive;
     node_ = std::make_unique<BridgeNode>(settings, publisher_, [this](const BridgeEnds& ends) {
       ends_.emplace(ends);
       return std::make_unique<NoLink>();
@@ -135,6 +135,25 @@ TEST_F(BridgeNodeTest, AnOperatorWhoMissesSomethingAsksTheBrokerAndNotTheRobot) 
   order.name = "smooth";
   deliver("COMMAND", order);
   EXPECT_THAT(take_all(), SizeIs(1));
+}
+
+TEST_F(BridgeNodeTest, KeyframesThatComeTheNewestFirstAreNotTakenForLost) {
+  BridgeSettings settings;
+  settings.side = bridge::Side::operating;
+  settings.send = {"COMMAND"};
+  make(settings, {"ICP_KEYFRAME"});
+  for (const std::int64_t seq : {8, 3, 5}) {
+    keyframe_t keyframe{};
+    keyframe.seq = seq;
+    keyframe.sender = 4;
+    const auto bytes = encode_message(keyframe);
+    ends_->take("ICP_KEYFRAME", bytes.data(), bytes.size(), true);
+  }
+  node_->work();
+  std::vector<std::int64_t> numbers;
+  for (const keyframe_t& keyframe : publisher_.on<keyframe_t>("ICP_KEYFRAME"))
+    numbers.push_back(keyframe.seq);
+  EXPECT_THAT(numbers, ElementsAre(0, 1, 2));
 }
 
 TEST_F(BridgeNodeTest, NobodyOutsideMakesTheMappersTellAll) {

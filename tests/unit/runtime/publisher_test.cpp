@@ -31,6 +31,21 @@ TEST(Publisher, NumbersEachChannelByItself) {
   for (const auto& m : a) EXPECT_EQ(m.sender, 99);
 }
 
+TEST(Publisher, WhatIsHandedOnTakesNoNumber) {
+  testing::CapturingPublisher publisher(99);
+  encoders_t others = wheels_at(10);
+  others.seq = 70;
+  others.sender = 5;
+  publisher.publish("A", wheels_at(1));
+  publisher.forward("A", encode_message(others), 10);
+  publisher.publish("A", wheels_at(2));
+  const auto a = publisher.on<encoders_t>("A");
+  ASSERT_EQ(a.size(), 3U);
+  EXPECT_EQ(a[1].seq, 70);
+  EXPECT_EQ(a[2].seq, 1) << "a gap would be taken for a loss";
+  EXPECT_EQ(publisher.counts().at("A").sent, 3);
+}
+
 TEST(Publisher, CountsMessagesAndBytes) {
   testing::CapturingPublisher publisher;
   publisher.publish("A", wheels_at(10, 4));
