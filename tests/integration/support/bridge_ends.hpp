@@ -117,10 +117,11 @@ class Mapper {
       message.colour.push_back(static_cast<std::uint8_t>(i));
       message.normal.push_back(1);
     }
+    bus_.publish("ICP_KEYFRAME", encode_message(message));
+    message.seq = 0;
     keyframes[message.id] = encode_message(message);
-    bus_.publish("ICP_KEYFRAME", keyframes[message.id]);
   }
-  std::map<int, Bytes> keyframes;  // by id
+  std::map<int, Bytes> keyframes;  // by id; without their numbers: the bridge at the other end counts anew
 
  private:
   Bus& bus_;
@@ -178,8 +179,9 @@ class Operator {
       const std::lock_guard<std::mutex> lock(mutex_);
       pictures_.push_back(m);
     });
-    inputs.subscribe<keyframe_t>("ICP_KEYFRAME", 10'000, [this](const keyframe_t& m) {
+    inputs.subscribe<keyframe_t>("ICP_KEYFRAME", 10'000, [this](keyframe_t m) {
       const std::lock_guard<std::mutex> lock(mutex_);
+      m.seq = 0;
       keyframes_[m.id] = encode_message(m);
     });
     Receiver receiver(bus_, inputs);
