@@ -35,6 +35,13 @@ double thread_cpu_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+ThreadTime main_thread_time() {
+  std::ifstream file("/proc/self/schedstat");  // ns
+  ThreadTime time;
+  file >> time.ran >> time.waited;
+  return file ? ThreadTime{1e-9 * time.ran, 1e-9 * time.waited} : ThreadTime{};
+}
+
 void yield_to_receivers() {
   constexpr int step = 5;  // of the scheduler's 20; a bigger number stands farther back
   const auto thread = static_cast<id_t>(gettid());

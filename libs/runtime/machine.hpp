@@ -12,6 +12,12 @@ void keep_freed_memory();
 double process_cpu_seconds();
 /// Of the calling thread.
 double thread_cpu_seconds();
+/// Of this process's first thread, so far; zero where the kernel does not count it.
+struct ThreadTime {
+  double ran = 0;     ///< s on a processor
+  double waited = 0;  ///< s in which it could have run and had none
+};
+ThreadTime main_thread_time();
 std::int64_t resident_bytes();
 
 /// The calling thread, and those that it starts, stand back when another one of this machine's wakes up.

@@ -10,6 +10,7 @@
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include <lcmslam/runtime/processor_watch.hpp>
 #include <lcmslam/runtime/status_pace.hpp>
 #include <lcmslam/runtime/status_reporter.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
@@ -56,9 +57,10 @@ class Process {
       wait = std::min<Clock::duration>(work.value_or(longest_wait), longest_wait);
       if (Clock::now() >= next_look) {
         const NodeReport report = with_stopped(node_->report(), receiver.stopped());
-        const std::int64_t refused =
-            inputs_.refused() + receiver.refused() + commands_refused_ + report.refused;
-        if (pace.due(report, refused, Clock::now())) publish_status(report, receiver);
+        watch_.look(main_thread_time(), Clock::now());
+        const std::int64_t troubles =
+            inputs_.refused() + receiver.refused() + commands_refused_ + report.refused + watch_.stretches();
+        if (pace.due(report, troubles, Clock::now())) publish_status(report, receiver);
         next_look = Clock::now() + look_period;
       }
       wait = std::max(Clock::duration{0}, std::min(wait, next_look - Clock::now()));
@@ -120,6 +122,8 @@ class Process {
   void publish_status(NodeReport report, Receiver& receiver) {
     if (commands_refused_ > 0)
       report.values.emplace_back("commands_refused", static_cast<double>(commands_refused_));
+    if (watch_.stretches() > 0)
+      report.values.emplace_back("starved", static_cast<double>(watch_.stretches()));
     publisher_.publish("STATUS", reporter_.gather(report, inputs_, receiver));
   }
 
@@ -130,6 +134,7 @@ class Process {
   Inputs inputs_;
   std::unique_ptr<Node> node_;
   std::int64_t commands_refused_ = 0;
+  ProcessorWatch watch_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
 // When STATUS goes out: each second; at once when the state has changed; soon when the words have, or when
-// more was refused. Words may count seconds and strangers may send on and on: neither makes more than some a
-// second.
+// there is more trouble (refused messages, no processor). Words may count seconds and strangers may send on
+// and on: neither makes more than some a second.
 
 #include <chrono>
 
@@ -13,14 +13,14 @@ class StatusPace {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Whether this is to be told now; then it counts as told. `refused`: messages and datagrams so far.
-  bool due(const NodeReport& report, std::int64_t refused, Time now);
+  /// Whether this is to be told now; then it counts as told. `troubles`: how many there were so far.
+  bool due(const NodeReport& report, std::int64_t troubles, Time now);
 
  private:
   int state_ = -1;
   std::string words_;
-  std::int64_t refused_ = 0;
-  Time next_{}, next_words_{}, next_refused_{};
+  std::int64_t troubles_ = 0;
+  Time next_{}, next_words_{}, next_troubles_{};
 };
 
 }  // namespace lcmslam

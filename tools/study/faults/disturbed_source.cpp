@@ -38,7 +38,13 @@ bool DisturbedSource::publish_until(double elapsed, const Fault* active) {
     const Utime utime = event_utime(*next_);
     if (!start_) start_ = utime;
     if (1e-6 * static_cast<double>(utime - *start_) > elapsed) return true;
-    if (utime - calibrated_ >= 1'000'000) publish_calibration(utime);
+    newest_ = utime;
+    const bool is_gone = utime < gone_until_ && !std::holds_alternative<GroundTruth>(*next_);
+    if (is_gone) {
+      next_.reset();
+      continue;
+    }
+    if (utime >= gone_until_ && utime - calibrated_ >= 1'000'000) publish_calibration(utime);
     publish(std::move(*next_), active);
     next_.reset();
   }
@@ -47,7 +53,7 @@ bool DisturbedSource::publish_until(double elapsed, const Fault* active) {
 void DisturbedSource::publish_calibration(Utime utime) {
   camera_calibration_t message = to_message(source_.calibration());
   message.utime = utime + jump_;
-  publisher_.publish("CAMERA_CALIBRATION", message);
+  publisher_->publish("CAMERA_CALIBRATION", message);
   calibrated_ = utime;
 }
 
@@ -73,7 +79,7 @@ void DisturbedSource::publish_wheels(Encoders encoders, const Fault* active) {
   wheels_utime_ = encoders.utime;
   encoders.utime += jump_;
   for (Wheel& wheel : encoders.wheels) wheel.angle += slipped_;
-  publish_event(publisher_, encoders);
+  publish_event(*publisher_, encoders);
 }
 
 Trajectory DisturbedSource::truth() const {
@@ -89,20 +95,27 @@ void DisturbedSource::publish_frame(const EncodedFrame& frame, const Fault* acti
     if (waiting_.size() < 5) return;
   }
   for (; !waiting_.empty(); waiting_.pop_front()) {
-    publish_event(publisher_, waiting_.front());
+    publish_event(*publisher_, waiting_.front());
     if (waiting_.front().utime == frame.utime) return waiting_.clear();
   }
-  publish_event(publisher_, is(active, FaultKind::black) ? covered(frame) : frame);
-  if (is(active, FaultKind::doubled)) publish_event(publisher_, frame);
+  publish_event(*publisher_, is(active, FaultKind::black) ? covered(frame) : frame);
+  if (is(active, FaultKind::doubled)) publish_event(*publisher_, frame);
   if (is(active, FaultKind::other_camera))
     publish_event(stranger_, shifted(*first_, frame.utime - first_->utime));
 }
 
 void DisturbedSource::begin(const Fault& fault) {
   if (!last_) return;
-  if (fault.kind == FaultKind::stamp_ahead) publish_event(publisher_, shifted(*last_, 10'000'000));
+  if (fault.kind == FaultKind::stamp_ahead) publish_event(*publisher_, shifted(*last_, 10'000'000));
   if (fault.kind == FaultKind::clock_jump) jump_ += 100'000'000;
-  if (fault.kind == FaultKind::stamp_zero) publish_event(publisher_, shifted(*last_, -last_->utime));
+  if (fault.kind == FaultKind::stamp_zero) publish_event(*publisher_, shifted(*last_, -last_->utime));
+}
+
+void DisturbedSource::restart(Publisher& publisher, double seconds) {
+  publisher_ = &publisher;
+  gone_until_ = newest_ + static_cast<Utime>(1e6 * seconds);
+  waiting_.clear();
+  calibrate();
 }
 
 }  // namespace lcmslam

@@ -17,7 +17,7 @@ class DisturbedSource {
  public:
   /// `stranger` is another sender on the same bus.
   DisturbedSource(CameraSource& source, Publisher& publisher, Publisher& stranger)
-      : source_(source), publisher_(publisher), stranger_(stranger) {}
+      : source_(source), publisher_(&publisher), stranger_(stranger) {}
 
   /// Publishes what is due `elapsed` s after the beginning; `active`: the fault that is under way. False at
   /// the end of the source.
@@ -26,6 +26,9 @@ class DisturbedSource {
   void calibrate() { calibrated_ = 0; }
   /// At the moment when a fault begins: what happens once.
   void begin(const Fault& fault);
+  /// The camera's process is killed and another one takes its place, as another sender, so many s later. What
+  /// is measured until then is lost, wheels too: the simulated camera tells both.
+  void restart(Publisher& publisher, double seconds);
 
   /// Time of the first event, once it is published.
   const std::optional<Utime>& begun() const { return start_; }
@@ -40,10 +43,11 @@ class DisturbedSource {
   void publish_calibration(Utime utime);
 
   CameraSource& source_;
-  Publisher& publisher_;
+  Publisher* publisher_;
   Publisher& stranger_;
   std::optional<CameraEvent> next_;
   std::optional<Utime> start_;
+  Utime newest_ = 0, gone_until_ = 0;  // of what was measured
   Utime calibrated_ = 0;
   std::deque<EncodedFrame> waiting_;  // of a camera that is late
   std::optional<EncodedFrame> first_, last_;

@@ -28,6 +28,7 @@ constexpr KindFacts kinds[] = {{FaultKind::stamp_ahead, "stamp ahead", 0},
                                {FaultKind::clock_jump, "clock jump", 0}};
 
 constexpr const char* processes[] = {"fastslam", "icp", "surf", "odometry", "map-server"};
+constexpr const char* all_processes[] = {"fastslam", "icp", "surf", "odometry", "map-server", "camera"};
 
 }  // namespace
 
@@ -59,8 +60,8 @@ std::vector<Fault> kill_schedule(std::uint64_t seed, double seconds, double apar
   std::vector<Fault> faults;
   Random random(seed);
   for (double at = apart; at + apart <= seconds; at += apart) {
-    const auto process = static_cast<std::size_t>(random.uniform(0, std::size(processes)));
-    faults.push_back({FaultKind::killed, at + random.uniform(-2, 2), 0, processes[process]});
+    const auto process = static_cast<std::size_t>(random.uniform(0, std::size(all_processes)));
+    faults.push_back({FaultKind::killed, at + random.uniform(-2, 2), 0, all_processes[process]});
   }
   return faults;
 }

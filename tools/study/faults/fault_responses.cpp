@@ -11,13 +11,9 @@ namespace {
 constexpr double near = 0.1;    // m
 constexpr double settled = 2;   // s after a mapper is right again
 constexpr double patience = 3;  // s after the fault in which it may be told
-const std::set<std::string> told_values = {"stamps_refused",
-                                           "of_other_senders",
-                                           "store_failures",
-                                           "malformed_frames",
-                                           "commands_refused",
-                                           "degraded",
-                                           "lost"};
+const std::set<std::string> told_values = {
+    "stamps_refused",   "of_other_senders", "store_failures", "malformed_frames",
+    "commands_refused", "degraded",         "starved",        "lost"};
 
 double value_of(const status_t& status, const std::string& name) {
   for (const auto& value : status.values)

@@ -29,7 +29,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double limit = 0.15;  // m off is no tracking
+constexpr double limit = 0.15;          // m off is no tracking
+constexpr double camera_restart = 0.5;  // s until a camera's next process has its first image
 constexpr std::chrono::seconds longest_start{60}, longest_export{20}, last_frames{3};
 
 double seconds_since(Clock::time_point start) {
@@ -63,7 +64,8 @@ class FaultRun {
         publisher_(bus_.lcm(), draw_sender(), largest_whole_message(settings.lcm_url)),
         other_(bus_.lcm(), draw_sender(), largest_whole_message(settings.lcm_url)),
         stranger_(bus_.lcm(), settings.seed),
-        source_(source, publisher_, other_) {
+        camera_(make_publisher()),
+        source_(source, *camera_, other_) {
     subscribe();
     receiver_.emplace(bus_, inputs_);
   }
@@ -175,7 +177,10 @@ class FaultRun {
     }
     active_ = fault;
     source_.begin(fault);
-    if (fault.kind == FaultKind::killed) signal_process(SIGKILL);
+    if (fault.kind == FaultKind::killed && fault.process == "camera")
+      kill_camera();
+    else if (fault.kind == FaultKind::killed)
+      signal_process(SIGKILL);
     if (fault.kind == FaultKind::paused) signal_process(SIGSTOP);
     if (fault.kind == FaultKind::disk_full) ballast_.emplace(settings_.folder, map_file());
     if (fault.kind == FaultKind::busy) busy_.emplace();
@@ -190,6 +195,17 @@ class FaultRun {
   }
 
   std::filesystem::path map_file() const { return settings_.folder / "map.lcmslam"; }
+
+  std::unique_ptr<LcmPublisher> make_publisher() {
+    return std::make_unique<LcmPublisher>(bus_.lcm(), draw_sender(),
+                                          largest_whole_message(settings_.lcm_url));
+  }
+
+  void kill_camera() {
+    auto next = make_publisher();
+    source_.restart(*next, camera_restart);
+    camera_ = std::move(next);
+  }
 
   void signal_process(int signal) {
     for (const Supervisor::State& state : supervisor_.processes())
@@ -214,6 +230,7 @@ class FaultRun {
     const Trajectory truth = source_.truth();
     result_.record.fastslam = fastslam_.held(truth, undisturbed);
     result_.record.icp = icp_.held(truth, undisturbed);
+    result_.begun = source_.begun().value_or(0);
     result_.map = judge_kept_map(map_file(), told_, truth, source_.T_robot_camera());
     for (const auto& [watch, outcome, map] : {std::tuple(&fastslam_, &result_.fastslam, "fastslam_map.pcd"),
                                               std::tuple(&icp_, &result_.icp, "icp_map.pcd")}) {
@@ -238,6 +255,7 @@ class FaultRun {
   LcmBus bus_;
   LcmPublisher publisher_, other_;
   Stranger stranger_;
+  std::unique_ptr<LcmPublisher> camera_;
   DisturbedSource source_;
   Inputs inputs_;
   std::optional<Receiver> receiver_;

@@ -39,6 +39,7 @@ struct MapperOutcome {
 
 struct FaultRunResult {
   MapperOutcome fastslam, icp;
+  Utime begun = 0;                  ///< time of the first event
   KeptMap map;                      ///< in the map's file at the end
   std::vector<double> memory;       ///< bytes resident of all processes, a minute each: the largest
   double stop_seconds = 0;          ///< from the request to stop to the end of the last process

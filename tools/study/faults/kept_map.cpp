@@ -23,8 +23,7 @@ double rmse(const Trajectory& truth, Trajectory estimate) {
 }
 
 /// s between two neighbours, at most.
-double longest_gap(std::vector<Utime> times) {
-  std::sort(times.begin(), times.end());
+double longest_gap(const std::vector<Utime>& times) {
   Utime gap = 0;
   for (std::size_t i = 1; i < times.size(); ++i) gap = std::max(gap, times[i] - times[i - 1]);
   return 1e-6 * static_cast<double>(gap);
@@ -85,11 +84,11 @@ KeptMap judge_kept_map(const std::filesystem::path& file, const ToldMaps& told, 
   KeptMap kept;
   MapFile map(file);
   std::set<std::pair<ToldMaps::Key, std::int64_t>> stored_landmarks;
-  std::map<std::string, std::vector<Utime>> poses;
   std::set<std::pair<ToldMaps::Key, std::int32_t>> stored;
   Trajectory placed;
   for (const StoredSession& session : map.sessions()) {
-    for (const StoredPose& pose : map.trajectory(session.id)) poses[session.mapper].push_back(pose.utime);
+    auto& poses = session.mapper == "fastslam" ? kept.fastslam_poses : kept.icp_poses;
+    for (const StoredPose& pose : map.trajectory(session.id)) poses.push_back(pose.utime);
     if (session.mapper == "fastslam")
       for (const Landmark& landmark : map.landmarks(session.id))
         stored_landmarks.insert({{session.sender, session.frame}, landmark.id});
@@ -110,8 +109,9 @@ KeptMap judge_kept_map(const std::filesystem::path& file, const ToldMaps& told, 
   for (const auto& [session, landmarks] : told.landmarks())
     for (const Landmark& landmark : landmarks.landmarks())
       kept.landmarks.add(stored_landmarks.count({session, landmark.id}) > 0, !landmarks.incomplete());
-  kept.fastslam_gap = longest_gap(poses["fastslam"]);
-  kept.icp_gap = longest_gap(poses["icp"]);
+  for (auto* poses : {&kept.fastslam_poses, &kept.icp_poses}) std::sort(poses->begin(), poses->end());
+  kept.fastslam_gap = longest_gap(kept.fastslam_poses);
+  kept.icp_gap = longest_gap(kept.icp_poses);
   kept.placed = static_cast<int>(placed.size());
   kept.error = rmse(truth, placed);
   return kept;

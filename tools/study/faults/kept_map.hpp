@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <lcmslam/evaluation/trajectory.hpp>
 #include <lcmslam/landmarks_t.hpp>
@@ -54,7 +55,8 @@ struct KeptMap {
   KeptCount keyframes, landmarks;
   /// s of the drive for which the file has no pose of the mapper, in whichever session: the longest.
   double fastslam_gap = 0, icp_gap = 0;
-  int placed = 0;    ///< keyframes of joined sessions
+  std::vector<Utime> fastslam_poses, icp_poses;  ///< ascending
+  int placed = 0;                                ///< keyframes of joined sessions
   double error = 0;  ///< m, RMSE of where their cameras' robot stands in the map, after the best alignment;
                      ///< NaN without any
 };

@@ -32,27 +32,47 @@ std::unique_ptr<CameraSource> open_laps(const FaultsStudySettings& study) {
   return make_simulation_source(settings);
 }
 
-/// s without a pose, the longest in [from, to) of the run.
-double silence(const std::vector<MapperWatch::Held>& poses, double from, double to) {
+/// s without any of these times, the longest in [from, to).
+double silence(const std::vector<double>& times, double from, double to) {
   double longest = 0, last = from;
-  for (const auto& pose : poses) {
-    if (pose.at < from || pose.at >= to) continue;
-    longest = std::max(longest, pose.at - last);
-    last = pose.at;
+  for (const double at : times) {
+    if (at < from || at >= to) continue;
+    longest = std::max(longest, at - last);
+    last = at;
   }
   return std::max(longest, to - last);
+}
+
+std::vector<double> told_at(const std::vector<MapperWatch::Held>& poses) {
+  std::vector<double> times;
+  for (const auto& pose : poses) times.push_back(pose.at);
+  return times;
+}
+
+/// s after the drive's begin.
+std::vector<double> measured_at(const std::vector<Utime>& poses, Utime begun) {
+  std::vector<double> times;
+  for (const Utime utime : poses) times.push_back(1e-6 * static_cast<double>(utime - begun));
+  return times;
 }
 
 /// What each kill did until the next one.
 nlohmann::json kills_json(const FaultsStudyRun& run) {
   nlohmann::json kills = nlohmann::json::array();
   const RunRecord& record = run.result.record;
+  const KeptMap& map = run.result.map;
+  const auto fastslam = told_at(record.fastslam), icp = told_at(record.icp);
+  const auto fastslam_kept = measured_at(map.fastslam_poses, run.result.begun);
+  const auto icp_kept = measured_at(map.icp_poses, run.result.begun);
   for (const FaultResponse& response : fault_responses(run.faults, record, {record})) {
     const double from = response.fault.at, to = from + apart - 4;  // kills are up to 4 s nearer
     nlohmann::json kill = {{"process", response.fault.process},
                            {"at_s", from},
-                           {"fastslam_silent_s", silence(record.fastslam, from, to)},
-                           {"icp_silent_s", silence(record.icp, from, to)}};
+                           {"fastslam_silent_s", silence(fastslam, from, to)},
+                           {"icp_silent_s", silence(icp, from, to)},
+                           // What waited to be written is lost with the map server: a second before, too.
+                           {"fastslam_not_kept_s", silence(fastslam_kept, from - 1, to)},
+                           {"icp_not_kept_s", silence(icp_kept, from - 1, to)}};
     if (response.told) kill["told_s"] = *response.told;
     if (response.fastslam.found) kill["fastslam_right_s"] = *response.fastslam.found;
     if (response.icp.found) kill["icp_right_s"] = *response.icp.found;
@@ -125,8 +145,9 @@ std::string median_and_most(std::vector<double> values) {
 
 /// Of each process that was killed.
 std::string processes_table(const nlohmann::json& kills) {
-  const std::vector<std::string> figures = {"told_s", "fastslam_silent_s", "icp_silent_s", "fastslam_right_s",
-                                            "icp_right_s"};
+  const std::vector<std::string> figures = {"told_s",           "fastslam_silent_s", "icp_silent_s",
+                                            "fastslam_right_s", "icp_right_s",       "fastslam_not_kept_s",
+                                            "icp_not_kept_s"};
   std::map<std::string, std::map<std::string, std::vector<double>>> values;
   std::map<std::string, int> counts;
   for (const auto& kill : kills) {
@@ -136,7 +157,7 @@ std::string processes_table(const nlohmann::json& kills) {
       if (kill.contains(figure)) values[process][figure].push_back(kill[figure]);
   }
   Table table({"killed", "times", "told after s", "fastslam silent s", "icp silent s",
-               "fastslam right after s", "icp right after s"});
+               "fastslam right after s", "icp right after s", "fastslam not kept s", "icp not kept s"});
   for (auto& [process, of] : values)
     table.add({process, std::to_string(counts[process]), median_and_most(of["told_s"]),
                median_and_most(of["fastslam_silent_s"]), median_and_most(of["icp_silent_s"]),
