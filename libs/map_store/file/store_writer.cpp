@@ -6,7 +6,7 @@ namespace lcmslam {
 namespace {
 
 // So that, with the time that a commit takes, at most a second is lost when the process is killed.
-constexpr std::chrono::milliseconds commit_period(250);
+constexpr std::chrono::milliseconds commit_period(100);
 constexpr std::chrono::milliseconds retry_period(1000);
 
 }  // namespace
