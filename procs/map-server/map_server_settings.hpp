@@ -14,7 +14,7 @@ struct MapServerSettings {
   std::string mode = "map";
   std::filesystem::path map;
   double resolution = 0.02;
-  double snapshot_period = 20;
+  double snapshot_period = 60;
   int export_folders = 20;
   int max_sessions = 16;
   int max_landmarks = 300'000;
