@@ -29,23 +29,38 @@ void Outbox::put(const std::string& channel, std::int64_t sender, Bytes bytes, T
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = index_.find(channel);
   if (found == index_.end()) return;
-  auto& slots = channels_[found->second].slots;
-  if (slots.count(sender) == 0 && slots.size() >= most_senders) {  // those of processes that are no more
-    const auto oldest = std::min_element(slots.begin(), slots.end(), [](const auto& a, const auto& b) {
-      return a.second.last < b.second.last;
-    });
-    slots.erase(oldest);
-  }
-  Slot& slot = slots[sender];
-  slot.waiting.push_back({std::make_shared<const Bytes>(std::move(bytes)), now});
-  slot.last = now;
-  if (slot.waiting.size() > (channels_[found->second].rule.rate > 0 ? 1 : most_in_a_row)) {
+  Channel& to = channels_[found->second];
+  Slot& slot = slot_of(to, sender, now);
+  slot.waiting.push_back({channel, std::make_shared<const Bytes>(std::move(bytes)), now});
+  if (slot.waiting.size() > (to.rule.rate > 0 ? 1 : most_in_a_row)) {
     slot.waiting.pop_front();
     ++counts_.replaced;
   }
 }
 
-void Outbox::keep(const std::string& channel, const std::string& group, std::vector<Piece> pieces) {
+void Outbox::put(const std::string& channel, std::int64_t sender, std::vector<Piece> pieces, Time now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = index_.find(channel);
+  if (found == index_.end()) return;
+  Slot& slot = slot_of(channels_[found->second], sender, now);
+  slot.waiting.clear();
+  for (Piece& piece : pieces)
+    slot.waiting.push_back({piece.name, std::make_shared<const Bytes>(std::move(piece.bytes)), now});
+}
+
+/// In the place of a process that is no more, where there are many.
+Outbox::Slot& Outbox::slot_of(Channel& channel, std::int64_t sender, Time now) {
+  auto& slots = channel.slots;
+  if (slots.count(sender) == 0 && slots.size() >= most_senders)
+    slots.erase(std::min_element(slots.begin(), slots.end(),
+                                 [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
+  Slot& slot = slots[sender];
+  slot.last = now;
+  return slot;
+}
+
+void Outbox::keep(const std::string& channel, const std::string& group, std::vector<Piece> pieces,
+                  std::int64_t version) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = index_.find(channel);
   if (found == index_.end()) return;
@@ -56,7 +71,14 @@ void Outbox::keep(const std::string& channel, const std::string& group, std::vec
     keep_one(found->second, whole_group, piece.name, std::move(piece.bytes));
   }
   for (const std::string& name : former) keep_one(found->second, whole_group, name, {});
+  versions_[whole_group] = version;
   make_room();
+}
+
+bool Outbox::holds(const std::string& channel, const std::string& group, std::int64_t version) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = versions_.find(channel + "/" + group);
+  return version != 0 && found != versions_.end() && found->second == version;
 }
 
 void Outbox::forget(const std::string& channel, const std::string& groups) {
@@ -66,6 +88,7 @@ void Outbox::forget(const std::string& channel, const std::string& groups) {
   const std::string begin = channel + "/" + groups;
   for (auto group = groups_.lower_bound(begin); group != groups_.end(); ++group) {
     if (group->first.compare(0, begin.size(), begin) != 0) break;
+    versions_.erase(group->first);
     for (const std::string& name : group->second)
       if (!kept_.at(name).bytes->empty()) keep_one(found->second, group->first, name, {});
   }
@@ -111,6 +134,7 @@ void Outbox::make_room() {
     const auto found = kept_.find(name);
     drop(found->second);
     groups_[found->second.group].erase(name);
+    versions_.erase(found->second.group);
     kept_.erase(found);
     ++counts_.evicted;
   }
@@ -197,37 +221,61 @@ bool Outbox::affords(std::size_t bytes, Time now) {
 std::optional<Outgoing> Outbox::next(Time now) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!connected_) return std::nullopt;
-  bool full = false;  // somebody waits for the window: only what goes beside it may pass
+  if (auto out = next_beside(now)) return out;
+  std::size_t least = channels_.size();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    Channel& channel = channels_[i];
-    for (auto& [sender, slot] : channel.slots) {
+    const bool waits = due_slot(channels_[i], now) != nullptr || (decided_ && !channels_[i].waiting.empty());
+    if (waits && (least == channels_.size() || served(i) < served(least))) least = i;
+  }
+  if (least == channels_.size()) return std::nullopt;
+  Channel& channel = channels_[least];
+  Slot* slot = due_slot(channel, now);
+  const std::uint64_t number = slot == nullptr ? next_kept(channel) : 0;
+  const std::size_t bytes = slot != nullptr ? slot->waiting.front().bytes->size()
+                                            : kept_.at(channel.waiting.at(number)).bytes->size();
+  if (!affords(bytes, now) || !window_.admits(bytes + overhead)) return std::nullopt;
+  shared_ = served(least);
+  channel.served = shared_ + bytes + overhead;
+  return slot != nullptr ? send_measurement(least, *slot, false, now) : send_kept(least, number, now);
+}
+
+/// What is small and goes at a rate.
+std::optional<Outgoing> Outbox::next_beside(Time now) {
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (channels_[i].rule.rate <= 0) continue;
+    for (auto& [sender, slot] : channels_[i].slots) {
       if (slot.waiting.empty() || slot.due > now) continue;
       const std::size_t bytes = slot.waiting.front().bytes->size();
+      if (!window_.admits_beside(bytes + overhead)) continue;
       if (!affords(bytes, now)) return std::nullopt;
-      const bool beside = channel.rule.rate > 0 && window_.admits_beside(bytes + overhead);
-      if (beside || (!full && window_.admits(bytes + overhead)))
-        return send_measurement(i, slot, beside, now);
-      full = true;
+      return send_measurement(i, slot, true, now);
     }
-    if (full || !decided_ || channel.waiting.empty()) continue;
-    const std::uint64_t number = next_kept(channel);
-    const std::size_t bytes = kept_.at(channel.waiting.at(number)).bytes->size();
-    if (!affords(bytes, now)) return std::nullopt;
-    if (window_.admits(bytes + overhead)) return send_kept(i, number, now);
-    full = true;
   }
   return std::nullopt;
+}
+
+Outbox::Slot* Outbox::due_slot(Channel& channel, Time now) {
+  for (auto& [sender, slot] : channel.slots)
+    if (!slot.waiting.empty() && slot.due <= now) return &slot;
+  return nullptr;
+}
+
+/// Who did not wait for a while has no claim to what others had meanwhile.
+std::uint64_t Outbox::served(std::size_t channel) const {
+  return std::max(channels_[channel].served, shared_);
 }
 
 Outgoing Outbox::send_measurement(std::size_t channel, Slot& slot, bool beside, Time now) {
   const double wait = period(channels_[channel]);
   const Measurement measurement = slot.waiting.front();
   slot.waiting.pop_front();
-  const Outgoing out{++last_ticket_, channels_[channel].rule.channel, measurement.bytes, false,
-                     slot.sent++,    std::max(1.0, 2 * wait)};
+  const Outgoing out{++last_ticket_, measurement.name, measurement.bytes,
+                     false,          slot.sent++,      std::max(1.0, 2 * wait)};
   under_way_[out.ticket] = {channel, out.bytes->size() + overhead, {}, 0, measurement.put, now, beside};
-  const bool in_time = now - slot.due < seconds(wait);  // a little late: on average at its rate
-  slot.due = (in_time ? slot.due : now) + seconds(wait);
+  if (slot.waiting.empty()) {
+    const bool in_time = now - slot.due < seconds(wait);  // a little late: on average at its rate
+    slot.due = (in_time ? slot.due : now) + seconds(wait);
+  }
   ++channels_[channel].under_way;
   window_.sent(out.bytes->size() + overhead, beside);
   bucket_.take(static_cast<double>(out.bytes->size() + overhead), now);

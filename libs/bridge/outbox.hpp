@@ -8,10 +8,11 @@
 // the one that had that name before, and is held until the broker has it, and after that for the case that
 // the broker forgets it.
 //
-// Channels go in the order of the rules, within a channel the newest group first (but what was begun is
-// finished: who puts pieces together need not hold many), and only as much is under way as
-// the link carries (LinkWindow). Small measurements go beside that and wait for nobody, whatever stands
-// before them: a STATUS that waits for room makes no pose late.
+// Small measurements go in the order of the rules and wait for nobody, beside what the link carries
+// (LinkWindow): a STATUS that waits for room makes no pose late. What is large shares the link: the channel
+// that has had the least of it goes next (start-time fair queueing, Goyal, Vin and Cheng 1996), so that
+// landmarks that change all the time leave room for keyframes. Within a channel the newest group goes first,
+// but what was begun is finished: who puts pieces together need not hold many.
 //
 // What the broker has: each kept message has a number, and mark() is the number up to which the broker
 // acknowledged all. The bridge stores the mark on the broker behind what it speaks of. A broker that comes
@@ -71,8 +72,15 @@ class Outbox {
     std::string name;  ///< begins with its channel
     Bytes bytes;
   };
+  /// The same in pieces, so that a large one holds up nothing. They go one after the other.
+  void put(const std::string& channel, std::int64_t sender, std::vector<Piece> pieces, Time now);
+
   /// Kept messages that together replace what the group had before: all pieces of a keyframe's tile, say.
-  void keep(const std::string& channel, const std::string& group, std::vector<Piece> pieces);
+  /// `version` names what they say, for holds(); 0: nothing does.
+  void keep(const std::string& channel, const std::string& group, std::vector<Piece> pieces,
+            std::int64_t version = 0);
+  /// The whole group is here in this version: to keep the same anew would only send it again.
+  bool holds(const std::string& channel, const std::string& group, std::int64_t version) const;
   /// The groups that begin so are no more; the broker is told.
   void forget(const std::string& channel, const std::string& groups);
 
@@ -101,6 +109,7 @@ class Outbox {
 
  private:
   struct Measurement {
+    std::string name;
     std::shared_ptr<const Bytes> bytes;
     Time put{};
   };
@@ -122,6 +131,7 @@ class Outbox {
     std::map<std::uint64_t, std::string> waiting;  // names of kept messages, by number
     std::size_t under_way = 0;                     // messages
     std::string begun;                             // group of which a piece went last
+    std::uint64_t served = 0;                      // bytes of the shared link up to which it had its part
   };
   struct UnderWay {
     std::size_t channel = 0, bytes = 0;
@@ -132,11 +142,15 @@ class Outbox {
   };
 
   double period(const Channel& channel) const { return channel.rule.rate > 0 ? 1 / channel.rule.rate : 0; }
+  Slot& slot_of(Channel& channel, std::int64_t sender, Time now);
   void keep_one(std::size_t channel, const std::string& group, const std::string& name, Bytes bytes);
   void drop(const Kept& kept);
   void make_room();
   bool affords(std::size_t bytes, Time now);
   Outgoing send_measurement(std::size_t channel, Slot& slot, bool beside, Time now);
+  std::optional<Outgoing> next_beside(Time now);
+  static Slot* due_slot(Channel& channel, Time now);
+  std::uint64_t served(std::size_t channel) const;
   std::uint64_t next_kept(const Channel& channel) const;
   Outgoing send_kept(std::size_t channel, std::uint64_t number, Time now);
 
@@ -146,12 +160,14 @@ class Outbox {
   std::map<std::string, std::size_t> index_;             // of channels
   std::map<std::string, Kept> kept_;                     // by name
   std::map<std::string, std::set<std::string>> groups_;  // names, by channel/group
+  std::map<std::string, std::int64_t> versions_;         // of whole groups, by channel/group
   std::set<std::uint64_t> unstored_;                     // numbers that the broker has not
   std::map<std::uint64_t, std::string> stored_;          // names, by number
   std::map<std::uint64_t, UnderWay> under_way_;          // by ticket
   LinkWindow window_;
   TokenBucket bucket_;
   std::uint64_t last_ticket_ = 0, last_number_ = 0, evicted_up_to_ = 0;
+  std::uint64_t shared_ = 0;  // bytes that a channel which always waits has had
   std::int64_t connections_ = 0;
   bool connected_ = false, decided_ = false, lacks_ = false;
   OutboxCounts counts_;

@@ -97,7 +97,10 @@ void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
   motion_.observe(prepared.frame.utime, step.T_world_robot, false);
   if (static_cast<int>(prepared.cloud.size()) < settings_.min_points) return;
   if (settings_.prior.planar)
-    graph_.set_ground(GroundConstraint{prepared.frame.T_robot_camera.inverse(), settings_.prior.ground, {}});
+    graph_.set_ground(GroundConstraint{prepared.frame.T_robot_camera.inverse(),
+                                       settings_.prior.ground,
+                                       {},
+                                       settings_.mount_error.sigmas(prepared.frame.T_robot_camera)});
   step.quality = 1;
   step.status = MappingStatus::tracking;
   add_node(prepared, true, step);
@@ -173,12 +176,14 @@ bool DenseMapper::is_found(const Tracked& tracked) {
 // would that it may become, and so does the head's place on the robot.
 void DenseMapper::tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step& step) const {
   const KeyframeGraph::Node& newest = graph_.nodes().back();
-  const Eigen::Isometry3d T_node_robot = newest.T_world_camera.inverse() * step.T_world_robot;
-  const Matrix6d A = adjoint(T_node_robot.inverse());
-  const Eigen::Isometry3d T_world_first = graph_.nodes().front().T_world_camera * T_robot_camera.inverse();
+  const Eigen::Isometry3d T_world_camera = step.T_world_robot * T_robot_camera;
+  const PoseError error =
+      carried_along(newest.error, {newest.T_world_camera.inverse() * T_world_camera, Matrix6d::Zero()});
+  const Matrix6d A = adjoint(T_robot_camera);
   step.map_covariance =
-      A * newest.covariance * A.transpose() +
-      mount_error(T_world_first.inverse() * step.T_world_robot, T_robot_camera, settings_.mount_error);
+      A * error.own * A.transpose() +
+      mount_error(graph_.nodes().front().T_world_camera.inverse() * T_world_camera, T_robot_camera,
+                  settings_.mount_error.sigmas(T_robot_camera), error.by_mount);
   // A new node's own covariance has its registration in it.
   if (step.node) return;
   step.map_covariance += step.status == MappingStatus::tracking

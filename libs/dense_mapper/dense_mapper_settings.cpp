@@ -55,6 +55,8 @@ void DenseMapperSettings::describe(SettingsVisitor& s) {
   s.section("features", features, "where the SURF features of a frame place the robot");
   s.section("mount_error", mount_error,
             "what the told covariance of a pose holds for the head's place on the robot");
+  s.number("stamp_sigma", stamp_sigma, "s", {0, 1},
+           "of all images' stamps alike: how far the robot moves meanwhile is part of a pose's covariance");
   s.section("depth_clock", depth_clock, "by how much the depth image's stamps are off");
   s.section("graph", graph, "the keyframes' pose graph");
   s.section("prior", prior, "what is known before a frame is registered");

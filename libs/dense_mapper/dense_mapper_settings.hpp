@@ -6,10 +6,10 @@
 #include <lcmslam/dense_mapper/free_space.hpp>
 #include <lcmslam/dense_mapper/map_target.hpp>
 #include <lcmslam/dense_mapper/motion_prior.hpp>
-#include <lcmslam/dense_mapper/mount_error.hpp>
 #include <lcmslam/dense_mapper/thesis/thesis_settings.hpp>
 #include <lcmslam/dense_mapper/voxel_map.hpp>
 #include <lcmslam/pose_graph/keyframe_graph.hpp>
+#include <lcmslam/pose_graph/mount_error.hpp>
 #include <lcmslam/registration/registration.hpp>
 #include <lcmslam/rgbd/colour_overlap.hpp>
 #include <lcmslam/rgbd/depth_clock.hpp>
@@ -26,6 +26,7 @@ struct DenseMapperSettings {
   KeyframeGraphSettings graph;
   FreeSpaceSettings free_space;
   MountErrorSettings mount_error;
+  double stamp_sigma = 0.001;
 
   // registration: a coarse pass over few points from far, then a fine one
   double voxel_size = 0.04;

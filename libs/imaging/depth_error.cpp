@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <lcmslam/parallel/instruction_set.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -17,6 +19,20 @@ void wrong_depth_error(const char* name, double is, const char* right) {
   std::ostringstream message;
   message << "depth_error." << name << " is " << is << ": " << right;
   throw std::invalid_argument(message.str());
+}
+
+/// 1 / z less `tilt` (1/mm).
+inline float levelled(float measured, float tilt) {
+  return measured / std::max(least_factor, 1 - measured * tilt);
+}
+
+/// Of a row; 0 stays 0.
+LCMSLAM_VECTORISED(level_row, (std::uint16_t* __restrict z, const float* __restrict tilt, int n),
+                   (z, tilt, n)) {
+  for (int u = 0; u < n; ++u) {
+    const float level = levelled(static_cast<float>(z[u]), tilt[u]);
+    z[u] = static_cast<std::uint16_t>(std::min(static_cast<int>(level + 0.5F), largest_depth));
+  }
 }
 
 }  // namespace
@@ -57,6 +73,7 @@ DepthCorrector::DepthCorrector(const CameraModel& camera, const DepthError& erro
       stretch_.at<float>(v, u) = static_cast<float>(ray.norm());
       tilt_.at<float>(v, u) = static_cast<float>(1e-3 * (error.tilt_x * ray.x() + error.tilt_y * ray.y()));
     }
+  if (!error.has_range_error()) return;
   const auto entries = static_cast<std::size_t>(farthest_range / static_cast<double>(table_step)) + 2;
   factors_.reserve(entries);
   factors_.push_back(1);
@@ -70,15 +87,18 @@ void DepthCorrector::operator()(cv::Mat& depth) const {
   if (depth.type() != CV_16UC1 || depth.size() != stretch_.size())
     throw std::invalid_argument(
         "a depth image to be corrected must be 16 bit of one channel, of the camera's size");
-  const auto last = static_cast<float>(factors_.size() - 2);
+  const auto last = static_cast<float>(factors_.size()) - 2;
   for (int v = 0; v < depth.rows; ++v) {
     auto* z = depth.ptr<std::uint16_t>(v);
     const auto* stretch = stretch_.ptr<float>(v);
     const auto* tilt = tilt_.ptr<float>(v);
+    if (factors_.empty()) {
+      level_row(z, tilt, depth.cols);
+      continue;
+    }
     for (int u = 0; u < depth.cols; ++u) {
       if (z[u] == 0) continue;
-      const auto measured = static_cast<float>(z[u]);
-      const float level = measured / std::max(least_factor, 1 - measured * tilt[u]);
+      const float level = levelled(static_cast<float>(z[u]), tilt[u]);
       const float at = std::min(0.001F * level * stretch[u] / table_step, last);
       const auto i = static_cast<std::size_t>(at);
       const float factor = factors_[i] + (at - static_cast<float>(i)) * (factors_[i + 1] - factors_[i]);

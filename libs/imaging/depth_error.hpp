@@ -48,9 +48,10 @@ class DepthCorrector {
   void operator()(cv::Mat& depth) const;
 
  private:
-  cv::Mat stretch_;             // CV_32FC1: range over depth, of each pixel
-  cv::Mat tilt_;                // CV_32FC1, 1/mm: what inverse depth is off by, of each pixel
-  std::vector<float> factors_;  // true over measured range, by the measured one in steps
+  cv::Mat stretch_;  // CV_32FC1: range over depth, of each pixel
+  cv::Mat tilt_;     // CV_32FC1, 1/mm: what inverse depth is off by, of each pixel
+  std::vector<float>
+      factors_;  // true over measured range, by the measured one in steps; none: the tilt is all
 };
 
 }  // namespace lcmslam

@@ -246,6 +246,22 @@ EncodedFrame from_message(const images_t& message) {
   return frame;
 }
 
+std::optional<EncodedFrame> picture_alone(const images_t& message) {
+  EncodedFrame frame;
+  frame.utime = message.utime;
+  frame.seq = origin(message).seq;
+  for (std::size_t i = 0; i < message.images.size(); ++i) {
+    const image_t& image = message.images[i];
+    if (message.image_types[i] == images_t::LEFT)
+      frame.colour = read_colour(image);
+    else if (image.size > 0)
+      return std::nullopt;
+  }
+  if (frame.colour.coding == ImageCoding::none) return std::nullopt;
+  if (frame.colour.utime == 0) frame.colour.utime = frame.utime;
+  return frame;
+}
+
 EncodedFrame checked_images(const images_t& message, const RgbdCalibration& calibration) {
   constexpr Utime longest_apart = 1'000'000;  // us between the images of one shot
   EncodedFrame encoded = from_message(message);

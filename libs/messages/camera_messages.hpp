@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/imaging/calibration.hpp>
@@ -14,6 +16,9 @@ images_t to_message(const EncodedFrame& frame);
 /// Accepts any images_t with a colour image (LEFT) and a depth image (DEPTH_MM or DEPTH_MM_ZIPPED); throws
 /// DecodeError for absurd sizes and unknown formats. The images' bytes are checked by the codec.
 EncodedFrame from_message(const images_t& message);
+/// A colour image that comes alone, as a bridge sends it; nothing where there is more, or no colour. Throws
+/// DecodeError for an image with wrong values.
+std::optional<EncodedFrame> picture_alone(const images_t& message);
 
 /// The same with the images decoded; throws DecodeError for bytes that are no such images, and for images
 /// that are not of the calibration's size. The depth image is without the calibration's depth_error.

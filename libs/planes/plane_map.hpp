@@ -15,7 +15,7 @@ enum class PlaneLabel { other, floor, table_top, ceiling, wall };
 /// normal, offset and covariance.
 struct PlanePatch {
   PlaneLabel label = PlaneLabel::other;
-  PlaneFit fit;  ///< map frame
+  PlaneFit fit;  ///< map frame; its variance holds what all points err by alike
   std::vector<Eigen::Vector3d>
       outline;      ///< m, in the plane, counter-clockwise as seen from the normal's side
   double area = 0;  ///< m^2 of what was seen

@@ -14,12 +14,11 @@ constexpr int least_width = 64;          // pixels; of smaller images hardly a p
 constexpr double knot_step = 0.25;       // m
 constexpr double samples_wanted = 6000;  // of an image
 constexpr double rim_share = 1.0 / 30;   // of the image's width
-constexpr Eigen::Index bins_a_knot = 3;
-constexpr double least_samples = 5;   // of a plane in a bin
-constexpr double least_slant = 0.1;   // of n . u: at a grazing view a plane says little of the range
-constexpr double most_sigma = 0.05;   // m, of depth
-constexpr double farthest_knot = 12;  // m
-constexpr double negligible = 2e-4;   // m
+constexpr int parts_across = 22;         // of an image
+constexpr double least_slant = 0.1;      // of n . u: at a grazing view a plane says little of the range
+constexpr double most_sigma = 0.05;      // m, of depth
+constexpr double farthest_knot = 12;     // m
+constexpr double negligible = 2e-4;      // m
 
 // `error` in mm, `fine` of its entries a mm of range.
 LCMSLAM_VECTORISED(correct_row,
@@ -82,11 +81,11 @@ RangeError::RangeError(const RgbdCalibration& calibration, const RangeErrorSetti
   if (settings_.enabled && rays_.cols >= least_width) planes_.emplace(calibration, large_planes());
   const double reach = std::min(farthest_knot, 1.3 * calibration.depth_max);  // to the image's corners
   const auto knots = static_cast<Eigen::Index>(std::ceil(reach / knot_step)) + 2;
-  covariance_ = smooth(noise_.constant, settings_.length, knots);
-  prior_ = covariance_.llt().solve(Eigen::MatrixXd::Identity(knots, knots));
+  known_.covariance = smooth(noise_.constant, settings_.length, knots);
+  known_.information = prior_ = known_.covariance.llt().solve(Eigen::MatrixXd::Identity(knots, knots));
   information_.setZero(knots, knots);
   told_.setZero(knots);
-  error_.setZero(knots);
+  known_.mean.setZero(knots);
 }
 
 void RangeError::learn(const cv::Mat& depth, Utime utime) {
@@ -97,9 +96,10 @@ void RangeError::learn(const cv::Mat& depth, Utime utime) {
   information_ *= 1 - 1 / settings_.memory;
   told_ *= 1 - 1 / settings_.memory;
   const FramePlanes found = (*planes_)(depth);
-  std::vector<std::vector<Sample>> samples(found.planes.size());
+  std::vector<std::vector<PlaneSample>> samples(found.planes.size());
   const int step = std::max(
       1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(depth.total()) / samples_wanted))));
+  const int side = (depth.cols + parts_across - 1) / parts_across;
   const int rim = std::max(2, static_cast<int>(rim_share * depth.cols));
   for (int v = rim; v < depth.rows - rim; v += step)
     for (int u = rim; u < depth.cols - rim; u += step) {
@@ -107,92 +107,67 @@ void RangeError::learn(const cv::Mat& depth, Utime utime) {
       if (label == 0 || !is_inside(found.labels, v, u, rim)) continue;
       const auto plane = static_cast<std::size_t>(label - 1);
       const double z = 1e-3 * depth.at<std::uint16_t>(v, u);
-      if (const auto sample = sample_of(found.planes[plane].fit, rays_(v, u), z))
+      const int cell = v / side * parts_across + u / side;
+      if (const auto sample = sample_of(found.planes[plane].fit, rays_(v, u), z, cell))
         samples[plane].push_back(*sample);
     }
-  for (const std::vector<Sample>& of_plane : samples) add_plane(of_plane);
+  for (const std::vector<PlaneSample>& of_plane : samples) add_plane(of_plane);
   solve();
 }
 
 // All is told at the range where the ray meets the plane, and not at the measured one: a point that noise
 // moves would be told apart by the noise.
-std::optional<RangeError::Sample> RangeError::sample_of(const PlaneFit& fit, const cv::Vec2f& pixel,
-                                                        double z) const {
+std::optional<PlaneSample> RangeError::sample_of(const PlaneFit& fit, const cv::Vec2f& pixel, double z,
+                                                 int cell) const {
   const Eigen::Vector3d ray(static_cast<double>(pixel[0]), static_cast<double>(pixel[1]), 1);
   const double length = ray.norm(), slant = fit.plane.normal.dot(ray) / length;
   if (!(z > 0) || std::abs(slant) < least_slant) return std::nullopt;
   const double range = -fit.plane.offset / slant, sigma = noise_.sigma(range / length);
   const double knot = std::floor(range / knot_step);
-  if (!(range > 0) || sigma > most_sigma || knot + 1 >= static_cast<double>(error_.size()))
+  if (!(range > 0) || sigma > most_sigma || knot + 1 >= static_cast<double>(known_.mean.size()))
     return std::nullopt;
   const Eigen::Vector3d x = range / length * ray - fit.centre;
-  Sample sample;
-  sample.knot = static_cast<Eigen::Index>(knot);
-  sample.beyond = range / knot_step - knot;
-  sample.residual = z * length - range;
-  sample.variance = sigma * sigma;
-  sample.plane = Eigen::Vector3d(fit.axis.dot(x), fit.plane.normal.cross(fit.axis).dot(x), 1) / slant;
-  return sample;
+  const Eigen::Vector3d turned = fit.plane.normal.cross(fit.axis);
+  return PlaneSample{cell,
+                     static_cast<Eigen::Index>(knot),
+                     range / knot_step - knot,
+                     z * length - range,
+                     sigma * sigma,
+                     slant,
+                     x,
+                     Eigen::Vector3d(fit.axis.dot(x), turned.dot(x), 1) / slant};
 }
 
-// A plane's samples in a bin of range are one measurement: m = h w + p (tilts, distance) + noise, with what
-// the plane is uneven by there. A plane that fits badly to what is known, because it is none, counts for
-// less.
-void RangeError::add_plane(const std::vector<Sample>& samples) {
-  const Eigen::Index knots = error_.size(), bins = bins_a_knot * knots;
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(bins, knots), P = Eigen::MatrixXd::Zero(bins, 3);
-  Eigen::VectorXd m = Eigen::VectorXd::Zero(bins), count = m, variance = m;
-  for (const Sample& s : samples) {
-    const Eigen::Index bin = bins_a_knot * s.knot + static_cast<Eigen::Index>(bins_a_knot * s.beyond);
-    H(bin, s.knot) += 1 - s.beyond;
-    H(bin, s.knot + 1) += s.beyond;
-    P.row(bin) += s.plane.transpose();
-    m(bin) += s.residual;
-    variance(bin) += s.variance;
-    ++count(bin);
-  }
-  const double uneven = bins_a_knot * settings_.unevenness * settings_.unevenness;
-  Eigen::Index n = 0;  // measurements
-  for (Eigen::Index bin = 0; bin < bins; ++bin) {
-    if (count(bin) < least_samples) continue;
-    H.row(n) = H.row(bin) / count(bin);
-    P.row(n) = P.row(bin) / count(bin);
-    m(n) = m(bin) / count(bin);
-    variance(n) = variance(bin) / (count(bin) * count(bin)) + uneven;
-    ++n;
-  }
-  if (n < 4) return;  // three are the plane's own
-  const Eigen::MatrixXd h = H.topRows(n), p = P.topRows(n);
-  Eigen::MatrixXd own = p * p.transpose();  // 1 rad, 1 m: anything
-  own.diagonal() += variance.head(n);
-  const Eigen::VectorXd off = m.head(n) - h * error_;
-  const double misfit =
-      off.dot((own + h * covariance_ * h.transpose()).llt().solve(off)) / static_cast<double>(n);
-  const Eigen::MatrixXd weighted = own.llt().solve(h) / std::max(1.0, misfit);
-  information_ += h.transpose() * weighted;
-  told_ += weighted.transpose() * m.head(n);
+// A plane that fits badly to what is known, because it is none, counts for less.
+void RangeError::add_plane(const std::vector<PlaneSample>& samples) {
+  const ToldOfCurve told = told_by_plane(samples, parts_across, known_, settings_.unevenness);
+  const double weight = 1 / std::max(1.0, told.misfit);
+  information_ += weight * told.information;
+  told_ += weight * told.vector;
 }
 
 void RangeError::solve() {
-  const Eigen::LLT<Eigen::MatrixXd> root(information_ + prior_);
-  error_ = root.solve(told_);
-  covariance_ = root.solve(Eigen::MatrixXd::Identity(error_.size(), error_.size()));
+  known_.information = information_ + prior_;
+  const Eigen::LLT<Eigen::MatrixXd> root(known_.information);
+  known_.mean = root.solve(told_);
+  known_.covariance = root.solve(Eigen::MatrixXd::Identity(prior_.rows(), prior_.cols()));
   const double prior = noise_.constant * noise_.constant;
-  const Eigen::ArrayXd told = (1 - covariance_.diagonal().array() / prior).max(0);  // the share of each knot
-  learned_ = (told * error_.array().square()).sum() / std::max(1.0, told.sum());
+  const Eigen::ArrayXd told =
+      (1 - known_.covariance.diagonal().array() / prior).max(0);  // the share of each knot
+  learned_ = (told * known_.mean.array().square()).sum() / std::max(1.0, told.sum());
 }
 
 double RangeError::at(double range) const {
-  const double knot = std::clamp(range / knot_step, 0.0, static_cast<double>(error_.size() - 1) - 1e-9);
+  const double knot = std::clamp(range / knot_step, 0.0, static_cast<double>(known_.mean.size() - 1) - 1e-9);
   const auto k = static_cast<Eigen::Index>(knot);
   const double beyond = knot - static_cast<double>(k);
-  return (1 - beyond) * error_(k) + beyond * error_(k + 1);
+  return (1 - beyond) * known_.mean(k) + beyond * known_.mean(k + 1);
 }
 
 double RangeError::sigma(double range) const {
-  const double knot = std::clamp(range / knot_step, 0.0, static_cast<double>(error_.size() - 1));
+  const double knot = std::clamp(range / knot_step, 0.0, static_cast<double>(known_.mean.size() - 1));
   const auto k = static_cast<Eigen::Index>(std::lround(knot));
-  return std::sqrt(covariance_(k, k));
+  return std::sqrt(known_.covariance(k, k));
 }
 
 // How much of the constant part was an error by range is seen by how large what was learned is; the rest of
@@ -206,8 +181,8 @@ double RangeError::remaining(double stated, double range) const {
 void RangeError::correct(cv::Mat& depth) const {
   if (largest() < negligible) return;
   constexpr int fine = 100;  // a metre
-  std::vector<float> error(static_cast<std::size_t>(fine * knot_step * static_cast<double>(error_.size())) +
-                           1);
+  std::vector<float> error(
+      static_cast<std::size_t>(fine * knot_step * static_cast<double>(known_.mean.size())) + 1);
   for (std::size_t i = 0; i < error.size(); ++i)
     error[i] = static_cast<float>(1000 * at(static_cast<double>(i) / fine));
   for (int v = 0; v < depth.rows; ++v)

@@ -8,16 +8,18 @@
 //
 //   (n . x + d) / n . u = w(r) + (dn . x + dd) / n . u + noise
 //
-// w is piecewise linear in the range. Each plane's own normal and distance (dn, dd) are unknown beside it and
-// eliminated, so a plane tells the part of w that no other plane could explain; what no plane tells stays at
-// its prior, zero. The prior's deviation is the part of the camera's noise that is the same at all ranges
-// (DepthNoise::constant): a camera that is said not to err so learns nothing.
+// beside what the plane is uneven by there (planes/bent_plane.hpp). w is piecewise linear in the range. Each
+// plane's own normal and distance (dn, dd) are unknown beside it and eliminated, so a plane tells the part of
+// w that no other plane could explain; what no plane tells stays at its prior, zero. The prior's deviation is
+// the part of the camera's noise that is the same at all ranges (DepthNoise::constant): a camera that is said
+// not to err so learns nothing.
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
+#include <lcmslam/planes/bent_plane.hpp>
 #include <lcmslam/planes/frame_planes.hpp>
 #include <lcmslam/settings/settings.hpp>
 
@@ -27,7 +29,7 @@ struct RangeErrorSettings {
   bool enabled = true;
   double period = 0.3;
   double length = 0.4;
-  double unevenness = 0.003;
+  double unevenness = 0.005;
   double memory = 300;
 
   void describe(SettingsVisitor& s) {
@@ -35,7 +37,7 @@ struct RangeErrorSettings {
     s.number("period", period, "s", {0, 1000}, "between two images that are learned from, at least");
     s.number("length", length, "m", {0.05, 100}, "of range over which the error hardly changes");
     s.number("unevenness", unevenness, "m", {1e-4, 1},
-             "standard deviation by which what looks like a plane is none, from one part to the next");
+             "standard deviation of what a surface that looks like a plane rises or falls by along a metre");
     s.number("memory", memory, "", {2, 1e9},
              "images learned from that count: a camera's error changes as it warms");
   }
@@ -57,19 +59,11 @@ class RangeError {
   /// m: what a corrected depth errs by, which the calibration states to be `stated` uncorrected.
   double remaining(double stated, double range) const;
   /// The largest at any range, m.
-  double largest() const { return error_.cwiseAbs().maxCoeff(); }
+  double largest() const { return known_.mean.cwiseAbs().maxCoeff(); }
 
  private:
-  struct Sample {
-    std::size_t knot;       // the last one at or before its range
-    double beyond;          // 0..1 of the way to the next
-    double residual;        // m, along the ray
-    double variance;        // m^2
-    Eigen::Vector3d plane;  // by what the plane's tilts and distance change the residual
-  };
-
-  std::optional<Sample> sample_of(const PlaneFit& fit, const cv::Vec2f& pixel, double z) const;
-  void add_plane(const std::vector<Sample>& samples);
+  std::optional<PlaneSample> sample_of(const PlaneFit& fit, const cv::Vec2f& pixel, double z, int cell) const;
+  void add_plane(const std::vector<PlaneSample>& samples);
   void solve();
 
   RangeErrorSettings settings_;
@@ -77,8 +71,9 @@ class RangeError {
   cv::Mat_<cv::Vec2f> rays_;
   cv::Mat_<float> ray_lengths_;
   DepthNoise noise_;
-  Eigen::MatrixXd prior_, information_, covariance_;  // of w at the knots
-  Eigen::VectorXd told_, error_;
+  RangeCurve known_;
+  Eigen::MatrixXd prior_, information_;  // of w at the knots: before any plane, from planes
+  Eigen::VectorXd told_;
   double learned_ = 0;  // m^2: of the error, in the mean of the ranges of which planes tell
   Utime last_ = 0;
   bool looked_ = false;

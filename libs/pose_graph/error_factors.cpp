@@ -1,19 +1,11 @@
 #include <lcmslam/pose_graph/error_factors.hpp>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include <lcmslam/pose_graph/graph_marginals.hpp>
 
 namespace lcmslam {
 namespace {
-
-/// Of height, roll and pitch of the robot by the camera's pose exp(xi).
-using Contact = Eigen::Matrix<double, 3, 6>;
-
-Contact contact(const GroundConstraint& ground) {
-  return adjoint(ground.T_camera_robot.inverse()).middleRows<3>(2);
-}
 
 /// Measurements of one kind.
 struct Component {
@@ -41,7 +33,7 @@ void add_ground(std::size_t node, const PoseGraph& graph, const GraphMarginals& 
                 const PoseGraphSettings& settings, Component& component) {
   const GroundConstraint& ground = *graph.ground;
   if (ground.floor(node) != Floor::plane) return;
-  const Contact A = contact(ground);
+  const FloorJacobian A = floor_jacobian(ground);
   const Eigen::Matrix3d adjusted =
       A * marginals.block(static_cast<int>(node), static_cast<int>(node)) * A.transpose();
   const Eigen::Vector3d v = off_ground(graph.poses[node] * ground.T_camera_robot);
@@ -71,6 +63,10 @@ Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& setting
   return sigmas * sigmas * covariance;
 }
 
+FloorJacobian floor_jacobian(const GroundConstraint& ground) {
+  return adjoint(ground.T_camera_robot.inverse()).middleRows<3>(2);
+}
+
 Eigen::Vector3d ground_error(const GroundConstraint& ground, std::size_t node,
                              const PoseGraphSettings& settings, const ErrorFactors& factors) {
   return factors.ground * settings.ground_error * ground.sigmas(node);
@@ -78,18 +74,9 @@ Eigen::Vector3d ground_error(const GroundConstraint& ground, std::size_t node,
 
 Matrix6d ground_information(const GroundConstraint& ground, std::size_t node,
                             const PoseGraphSettings& settings, const ErrorFactors& factors) {
-  const Contact A = contact(ground);
+  const FloorJacobian A = floor_jacobian(ground);
   const Eigen::Vector3d told = ground_error(ground, node, settings, factors).cwiseAbs2().cwiseInverse();
   return A.transpose() * told.asDiagonal() * A;
-}
-
-Matrix6d on_ground(const Matrix6d& covariance, const GroundConstraint& ground,
-                   const PoseGraphSettings& settings, const ErrorFactors& factors) {
-  const Contact A = contact(ground);
-  const Eigen::Matrix<double, 6, 3> PA = covariance * A.transpose();
-  Eigen::Matrix3d S = A * PA;
-  S.diagonal() += ground_error(ground, 0, settings, factors).cwiseAbs2();
-  return covariance - PA * S.ldlt().solve(PA.transpose());
 }
 
 }  // namespace lcmslam

@@ -29,14 +29,13 @@ ErrorFactors error_factors(const PoseGraph& graph, const PoseGraphSettings& sett
 Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
                     const ErrorFactors& factors);
 
+/// Height, roll and pitch of the robot by the camera's pose exp(xi).
+using FloorJacobian = Eigen::Matrix<double, 3, 6>;
+FloorJacobian floor_jacobian(const GroundConstraint& ground);
 /// Standard deviations of height, roll and pitch there, robot's frame: what the ground is off its plane by.
 Eigen::Vector3d ground_error(const GroundConstraint& ground, std::size_t node,
                              const PoseGraphSettings& settings, const ErrorFactors& factors);
 /// What it tells of the camera's pose exp(xi): information.
 Matrix6d ground_information(const GroundConstraint& ground, std::size_t node,
                             const PoseGraphSettings& settings, const ErrorFactors& factors);
-/// A camera's covariance after its robot was found to stand on the floor of `ground`'s node 0.
-Matrix6d on_ground(const Matrix6d& covariance, const GroundConstraint& ground,
-                   const PoseGraphSettings& settings, const ErrorFactors& factors);
-
 }  // namespace lcmslam

@@ -4,6 +4,8 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 
+#include <lcmslam/pose_graph/mount_error.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -16,13 +18,15 @@ void add(const Matrix6d& block, int row, int column, Entries& entries) {
     for (int c = 0; c < 6; ++c) entries.emplace_back(6 * (row - 1) + r, 6 * (column - 1) + c, block(r, c));
 }
 
-using Shared = GraphMarginals::Shared;
+constexpr int of_edges = 2, of_mount = 6;  // columns of what is shared
+using EdgesShare = Eigen::Matrix<double, 6, of_edges>;
 
 // Too long and too far: Z_true = Z exp(b), a part of what Z measures, as the second pose's body has it.
 // A camera that contradicts itself by more also errs by more where it agrees with itself.
-Shared shared_error(const GraphEdge& edge, const PoseGraphSettings& settings, const ErrorFactors& factors) {
+EdgesShare shared_error(const GraphEdge& edge, const PoseGraphSettings& settings,
+                        const ErrorFactors& factors) {
   const Eigen::Isometry3d& Z = edge.T_from_to.T;
-  Shared b = Shared::Zero();
+  EdgesShare b = EdgesShare::Zero();
   b.block<3, 1>(0, 0) = factors.edges * settings.motion_scale * (Z.linear().transpose() * Z.translation());
   b.block<3, 1>(3, 1) = factors.edges * settings.turn_scale * se3_log(Z).tail<3>();
   return b;
@@ -30,16 +34,15 @@ Shared shared_error(const GraphEdge& edge, const PoseGraphSettings& settings, co
 
 struct GraphEquations {
   Entries H;
-  Eigen::MatrixXd shared;  ///< sum J^T R^-1 b
+  Eigen::MatrixXd shared;  ///< of G
 };
 
 GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& settings,
                             const ErrorFactors& factors) {
   GraphEquations equations;
-  equations.shared.setZero(static_cast<Eigen::Index>(6 * (graph.poses.size() - 1)),
-                           Shared::ColsAtCompileTime);
-  const auto add_shared = [&](int node, const Shared& rows) {
-    if (node > 0) equations.shared.middleRows<6>(6 * (node - 1)) += rows;
+  equations.shared.setZero(static_cast<Eigen::Index>(6 * (graph.poses.size() - 1)), of_edges + of_mount);
+  const auto add_shared = [&](int node, const EdgesShare& rows) {
+    if (node > 0) equations.shared.block<6, of_edges>(6 * (node - 1), 0) += rows;
   };
   for (const GraphEdge& e : graph.edges) {
     // e = log(Z^-1 T_i^-1 T_j exp(x_j)), and x_i is felt at j as -Ad(T_j^-1 T_i) x_i.
@@ -52,14 +55,19 @@ GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& set
     add(WJ, e.to, e.from, equations.H);
     add(WJ.transpose(), e.from, e.to, equations.H);
     add(W, e.to, e.to, equations.H);
-    const Shared b = shared_error(e, settings, factors);
+    const EdgesShare b = shared_error(e, settings, factors);
     add_shared(e.from, WJ.transpose() * b);
     add_shared(e.to, W * b);
   }
   if (!graph.ground) return equations;
-  for (std::size_t i = 1; i < graph.poses.size(); ++i)
-    add(ground_information(*graph.ground, i, settings, factors), static_cast<int>(i), static_cast<int>(i),
-        equations.H);
+  for (std::size_t i = 1; i < graph.poses.size(); ++i) {
+    const auto node = static_cast<int>(i);
+    const Matrix6d W = ground_information(*graph.ground, i, settings, factors);
+    add(W, node, node, equations.H);
+    equations.shared.block<6, of_mount>(6 * (node - 1), of_edges) +=
+        W * mount_lever(graph.poses.front().inverse() * graph.poses[i]) *
+        graph.ground->mount_sigmas.asDiagonal();
+  }
   return equations;
 }
 
@@ -116,8 +124,8 @@ Matrix6d GraphMarginals::block(int i, int j) const {
 }
 
 GraphMarginals::Shared GraphMarginals::shared(int i) const {
-  if (i < 1) return Shared::Zero();
-  return shared_.middleRows<6>(6 * (i - 1));
+  if (i < 1) return {EdgesShare::Zero(), Matrix6d::Zero()};
+  return {shared_.block<6, of_edges>(6 * (i - 1), 0), shared_.block<6, of_mount>(6 * (i - 1), of_edges)};
 }
 
 }  // namespace lcmslam

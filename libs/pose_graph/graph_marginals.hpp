@@ -1,9 +1,11 @@
 #pragma once
 // What a graph's measurements leave open of its poses, after
 //
-//   H = sum J_ij^T R_ij^-1 J_ij + ground,   G = H^-1 sum J_ij^T R_ij^-1 b_ij
+//   H = sum J_ij^T R_ij^-1 J_ij + sum A^T R_i^-1 A,   G = H^-1 (sum J_ij^T R_ij^-1 b_ij + sum A^T R_i^-1 A
+//   b_i)
 //
-// with R what an edge errs by and b the errors that all edges share. Only the entries of H^-1 that its sparse
+// with R what an edge or the ground errs by and b the errors that all edges share, and all of the ground: the
+// mount's (mount_error.hpp). Only the entries of H^-1 that its sparse
 // factor has are computed (Takahashi, Fagan and Chin 1973; Erisman and Tinney 1975), so the cost is that of
 // the factorisation.
 
@@ -17,8 +19,11 @@ namespace lcmslam {
 
 class GraphMarginals {
  public:
-  /// One column for each error that all edges share.
-  using Shared = Eigen::Matrix<double, 6, 2>;
+  /// One column for one sigma of each error.
+  struct Shared {
+    Eigen::Matrix<double, 6, 2> by_edges;
+    Matrix6d by_mount;
+  };
 
   /// Nothing when the edges do not tie all nodes to the first, or there is but one.
   static std::optional<GraphMarginals> of(const PoseGraph& graph, const PoseGraphSettings& settings,

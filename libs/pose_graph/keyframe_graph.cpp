@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include <lcmslam/pose_graph/pose_covariance.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
@@ -68,8 +67,8 @@ int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, con
                       covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
     edges_.push_back(edge);
   }
-  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor, Matrix6d::Zero()});
-  carry_covariance(nodes_.size() - 1);
+  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor, {}});
+  carry_error(nodes_.size() - 1);
   if (settings_.enabled) fresh_.push_back({std::make_shared<KeyframeView>(std::move(view)), keyframe, utime});
   return id;
 }
@@ -133,7 +132,7 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
   if ((admitted && circles) || (when == Optimise::any_circle && any_circle))
     optimise(graph, settings.optimiser);
   solution.factors = lcmslam::error_factors(graph, settings.optimiser);
-  solution.covariances = pose_covariances(graph, settings.optimiser, solution.factors);
+  solution.errors = pose_errors(graph, settings.optimiser, solution.factors);
   solution.graph = std::move(graph);
   solution.waiting = std::move(waiting);
   return solution;
@@ -147,36 +146,37 @@ void KeyframeGraph::take(Solution solution) {
   const auto most = static_cast<std::size_t>(settings_.max_waiting);
   if (waiting_.size() > most) waiting_.erase(waiting_.begin(), waiting_.end() - settings_.max_waiting);
   solved_ = std::move(solution.graph.poses);
-  solved_covariances_ = std::move(solution.covariances);
+  solved_errors_ = std::move(solution.errors);
   solved_factors_ = solution.factors;
 }
 
 // A pose that the work has not moved yet is as wrong as it was.
-void KeyframeGraph::adopt_covariances() {
-  if (solved_covariances_.empty()) return;
+void KeyframeGraph::adopt_errors() {
+  if (solved_errors_.empty()) return;
   factors_ = solved_factors_;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
-    if (i < solved_covariances_.size())
-      nodes_[i].covariance = solved_covariances_[i];
+    if (i < solved_errors_.size())
+      nodes_[i].error = solved_errors_[i];
     else
-      carry_covariance(i);
-  solved_covariances_.clear();
+      carry_error(i);
+  solved_errors_.clear();
 }
 
 // From the node before, along the edge that tracking made; and it stands on the same ground.
-void KeyframeGraph::carry_covariance(std::size_t node) {
+void KeyframeGraph::carry_error(std::size_t node) {
   const auto to = static_cast<int>(node);
   for (auto e = edges_.rbegin(); e != edges_.rend(); ++e) {
     if (e->kind != EdgeKind::odometry || e->to != to) continue;
     const Node& before = nodes_[static_cast<std::size_t>(e->from)];
     const UncertainTransform step{before.T_world_camera.inverse() * nodes_[node].T_world_camera,
                                   edge_error(e->T_from_to.covariance, settings_.optimiser, factors_)};
-    Matrix6d& covariance = nodes_[node].covariance;
-    covariance = (UncertainTransform{before.T_world_camera, before.covariance} * step).covariance;
+    PoseError& error = nodes_[node].error;
+    error = carried_along(before.error, step);
     if (!ground_) return;
     GroundConstraint ground = *ground_;
     ground.floors.assign(1, nodes_[node].floor);
-    covariance = on_ground(covariance, ground, settings_.optimiser, factors_);
+    error = on_ground(error, nodes_.front().T_world_camera.inverse() * nodes_[node].T_world_camera, ground,
+                      settings_.optimiser, factors_);
     return;
   }
 }
@@ -198,7 +198,7 @@ std::optional<KeyframeGraph::Correction> KeyframeGraph::work(Utime now) {
     if (now < due_) return std::nullopt;
     take(running_.get());
     auto correction = notable_correction(settings_.min_translation, settings_.min_rotation);
-    if (!correction) adopt_covariances();
+    if (!correction) adopt_errors();
     return correction;
   }
   const auto ready = [&](const NewNode& added) {
@@ -215,7 +215,7 @@ std::optional<KeyframeGraph::Correction> KeyframeGraph::finish() {
   begin(0, Optimise::any_circle);
   take(running_.get());
   auto correction = notable_correction(least_correction, least_correction);
-  if (!correction) adopt_covariances();
+  if (!correction) adopt_errors();
   return correction;
 }
 
@@ -258,13 +258,13 @@ std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& coveri
   for (NewNode& added : fresh_) added.view->node = place[static_cast<std::size_t>(added.view->node)];
   finder_.renumber(thinned.gone, thinned.index);
   solved_.clear();
-  solved_covariances_.clear();
+  solved_errors_.clear();
   return thinned;
 }
 
 std::size_t KeyframeGraph::memory_bytes() const {
   std::size_t bytes = nodes_.capacity() * sizeof(Node) + solved_.capacity() * sizeof(solved_[0]) +
-                      solved_covariances_.capacity() * sizeof(Matrix6d) +
+                      solved_errors_.capacity() * sizeof(PoseError) +
                       (edges_.capacity() + waiting_.capacity()) * sizeof(GraphEdge);
   for (const NewNode& added : fresh_) bytes += lcmslam::memory_bytes(*added.view);
   return bytes + (running_.valid() ? finder_bytes_ : finder_.memory_bytes());
@@ -282,7 +282,7 @@ void KeyframeGraph::apply(const Correction& correction) {
     const Eigen::Isometry3d& C = correction[std::min(i, correction.size() - 1)];
     nodes_[i].T_world_camera = rigid(C * nodes_[i].T_world_camera);
   }
-  adopt_covariances();
+  adopt_errors();
 }
 
 }  // namespace lcmslam

@@ -12,9 +12,9 @@
 #include <optional>
 #include <vector>
 
-#include <lcmslam/pose_graph/error_factors.hpp>
 #include <lcmslam/pose_graph/graph_thinning.hpp>
 #include <lcmslam/pose_graph/loop_finder.hpp>
+#include <lcmslam/pose_graph/pose_covariance.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
 #include <lcmslam/settings/settings.hpp>
 
@@ -75,8 +75,8 @@ class KeyframeGraph {
     int id = 0;  ///< of all that ever were; nodes are called by their index, which changes when others go
     bool keyframe = false;
     Floor floor = Floor::plane;  ///< a robot on wheels: what it stood on
-    /// Of T_world_camera exp(xi), as seen from the first node; grows with the edges behind the last work.
-    Matrix6d covariance = Matrix6d::Zero();
+    /// Of T_world_camera, as seen from the first node; grows with the edges behind the last work.
+    PoseError error;
   };
 
   /// Where each node goes: T_world_new = by_node[id] * T_world_old. Things of newer nodes go with the last.
@@ -129,7 +129,7 @@ class KeyframeGraph {
   struct Solution {
     PoseGraph graph;
     std::vector<GraphEdge> waiting;
-    std::vector<Matrix6d> covariances;
+    std::vector<PoseError> errors;
     ErrorFactors factors;
   };
   /// When the poses are optimised: when a circle closes anew, or wherever there is one.
@@ -137,8 +137,8 @@ class KeyframeGraph {
 
   void begin(Utime now, Optimise when);
   void take(Solution solution);
-  void adopt_covariances();
-  void carry_covariance(std::size_t node);
+  void adopt_errors();
+  void carry_error(std::size_t node);
   std::optional<Correction> notable_correction(double min_translation, double min_rotation) const;
   static Solution solve(PoseGraph graph, std::vector<GraphEdge> waiting, const std::vector<NewNode>& fresh,
                         LoopFinder& finder, const KeyframeGraphSettings& settings, Optimise when);
@@ -151,9 +151,9 @@ class KeyframeGraph {
   std::vector<NewNode> fresh_;
   LoopFinder finder_;  // only the work touches it
   std::size_t edges_begun_ = 0, finder_bytes_ = 0;
-  std::vector<Eigen::Isometry3d> solved_;     // poses that the last work found
-  std::vector<Matrix6d> solved_covariances_;  // theirs, until the poses are there
-  ErrorFactors factors_, solved_factors_;     // by which the nodes' covariances were made, and those
+  std::vector<Eigen::Isometry3d> solved_;  // poses that the last work found
+  std::vector<PoseError> solved_errors_;   // theirs, until the poses are there
+  ErrorFactors factors_, solved_factors_;  // by which the nodes' errors were made, and those
   Utime due_ = 0;
   std::future<Solution> running_;  // the last member: it waits for the work before the rest goes
 };

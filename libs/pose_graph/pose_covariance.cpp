@@ -1,21 +1,43 @@
 #include <lcmslam/pose_graph/pose_covariance.hpp>
 
+#include <Eigen/Cholesky>
+
 #include <lcmslam/pose_graph/graph_marginals.hpp>
+#include <lcmslam/pose_graph/mount_error.hpp>
 
 namespace lcmslam {
 
-std::vector<Matrix6d> pose_covariances(const PoseGraph& graph, const PoseGraphSettings& settings,
-                                       const ErrorFactors& factors) {
-  std::vector<Matrix6d> covariances(graph.poses.size(), Matrix6d::Zero());
-  if (graph.poses.size() < 2) return covariances;
+std::vector<PoseError> pose_errors(const PoseGraph& graph, const PoseGraphSettings& settings,
+                                   const ErrorFactors& factors) {
+  std::vector<PoseError> errors(graph.poses.size());
+  if (graph.poses.size() < 2) return errors;
   const auto marginals = GraphMarginals::of(graph, settings, factors);
   if (!marginals) return {};
-  for (std::size_t i = 1; i < covariances.size(); ++i) {
+  for (std::size_t i = 1; i < errors.size(); ++i) {
     const auto node = static_cast<int>(i);
     const GraphMarginals::Shared shared = marginals->shared(node);
-    covariances[i] = marginals->block(node, node) + shared * shared.transpose();
+    errors[i].own = marginals->block(node, node) + shared.by_edges * shared.by_edges.transpose();
+    errors[i].by_mount = shared.by_mount;
   }
-  return covariances;
+  return errors;
+}
+
+PoseError carried_along(const PoseError& error, const UncertainTransform& step) {
+  const UncertainTransform before{Eigen::Isometry3d::Identity(), error.own};
+  return {(before * step).covariance, adjoint(step.T.inverse()) * error.by_mount};
+}
+
+// Kalman's step: the mount's error is no part of what the gain weighs, but what the ground tells holds it.
+PoseError on_ground(const PoseError& error, const Eigen::Isometry3d& T_first_now,
+                    const GroundConstraint& ground, const PoseGraphSettings& settings,
+                    const ErrorFactors& factors) {
+  const FloorJacobian A = floor_jacobian(ground);
+  const Eigen::Matrix<double, 6, 3> PA = error.own * A.transpose();
+  Eigen::Matrix3d S = A * PA;
+  S.diagonal() += ground_error(ground, 0, settings, factors).cwiseAbs2();
+  const Eigen::Matrix<double, 6, 3> K = S.ldlt().solve(PA.transpose()).transpose();
+  const Matrix6d told = mount_lever(T_first_now) * ground.mount_sigmas.asDiagonal();
+  return {error.own - K * PA.transpose(), error.by_mount - K * A * (error.by_mount - told)};
 }
 
 }  // namespace lcmslam

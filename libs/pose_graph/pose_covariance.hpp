@@ -6,7 +6,8 @@
 // R is what an edge errs by, which is less than what it is weighed by: weights are cautious, because one edge
 // that is wrong bends the map (PoseGraphSettings::edge_error, ground_error); by how much it is, the graph
 // itself tells (error_factors.hpp). The errors b that all edges share (PoseGraphSettings::motion_scale,
-// turn_scale) do not average out along the way, and only a map that closes resists them.
+// turn_scale) do not average out along the way, and only a map that closes resists them. What a wrong mount
+// makes of the ground is kept apart, because the robot's pose errs by that mount as well (mount_error.hpp).
 
 #include <vector>
 
@@ -15,9 +16,23 @@
 
 namespace lcmslam {
 
-/// Of poses[i] exp(xi): m, rad, body frame, by node; the first one's is zero. Nothing when the edges do not
-/// tie all nodes to the first.
-std::vector<Matrix6d> pose_covariances(const PoseGraph& graph, const PoseGraphSettings& settings,
-                                       const ErrorFactors& factors = {});
+/// Of T exp(xi), T a camera's: m, rad, body frame.
+struct PoseError {
+  Matrix6d own = Matrix6d::Zero();       ///< covariance of xi, but for:
+  Matrix6d by_mount = Matrix6d::Zero();  ///< xi for one sigma of each part of the mount's error
+
+  Matrix6d covariance() const { return own + by_mount * by_mount.transpose(); }
+};
+
+/// By node; the first one's is zero. Nothing when the edges do not tie all nodes to the first.
+std::vector<PoseError> pose_errors(const PoseGraph& graph, const PoseGraphSettings& settings,
+                                   const ErrorFactors& factors = {});
+
+/// After another step of the camera.
+PoseError carried_along(const PoseError& error, const UncertainTransform& step);
+/// After its robot was found to stand on the floor of `ground`'s node 0; T_first_now: from the first camera.
+PoseError on_ground(const PoseError& error, const Eigen::Isometry3d& T_first_now,
+                    const GroundConstraint& ground, const PoseGraphSettings& settings,
+                    const ErrorFactors& factors);
 
 }  // namespace lcmslam

@@ -88,6 +88,7 @@ struct GroundConstraint {
   Eigen::Isometry3d T_camera_robot = Eigen::Isometry3d::Identity();
   GroundSettings plane;
   std::vector<Floor> floors;
+  Vector6d mount_sigmas = Vector6d::Zero();  ///< of the mount's error (mount_error.hpp): m, rad, camera frame
 
   Floor floor(std::size_t node) const { return node < floors.size() ? floors[node] : Floor::plane; }
   /// Standard deviations of height, roll and pitch there.

@@ -19,6 +19,8 @@ namespace lcmslam {
 struct NodeReport {
   int state = 1;       ///< status_t's: RUNNING, FINISHED, FAILED ...
   std::string detail;  ///< in words
+  /// That came to the node by other ways than its inputs (a page's requests, say) and was not taken, so far.
+  std::int64_t refused = 0;
   std::vector<std::pair<std::string, double>> values;
 };
 

@@ -56,7 +56,8 @@ class Process {
       wait = std::min<Clock::duration>(work.value_or(longest_wait), longest_wait);
       if (Clock::now() >= next_look) {
         const NodeReport report = with_stopped(node_->report(), receiver.stopped());
-        const std::int64_t refused = inputs_.refused() + receiver.refused() + commands_refused_;
+        const std::int64_t refused =
+            inputs_.refused() + receiver.refused() + commands_refused_ + report.refused;
         if (pace.due(report, refused, Clock::now())) publish_status(report, receiver);
         next_look = Clock::now() + look_period;
       }

@@ -7,6 +7,7 @@
 
 #include <lcmslam/imaging/camera_model.hpp>
 #include <lcmslam/settings/settings.hpp>
+#include <lcmslam/simulation/camera_faults.hpp>
 #include <lcmslam/simulation/depth_camera.hpp>
 #include <lcmslam/simulation/tof_camera.hpp>
 
@@ -41,6 +42,7 @@ struct HeadSettings {
   std::vector<double> translation = {0, 0, 0}, rpy = {0, 0, 0};
   StructuredLightSensor triangulation;
   TofSensor time_of_flight;
+  CameraFaults faults = {};
 
   void describe(SettingsVisitor& s) {
     s.number("frame_rate", frame_rate, "Hz", {0.1, 200}, "of the images");
@@ -59,6 +61,7 @@ struct HeadSettings {
              "triangulation: structured light or stereo, whose error is disparity's");
     s.alternative(kind == "triangulation", "triangulation", triangulation, "structured light or stereo");
     s.alternative(kind == "time_of_flight", "time_of_flight", time_of_flight, "phase of modulated light");
+    s.section("faults", faults, "what real cameras do besides");
   }
 };
 

@@ -151,6 +151,7 @@ SensorHead make_head(const HeadSettings& settings, const Scene& scene, const Ray
   head.frame_rate = settings.frame_rate;
   head.exposure = settings.exposure;
   head.rolling_shutter = settings.rolling_shutter;
+  head.faults = settings.faults;
   if (settings.depth_rolls)
     calibration.rolling_shutter = head.depth_rolling_shutter = settings.rolling_shutter;
   if (settings.kind == "time_of_flight") {

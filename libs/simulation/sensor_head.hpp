@@ -34,6 +34,7 @@ struct SensorHead {
   double exposure = 1.0 / 60;        ///< s, of the colour camera
   double rolling_shutter = 0;        ///< s, of the colour camera
   double depth_rolling_shutter = 0;  ///< s
+  CameraFaults faults;               ///< of the head's file
   std::unique_ptr<DepthSource> depth;
   DepthTolerance tolerance;  ///< of the depth camera's noise
 };

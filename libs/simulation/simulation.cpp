@@ -74,12 +74,13 @@ struct Simulation::Parts {
         scene(load_scene(settings.scene)),
         caster(scene),
         head(head_of(settings, scene, caster)),
+        faults(with_faults(settings.faults, head.faults)),
         colour(scene, caster, head.built.colour, colour_sensor_of(head)),
         frame_rate(settings.frame_rate > 0 ? settings.frame_rate : head.frame_rate),
         path(path_of(settings, scene, frame_period())),
         encoders(simulate_encoders(path, settings.base, start_time, settings.seed)),
         depth_offset(static_cast<Utime>(Random(settings.seed, 0xde).uniform(-12'000, 12'000))) {
-    if (settings.faults.rolling_shutter > 0) head.rolling_shutter = settings.faults.rolling_shutter;
+    if (faults.rolling_shutter > 0) head.rolling_shutter = faults.rolling_shutter;
   }
 
   Utime frame_period() const { return static_cast<Utime>(1e6 / frame_rate); }
@@ -123,7 +124,7 @@ struct Simulation::Parts {
   float gain(Utime utime) const {
     constexpr double wanted = 110;  // mean grey value
     constexpr int samples = 6;
-    const double constant = settings.faults.exposure_adaptation;
+    const double constant = faults.exposure_adaptation;
     if (!(constant > 0)) return 1;
     double sum = 0, weights = 0;
     for (int i = 0; i < samples; ++i) {
@@ -138,7 +139,7 @@ struct Simulation::Parts {
 
   /// What a stamp says of a moment.
   Utime stamp(Utime moment, Utime shot, Sensor sensor, double error) const {
-    const double jitter = settings.faults.stamp_jitter;
+    const double jitter = faults.stamp_jitter;
     if (jitter > 0)
       error += jitter * (2 * PixelNoise::uniform(PixelNoise(settings.seed, sensor, shot).bits(0)) - 1);
     return moment + head.clock + static_cast<Utime>(std::llround(1e6 * error));
@@ -148,6 +149,7 @@ struct Simulation::Parts {
   const Scene scene;
   const RayCaster caster;
   SensorHead head;
+  const CameraFaults faults;
   const ColourCamera colour;
   const double frame_rate;  // Hz
   const DrivenPath path;
@@ -195,7 +197,7 @@ const Encoders& Simulation::encoders(Utime utime) const {
 
 RgbdFrame Simulation::render(Utime utime) const {
   const SimulationSettings& settings = parts_->settings;
-  const CameraFaults& faults = settings.faults;
+  const CameraFaults& faults = parts_->faults;
   const SensorHead& head = parts_->head;
   RgbdFrame frame;
   frame.utime = parts_->stamp(utime, utime, colour_stamp, faults.image_stamp_error);

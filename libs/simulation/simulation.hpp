@@ -14,27 +14,9 @@
 #include <lcmslam/imaging/rgbd_frame.hpp>
 #include <lcmslam/odometry/encoders.hpp>
 #include <lcmslam/settings/settings.hpp>
+#include <lcmslam/simulation/camera_faults.hpp>
 
 namespace lcmslam {
-
-/// What real cameras do besides. All off: the pinned sensors.
-struct CameraFaults {
-  double rolling_shutter = 0;
-  double exposure_adaptation = 0;
-  double image_stamp_error = 0, depth_stamp_error = 0, stamp_jitter = 0;
-
-  void describe(SettingsVisitor& s) {
-    s.number("rolling_shutter", rolling_shutter, "s", {0, 0.1},
-             "from the colour image's first row to its last, which no calibration tells; 0: the head's own");
-    s.number("exposure_adaptation", exposure_adaptation, "s", {0, 60},
-             "in which the exposure follows the light but for 1/e of the difference; 0: it stays");
-    s.number("image_stamp_error", image_stamp_error, "s", {-1, 1},
-             "of both images' stamps against the wheels' clock, which nobody tells");
-    s.number("depth_stamp_error", depth_stamp_error, "s", {-1, 1},
-             "of the depth image's stamp against colour's, which nobody tells");
-    s.number("stamp_jitter", stamp_jitter, "s", {0, 0.1}, "of each image's stamp, at most, either way");
-  }
-};
 
 struct SimulationSettings {
   std::filesystem::path scene;
@@ -64,7 +46,7 @@ struct SimulationSettings {
     s.number("laps", laps, "", {1, 1000},
              "in which the path is driven, in a scene with a way back to its start");
     s.number("threads", threads, "", {1, 64}, "that render one image");
-    s.section("faults", faults, "what real cameras do besides");
+    s.section("faults", faults, "what real cameras do besides; what is 0 is as the head's file has it");
   }
 };
 

@@ -15,7 +15,9 @@ constexpr std::size_t most_waiting = 1000;           // messages in the inbox
 constexpr std::chrono::milliseconds period{20};      // of work()
 constexpr std::chrono::seconds request_period{5};    // of asking the mappers for their maps
 constexpr std::chrono::seconds longest_farewell{5};  // in which the map's last part still goes out
-constexpr double snapshot_bytes = 10'000;            // a second, that whole maps take at most
+constexpr std::chrono::seconds shortest_recall{20};  // between two readings of what the broker keeps
+constexpr std::chrono::seconds longest_recall{600};
+constexpr double snapshot_bytes = 10'000;  // a second, that whole maps take at most
 
 /// As a level of a topic.
 std::string level(const std::string& text) {
@@ -44,7 +46,7 @@ BridgeNode::BridgeNode(const Settings& settings, Publisher& publisher, const Mak
       rules_(bridge::parse_rules(settings.send)),
       outbox_(rules_, settings.limits()),
       incoming_(bridge::parse_rules(settings.receive), settings.side) {
-  BridgeEnds ends{settings.broker(), settings.topics(), {}, outbox_, {}, {}};
+  BridgeEnds ends{settings.broker(), settings.topics(), {}, outbox_, {}, {}, {}};
   for (const bridge::ChannelRule& rule : bridge::parse_rules(settings.receive))
     ends.receive.push_back(rule.channel);
   for (const bridge::ChannelRule& rule : rules_) {
@@ -55,6 +57,7 @@ BridgeNode::BridgeNode(const Settings& settings, Publisher& publisher, const Mak
   ends.take = [this](const std::string& channel, const std::uint8_t* data, std::size_t size, bool kept) {
     take_incoming(channel, data, size, kept);
   };
+  ends.recalls = [this] { return recalls_.load(); };
   link_ = make_link(ends);
 }
 
@@ -77,6 +80,8 @@ void BridgeNode::subscribe(Inputs& inputs, const bridge::ChannelRule& rule) {
         &inputs.subscribe<keyframe_t>(channel, 2000, [this](const keyframe_t& m) { on_keyframe(m); });
   } else if (robot && channel == "CAMERA") {
     inputs.subscribe<images_t>(channel, 1, [this](const images_t& m) { on_camera(m); });
+  } else if (!robot && channel == "COMMAND") {
+    inputs.subscribe<command_t>(channel, 200, [this](const command_t& m) { on_order(m); });
   } else {
     inputs.subscribe_bytes(channel, 200, [this, channel](const auto& bytes, const AnyMessage& message) {
       outbox_.put(channel, message.origin.sender, bytes, Clock::now());
@@ -97,7 +102,22 @@ std::optional<bridge::Outgoing> BridgeNode::next(bridge::Time now) {
 void BridgeNode::on_keyframe(const keyframe_t& message) {
   const std::string key =
       fmt::format("{}/{}/{}", map_key(message.sender, message.frame), message.id, message.tile);
-  keep("ICP_KEYFRAME", key, encode_message(message), message.utime);
+  // A mapper that is asked for all tells most of it as it was.
+  if (outbox_.holds("ICP_KEYFRAME", key, message.map_revision)) return;
+  keep("ICP_KEYFRAME", key, encode_message(message), message.utime, message.map_revision);
+}
+
+/// The map comes late here by what the link takes. Who misses something of it asks the mappers; the broker
+/// has what they would tell, and the robot and its link are spared.
+void BridgeNode::on_order(const command_t& message) {
+  if (message.name != "resend")
+    return outbox_.put("COMMAND", message.sender, encode_message(message), Clock::now());
+  const auto now = Clock::now();
+  if (now < next_recall_) return;
+  const bool rested = now > next_recall_ + recall_pause_;
+  recall_pause_ = rested ? shortest_recall : std::min<Clock::duration>(2 * recall_pause_, longest_recall);
+  next_recall_ = now + recall_pause_;
+  ++recalls_;
 }
 
 void BridgeNode::on_camera(const images_t& message) {
@@ -111,19 +131,21 @@ void BridgeNode::on_camera(const images_t& message) {
 }
 
 void BridgeNode::keep(const std::string& channel, const std::string& key,
-                      const std::vector<std::uint8_t>& bytes, Utime utime) {
+                      const std::vector<std::uint8_t>& bytes, Utime utime, std::int64_t version) {
+  outbox_.keep(channel, key, in_pieces(channel, "/" + key, bytes, utime), version);
+}
+
+std::vector<bridge::Outbox::Piece> BridgeNode::in_pieces(const std::string& channel, const std::string& key,
+                                                         const std::vector<std::uint8_t>& bytes,
+                                                         Utime utime) {
   const auto piece = static_cast<std::size_t>(settings_.piece);
+  if (bytes.size() <= piece) return {{channel + key, bytes}};
   std::vector<bridge::Outbox::Piece> pieces;
-  if (bytes.size() <= piece) {
-    pieces.push_back({channel + "/" + key, bytes});
-  } else {
-    for (part_t& part : split_message(channel, bytes, utime, split_++, piece)) {
-      set_origin(part, {pieces_++, publisher_.sender()});
-      pieces.push_back(
-          {fmt::format("{}/{}/{}", part_channel(channel), key, part.part), encode_message(part)});
-    }
+  for (part_t& part : split_message(channel, bytes, utime, split_++, piece)) {
+    set_origin(part, {pieces_++, publisher_.sender()});
+    pieces.push_back({fmt::format("{}{}/{}", part_channel(channel), key, part.part), encode_message(part)});
   }
-  outbox_.keep(channel, key, std::move(pieces));
+  return pieces;
 }
 
 std::optional<Node::Duration> BridgeNode::work() {
@@ -153,7 +175,7 @@ void BridgeNode::tell(const std::string& channel, Teller& teller, Snapshots& sna
   if constexpr (std::is_same_v<Teller, GraphRelay>)
     for (const std::int32_t gone : message->gone)
       outbox_.forget("ICP_KEYFRAME", fmt::format("{}/{}/", map_key(teller.sender(), teller.frame()), gone));
-  if (!whole) return outbox_.put(channel, 0, bytes, now);
+  if (!whole) return outbox_.put(channel, 0, in_pieces(channel, "/change", bytes, message->utime), now);
   keep(channel, map_key(teller.sender(), teller.frame()), bytes, message->utime);
   const double pause = settings_.snapshot_period + static_cast<double>(bytes.size()) / snapshot_bytes;
   snapshots.connection = connection;
@@ -221,6 +243,7 @@ NodeReport BridgeNode::report() const {
   const bridge::OutboxCounts counts = outbox_.counts();
   const std::lock_guard<std::mutex> lock(mutex_);
   report.detail = link_ ? link_->state() : "closed";
+  report.refused = incoming_.refused();
   if (incoming_.refused() > 0 && !incoming_.last_error().empty())
     report.detail += "; refused: " + incoming_.last_error();
   const auto add = [&](const char* name, auto value) {
@@ -240,6 +263,7 @@ NodeReport BridgeNode::report() const {
   add("oldest", counts.age);
   add("taken", handed_on_);
   add("refused", incoming_.refused());
+  add("recalls", recalls_.load());
   add("inbox_drops", inbox_drops_);
   return report;
 }

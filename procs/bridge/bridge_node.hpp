@@ -2,6 +2,7 @@
 // Chosen channels to a broker and from it. The broker's connection is a thread of its own, which takes from
 // the outbox and fills the inbox; nothing here waits for it.
 
+#include <atomic>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include <lcmslam/bridge/broker.hpp>
 #include <lcmslam/bridge/outbox.hpp>
+#include <lcmslam/command_t.hpp>
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
 #include <lcmslam/runtime/node.hpp>
@@ -28,6 +30,8 @@ struct BridgeEnds {
   std::function<std::optional<bridge::Outgoing>(bridge::Time)> next;
   /// From any thread, and quick: what came on a topic of a channel; `kept`: from the broker's memory.
   std::function<void(const std::string& channel, const std::uint8_t* data, std::size_t size, bool kept)> take;
+  /// How often the keyframes that the broker keeps were wanted again.
+  std::function<std::int64_t()> recalls;
 };
 using MakeLink = std::function<std::unique_ptr<bridge::BrokerLink>(const BridgeEnds&)>;
 
@@ -50,9 +54,12 @@ class BridgeNode : public Node {
   void subscribe(Inputs& inputs, const bridge::ChannelRule& rule);
   void on_keyframe(const keyframe_t& message);
   void on_camera(const images_t& message);
+  void on_order(const command_t& message);
   std::optional<bridge::Outgoing> next(bridge::Time now);
   void keep(const std::string& channel, const std::string& key, const std::vector<std::uint8_t>& bytes,
-            Utime utime);
+            Utime utime, std::int64_t version = 0);
+  std::vector<bridge::Outbox::Piece> in_pieces(const std::string& channel, const std::string& key,
+                                               const std::vector<std::uint8_t>& bytes, Utime utime);
   void tell_maps();
   void take_incoming(const std::string& channel, const std::uint8_t* data, std::size_t size, bool kept);
   void hand_on();
@@ -80,6 +87,9 @@ class BridgeNode : public Node {
   std::int64_t keyframes_lost_ = 0, asked_ = 0;
   Clock::time_point next_request_{};
   bool carries_maps_ = false, told_ = false;
+  Clock::time_point next_recall_{};
+  Clock::duration recall_pause_{};
+  std::atomic<std::int64_t> recalls_{0};
 
   mutable std::mutex mutex_;  // for what follows
   Incoming incoming_;

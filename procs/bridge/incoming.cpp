@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include <lcmslam/command_t.hpp>
 #include <lcmslam/messages/any_message.hpp>
 #include <lcmslam/messages/decode.hpp>
 
@@ -50,6 +51,11 @@ std::optional<Incoming::Message> Incoming::take(const std::string& channel, cons
 std::optional<Incoming::Message> Incoming::check(const std::string& channel,
                                                  std::vector<std::uint8_t> bytes) {
   const AnyMessage message = identify(bytes.data(), bytes.size());
+  // The map goes out anyhow; all of it on the bus again, as often as somebody far away likes, would take the
+  // robot's processors.
+  if (side_ == bridge::Side::robot && channel == "COMMAND" &&
+      decode_message<command_t>(bytes.data(), bytes.size()).name == "resend")
+    return refuse(Refused::not_allowed);
   return Message{channel, message.utime, std::move(bytes)};
 }
 

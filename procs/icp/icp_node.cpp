@@ -182,6 +182,7 @@ void IcpNode::begin_session() {
 void IcpNode::begin_map_beside() {
   finish_map();
   mapper_.reset();
+  published_.clear();
   ++session_;
 }
 
@@ -211,8 +212,8 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   // First the graph: the pose stands in the map that it makes.
   if (step.thinned) drop_tiles_of_the_gone();
   if (step.node || step.deformed || step.thinned) publish_graph(false);
-  pose_estimate_t pose =
-      icp_pose(step, made.depth_utime, made.T_frame_depth, maker_.depth_clock().sigma() * twist_);
+  pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth,
+                                  std::hypot(maker_.depth_clock().sigma(), settings_.stamp_sigma) * twist_);
   pose.frame = map_frame();
   if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
   if (step.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
@@ -244,11 +245,35 @@ void IcpNode::queue_changed(bool all) {
   for (const std::size_t i : mapper_->take_changed(all)) queue_keyframe(mapper_->keyframes()[i]);
 }
 
+// All for whoever missed something. A cloud that was published as it is keeps its revision: whoever has it
+// knows it again. The newest one still grows.
+void IcpNode::queue_all() {
+  const auto& keyframes = mapper_->keyframes();
+  const std::vector<std::size_t> changed = mapper_->take_changed(true);
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    const auto published = published_.find(id_of(keyframes[i]));
+    const bool is_as_published = published != published_.end() && i + 1 < keyframes.size() &&
+                                 published->second.points == keyframes[i].cloud.size() &&
+                                 std::find(changed.begin(), changed.end(), i) == changed.end();
+    if (is_as_published)
+      queue_tiles(keyframes[i], published->second.revision);
+    else
+      queue_keyframe(keyframes[i]);
+  }
+}
+
+int IcpNode::id_of(const DenseMapper::Keyframe& keyframe) const {
+  return mapper_->graph().nodes()[static_cast<std::size_t>(keyframe.node)].id;
+}
+
 void IcpNode::queue_keyframe(const DenseMapper::Keyframe& keyframe) {
-  const int id = mapper_->graph().nodes()[static_cast<std::size_t>(keyframe.node)].id;
-  const DenseKeyframe dense{id, keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
-  ++keyframes_queued_;
-  for (auto& tile : make_keyframe_tiles(dense, maker_.calibration().T_robot_camera, keyframes_queued_)) {
+  published_[id_of(keyframe)] = {++keyframes_queued_, keyframe.cloud.size()};
+  queue_tiles(keyframe, keyframes_queued_);
+}
+
+void IcpNode::queue_tiles(const DenseMapper::Keyframe& keyframe, std::int64_t revision) {
+  const DenseKeyframe dense{id_of(keyframe), keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
+  for (auto& tile : make_keyframe_tiles(dense, maker_.calibration().T_robot_camera, revision)) {
     tile.frame = map_frame();
     tiles_.push_back(std::move(tile));
   }
@@ -292,8 +317,7 @@ std::optional<Node::Duration> IcpNode::work() {
 
 void IcpNode::command(const command_t& command) {
   if (command.name == "resend" && mapper_) {
-    if (tiles_.empty())  // else what waits is under way already
-      for (const auto& keyframe : mapper_->keyframes()) queue_keyframe(keyframe);
+    if (tiles_.empty()) queue_all();  // else what waits is under way already
     publish_graph(true);
   }
   if (command.name == "reset") begin_session();

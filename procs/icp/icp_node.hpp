@@ -48,7 +48,10 @@ class IcpNode : public Node {
   void learn_clock(const DenseFrame& frame);
   void publish(Utime image_utime, const RgbdFrameMaker::Made& made, double cpu_time);
   void publish_graph(bool all);
+  void queue_all();
   void queue_keyframe(const DenseMapper::Keyframe& keyframe);
+  void queue_tiles(const DenseMapper::Keyframe& keyframe, std::int64_t revision);
+  int id_of(const DenseMapper::Keyframe& keyframe) const;
   void queue_changed(bool all);
   void drop_tiles_of_the_gone();
   void send_waiting_tile();
@@ -72,6 +75,11 @@ class IcpNode : public Node {
   GraphTeller graph_teller_;
   std::deque<keyframe_t> tiles_;       // wait for their turn: bursts overrun receive buffers
   std::int64_t keyframes_queued_ = 0;  // over all maps
+  struct Published {
+    std::int64_t revision = 0;
+    std::size_t points = 0;
+  };
+  std::map<int, Published> published_;  // by keyframe of this map
   std::chrono::steady_clock::time_point next_tile_{};
   std::int64_t session_ = 1;  // maps begun; each has a frame of its own
   std::int64_t steps_ = 0, lost_ = 0, uncoloured_ = 0, with_features_ = 0, without_features_ = 0,

@@ -11,7 +11,9 @@
 namespace lcmslam {
 namespace {
 
-constexpr Utime resend_period = 2'000'000;   // us of message time between two requests
+constexpr Utime resend_period =
+    2'000'000;  // us of message time between two requests, twice as long each time
+constexpr Utime longest_resend_period = 60'000'000;
 constexpr Utime longest_behind = 1'000'000;  // us that a map may be older than its mapper's poses say
 
 template <class M>
@@ -138,6 +140,10 @@ void MapServerNode::on_calibration(const camera_calibration_t& message) {
 }
 
 void MapServerNode::on_camera(const images_t& message) {
+  if (auto picture = picture_alone(message)) {  // over a bridge, for who watches; nothing is made of it
+    picture_ = std::make_shared<const EncodedFrame>(std::move(*picture));
+    return;
+  }
   if (layers_->calibration()) layers_->camera(checked_images(message, *layers_->calibration()));
 }
 
@@ -222,16 +228,19 @@ void MapServerNode::on_graph(const graph_t& message) {
   places_->correct(moved, gone);
 }
 
-// A map that stays behind what its mapper's poses name has lost something: this server restarted, or a
-// message did not arrive.
+// A map to which something does not come that its mapper's poses named a while ago has lost it: this server
+// restarted, or a message did not arrive. One that comes late all the time (over a bridge) has not.
 void MapServerNode::follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision) {
   Progress& progress = progress_[process];
-  const bool behind = revision < pose.map_revision;
-  const bool watched = progress.up_to_date != 0 && pose.utime >= progress.up_to_date;
-  if (!behind || !watched) progress.up_to_date = pose.utime;
+  const bool watched = progress.since != 0 && pose.utime >= progress.since;
+  if (!watched || revision >= std::min(progress.wanted, pose.map_revision)) {
+    progress.wanted = pose.map_revision;
+    progress.since = pose.utime;
+  }
+  if (!watched || revision >= pose.map_revision) progress.pause = resend_period;
   if (pose.utime < progress.asked) progress.asked = 0;
-  if (pose.utime - progress.up_to_date < longest_behind || pose.utime - progress.asked < resend_period)
-    return;
+  if (pose.utime - progress.since < longest_behind || pose.utime - progress.asked < progress.pause) return;
+  if (progress.asked != 0) progress.pause = std::min(2 * progress.pause, longest_resend_period);
   progress.asked = pose.utime;
   ++resends_;
   command_t command;

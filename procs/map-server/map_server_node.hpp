@@ -122,8 +122,10 @@ class MapServerNode : public Node {
   std::size_t max_path_;
   Path fastslam_path_, icp_path_;
   struct Progress {
-    Utime up_to_date = 0;  // message time at which the map was last complete
-    Utime asked = 0;       // message time of the last request
+    std::int64_t wanted = 0;  // revision that a pose named
+    Utime since = 0;          // message time of that pose
+    Utime asked = 0;          // message time of the last request
+    Utime pause = 0;          // us until the next one
   };
   std::map<std::string, Progress> progress_;  // by mapper
   std::int64_t changes_ = 0, saved_changes_ = 0;
@@ -149,6 +151,7 @@ class MapServerNode : public Node {
   const StampJudge* stamps_ = nullptr;
   std::optional<Eigen::Isometry3d> T_map_robot_;             // of the newest ICP_POSE
   std::optional<pose_estimate_t> icp_pose_, fastslam_pose_;  // the newest
+  std::shared_ptr<const EncodedFrame> picture_;              // that came without depth
   QuestionDesk desk_;
   ReplyTiles replies_;
   std::int64_t answered_ = 0;

@@ -72,11 +72,13 @@ std::shared_ptr<const EncodedFrame> MapServerNode::image_at(Utime colour_time) c
 }
 
 std::shared_ptr<const EncodedFrame> MapServerNode::newest_image() const {
-  return layers_ ? layers_->newest_image() : nullptr;
+  const auto image = layers_ ? layers_->newest_image() : nullptr;
+  return image ? image : picture_;
 }
 
 NodeReport MapServerNode::report() const {
   NodeReport report;
+  report.refused = requests_refused_;
   if (!failure_.empty()) report.detail = "maps are not saved: " + failure_;
   if (!failure_.empty() && changes_ != saved_changes_) report.state = status_t::FAILED;
   const std::string unwritten = recorder_ ? recorder_->error() : "";

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 
+#include <lcmslam/map_request_t.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
 #include <lcmslam/twist_t.hpp>
@@ -15,6 +16,7 @@
 #include "tests/integration/support/environment.hpp"
 #include "tests/integration/support/program.hpp"
 #include "tests/support/datagrams.hpp"
+#include "tests/support/web_client.hpp"
 #include "tests/support/written_head.hpp"
 
 namespace lcmslam::integration {
@@ -61,6 +63,29 @@ class Detection : public ::testing::Test {
   /// What its words say is told at once, and not only when a report is due.
   void expect_told_early(Utime reported) {
     EXPECT_LT(1e-6 * static_cast<double>(bus_.status(process_)->utime - reported), soon * patience_factor);
+  }
+
+  /// What only raises a counter is told soon though it comes when a report has just gone out: the next one of
+  /// itself is due in a second.
+  void expect_told_soon(
+      const std::string& what, const std::function<void()>& send,
+      const std::function<double(const status_t&)>& count, const std::function<void()>& meanwhile = [] {}) {
+    SCOPED_TRACE(what);
+    const Utime last = reported(meanwhile);
+    const double before = count(*bus_.status(process_));
+    send();
+    const double told = told_after([&](const status_t& s) { return count(s) > before; }, meanwhile);
+    const double early = 1e-6 * static_cast<double>(bus_.status(process_)->utime - last);
+    std::cout << fmt::format("{}: told after {:.2f} s\n", what, told);
+    EXPECT_LT(told, 0.6 * soon * patience_factor);
+    EXPECT_LT(early, 0.8 * soon * patience_factor);
+  }
+  /// 0 as long as nothing is told of it.
+  static std::function<double(const status_t&)> value(const std::string& name) {
+    return [name](const status_t& s) {
+      const double counted = value_of(s, name);
+      return std::isnan(counted) ? 0 : counted;
+    };
   }
 
   static void print(const std::string& fault, double told, double recovered) {
@@ -167,8 +192,6 @@ TEST_F(Detection, MeasurementsThatComeNoMore) {
   EXPECT_LT(told, soon * patience_factor);
 }
 
-// They only raise counters. Each comes when a report has just gone out: the next one of itself is due in a
-// second.
 TEST_F(Detection, StrangersOnTheBus) {
   start("odometry", "  source: twist\n");
   told_after([](const status_t&) { return true; });
@@ -186,45 +209,50 @@ TEST_F(Detection, StrangersOnTheBus) {
   const MulticastAddress address = multicast_address(lcm_url_from_environment());
   const lcmslam::testing::UdpSender stranger;
 
-  const auto expect_told_soon = [&](const std::string& what, const std::function<void()>& send,
-                                    const std::function<double(const status_t&)>& count) {
-    SCOPED_TRACE(what);
-    const Utime last = reported(go_on);
-    const double before = count(*bus_.status("odometry"));
-    send();
-    const double told = told_after([&](const status_t& s) { return count(s) > before; }, go_on);
-    const double early = 1e-6 * static_cast<double>(bus_.status("odometry")->utime - last);
-    std::cout << fmt::format("{}: told after {:.2f} s\n", what, told);
-    EXPECT_LT(told, 0.6 * soon * patience_factor);
-    EXPECT_LT(early, 0.8 * soon * patience_factor);
-  };
   const auto errors = [](const status_t& s) {
     double sum = 0;
     for (const auto& input : s.inputs) sum += static_cast<double>(input.decode_errors);
     return sum;
   };
-  const auto value = [](const std::string& name) {
-    return [name](const status_t& s) {
-      const double counted = value_of(s, name);
-      return std::isnan(counted) ? 0 : counted;
-    };
-  };
+  const auto bytes = lcmslam::testing::bytes_of;
   expect_told_soon(
-      "garbage", [&] { bus_.publish("TWIST", lcmslam::testing::bytes_of("no message of this type")); },
-      errors);
+      "garbage", [&] { bus_.publish("TWIST", bytes("no message of this type")); }, errors, go_on);
   expect_told_soon(
       "killing datagrams",
       [&] {
         for (const lcmslam::testing::Bytes& datagram : lcmslam::testing::killing_datagrams("TWIST"))
           stranger.send(address.group, address.port, datagram);
       },
-      value("bus_malformed"));
+      value("bus_malformed"), go_on);
   expect_told_soon(
-      "no datagram of LCM",
-      [&] { stranger.send(address.group, address.port, lcmslam::testing::bytes_of("no datagram of LCM")); },
-      value("bus_malformed"));
+      "no datagram of LCM", [&] { stranger.send(address.group, address.port, bytes("no datagram of LCM")); },
+      value("bus_malformed"), go_on);
   expect_told_soon(
-      "another sender", [&] { drive(99, foreign); }, value("of_other_senders"));
+      "another sender", [&] { drive(99, foreign); }, value("of_other_senders"), go_on);
+}
+
+// Browsers and questions, which the bus's own counters do not know.
+TEST_F(Detection, StrangersAtThePage) {
+  start("map-server", "  folder: '" + folder_.path().string() + "'\n  page: {web: {port: 0}}\n");
+  told_after([](const status_t&) { return true; });
+  ASSERT_FALSE(HasFailure());
+  const std::string output = program_->output(), named = "the live page: http://127.0.0.1:";
+  const std::size_t at = output.find(named);
+  ASSERT_NE(at, std::string::npos) << output;
+  const int port = std::stoi(output.substr(at + named.size()));
+  lcmslam::testing::WebClient foreign(port), command(port);
+  expect_told_soon(
+      "a foreign site",
+      [&] { EXPECT_FALSE(foreign.open_socket("/live", "Origin: http://evil.example\r\n")); },
+      value("page_refused"));
+  ASSERT_TRUE(command.open_socket("/command"));
+  expect_told_soon(
+      "a page's order that is none", [&] { EXPECT_TRUE(command.say(R"({"do": "dance"})")); },
+      value("page_commands_refused"));
+  map_request_t request{};
+  request.kind = 99;
+  expect_told_soon(
+      "a request that is none", [&] { bus_.publish("MAP_REQUEST", request); }, value("requests_refused"));
 }
 
 // However many they are: a report takes time, and others must be heard.

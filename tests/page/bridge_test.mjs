@@ -90,6 +90,7 @@ export const tests = {
         const now = await figures(page);
         return now.landmarks > seen.landmarks && now.keyframes > seen.keyframes;
       }, "both maps grow", slow);
+      await page.getByText("Waiting for the camera's first image.").waitFor({ state: "hidden", timeout: slow });
       await picture(page, "bridge");
       assert.deepEqual(errors, [], "the page's console");
       await close();

@@ -1,6 +1,6 @@
 #pragma once
 // Whether odometry and camera are stamped by one clock, from the motion itself
-// (self_calibration/odometry_clock.hpp), and the setting that makes it so.
+// (lcmslam/odometry/odometry_clock.hpp), and the setting that makes it so.
 
 #include <string>
 

@@ -73,27 +73,60 @@ EvaluationSettings at_first_pose() {
   return settings;
 }
 
-// The normal is the distance's gradient. What lies on no surface in sight (a corner that two things make in
-// the image) has none that would say anything.
-double share_inside(const std::vector<FilterRun::Landmark>& landmarks, const Eigen::Isometry3d& T_truth_map,
-                    const SurfaceDistance& surface) {
-  constexpr double step = 1e-3, farthest = 0.2;  // m
-  int inside = 0, all = 0;
-  for (const FilterRun::Landmark& landmark : landmarks) {
-    const Eigen::Vector3d place = T_truth_map * landmark.mean;
-    const double distance = surface(place);
-    if (distance > farthest) continue;
+/// Of points with covariances those that lie on a surface to three of their sigmas along its normal, which is
+/// the distance's gradient. What lies on no surface in sight (a corner that two things make in the image) has
+/// none that would say anything.
+class ShareInside {
+ public:
+  explicit ShareInside(const SurfaceDistance& surface) : surface_(surface) {}
+
+  /// In the truth's world, m and m^2.
+  void add(const Eigen::Vector3d& place, const Eigen::Matrix3d& covariance) {
+    constexpr double step = 1e-3, farthest = 0.2;  // m
+    const double distance = surface_(place);
+    if (distance > farthest) return;
     Eigen::Vector3d normal;
     for (int i = 0; i < 3; ++i)
-      normal(i) =
-          surface(place + step * Eigen::Vector3d::Unit(i)) - surface(place - step * Eigen::Vector3d::Unit(i));
-    const Eigen::Matrix3d P = T_truth_map.linear() * landmark.covariance * T_truth_map.linear().transpose();
+      normal(i) = surface_(place + step * Eigen::Vector3d::Unit(i)) -
+                  surface_(place - step * Eigen::Vector3d::Unit(i));
     const Eigen::Vector3d along = normal.normalized();
-    inside += distance * distance < 9 * along.dot(P * along);
-    ++all;
+    inside_ += distance * distance < 9 * along.dot(covariance * along);
+    ++all_;
   }
-  return all > 0 ? static_cast<double>(inside) / all : nothing;
+  double share() const { return all_ > 0 ? static_cast<double>(inside_) / all_ : nothing; }
+
+ private:
+  const SurfaceDistance& surface_;
+  int inside_ = 0, all_ = 0;
+};
+
+double landmarks_inside(const std::vector<FilterRun::Landmark>& landmarks,
+                        const Eigen::Isometry3d& T_truth_map, const SurfaceDistance& surface) {
+  const Eigen::Matrix3d R = T_truth_map.linear();
+  ShareInside share(surface);
+  for (const FilterRun::Landmark& landmark : landmarks)
+    share.add(T_truth_map * landmark.mean, R * landmark.covariance * R.transpose());
+  return share.share();
 }
+
+}  // namespace
+
+double features_inside(const std::vector<FeatureFrame>& frames, const Trajectory& truth,
+                       const SurfaceDistance& surface) {
+  ShareInside share(surface);
+  for (const FeatureFrame& frame : frames) {
+    const auto T_world_robot = pose_at(truth, frame.utime);
+    if (!T_world_robot) continue;
+    const Eigen::Isometry3d T = *T_world_robot * frame.T_robot_camera;
+    for (const Feature& f : frame.features)
+      if (f.kind == MeasurementKind::point)
+        share.add(T * f.point.cast<double>(),
+                  T.linear() * point_covariance(f, frame) * T.linear().transpose());
+  }
+  return share.share();
+}
+
+namespace {
 
 std::string cell(double value, int decimals) {
   return fixed_number(value, decimals);
@@ -102,18 +135,20 @@ std::string cell(double value, int decimals) {
 struct ColumnOf {
   const char* name;
   double (*value)(const FilterScore&);
+  bool more_is_better = false;
 };
 const ColumnOf columns[] = {
     {"odometry ATE m", [](const FilterScore& s) { return s.odometry; }},
     {"fastslam ATE m", [](const FilterScore& s) { return s.fastslam; }},
     {"smoothed", [](const FilterScore& s) { return s.smoothed; }},
     {"ratio", [](const FilterScore& s) { return s.fastslam / s.odometry; }},
-    {"noise taken away", [](const FilterScore& s) { return s.corrected; }},
+    {"noise taken away", [](const FilterScore& s) { return s.corrected; }, true},
     {"landmarks off surface m", [](const FilterScore& s) { return s.landmarks; }},
     {"p90", [](const FilterScore& s) { return s.landmarks_p90; }},
     {"first to last m", [](const FilterScore& s) { return s.reunion; }},
     {"by odometry", [](const FilterScore& s) { return s.odometry_reunion; }},
-    {"within 3 sigma", [](const FilterScore& s) { return s.landmarks_inside; }},
+    {"within 3 sigma", [](const FilterScore& s) { return s.landmarks_inside; }, true},
+    {"features within 3 sigma", [](const FilterScore& s) { return s.features_inside; }, true},
     {"NEES", [](const FilterScore& s) { return s.nees; }},
     {"beyond 95 % bound", [](const FilterScore& s) { return s.beyond; }},
 };
@@ -122,7 +157,10 @@ const ColumnOf columns[] = {
 
 PreparedLog prepare_log(const std::string& log, const ConfigNode& config, int threads) {
   PreparedLog result;
-  BatchGraph graph(config, {"surf"}, threads, [&](const BatchMessage& m) {
+  ConfigNode quiet = config;
+  quiet.set("odometry.noise.mode", "none");  // what is added belongs to a run
+  // Odometry moves depth from its own stamp to colour's, as in the whole graph.
+  BatchGraph graph(quiet, {"surf", "odometry"}, threads, [&](const BatchMessage& m) {
     if (m.channel != "FEATURES") return;
     result.messages.push_back(m);
     result.frames.push_back(from_message(decode_message<features_t>(m.bytes.data(), m.bytes.size())));
@@ -136,8 +174,10 @@ PreparedLog prepare_log(const std::string& log, const ConfigNode& config, int th
       poses.add(message.channel, message.bytes.data(), message.bytes.size());
     else if (message.channel == "CAMERA" || message.channel == "CAMERA_CALIBRATION")
       graph.deliver(std::move(message));
-    else if (message.channel == "ENCODERS" || message.channel == "TWIST")
+    else if (message.channel == "ENCODERS" || message.channel == "TWIST") {
+      graph.deliver(message);
       result.messages.push_back(std::move(message));
+    }
   }
   graph.finish();
   poses.finish();
@@ -223,7 +263,8 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
   score.lost = run.lost;
   const TrajectoryReport anchored = evaluate(log.truth, run.fastslam, at_first_pose());
   score.landmarks_inside =
-      surface ? share_inside(run.landmarks, anchored.alignment.T_truth_estimate, surface) : nothing;
+      surface ? landmarks_inside(run.landmarks, anchored.alignment.T_truth_estimate, surface) : nothing;
+  score.features_inside = surface ? features_inside(log.frames, log.truth, surface) : nothing;
   return score;
 }
 
@@ -269,10 +310,9 @@ std::string filter_table(const std::vector<FilterScore>& scores) {
       std::vector<double> values;
       for (const FilterScore& s : scores)
         if (std::isfinite(column.value(s))) values.push_back(column.value(s));
-      const bool more_is_better = column.value == columns[4].value;
-      row.push_back(cell(!worst           ? median(values)
-                         : more_is_better ? quantile(values, 0)
-                                          : quantile(values, 1),
+      row.push_back(cell(!worst                  ? median(values)
+                         : column.more_is_better ? quantile(values, 0)
+                                                 : quantile(values, 1),
                          4));
     }
     row.insert(row.end(), {"", worst ? std::to_string(lost) : ""});

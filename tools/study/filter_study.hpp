@@ -22,7 +22,8 @@ struct PreparedLog {
   std::vector<FeatureFrame> frames;
   Trajectory truth;  ///< of the robot
 };
-/// Throws std::runtime_error for a log without images or truth.
+/// Of the configuration without `odometry.noise`, whose mode it sets to none in all its copies. Throws
+/// std::runtime_error for a log without images or truth.
 PreparedLog prepare_log(const std::string& log, const ConfigNode& config, int threads);
 
 struct FilterRun {
@@ -45,6 +46,11 @@ std::vector<double> reunion_distances(const std::vector<FeatureFrame>& frames, c
 /// m, from a point of the truth's world to the nearest surface.
 using SurfaceDistance = std::function<double(const Eigen::Vector3d&)>;
 
+/// Part of all frames' points, each placed by the true pose of its time, that lie on a surface to three of
+/// their sigmas (point_covariance()) along its normal; of those within 0.2 m of one. NaN without any.
+double features_inside(const std::vector<FeatureFrame>& frames, const Trajectory& truth,
+                       const SurfaceDistance& surface);
+
 struct FilterScore {
   std::string log;
   int seed = 0;
@@ -56,6 +62,7 @@ struct FilterScore {
   double reunion = 0, odometry_reunion = 0;  ///< medians of reunion_distances, m
   double landmarks_inside = 0;  ///< part of them that lie on a surface to three of their sigmas along its
                                 ///< normal, where the first pose says where the map lies
+  double features_inside = 0;
   int reunions = 0, lost = 0;
 };
 

@@ -27,6 +27,7 @@ class MqttLink::Session {
   Session(MqttLink& link, const bridge::Broker& broker)
       : link_(link),
         ends_(link.ends_),
+        recalls_(ends_.recalls()),
         connection_(broker, ends_.topics.presence(),
                     {[this] { on_connected(); }, [this](int message) { on_acknowledged(message); },
                      [this](const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept) {
@@ -43,6 +44,10 @@ class MqttLink::Session {
       return;
     }
     if (!marked_ && now > connected_at_ + mark_patience) broker_keeps(0);
+    if (const std::int64_t recalls = ends_.recalls(); recalls != recalls_) {
+      recalls_ = recalls;
+      recall();
+    }
     while (const auto out = ends_.next(now)) {
       const int message = connection_.publish(ends_.topics.outgoing(out->name), out->bytes->data(),
                                               out->bytes->size(), out->kept, out->lives);
@@ -76,6 +81,15 @@ class MqttLink::Session {
     if (ends_.outbox.connections() == 1) broker_keeps(0);  // nothing of this run
     link_.say("connected to " + ends_.broker.host);
     spdlog::info("connected to {}:{}", ends_.broker.host, ends_.broker.port);
+  }
+
+  /// Keyframes alone: what is kept of the other maps is older than what came since.
+  void recall() {
+    for (const std::string& channel : ends_.receive) {
+      if (channel != "ICP_KEYFRAME") continue;
+      connection_.subscribe(ends_.topics.incoming(channel), true);
+      connection_.subscribe(ends_.topics.incoming(part_channel(channel)), true);
+    }
   }
 
   void on_acknowledged(int message) {
@@ -127,6 +141,7 @@ class MqttLink::Session {
 
   MqttLink& link_;
   const BridgeEnds& ends_;
+  std::int64_t recalls_;
   MqttConnection connection_;
   const Clock::time_point begin_ = Clock::now();
   Clock::time_point connected_at_{}, next_mark_{};

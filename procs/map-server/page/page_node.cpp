@@ -77,6 +77,7 @@ NodeReport PageNode::report() const {
   if (!failure_.empty()) report.detail += (report.detail.empty() ? "" : "; ") + ("no live page: " + failure_);
   if (!server_) return report;
   const WebCounts web = server_->counts();
+  report.refused += web.refused() + desk_.counts().refused;
   report.values.emplace_back("page_clients", static_cast<double>(web.clients));
   report.values.emplace_back("page_refused", static_cast<double>(web.refused()));
   report.values.emplace_back("page_commands", static_cast<double>(desk_.counts().done));

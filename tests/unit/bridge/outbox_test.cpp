@@ -68,13 +68,63 @@ TEST_F(OutboxTest, OfAChannelWithoutARateAllGoInTheirOrder) {
   EXPECT_EQ(send_all().size(), 64U) << "bounded";
 }
 
-TEST_F(OutboxTest, TheMostUrgentChannelGoesFirstAndOfTheMapTheNewest) {
+TEST_F(OutboxTest, WhatIsSmallGoesFirstAndOfTheMapTheNewest) {
   connect();
   keep("1");
   keep("2");
   outbox_.put("PICTURE", 1, text("p"), now_);
   outbox_.put("POSE", 1, text("p"), now_);
-  EXPECT_THAT(send_all(), ElementsAre("POSE", "MAP/2", "MAP/1", "PICTURE"));
+  EXPECT_THAT(send_all(), ElementsAre("POSE", "PICTURE", "MAP/2", "MAP/1"));
+}
+
+TEST_F(OutboxTest, WhatIsLargeSharesTheLink) {
+  Outbox outbox(parse_rules({"LANDMARKS@1", "MAP"}), {});
+  outbox.connected();
+  outbox.broker_keeps(0);
+  for (int i = 0; i < 100; ++i) {
+    const std::string name = "MAP/" + std::to_string(i);
+    outbox.keep("MAP", std::to_string(i), {{name, Bytes(8'000, 'm')}});
+  }
+  std::size_t landmarks = 0, map = 0;
+  for (int i = 0; i < 100; ++i) {  // whose changes never end
+    if (outbox.wants("LANDMARKS", now_)) outbox.put("LANDMARKS", 1, Bytes(16'000, 'l'), now_);
+    const auto out = outbox.next(now_);
+    ASSERT_TRUE(out);
+    (out->name == "LANDMARKS" ? landmarks : map) += out->bytes->size();
+    outbox.acknowledged(out->ticket, now_);
+    now_ += seconds(1);
+  }
+  EXPECT_NEAR(static_cast<double>(landmarks), static_cast<double>(map), 16'000);
+}
+
+TEST_F(OutboxTest, AChannelThatWaitedForNothingHasNoClaimOnAllOfTheLink) {
+  Outbox outbox(parse_rules({"A", "B"}), {});
+  outbox.connected();
+  outbox.broker_keeps(0);
+  const auto send = [&](int times) {
+    std::string names;
+    for (int i = 0; i < times; ++i) {
+      const auto out = outbox.next(now_);
+      if (!out) break;
+      names += out->name;
+      outbox.acknowledged(out->ticket, now_);
+    }
+    return names;
+  };
+  for (int i = 0; i < 30; ++i) outbox.put("A", 1, Bytes(4'000, 'a'), now_);
+  EXPECT_EQ(send(20), std::string(20, 'A'));
+  for (int i = 0; i < 10; ++i) outbox.put("B", 1, Bytes(4'000, 'b'), now_);
+  EXPECT_THAT(send(6), ::testing::AnyOf("BABABA", "ABABAB"));
+}
+
+TEST_F(OutboxTest, PiecesOfAMeasurementGoAllAndThenItRests) {
+  connect();
+  outbox_.put("PICTURE", 1, {{"PICTURE_PART/0", text("a")}, {"PICTURE_PART/1", text("b")}}, now_);
+  EXPECT_FALSE(outbox_.wants("PICTURE", now_));
+  EXPECT_THAT(send_all(), ElementsAre("PICTURE_PART/0", "PICTURE_PART/1"));
+  EXPECT_FALSE(outbox_.wants("PICTURE", now_)) << "one a second";
+  now_ += seconds(1);
+  EXPECT_TRUE(outbox_.wants("PICTURE", now_));
 }
 
 TEST_F(OutboxTest, ASmallMeasurementWaitsForNothingThatStandsBeforeIt) {

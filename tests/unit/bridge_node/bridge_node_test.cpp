@@ -99,6 +99,55 @@ TEST_F(BridgeNodeTest, AKeyframeGoesInPiecesThatAreKept) {
   EXPECT_EQ(whole->bytes, encode_message(keyframe));
 }
 
+TEST_F(BridgeNodeTest, AKeyframeThatIsToldAgainAsItWasDoesNotGoAgain) {
+  make();
+  keyframe_t keyframe{};
+  keyframe.sender = 1;
+  keyframe.frame = "map";
+  keyframe.n_tiles = 1;
+  keyframe.map_revision = 5;
+  deliver("ICP_KEYFRAME", keyframe);
+  EXPECT_THAT(take_all(), SizeIs(1));
+  keyframe.seq = 7;
+  keyframe.T_map_camera.trans[0] = 2;  // ICP_GRAPH tells that
+  deliver("ICP_KEYFRAME", keyframe);
+  EXPECT_THAT(take_all(), SizeIs(0));
+  keyframe.map_revision = 6;
+  deliver("ICP_KEYFRAME", keyframe);
+  EXPECT_THAT(take_all(), SizeIs(1));
+  ends_->outbox.forget("ICP_KEYFRAME", "");
+  take_all();
+  deliver("ICP_KEYFRAME", keyframe);
+  EXPECT_THAT(take_all(), SizeIs(1)) << "it is there again";
+}
+
+TEST_F(BridgeNodeTest, AnOperatorWhoMissesSomethingAsksTheBrokerAndNotTheRobot) {
+  BridgeSettings settings;
+  settings.side = bridge::Side::operating;
+  settings.send = {"COMMAND"};
+  make(settings);
+  command_t order{};
+  order.name = "resend";
+  deliver("COMMAND", order);
+  deliver("COMMAND", order);
+  EXPECT_THAT(take_all(), SizeIs(0));
+  EXPECT_EQ(ends_->recalls(), 1) << "once in a while";
+  order.name = "smooth";
+  deliver("COMMAND", order);
+  EXPECT_THAT(take_all(), SizeIs(1));
+}
+
+TEST_F(BridgeNodeTest, NobodyOutsideMakesTheMappersTellAll) {
+  make();
+  command_t order{};
+  order.name = "resend";
+  const auto bytes = encode_message(order);
+  ends_->take("COMMAND", bytes.data(), bytes.size(), false);
+  node_->work();
+  EXPECT_THAT(publisher_.on<command_t>("COMMAND"), SizeIs(1)) << "the bridge's own, at its beginning";
+  EXPECT_EQ(node_->report().refused, 1);
+}
+
 TEST_F(BridgeNodeTest, APictureGoesSmallAndWithoutDepth) {
   make();
   Random random(1);
@@ -142,6 +191,7 @@ TEST_F(BridgeNodeTest, OrdersFromOutsideGoOnTheBusAsTheyAre) {
   EXPECT_EQ(commands[0].sender, 99);
   const NodeReport report = node_->report();
   EXPECT_THAT(report.values, ::testing::Contains(std::make_pair(std::string("refused"), 1.0)));
+  EXPECT_EQ(report.refused, 1) << "STATUS tells it soon";
 }
 
 TEST_F(BridgeNodeTest, WrongSettingsAreSaid) {

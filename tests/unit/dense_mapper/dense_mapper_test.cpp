@@ -195,7 +195,7 @@ TEST(DenseMapper, APoseErrsAsTheGraphHasLearned) {
     if (step.node || std::abs(factor - 1) < 0.3) continue;
     const KeyframeGraph::Node& node = mapper.graph().nodes().back();
     const Matrix6d A = adjoint(step.T_world_robot.inverse() * node.T_world_camera);
-    const Matrix6d beside = step.map_covariance - A * node.covariance * A.transpose();
+    const Matrix6d beside = step.map_covariance - A * node.error.covariance() * A.transpose();
     const double sigmas = factor * settings.graph.optimiser.edge_error;
     EXPECT_LT((beside - sigmas * sigmas * step.covariance).norm(), 1e-6 * beside.norm()) << i;
     learned = factor;
@@ -218,7 +218,12 @@ TEST(DenseMapper, APoseErrsByTheHeadsPlaceToo) {
         coloured_frame(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), mount);
     const auto step = mapper.step(frame), other = sure.step(frame);
     ASSERT_EQ(step.T_world_robot.matrix(), other.T_world_robot.matrix());
-    const Matrix6d expected = mount_error(step.T_world_robot, mount, DenseMapperSettings().mount_error);
+    const KeyframeGraph::Node& node = mapper.graph().nodes().back();
+    const Eigen::Isometry3d T_now = step.T_world_robot * mount,
+                            T_first = mapper.graph().nodes().front().T_world_camera;
+    const Matrix6d expected =
+        mount_error(T_first.inverse() * T_now, mount, MountErrorSettings().sigmas(mount),
+                    adjoint(T_now.inverse() * node.T_world_camera) * node.error.by_mount);
     EXPECT_LT((step.map_covariance - other.map_covariance - expected).norm(),
               1e-9 * step.map_covariance.norm() + 1e-15);
     if (i == 14) {

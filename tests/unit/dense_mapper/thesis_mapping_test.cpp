@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
 #include <tuple>
+#include <vector>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
@@ -164,6 +166,101 @@ TEST(Alternating, TheMapperFollowsLargeStepsWithoutOdometry) {
     } else {
       EXPECT_GT(error, 0.1) << "the case is hard";
     }
+  }
+}
+
+// A wall with bumps, and a camera that goes along it to the right: what its image shows moves by `gone`
+// pixels, so that of the eight columns of segments the last three are new.
+constexpr int gone = 240;
+constexpr double wall_distance = 2;     // m
+constexpr double shown_again = 5. / 8;  // of the second image
+
+double wall_depth(const Eigen::Vector2d& at) {
+  static const std::vector<Eigen::Vector2d> bumps = [] {
+    Random random(3);
+    std::vector<Eigen::Vector2d> centres;
+    for (int i = 0; i < 14; ++i) centres.emplace_back(random.uniform(-1.7, 2.9), random.uniform(-1.3, 1.3));
+    return centres;
+  }();
+  double depth = wall_distance;
+  for (const auto& bump : bumps) depth -= 0.12 * std::exp(-(at - bump).squaredNorm() / (2 * 0.2 * 0.2));
+  return depth;
+}
+
+cv::Mat wall_texture() {
+  cv::Mat image(480, 640 + gone, CV_8UC3);
+  cv::RNG random(5);
+  random.fill(image, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(image, image, {}, 6);
+  cv::normalize(image, image, 0, 255, cv::NORM_MINMAX);
+  return image;
+}
+
+/// From `x` m along the wall: other points of it each time, and twelve SURF points that err by 3 cm.
+DenseFrame wall_frame(double x, std::uint64_t seed) {
+  const CameraModel model = camera();
+  Random random(seed);
+  ColouredCloud cloud;
+  for (int i = 0; i < 5000; ++i) {
+    const Eigen::Vector3d ray =
+        model.ray({random.uniform(0, model.width - 1), random.uniform(0, model.height - 1)});
+    double depth = wall_distance;
+    for (int k = 0; k < 10; ++k) depth = wall_depth({x + depth * ray.x(), depth * ray.y()});
+    cloud.points.push_back(((depth + random.normal(0, 0.002)) * ray).cast<float>());
+  }
+  cloud.normals.assign(cloud.size(), Eigen::Vector3f(0, 0, -1));
+  cloud.colours.assign(cloud.size(), cv::Vec3b(10, 20, 30));
+  cloud.sigmas.assign(cloud.size(), 0.002F);
+  DenseFrame frame = coloured_frame(static_cast<Utime>(100'000 * seed), cloud, optical_axes());
+  frame.features = FeatureFrame();
+  for (std::uint64_t i = 0; i < 12; ++i) {
+    Random own(i);
+    const Eigen::Vector2d at(own.uniform(-0.3, 1.3), own.uniform(-1, 1));  // in both images
+    const Eigen::Vector3d error(random.normal(0, 0.03), random.normal(0, 0.03), random.normal(0, 0.03));
+    Feature f;
+    f.laplacian = 1;
+    f.kind = MeasurementKind::point;
+    for (auto& byte : f.descriptor) byte = static_cast<std::uint8_t>(own.below(256));
+    f.point = (Eigen::Vector3d(at.x() - x, at.y(), wall_depth(at)) + error).cast<float>();
+    frame.features->features.push_back(f);
+  }
+  return frame;
+}
+
+// Step 1 of algorithm 3.2 in the mapper: the points of what both images show are registered and no others.
+// Without texture all are, and what the target lacks pulls them aside.
+TEST(Alternating, TheMapperRegistersWhatBothImagesShow) {
+  const double way = gone * wall_distance / camera().fx;
+  const Eigen::Isometry3d T = planar_pose(0, -way, 0);
+  DenseFrame first = wall_frame(0, 1), second = wall_frame(way, 2);
+  const auto points = static_cast<double>(second.cloud.size());
+  const cv::Mat texture = wall_texture(), plain(480, 640, CV_8UC3, cv::Scalar::all(90));
+  const auto with_images = [&](const cv::Mat& of_first, const cv::Mat& of_second, int feature_iterations) {
+    DenseMapperSettings settings;
+    settings.variant = VariantKind::alternating;
+    settings.voxel_size = 0;
+    settings.filter.max_incidence = 3.1416;
+    settings.thesis.checked_features = false;
+    settings.thesis.icp.feature_iterations = feature_iterations;
+    const Eigen::Isometry3d one = Eigen::Isometry3d::Identity();
+    first.colour = ColourView{of_first, camera(), camera(), one};
+    second.colour = ColourView{of_second, camera(), camera(), one};
+    DenseMapper mapper(settings);
+    mapper.step(first);
+    return mapper.step(second);
+  };
+  const auto registered = [](const DenseMapper::Step& step) {  // points
+    return static_cast<double>(step.registration.pairs) / step.registration.overlap;
+  };
+  for (const int feature_iterations : {0, 1}) {
+    SCOPED_TRACE(feature_iterations);
+    const auto sub = with_images(texture({0, 0, 640, 480}), texture({gone, 0, 640, 480}), feature_iterations);
+    const auto all = with_images(plain, plain, feature_iterations);
+    EXPECT_NEAR(registered(sub) / points, shown_again, 0.03);
+    EXPECT_NEAR(registered(all) / points, 1, 1e-9);
+    EXPECT_LT(distance_between(sub.T_world_robot, T), 0.03);
+    EXPECT_LT(angle_between(sub.T_world_robot, T), 0.02);
+    EXPECT_GT(distance_between(all.T_world_robot, T), 0.15) << "what is new on the right does not harm";
   }
 }
 

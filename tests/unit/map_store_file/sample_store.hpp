@@ -19,7 +19,7 @@ inline Landmark some_landmark(std::uint64_t seed, std::int64_t id) {
 inline DenseKeyframe some_keyframe(std::int32_t id, std::size_t points = 40) {
   const auto seed = static_cast<std::uint64_t>(id) + 100;
   Random random(seed);
-  return {id, 1000 * id, random_pose(random), random_cloud(seed, points, true), 1};
+  return {id, 1000 * id, lcmslam::random_pose(random), random_cloud(seed, points, true), 1};
 }
 
 /// Every second one without depth.
@@ -33,7 +33,7 @@ inline FeatureFrame some_frame_of_features(std::uint64_t seed, int count) {
   frame.height = 480;
   frame.fx = frame.fy = 525.5;
   frame.has_mount = true;
-  frame.T_robot_camera = random_pose(random);
+  frame.T_robot_camera = lcmslam::random_pose(random);
   for (int i = 0; i < count; ++i) {
     Feature feature;
     feature.x = static_cast<float>(random.uniform(0, 640));
@@ -55,7 +55,7 @@ inline StoredImages some_images(std::uint64_t seed) {
   images.frame.utime = 1000;
   images.frame.seq = 3;
   images.frame.sensor = "head";
-  images.T_colour_depth_time = random_pose(random);
+  images.T_colour_depth_time = lcmslam::random_pose(random);
   images.frame.colour = {1000, 4, 2, ImageCoding::jpeg, {1, 2, 3, 4, 5}};
   images.frame.depth = {1016, 4, 2, ImageCoding::depth_zlib, {9, 8, 7}};
   return images;

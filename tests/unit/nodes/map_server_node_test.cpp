@@ -39,6 +39,21 @@ TEST_F(MapServer, MissedLandmarkChangeIsAskedForAgainAndRepaired) {
   EXPECT_EQ(value_of(node_, "resends_asked"), 1);
 }
 
+TEST_F(MapServer, AMapThatIsLateAllTheTimeIsNotAskedFor) {
+  landmarks(1, 1, 0, {10});
+  for (int i = 2; i < 40; ++i) {  // over a bridge: each change 0.8 s behind the pose that names it
+    pose("FASTSLAM_POSE", 1, i, 10 + 0.4 * i);
+    if (i > 3) landmarks(1, i - 2, i - 3, {10 + i});
+  }
+  EXPECT_EQ(resends("fastslam"), 0U);
+}
+
+TEST_F(MapServer, WhoDoesNotAnswerIsAskedLessAndLess) {
+  for (int i = 0; i < 600; ++i) pose("ICP_POSE", 2, 7, 10 + 0.1 * i);
+  EXPECT_GT(resends("icp"), 3U);
+  EXPECT_LT(resends("icp"), 7U) << "a minute at twice the pause each time";
+}
+
 TEST_F(MapServer, KeyframesThatDoNotComeAreAskedForAgain) {
   keyframe(2, 0, 10);
   pose("ICP_POSE", 2, 1, 10.0);

@@ -309,6 +309,7 @@ TEST_F(MapServerQuestions, WhatCannotBeAnsweredSaysWhy) {
   EXPECT_THAT(refusal(R"({"ask": "distance", "points": [[0, 0]]})"), HasSubstr("3 numbers"));
   EXPECT_THAT(refusal(R"({"ask": "grid", "colour": 1})"), HasSubstr("'colour' is not asked for"));
   EXPECT_EQ(value_of(node_, "requests_refused"), 5);
+  EXPECT_EQ(node_.report().refused, 5) << "STATUS tells it soon";
 }
 
 }  // namespace

@@ -163,6 +163,17 @@ TEST_F(LivePage, ShowsTheNewestImageOfWhichFastSlamToldSomething) {
       << "not back to the old one";
 }
 
+TEST_F(LivePage, ShowsAPictureThatCameWithoutDepthAndCalibration) {
+  images_t picture = testing::SimulatedKitchen::instance().frame(3);
+  picture.n_images = 1;
+  ASSERT_EQ(picture.image_types[0], images_t::LEFT);
+  picture.image_types.resize(1);
+  picture.images.resize(1);
+  bus_.deliver("CAMERA", picture);
+  ASSERT_TRUE(shown([&] { return has("image "); }));
+  EXPECT_EQ(board_["image "]["utime"], picture.images[0].utime);
+}
+
 TEST_F(LivePage, ANewMapTakesThePlaceOfTheOldOne) {
   pose("ICP_POSE", 0);
   keyframe(0);
@@ -239,6 +250,15 @@ TEST_F(LivePage, AnswersQuestionsAndRefusesInWords) {
     EXPECT_NE(json::parse(*reply)["error"], "") << *reply;
   }
   EXPECT_EQ(bus_.count("TELEOP") + bus_.count("GOAL"), 0u);
+  EXPECT_EQ(testing::value_of(*node_, "page_commands_refused"), 9);
+  EXPECT_EQ(node_->report().refused, 9) << "STATUS tells it soon";
+}
+
+TEST_F(LivePage, CountsForeignSitesAmongWhatWasRefused) {
+  testing::WebClient foreign(port_);
+  EXPECT_FALSE(foreign.open_socket("/live", "Origin: http://evil.example\r\n"));
+  EXPECT_TRUE(testing::wait_for([&] { return node_->report().refused == 1; }));
+  EXPECT_EQ(testing::value_of(*node_, "page_refused"), 1);
 }
 
 TEST_F(LivePage, MappingGoesOnWhereThePortIsTaken) {

@@ -68,6 +68,30 @@ TEST(PlaneMap, AFarSlantedFrontHasNoGaps) {
   EXPECT_NEAR(patches[0].area, 2.5 * 1.2, 0.1);
 }
 
+// A camera that measures all of a wall 4 mm too far, in every image: no number of pixels and looks tells
+// that.
+TEST(PlaneMap, ItsVarianceHoldsWhatAllPointsHaveInCommon) {
+  RgbdCalibration camera = testing::room_camera();
+  camera.depth_noise = {0.01, 0, 0, 0};
+  const testing_scene::Scene wall{{{{1, 0, 0}, 2}}, {}};
+  FramePlaneFinder finder(camera);
+  PlaneMap map;
+  Random random(3);
+  const Eigen::Isometry3d T = Eigen::Translation3d(0, 0, 1) * optical_axes();
+  for (int look = 0; look < 5; ++look) {
+    cv::Mat depth = testing_scene::render(wall, camera.colour, T, &camera.depth_noise, &random);
+    depth += 4;
+    map.insert(finder(depth), finder.cells(), T);
+  }
+  const std::vector<PlanePatch> patches = map.patches();
+  ASSERT_EQ(patches.size(), 1u);
+  const PlaneFit& fit = patches[0].fit;
+  const double error = std::abs(fit.centre.x() - 2), sigma = std::sqrt(fit.variance[2]);
+  EXPECT_NEAR(error, 0.004, 0.001);
+  EXPECT_LT(error, 3 * sigma);
+  EXPECT_LT(sigma, 0.01) << "less than a single pixel's";
+}
+
 TEST(PlaneMap, AnOutlineIsWhatEnoughFramesHaveSeen) {
   const RgbdCalibration camera = testing::room_camera();
   const testing_scene::Scene wall{{{{1, 0, 0}, 2}}, {}};

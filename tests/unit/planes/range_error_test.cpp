@@ -61,6 +61,25 @@ TEST(RangeError, WhatStandsBeforeAWallIsNoErrorOfTheCamera) {
   EXPECT_LT(rms_left(after_a_drive(scene, wiggle), wiggle), 0.002);
 }
 
+// A carpet of 1 cm lies across the way: its edges are a step at other ranges in every image, the wiggle is
+// not.
+TEST(RangeError, ACarpetTeachesNoErrorAndTheWiggleIsLearnedBesideIt) {
+  using Point = Eigen::Vector3d;
+  testing_scene::Scene scene = corridor();
+  scene.boxes = {{Point(1.9, -0.9, 0), Point(3.9, 1.1, 0.01)}};
+  EXPECT_LT(rms_left(after_a_drive(scene, wiggle), wiggle), 0.0015);
+  EXPECT_LT(rms_left(after_a_drive(scene, nothing), nothing), 0.0007);  // 0.0008 without cuts
+}
+
+// The floor alone: nothing else tells that what stands out is no error of the camera.
+TEST(RangeError, AStepOfTheFloorIsToldFromTheWiggleWithoutWalls) {
+  using Point = Eigen::Vector3d;
+  testing_scene::Scene scene;
+  scene.planes = {{{0, 0, 1}, 0}};
+  scene.boxes = {{Point(1.9, -9, 0), Point(3.9, 9, 0.01)}};
+  EXPECT_LT(rms_left(after_a_drive(scene, wiggle), wiggle), 0.002);
+}
+
 // Errors as the prior has them: what is left of them is as large as sigma says.
 TEST(RangeError, SigmaIsWhatIsLeft) {
   double sum = 0;

@@ -122,8 +122,8 @@ TEST(ErrorFactors, ScaleWhatPosesAreToldToErrBy) {
   const PoseGraph graph = graph_erring(1, 12, 3, 1);
   PoseGraphSettings settings = plain_settings();
   settings.motion_scale = settings.turn_scale = 0.01;
-  const Matrix6d once = pose_covariances(graph, settings).back();
-  const Matrix6d twice = pose_covariances(graph, settings, {2, 1}).back();
+  const Matrix6d once = pose_errors(graph, settings).back().covariance();
+  const Matrix6d twice = pose_errors(graph, settings, {2, 1}).back().covariance();
   EXPECT_LT((twice - 4 * once).norm(), 1e-9 * once.norm());
 }
 
@@ -139,7 +139,7 @@ struct Drive {
     graph.add(now, T, 1e-6 * Matrix6d::Identity(), gallery.seen_from(T), i <= 8);
     now += 1'000'000;
   }
-  const Matrix6d& covariance() const { return graph.nodes().back().covariance; }
+  Matrix6d covariance() const { return graph.nodes().back().error.covariance(); }
 };
 
 TEST(ErrorFactors, OfANewPoseAreThoseOfTheLastWork) {

@@ -103,12 +103,13 @@ TEST(PoseCovariance, IsTheDenseInverseOfTheNumericInformation) {
       H.block<6, 6>(6 * node, 6 * node) += row * row.transpose();
     }
   const Eigen::MatrixXd dense = H.bottomRightCorner(6 * (n - 1), 6 * (n - 1)).inverse();
-  const std::vector<Matrix6d> sparse = pose_covariances(round.graph, settings);
+  const std::vector<PoseError> sparse = pose_errors(round.graph, settings);
   ASSERT_EQ(sparse.size(), round.truth.size());
-  EXPECT_TRUE(sparse.front().isZero());
+  EXPECT_TRUE(sparse.front().covariance().isZero());
   for (Eigen::Index node = 1; node < n; ++node) {
     const Matrix6d expected = dense.block<6, 6>(6 * (node - 1), 6 * (node - 1));
-    EXPECT_LT((sparse[static_cast<std::size_t>(node)] - expected).norm(), 1e-4 * expected.norm()) << node;
+    EXPECT_LT((sparse[static_cast<std::size_t>(node)].covariance() - expected).norm(), 1e-4 * expected.norm())
+        << node;
   }
 }
 
@@ -119,10 +120,10 @@ TEST(PoseCovariance, IsWhatOptimisedPosesErrBy) {
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     Round round(seed);
     optimise(round.graph, exact_settings());
-    const auto covariances = pose_covariances(round.graph, exact_settings());
+    const auto covariances = pose_errors(round.graph, exact_settings());
     for (const std::size_t node : {10U, 19U, 29U}) {
       const Vector6d e = se3_log(round.graph.poses[node].inverse() * round.truth[node]);
-      sum += e.dot(covariances[node].inverse() * e);
+      sum += e.dot(covariances[node].covariance().inverse() * e);
       ++count;
     }
   }
@@ -149,12 +150,12 @@ TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
       e.T_from_to.T = e.T_from_to.T * se3_exp(motion);
     }
     optimise(round.graph, settings);
-    const auto covariances = pose_covariances(round.graph, settings);
-    const auto own = pose_covariances(round.graph, exact_settings());
+    const auto covariances = pose_errors(round.graph, settings);
+    const auto own = pose_errors(round.graph, exact_settings());
     for (const std::size_t node : {10U, 19U, 29U}) {
       const Vector6d e = se3_log(round.graph.poses[node].inverse() * round.truth[node]);
-      sum += e.dot(covariances[node].inverse() * e);
-      alone += e.dot(own[node].inverse() * e);
+      sum += e.dot(covariances[node].covariance().inverse() * e);
+      alone += e.dot(own[node].covariance().inverse() * e);
       ++count;
     }
   }
@@ -165,7 +166,7 @@ TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
 TEST(PoseCovariance, KnowsNothingOfWhatIsNotTied) {
   Round round(1);
   round.graph.poses.push_back(round.truth.back());
-  EXPECT_TRUE(pose_covariances(round.graph, exact_settings()).empty());
+  EXPECT_TRUE(pose_errors(round.graph, exact_settings()).empty());
 }
 
 // Out and back again: it grows with the way into new ground, and where the loop closes it is small again.
@@ -179,7 +180,7 @@ TEST(PoseCovariance, GrowsWithTheWayAndShrinksAtTheLoop) {
   for (int i = 0; i <= 20; ++i, now += 1'000'000) {
     const Eigen::Isometry3d T(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0));
     graph.add(now, T, 1e-6 * Matrix6d::Identity(), gallery.seen_from(T), i <= 10);
-    carried.push_back(graph.nodes().back().covariance.topLeftCorner<3, 3>().trace());
+    carried.push_back(graph.nodes().back().error.covariance().topLeftCorner<3, 3>().trace());
     for (const Utime later : {Utime(0), Utime(500'000)})
       if (const auto correction = graph.work(now + later)) graph.apply(*correction);
   }
@@ -187,7 +188,7 @@ TEST(PoseCovariance, GrowsWithTheWayAndShrinksAtTheLoop) {
   EXPECT_GT(carried[10], carried[1]);
   if (const auto correction = graph.finish()) graph.apply(*correction);
   const auto size = [&](std::size_t node) {
-    return graph.nodes()[node].covariance.topLeftCorner<3, 3>().trace();
+    return graph.nodes()[node].error.covariance().topLeftCorner<3, 3>().trace();
   };
   EXPECT_GT(size(10), 2 * size(1));
   EXPECT_GT(size(10), 2 * size(20));

@@ -201,6 +201,49 @@ TEST(Faults, StampsAreWrongAndTheImagesAreNot) {
   EXPECT_NEAR(std::sqrt(sum / 16), 0.003 / std::sqrt(3), 0.0008);
 }
 
+// config/heads has a file for each.
+TEST(Faults, FilesOfHeadsHaveThem) {
+  const Simulation sound(with_head("swissranger"));
+  const Utime t = fastest_turn(sound);
+  const RgbdFrame right = sound.render(t);
+  const auto unlike = [&](const RgbdFrame& frame) {
+    return cv::norm(frame.colour, right.colour, cv::NORM_L1);
+  };
+
+  const RgbdFrame late = Simulation(with_head("late_stamps")).render(t);
+  EXPECT_EQ(late.utime, right.utime + 20'000);
+  EXPECT_EQ(late.depth_utime, right.depth_utime + 20'000);
+  EXPECT_EQ(unlike(late), 0);
+
+  const RgbdFrame jittering = Simulation(with_head("jittering_stamps")).render(t);
+  EXPECT_NE(jittering.utime, right.utime);
+  EXPECT_LE(std::abs(jittering.utime - right.utime), 5'000);
+  EXPECT_NE(jittering.utime - right.utime, jittering.depth_utime - right.depth_utime) << "each its own";
+  EXPECT_EQ(unlike(jittering), 0);
+
+  const Simulation rolling(with_head("rolling_colour"));
+  EXPECT_EQ(rolling.calibration().rolling_shutter, 0) << "nobody is told";
+  SimulationSettings asked = with_head("swissranger");
+  asked.faults.rolling_shutter = 0.03;
+  const RgbdFrame rolled = rolling.render(t);
+  EXPECT_GT(unlike(rolled), 0);
+  EXPECT_EQ(cv::norm(rolled.colour, Simulation(asked).render(t).colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(rolled.depth, right.depth, cv::NORM_INF), 0);
+
+  asked = with_head("swissranger");
+  asked.faults.exposure_adaptation = 0.5;
+  const RgbdFrame adapted = Simulation(with_head("adapting_exposure")).render(t);
+  EXPECT_GT(unlike(adapted), 0);
+  EXPECT_EQ(cv::norm(adapted.colour, Simulation(asked).render(t).colour, cv::NORM_INF), 0);
+}
+
+TEST(Faults, OfTheSettingsAreBeforeTheFiles) {
+  SimulationSettings s = with_head("late_stamps");
+  s.faults.image_stamp_error = -0.01;
+  const Simulation simulation(s);
+  EXPECT_EQ(simulation.render(simulation.start() + 1'000'000).utime, simulation.start() + 990'000);
+}
+
 TEST(Faults, TheExposureFollowsTheLight) {
   SimulationSettings s = with_head("tof");
   const Simulation fixed(s);

@@ -3,6 +3,7 @@
 #include "tools/study/faults/fault_responses.hpp"
 
 #include <gmock/gmock.h>
+#include <cmath>
 
 #include <lcmslam/messages/geometry_messages.hpp>
 
@@ -27,7 +28,7 @@ TEST(FaultResponses, SayWhenItWasToldAndWhatCameAfter) {
                 poses(0.01, 10.2, 16, 0.03),
                 poses(0.02)};
   const std::vector<Fault> faults = {{FaultKind::black, 10, 5, ""}, {FaultKind::killed, 24, 0, "icp"}};
-  const auto responses = fault_responses(faults, run, usual);
+  const auto responses = fault_responses(faults, run, {usual});
   ASSERT_EQ(responses.size(), 2U);
   EXPECT_NEAR(responses[0].told.value(), 0.2, 0.06);
   EXPECT_EQ(responses[0].by, "FASTSLAM_POSE");
@@ -39,12 +40,23 @@ TEST(FaultResponses, SayWhenItWasToldAndWhatCameAfter) {
   EXPECT_EQ(responses[1].by, "icp restarted");
 }
 
+// Live, runs that nobody disturbed differ by more than many a fault makes.
+TEST(FaultResponses, StandBesideAllUndisturbedRuns) {
+  const std::vector<RunRecord> usual = {{{}, poses(0.003), poses(0.02)}, {{}, poses(0.004), poses(0.01)}};
+  const RunRecord run{{}, poses(0.01), poses(0.02)};
+  const auto responses = fault_responses({{FaultKind::slip, 10, 1, ""}}, run, usual);
+  EXPECT_NEAR(responses.at(0).fastslam.error, 0.01, 1e-9);
+  EXPECT_NEAR(responses.at(0).fastslam.usual, std::sqrt((0.003 * 0.003 + 0.004 * 0.004) / 2), 1e-9);
+  EXPECT_NEAR(responses.at(0).fastslam.worst, 0.004, 1e-9);
+  EXPECT_NEAR(responses.at(0).icp.worst, 0.02, 1e-9);
+}
+
 TEST(FaultResponses, WhatWasToldBeforeIsNotOfTheFault) {
   const RunRecord usual{{}, poses(0.01), poses(0.01)};
   RunRecord run = usual;
   run.alarms = {
       {8.5, "surf: inputs' losses"}, {10.1, "surf: inputs' losses"}, {10.6, "icp: of_other_senders"}};
-  const auto responses = fault_responses({{FaultKind::stranger, 10, 3, ""}}, run, usual);
+  const auto responses = fault_responses({{FaultKind::stranger, 10, 3, ""}}, run, {usual});
   EXPECT_NEAR(responses[0].told.value(), 0.6, 1e-9);
   EXPECT_EQ(responses[0].by, "icp: of_other_senders");
 }
@@ -76,7 +88,7 @@ TEST(MapperWatch, LaysAMapByDirectionsToo) {
 TEST(FaultResponses, WhatNobodyToldAndWhoNeverCameBackIsSaid) {
   RunRecord usual{{}, poses(0.01), poses(0.01)};
   RunRecord run{{}, poses(0.01, 1e9, 10, 0.5), poses(0.01)};
-  const auto responses = fault_responses({{FaultKind::slip, 10, 1, ""}}, run, usual);
+  const auto responses = fault_responses({{FaultKind::slip, 10, 1, ""}}, run, {usual});
   EXPECT_FALSE(responses[0].told);
   EXPECT_FALSE(responses[0].fastslam.found) << "half a metre off is not found";
   EXPECT_TRUE(responses[0].icp.found);

@@ -26,7 +26,7 @@ enum class FaultKind {
   // Strangers.
   stranger,   ///< real messages of the graph, of another sender and older
   garbage,    ///< mutated messages, wrong fragments among them
-  disk_full,  ///< the run's folder takes nothing more
+  disk_full,  ///< the run's folder takes nothing more, and the map's file has no room within
 };
 
 const char* to_string(FaultKind kind);

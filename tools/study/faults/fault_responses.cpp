@@ -43,17 +43,24 @@ double rms(const std::vector<MapperWatch::Held>& poses, double from, double to) 
   return n > 0 ? std::sqrt(sum / n) : std::numeric_limits<double>::quiet_NaN();
 }
 
-MapperResponse response(const std::vector<MapperWatch::Held>& poses,
-                        const std::vector<MapperWatch::Held>& usual, double end, double next) {
+/// `held`: the mapper's poses of a run.
+MapperResponse response(const RunRecord& run, const std::vector<RunRecord>& undisturbed,
+                        std::vector<MapperWatch::Held> RunRecord::*held, double end, double next) {
   MapperResponse result;
-  for (const auto& pose : poses) {
+  for (const auto& pose : run.*held) {
     if (pose.at < end || pose.at >= next || !pose.tracking || pose.error > near) continue;
     result.found = pose.at - end;
     break;
   }
   const double from = end + result.found.value_or(0) + settled;
-  result.error = rms(poses, from, next);
-  result.usual = rms(usual, from, next);
+  result.error = rms(run.*held, from, next);
+  double squares = 0;
+  for (const RunRecord& usual : undisturbed) {
+    const double error = rms(usual.*held, from, next);
+    squares += error * error;
+    result.worst = std::max(result.worst, error);
+  }
+  result.usual = std::sqrt(squares / static_cast<double>(undisturbed.size()));
   return result;
 }
 
@@ -70,7 +77,7 @@ std::string trouble_told(const status_t& before, const status_t& now) {
 }
 
 std::vector<FaultResponse> fault_responses(const std::vector<Fault>& faults, const RunRecord& run,
-                                           const RunRecord& undisturbed) {
+                                           const std::vector<RunRecord>& undisturbed) {
   std::vector<FaultResponse> responses;
   for (std::size_t i = 0; i < faults.size(); ++i) {
     FaultResponse response_of{faults[i], {}, {}, {}, {}};
@@ -93,8 +100,8 @@ std::vector<FaultResponse> fault_responses(const std::vector<Fault>& faults, con
     for (const auto& [poses, name] : {std::pair(&run.fastslam, "FASTSLAM_POSE"), {&run.icp, "ICP_POSE"}})
       for (const auto& pose : *poses)
         if (!pose.tracking) tell(pose.at, name);
-    response_of.fastslam = response(run.fastslam, undisturbed.fastslam, end, next);
-    response_of.icp = response(run.icp, undisturbed.icp, end, next);
+    response_of.fastslam = response(run, undisturbed, &RunRecord::fastslam, end, next);
+    response_of.icp = response(run, undisturbed, &RunRecord::icp, end, next);
     responses.push_back(response_of);
   }
   return responses;

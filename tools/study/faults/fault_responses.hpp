@@ -1,6 +1,6 @@
 #pragma once
 // What each fault of a run did: how soon somebody said so, how soon both mappers were right again, and how
-// far off they were then, beside a run without faults at the same time.
+// far off they were then, beside runs without faults at the same time: live no two runs are alike.
 
 #include <optional>
 #include <string>
@@ -23,7 +23,8 @@ std::string trouble_told(const status_t& before, const status_t& now);
 
 struct MapperResponse {
   std::optional<double> found;  ///< s after the fault's end: tracked within 0.1 m of the truth
-  double error = 0, usual = 0;  ///< m, RMS from 2 s after that until the next fault; without faults
+  double error = 0;             ///< m, RMS from 2 s after that until the next fault
+  double usual = 0, worst = 0;  ///< m, the same of all undisturbed runs together, and of the worst of them
 };
 
 struct FaultResponse {
@@ -40,6 +41,6 @@ struct RunRecord {
 };
 
 std::vector<FaultResponse> fault_responses(const std::vector<Fault>& faults, const RunRecord& run,
-                                           const RunRecord& undisturbed);
+                                           const std::vector<RunRecord>& undisturbed);
 
 }  // namespace lcmslam

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <csignal>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <thread>
@@ -22,6 +21,7 @@
 #include "tools/launch/status_table.hpp"
 #include "tools/study/faults/disturbed_source.hpp"
 #include "tools/study/faults/kept_share.hpp"
+#include "tools/study/faults/small_disk.hpp"
 #include "tools/study/faults/stranger.hpp"
 
 namespace lcmslam {
@@ -79,6 +79,7 @@ class FaultRun {
     const Clock::time_point stop = Clock::now();
     for (const std::string& event : supervisor_.stop()) result_.events.push_back(event);
     result_.stop_seconds = seconds_since(stop);
+    hear_out(*receiver_);
     judge();
     return result_;
   }
@@ -92,11 +93,7 @@ class FaultRun {
             hear_pose(channel, m.detail);
           });
     inputs_.subscribe<status_t>("STATUS", 1000, [this](const auto& m) { hear(m); });
-    inputs_.subscribe<graph_t>("ICP_GRAPH", 1000, [this](const auto& m) {
-      told_[{m.sender, m.frame}].apply(m);
-    });
-    inputs_.subscribe<landmarks_t>("FASTSLAM_LANDMARKS", 1000,
-                                   [this](const auto& m) { told_landmarks_.apply(m); });
+    told_.listen(inputs_);
     inputs_.subscribe<map_reply_t>("MAP_REPLY", 100, [this](const auto& m) { replied_ = m.request_id; });
     stranger_.listen<features_t>(inputs_, "FEATURES");
     stranger_.listen<odometry_t>(inputs_, "ODOMETRY");
@@ -155,6 +152,7 @@ class FaultRun {
     if (active_ && elapsed >= next_message_) {
       if (active_->kind == FaultKind::stranger) stranger_.pretend();
       if (active_->kind == FaultKind::garbage) stranger_.babble();
+      if (ballast_) ballast_->fill();
       next_message_ = elapsed + 0.05;
     }
     return source_.publish_until(elapsed, active_ ? &*active_ : nullptr);
@@ -179,28 +177,23 @@ class FaultRun {
     source_.begin(fault);
     if (fault.kind == FaultKind::killed) signal_process(SIGKILL);
     if (fault.kind == FaultKind::paused) signal_process(SIGSTOP);
-    if (fault.kind == FaultKind::disk_full) fill_disk();
+    if (fault.kind == FaultKind::disk_full) ballast_.emplace(settings_.folder, map_file());
     if (fault.kind == FaultKind::busy) busy_.emplace();
   }
 
   void end_fault() {
     if (!active_) return;
     if (active_->kind == FaultKind::paused) signal_process(SIGCONT);
-    if (active_->kind == FaultKind::disk_full) std::filesystem::remove(ballast());
+    ballast_.reset();
     busy_.reset();
     active_.reset();
   }
 
+  std::filesystem::path map_file() const { return settings_.folder / "map.lcmslam"; }
+
   void signal_process(int signal) {
     for (const Supervisor::State& state : supervisor_.processes())
       if (state.spec.name == active_->process && state.pid > 0) kill(state.pid, signal);
-  }
-
-  std::filesystem::path ballast() const { return settings_.folder / "ballast"; }
-  void fill_disk() const {
-    std::ofstream file(ballast(), std::ios::binary);
-    const std::string megabyte(1 << 20, 'x');
-    while (file) file << megabyte << std::flush;
   }
 
   /// Into a folder of the run's; the graph goes on meanwhile.
@@ -221,8 +214,7 @@ class FaultRun {
     const Trajectory truth = source_.truth();
     result_.record.fastslam = fastslam_.held(truth, undisturbed);
     result_.record.icp = icp_.held(truth, undisturbed);
-    result_.map = judge_kept_map(settings_.folder / "map.lcmslam", told_, told_landmarks_, truth,
-                                 source_.T_robot_camera());
+    result_.map = judge_kept_map(map_file(), told_, truth, source_.T_robot_camera());
     for (const auto& [watch, outcome, map] : {std::tuple(&fastslam_, &result_.fastslam, "fastslam_map.pcd"),
                                               std::tuple(&icp_, &result_.icp, "icp_map.pcd")}) {
       outcome->ate = watch->ate(truth);
@@ -252,12 +244,12 @@ class FaultRun {
   Supervisor supervisor_;
   StatusBoard board_;
   std::map<std::string, std::string> pose_words_;  // by channel, the last ones
-  ToldGraphs told_;
-  ToldLandmarks told_landmarks_;
+  ToldMaps told_;
   MapperWatch fastslam_, icp_;
   FaultRunResult result_;
   std::optional<Fault> active_;
   std::optional<BusyProcessors> busy_;
+  std::optional<Ballast> ballast_;
   std::size_t next_fault_ = 0;
   double next_message_ = 0, elapsed_ = 0;  // s
   Clock::time_point start_ = Clock::now();

@@ -1,7 +1,6 @@
 #include "tools/study/faults/faults_study.hpp"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <iostream>
@@ -15,6 +14,7 @@ namespace lcmslam {
 namespace {
 
 constexpr int disk_megabytes = 300;
+constexpr int undisturbed_runs = 3;  // of each scene: live no two are alike
 
 struct Scene {
   std::string name, config;
@@ -42,7 +42,8 @@ FaultsStudyRun run_scene(const Scene& scene, std::uint64_t seed, std::vector<Fau
   FaultRunSettings graph;
   graph.config = share_path(scene.config);
   graph.lcm_url = settings.lcm_url;
-  graph.folder = folder / (scene.name + "-" + (run.faults.empty() ? "undisturbed" : std::to_string(seed)));
+  graph.folder =
+      folder / (scene.name + "-" + (run.faults.empty() ? "undisturbed-" : "") + std::to_string(seed));
   graph.faults = run.faults;
   graph.seed = seed;
   const SmallDisk disk(graph.folder, disk_megabytes);
@@ -100,7 +101,9 @@ std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
     return std::chrono::duration<double, std::ratio<60>>(std::chrono::steady_clock::now() - begin).count();
   };
   std::vector<FaultsStudyRun> runs;
-  for (const Scene& scene : scenes) runs.push_back(run_scene(scene, settings.seed, {}, settings, folder));
+  for (const Scene& scene : scenes)
+    for (int i = 0; i < undisturbed_runs; ++i)
+      runs.push_back(run_scene(scene, settings.seed + static_cast<std::uint64_t>(i), {}, settings, folder));
   for (std::uint64_t i = 0; minutes() < settings.minutes; ++i) {
     const Scene& scene = scenes[i % scenes.size()];
     const std::uint64_t seed = settings.seed + i / scenes.size();
@@ -110,35 +113,38 @@ std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
 }
 
 std::string responses_table(const std::vector<FaultsStudyRun>& runs) {
-  Table table({"fault", "told after s", "by", "fastslam right after s", "m", "usual m", "icp right after s",
-               "m", "usual m"});
+  Table table({"fault", "told after s", "by", "fastslam right after s", "m", "usual m", "worst usual m",
+               "icp right after s", "m", "usual m", "worst usual m"});
   const auto seconds = [](const std::optional<double>& s) { return s ? fixed_number(*s, 2) : "-"; };
   for (const FaultsStudyRun& run : runs) {
-    const auto usual = std::find_if(runs.begin(), runs.end(), [&](const FaultsStudyRun& other) {
-      return other.scene == run.scene && other.faults.empty();
-    });
-    if (usual == runs.end()) continue;
-    for (const FaultResponse& r : fault_responses(run.faults, run.result.record, usual->result.record)) {
+    std::vector<RunRecord> usual;
+    for (const FaultsStudyRun& other : runs)
+      if (other.scene == run.scene && other.faults.empty()) usual.push_back(other.result.record);
+    for (const FaultResponse& r : fault_responses(run.faults, run.result.record, usual)) {
       const std::string name = run.scene + ": " + words({r.fault});
       table.add({name, seconds(r.told), r.by.substr(0, 50), seconds(r.fastslam.found),
-                 fixed_number(r.fastslam.error, 4), fixed_number(r.fastslam.usual, 4), seconds(r.icp.found),
-                 fixed_number(r.icp.error, 4), fixed_number(r.icp.usual, 4)});
+                 fixed_number(r.fastslam.error, 4), fixed_number(r.fastslam.usual, 4),
+                 fixed_number(r.fastslam.worst, 4), seconds(r.icp.found), fixed_number(r.icp.error, 4),
+                 fixed_number(r.icp.usual, 4), fixed_number(r.icp.worst, 4)});
     }
   }
   return table.text();
 }
 
 std::string faults_table(const std::vector<FaultsStudyRun>& runs) {
-  Table table({"run", "mapper", "ATE m", "maps", "false TRACKING s", "m", "map kept", "stop s"});
+  Table table({"run", "mapper", "ATE m", "maps", "false TRACKING s", "m", "map kept", "told", "lost",
+               "not judged", "stop s"});
   std::string faults;
   for (const FaultsStudyRun& run : runs) {
     const std::string name =
-        run.scene + (run.faults.empty() ? " undisturbed" : " " + std::to_string(run.seed));
-    for (const auto& [mapper, outcome] :
-         {std::pair("fastslam", &run.result.fastslam), std::pair("icp", &run.result.icp)})
+        run.scene + (run.faults.empty() ? " undisturbed " : " ") + std::to_string(run.seed);
+    const KeptMap& map = run.result.map;
+    for (const auto& [mapper, outcome, kept] : {std::tuple("fastslam", &run.result.fastslam, &map.landmarks),
+                                                std::tuple("icp", &run.result.icp, &map.keyframes)})
       table.add({name, mapper, fixed_number(outcome->ate, 4), std::to_string(outcome->sessions),
                  fixed_number(outcome->false_tracking.seconds, 1),
                  fixed_number(outcome->false_tracking.error, 2), kept_words(*outcome),
+                 std::to_string(kept->told), std::to_string(kept->lost), std::to_string(kept->unjudged),
                  fixed_number(run.result.stop_seconds, 1)});
     faults += name + ": " + words(run.faults) + "\n";
   }
@@ -161,11 +167,13 @@ nlohmann::json run_json(const FaultsStudyRun& run) {
           {"stop_s", run.result.stop_seconds},
           {"sessions", map.sessions},
           {"sessions_joined", map.joined},
-          {"keyframes_told", map.told},
-          {"keyframes_lost", map.lost},
+          {"keyframes_told", map.keyframes.told},
+          {"keyframes_lost", map.keyframes.lost},
+          {"keyframes_unjudged", map.keyframes.unjudged},
           {"keyframes_placed", map.placed},
-          {"landmarks_told", map.landmarks_told},
-          {"landmarks_lost", map.landmarks_lost},
+          {"landmarks_told", map.landmarks.told},
+          {"landmarks_lost", map.landmarks.lost},
+          {"landmarks_unjudged", map.landmarks.unjudged},
           {"fastslam_gap_s", map.fastslam_gap},
           {"icp_gap_s", map.icp_gap},
           {"map_error_m", map.error},

@@ -26,7 +26,7 @@ struct FaultsStudyRun {
   FaultRunResult result;
 };
 
-/// First an undisturbed run of each scene, then disturbed ones by turns, each in `folder`/SCENE-SEED, whose
+/// First undisturbed runs of each scene, then disturbed ones by turns, each in `folder`/SCENE-SEED, whose
 /// disk ends with it.
 std::vector<FaultsStudyRun> study_faults(const FaultsStudySettings& settings,
                                          const std::filesystem::path& folder);

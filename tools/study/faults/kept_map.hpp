@@ -1,6 +1,7 @@
 #pragma once
 // What a map file holds at the end of a run in which processes died, against all that was told on the bus.
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -9,27 +10,48 @@
 
 #include <lcmslam/evaluation/trajectory.hpp>
 #include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/messages/followed_graph.hpp>
+#include <lcmslam/runtime/lcm_bus.hpp>
 
 namespace lcmslam {
 
-/// What the dense mapper told of each of its maps, by sender and frame.
-using ToldGraphs = std::map<std::pair<std::int64_t, std::string>, FollowedGraph>;
-
-/// The landmarks that FastSLAM told of each of its maps and has not taken away, by sender and frame.
-class ToldLandmarks {
+/// What both mappers told of each of their maps. It follows them as the map server does, but only listens:
+/// what it asked for again the map server would hear, too.
+class ToldMaps {
  public:
-  void apply(const landmarks_t& message);
-  const std::map<std::pair<std::int64_t, std::string>, std::set<std::int64_t>>& ids() const { return ids_; }
+  using Key = std::pair<std::int64_t, std::string>;  ///< sender, frame
+
+  void listen(Inputs& inputs);
+
+  /// Of the dense mapper, and of FastSLAM; without those of strangers, who tell maps and no poses.
+  std::map<Key, FollowedGraph> graphs() const;
+  std::map<Key, LandmarkMap> landmarks() const;
 
  private:
-  std::map<std::pair<std::int64_t, std::string>, std::set<std::int64_t>> ids_;
+  void apply(const landmarks_t& message);
+
+  std::map<Key, FollowedGraph> graphs_;
+  std::map<Key, LandmarkMap> landmarks_;
+  std::set<Key> dense_mappers_, sparse_mappers_;  // that told poses
+};
+
+/// Takes what is still to be heard when nobody speaks any more: a mapper's last graph, which is told whole
+/// while it stops, say.
+void hear_out(Receiver& receiver, std::chrono::milliseconds silence = std::chrono::milliseconds(200));
+
+/// Keyframes or landmarks, as their mapper told them last.
+struct KeptCount {
+  int told = 0;
+  int lost = 0;      ///< of those: the file has them not
+  int unjudged = 0;  ///< the same, but a message was missed that may have taken them away
+
+  void add(bool is_kept, bool was_told_wholly);
 };
 
 struct KeptMap {
   int sessions = 0, joined = 0;  ///< of the dense mapper; the first one is joined by itself
-  int told = 0, lost = 0;        ///< keyframes of the graphs as they were told last; those the file has not
-  int landmarks_told = 0, landmarks_lost = 0;
+  KeptCount keyframes, landmarks;
   /// s of the drive for which the file has no pose of the mapper, in whichever session: the longest.
   double fastslam_gap = 0, icp_gap = 0;
   int placed = 0;    ///< keyframes of joined sessions
@@ -38,8 +60,7 @@ struct KeptMap {
 };
 
 /// Throws StoreError where the file cannot be read.
-KeptMap judge_kept_map(const std::filesystem::path& file, const ToldGraphs& told,
-                       const ToldLandmarks& told_landmarks, const Trajectory& truth,
+KeptMap judge_kept_map(const std::filesystem::path& file, const ToldMaps& told, const Trajectory& truth,
                        const Eigen::Isometry3d& T_robot_camera);
 
 }  // namespace lcmslam

@@ -47,7 +47,7 @@ double silence(const std::vector<MapperWatch::Held>& poses, double from, double 
 nlohmann::json kills_json(const FaultsStudyRun& run) {
   nlohmann::json kills = nlohmann::json::array();
   const RunRecord& record = run.result.record;
-  for (const FaultResponse& response : fault_responses(run.faults, record, record)) {
+  for (const FaultResponse& response : fault_responses(run.faults, record, {record})) {
     const double from = response.fault.at, to = from + apart - 4;  // kills are up to 4 s nearer
     nlohmann::json kill = {{"process", response.fault.process},
                            {"at_s", from},
@@ -156,9 +156,9 @@ nlohmann::json study_kills(const FaultsStudySettings& settings, const std::files
 }
 
 std::string kills_table(const nlohmann::json& report) {
-  Table table({"run", "killed", "sessions", "joined", "keyframes told", "lost", "landmarks told", "lost",
-               "no pose kept for s: fastslam", "icp", "placed", "error m", "memory MB, by quarters",
-               "stop s"});
+  Table table({"run", "killed", "sessions", "joined", "keyframes told", "lost", "not judged",
+               "landmarks told", "lost", "not judged", "no pose kept for s: fastslam", "icp", "placed",
+               "error m", "memory MB, by quarters", "stop s"});
   std::string processes;
   for (const auto& run : report["runs"]) {
     const auto count = [&](const char* name) { return std::to_string(run[name].get<int>()); };
@@ -167,8 +167,9 @@ std::string kills_table(const nlohmann::json& report) {
     };
     table.add({run["run"].get<std::string>(), std::to_string(run["faults"].size()), count("sessions"),
                count("sessions_joined"), count("keyframes_told"), count("keyframes_lost"),
-               count("landmarks_told"), count("landmarks_lost"), figure("fastslam_gap_s", 2),
-               figure("icp_gap_s", 2), count("keyframes_placed"), figure("map_error_m", 4),
+               count("keyframes_unjudged"), count("landmarks_told"), count("landmarks_lost"),
+               count("landmarks_unjudged"), figure("fastslam_gap_s", 2), figure("icp_gap_s", 2),
+               count("keyframes_placed"), figure("map_error_m", 4),
                memory_words(run["memory_bytes"].get<std::vector<double>>()), figure("stop_s", 1)});
     if (!run["kills"].empty()) processes = processes_table(run["kills"]);
   }

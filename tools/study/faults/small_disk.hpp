@@ -22,4 +22,21 @@ class SmallDisk {
   std::filesystem::path folder_;
 };
 
+/// Takes all the room that a disk has left, as long as it lives, so that a map file there cannot be written.
+class Ballast {
+ public:
+  /// `map`: the file. SQLite writes where it has written before, and for minutes would need no more room: its
+  /// log is written back and cut to nothing first. Throws StoreError.
+  Ballast(std::filesystem::path folder, const std::filesystem::path& map);
+  ~Ballast();
+  Ballast(const Ballast&) = delete;
+  Ballast& operator=(const Ballast&) = delete;
+
+  /// To the last byte again: others may have given room away.
+  void fill();
+
+ private:
+  std::filesystem::path file_;
+};
+
 }  // namespace lcmslam

@@ -45,8 +45,8 @@ struct Drive {
   double distance_to_surface(const Eigen::Vector3d& point_world) const;
 };
 
-/// Takes all of a source and finds the features with the settings of config/replay.yaml, which both presets
-/// share. `truth`: of the robot where the source has none.
+/// Takes all of a source and finds the features with the settings of config/replay.yaml; the thesis's preset
+/// finds its own in map_drive(). `truth`: of the robot where the source has none.
 Drive take_drive(CameraSource& source);
 
 /// Renders drives and keeps the newest few, by their settings. What is rendered again is the same to the

@@ -117,6 +117,7 @@ CellKey cell_of(const Eigen::Vector3d& p) {
 MappingRun map_drive(const Drive& drive, const MapperChoice& choice) {
   const std::string file = choice.preset == "thesis" ? "config/thesis.yaml" : "config/replay.yaml";
   std::vector<std::string> processes = {"odometry"};
+  if (choice.preset == "thesis") processes.emplace_back("surf");  // its features are others than the drive's
   if (choice.fastslam) processes.emplace_back("fastslam");
   if (choice.icp) processes.emplace_back("icp");
   MappingRun run;

@@ -38,7 +38,10 @@ struct RgbdRecording {
   std::vector<std::string> set;  ///< what config/tum.yaml says of the sensor
 };
 const std::vector<RgbdRecording> rgbd_recordings = {
-    {"tum_fr1_rpy", 2, {"fastslam.shutter_sigma=0.03", "fastslam.stamp_sigma=0.005"}},
+    {"tum_fr1_rpy",
+     2,
+     {"fastslam.shutter_sigma=0.03", "fastslam.stamp_sigma=0.005", "icp.stamp_sigma=0.005",
+      "icp.graph.optimiser.motion_scale=0.01", "icp.graph.optimiser.turn_scale=0.01"}},
     {"livingroom1", 2, {}},
     {"rgbd_slambook2", 0, {}}};
 
