@@ -43,6 +43,21 @@ LCMSLAM_VECTORISED(find_windows,
   }
 }
 
+// Each pixel's cell, as at() finds it; 0 for points without pixel: no window begins so far up and left.
+LCMSLAM_VECTORISED(cells_of_row,
+                   (const float* __restrict pixel, int columns, const CellGeometry& in,
+                    std::int32_t* __restrict cell),
+                   (pixel, columns, in, cell)) {
+  const CellGeometry g = in;  // local: nothing that is written can change it
+  for (int i = 0; i < columns; ++i) {
+    const float u = pixel[2 * i], v = pixel[2 * i + 1];
+    const bool seen = u >= -0.5f;  // not NaN
+    const int column = static_cast<int>(((seen ? u : 0.0f) + 0.5f) * g.per_pixel) + g.margin;
+    const int row = static_cast<int>(((seen ? v : 0.0f) + 0.5f) * g.per_pixel) + g.margin;
+    cell[i] = seen ? row * g.stride + column : 0;
+  }
+}
+
 LCMSLAM_VECTORISED(take_minimum, (const float* __restrict other, int columns, float* __restrict row),
                    (other, columns, row)) {
   for (int i = 0; i < columns; ++i) row[i] = other[i] < row[i] ? other[i] : row[i];
@@ -73,15 +88,15 @@ void DepthBuffer::splat(const float* u, const float* v, const float* z, int colu
   const CellGeometry geometry{per_pixel_, half_, span_, margin_, nearest_.cols};
   find_windows(u, v, columns, geometry, first_.data(), right_.data(), down_.data());
   auto* const cells = nearest_.ptr<float>();
+  const std::int32_t *first = first_.data(), *right = right_.data(), *down = down_.data();
   for (std::size_t i = 0; i < count; ++i) {
-    if (first_[i] < 0) continue;
-    float* const window = cells + first_[i];
-    const int right = right_[i], down = down_[i];
+    if (first[i] < 0) continue;
+    float* const window = cells + first[i];
     lower(window[0], z[i]);
-    if ((right | down) == 0) continue;
-    lower(window[right], z[i]);
-    lower(window[down], z[i]);
-    lower(window[right + down], z[i]);
+    lower(window[right[i]], z[i]);  // without asking whether it is another one: that changes all the time
+    if (down[i] == 0) continue;
+    lower(window[down[i]], z[i]);
+    lower(window[right[i] + down[i]], z[i]);
   }
 }
 
@@ -98,6 +113,10 @@ void DepthBuffer::close() {
   }
 }
 
+void DepthBuffer::find_cells(const float* pixel, int columns, std::int32_t* cell) const {
+  cells_of_row(pixel, columns, {per_pixel_, half_, span_, margin_, nearest_.cols}, cell);
+}
+
 float smaller_step(float before, float z, float after) {
   const float a = std::abs(z - before);
   const float b = std::abs(after - z);
@@ -108,16 +127,17 @@ float smaller_step(float before, float z, float after) {
 void hide_occluded(RegisteredDepth& registered, const DepthBuffer& buffer, int step) {
   constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
   const int rows = registered.points.rows, columns = registered.points.cols;
+  std::vector<std::int32_t> cells(static_cast<std::size_t>(columns));
   for (int v = 0; v < rows; v += step) {
     const auto* point = registered.points.ptr<cv::Vec3f>(v);
     const auto* above = v > 0 ? registered.points.ptr<cv::Vec3f>(v - 1) : nullptr;
     const auto* below = v + 1 < rows ? registered.points.ptr<cv::Vec3f>(v + 1) : nullptr;
     const auto* sigma = registered.sigma.ptr<float>(v);
     auto* pixel = registered.pixels.ptr<cv::Vec2f>(v);
+    buffer.find_cells(registered.pixels.ptr<float>(v), columns, cells.data());
     for (int u = 0; u < columns; u += step) {
-      if (std::isnan(pixel[u][0])) continue;
       const float z = point[u][2];
-      const float gap = gap_before(buffer.at(pixel[u][0], pixel[u][1]), z, sigma[u]);
+      const float gap = gap_before(buffer.in(cells[static_cast<std::size_t>(u)]), z, sigma[u]);
       if (!(gap > 0)) continue;
       const float horizontal =
           smaller_step(u > 0 ? point[u - 1][2] : nothing, z, u + 1 < columns ? point[u + 1][2] : nothing);

@@ -22,6 +22,10 @@ class DepthBuffer {
   /// Colour pixels, along either side, from a point to the farthest one that it may hide.
   float reach() const { return half_ + 1 / per_pixel_; }
   float at(float u, float v) const { return nearest_(cell(v), cell(u)); }
+  /// at() of a row of pixels in two steps, the first vectorised. `pixel`: u, v one after the other; NaN gives
+  /// a cell that no point covers, at infinity.
+  void find_cells(const float* pixel, int columns, std::int32_t* cell) const;
+  float in(std::int32_t cell) const { return nearest_.ptr<float>()[cell]; }
 
  private:
   int cell(float position) const { return static_cast<int>((position + 0.5f) * per_pixel_) + margin_; }

@@ -14,7 +14,7 @@ struct MapServerSettings {
   std::string mode = "map";
   std::filesystem::path map;
   double resolution = 0.02;
-  double snapshot_period = 20;
+  double snapshot_period = 60;
   int export_folders = 20;
   int max_sessions = 16;
   int max_landmarks = 300'000;
@@ -41,8 +41,8 @@ struct MapServerSettings {
     s.require((mode == "localise") != map.empty(), "map", "must name a map in mode localise, and only there");
     s.number("resolution", resolution, "m", {0, 1}, "of the merged dense map; 0: its points as they came");
     s.number("snapshot_period", snapshot_period, "s", {0, 3600},
-             "between two savings of what changed while mapping, more where saving takes long; 0: only at "
-             "the end");
+             "between two savings of maps that changed as files (PLY, PCD, poses), more where saving takes "
+             "long; 0: only at the end. Without a `store` a kill leaves nothing newer");
     s.number("export_folders", export_folders, "", {0, 10'000},
              "below the folder of the maps that requests may make");
     s.number(

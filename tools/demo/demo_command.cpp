@@ -25,7 +25,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds progress_period{1};
 constexpr std::chrono::seconds quiet_time{2};  // without a new pose: the mappers have worked off everything
-constexpr std::chrono::seconds longest_export{120};
+constexpr std::chrono::seconds longest_answer{20};
+constexpr std::chrono::seconds longest_saving{50};  // a process gives itself a minute to stop
 constexpr std::chrono::seconds longest_start{60};
 
 struct DemoOptions {
@@ -132,8 +133,9 @@ class Demo {
         problems.emplace_back(error.what());
       }
     };
-    tried([&] { export_maps(); });
-    for (const auto& problem : supervisor_.stop()) {
+    tried([&] { ask_for_the_maps_size(); });
+    say("  saving the maps", true);  // once: the map server does as it stops, when the mappers have
+    for (const auto& problem : supervisor_.stop(longest_saving)) {
       facts_.events.push_back(problem);
       problems.push_back(problem);
     }
@@ -215,23 +217,20 @@ class Demo {
     say(line + fmt::format("  {:.0f} s left", left), true);
   }
 
-  /// Into the map-server's own folder, which is this run's. Throws std::runtime_error when not all was saved.
-  void export_maps() {
-    say("  saving the maps", true);
+  /// For the summary. Throws std::runtime_error without an answer.
+  void ask_for_the_maps_size() {
     map_request_t request;
     request.utime = recorder_.icp().trajectory.empty() ? 0 : recorder_.icp().trajectory.back().utime;
     request.request_id = publisher_.sender();
-    request.kind = map_request_t::EXPORT;
+    request.kind = map_request_t::INFO;
     request.n_numbers = 0;
     publisher_.publish("MAP_REQUEST", request);
-    const auto deadline = Clock::now() + longest_export;
+    const auto deadline = Clock::now() + longest_answer;
     while (!recorder_.reply() || recorder_.reply()->request_id != request.request_id) {
       listen(std::chrono::milliseconds(50));
       if (Clock::now() > deadline || stop_requested())
         throw std::runtime_error("map-server did not answer; see " + options_.out + "/logs/map-server.txt");
     }
-    if (recorder_.reply()->status != 0)
-      throw std::runtime_error("the maps were not saved: " + recorder_.reply()->message);
   }
 
   /// In a terminal, progress overwrites itself.

@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include <lcmslam/imaging/thinned_depth.hpp>
 #include <lcmslam/rgbd/make_cloud.hpp>
 #include "tests/support/analytic_scene.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/thinned_points.hpp"
 
 namespace lcmslam {
@@ -257,12 +256,6 @@ TEST(Registration, AFrameWithoutDepthHasNoPoints) {
   frame.colour = cv::Mat(480, 640, CV_8UC3, cv::Scalar(0));
   EXPECT_EQ(make_cloud(frame, registered, 1, true).size(), 0u);
   EXPECT_TRUE(std::isnan(depth_at_pixels(registered, tof_head(), {{320, 240}})[0].point.z()));
-}
-
-// NaN equals NaN.
-bool same_bits(const cv::Mat& a, const cv::Mat& b) {
-  return a.type() == b.type() && a.size() == b.size() && a.isContinuous() && b.isContinuous() &&
-         std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
 }
 
 TEST(Registration, AThinnedImageIsThatOfAllItsPoints) {

@@ -99,11 +99,15 @@ TEST(LayerWorker, WhenNoMoreFramesComeAllOfItDoes) {
   worker.begin_map(some_camera());
   worker.keep(1, wall(), at(0));
   worker.keep(2, wall(), at(0));
-  worker.correct({{1, at(0.4).T_map_camera}, {2, at(0.4).T_map_camera}});
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  const auto arrived = [&] { return worker.state().kept == 2 && std::abs(mean_x(worker) - 2.4) < 0.02; };
-  while (!arrived() && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const auto wait_for = [&](const auto& arrived) {
+    while (!arrived() && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  };
+  wait_for([&] { return worker.state().kept == 2; });
+  EXPECT_NEAR(mean_x(worker), 2, 0.02);  // from now on somebody looks
+  worker.correct({{1, at(0.4).T_map_camera}, {2, at(0.4).T_map_camera}});
+  wait_for([&] { return std::abs(mean_x(worker) - 2.4) < 0.02; });
   EXPECT_NEAR(mean_x(worker), 2.4, 0.02);
 }
 

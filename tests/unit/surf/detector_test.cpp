@@ -6,6 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include <lcmslam/parallel/shared_processors.hpp>
 #include <lcmslam/surf/surf.hpp>
 #include "tests/unit/surf/blob_scene.hpp"
 
@@ -231,6 +232,14 @@ TEST(SurfDetector, BitIdenticalForAnyNumberOfThreadsAndOnReuse) {
           std::memcmp(descriptors.data, reference_descriptors.data, descriptors.total() * sizeof(float)), 0);
     }
   }
+  cv::setNumThreads(threads_before);
+}
+
+TEST(SharedProcessors, EachProcessTakesAQuarterAndAtLeastOne) {
+  const int threads_before = cv::getNumThreads();
+  cv::setNumThreads(cv::getNumberOfCPUs());
+  share_processors();
+  EXPECT_EQ(cv::getNumThreads(), std::max(1, cv::getNumberOfCPUs() / 4));
   cv::setNumThreads(threads_before);
 }
 
