@@ -97,6 +97,14 @@ TEST_F(OutboxTest, WhatIsLargeSharesTheLink) {
   EXPECT_NEAR(static_cast<double>(landmarks), static_cast<double>(map), 16'000);
 }
 
+TEST_F(OutboxTest, OfTheMapOnlySoMuchIsUnderWayAsTheLinkCarries) {
+  connect();
+  for (int i = 0; i < 20; ++i) keep(std::to_string(i), 8'000);
+  int under_way = 0;
+  while (outbox_.next(now_)) ++under_way;
+  EXPECT_EQ(under_way, 3) << "32 kB at the beginning";
+}
+
 TEST_F(OutboxTest, AChannelThatWaitedForNothingHasNoClaimOnAllOfTheLink) {
   Outbox outbox(parse_rules({"A", "B"}), {});
   outbox.connected();
