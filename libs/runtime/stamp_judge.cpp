@@ -118,7 +118,12 @@ const StampJudge::Run& StampJudge::run_of(Voice& voice, std::int64_t sender, Uti
 bool StampJudge::is_believed(const Run& run, const Voice& own) const {
   const Utime span = run.newest - run.first;
   const int agreeing = run.regular ? settings_.agreeing : settings_.agreeing_irregular;
-  if (run.count < agreeing || span < us(settings_.shortest_run)) return false;
+  // One who begins after his predecessor's silence has that for him, too. (Each message that is taken ends
+  // all runs of its channel.)
+  const bool comes_after =
+      run.sender != own.sender && own.speaks && run.first - own.newest >= us(settings_.shortest_silence);
+  const double shortest = comes_after ? settings_.shortest_silence : settings_.shortest_run;
+  if (run.count < agreeing || span < us(shortest)) return false;
   return std::all_of(voices_.begin(), voices_.end(), [&](const auto& entry) {
     const Voice& voice = entry.second;
     const auto agrees = [&](Utime newest) { return std::abs(newest - run.newest) <= tolerance(voice); };

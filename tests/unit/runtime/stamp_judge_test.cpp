@@ -177,6 +177,23 @@ TEST_F(Stamps, SuccessorIsBelievedSoonWhereTheOthersTellThatItsPredecessorIsSile
   EXPECT_EQ(judge_.sessions(), 1);
 }
 
+// A killed camera takes all clocks with it: what comes after its silence is believed in a third of a second.
+TEST_F(Stamps, SuccessorAfterASilenceOfAllIsBelievedSooner) {
+  drive(0, 5);
+  int left_out = 0;
+  for (const double t : times(5.5, 7, 0.1)) left_out += !is_taken(features(t, surf + 1));
+  EXPECT_EQ(left_out, 3);
+  EXPECT_EQ(judge_.sessions(), 1);
+  EXPECT_EQ(judge_.kept_sender("FEATURES"), surf + 1);
+}
+
+TEST_F(Stamps, SuccessorAtOnceWaitsLonger) {
+  drive(0, 5);
+  int left_out = 0;
+  for (const double t : times(5, 7, 0.1)) left_out += !is_taken(features(t, surf + 1));
+  EXPECT_EQ(left_out, 5) << "nothing says that his predecessor fell silent before him";
+}
+
 TEST_F(Stamps, SuccessorOfASlowChannelWaitsForAsManyOfItsPeriods) {
   int left_out = 0;
   for (const double t : times(0, 20, 0.02)) odometry(t);

@@ -161,7 +161,8 @@ std::string processes_table(const nlohmann::json& kills) {
   for (auto& [process, of] : values)
     table.add({process, std::to_string(counts[process]), median_and_most(of["told_s"]),
                median_and_most(of["fastslam_silent_s"]), median_and_most(of["icp_silent_s"]),
-               median_and_most(of["fastslam_right_s"]), median_and_most(of["icp_right_s"])});
+               median_and_most(of["fastslam_right_s"]), median_and_most(of["icp_right_s"]),
+               median_and_most(of["fastslam_not_kept_s"]), median_and_most(of["icp_not_kept_s"])});
   return table.text();
 }
 
