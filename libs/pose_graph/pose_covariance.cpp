@@ -22,6 +22,13 @@ std::vector<PoseError> pose_errors(const PoseGraph& graph, const PoseGraphSettin
   return errors;
 }
 
+Matrix6d robot_covariance(const PoseError& error, const Eigen::Isometry3d& T_first_now,
+                          const Eigen::Isometry3d& T_robot_camera, const Vector6d& mount_sigmas) {
+  const Matrix6d A = adjoint(T_robot_camera);
+  return A * error.own * A.transpose() +
+         mount_error(T_first_now, T_robot_camera, mount_sigmas, error.by_mount);
+}
+
 PoseError carried_along(const PoseError& error, const UncertainTransform& step) {
   const UncertainTransform before{Eigen::Isometry3d::Identity(), error.own};
   return {(before * step).covariance, adjoint(step.T.inverse()) * error.by_mount};

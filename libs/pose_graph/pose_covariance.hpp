@@ -28,6 +28,11 @@ struct PoseError {
 std::vector<PoseError> pose_errors(const PoseGraph& graph, const PoseGraphSettings& settings,
                                    const ErrorFactors& factors = {});
 
+/// Of the robot's pose T_world_camera T_robot_camera^-1, seen from its first one: m, rad, robot's body frame.
+/// `error`: of T_world_camera; T_first_now: from the first camera; `mount_sigmas`: of the mount's error.
+Matrix6d robot_covariance(const PoseError& error, const Eigen::Isometry3d& T_first_now,
+                          const Eigen::Isometry3d& T_robot_camera, const Vector6d& mount_sigmas);
+
 /// After another step of the camera.
 PoseError carried_along(const PoseError& error, const UncertainTransform& step);
 /// After its robot was found to stand on the floor of `ground`'s node 0; T_first_now: from the first camera.
