@@ -114,7 +114,7 @@ ConsistencyRun consistency_run(const std::vector<MatchedPose>& matches) {
     const Eigen::VectorXd seen = e(rows);
     const Eigen::VectorXd white = root.matrixL().solve(seen);
     run.all.push_back(white.squaredNorm());
-    run.within_whitened += (white.array().abs() < three_sigmas).count() / static_cast<double>(rows.size());
+    run.within_whitened += (white.array().abs() < three_sigmas).cast<double>().mean();
     bins[static_cast<std::size_t>(static_cast<double>(match->utime - first.utime) / bin_us)].push_back(
         run.all.back());
     for (const int i : rows) {
