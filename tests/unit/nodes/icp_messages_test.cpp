@@ -10,7 +10,7 @@
 namespace lcmslam {
 namespace {
 
-Eigen::Isometry3d mount() {
+Eigen::Isometry3d bow_mount() {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() << 0.2, 0, 0.5;
   return T;
@@ -28,7 +28,7 @@ DenseMapper mapper_of_a_room() {
     cloud.normals = seen.normals;
     cloud.sigmas.assign(seen.size(), 0.003F);
     cloud.colours.assign(seen.size(), {10, 20, 30});
-    mapper.step(coloured_frame(100'000 * i, cloud, mount()));
+    mapper.step(coloured_frame(100'000 * i, cloud, bow_mount()));
     T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.05));
   }
   return mapper;
@@ -42,7 +42,7 @@ TEST(GraphCovariance, IsOfTheNodesThatTheGraphsMessageNames) {
   told.frame = "map-2";
   told.nodes = {told.nodes[2], told.nodes[1]};
   told.n_nodes = 2;
-  const graph_covariance_t message = icp_graph_covariance(mapper, told, mount());
+  const graph_covariance_t message = icp_graph_covariance(mapper, told, bow_mount());
   EXPECT_EQ(message.utime, 17);
   EXPECT_EQ(message.frame, "map-2");
   ASSERT_EQ(message.nodes.size(), 2U);
@@ -50,7 +50,7 @@ TEST(GraphCovariance, IsOfTheNodesThatTheGraphsMessageNames) {
   for (const std::size_t i : {0U, 1U}) {
     EXPECT_EQ(message.nodes[i].keyframe, told.nodes[i].keyframe);
     const KeyframeGraph::Node& node = mapper.graph().nodes()[2 - i];
-    const Matrix6d expected = mapper.node_covariance(node, mount());
+    const Matrix6d expected = mapper.node_covariance(node, bow_mount());
     EXPECT_TRUE(from_message(message.nodes[i]).isApprox(expected, 1e-6)) << i;
   }
 }

@@ -71,13 +71,13 @@ PoseGraphSettings least_squares() {
   return s;
 }
 
-Vector6d edge_noise(Random& random) {
+Vector6d camera_noise(Random& random) {
   Vector6d v;
   for (int k = 0; k < 6; ++k) v(k) = std::sqrt(step_covariance()(k, k)) * random.normal();
   return v;
 }
 
-Vector6d ground_noise(Random& random, const GroundSettings& floor) {
+Vector6d floor_noise(Random& random, const GroundSettings& floor) {
   Vector6d v = Vector6d::Zero();
   v.segment<3>(2) << random.normal(0, floor.height), random.normal(0, floor.tilt),
       random.normal(0, floor.tilt);
@@ -95,11 +95,11 @@ struct Circle {
     const Eigen::Isometry3d built = told * se3_exp(m);
     Eigen::Isometry3d T = placed(0, 0, 0);
     for (int i = 0; i < 20; ++i, T = T * placed(0.5, 0, M_PI / 10)) {
-      robot.push_back(i > 0 && noise != nullptr ? T * se3_exp(ground_noise(*noise, floor)) : T);
+      robot.push_back(i > 0 && noise != nullptr ? T * se3_exp(floor_noise(*noise, floor)) : T);
       graph.poses.push_back(told * built.inverse() * robot.back() * built);
       if (i == 0) continue;
       Eigen::Isometry3d step = graph.poses[graph.poses.size() - 2].inverse() * graph.poses.back();
-      if (noise != nullptr) step = step * se3_exp(edge_noise(*noise));
+      if (noise != nullptr) step = step * se3_exp(camera_noise(*noise));
       graph.edges.push_back({i - 1, i, EdgeKind::odometry, {step, step_covariance()}, 0});
     }
     graph.ground = GroundConstraint{told.inverse(), floor, {}, settings.sigmas(told)};
