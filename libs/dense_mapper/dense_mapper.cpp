@@ -196,7 +196,7 @@ Matrix6d DenseMapper::covariance_at(const PoseError& error, const Eigen::Isometr
 Matrix6d DenseMapper::node_covariance(const KeyframeGraph::Node& node,
                                       const Eigen::Isometry3d& T_robot_camera) const {
   const Matrix6d A = adjoint(T_robot_camera.inverse());
-  return A * covariance_at(node.error, node.T_world_camera, T_robot_camera) * A.transpose();
+  return A * covariance_at(node.map_error, node.T_world_camera, T_robot_camera) * A.transpose();
 }
 
 void DenseMapper::tell_local_pose(const Expectation& expected, Step& step) {

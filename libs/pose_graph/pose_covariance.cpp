@@ -2,16 +2,15 @@
 
 #include <Eigen/Cholesky>
 
-#include <lcmslam/pose_graph/graph_marginals.hpp>
 #include <lcmslam/pose_graph/mount_error.hpp>
 
 namespace lcmslam {
 
 std::vector<PoseError> pose_errors(const PoseGraph& graph, const PoseGraphSettings& settings,
-                                   const ErrorFactors& factors) {
+                                   const ErrorFactors& factors, EdgeErrors edges) {
   std::vector<PoseError> errors(graph.poses.size());
   if (graph.poses.size() < 2) return errors;
-  const auto marginals = GraphMarginals::of(graph, settings, factors);
+  const auto marginals = GraphMarginals::of(graph, settings, factors, edges);
   if (!marginals) return {};
   for (std::size_t i = 1; i < errors.size(); ++i) {
     const auto node = static_cast<int>(i);
