@@ -190,7 +190,8 @@ TEST(PoseCovariance, EdgesThatErrAlikeCountAsOne) {
       if (e.kind == EdgeKind::odometry) repeated.edges.back().kind = EdgeKind::registration;
     }
   expect_same(pose_errors(repeated, settings, {}, EdgeErrors::alike), once);
-  EXPECT_LT(pose_errors(repeated, settings).back().own.trace(), 0.8 * once.back().own.trace());
+  const auto surer = pose_errors(repeated, exact_settings()).back().own.trace();
+  EXPECT_LT(surer, 0.8 * pose_errors(round.graph, exact_settings()).back().own.trace());
 }
 
 TEST(PoseCovariance, KnowsNothingOfWhatIsNotTied) {
