@@ -106,14 +106,23 @@ std::optional<GraphMarginals> GraphMarginals::of(const PoseGraph& graph, const P
   L.makeCompressed();
   m.inverse_ = L;
   m.diagonal_ = factor.vectorD().cwiseInverse();
+  const int* const rows = L.innerIndexPtr();
   for (int j = static_cast<int>(L.cols()) - 1; j >= 0; --j) {
     const int begin = L.outerIndexPtr()[j], end = L.outerIndexPtr()[j + 1];
-    const int first = begin < end && L.innerIndexPtr()[begin] == j ? begin + 1 : begin;  // behind a stored 1
-    for (int a = first; a < end; ++a) {
-      double sum = 0;
-      for (int b = first; b < end; ++b)
-        sum -= m.at(L.innerIndexPtr()[a], L.innerIndexPtr()[b]) * L.valuePtr()[b];
-      m.inverse_.valuePtr()[a] = sum;
+    const int first = begin < end && rows[begin] == j ? begin + 1 : begin;  // behind a stored 1
+    // Each of column k's entries once, for both places where it counts; L's column k has those of column j
+    // below k.
+    double* const sums = m.inverse_.valuePtr();
+    std::fill(sums + first, sums + end, 0);
+    for (int b = first; b < end; ++b) {
+      const int k = rows[b];
+      sums[b] -= m.diagonal_(k) * L.valuePtr()[b];
+      int p = L.outerIndexPtr()[k];
+      for (int a = b + 1; a < end; ++a) {
+        while (rows[p] < rows[a]) ++p;
+        sums[a] -= sums[p] * L.valuePtr()[b];
+        sums[b] -= sums[p] * L.valuePtr()[a];
+      }
     }
     for (int b = first; b < end; ++b) m.diagonal_(j) -= m.inverse_.valuePtr()[b] * L.valuePtr()[b];
   }

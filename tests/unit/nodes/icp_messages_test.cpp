@@ -16,9 +16,8 @@ Eigen::Isometry3d bow_mount() {
   return T;
 }
 
-/// Of a robot that drives through a room in a bow.
-DenseMapper mapper_of_a_room() {
-  DenseMapper mapper;
+/// A robot drives through a room in a bow.
+void drive(DenseMapper& mapper) {
   const Cloud scene = room(0.03);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   for (int i = 0; i < 25; ++i) {
@@ -31,11 +30,11 @@ DenseMapper mapper_of_a_room() {
     mapper.step(coloured_frame(100'000 * i, cloud, bow_mount()));
     T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.05));
   }
-  return mapper;
 }
 
 TEST(GraphCovariance, IsOfTheNodesThatTheGraphsMessageNames) {
-  const DenseMapper mapper = mapper_of_a_room();
+  DenseMapper mapper;
+  drive(mapper);
   graph_t told = icp_graph(mapper.graph());
   ASSERT_GT(told.nodes.size(), 3U);
   told.utime = 17;
