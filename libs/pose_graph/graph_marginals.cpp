@@ -46,6 +46,7 @@ std::vector<double> shares(const std::vector<GraphEdge>& edges, EdgeErrors error
   std::map<std::pair<int, bool>, int> sizes;
   for (const GraphEdge& e : edges) ++sizes[group(e)];
   std::vector<double> shares;
+  shares.reserve(edges.size());
   for (const GraphEdge& e : edges) shares.push_back(errors == EdgeErrors::alike ? 1.0 / sizes[group(e)] : 1);
   return shares;
 }
