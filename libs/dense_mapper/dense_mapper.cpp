@@ -179,16 +179,24 @@ void DenseMapper::tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step&
   const Eigen::Isometry3d T_world_camera = step.T_world_robot * T_robot_camera;
   const PoseError error =
       carried_along(newest.error, {newest.T_world_camera.inverse() * T_world_camera, Matrix6d::Zero()});
-  const Matrix6d A = adjoint(T_robot_camera);
-  step.map_covariance =
-      A * error.own * A.transpose() +
-      mount_error(graph_.nodes().front().T_world_camera.inverse() * T_world_camera, T_robot_camera,
-                  settings_.mount_error.sigmas(T_robot_camera), error.by_mount);
+  step.map_covariance = covariance_at(error, T_world_camera, T_robot_camera);
   // A new node's own covariance has its registration in it.
   if (step.node) return;
   step.map_covariance += step.status == MappingStatus::tracking
                              ? edge_error(step.covariance, settings_.graph.optimiser, graph_.error_factors())
                              : step.covariance;
+}
+
+Matrix6d DenseMapper::covariance_at(const PoseError& error, const Eigen::Isometry3d& T_world_camera,
+                                    const Eigen::Isometry3d& T_robot_camera) const {
+  return robot_covariance(error, graph_.nodes().front().T_world_camera.inverse() * T_world_camera,
+                          T_robot_camera, settings_.mount_error.sigmas(T_robot_camera));
+}
+
+Matrix6d DenseMapper::node_covariance(const KeyframeGraph::Node& node,
+                                      const Eigen::Isometry3d& T_robot_camera) const {
+  const Matrix6d A = adjoint(T_robot_camera.inverse());
+  return A * covariance_at(node.map_error, node.T_world_camera, T_robot_camera) * A.transpose();
 }
 
 void DenseMapper::tell_local_pose(const Expectation& expected, Step& step) {

@@ -73,6 +73,9 @@ class DenseMapper {
 
   const std::vector<Keyframe>& keyframes() const { return keyframes_.all(); }
   const KeyframeGraph& graph() const { return graph_; }
+  /// Of a node of graph(): of T_world_camera exp(xi), m, rad, camera frame; as map_covariance of the robot's
+  /// pose there, carried to the camera.
+  Matrix6d node_covariance(const KeyframeGraph::Node& node, const Eigen::Isometry3d& T_robot_camera) const;
   const VoxelMap& map() const { return map_.voxels(); }
   /// How many keyframes there have been.
   std::int64_t keyframes_made() const { return keyframes_.made(); }
@@ -88,6 +91,8 @@ class DenseMapper {
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
   bool hangs_on_odometry();
+  Matrix6d covariance_at(const PoseError& error, const Eigen::Isometry3d& T_world_camera,
+                         const Eigen::Isometry3d& T_robot_camera) const;
   void tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step& step) const;
   void tell_local_pose(const Expectation& expected, Step& step);
   void grow(const PreparedFrame& prepared, Step& step);

@@ -155,4 +155,23 @@ std::vector<KeyframePose> from_message(const graph_t& message) {
   return poses;
 }
 
+node_covariance_t to_message(std::int32_t id, const Matrix6d& covariance) {
+  node_covariance_t m;
+  m.keyframe = id;
+  float* value = m.covariance;
+  for (int row = 0; row < 6; ++row)
+    for (int column = row; column < 6; ++column) *value++ = static_cast<float>(covariance(row, column));
+  return m;
+}
+
+Matrix6d from_message(const node_covariance_t& message) {
+  for (const float v : message.covariance) check_range(v, -1e12, 1e12, "node covariance");
+  Matrix6d covariance;
+  const float* value = message.covariance;
+  for (int row = 0; row < 6; ++row)
+    for (int column = row; column < 6; ++column) covariance(row, column) = covariance(column, row) = *value++;
+  if (covariance.diagonal().minCoeff() < 0) throw DecodeError("node covariance: a variance is negative");
+  return covariance;
+}
+
 }  // namespace lcmslam

@@ -6,6 +6,7 @@
 #include <lcmslam/map_store/dense_map.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/messages/schema.hpp>
+#include <lcmslam/node_covariance_t.hpp>
 
 namespace lcmslam {
 
@@ -29,5 +30,9 @@ KeyframeTile from_message(const keyframe_t& message);
 
 /// Where the graph has its nodes, as DenseMap::follow takes them.
 std::vector<KeyframePose> from_message(const graph_t& message);
+
+/// How wrong the pose of graph node `id` may be: of T exp(xi), m, rad, camera frame.
+node_covariance_t to_message(std::int32_t id, const Matrix6d& covariance);
+Matrix6d from_message(const node_covariance_t& message);
 
 }  // namespace lcmslam

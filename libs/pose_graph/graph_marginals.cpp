@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <map>
 
 #include <lcmslam/pose_graph/mount_error.hpp>
 
@@ -37,19 +38,34 @@ struct GraphEquations {
   Eigen::MatrixXd shared;  ///< of G
 };
 
+/// Of each edge: the part of its information that counts.
+std::vector<double> shares(const std::vector<GraphEdge>& edges, EdgeErrors errors) {
+  const auto group = [](const GraphEdge& e) {
+    return std::make_pair(std::max(e.from, e.to), e.kind == EdgeKind::loop);
+  };
+  std::map<std::pair<int, bool>, int> sizes;
+  for (const GraphEdge& e : edges) ++sizes[group(e)];
+  std::vector<double> shares;
+  shares.reserve(edges.size());
+  for (const GraphEdge& e : edges) shares.push_back(errors == EdgeErrors::alike ? 1.0 / sizes[group(e)] : 1);
+  return shares;
+}
+
 GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& settings,
-                            const ErrorFactors& factors) {
+                            const ErrorFactors& factors, EdgeErrors errors) {
   GraphEquations equations;
   equations.shared.setZero(static_cast<Eigen::Index>(6 * (graph.poses.size() - 1)), of_edges + of_mount);
   const auto add_shared = [&](int node, const EdgesShare& rows) {
     if (node > 0) equations.shared.block<6, of_edges>(6 * (node - 1), 0) += rows;
   };
-  for (const GraphEdge& e : graph.edges) {
+  const std::vector<double> share = shares(graph.edges, errors);
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    const GraphEdge& e = graph.edges[i];
     // e = log(Z^-1 T_i^-1 T_j exp(x_j)), and x_i is felt at j as -Ad(T_j^-1 T_i) x_i.
     const Eigen::Isometry3d& T_from = graph.poses[static_cast<std::size_t>(e.from)];
     const Eigen::Isometry3d& T_to = graph.poses[static_cast<std::size_t>(e.to)];
     const Matrix6d J = -adjoint(T_to.inverse() * T_from);
-    const Matrix6d W = edge_error(e.T_from_to.covariance, settings, factors).inverse();
+    const Matrix6d W = share[i] * edge_error(e.T_from_to.covariance, settings, factors).inverse();
     const Matrix6d WJ = W * J;
     add(J.transpose() * WJ, e.from, e.from, equations.H);
     add(WJ, e.to, e.from, equations.H);
@@ -76,10 +92,10 @@ GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& set
 // Column by column from the last: Z_ij = -sum_k Z_ik L_kj,  Z_jj = 1 / D_j - sum_k Z_jk L_kj  (k > j in L's
 // column j).
 std::optional<GraphMarginals> GraphMarginals::of(const PoseGraph& graph, const PoseGraphSettings& settings,
-                                                 const ErrorFactors& factors) {
+                                                 const ErrorFactors& factors, EdgeErrors errors) {
   if (graph.poses.size() < 2) return std::nullopt;
   const auto unknowns = static_cast<Eigen::Index>(6 * (graph.poses.size() - 1));
-  const GraphEquations equations = equations_of(graph, settings, factors);
+  const GraphEquations equations = equations_of(graph, settings, factors, errors);
   Eigen::SparseMatrix<double> H(unknowns, unknowns);
   H.setFromTriplets(equations.H.begin(), equations.H.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(H);
@@ -91,14 +107,23 @@ std::optional<GraphMarginals> GraphMarginals::of(const PoseGraph& graph, const P
   L.makeCompressed();
   m.inverse_ = L;
   m.diagonal_ = factor.vectorD().cwiseInverse();
+  const int* const rows = L.innerIndexPtr();
   for (int j = static_cast<int>(L.cols()) - 1; j >= 0; --j) {
     const int begin = L.outerIndexPtr()[j], end = L.outerIndexPtr()[j + 1];
-    const int first = begin < end && L.innerIndexPtr()[begin] == j ? begin + 1 : begin;  // behind a stored 1
-    for (int a = first; a < end; ++a) {
-      double sum = 0;
-      for (int b = first; b < end; ++b)
-        sum -= m.at(L.innerIndexPtr()[a], L.innerIndexPtr()[b]) * L.valuePtr()[b];
-      m.inverse_.valuePtr()[a] = sum;
+    const int first = begin < end && rows[begin] == j ? begin + 1 : begin;  // behind a stored 1
+    // Each of column k's entries once, for both places where it counts; L's column k has those of column j
+    // below k.
+    double* const sums = m.inverse_.valuePtr();
+    std::fill(sums + first, sums + end, 0);
+    for (int b = first; b < end; ++b) {
+      const int k = rows[b];
+      sums[b] -= m.diagonal_(k) * L.valuePtr()[b];
+      int p = L.outerIndexPtr()[k];
+      for (int a = b + 1; a < end; ++a) {
+        while (rows[p] < rows[a]) ++p;
+        sums[a] -= sums[p] * L.valuePtr()[b];
+        sums[b] -= sums[p] * L.valuePtr()[a];
+      }
     }
     for (int b = first; b < end; ++b) m.diagonal_(j) -= m.inverse_.valuePtr()[b] * L.valuePtr()[b];
   }

@@ -10,12 +10,22 @@
 // the factorisation.
 
 #include <Eigen/SparseCore>
+#include <cstdint>
 #include <optional>
 
 #include <lcmslam/pose_graph/error_factors.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
 
 namespace lcmslam {
+
+/// Whether edges err each on their own.
+enum class EdgeErrors : std::uint8_t {
+  independent,
+  /// A node's edges to those before it see the same surfaces with the same cloud, and err alike: those along
+  /// the way count together as one, and so do its loops (covariance intersection with equal weights, Julier
+  /// and Uhlmann 1997, which holds whatever the correlation).
+  alike
+};
 
 class GraphMarginals {
  public:
@@ -27,7 +37,8 @@ class GraphMarginals {
 
   /// Nothing when the edges do not tie all nodes to the first, or there is but one.
   static std::optional<GraphMarginals> of(const PoseGraph& graph, const PoseGraphSettings& settings,
-                                          const ErrorFactors& factors);
+                                          const ErrorFactors& factors,
+                                          EdgeErrors errors = EdgeErrors::independent);
 
   /// Block (i, j) of H^-1, i and j the same or joined by an edge; zero for the first node.
   Matrix6d block(int i, int j) const;

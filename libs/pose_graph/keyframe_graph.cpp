@@ -67,7 +67,7 @@ int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, con
                       covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
     edges_.push_back(edge);
   }
-  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor, {}});
+  nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor, {}, {}});
   carry_error(nodes_.size() - 1);
   if (settings_.enabled) fresh_.push_back({std::make_shared<KeyframeView>(std::move(view)), keyframe, utime});
   return id;
@@ -133,6 +133,7 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
     optimise(graph, settings.optimiser);
   solution.factors = lcmslam::error_factors(graph, settings.optimiser);
   solution.errors = pose_errors(graph, settings.optimiser, solution.factors);
+  solution.map_errors = pose_errors(graph, settings.optimiser, solution.factors, EdgeErrors::alike);
   solution.graph = std::move(graph);
   solution.waiting = std::move(waiting);
   return solution;
@@ -147,19 +148,23 @@ void KeyframeGraph::take(Solution solution) {
   if (waiting_.size() > most) waiting_.erase(waiting_.begin(), waiting_.end() - settings_.max_waiting);
   solved_ = std::move(solution.graph.poses);
   solved_errors_ = std::move(solution.errors);
+  solved_map_errors_ = std::move(solution.map_errors);
   solved_factors_ = solution.factors;
 }
 
 // A pose that the work has not moved yet is as wrong as it was.
 void KeyframeGraph::adopt_errors() {
-  if (solved_errors_.empty()) return;
+  if (solved_errors_.empty() || solved_map_errors_.size() != solved_errors_.size()) return;
   factors_ = solved_factors_;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
-    if (i < solved_errors_.size())
+    if (i < solved_errors_.size()) {
       nodes_[i].error = solved_errors_[i];
-    else
+      nodes_[i].map_error = solved_map_errors_[i];
+    } else {
       carry_error(i);
+    }
   solved_errors_.clear();
+  solved_map_errors_.clear();
 }
 
 // From the node before, along the edge that tracking made; and it stands on the same ground.
@@ -170,13 +175,16 @@ void KeyframeGraph::carry_error(std::size_t node) {
     const Node& before = nodes_[static_cast<std::size_t>(e->from)];
     const UncertainTransform step{before.T_world_camera.inverse() * nodes_[node].T_world_camera,
                                   edge_error(e->T_from_to.covariance, settings_.optimiser, factors_)};
-    PoseError& error = nodes_[node].error;
-    error = carried_along(before.error, step);
-    if (!ground_) return;
-    GroundConstraint ground = *ground_;
-    ground.floors.assign(1, nodes_[node].floor);
-    error = on_ground(error, nodes_.front().T_world_camera.inverse() * nodes_[node].T_world_camera, ground,
-                      settings_.optimiser, factors_);
+    const auto carried = [&](const PoseError& error) {
+      const PoseError beside = carried_along(error, step);
+      if (!ground_) return beside;
+      GroundConstraint ground = *ground_;
+      ground.floors.assign(1, nodes_[node].floor);
+      return on_ground(beside, nodes_.front().T_world_camera.inverse() * nodes_[node].T_world_camera, ground,
+                       settings_.optimiser, factors_);
+    };
+    nodes_[node].error = carried(before.error);
+    nodes_[node].map_error = carried(before.map_error);
     return;
   }
 }
@@ -259,12 +267,13 @@ std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& coveri
   finder_.renumber(thinned.gone, thinned.index);
   solved_.clear();
   solved_errors_.clear();
+  solved_map_errors_.clear();
   return thinned;
 }
 
 std::size_t KeyframeGraph::memory_bytes() const {
   std::size_t bytes = nodes_.capacity() * sizeof(Node) + solved_.capacity() * sizeof(solved_[0]) +
-                      solved_errors_.capacity() * sizeof(PoseError) +
+                      (solved_errors_.capacity() + solved_map_errors_.capacity()) * sizeof(PoseError) +
                       (edges_.capacity() + waiting_.capacity()) * sizeof(GraphEdge);
   for (const NewNode& added : fresh_) bytes += lcmslam::memory_bytes(*added.view);
   return bytes + (running_.valid() ? finder_bytes_ : finder_.memory_bytes());

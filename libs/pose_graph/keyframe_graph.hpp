@@ -75,8 +75,11 @@ class KeyframeGraph {
     int id = 0;  ///< of all that ever were; nodes are called by their index, which changes when others go
     bool keyframe = false;
     Floor floor = Floor::plane;  ///< a robot on wheels: what it stood on
-    /// Of T_world_camera, as seen from the first node; grows with the edges behind the last work.
+    /// Of T_world_camera, as seen from the first node; grows with the edges behind the last work. For the
+    /// robot's pose, which stands on the newest one.
     PoseError error;
+    /// The same with edges that err alike (EdgeErrors): of nodes with many edges, as a map at rest has them.
+    PoseError map_error;
   };
 
   /// Where each node goes: T_world_new = by_node[id] * T_world_old. Things of newer nodes go with the last.
@@ -129,7 +132,7 @@ class KeyframeGraph {
   struct Solution {
     PoseGraph graph;
     std::vector<GraphEdge> waiting;
-    std::vector<PoseError> errors;
+    std::vector<PoseError> errors, map_errors;
     ErrorFactors factors;
   };
   /// When the poses are optimised: when a circle closes anew, or wherever there is one.
@@ -151,8 +154,8 @@ class KeyframeGraph {
   std::vector<NewNode> fresh_;
   LoopFinder finder_;  // only the work touches it
   std::size_t edges_begun_ = 0, finder_bytes_ = 0;
-  std::vector<Eigen::Isometry3d> solved_;  // poses that the last work found
-  std::vector<PoseError> solved_errors_;   // theirs, until the poses are there
+  std::vector<Eigen::Isometry3d> solved_;                     // poses that the last work found
+  std::vector<PoseError> solved_errors_, solved_map_errors_;  // theirs, until the poses are there
   ErrorFactors factors_, solved_factors_;  // by which the nodes' errors were made, and those
   Utime due_ = 0;
   std::future<Solution> running_;  // the last member: it waits for the work before the rest goes

@@ -2,16 +2,15 @@
 
 #include <Eigen/Cholesky>
 
-#include <lcmslam/pose_graph/graph_marginals.hpp>
 #include <lcmslam/pose_graph/mount_error.hpp>
 
 namespace lcmslam {
 
 std::vector<PoseError> pose_errors(const PoseGraph& graph, const PoseGraphSettings& settings,
-                                   const ErrorFactors& factors) {
+                                   const ErrorFactors& factors, EdgeErrors edges) {
   std::vector<PoseError> errors(graph.poses.size());
   if (graph.poses.size() < 2) return errors;
-  const auto marginals = GraphMarginals::of(graph, settings, factors);
+  const auto marginals = GraphMarginals::of(graph, settings, factors, edges);
   if (!marginals) return {};
   for (std::size_t i = 1; i < errors.size(); ++i) {
     const auto node = static_cast<int>(i);
@@ -20,6 +19,13 @@ std::vector<PoseError> pose_errors(const PoseGraph& graph, const PoseGraphSettin
     errors[i].by_mount = shared.by_mount;
   }
   return errors;
+}
+
+Matrix6d robot_covariance(const PoseError& error, const Eigen::Isometry3d& T_first_now,
+                          const Eigen::Isometry3d& T_robot_camera, const Vector6d& mount_sigmas) {
+  const Matrix6d A = adjoint(T_robot_camera);
+  return A * error.own * A.transpose() +
+         mount_error(T_first_now, T_robot_camera, mount_sigmas, error.by_mount);
 }
 
 PoseError carried_along(const PoseError& error, const UncertainTransform& step) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <lcmslam/pose_graph/error_factors.hpp>
+#include <lcmslam/pose_graph/graph_marginals.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
 
 namespace lcmslam {
@@ -26,7 +27,13 @@ struct PoseError {
 
 /// By node; the first one's is zero. Nothing when the edges do not tie all nodes to the first.
 std::vector<PoseError> pose_errors(const PoseGraph& graph, const PoseGraphSettings& settings,
-                                   const ErrorFactors& factors = {});
+                                   const ErrorFactors& factors = {},
+                                   EdgeErrors edges = EdgeErrors::independent);
+
+/// Of the robot's pose T_world_camera T_robot_camera^-1, seen from its first one: m, rad, robot's body frame.
+/// `error`: of T_world_camera; T_first_now: from the first camera; `mount_sigmas`: of the mount's error.
+Matrix6d robot_covariance(const PoseError& error, const Eigen::Isometry3d& T_first_now,
+                          const Eigen::Isometry3d& T_robot_camera, const Vector6d& mount_sigmas);
 
 /// After another step of the camera.
 PoseError carried_along(const PoseError& error, const UncertainTransform& step);

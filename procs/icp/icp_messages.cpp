@@ -4,8 +4,10 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 
 #include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 
 namespace lcmslam {
@@ -139,6 +141,20 @@ graph_t icp_graph(const KeyframeGraph& graph) {
     message.edges.push_back(edge);
   }
   message.n_edges = static_cast<int32_t>(message.edges.size());
+  return message;
+}
+
+graph_covariance_t icp_graph_covariance(const DenseMapper& mapper, const graph_t& told,
+                                        const Eigen::Isometry3d& T_robot_camera) {
+  graph_covariance_t message{};
+  message.utime = told.utime;
+  message.frame = told.frame;
+  std::map<std::int32_t, const KeyframeGraph::Node*> nodes;
+  for (const KeyframeGraph::Node& n : mapper.graph().nodes()) nodes[n.id] = &n;
+  for (const graph_node_t& node : told.nodes)
+    message.nodes.push_back(
+        to_message(node.keyframe, mapper.node_covariance(*nodes.at(node.keyframe), T_robot_camera)));
+  message.n_nodes = static_cast<int32_t>(message.nodes.size());
   return message;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
+#include <lcmslam/graph_covariance_t.hpp>
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/icp_report_t.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
@@ -29,5 +30,9 @@ icp_report_t icp_report(const DenseMapper::Step& step, const DenseMapperSettings
 
 /// The whole graph, for GraphTeller.
 graph_t icp_graph(const KeyframeGraph& graph);
+
+/// Of the nodes that `told`, made of the mapper's graph as it stands, names.
+graph_covariance_t icp_graph_covariance(const DenseMapper& mapper, const graph_t& told,
+                                        const Eigen::Isometry3d& T_robot_camera);
 
 }  // namespace lcmslam

@@ -285,7 +285,11 @@ void IcpNode::publish_graph(bool all) {
   graph.utime = last_utime_;
   graph.frame = map_frame();
   graph.map_revision = static_cast<std::int64_t>(mapper_->keyframes().size());
-  publisher_.publish("ICP_GRAPH", graph_teller_.tell(std::move(graph), all));
+  const graph_t told = graph_teller_.tell(std::move(graph), all);
+  publisher_.publish("ICP_GRAPH", told);
+  if (told.nodes.empty()) return;
+  publisher_.publish("ICP_GRAPH_COVARIANCE",
+                     icp_graph_covariance(*mapper_, told, maker_.calibration().T_robot_camera));
 }
 
 void IcpNode::drop_tiles_of_the_gone() {

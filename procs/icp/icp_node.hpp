@@ -1,6 +1,6 @@
 #pragma once
 // CAMERA + ODOMETRY -> ICP_POSE (and in two parts, ICP_LOCAL_POSE, which never jumps, and ICP_CORRECTION),
-// ICP_KEYFRAME, ICP_GRAPH, ICP_REPORT.
+// ICP_KEYFRAME, ICP_GRAPH, ICP_GRAPH_COVARIANCE, ICP_REPORT.
 
 #include <deque>
 

@@ -16,13 +16,16 @@
 #include "tools/batch/batch_run.hpp"
 #include "tools/evaluate/pose_log.hpp"
 #include "tools/study/measures.hpp"
+#include "tools/study/told_keyframes.hpp"
 
 namespace lcmslam {
 namespace {
 
 constexpr double bin_us = 1e6;
 constexpr double far = 3;  // times the expectation
+constexpr double three_sigmas = 3;
 const char* const channels[] = {"ICP_POSE", "FASTSLAM_POSE"};
+const char* const keyframe_channel = "ICP_GRAPH";
 
 // "kitchen" of kitchen_12.lcmlog.
 std::string scene_of(const std::string& log) {
@@ -59,7 +62,9 @@ std::map<std::string, Published> published_by(const std::string& log, const Conf
   options.log = log;
   options.folder = folder;
   options.threads = 1;
+  ToldKeyframes keyframes;
   options.heard = [&](const BatchMessage& message) {
+    keyframes.hear(message.channel, message.bytes);
     if (std::find(std::begin(channels), std::end(channels), message.channel) == std::end(channels)) return;
     const auto pose = decode_message<pose_estimate_t>(message.bytes.data(), message.bytes.size());
     Published& own = published[message.channel];
@@ -71,6 +76,8 @@ std::map<std::string, Published> published_by(const std::string& log, const Conf
                         covariance_from_message(pose.covariance, "covariance")});
   };
   run_batch(options);
+  Trajectory at_the_end = keyframes.path();
+  if (!at_the_end.empty()) published[keyframe_channel].path = std::move(at_the_end);
   for (auto& [channel, own] : published) sort_trajectory(own.path);
   return published;
 }
@@ -105,18 +112,23 @@ ConsistencyRun consistency_run(const std::vector<MatchedPose>& matches) {
     const Eigen::LLT<Eigen::MatrixXd> root(P);
     if (root.info() != Eigen::Success) continue;
     const Eigen::VectorXd seen = e(rows);
-    run.all.push_back(seen.dot(root.solve(seen)));
+    const Eigen::VectorXd white = root.matrixL().solve(seen);
+    run.all.push_back(white.squaredNorm());
+    run.within_whitened += (white.array().abs() < three_sigmas).cast<double>().mean();
     bins[static_cast<std::size_t>(static_cast<double>(match->utime - first.utime) / bin_us)].push_back(
         run.all.back());
     for (const int i : rows) {
       const auto k = static_cast<std::size_t>(i);
       run.ratio_rms[k] += e(i) * e(i) / (*match->covariance)(i, i);
       run.error_rms[k] += e(i) * e(i);
+      run.within[k] += std::abs(e(i)) < three_sigmas * std::sqrt((*match->covariance)(i, i)) ? 1 : 0;
     }
   }
   const auto n = static_cast<double>(std::max<std::size_t>(1, run.all.size()));
   for (auto* squares : {&run.ratio_rms, &run.error_rms})
     for (double& square : *squares) square = std::sqrt(square / n);
+  for (double& share : run.within) share /= n;
+  run.within_whitened /= n;
   if (bins.empty()) return run;
   run.nees.assign(bins.rbegin()->first + 1, std::nan(""));
   for (const auto& [second, values] : bins) {
@@ -142,13 +154,20 @@ std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRu
       score.components = std::max(run == members.front() ? 0 : score.components, run->components);
       seconds = std::max(seconds, run->nees.size());
       all.insert(all.end(), run->all.begin(), run->all.end());
+      score.poses += run->all.size();
+      const auto poses = static_cast<double>(run->all.size());
+      score.within_whitened += poses * run->within_whitened;
       for (std::size_t i = 0; i < 6; ++i) {
+        score.within[i] += poses * run->within[i];
         score.ratio_rms[i] += run->ratio_rms[i] * run->ratio_rms[i] / score.runs;
         score.error_rms[i] += run->error_rms[i] * run->error_rms[i] / score.runs;
       }
     }
     for (auto* squares : {&score.ratio_rms, &score.error_rms})
       for (double& square : *squares) square = std::sqrt(square);
+    const auto poses = static_cast<double>(std::max<std::size_t>(1, score.poses));
+    for (double& share : score.within) share /= poses;
+    score.within_whitened /= poses;
     const double d = score.components, n = score.runs;
     score.low = chi_square_quantile(n * d, -1.96) / n;
     score.high = chi_square_quantile(n * d, 1.96) / n;
@@ -220,6 +239,20 @@ std::string consistency_table(const std::vector<ConsistencyScore>& scores) {
   return table.text();
 }
 
+std::string within_table(const std::vector<ConsistencyScore>& scores) {
+  Table table({"scene", "channel", "poses", "NEES over honest", "whitened %", "x %", "y %", "z %", "roll %",
+               "pitch %", "yaw %"});
+  for (const ConsistencyScore& s : scores) {
+    std::vector<std::string> row = {s.scene, s.channel, std::to_string(s.poses),
+                                    fixed_number(s.mean / s.components, 2),
+                                    fixed_number(100 * s.within_whitened, 1)};
+    for (std::size_t i = 0; i < 6; ++i)
+      row.push_back(s.ratio_rms[i] > 0 ? fixed_number(100 * s.within[i], 1) : "-");
+    table.add(row);
+  }
+  return table.text();
+}
+
 nlohmann::json consistency_json(const std::vector<ConsistencyRun>& runs,
                                 const std::vector<ConsistencyScore>& scores) {
   nlohmann::json json = {{"runs", nlohmann::json::array()}, {"scenes", nlohmann::json::array()}};
@@ -232,6 +265,8 @@ nlohmann::json consistency_json(const std::vector<ConsistencyRun>& runs,
                             {"nees_median", median(run.all)},
                             {"error_over_sigma_rms", run.ratio_rms},
                             {"error_rms", run.error_rms},
+                            {"within_three_sigmas", run.within},
+                            {"whitened_within_three_sigmas", run.within_whitened},
                             {"poses", run.all.size()},
                             {"left_out", run.left_out}});
   for (const ConsistencyScore& s : scores)
@@ -246,7 +281,9 @@ nlohmann::json consistency_json(const std::vector<ConsistencyRun>& runs,
                               {"nees_mean", s.mean},
                               {"nees_median", s.median},
                               {"error_over_sigma_rms", s.ratio_rms},
-                              {"error_rms", s.error_rms}});
+                              {"error_rms", s.error_rms},
+                              {"within_three_sigmas", s.within},
+                              {"whitened_within_three_sigmas", s.within_whitened}});
   return json;
 }
 

@@ -92,7 +92,9 @@ int run_consistency_study(const std::vector<std::string>& logs, std::string conf
   const auto scores = consistency_scores(runs);
   nlohmann::json report = consistency_json(runs, scores);
   report["set"] = overrides;
-  write_report(folder, report, consistency_table(scores));
+  write_report(folder, report,
+               consistency_table(scores) + "\nErrors within three of their sigmas (99.7 % when honest)\n" +
+                   within_table(scores));
   return 0;
 }
 

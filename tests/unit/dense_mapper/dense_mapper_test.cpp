@@ -233,6 +233,39 @@ TEST(DenseMapper, APoseErrsByTheHeadsPlaceToo) {
   }
 }
 
+// As the robot's pose does that stands there, carried to the camera.
+TEST(DenseMapper, ANodeErrsAsTheRobotThatStandsThere) {
+  DenseMapper mapper;
+  const Cloud scene = room(0.03);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity(), mount = Eigen::Isometry3d::Identity();
+  mount.translation() << 0.2, 0, 0.5;
+  const Matrix6d A = adjoint(mount);
+  const auto told = [&](std::size_t i) {
+    return (A * mapper.node_covariance(mapper.graph().nodes()[i], mount) * A.transpose()).eval();
+  };
+  for (int i = 0; i < 25; ++i) {
+    const auto step = mapper.step(
+        coloured_frame(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), mount));
+    T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.05));
+    // Before the graph has solved anything the newest one errs as the pose that was told with it.
+    if (!step.node || mapper.graph().nodes().size() > 2) continue;
+    EXPECT_LT((told(mapper.graph().nodes().size() - 1) - step.map_covariance).norm(),
+              1e-9 * step.map_covariance.norm() + 1e-15);
+  }
+  mapper.finish();
+  ASSERT_GT(mapper.graph().nodes().size(), 3U);
+  EXPECT_LT(told(0).norm(), 1e-15);  // the map begins there
+  const Eigen::Isometry3d T_first = mapper.graph().nodes().front().T_world_camera;
+  for (std::size_t i = 1; i < mapper.graph().nodes().size(); ++i) {
+    const KeyframeGraph::Node& node = mapper.graph().nodes()[i];
+    const Matrix6d expected = A * node.map_error.own * A.transpose() +
+                              mount_error(T_first.inverse() * node.T_world_camera, mount,
+                                          MountErrorSettings().sigmas(mount), node.map_error.by_mount);
+    EXPECT_GT(expected.norm(), 1e-9);
+    EXPECT_LT((told(i) - expected).norm(), 1e-9 * expected.norm());
+  }
+}
+
 TEST(DenseMapper, RecoversAtAKeyframeAfterAJump) {
   DenseMapper mapper;
   const Cloud scene = room(0.03);

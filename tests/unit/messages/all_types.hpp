@@ -11,6 +11,7 @@
 #include <lcmslam/encoders_t.hpp>
 #include <lcmslam/feature_t.hpp>
 #include <lcmslam/features_t.hpp>
+#include <lcmslam/graph_covariance_t.hpp>
 #include <lcmslam/graph_edge_t.hpp>
 #include <lcmslam/graph_node_t.hpp>
 #include <lcmslam/graph_t.hpp>
@@ -25,6 +26,7 @@
 #include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/map_reply_t.hpp>
 #include <lcmslam/map_request_t.hpp>
+#include <lcmslam/node_covariance_t.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/output_status_t.hpp>
 #include <lcmslam/part_t.hpp>
@@ -44,10 +46,11 @@ namespace lcmslam::testing {
 
 using AllTypes =
     ::testing::Types<association_t, associations_t, camera_calibration_t, camera_intrinsics_t, command_t,
-                     encoders_t, feature_t, features_t, graph_edge_t, graph_node_t, graph_t, ground_truth_t,
-                     icp_report_t, image_metadata_t, image_t, images_t, input_status_t, keyframe_t,
-                     landmark_t, landmarks_t, map_reply_t, map_request_t, odometry_t, output_status_t, part_t,
-                     particle_t, particles_t, pointcloud2_t, pointfield_t, pose_estimate_t, pose_t,
-                     rigid_transform_t, status_t, twist_t, value_t, wheel_t>;
+                     encoders_t, feature_t, features_t, graph_covariance_t, graph_edge_t, graph_node_t,
+                     graph_t, ground_truth_t, icp_report_t, image_metadata_t, image_t, images_t,
+                     input_status_t, keyframe_t, landmark_t, landmarks_t, map_reply_t, map_request_t,
+                     node_covariance_t, odometry_t, output_status_t, part_t, particle_t, particles_t,
+                     pointcloud2_t, pointfield_t, pose_estimate_t, pose_t, rigid_transform_t, status_t,
+                     twist_t, value_t, wheel_t>;
 
 }  // namespace lcmslam::testing

@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include <lcmslam/graph_covariance_t.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include "tests/unit/messages/error_of.hpp"
 #include "tests/unit/messages/samples.hpp"
@@ -152,6 +153,32 @@ TEST(KeyframeMessages, ImpossibleTilesAreRefusedByName) {
   EXPECT_THAT(error_with([](auto& m) { m.resolution = std::nan(""); }), HasSubstr("resolution"));
   EXPECT_THAT(error_with([](auto& m) { m.n_values = 14; }), HasSubstr("multiple of 3"));
   EXPECT_THAT(error_with([](auto& m) { m.T_map_camera.quat[0] = std::nan(""); }), HasSubstr("T_map_camera"));
+}
+
+TEST(NodeCovariances, ComeBackWhole) {
+  Random random(6);
+  const Matrix6d covariance = testing::some_covariance(random);
+  graph_covariance_t told{};
+  told.frame = "map";
+  told.nodes = {to_message(3, 2 * covariance), to_message(8, covariance)};
+  told.n_nodes = 2;
+  const auto bytes = encode_message(told);
+  const auto back = decode_message<graph_covariance_t>(bytes.data(), bytes.size());
+  ASSERT_EQ(back.nodes.size(), 2U);
+  EXPECT_EQ(back.nodes[1].keyframe, 8);
+  EXPECT_FLOAT_EQ(back.nodes[1].covariance[1], static_cast<float>(covariance(0, 1)));
+  EXPECT_FLOAT_EQ(back.nodes[1].covariance[6], static_cast<float>(covariance(1, 1)));
+  const Matrix6d found = from_message(back.nodes[1]);
+  EXPECT_TRUE(found.isApprox(covariance, 1e-6));
+  EXPECT_EQ(found, found.transpose());
+}
+
+TEST(NodeCovariances, ThatCannotBeAreRefused) {
+  node_covariance_t m = to_message(3, Matrix6d::Identity());
+  m.covariance[20] = -1;
+  EXPECT_THAT(error_of([&] { from_message(m); }), HasSubstr("negative"));
+  m.covariance[20] = std::nanf("");
+  EXPECT_THAT(error_of([&] { from_message(m); }), HasSubstr("node covariance"));
 }
 
 }  // namespace

@@ -163,6 +163,37 @@ TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
   EXPECT_GT(alone / count, 15);  // as if edges erred on their own
 }
 
+void expect_same(const std::vector<PoseError>& a, const std::vector<PoseError>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_LT((a[i].own - b[i].own).norm(), 1e-9 * b[i].own.norm() + 1e-18) << i;
+    EXPECT_LT((a[i].by_mount - b[i].by_mount).norm(), 1e-9 * b[i].by_mount.norm() + 1e-18) << i;
+  }
+}
+
+// What is measured twice with the same error is known no better for it; a loop says something else than the
+// way.
+TEST(PoseCovariance, EdgesThatErrAlikeCountAsOne) {
+  PoseGraphSettings settings = exact_settings();
+  settings.motion_scale = 0.01;
+  settings.turn_scale = 0.02;
+  Round round(1);
+  Vector6d mount;
+  mount << 0.01, 0.01, 0.01, 0.02, 0.02, 0.02;
+  round.graph.ground = GroundConstraint{se3_exp(twist(0.1, 0.2, -0.3, 0.4, 0.1, 0.2)), {}, {}, mount};
+  const auto once = pose_errors(round.graph, settings);
+  expect_same(pose_errors(round.graph, settings, {}, EdgeErrors::alike), once);
+  PoseGraph repeated = round.graph;
+  for (const GraphEdge& e : round.graph.edges)
+    for (int again = 0; again < (e.from % 3); ++again) {
+      repeated.edges.push_back(e);
+      if (e.kind == EdgeKind::odometry) repeated.edges.back().kind = EdgeKind::registration;
+    }
+  expect_same(pose_errors(repeated, settings, {}, EdgeErrors::alike), once);
+  const auto surer = pose_errors(repeated, exact_settings()).back().own.trace();
+  EXPECT_LT(surer, 0.8 * pose_errors(round.graph, exact_settings()).back().own.trace());
+}
+
 TEST(PoseCovariance, KnowsNothingOfWhatIsNotTied) {
   Round round(1);
   round.graph.poses.push_back(round.truth.back());
@@ -192,6 +223,15 @@ TEST(PoseCovariance, GrowsWithTheWayAndShrinksAtTheLoop) {
   };
   EXPECT_GT(size(10), 2 * size(1));
   EXPECT_GT(size(10), 2 * size(20));
+  // As part of the map: what the graph's edges leave when they err alike.
+  PoseGraph solved;
+  for (const auto& node : graph.nodes()) solved.poses.push_back(node.T_world_camera);
+  solved.edges = graph.edges();
+  const auto alike = pose_errors(solved, settings.optimiser, graph.error_factors(), EdgeErrors::alike);
+  for (const std::size_t i : {5U, 10U, 15U}) {
+    EXPECT_LT((graph.nodes()[i].map_error.own - alike[i].own).norm(), 0.02 * alike[i].own.norm()) << i;
+    EXPECT_GT(alike[i].own.trace(), 1.1 * graph.nodes()[i].error.own.trace()) << i;
+  }
 }
 
 }  // namespace
