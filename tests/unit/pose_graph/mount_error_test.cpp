@@ -114,7 +114,7 @@ struct Circle {
 TEST(MountError, IsHeldWhereTheGraphHoldsTheRobotToTheFloor) {
   Random random(5);
   const Vector6d m = draw(random);
-  double tilt[3];
+  std::vector<double> tilt;
   for (const int k : {0, 1, 2}) {
     const double weight = k == 0 ? 0.05 : k == 1 ? 1 : 50;
     Circle circle(m, GroundSettings{weight * 0.01, weight * 0.005});
@@ -126,9 +126,9 @@ TEST(MountError, IsHeldWhereTheGraphHoldsTheRobotToTheFloor) {
       const Vector6d told = adjoint(circle.told) * (moved - mount_lever(T_first_now) * m);
       EXPECT_LT((circle.error(i) - told).norm(), 0.03 * m.norm()) << k << " " << i;
     }
-    tilt[k] = circle.error(10).segment<2>(3).norm();
+    tilt.push_back(circle.error(10).segment<2>(3).norm());
   }
-  EXPECT_LT(tilt[0], 0.1 * tilt[2]);
+  EXPECT_LT(tilt.front(), 0.1 * tilt.back());
 }
 
 // From one node to the next by Kalman's filter, as by the graph's equations.

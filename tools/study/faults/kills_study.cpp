@@ -45,6 +45,7 @@ double silence(const std::vector<double>& times, double from, double to) {
 
 std::vector<double> told_at(const std::vector<MapperWatch::Held>& poses) {
   std::vector<double> times;
+  times.reserve(poses.size());
   for (const auto& pose : poses) times.push_back(pose.at);
   return times;
 }
@@ -52,6 +53,7 @@ std::vector<double> told_at(const std::vector<MapperWatch::Held>& poses) {
 /// s after the drive's begin.
 std::vector<double> measured_at(const std::vector<Utime>& poses, Utime begun) {
   std::vector<double> times;
+  times.reserve(poses.size());
   for (const Utime utime : poses) times.push_back(1e-6 * static_cast<double>(utime - begun));
   return times;
 }
