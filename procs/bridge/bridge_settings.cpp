@@ -49,10 +49,9 @@ void BridgeSettings::describe(SettingsVisitor& s) {
   s.text("topic", topic, "in front of all topics: TOPIC/ROBOT/from/CHANNEL and TOPIC/ROBOT/to/CHANNEL");
   s.text("robot", robot, "name in the topics; empty: launch.robot, else this machine's name");
   s.choice("side", side, sides, "robot: sends its channels and takes orders; operator: the other end");
-  s.texts(
-      "send", send,
-      "channels that go to the broker, the most urgent first; CHANNEL@RATE: the newest, so many a second at "
-      "most");
+  s.texts("send", send,
+          "channels that go to the broker, of small messages the most urgent first, and large ones share the "
+          "link; CHANNEL@RATE: the newest, so many a second at most");
   s.texts("receive", receive,
           "channels that are taken from the broker, e.g. [COMMAND, MAP_REQUEST]; all others are refused");
   s.number("bandwidth", bandwidth, "bit/s", {0, 1e10},

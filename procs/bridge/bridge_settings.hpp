@@ -26,7 +26,7 @@ struct BridgeSettings {
   bool insecure = false;
   std::string topic = "lcmslam", robot;
   bridge::Side side = bridge::Side::robot;
-  /// What stands first goes first.
+  /// Of small messages what stands first goes first; large ones share the link.
   std::vector<std::string> send = {"STATUS@1",    "FASTSLAM_POSE@5", "ICP_POSE@5", "FASTSLAM_LANDMARKS@1",
                                    "ICP_GRAPH@1", "ICP_KEYFRAME",    "CAMERA@0.5"};
   std::vector<std::string> receive;
