@@ -1,6 +1,7 @@
 #include <lcmslam/bridge/channel_rule.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <set>
 #include <stdexcept>
@@ -35,6 +36,11 @@ ChannelRule parse_rule(const std::string& text) {
   }
   if (read != number.size() || !(rule.rate > 0) || rule.rate > 1000) refuse(text);
   return rule;
+}
+
+bool is_large(const std::string& channel) {
+  constexpr std::array large = {"CAMERA", "FASTSLAM_LANDMARKS", "ICP_GRAPH", "ICP_KEYFRAME", "MAP_REPLY"};
+  return std::find(large.begin(), large.end(), channel) != large.end();
 }
 
 std::vector<ChannelRule> parse_rules(const std::vector<std::string>& texts) {

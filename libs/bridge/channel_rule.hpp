@@ -15,6 +15,9 @@ struct ChannelRule {
 /// Throws std::invalid_argument that says what would be right.
 ChannelRule parse_rule(const std::string& text);
 
+/// Makes maps or pictures: a packet of it that is lost must hold up no pose.
+bool is_large(const std::string& channel);
+
 /// Each channel once. Throws std::invalid_argument.
 std::vector<ChannelRule> parse_rules(const std::vector<std::string>& texts);
 

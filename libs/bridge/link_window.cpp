@@ -17,14 +17,14 @@ void LinkWindow::Smallest::add(Time at, double time) {
   while (seconds(candidates_.front().first, at) > memory_) candidates_.pop_front();
 }
 
-void LinkWindow::sent(std::size_t bytes, bool beside) {
-  if (!beside) in_flight_ += bytes;
+void LinkWindow::sent(std::size_t bytes) {
+  in_flight_ += bytes;
   ++messages_;
 }
 
-void LinkWindow::acknowledged(std::size_t bytes, Time sent, Time now, bool beside) {
+void LinkWindow::acknowledged(std::size_t bytes, Time sent, Time now) {
   const bool full = 2 * in_flight_ > window_;
-  if (!beside) in_flight_ -= std::min(bytes, in_flight_);
+  in_flight_ -= std::min(bytes, in_flight_);
   messages_ -= messages_ > 0 ? 1 : 0;
 
   const double time = seconds(sent, now);

@@ -27,25 +27,20 @@ class LinkWindow {
   /// One message always, however big it is; one beside small ones, so that those do not keep it waiting.
   bool admits(std::size_t bytes) const {
     const bool room = in_flight_ + bytes <= window_ || (bytes > window_ && 2 * in_flight_ <= window_);
-    return messages_ == 0 || (messages_ + places_beside < most_messages && room);
+    return messages_ == 0 || (messages_ < most_messages && room);
   }
-  /// Of a measurement that comes at a rate: small ones make no queue, and have places of their own.
-  bool admits_beside(std::size_t bytes) const { return bytes <= small && messages_ < most_messages; }
-  /// `beside`: as admits_beside() has it; what goes beside takes nothing of the window.
-  void sent(std::size_t bytes, bool beside = false);
+  void sent(std::size_t bytes);
   /// Of a message that was sent at `sent`.
-  void acknowledged(std::size_t bytes, Time sent, Time now, bool beside = false);
+  void acknowledged(std::size_t bytes, Time sent, Time now);
   /// The connection is another one.
   void reset();
 
   std::size_t window() const { return window_; }
   std::size_t in_flight() const { return in_flight_; }
+  static constexpr std::size_t most_messages = 20;  ///< that brokers take before they acknowledge
 
  private:
-  static constexpr std::size_t small = 1'500;                                     // bytes: a pose
   static constexpr std::size_t least = 10'000, most = 4'000'000, first = 32'000;  // bytes
-  static constexpr std::size_t most_messages = 20;  // what brokers take before they acknowledge
-  static constexpr std::size_t places_beside = 6;   // of these, for small measurements alone
 
   /// The smallest of a while's times.
   class Smallest {

@@ -8,6 +8,7 @@ namespace {
 constexpr std::size_t most_senders = 64;   // of a channel
 constexpr std::size_t most_in_a_row = 64;  // of a sender on a channel without a rate
 constexpr std::size_t overhead = 64;       // bytes that a message takes beside its own
+constexpr std::size_t small = 1'500;       // bytes: a pose, which makes no queue
 
 std::chrono::steady_clock::duration seconds(double s) {
   return std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(s));
@@ -31,6 +32,7 @@ void Outbox::put(const std::string& channel, std::int64_t sender, Bytes bytes, T
   if (found == index_.end()) return;
   Channel& to = channels_[found->second];
   Slot& slot = slot_of(to, sender, now);
+  slot.beside = slot.beside && bytes.size() + overhead <= small;
   slot.waiting.push_back({channel, std::make_shared<const Bytes>(std::move(bytes)), now});
   if (slot.waiting.size() > (to.rule.rate > 0 ? 1 : most_in_a_row)) {
     slot.waiting.pop_front();
@@ -43,6 +45,7 @@ void Outbox::put(const std::string& channel, std::int64_t sender, std::vector<Pi
   const auto found = index_.find(channel);
   if (found == index_.end()) return;
   Slot& slot = slot_of(channels_[found->second], sender, now);
+  slot.beside = false;
   slot.waiting.clear();
   for (Piece& piece : pieces)
     slot.waiting.push_back({piece.name, std::make_shared<const Bytes>(std::move(piece.bytes)), now});
@@ -54,7 +57,9 @@ Outbox::Slot& Outbox::slot_of(Channel& channel, std::int64_t sender, Time now) {
   if (slots.count(sender) == 0 && slots.size() >= most_senders)
     slots.erase(std::min_element(slots.begin(), slots.end(),
                                  [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
-  Slot& slot = slots[sender];
+  const auto [place, fresh] = slots.try_emplace(sender);
+  Slot& slot = place->second;
+  if (fresh) slot.beside = channel.rule.rate > 0;
   slot.last = now;
   return slot;
 }
@@ -169,6 +174,7 @@ void Outbox::disconnected() {
       channels_[found->second.channel].waiting[message.number] = message.name;
   }
   under_way_.clear();
+  beside_ = 0;
   window_.reset();
   for (Channel& channel : channels_) {
     channel.under_way = 0;
@@ -224,39 +230,37 @@ std::optional<Outgoing> Outbox::next(Time now) {
   if (auto out = next_beside(now)) return out;
   std::size_t least = channels_.size();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    const bool waits = due_slot(channels_[i], now) != nullptr || (decided_ && !channels_[i].waiting.empty());
+    const bool waits =
+        due_slot(channels_[i], false, now) != nullptr || (decided_ && !channels_[i].waiting.empty());
     if (waits && (least == channels_.size() || served(i) < served(least))) least = i;
   }
   if (least == channels_.size()) return std::nullopt;
   Channel& channel = channels_[least];
-  Slot* slot = due_slot(channel, now);
+  Slot* slot = due_slot(channel, false, now);
   const std::uint64_t number = slot == nullptr ? next_kept(channel) : 0;
   const std::size_t bytes = slot != nullptr ? slot->waiting.front().bytes->size()
                                             : kept_.at(channel.waiting.at(number)).bytes->size();
   if (!affords(bytes, now) || !window_.admits(bytes + overhead)) return std::nullopt;
   shared_ = served(least);
   channel.served = shared_ + bytes + overhead;
-  return slot != nullptr ? send_measurement(least, *slot, false, now) : send_kept(least, number, now);
+  return slot != nullptr ? send_measurement(least, *slot, now) : send_kept(least, number, now);
 }
 
 /// What is small and goes at a rate.
 std::optional<Outgoing> Outbox::next_beside(Time now) {
+  if (beside_ >= LinkWindow::most_messages) return std::nullopt;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    if (channels_[i].rule.rate <= 0) continue;
-    for (auto& [sender, slot] : channels_[i].slots) {
-      if (slot.waiting.empty() || slot.due > now) continue;
-      const std::size_t bytes = slot.waiting.front().bytes->size();
-      if (!window_.admits_beside(bytes + overhead)) continue;
-      if (!affords(bytes, now)) return std::nullopt;
-      return send_measurement(i, slot, true, now);
-    }
+    Slot* slot = due_slot(channels_[i], true, now);
+    if (slot == nullptr) continue;
+    if (!affords(slot->waiting.front().bytes->size(), now)) return std::nullopt;
+    return send_measurement(i, *slot, now);
   }
   return std::nullopt;
 }
 
-Outbox::Slot* Outbox::due_slot(Channel& channel, Time now) {
+Outbox::Slot* Outbox::due_slot(Channel& channel, bool beside, Time now) {
   for (auto& [sender, slot] : channel.slots)
-    if (!slot.waiting.empty() && slot.due <= now) return &slot;
+    if (slot.beside == beside && !slot.waiting.empty() && slot.due <= now) return &slot;
   return nullptr;
 }
 
@@ -265,19 +269,22 @@ std::uint64_t Outbox::served(std::size_t channel) const {
   return std::max(channels_[channel].served, shared_);
 }
 
-Outgoing Outbox::send_measurement(std::size_t channel, Slot& slot, bool beside, Time now) {
+Outgoing Outbox::send_measurement(std::size_t channel, Slot& slot, Time now) {
   const double wait = period(channels_[channel]);
   const Measurement measurement = slot.waiting.front();
   slot.waiting.pop_front();
-  const Outgoing out{++last_ticket_, measurement.name, measurement.bytes,
-                     false,          slot.sent++,      std::max(1.0, 2 * wait)};
-  under_way_[out.ticket] = {channel, out.bytes->size() + overhead, {}, 0, measurement.put, now, beside};
+  const Outgoing out{++last_ticket_, measurement.name, measurement.bytes,      false,
+                     slot.beside,    slot.sent++,      std::max(1.0, 2 * wait)};
+  under_way_[out.ticket] = {channel, out.bytes->size() + overhead, {}, 0, measurement.put, now, slot.beside};
   if (slot.waiting.empty()) {
     const bool in_time = now - slot.due < seconds(wait);  // a little late: on average at its rate
     slot.due = (in_time ? slot.due : now) + seconds(wait);
   }
   ++channels_[channel].under_way;
-  window_.sent(out.bytes->size() + overhead, beside);
+  if (slot.beside)
+    ++beside_;
+  else
+    window_.sent(out.bytes->size() + overhead);
   bucket_.take(static_cast<double>(out.bytes->size() + overhead), now);
   ++counts_.sent;
   return out;
@@ -304,7 +311,7 @@ Outgoing Outbox::send_kept(std::size_t channel, std::uint64_t number, Time now) 
   });
   channels_[channel].begun = more ? kept_.at(name).group : "";
   const Kept& kept = kept_.at(name);
-  const Outgoing out{++last_ticket_, name, kept.bytes, true, 0, limits_.kept_for};
+  const Outgoing out{++last_ticket_, name, kept.bytes, true, false, 0, limits_.kept_for};
   under_way_[out.ticket] = {channel, kept.bytes->size() + overhead, name, kept.number, now, now};
   ++channels_[channel].under_way;
   window_.sent(kept.bytes->size() + overhead);
@@ -320,7 +327,10 @@ void Outbox::acknowledged(std::uint64_t ticket, Time now) {
   const UnderWay message = found->second;
   under_way_.erase(found);
   ++counts_.acknowledged;
-  window_.acknowledged(message.bytes, message.sent, now, message.beside);
+  if (message.beside)
+    --beside_;
+  else
+    window_.acknowledged(message.bytes, message.sent, now);
   --channels_[message.channel].under_way;
   if (message.name.empty()) {
     counts_.age = std::max(counts_.age, std::chrono::duration<double>(now - message.put).count());

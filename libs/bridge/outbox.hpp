@@ -9,10 +9,11 @@
 // the broker forgets it.
 //
 // Small measurements go in the order of the rules and wait for nobody, beside what the link carries
-// (LinkWindow): a STATUS that waits for room makes no pose late. What is large shares the link: the channel
-// that has had the least of it goes next (start-time fair queueing, Goyal, Vin and Cheng 1996), so that
-// landmarks that change all the time leave room for keyframes. Within a channel the newest group goes first,
-// but what was begun is finished: who puts pieces together need not hold many.
+// (LinkWindow) and on a connection of their own: where the link loses a packet of a map, no pose waits until
+// it has been sent again. What is large shares the link: the channel that has had the least of it goes next
+// (start-time fair queueing, Goyal, Vin and Cheng 1996), so that landmarks that change all the time leave
+// room for keyframes. Within a channel the newest group goes first, but what was begun is finished: who puts
+// pieces together need not hold many.
 //
 // What the broker has: each kept message has a number, and mark() is the number up to which the broker
 // acknowledged all. The bridge stores the mark on the broker behind what it speaks of. A broker that comes
@@ -50,6 +51,7 @@ struct Outgoing {
   std::string name;                    ///< CHANNEL or CHANNEL/KEY
   std::shared_ptr<const Bytes> bytes;  ///< empty: what the broker keeps under the name goes
   bool kept = false;
+  bool beside = false;      ///< on the connection of small measurements
   std::int64_t number = 0;  ///< of a measurement: counts what was sent of its sender on its channel
   double lives = 0;         ///< s after which nobody shall get it any more
 };
@@ -117,6 +119,7 @@ class Outbox {
     std::deque<Measurement> waiting;
     Time last{}, due{};
     std::int64_t sent = 0;
+    bool beside = false;  // all so far were small and at a rate: none passes another on another connection
   };
   struct Kept {
     std::size_t channel = 0;
@@ -138,7 +141,7 @@ class Outbox {
     std::string name;          // empty: a measurement
     std::uint64_t number = 0;  // of a kept one
     Time put{}, sent{};
-    bool beside = false;  // the window
+    bool beside = false;
   };
 
   double period(const Channel& channel) const { return channel.rule.rate > 0 ? 1 / channel.rule.rate : 0; }
@@ -147,9 +150,9 @@ class Outbox {
   void drop(const Kept& kept);
   void make_room();
   bool affords(std::size_t bytes, Time now);
-  Outgoing send_measurement(std::size_t channel, Slot& slot, bool beside, Time now);
+  Outgoing send_measurement(std::size_t channel, Slot& slot, Time now);
   std::optional<Outgoing> next_beside(Time now);
-  static Slot* due_slot(Channel& channel, Time now);
+  static Slot* due_slot(Channel& channel, bool beside, Time now);
   std::uint64_t served(std::size_t channel) const;
   std::uint64_t next_kept(const Channel& channel) const;
   Outgoing send_kept(std::size_t channel, std::uint64_t number, Time now);
@@ -165,6 +168,7 @@ class Outbox {
   std::map<std::uint64_t, std::string> stored_;          // names, by number
   std::map<std::uint64_t, UnderWay> under_way_;          // by ticket
   LinkWindow window_;
+  std::size_t beside_ = 0;  // small measurements under way
   TokenBucket bucket_;
   std::uint64_t last_ticket_ = 0, last_number_ = 0, evicted_up_to_ = 0;
   std::uint64_t shared_ = 0;  // bytes that a channel which always waits has had

@@ -130,8 +130,8 @@ TEST_F(Bridge, ASlowLinkKeepsTheOperatorLiveAndTheRobotUndisturbed) {
     std::cout << channel << " at " << rate << " Hz, age median " << median << " s, p95 " << p95
               << " s, largest " << ages.back() << " s\n";
     EXPECT_GT(rate, 4.9) << channel;
-    EXPECT_LT(median, 0.6) << channel;
-    EXPECT_LT(p95, 1) << channel;
+    EXPECT_LT(median, 0.4) << channel;
+    EXPECT_LT(p95, 0.7) << channel << ": does it wait for what the map lost?";
   }
   std::cout << link.forwarded() << " bytes over the link, " << link.lost() << " packets lost, window "
             << value_of(*status, "window") << ", publishing took " << slowest_publish << " s at most\n";

@@ -16,7 +16,7 @@ function drawing(seed) {
 }
 
 /**
- * Listens, and forwards each connection.
+ * Listens, and forwards connections, which share the rate.
  * @param {{host?: string, port: number, megabits?: number, delay?: number, loss?: number}} quality `delay`: ms there and
  *   back; `loss`: share of the packets
  * @returns {Promise<{port: number, lost: number, close: () => void}>}
@@ -25,11 +25,11 @@ export async function badLink({ host = "127.0.0.1", port, megabits = 2, delay = 
   const bytesPerMs = (megabits * 1e6) / 8 / 1000;
   const draw = drawing(1);
   const link = { lost: 0 };
+  const free = { there: 0, back: 0 }; // when the link can take more
   const sockets = new Set();
 
   /** Carries bytes at the link's rate, after its delay and after what was lost. */
-  function carry(from, to) {
-    let free = 0;
+  function carry(from, to, way) {
     let due = 0;
     let waiting = 0;
     const queue = []; // in order: timers of their own could pass each other
@@ -44,11 +44,11 @@ export async function badLink({ host = "127.0.0.1", port, megabits = 2, delay = 
     };
     from.on("data", (bytes) => {
       const now = performance.now();
-      free = Math.max(free, now) + bytes.length / bytesPerMs;
-      due = Math.max(due, free + delay / 2);
+      free[way] = Math.max(free[way], now) + bytes.length / bytesPerMs;
+      due = Math.max(due, free[way] + delay / 2);
       for (let at = 0; at < bytes.length; at += packet)
         if (draw() < loss) {
-          due = Math.max(due, free + delay / 2 + delay);
+          due = Math.max(due, free[way] + delay / 2 + delay);
           link.lost += 1;
         }
       waiting += bytes.length;
@@ -63,8 +63,8 @@ export async function badLink({ host = "127.0.0.1", port, megabits = 2, delay = 
 
   const server = createServer((near) => {
     const far = connect(port, host);
-    carry(far, near);
-    carry(near, far);
+    carry(far, near, "back");
+    carry(near, far, "there");
   });
   await new Promise((done) => server.listen(0, "127.0.0.1", done));
   link.port = server.address().port;

@@ -92,7 +92,8 @@ MqttConnection::MqttConnection(const bridge::Broker& broker, const std::string& 
   }
   if (!broker.user.empty())
     check(mosquitto_username_pw_set(client, broker.user.c_str(), broker.password.c_str()), "user");
-  check(mosquitto_will_set_v5(client, presence.c_str(), 1, "0", 1, true, nullptr), "last will");
+  if (!presence.empty())
+    check(mosquitto_will_set_v5(client, presence.c_str(), 1, "0", 1, true, nullptr), "last will");
   mosquitto_connect_v5_callback_set(client, &Callbacks::connected);
   mosquitto_disconnect_v5_callback_set(client, &Callbacks::disconnected);
   mosquitto_publish_v5_callback_set(client, &Callbacks::published);

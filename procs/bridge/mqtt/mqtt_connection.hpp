@@ -18,8 +18,8 @@ class MqttConnection {
     std::function<void(int message)> acknowledged;
     std::function<void(const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept)> came;
   };
-  /// Begins to connect. `presence`: the topic that the broker sets to "0" when this bridge falls silent.
-  /// Throws std::runtime_error.
+  /// Begins to connect. `presence`: the topic that the broker sets to "0" when this connection falls silent;
+  /// empty: none. Throws std::runtime_error.
   MqttConnection(const bridge::Broker& broker, const std::string& presence, Events events);
   ~MqttConnection();
   MqttConnection(const MqttConnection&) = delete;

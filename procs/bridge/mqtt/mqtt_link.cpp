@@ -12,32 +12,36 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::chrono::milliseconds loop_wait{10};
+constexpr std::chrono::milliseconds loop_wait{5};  // of each connection
 constexpr std::chrono::seconds mark_period{1};
 constexpr std::chrono::seconds mark_patience{
     3};  // in which the broker tells what it kept, or has kept nothing
 constexpr std::chrono::seconds connect_patience{15};
 constexpr std::chrono::milliseconds first_pause{200};
 
+bridge::Broker with_suffix(bridge::Broker broker, const char* suffix) {
+  broker.id += suffix;
+  return broker;
+}
+
 }  // namespace
 
-/// One connection's business.
+/// What is done from an attempt to connect to the end. There are two connections, because on one all that
+/// follows a lost packet waits for it: maps and pictures have one, all else, poses above all, the other.
 class MqttLink::Session {
  public:
   Session(MqttLink& link, const bridge::Broker& broker)
       : link_(link),
         ends_(link.ends_),
         recalls_(ends_.recalls()),
-        connection_(broker, ends_.topics.presence(),
-                    {[this] { on_connected(); }, [this](int message) { on_acknowledged(message); },
-                     [this](const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept) {
-                       on_message(topic, data, size, kept);
-                     }}) {}
+        large_{MqttConnection(broker, ends_.topics.presence(), events(large_))},
+        small_{MqttConnection(with_suffix(broker, "-small"), "", events(small_))} {}
 
   bool was_connected() const { return connected_; }
 
   void step() {
-    connection_.loop(loop_wait);
+    large_.connection.loop(loop_wait);
+    small_.connection.loop(loop_wait);
     const auto now = Clock::now();
     if (!connected_) {
       if (now > begin_ + connect_patience) throw std::runtime_error("no answer from the broker");
@@ -49,9 +53,10 @@ class MqttLink::Session {
       recall();
     }
     while (const auto out = ends_.next(now)) {
-      const int message = connection_.publish(ends_.topics.outgoing(out->name), out->bytes->data(),
-                                              out->bytes->size(), out->kept, out->lives);
-      tickets_[message] = out->ticket;
+      Way& way = out->beside ? small_ : large_;
+      const int message = way.connection.publish(ends_.topics.outgoing(out->name), out->bytes->data(),
+                                                 out->bytes->size(), out->kept, out->lives);
+      way.tickets[message] = out->ticket;
     }
     if (marked_ && now >= next_mark_) tell_mark(now);
   }
@@ -60,22 +65,40 @@ class MqttLink::Session {
   void close() {
     if (!connected_) return;
     tell_mark(Clock::now());
-    last_ = connection_.publish(ends_.topics.presence(), "0", 1, true, 0);
+    last_ = large_.connection.publish(ends_.topics.presence(), "0", 1, true, 0);
     const auto end = Clock::now() + std::chrono::seconds(2);
-    while (last_ != 0 && Clock::now() < end) connection_.loop(loop_wait);
-    connection_.disconnect();
+    while (last_ != 0 && Clock::now() < end) large_.connection.loop(loop_wait);
+    small_.connection.disconnect();
+    large_.connection.disconnect();
   }
 
  private:
-  void on_connected() {
+  struct Way {
+    MqttConnection connection;
+    bool connected = false;
+    std::map<int, std::uint64_t> tickets{};
+    std::int64_t refused = 0;
+  };
+
+  MqttConnection::Events events(Way& way) {
+    return {[this, &way] { on_connected(way); }, [this, &way](int message) { on_acknowledged(way, message); },
+            [this](const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept) {
+              on_message(topic, data, size, kept);
+            }};
+  }
+
+  void on_connected(Way& way) {
+    way.connected = true;
+    if (!large_.connected || !small_.connected) return;
     connected_ = true;
     connected_at_ = Clock::now();
-    connection_.publish(ends_.topics.presence(), "1", 1, true, 0);
-    connection_.subscribe(ends_.topics.mark(), true);
+    large_.connection.publish(ends_.topics.presence(), "1", 1, true, 0);
+    large_.connection.subscribe(ends_.topics.mark(), true);
     const bool with_kept = ends_.topics.incoming("").find("/from/") != std::string::npos;
     for (const std::string& channel : ends_.receive) {
-      connection_.subscribe(ends_.topics.incoming(channel), with_kept);
-      connection_.subscribe(ends_.topics.incoming(part_channel(channel)), with_kept);
+      (bridge::is_large(channel) ? large_ : small_)
+          .connection.subscribe(ends_.topics.incoming(channel), with_kept);
+      large_.connection.subscribe(ends_.topics.incoming(part_channel(channel)), with_kept);
     }
     ends_.outbox.connected();
     if (ends_.outbox.connections() == 1) broker_keeps(0);  // nothing of this run
@@ -87,21 +110,21 @@ class MqttLink::Session {
   void recall() {
     for (const std::string& channel : ends_.receive) {
       if (channel != "ICP_KEYFRAME") continue;
-      connection_.subscribe(ends_.topics.incoming(channel), true);
-      connection_.subscribe(ends_.topics.incoming(part_channel(channel)), true);
+      large_.connection.subscribe(ends_.topics.incoming(channel), true);
+      large_.connection.subscribe(ends_.topics.incoming(part_channel(channel)), true);
     }
   }
 
-  void on_acknowledged(int message) {
-    if (message == last_) last_ = 0;
-    const auto found = tickets_.find(message);
-    if (found == tickets_.end()) return;
+  void on_acknowledged(Way& way, int message) {
+    if (&way == &large_ && message == last_) last_ = 0;
+    const auto found = way.tickets.find(message);
+    if (found == way.tickets.end()) return;
     ends_.outbox.acknowledged(found->second, Clock::now());
-    tickets_.erase(found);
-    if (connection_.refused() > refused_) {
-      refused_ = connection_.refused();
-      if ((refused_ & (refused_ - 1)) == 0)
-        spdlog::warn("the broker does not take what is sent ({} so far): may {} write below {}?", refused_,
+    way.tickets.erase(found);
+    if (way.connection.refused() > way.refused) {
+      way.refused = way.connection.refused();
+      if ((way.refused & (way.refused - 1)) == 0)
+        spdlog::warn("the broker does not take what is sent ({} so far): may {} write below {}?", way.refused,
                      ends_.broker.user.empty() ? "this bridge" : ends_.broker.user,
                      ends_.topics.outgoing(""));
     }
@@ -135,20 +158,18 @@ class MqttLink::Session {
     next_mark_ = now + mark_period;
     if (mark == told_) return;
     const std::string text = fmt::format("{} {}", link_.run_, mark);
-    connection_.publish(ends_.topics.mark(), text.data(), text.size(), true, 0);
+    large_.connection.publish(ends_.topics.mark(), text.data(), text.size(), true, 0);
     told_ = mark;
   }
 
   MqttLink& link_;
   const BridgeEnds& ends_;
   std::int64_t recalls_;
-  MqttConnection connection_;
+  Way large_, small_;
   const Clock::time_point begin_ = Clock::now();
   Clock::time_point connected_at_{}, next_mark_{};
   bool connected_ = false, marked_ = false;
   std::uint64_t told_ = 0;
-  std::map<int, std::uint64_t> tickets_;
-  std::int64_t refused_ = 0;
   int last_ = 0;
 };
 

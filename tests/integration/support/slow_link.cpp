@@ -13,8 +13,6 @@
 namespace lcmslam::integration {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::size_t packet = 1448;  // bytes
 constexpr int buffer = 16 * 1024;     // bytes that the kernel holds beside the link
 
@@ -42,8 +40,8 @@ int bound_port(int fd) {
   return ntohs(address.sin_port);
 }
 
-Clock::duration seconds(double s) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+std::chrono::steady_clock::duration seconds(double s) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(s));
 }
 
 bool write_all(int fd, const std::vector<char>& bytes) {
@@ -103,6 +101,17 @@ void SlowLink::forward(int client, int server) {
   close(server);
 }
 
+SlowLink::Clock::time_point SlowLink::free() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return free_;
+}
+
+SlowLink::Clock::time_point SlowLink::take(std::size_t bytes) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  free_ = std::max(free_, Clock::now()) + seconds(static_cast<double>(bytes) / quality_.rate);
+  return free_;
+}
+
 void SlowLink::there(int client, int server, std::uint32_t seed) {
   struct Packet {
     Clock::time_point arrives;
@@ -111,7 +120,7 @@ void SlowLink::there(int client, int server, std::uint32_t seed) {
   std::deque<Packet> under_way;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> draw(0, 1);
-  Clock::time_point free = Clock::now();  // the link, to take the next packet
+  Clock::time_point held = Clock::now();  // this connection, until a lost packet has been sent again
   bool open = true;
   while (!stop_ && (open || !under_way.empty())) {
     const auto now = Clock::now();
@@ -121,9 +130,10 @@ void SlowLink::there(int client, int server, std::uint32_t seed) {
       under_way.pop_front();
       continue;
     }
-    const bool takes = open && free <= now;
+    const auto next = std::max(held, free());
+    const bool takes = open && next <= now;
     auto wait = std::chrono::milliseconds(20);
-    if (!takes && open) wait = std::chrono::ceil<std::chrono::milliseconds>(free - now);
+    if (!takes && open) wait = std::chrono::ceil<std::chrono::milliseconds>(next - now);
     if (!under_way.empty())
       wait = std::min(wait, std::chrono::ceil<std::chrono::milliseconds>(under_way.front().arrives - now));
     if (!takes) {
@@ -139,12 +149,12 @@ void SlowLink::there(int client, int server, std::uint32_t seed) {
       continue;
     }
     bytes.resize(static_cast<std::size_t>(n));
-    free = std::max(free, Clock::now()) + seconds(static_cast<double>(n) / quality_.rate);
+    held = take(bytes.size());
     while (draw(random) < quality_.loss) {  // sent again, and perhaps again
-      free += seconds(quality_.delay);
+      held += seconds(quality_.delay);
       ++lost_;
     }
-    under_way.push_back({free + seconds(quality_.delay), std::move(bytes)});
+    under_way.push_back({held + seconds(quality_.delay), std::move(bytes)});
   }
 }
 

@@ -1,11 +1,13 @@
 #pragma once
-// A bad radio link, as TCP sees it: a proxy that forwards each connection to a port with a rate, a way there
-// and losses. What a lost packet costs a TCP connection is the time until it has been sent again, in which
-// all behind it waits: one time round. (The kernel's netem is not on every machine; this is its effect on
-// one connection, not its packets.)
+// A bad radio link, as TCP sees it: a proxy that forwards the connections to a port over a way there, which
+// has a rate that they share, and losses. What a lost packet costs a TCP connection is the time until it has
+// been sent again, in which all behind it on this connection waits: one time round. (The kernel's netem is
+// not on every machine; this is its effect on connections, not its packets.)
 
 #include <atomic>
+#include <chrono>
 #include <list>
+#include <mutex>
 #include <random>
 #include <thread>
 
@@ -38,6 +40,13 @@ class SlowLink {
 
   int server_port_, port_ = 0, listener_ = -1;
   LinkQuality quality_;
+  using Clock = std::chrono::steady_clock;
+  /// When the link is free, before and after it takes this.
+  Clock::time_point free() const;
+  Clock::time_point take(std::size_t bytes);
+
+  mutable std::mutex mutex_;
+  Clock::time_point free_ = Clock::now();
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> forwarded_{0}, lost_{0};
   std::list<std::thread> threads_;

@@ -156,6 +156,61 @@ TEST_F(OutboxTest, ASmallMeasurementWaitsForNothingThatStandsBeforeIt) {
   EXPECT_THAT(names, ElementsAre("STATUS", "ORDERS", "MAP/2"));
 }
 
+TEST_F(OutboxTest, SmallMeasurementsGoBesideTheMapOnTheirOwnWayTwentyAtATime) {
+  connect();
+  for (int i = 0; i < 30; ++i) {
+    keep(std::to_string(i), 10);
+    outbox_.put("POSE", i, text("p"), now_);
+  }
+  std::vector<std::uint64_t> poses;
+  int map = 0;
+  while (const auto out = outbox_.next(now_)) {
+    EXPECT_EQ(out->beside, out->name == "POSE");
+    if (out->beside)
+      poses.push_back(out->ticket);
+    else
+      ++map;
+  }
+  EXPECT_EQ(poses.size(), 20U) << "brokers take 20 at a time";
+  EXPECT_EQ(map, 20) << "on each connection";
+  outbox_.acknowledged(poses.front(), now_);
+  const auto pose = outbox_.next(now_);
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->name, "POSE");
+  EXPECT_FALSE(outbox_.next(now_));
+  outbox_.disconnected();
+  connect();
+  outbox_.put("POSE", 1, text("p"), now_ + seconds(1));
+  now_ += seconds(1);
+  const auto again = outbox_.next(now_);
+  ASSERT_TRUE(again) << "what was under way is no more";
+  EXPECT_TRUE(again->beside);
+}
+
+TEST_F(OutboxTest, SmallMeasurementsTakeNothingOfTheWindow) {
+  connect();
+  for (int i = 0; i < 20; ++i) outbox_.put("POSE", i, Bytes(1'400, 'p'), now_);
+  while (outbox_.next(now_)) {
+  }
+  for (int i = 0; i < 20; ++i) keep(std::to_string(i), 8'000);
+  int map = 0;
+  while (outbox_.next(now_)) ++map;
+  EXPECT_EQ(map, 3) << "32 kB at the beginning";
+}
+
+TEST_F(OutboxTest, ASendersMeasurementsDoNotPassEachOtherOnTwoConnections) {
+  connect();
+  const auto way = [&](std::size_t bytes) {
+    now_ += seconds(1);
+    outbox_.put("POSE", 1, Bytes(bytes, 'p'), now_);
+    const auto out = outbox_.next(now_);
+    return out ? (out->beside ? "small" : "large") : "none";
+  };
+  EXPECT_STREQ(way(1'000), "small");
+  EXPECT_STREQ(way(2'000), "large");
+  EXPECT_STREQ(way(1'000), "large") << "the large one may still be under way";
+}
+
 TEST_F(OutboxTest, NothingGoesWithoutAConnectionAndMeasurementsOfThatTimeNeverGo) {
   outbox_.put("POSE", 1, text("old"), now_);
   keep("1");
