@@ -114,6 +114,32 @@ TEST_F(Graph, ThePicturesShowSomething) {
   }
 }
 
+/// Share of the pixels beside each other within the map that have the very same colour: discs are flat
+/// inside.
+double flat_share(const cv::Mat& picture) {
+  const auto& background = picture.at<cv::Vec3b>(0, 0);
+  int flat = 0, all = 0;
+  for (int v = picture.rows / 8; v < picture.rows * 7 / 8; ++v)
+    for (int u = picture.cols / 8; u < picture.cols * 7 / 8; ++u) {
+      const auto &here = picture.at<cv::Vec3b>(v, u), &beside = picture.at<cv::Vec3b>(v, u + 1);
+      if (here == background || beside == background) continue;
+      ++all;
+      flat += here == beside ? 1 : 0;
+    }
+  return static_cast<double>(flat) / std::max(all, 1);
+}
+
+// Where the keyframes' images have it, by points 5 mm apart, which are a pixel here. Measured: 0.15 from
+// above and 0.13 from the front; with points 2 cm apart 0.36 and 0.29.
+TEST_F(Graph, TheDensePicturesAreSharp) {
+  for (const std::string name : {"icp_top", "icp_front"}) {
+    const double flat = flat_share(cv::imread((folder() / (name + ".png")).string()));
+    EXPECT_LT(flat, 0.22) << name;
+    EXPECT_GT(flat, 0) << name << " shows no map";
+    RecordProperty(name + "_flat_percent", static_cast<int>(100 * flat));
+  }
+}
+
 TEST_F(Graph, TheTrajectoriesCoverTheDrive) {
   for (const std::string name : {"truth", "odometry", "fastslam", "icp"}) {
     const Trajectory trajectory = read_tum(folder() / (name + ".txt"));

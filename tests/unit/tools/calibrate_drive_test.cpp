@@ -17,8 +17,6 @@
 namespace lcmslam {
 namespace {
 
-using ::testing::HasSubstr;
-
 constexpr double degree = M_PI / 180;
 constexpr double left_factor = 1.03, right_factor = 0.98, track_factor = 1.02;  // true over stated
 
