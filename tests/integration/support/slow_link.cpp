@@ -172,7 +172,8 @@ void SlowLink::back(int client, int server) {
 int free_port() {
   const int fd = open_socket();
   const sockaddr_in address = local(0);
-  bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    throw std::runtime_error("no port is free");
   const int port = bound_port(fd);
   close(fd);
   return port;
