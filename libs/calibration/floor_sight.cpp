@@ -11,7 +11,8 @@ namespace {
 constexpr double largest_doubt = 25 * M_PI / 180;           // rad, between expected and found up
 constexpr double lowest_camera = 0.05, highest_camera = 4;  // m
 constexpr std::size_t fewest_images = 10;
-// What all images share: depth's own systematic error, and a floor that is nowhere quite flat.
+// What all images share: a floor that is nowhere quite flat, and what depth errs by alike. Of the height that
+// is the constant part of the depth noise, which holds what ranges wiggle by, until that was calibrated.
 constexpr double shared_up = 0.0012, shared_height = 0.002;  // rad, m
 
 /// Median, and how sure it is by the scatter of the values; images a few frames apart err alike.
@@ -32,11 +33,13 @@ struct FloorWatch::Parts {
   Parts(const RgbdCalibration& calibration, const Eigen::Isometry3d& expected)
       : finder(calibration),
         T_colour_depth(calibration.T_colour_depth),
+        shared_range(calibration.depth_error.has_range_error() ? 0 : calibration.depth_noise.constant),
         up(expected.linear().transpose() * Eigen::Vector3d::UnitZ()) {}
 
   FramePlaneFinder finder;
   Eigen::Isometry3d T_colour_depth;
-  Eigen::Vector3d up;  // expected, colour camera's frame
+  double shared_range;  // sigma, m
+  Eigen::Vector3d up;   // expected, colour camera's frame
   std::vector<double> normals[3], heights;
 };
 
@@ -76,7 +79,7 @@ std::optional<FloorSight> FloorWatch::sight() const {
   const auto [height, height_sigma] = middle_of(p.heights);
   sight.height = height;
   sight.up_sigma = std::hypot(scatter, shared_up);
-  sight.height_sigma = std::hypot(height_sigma, shared_height);
+  sight.height_sigma = std::hypot(height_sigma, shared_height, p.shared_range);
   sight.images = static_cast<int>(p.heights.size());
   return sight;
 }

@@ -39,6 +39,25 @@ class OtherWheels : public CameraSource {
   std::size_t next_ = 0;
 };
 
+/// Standard deviations of a mount's place and rotation along the robot's axes, from the file that has its
+/// covariance along the camera's.
+Vector6d told_sigmas(const std::string& file, const Eigen::Matrix3d& R) {
+  std::ifstream stream(file);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  text.erase(0, text.find("covariance:") + 11);
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '[' || c == ']' || c == ','; }, ' ');
+  std::istringstream rows(text);
+  Matrix6d covariance = Matrix6d::Constant(std::nan(""));
+  for (int i = 0; i < 6; ++i) {
+    rows >> text;  // "-"
+    for (int k = 0; k < 6; ++k) rows >> covariance(i, k);
+  }
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R;
+  return (turn * covariance * turn.transpose()).diagonal().cwiseSqrt();
+}
+
 /// One drive for all tests.
 class CalibrateDrive : public ::testing::Test {
  protected:
@@ -92,6 +111,9 @@ TEST_F(CalibrateDrive, MountFindsWhereTheCameraSits) {
   const Eigen::Vector3d off = found.T_robot_camera.translation() - truth_.T_robot_camera.translation();
   EXPECT_LT(off.head<2>().norm(), 0.005) << run.out;
   EXPECT_LT(std::abs(off.z()), 0.01) << run.out;
+  const Vector6d sigmas = told_sigmas(path("mount_covariance.yaml"), found.T_robot_camera.linear());
+  EXPECT_LT(std::abs(off.z()), 2 * sigmas[2]) << "its ranges wiggle, and it knows that: " << run.out;
+  EXPECT_LT(off.head<2>().norm(), 3 * sigmas.head<2>().norm()) << run.out;
   EXPECT_LT(angle_between(found.T_robot_camera, truth_.T_robot_camera), 0.3 * degree) << run.out;
   EXPECT_TRUE(found.has_mount);
   EXPECT_TRUE(found.colour == truth_.colour) << "other values stay";
