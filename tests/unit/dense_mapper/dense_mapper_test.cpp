@@ -9,24 +9,10 @@
 #include <lcmslam/geometry/rigid_alignment.hpp>
 #include "tests/support/recorded_clouds.hpp"
 #include "tests/support/recordings.hpp"
+#include "tests/support/room_view.hpp"
 
 namespace lcmslam {
 namespace {
-
-// What a robot in the room sees: the scene in the robot's (= camera's) frame, slightly noisy.
-ColouredCloud seen_from(const Cloud& scene, const Eigen::Isometry3d& T_world_robot, std::uint64_t seed) {
-  const Cloud moved = transformed(scene, T_world_robot.inverse());
-  Random random(seed);
-  ColouredCloud cloud;
-  for (std::size_t i = 0; i < moved.size(); ++i) {
-    cloud.points.emplace_back(moved.points[i] +
-                              static_cast<float>(random.normal(0, 0.003)) * moved.normals[i]);
-    cloud.normals.push_back(moved.normals[i]);
-    cloud.sigmas.push_back(0.003f);
-    cloud.colours.emplace_back(10, 20, 30);
-  }
-  return cloud;
-}
 
 void expect_pose(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth, double metres,
                  double radians) {
@@ -175,95 +161,6 @@ TEST(DenseMapper, GarbageIsLostAndTheMapIsLeftAlone) {
   const auto step = mapper.step(coloured_frame(utime + frame_time, seen_from(scene, no_mount, 6), no_mount));
   EXPECT_EQ(to_string(step.status), "tracking");
   expect_pose(step.T_world_robot, no_mount, 0.01, 0.005);
-}
-
-// Registration errs beside the newest node, by as much more or less than stated as the graph has learned
-// from how its edges contradict each other.
-TEST(DenseMapper, APoseErrsAsTheGraphHasLearned) {
-  DenseMapperSettings settings;
-  settings.graph.optimiser.stated_measurements = 0.5;  // so that what is learned counts
-  DenseMapper mapper(settings);
-  const Cloud scene = room(0.03);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  double learned = 1, told = 0;
-  for (int i = 0; i < 60; ++i) {
-    const auto seed = static_cast<std::uint64_t>(i);
-    const auto step = mapper.step(coloured_frame(i * frame_time, seen_from(scene, T, seed), no_mount));
-    const double along = i < 30 ? 0.03 : -0.03;
-    T = T * se3_exp(twist(along, 0, 0, 0, 0, along));
-    const double factor = mapper.graph().error_factors().edges;
-    if (step.node || std::abs(factor - 1) < 0.3) continue;
-    const KeyframeGraph::Node& node = mapper.graph().nodes().back();
-    const Matrix6d A = adjoint(step.T_world_robot.inverse() * node.T_world_camera);
-    const Matrix6d beside = step.map_covariance - A * node.error.covariance() * A.transpose();
-    const double sigmas = factor * settings.graph.optimiser.edge_error;
-    EXPECT_LT((beside - sigmas * sigmas * step.covariance).norm(), 1e-6 * beside.norm()) << i;
-    learned = factor;
-    told = beside.norm();
-  }
-  EXPECT_NE(learned, 1);
-  EXPECT_GT(told, 0);
-}
-
-// A robot that drives in a bow: the same in all but what is told.
-TEST(DenseMapper, APoseErrsByTheHeadsPlaceToo) {
-  DenseMapperSettings exact;
-  exact.mount_error = {0, 0};
-  DenseMapper mapper, sure(exact);
-  const Cloud scene = room(0.03);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity(), mount = Eigen::Isometry3d::Identity();
-  mount.translation() << 0.2, 0, 0.5;
-  for (int i = 0; i < 15; ++i) {
-    const auto frame =
-        coloured_frame(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), mount);
-    const auto step = mapper.step(frame), other = sure.step(frame);
-    ASSERT_EQ(step.T_world_robot.matrix(), other.T_world_robot.matrix());
-    const KeyframeGraph::Node& node = mapper.graph().nodes().back();
-    const Eigen::Isometry3d T_now = step.T_world_robot * mount,
-                            T_first = mapper.graph().nodes().front().T_world_camera;
-    const Matrix6d expected =
-        mount_error(T_first.inverse() * T_now, mount, MountErrorSettings().sigmas(mount),
-                    adjoint(T_now.inverse() * node.T_world_camera) * node.error.by_mount);
-    EXPECT_LT((step.map_covariance - other.map_covariance - expected).norm(),
-              1e-9 * step.map_covariance.norm() + 1e-15);
-    if (i == 14) {
-      EXPECT_GT(expected.norm(), 1e-7);
-    }
-    T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.05));
-  }
-}
-
-// As the robot's pose does that stands there, carried to the camera.
-TEST(DenseMapper, ANodeErrsAsTheRobotThatStandsThere) {
-  DenseMapper mapper;
-  const Cloud scene = room(0.03);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity(), mount = Eigen::Isometry3d::Identity();
-  mount.translation() << 0.2, 0, 0.5;
-  const Matrix6d A = adjoint(mount);
-  const auto told = [&](std::size_t i) {
-    return (A * mapper.node_covariance(mapper.graph().nodes()[i], mount) * A.transpose()).eval();
-  };
-  for (int i = 0; i < 25; ++i) {
-    const auto step = mapper.step(
-        coloured_frame(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), mount));
-    T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.05));
-    // Before the graph has solved anything the newest one errs as the pose that was told with it.
-    if (!step.node || mapper.graph().nodes().size() > 2) continue;
-    EXPECT_LT((told(mapper.graph().nodes().size() - 1) - step.map_covariance).norm(),
-              1e-9 * step.map_covariance.norm() + 1e-15);
-  }
-  mapper.finish();
-  ASSERT_GT(mapper.graph().nodes().size(), 3U);
-  EXPECT_LT(told(0).norm(), 1e-15);  // the map begins there
-  const Eigen::Isometry3d T_first = mapper.graph().nodes().front().T_world_camera;
-  for (std::size_t i = 1; i < mapper.graph().nodes().size(); ++i) {
-    const KeyframeGraph::Node& node = mapper.graph().nodes()[i];
-    const Matrix6d expected = A * node.map_error.own * A.transpose() +
-                              mount_error(T_first.inverse() * node.T_world_camera, mount,
-                                          MountErrorSettings().sigmas(mount), node.map_error.by_mount);
-    EXPECT_GT(expected.norm(), 1e-9);
-    EXPECT_LT((told(i) - expected).norm(), 1e-9 * expected.norm());
-  }
 }
 
 TEST(DenseMapper, RecoversAtAKeyframeAfterAJump) {

@@ -6,6 +6,7 @@
 
 #include <lcmslam/messages/map_messages.hpp>
 #include "tests/support/cloud_scenes.hpp"
+#include "tests/support/room_view.hpp"
 
 namespace lcmslam {
 namespace {
@@ -21,13 +22,7 @@ void drive(DenseMapper& mapper) {
   const Cloud scene = room(0.03);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   for (int i = 0; i < 25; ++i) {
-    const Cloud seen = transformed(scene, T.inverse());
-    ColouredCloud cloud;
-    cloud.points = seen.points;
-    cloud.normals = seen.normals;
-    cloud.sigmas.assign(seen.size(), 0.003F);
-    cloud.colours.assign(seen.size(), {10, 20, 30});
-    mapper.step(coloured_frame(100'000 * i, cloud, bow_mount()));
+    mapper.step(coloured_frame(100'000 * i, seen_from(scene, T, static_cast<std::uint64_t>(i)), bow_mount()));
     T = T * se3_exp(twist(0.03, 0, 0, 0, 0, 0.05));
   }
 }
