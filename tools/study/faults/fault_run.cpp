@@ -161,10 +161,17 @@ class FaultRun {
   }
 
   void note_memory(double elapsed) {
-    double memory = 0;
-    for (const auto& [name, status] : board_) memory += static_cast<double>(status.memory);
-    result_.memory.resize(static_cast<std::size_t>(elapsed / 60) + 1);
-    result_.memory.back() = std::max(result_.memory.back(), memory);
+    const auto note = [elapsed](std::vector<double>& minutes, double bytes) {
+      minutes.resize(static_cast<std::size_t>(elapsed / 60) + 1);
+      minutes.back() = std::max(minutes.back(), bytes);
+    };
+    double all = 0;
+    for (const auto& [name, status] : board_) {
+      const auto bytes = static_cast<double>(status.memory);
+      note(result_.memory_of[name], bytes);
+      all += bytes;
+    }
+    note(result_.memory, all);
   }
 
   void begin_fault(const Fault& fault) {

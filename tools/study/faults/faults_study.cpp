@@ -178,6 +178,7 @@ nlohmann::json run_json(const FaultsStudyRun& run) {
           {"icp_gap_s", map.icp_gap},
           {"map_error_m", map.error},
           {"memory_bytes", run.result.memory},
+          {"memory_bytes_of", run.result.memory_of},
           {"events", run.result.events}};
 }
 

@@ -168,6 +168,17 @@ std::string processes_table(const nlohmann::json& kills) {
   return table.text();
 }
 
+/// Of each process, MB by quarters.
+std::string memory_table(const nlohmann::json& runs) {
+  Table table({"memory MB, by quarters", "undisturbed", "killed"});
+  std::map<std::string, std::map<std::string, std::string>> words;  // by process and run
+  for (const auto& run : runs)
+    for (const auto& [process, minutes] : run["memory_bytes_of"].items())
+      words[process][run["run"]] = memory_words(minutes.get<std::vector<double>>());
+  for (auto& [process, of] : words) table.add({process, of["undisturbed"], of["killed"]});
+  return table.text();
+}
+
 }  // namespace
 
 nlohmann::json study_kills(const FaultsStudySettings& settings, const std::filesystem::path& folder) {
@@ -197,7 +208,8 @@ std::string kills_table(const nlohmann::json& report) {
                memory_words(run["memory_bytes"].get<std::vector<double>>()), figure("stop_s", 1)});
     if (!run["kills"].empty()) processes = processes_table(run["kills"]);
   }
-  return table.text() + "\nof each kill until the next one, median / most\n" + processes;
+  return table.text() + "\nof each kill until the next one, median / most\n" + processes + "\n" +
+         memory_table(report["runs"]);
 }
 
 }  // namespace lcmslam
