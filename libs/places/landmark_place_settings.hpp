@@ -6,6 +6,8 @@ namespace lcmslam {
 struct LandmarkPlaceSettings {
   double max_descriptor_distance = 0.35;
   double position_sigma = 0.03;
+  int visits = 2;
+  double same_landmark = 0.05;
   int min_inliers = 12;
   double min_margin = 2;
   double min_spread = 0.25;
@@ -21,6 +23,10 @@ struct LandmarkPlaceSettings {
              "between descriptors of unit norm; farther landmarks do not look alike");
     s.number("position_sigma", position_sigma, "m", {0, 10},
              "at most of one landmark beside its neighbours, however far the map as a whole may be off");
+    s.number("visits", visits, "", {1, 3},
+             "sessions that a landmark is kept of: what so many have mapped already is left out");
+    s.number("same_landmark", same_landmark, "m", {0.001, 10},
+             "between landmarks that are the same if they look alike");
     s.number("min_inliers", min_inliers, "", {3, 10000}, "landmarks of the group that one pose must explain");
     s.number("min_margin", min_margin, "", {1, 100},
              "times as many as any other place explains: else places look alike");

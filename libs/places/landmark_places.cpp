@@ -2,8 +2,11 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <functional>
+#include <numeric>
 #include <set>
 
+#include <lcmslam/cloud/voxel_index.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
@@ -15,6 +18,25 @@ constexpr int most_other_places = 4;  // looked at; the first ones may be the sa
 bool has_descriptor(const Landmark& landmark) {
   const Descriptor& d = landmark.descriptor;
   return std::any_of(d.begin(), d.end(), [&](std::uint8_t byte) { return byte != d[0]; });
+}
+
+/// Between descriptors of landmarks that look alike.
+double limit2(const LandmarkPlaceSettings& settings) {
+  const double limit = 127 * settings.max_descriptor_distance;
+  return limit * limit;
+}
+
+/// Squared, of the bytes.
+int distance2(const Descriptor& a, const Descriptor& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0, std::plus<>(),
+                            [](int x, int y) { return (x - y) * (x - y); });
+}
+
+/// What stands nowhere, or too far away, stands in the middle.
+Eigen::Vector3i cell_of(const Eigen::Vector3d& at, const LandmarkPlaceSettings& settings) {
+  const auto cells = 1 / static_cast<float>(settings.same_landmark);
+  const Eigen::Vector3f point = at.cast<float>();
+  return voxel_exists(point, cells) ? voxel_of(point, cells) : Eigen::Vector3i::Zero();
 }
 
 /// The map as a whole may be off by far more than a landmark is beside its neighbours: what they share
@@ -69,18 +91,40 @@ LandmarkPlaces::LandmarkPlaces(const LandmarkPlaceSettings& settings) : settings
 
 void LandmarkPlaces::add(const std::vector<Landmark>& landmarks, const Eigen::Isometry3d& T_map_session,
                          std::int64_t session) {
+  const std::size_t before = landmarks_.size();
   for (const Landmark& landmark : landmarks) {
     if (!has_descriptor(landmark)) continue;
-    index_.insert(static_cast<int>(landmarks_.size()), landmark.descriptor, landmark.laplacian);
-    landmarks_.push_back(transformed(landmark, T_map_session));
-    sessions_.push_back(session);
+    const Landmark there = transformed(landmark, T_map_session);
+    if (known(there, before) < static_cast<std::size_t>(settings_.visits)) insert(there, session);
   }
+}
+
+void LandmarkPlaces::insert(const Landmark& landmark, std::int64_t session) {
+  cells_[voxel_key(cell_of(landmark.mean, settings_))].push_back(landmarks_.size());
+  index_.insert(static_cast<int>(landmarks_.size()), landmark.descriptor, landmark.laplacian);
+  landmarks_.push_back(landmark);
+  sessions_.push_back(session);
+}
+
+/// How often it is among those first ones already.
+std::size_t LandmarkPlaces::known(const Landmark& landmark, std::size_t before) const {
+  std::size_t count = 0;
+  const Eigen::Vector3i cell = cell_of(landmark.mean, settings_);
+  for (int k = 0; k < 27; ++k) {
+    const auto found = cells_.find(voxel_key(cell + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1)));
+    if (found == cells_.end()) continue;
+    for (const std::size_t i : found->second)
+      count += i < before && landmarks_[i].laplacian == landmark.laplacian &&
+               (landmarks_[i].mean - landmark.mean).norm() < settings_.same_landmark &&
+               distance2(landmarks_[i].descriptor, landmark.descriptor) < limit2(settings_);
+  }
+  return count;
 }
 
 void LandmarkPlaces::drop(std::int64_t session) {
   LandmarkPlaces rest(settings_);
   for (std::size_t i = 0; i < landmarks_.size(); ++i)
-    if (sessions_[i] != session) rest.add({landmarks_[i]}, Eigen::Isometry3d::Identity(), sessions_[i]);
+    if (sessions_[i] != session) rest.insert(landmarks_[i], sessions_[i]);
   *this = std::move(rest);
 }
 
@@ -93,12 +137,11 @@ LandmarkPlaces::Pairs LandmarkPlaces::alike(const std::vector<Landmark>& group,
     queries[i].descriptor = group[i].descriptor;
     queries[i].laplacian = group[i].laplacian;
   }
-  const double limit = 127 * settings_.max_descriptor_distance;
   const std::vector<Neighbours>& neighbours = search_.nearest(queries, index_);
   Pairs pairs;
   for (std::size_t i = 0; i < group.size(); ++i)
     for (const Neighbour& n : neighbours[i]) {
-      if (n.id < 0 || n.distance2 > limit * limit) continue;
+      if (n.id < 0 || n.distance2 > limit2(settings_)) continue;
       const Landmark& known = landmarks_[static_cast<std::size_t>(n.id)];
       pairs.points.push_back({known.mean, group[i].mean - middle,
                               beside_neighbours(known.covariance, settings_.position_sigma),

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <lcmslam/features/descriptor_search.hpp>
@@ -30,8 +31,8 @@ class LandmarkPlaces {
   /// Throws std::invalid_argument that names the setting.
   explicit LandmarkPlaces(const LandmarkPlaceSettings& settings = {});
 
-  /// Landmarks of a map that lies there. Those without a descriptor (known identities) are left out.
-  /// `session`: by which they may be dropped.
+  /// Landmarks of a map that lies there. Those without a descriptor (known identities) are left out, and
+  /// those that the map has of `visits` sessions already. `session`: by which they may be dropped.
   void add(const std::vector<Landmark>& landmarks,
            const Eigen::Isometry3d& T_map_session = Eigen::Isometry3d::Identity(), std::int64_t session = 0);
   /// All landmarks of a session.
@@ -49,6 +50,8 @@ class LandmarkPlaces {
     std::vector<PointPair> points;     // a: map, b: group
     std::vector<int> landmark, asker;  // index of either
   };
+  void insert(const Landmark& landmark, std::int64_t session);
+  std::size_t known(const Landmark& landmark, std::size_t before) const;
   Pairs alike(const std::vector<Landmark>& group, const Eigen::Vector3d& middle);
   RigidRansacResult explain(const Pairs& pairs, int min_inliers) const;
   int other_place(Pairs pairs, const Eigen::Isometry3d& T_map_group) const;
@@ -58,7 +61,8 @@ class LandmarkPlaces {
 
   LandmarkPlaceSettings settings_;
   std::vector<Landmark> landmarks_;
-  std::vector<std::int64_t> sessions_;  // theirs
+  std::vector<std::int64_t> sessions_;                                 // theirs
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;  // where they stand, by voxel_key
   DescriptorIndex index_;
   DescriptorSearch search_;
 };

@@ -104,13 +104,14 @@ void PlaceIndex::add(std::int64_t key, const Eigen::Isometry3d& T_map_camera, co
   add(key, View{T_map_camera,
                 with_points(features, settings_.indexed_features),
                 voxel_filtered(geometry_of(cloud), settings_.cloud_voxel),
-                {}});
+                {},
+                0});
 }
 
 void PlaceIndex::take_over(const PlaceIndex& other, const Eigen::Isometry3d& T_map_other,
                            std::int64_t first_key) {
   for (const auto& [key, view] : other.views_)
-    add(first_key++, View{T_map_other * view.T_map_camera, view.features, view.cloud, {}});
+    add(first_key++, View{T_map_other * view.T_map_camera, view.features, view.cloud, {}, 0});
 }
 
 void PlaceIndex::add(std::int64_t key, View view) {
@@ -129,7 +130,22 @@ void PlaceIndex::add(std::int64_t key, View view) {
     index_.insert(slot, feature.descriptor, feature.laplacian);
     view.slots.push_back(slot);
   }
+  view.number = ++added_;
+  const Eigen::Isometry3d T_map_camera = view.T_map_camera;
   views_[key] = std::move(view);
+  thin_around(T_map_camera);
+}
+
+void PlaceIndex::thin_around(const Eigen::Isometry3d& T_map_camera) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> near;  // number and key
+  for (const auto& [key, view] : views_)
+    if (distance_between(view.T_map_camera, T_map_camera) < settings_.same_view_distance &&
+        angle_between(view.T_map_camera, T_map_camera) < settings_.same_view_angle)
+      near.emplace_back(view.number, key);
+  const auto most = static_cast<std::size_t>(settings_.visits);
+  if (near.size() <= most) return;
+  std::sort(near.begin(), near.end());
+  drop(near[most / 2].second);
 }
 
 void PlaceIndex::move(std::int64_t key, const Eigen::Isometry3d& T_map_camera) {

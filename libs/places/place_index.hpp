@@ -56,7 +56,8 @@ class PlaceIndex {
   explicit PlaceIndex(const PlaceSettings& settings = {});
 
   /// A keyframe: features (their points) and cloud are in the camera's frame. One that is there already is
-  /// replaced. Features without a point are left out.
+  /// replaced. Features without a point are left out. Where a place was mapped again and again (`visits`),
+  /// one between the first and the last goes: the first hold the map's frame, the last show how it looks now.
   void add(std::int64_t key, const Eigen::Isometry3d& T_map_camera, const FeatureFrame& features,
            const ColouredCloud& cloud);
   /// Keyframes that are not there are left out.
@@ -75,8 +76,9 @@ class PlaceIndex {
   struct View {
     Eigen::Isometry3d T_map_camera;
     FeatureFrame features;
-    Cloud cloud;             // reduced, camera frame
-    std::vector<int> slots;  // ids in the index
+    Cloud cloud;              // reduced, camera frame
+    std::vector<int> slots;   // ids in the index
+    std::int64_t number = 0;  // in the order in which they were added
   };
   struct Pairs {
     std::vector<PointPair> points;   // a: map, b: asker
@@ -85,6 +87,7 @@ class PlaceIndex {
   };
 
   void add(std::int64_t key, View view);
+  void thin_around(const Eigen::Isometry3d& T_map_camera);
   std::string search(const FeatureFrame& asker, const ColouredCloud& cloud, Located& located);
   std::string explain(const FeatureFrame& asker, const Pairs& pairs, PlaceEvidence& evidence,
                       UncertainTransform& pose) const;
@@ -98,6 +101,7 @@ class PlaceIndex {
 
   PlaceSettings settings_;
   std::map<std::int64_t, View> views_;
+  std::int64_t added_ = 0;
   DescriptorIndex index_;
   std::vector<std::int64_t> key_of_slot_;
   std::vector<int> free_slots_;

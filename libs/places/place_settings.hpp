@@ -15,6 +15,9 @@ struct PlaceSettings {
   double same_place_distance = 0.5;
   double same_place_angle = 0.5;
   double min_spread = 0.08;
+  int visits = 4;
+  double same_view_distance = 0.15;
+  double same_view_angle = 0.15;
   double cloud_voxel = 0.04;
   int pooled_views = 8;
   double min_overlap = 0.3;
@@ -57,6 +60,11 @@ struct PlaceSettings {
     s.number("min_spread", min_spread, "", {0, 0.5},
              "of those features in the image along its shorter direction, as a share of its width: one "
              "poster is no place");
+    s.number("visits", visits, "", {1, 1000},
+             "keyframes that stand at one place and look one way: of more, made by one session after the "
+             "other, the first and the last stay");
+    s.number("same_view_distance", same_view_distance, "m", {0, 100}, "between those");
+    s.number("same_view_angle", same_view_angle, "rad", {0, 3.1416}, "between those");
     s.number("cloud_voxel", cloud_voxel, "m", {0.005, 1}, "between points that keyframes are kept with");
     s.number("pooled_views", pooled_views, "", {1, 100},
              "nearest keyframes that the asker's cloud is registered to");

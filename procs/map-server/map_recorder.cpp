@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <iterator>
 
-#include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/runtime/version.hpp>
@@ -58,25 +57,57 @@ void MapRecorder::read_kept() {
   if (!std::filesystem::exists(file_)) return;
   try {
     MapFile map(file_);
-    stored_ = map.sessions();
-    const auto names = names_of(stored_);
-    for (std::size_t i = 0; i < stored_.size(); ++i) {
-      const StoredSession& session = stored_[i];
-      ++kept_by_mapper_[session.mapper];
-      for (const StoredKeyframe& keyframe : map.keyframes(session.id))
-        stored_keyframes_[session.id].insert(keyframe.id);
-      const SessionCounts counts = map.counts(session.id);
-      if (counts.landmarks + counts.clouds > 0) kept_.push_back({session.id, session.mapper, names[i]});
-    }
+    for (const StoredSession& session : map.sessions()) keep(map, session);
     spdlog::info("{}: goes on, with {} sessions of earlier runs", file_.string(), kept_.size());
   } catch (const std::exception& error) {
     unreadable_ = error.what();
   }
 }
 
+/// Of what it has, the numbers alone are kept here.
+void MapRecorder::keep(MapFile& map, const StoredSession& session) {
+  const auto place = std::find_if(stored_.begin(), stored_.end(),
+                                  [&](const StoredSession& other) { return other.id >= session.id; });
+  const bool is_known = place != stored_.end() && place->id == session.id;
+  const std::size_t index = static_cast<std::size_t>(place - stored_.begin());
+  is_known ? void(*place = session) : void(stored_.insert(place, session));
+
+  KeptSession kept{session.id, session.mapper, names_of(stored_)[index]};
+  std::set<std::int32_t>& keyframes = stored_keyframes_[session.id] = {};
+  for (const StoredKeyframe& keyframe : map.keyframes(session.id)) {
+    keyframes.insert(keyframe.id);
+    kept.begin = kept.begin == 0 ? keyframe.utime : std::min(kept.begin, keyframe.utime);
+    kept.end = std::max(kept.end, keyframe.utime);
+  }
+  const SessionCounts counts = map.counts(session.id);
+  kept.keyframes = counts.clouds;
+  kept.landmarks = counts.landmarks;
+  if (kept.keyframes + kept.landmarks == 0) return;
+  const auto later =
+      std::find_if(kept_.begin(), kept_.end(), [&](const KeptSession& other) { return other.id > kept.id; });
+  kept_.insert(later, kept);
+}
+
+std::optional<std::int64_t> MapRecorder::retire(const std::string& mapper, const SessionKey& key) {
+  const auto session = sessions_.find({mapper, {key.sender, key.frame}});
+  if (session == sessions_.end()) return std::nullopt;
+  const auto id = writer_.written(session->second.number);
+  if (!id) return std::nullopt;
+  try {
+    MapFile map(file_);
+    for (const StoredSession& stored : map.sessions())
+      if (stored.id == *id) keep(map, stored);
+  } catch (const StoreError&) {  // it stays in memory
+    return std::nullopt;
+  }
+  sessions_.erase(session);
+  return id;
+}
+
 std::size_t MapRecorder::kept(const std::string& mapper) const {
-  const auto count = kept_by_mapper_.find(mapper);
-  return count != kept_by_mapper_.end() ? count->second : 0;
+  return static_cast<std::size_t>(
+      std::count_if(stored_.begin(), stored_.end(),
+                    [&](const StoredSession& session) { return session.mapper == mapper; }));
 }
 
 std::string MapRecorder::error() const {
@@ -198,13 +229,12 @@ void MapRecorder::leave_beside(const SessionKey& key, Session& s) {
 }
 
 void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map) {
-  Session beside;
-  beside.number = writer_.begin_session({0, "icp", key.sender, key.frame});
+  Session& beside = session("icp", key);
   for (const auto& [id, kept] : map.keyframes()) put_keyframe(beside, kept);
 }
 
 void MapRecorder::kept_beside(const SessionKey& key, const LandmarkMap& map) {
-  writer_.change(writer_.begin_session({0, "fastslam", key.sender, key.frame}), [&](SessionChanges& changes) {
+  writer_.change(session("fastslam", key).number, [&](SessionChanges& changes) {
     for (const Landmark& landmark : map.landmarks()) changes.put_landmark(landmark);
   });
 }

@@ -10,6 +10,7 @@
 
 #include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
+#include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/file/store_writer.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
 #include <lcmslam/places/session_joiner.hpp>
@@ -18,11 +19,14 @@
 
 namespace lcmslam {
 
-/// A session of an earlier run that is in the file.
+/// A session that is in the file and not in memory: of an earlier run, or one that was retired.
 struct KeptSession {
-  std::int64_t id = 0;  ///< in the file
-  std::string mapper;   ///< "fastslam" or "icp"
-  std::string name;     ///< "icp-session1": as the files that it is exported to
+  std::int64_t id = 0;         ///< in the file
+  std::string mapper;          ///< "fastslam" or "icp"
+  std::string name;            ///< "icp-session1": as the files that it is exported to
+  std::int64_t keyframes = 0;  ///< that have a cloud
+  std::int64_t landmarks = 0;
+  Utime begin = 0, end = 0;  ///< us, of the first and the last keyframe; 0: not known
 };
 
 class MapRecorder {
@@ -52,6 +56,10 @@ class MapRecorder {
   void place(std::int64_t stored, const Joint& joint);
   void calibration(const camera_calibration_t& message);
 
+  /// A session that nobody adds to any more becomes one of those that are kept, as after a restart of this
+  /// server; its id in the file. Nothing while some of it waits to be written.
+  std::optional<std::int64_t> retire(const std::string& mapper, const SessionKey& key);
+
   /// Writes what waits; false: it could not be written.
   bool flush() { return writer_.flush(); }
   StoreWriter::State state() const { return writer_.state(); }
@@ -59,8 +67,8 @@ class MapRecorder {
   std::string error() const;
 
   const std::filesystem::path& file() const { return file_; }
-  /// Of earlier runs, in the order in which they began; not those without a map, nor those whose mapper has
-  /// been heard again: while that lives its session goes on.
+  /// In the order in which they began; not those without a map, nor those whose mapper has been heard again:
+  /// while that lives its session goes on.
   const std::vector<KeptSession>& kept() const { return kept_; }
   /// Id in the file of the session that goes on from an earlier run; 0: it is none.
   std::int64_t stored(const std::string& mapper, const SessionKey& key);
@@ -69,7 +77,7 @@ class MapRecorder {
   /// What says where that session of an earlier run lies in the map, "" for its mapper's first; nothing: it
   /// lies apart.
   std::optional<std::string> evidence(std::int64_t stored) const;
-  /// Sessions of earlier runs, whether they have a map or not: so many numbers are taken.
+  /// Sessions of earlier runs and retired ones, whether they have a map or not: so many numbers are taken.
   std::size_t kept(const std::string& mapper) const;
 
  private:
@@ -80,6 +88,7 @@ class MapRecorder {
   };
 
   void read_kept();
+  void keep(MapFile& map, const StoredSession& session);
   Session& session(const std::string& mapper, const SessionKey& key);
   Session& begin_session(const std::string& mapper, const SessionKey& key, Session& session);
   void leave_beside(const SessionKey& key, Session& session);
@@ -88,10 +97,9 @@ class MapRecorder {
 
   std::filesystem::path file_;
   std::string unreadable_;                                           // why an old file could not be read
-  std::vector<StoredSession> stored_;                                // of earlier runs
+  std::vector<StoredSession> stored_;                                // that are not in memory
   std::map<std::int64_t, std::set<std::int32_t>> stored_keyframes_;  // by session
   std::vector<KeptSession> kept_;
-  std::map<std::string, std::size_t> kept_by_mapper_;
   std::map<std::pair<std::string, std::pair<std::int64_t, std::string>>, Session> sessions_;
   std::deque<std::pair<Utime, Matrix6d>> covariances_;  // of the last ICP_POSEs
   std::map<std::string, std::vector<std::uint8_t>> calibrations_;

@@ -91,6 +91,7 @@ std::optional<Node::Duration> MapServerNode::work() {
   note_saving(false);
   note_store();
   note_joined();
+  if (recorder_) retire("icp", dense_maps_), retire("fastslam", landmark_maps_);
   show_kept();
   for (const QuestionDesk::Answered& answered : desk_.take()) {
     if (answered.error.empty()) ++answered_;
@@ -131,6 +132,17 @@ void MapServerNode::note_joined(const std::string& mapper, const SessionPlaces::
     const SessionKey key = sessions.all()[sessions.current()].key;
     sessions.find(key)->evidence = said;
     if (recorder_) recorder_->place(mapper, key, joined.joint);
+  }
+}
+
+/// A map that its mapper has left needs no memory once it is in the file.
+template <class Map>
+void MapServerNode::retire(const std::string& mapper, SessionTable<Map>& sessions) {
+  while (!sessions.empty() && sessions.current() != 0) {
+    const auto stored = recorder_->retire(mapper, sessions.all().front().key);
+    if (!stored) return;
+    sessions.drop_first();
+    if (places_ && mapper == "icp") places_->keep(*stored);
   }
 }
 

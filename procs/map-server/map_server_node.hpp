@@ -93,6 +93,8 @@ class MapServerNode : public Node {
   std::optional<std::string> evidence(const std::string& mapper, const SessionTable<Map>& sessions,
                                       std::size_t index) const;
   void show_kept();
+  template <class Map>
+  void retire(const std::string& mapper, SessionTable<Map>& sessions);
   void derive_from(const SessionKey& key, const DenseKeyframe& keyframe);
   void on_graph(const graph_t& message);
   void on_fastslam_pose(const pose_estimate_t& message);

@@ -40,8 +40,10 @@ std::vector<MapServerNode::ToldSession> MapServerNode::told_sessions() const {
   std::vector<ToldSession> told;
   if (recorder_)
     for (const KeptSession& kept : recorder_->kept()) {
-      told.push_back({kept.name, kept.mapper});
+      told.push_back({kept.name, kept.mapper, kept.begin, kept.end});
       told.back().is_kept = true;
+      told.back().keyframes = static_cast<std::size_t>(kept.keyframes);
+      told.back().landmarks = static_cast<std::size_t>(kept.landmarks);
       told.back().joined = recorder_->evidence(kept.id);
     }
   const auto before = [&](const char* mapper) { return recorder_ ? recorder_->kept(mapper) : 0; };

@@ -121,6 +121,31 @@ void SessionPlaces::leave_current() {
     map_.take_over(current_, *T_map_current_, index_key(-(++left_), 0));
 }
 
+void SessionPlaces::keep(std::int64_t stored) {
+  jobs_.hand_in([this, stored] {
+    try {
+      MapFile map(file_);
+      for (const StoredSession& session : map.sessions()) {
+        if (session.id != stored) continue;
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (first_session_ == 0) first_session_ = stored;
+        if (stored != first_session_ && !session.T_map_session) return;
+        const Eigen::Isometry3d T = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
+        for (const StoredKeyframe& keyframe : map.keyframes(stored)) {
+          const auto is_it = [&](const Kept& kept) {
+            return kept.session == stored && kept.keyframe == keyframe.id;
+          };
+          if (std::none_of(kept_.begin(), kept_.end(), is_it))
+            kept_.push_back({stored, keyframe.id, T * keyframe.T_map_camera});
+        }
+      }
+    } catch (const std::exception& error) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      error_ = error.what();
+    }
+  });
+}
+
 void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera,
                              FeatureFrame features, ColouredCloud cloud) {
   jobs_.hand_in([this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {

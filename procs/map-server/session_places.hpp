@@ -24,6 +24,9 @@ class SessionPlaces {
   /// Another current session; what was found by the last one stays in the map. `stored`: its id in the file
   /// when it goes on from an earlier run, else 0.
   void begin_session(std::int64_t stored);
+  /// A session that was current is in the file now, with this id: its keyframes are among those that
+  /// next_kept() gives.
+  void keep(std::int64_t stored);
 
   // Of the current session.
   void keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera, FeatureFrame features,

@@ -90,6 +90,9 @@ class SessionTable {
     return index == current() ? mapper : mapper + "-session" + std::to_string(before + index + 1);
   }
 
+  /// The first one goes. Not for the current one.
+  void drop_first() { sessions_.erase(sessions_.begin()); }
+
   const std::vector<Session>& all() const { return sessions_; }
   bool empty() const { return sessions_.empty(); }
   std::size_t size() const { return sessions_.size(); }

@@ -119,7 +119,8 @@ double rolling_shutter_of(const SimulationSettings& settings) {
 
 /// `log`: a recording whose calibration is the truth; empty: it is rendered.
 Errors measure(const SimulationSourceSettings& settings, const std::string& log, const Off& off,
-               const BundleSettings& bundle, bool verbose, Honesty& honesty) {
+               const BundleSettings& bundle, const CalibrationPriors& priors, bool verbose,
+               Honesty& honesty) {
   const auto source = log.empty() ? make_simulation_source(settings) : open_log(log);
   const RgbdCalibration truth = source->calibration(), start = spoiled(truth, off, settings.simulation.seed);
   RecordedScene recording(start, {});
@@ -131,7 +132,7 @@ Errors measure(const SimulationSourceSettings& settings, const std::string& log,
   }
   SceneObservations scene = recording.observations();
   HeadModel model(start);
-  const BundleResult result = adjust_bundle(model, scene, {}, bundle);
+  const BundleResult result = adjust_bundle(model, scene, priors, bundle);
   if (verbose) {
     HeadModel right(truth);
     std::printf(
@@ -173,8 +174,11 @@ int main(int argc, char** argv) {
   bool verbose = false;
   std::string log;
   BundleSettings bundle;
+  CalibrationPriors priors;
   app.add_option("--rounds", bundle.rounds, "of least squares");
   app.add_option("--iterations", bundle.iterations, "of a round");
+  app.add_option("--range-curve", priors.range_curve,
+                 "what all ranges err by, over the depth noise of a pixel");
   app.add_option("--log", log, "a recording whose calibration is the truth, in the place of the simulation")
       ->check(CLI::ExistingFile);
   app.add_option("--scene", settings.simulation.scene, "scene (YAML)")->check(CLI::ExistingFile);
@@ -201,7 +205,7 @@ int main(int argc, char** argv) {
   Honesty honesty;
   for (int i = first; i < first + seeds; ++i) {
     settings.simulation.seed = static_cast<std::uint64_t>(i);
-    const Errors e = measure(settings, log, off, bundle, verbose, honesty);
+    const Errors e = measure(settings, log, off, bundle, priors, verbose, honesty);
     std::printf("| %d | %.3f (%.3f) | %.2f (%.2f) | %.3f (%.3f) |\n", i, 100 * e.focal, 100 * e.focal_sigma,
                 1e3 * e.translation, 1e3 * e.translation_sigma, e.degrees, e.degrees_sigma);
     std::fflush(stdout);

@@ -67,6 +67,14 @@ StoreWriter::State StoreWriter::state() const {
   return state_;
 }
 
+std::optional<std::int64_t> StoreWriter::written(std::size_t session) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool waits = waiting_.sessions.count(session) > 0 || waiting_.places.count(session) > 0;
+  const auto id = ids_.find(session);
+  if (waits || writing_ || id == ids_.end()) return std::nullopt;
+  return id->second;
+}
+
 /// False: it is time to end, and nothing waits.
 bool StoreWriter::wait_for_work(std::unique_lock<std::mutex>& lock) {
   const auto is_urgent = [&] { return stop_ || tries_asked_ > tries_; };
@@ -108,6 +116,7 @@ void StoreWriter::write(const Waiting& changes) {
     store_ = std::make_unique<MapStore>(file_, vfs_);
     if (!store_->has_run(run_id_)) {  // somebody took the file away: a new one begins
       run_id_ = 0;
+      const std::lock_guard<std::mutex> lock(mutex_);
       ids_.clear();
     }
   }
@@ -123,6 +132,7 @@ void StoreWriter::write(const Waiting& changes) {
   }
   transaction.commit();
   run_id_ = run;
+  const std::lock_guard<std::mutex> lock(mutex_);
   ids_ = std::move(ids);
 }
 

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -41,6 +42,8 @@ class StoreWriter {
   /// Waits until what was handed in so far is in the file, or could not be written once more: false.
   bool flush();
   State state() const;
+  /// Id in the file of a session of which nothing waits any more; nothing: something does.
+  std::optional<std::int64_t> written(std::size_t session) const;
 
  private:
   struct Waiting {
@@ -68,10 +71,11 @@ class StoreWriter {
   std::int64_t tries_asked_ = 0, tries_ = 0;  // flush() waits for a try that began after it
   bool stop_ = false, writing_ = false;
 
+  std::map<std::size_t, std::int64_t> ids_;  // of sessions that are in the file; only the thread changes it
+
   // The thread's own.
   std::unique_ptr<MapStore> store_;
-  std::int64_t run_id_ = 0;                  // 0: not in the file yet
-  std::map<std::size_t, std::int64_t> ids_;  // of sessions that are in the file
+  std::int64_t run_id_ = 0;  // 0: not in the file yet
   std::thread thread_;
 };
 

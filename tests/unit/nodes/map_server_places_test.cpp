@@ -98,6 +98,7 @@ class Life {
     bus_.work();
   }
   double value(const std::string& name) { return value_of(node_, name); }
+  void work() { bus_.work(); }
   void finish() { bus_.finish(); }
 
  private:
@@ -205,6 +206,20 @@ TEST_F(MapServerPlaces, AMapperThatBeginsAnewIsJoinedToItsLastMap) {
   ASSERT_EQ(sessions.size(), 2U);
   ASSERT_TRUE(sessions[1].T_map_session);
   expect_near(*sessions[1].T_map_session, elsewhere().inverse());
+}
+
+// What stands in the old map stands in the robot's way all the same.
+TEST_F(MapServerPlaces, DerivedMapsOfAMapperThatBeginsAnewHaveItsLastMap) {
+  Life server(scratch_.path(), "map", 3, "{background: false, rate: 0}");
+  server.drive(first_number, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(server.value("layer_keyframes"), views_of_room);
+  server.drive(first_number + 2, elsewhere(), false, "map-2");  // of which no images come
+  EXPECT_TRUE(testing::wait_for([&] {
+    server.work();
+    return server.value("layer_keyframes") == 2 * views_of_room;
+  }));
+  EXPECT_EQ(server.value("sessions"), 1) << "the file alone has the other one";
+  EXPECT_EQ(server.value("kept_sessions"), 1);
 }
 
 TEST_F(MapServerPlaces, AMirrorImageOfTheRoomIsNotJoined) {

@@ -1,5 +1,6 @@
 // The map server's file: what it hears is in it, and the next one goes on with it.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <lcmslam/map_reply_t.hpp>
@@ -57,6 +58,31 @@ class Server {
       send("ICP_KEYFRAME", tile, icp_);
     return k;
   }
+  /// After a while without anybody, until it is believed.
+  void speak(const std::string& channel, std::int64_t sender, const std::string& frame) {
+    time_ += 5 * second;
+    for (int i = 0; i < 10; ++i) pose(channel, sender, time_ += second / 10, frame);
+  }
+  /// A mapper of that sender begins a map.
+  void landmarks_of(std::int64_t sender, const std::string& frame, const std::vector<std::int64_t>& ids) {
+    speak("FASTSLAM_POSE", sender, frame);
+    std::vector<Landmark> upserted;
+    for (const std::int64_t id : ids) upserted.push_back(testing::some_landmark(random_, id));
+    for (landmarks_t& tile : make_landmark_tiles(1, 1, 0, upserted, {})) {
+      tile.frame = frame;
+      send("FASTSLAM_LANDMARKS", tile, sender);
+    }
+  }
+  void keyframe_of(std::int64_t sender, const std::string& frame, std::size_t points, std::int32_t id = 0) {
+    speak("ICP_POSE", sender, frame);
+    DenseKeyframe k = testing::some_keyframe(random_, points);
+    k.id = id;
+    k.utime = time_;
+    for (keyframe_t& tile : make_keyframe_tiles(k, Eigen::Isometry3d::Identity(), id + 1)) {
+      tile.frame = frame;
+      send("ICP_KEYFRAME", tile, sender);
+    }
+  }
   /// Nodes at x = 1; seq 0 and `whole`, or a change that builds on the message before.
   void graph(std::int64_t seq, bool whole, const std::vector<std::int32_t>& ids,
              const std::vector<std::int32_t>& gone = {}, const std::vector<std::int32_t>& chain = {}) {
@@ -92,8 +118,11 @@ class Server {
     frame.utime = utime;
     send("FEATURES", to_message(frame), 3);
   }
-  void pose(const std::string& channel, std::int64_t sender, Utime utime) {
-    send(channel, make_pose_estimate(utime, Eigen::Isometry3d::Identity(), 4 * Matrix6d::Identity()), sender);
+  void pose(const std::string& channel, std::int64_t sender, Utime utime, const std::string& frame = "map") {
+    pose_estimate_t message =
+        make_pose_estimate(utime, Eigen::Isometry3d::Identity(), 4 * Matrix6d::Identity());
+    message.frame = frame;
+    send(channel, message, sender);
   }
   map_reply_t export_to(const std::string& name) {
     map_request_t m{};
@@ -113,6 +142,7 @@ class Server {
   testing::TestBus bus_;
   MapServerNode& node_;
   std::int64_t seq_ = 0;
+  Utime time_ = 0;
 };
 
 class MapServerStore : public ::testing::Test {
@@ -257,6 +287,77 @@ TEST_F(MapServerStore, SessionsOfMappersThatLiveOnGoOn) {
   EXPECT_EQ(dense.keyframes().size(), 3U) << "with the clouds of the earlier life";
   EXPECT_EQ(dense.keyframes().count(1) + dense.keyframes().count(2), 0U);
   EXPECT_THAT(faults(), IsEmpty());
+}
+
+// A mapper that is restarted again and again would fill the server's memory, and at last its table.
+TEST_F(MapServerStore, MapsThatTheirMapperHasLeftAreKeptInTheFileAlone) {
+  constexpr int lives = 40;  // more than max_sessions
+  Server server(run());
+  for (int life = 0; life < lives; ++life) {
+    server.landmarks_of(100 + life, "map", {10, 11, 12 + life});
+    server.keyframe_of(200 + life, "map", 20);
+    EXPECT_TRUE(testing::wait_for([&] {
+      server.bus().work();
+      return value_of(server.node(), "sessions") == 1 && value_of(server.node(), "kept_sessions") == 2 * life;
+    })) << life;
+  }
+  EXPECT_EQ(value_of(server.node(), "sessions_refused"), 0);
+  EXPECT_EQ(value_of(server.node(), "landmarks"), 3);
+  const auto told = server.node().told_sessions();
+  ASSERT_EQ(told.size(), 2U * lives);
+  for (const std::size_t first : {0, 1}) {
+    const bool dense = told[first].mapper == "icp";
+    EXPECT_EQ(told[first].name, dense ? "icp-session1" : "fastslam-session1");
+    EXPECT_TRUE(told[first].is_kept);
+    EXPECT_EQ(told[first].keyframes, dense ? 1U : 0U);
+    EXPECT_EQ(told[first].landmarks, dense ? 0U : 3U);
+  }
+  EXPECT_EQ(server.export_to("all").status, 0);
+  server.finish();
+  for (int life = 1; life < lives; ++life) {
+    EXPECT_EQ(load_ply(run() / fmt::format("all/fastslam-session{}_map.ply", life)).size(), 3U) << life;
+    EXPECT_EQ(load_ply(run() / fmt::format("all/icp-session{}_map.ply", life)).size(), 20U) << life;
+  }
+  EXPECT_EQ(MapFile(file()).sessions().size(), 2U * lives);
+  EXPECT_THAT(faults(), IsEmpty());
+}
+
+// It was stopped for a while, say, and another was started meanwhile.
+TEST_F(MapServerStore, AMapperThatComesBackGoesOnWithItsMap) {
+  Server server(run());
+  for (int id = 0; id < 4; ++id) server.keyframe_of(200, "map", 20, id);
+  server.keyframe_of(200, "map-2", 20);
+  EXPECT_TRUE(testing::wait_for([&] {
+    server.bus().work();
+    return value_of(server.node(), "kept_sessions") == 1;
+  }));
+  server.keyframe_of(200, "map", 20, 4);
+  EXPECT_TRUE(testing::wait_for([&] {
+    server.bus().work();
+    return value_of(server.node(), "sessions") == 1;
+  }));
+  server.finish();
+  MapFile read(file());
+  ASSERT_EQ(read.sessions().size(), 2U);
+  EXPECT_EQ(read.dense_map(1).keyframes().size(), 5U);
+  EXPECT_EQ(read.dense_map(2).keyframes().size(), 1U);
+  EXPECT_EQ(value_of(server.node(), "kept_sessions"), 1);
+}
+
+// Else it would be lost when memory is given back.
+TEST_F(MapServerStore, WhatIsNotInTheFileStaysInMemory) {
+  std::filesystem::create_directory(run());
+  scratch_.write("run/map.lcmslam",
+                 "a letter that is no map, but has the name of one: long enough for SQLite");
+  Server server(run());
+  for (int life = 0; life < 3; ++life) {
+    server.landmarks_of(100 + life, "map", {10, 11});
+    server.bus().work();
+  }
+  EXPECT_EQ(value_of(server.node(), "sessions"), 3);
+  server.export_to("all");
+  EXPECT_EQ(load_ply(run() / "all/fastslam-session1_map.ply").size(), 2U);
+  server.finish();
 }
 
 // What the new server has not in memory is in the file alone.

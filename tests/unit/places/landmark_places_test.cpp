@@ -70,6 +70,23 @@ TEST_F(LandmarkPlacesTest, ASessionCanBeDropped) {
   EXPECT_EQ(map.size(), 0U);
 }
 
+// Else memory grows with each restart of a mapper that stays in one room.
+TEST_F(LandmarkPlacesTest, WhatTwoSessionsHaveIsKeptTwice) {
+  const std::size_t once = map.size();  // 0.6 of 900 things
+  for (int session = 2; session < 8; ++session) map.add(room.mapped(nowhere, session), nowhere, session);
+  const std::size_t seven = map.size();
+  EXPECT_GT(seven, 2 * once);
+  for (int session = 8; session < 20; ++session) map.add(room.mapped(nowhere, session), nowhere, session);
+  EXPECT_LT(map.size(), seven + seven / 10);
+  EXPECT_LT(map.size(), 2000U);
+  expect_right(map.locate(group()));
+  const std::size_t before = map.size();
+  const LandmarkRoom other(2);
+  map.add(other.mapped(nowhere, 1), planar_pose(0, 0, 0), 9);   // another thing at the same place
+  map.add(room.mapped(nowhere, 1), planar_pose(20, 0, 0), 10);  // and a like one elsewhere
+  EXPECT_GT(map.size(), before + 3 * once / 2);
+}
+
 TEST_F(LandmarkPlacesTest, StrangersAreNotFound) {
   const LandmarkRoom other(2);
   for (const double from : {0.0, 0.3, 0.7})

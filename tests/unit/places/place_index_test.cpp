@@ -96,6 +96,24 @@ TEST_F(PlaceIndexTest, WhatWentLeavesItsRoomToOthers) {
   EXPECT_LT(index.memory_bytes(), before + before / 20);
 }
 
+// Else memory grows with each restart of a mapper that stays in one room.
+TEST_F(PlaceIndexTest, OfAPlaceThatIsMappedAgainAndAgainTheFirstAndTheLastStay) {
+  const std::size_t tour = index.size();
+  constexpr int sessions = 9;
+  for (int s = 1; s < sessions; ++s) {
+    const Eigen::Isometry3d beside = planar_pose(0.01 * s, -0.01 * s, 0.01 * s);
+    for (std::size_t i = 0; i < tour; ++i) {
+      const Eigen::Isometry3d T_room_camera = Room::tour()[i] * beside;
+      const Seen seen = room.seen_from(T_room_camera);
+      index.add(100 * s + static_cast<std::int64_t>(i), T_room_camera, seen.features, seen.cloud);
+    }
+  }
+  EXPECT_LE(index.size(), 4 * tour);
+  for (const std::int64_t key : {0, 101, 701, 801}) EXPECT_TRUE(index.has(key)) << key;
+  EXPECT_FALSE(index.has(401));
+  expect_at(ask(asker), asked_from);
+}
+
 TEST_F(PlaceIndexTest, FeaturesWithoutACloudWillDo) {
   const Located located = index.locate(asker.features);
   ASSERT_TRUE(located.place) << located.why_not;
