@@ -47,8 +47,8 @@ struct MapServerSettings {
              "below the folder of the maps that requests may make");
     s.number(
         "max_sessions", max_sessions, "", {1, 1000},
-        "maps of each mapper that are kept: it begins another when it restarts, is reset, or time begins "
-        "anew");
+        "maps of each mapper in memory: it begins another when it restarts, is reset, or time begins anew. "
+        "Those that it has left go from here once the map's file has them");
     s.number("max_landmarks", max_landmarks, "", {1, 1e8}, "of a map");
     s.number("max_keyframes", max_keyframes, "", {1, 1e7}, "of a map");
     s.number("max_points", max_points, "", {1000, 1e9}, "of a map's keyframes together (31 bytes each)");

@@ -35,6 +35,8 @@ TEST_F(MapStoreWriter, WritesWhatComesWithoutBeingAsked) {
   const std::size_t second = writer.begin_session(session_of("fastslam", 8));
   put(writer, second, 1);
   EXPECT_TRUE(testing::wait_for([&] { return writer.state().commits == 1; }));
+  EXPECT_EQ(writer.written(second), 1);
+  EXPECT_FALSE(writer.written(first));
   EXPECT_EQ(MapFile(file()).sessions().at(0).mapper, "fastslam") << "the other has nothing yet";
   put(writer, first, 1);
   put(writer, second, 2);
@@ -64,8 +66,10 @@ TEST_F(MapStoreWriter, AFolderThatCannotBeMadeIsSaidAndTriedAgain) {
   EXPECT_FALSE(writer.flush());
   EXPECT_THAT(writer.state().error, HasSubstr((folder_ / "run").string()));
   put(writer, session, 2);
+  EXPECT_FALSE(writer.written(session));
   std::filesystem::remove(folder_ / "run");
   EXPECT_TRUE(testing::wait_for([&] { return writer.state().error.empty(); })) << "by itself";
+  EXPECT_EQ(writer.written(session), 1);
   EXPECT_EQ(landmarks_in_file(), 2U);
 }
 
@@ -89,8 +93,10 @@ TEST_F(MapStoreWriter, AFullDiskLosesNothingOldAndNothingNew) {
   writer.change(session, [](SessionChanges& c) { c.drop_keyframe(1); });
   keyframe(5);
   EXPECT_FALSE(writer.flush());
+  EXPECT_FALSE(writer.written(session));
   disk.full = false;
   EXPECT_TRUE(writer.flush());
+  EXPECT_EQ(writer.written(session), 1);
   EXPECT_THAT(writer.state().error, IsEmpty());
   const DenseMap map = MapFile(file()).dense_map(1);
   EXPECT_EQ(map.keyframes().size(), 3U);
