@@ -1,12 +1,15 @@
 #include "procs/map-server/session_places.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace lcmslam {
 namespace {
 
 constexpr std::size_t most_places = 200;
-constexpr double moved_distance = 0.001, moved_angle = 0.0005;  // m, rad: then a joint is told again
+constexpr double same_view_distance = 0.15, same_view_angle = 0.15;  // m, rad
+constexpr int enough_later = 2;                                      // sessions that saw the same
+constexpr double moved_distance = 0.001, moved_angle = 0.0005;       // m, rad: then a joint is told again
 
 std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
   return (session << 32) + keyframe;
@@ -220,11 +223,24 @@ SessionPlaces::Answer SessionPlaces::locate(const FeatureFrame& features) {
   return answer;
 }
 
+/// A room that is mapped again and again must not take longer to be shown each time.
+bool SessionPlaces::is_outdated(std::size_t kept) const {
+  std::set<std::int64_t> later;
+  for (std::size_t i = kept + 1; i < kept_.size(); ++i)
+    if (kept_[i].session != kept_[kept].session &&
+        distance_between(kept_[i].T_map_camera, kept_[kept].T_map_camera) < same_view_distance &&
+        angle_between(kept_[i].T_map_camera, kept_[kept].T_map_camera) < same_view_angle)
+      later.insert(kept_[i].session);
+  return later.size() >= enough_later;
+}
+
 /// Of a session that goes on from an earlier run its mapper sends its own keyframes again.
 std::optional<SessionPlaces::KeptKeyframe> SessionPlaces::next_kept() {
   const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
   if (!lock || !T_map_current_) return std::nullopt;
-  while (next_kept_ < kept_.size() && kept_[next_kept_].session == stored_current_) ++next_kept_;
+  while (next_kept_ < kept_.size() &&
+         (kept_[next_kept_].session == stored_current_ || is_outdated(next_kept_)))
+    ++next_kept_;
   if (next_kept_ >= kept_.size()) return std::nullopt;
   const Kept& kept = kept_[next_kept_];
   KeptKeyframe keyframe{

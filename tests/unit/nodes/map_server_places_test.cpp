@@ -222,6 +222,19 @@ TEST_F(MapServerPlaces, DerivedMapsOfAMapperThatBeginsAnewHaveItsLastMap) {
   EXPECT_EQ(server.value("kept_sessions"), 1);
 }
 
+TEST_F(MapServerPlaces, OfARoomMappedAgainAndAgainTheLastTwoMapsAreShown) {
+  for (const std::int64_t mapper : {3, 4, 5, 6}) {
+    Life server(scratch_.path(), "map", mapper);
+    server.drive(first_number, Eigen::Isometry3d::Identity());
+    server.finish();
+  }
+  Life server(scratch_.path(), "map", 13, "{background: false, rate: 0}");
+  server.drive(first_number + 2, elsewhere());
+  for (int i = 0; i < 5 * views_of_room; ++i) server.work();
+  EXPECT_EQ(server.value("sessions_joined"), 1);
+  EXPECT_EQ(server.value("layer_keyframes") + server.value("layer_imageless"), 3 * views_of_room);
+}
+
 TEST_F(MapServerPlaces, AMirrorImageOfTheRoomIsNotJoined) {
   map_once();
   Life server(scratch_.path(), "map", 13);

@@ -296,7 +296,7 @@ TEST_F(MapServerStore, MapsThatTheirMapperHasLeftAreKeptInTheFileAlone) {
   for (int life = 0; life < lives; ++life) {
     server.landmarks_of(100 + life, "map", {10, 11, 12 + life});
     server.keyframe_of(200 + life, "map", 20);
-    EXPECT_TRUE(testing::wait_for([&] {
+    ASSERT_TRUE(testing::wait_for([&] {
       server.bus().work();
       return value_of(server.node(), "sessions") == 1 && value_of(server.node(), "kept_sessions") == 2 * life;
     })) << life;
