@@ -67,12 +67,15 @@ bool DepthError::operator==(const DepthError& other) const {
 
 DepthCorrector::DepthCorrector(const CameraModel& camera, const DepthError& error)
     : stretch_(camera.height, camera.width, CV_32FC1), tilt_(stretch_.size(), CV_32FC1) {
-  for (int v = 0; v < camera.height; ++v)
+  std::vector<double> x(static_cast<std::size_t>(camera.width)), y(x.size());
+  for (int v = 0; v < camera.height; ++v) {
+    ray_row(camera, v, x.data(), y.data());
     for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3d ray = camera.ray({u, v});
+      const Eigen::Vector3d ray(x[static_cast<std::size_t>(u)], y[static_cast<std::size_t>(u)], 1);
       stretch_.at<float>(v, u) = static_cast<float>(ray.norm());
       tilt_.at<float>(v, u) = static_cast<float>(1e-3 * (error.tilt_x * ray.x() + error.tilt_y * ray.y()));
     }
+  }
   if (!error.has_range_error()) return;
   const auto entries = static_cast<std::size_t>(farthest_range / static_cast<double>(table_step)) + 2;
   factors_.reserve(entries);

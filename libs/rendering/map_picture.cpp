@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/rendering/front_heading.hpp>
 #include <lcmslam/rendering/picture_annotations.hpp>
 #include <lcmslam/rendering/picture_points.hpp>
+#include <lcmslam/rendering/png.hpp>
 #include <lcmslam/rendering/splat.hpp>
 #include <lcmslam/rendering/view_camera.hpp>
 
@@ -82,10 +82,8 @@ cv::Mat draw_map(const PictureRequest& request) {
 }
 
 void save_picture(const FilePlace& file, const cv::Mat& picture) {
-  std::vector<uchar> bytes;
-  if (picture.empty() || !cv::imencode(".png", picture, bytes))
-    throw std::runtime_error("cannot save " + file.path().string() + ": not a picture");
-  write_atomically(file, std::string(bytes.begin(), bytes.end()));
+  if (picture.empty()) throw std::runtime_error("cannot save " + file.path().string() + ": not a picture");
+  write_atomically(file, encode_png(picture));
 }
 
 }  // namespace lcmslam

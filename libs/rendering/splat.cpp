@@ -28,14 +28,29 @@ struct Disc {
   bool paint;
 };
 
-/// Calls visit(row, first column, last column) for the parts of a disc's rows that lie in the band.
+/// Calls visit(row, first column, columns) for the parts of a disc's rows that lie in the band.
 template <class Visit>
 void for_rows(const Disc& disc, const cv::Range& band, const Visit& visit) {
   for (int row = std::max(disc.top, band.start); row <= std::min(disc.bottom, band.end - 1); ++row) {
     const double dy = row - disc.y, half = std::sqrt(std::max(0.0, disc.radius * disc.radius - dy * dy));
-    const int first = std::max(disc.left, static_cast<int>(std::ceil(disc.x - half)));
-    const int last = std::min(disc.right, static_cast<int>(std::floor(disc.x + half)));
-    if (first <= last) visit(row, first, last);
+    const int first = std::max(disc.left, cvCeil(disc.x - half));
+    const int last = std::min(disc.right, cvFloor(disc.x + half));
+    if (first <= last) visit(row, first, last - first + 1);
+  }
+}
+
+/// Adds `colour` to the sums of those pixels that lie in the front surface; what lies behind it by more than
+/// its roughness is hidden and gets nothing.
+void blend_row(const float* nearest, const float* along, int columns, float depth, float of_row,
+               const Four& colour, cv::Vec4f* sums) {
+  const Four by_value = colour;
+  for (int column = 0; column < columns; ++column) {
+    const bool hidden = std::abs(depth - nearest[column]) > roughness;
+    const float weight = hidden ? 0 : of_row * along[column];
+    Four sum;
+    std::memcpy(&sum, sums[column].val, sizeof sum);
+    sum += weight * by_value;
+    std::memcpy(sums[column].val, &sum, sizeof sum);
   }
 }
 
@@ -98,14 +113,13 @@ class Band {
   float* depth(int row) { return depth_[row - around_.start]; }
 
   void hide_behind(const Disc& disc) {
-    for_rows(disc, around_, [&](int row, int first, int last) {
-      float* nearest = depth(row);
-      for (int column = first; column <= last; ++column)
-        nearest[column] = std::min(nearest[column], disc.depth);
+    const float own = disc.depth;
+    for_rows(disc, around_, [&](int row, int first, int columns) {
+      float* nearest = depth(row) + first;
+      for (int column = 0; column < columns; ++column) nearest[column] = std::min(nearest[column], own);
     });
   }
 
-  // Colours of the front surface blend; what lies behind it by more than its roughness is hidden.
   void blend(const Disc& disc) {
     const Four colour = {static_cast<float>(disc.colour[0]), static_cast<float>(disc.colour[1]),
                          static_cast<float>(disc.colour[2]), 1};
@@ -113,17 +127,9 @@ class Band {
     const auto weight = [&](double way) { return std::exp(steepness * static_cast<float>(way * way)); };
     along_.clear();  // the weight is a product of a row's and a column's
     for (int column = disc.left; column <= disc.right; ++column) along_.push_back(weight(column - disc.x));
-    for_rows(disc, band_, [&](int row, int first, int last) {
-      const float* nearest = depth(row);
-      cv::Vec4f* sums = sum_[row - band_.start];
-      const float of_row = disc.share * weight(row - disc.y);
-      for (int column = first; column <= last; ++column) {
-        if (std::abs(disc.depth - nearest[column]) > roughness) continue;
-        Four sum;
-        std::memcpy(&sum, sums[column].val, sizeof sum);
-        sum += of_row * along_[static_cast<std::size_t>(column - disc.left)] * colour;
-        std::memcpy(sums[column].val, &sum, sizeof sum);
-      }
+    for_rows(disc, band_, [&](int row, int first, int columns) {
+      blend_row(depth(row) + first, along_.data() + (first - disc.left), columns, disc.depth,
+                disc.share * weight(row - disc.y), colour, sum_[row - band_.start] + first);
     });
   }
 
@@ -144,11 +150,12 @@ class Band {
     float behind = 0;
     for (const auto& [dy, dx] : {std::pair{-reach, 0}, {reach, 0}, {0, -reach}, {0, reach}}) {
       const int y = row + dy, x = column + dx;
-      if (y < 0 || x < 0 || y >= size_.height || x >= size_.width || depth(y)[x] == nothing) continue;
+      if (y < 0 || x < 0 || y >= size_.height || x >= size_.width) continue;
+      if (!(depth(y)[x] < own)) continue;  // also where there is nothing
       const float step = orthographic ? 0.3F * (own - depth(y)[x]) : std::log(own / depth(y)[x]);
-      behind += std::clamp(step, 0.F, most);
+      behind += std::min(step, most);
     }
-    return std::exp(-strength * behind);
+    return behind > 0 ? std::exp(-strength * behind) : 1;
   }
 
   cv::Size size_;
@@ -181,6 +188,7 @@ void draw_splats(cv::Mat& picture, const ViewCamera& camera, const std::vector<S
     for (int row = 0; row < layer.rows; ++row)
       for (int column = 0; column < picture.cols; ++column) {
         const cv::Vec4f& over = layer(row, column);
+        if (over[3] == 0) continue;
         cv::Vec3b& under = picture.at<cv::Vec3b>(rows.start / supersampling + row, column);
         for (int channel = 0; channel < 3; ++channel)
           under[channel] =

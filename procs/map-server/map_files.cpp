@@ -51,9 +51,8 @@ class MapFiles {
 
   void save_derived(const LiveMap& live, const std::optional<Eigen::Isometry3d>& T_map_robot) {
     if (wants("mesh")) {
-      const Mesh mesh = live.settled_mesh();
-      save_mesh_ply(file("icp_mesh.ply"), mesh);
-      save_mesh_glb(file("icp_mesh.glb"), mesh);
+      save_mesh_ply(file("icp_mesh.ply"), mesh(live));
+      save_mesh_glb(file("icp_mesh.glb"), mesh(live));
     }
     if (!wants("octomap") && !wants("grid")) return;
     const OccupancyGrid space = live.space().copy();
@@ -82,11 +81,10 @@ class MapFiles {
   bool save_pictures(const MapsToSave::Dense& map, const LiveMap& live) {
     constexpr double finest = 0.005;  // m
     if (!wants("png")) return false;
-    const Mesh mesh = live.settled_mesh();
-    if (mesh.vertices.empty()) return false;
-    const ColouredCloud surface{mesh.vertices, mesh.colours, mesh.normals, {}};
+    if (mesh(live).vertices.empty()) return false;
+    const ColouredCloud surface{mesh(live).vertices, mesh(live).colours, mesh(live).normals, {}};
     const ColouredCloud seen = live.cloud(finest);
-    const std::string title = "6-D SLAM: " + std::to_string(mesh.triangles.size()) + " triangles";
+    const std::string title = "6-D SLAM: " + std::to_string(mesh(live).triangles.size()) + " triangles";
     save_pictures(map.name, title, map.path, [&](PictureRequest& r) {
       r.cloud = &surface;
       r.paint = &seen;
@@ -118,8 +116,15 @@ class MapFiles {
     }
   }
 
+  /// Put together once, for its files and for the pictures of it.
+  const Mesh& mesh(const LiveMap& live) {
+    if (!mesh_) mesh_ = live.settled_mesh();
+    return *mesh_;
+  }
+
   HeldFolder folder_;
   std::set<std::string> formats_;
+  std::optional<Mesh> mesh_;
   std::vector<std::string> written_;
 };
 
