@@ -134,6 +134,7 @@ void SessionPlaces::keep(std::int64_t stored) {
         if (first_session_ == 0) first_session_ = stored;
         if (stored != first_session_ && !session.T_map_session) return;
         const Eigen::Isometry3d T = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
+        T_map_session_[stored] = T;  // should its mapper come back
         for (const StoredKeyframe& keyframe : map.keyframes(stored)) {
           const auto is_it = [&](const Kept& kept) {
             return kept.session == stored && kept.keyframe == keyframe.id;
