@@ -116,7 +116,7 @@ std::size_t LandmarkPlaces::known(const Landmark& landmark, std::size_t before) 
     for (const std::size_t i : found->second)
       count += i < before && landmarks_[i].laplacian == landmark.laplacian &&
                (landmarks_[i].mean - landmark.mean).norm() < settings_.same_landmark &&
-               distance2(landmarks_[i].descriptor, landmark.descriptor) < 1000 * limit2(settings_);
+               distance2(landmarks_[i].descriptor, landmark.descriptor) < limit2(settings_);
   }
   return count;
 }

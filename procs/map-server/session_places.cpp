@@ -237,15 +237,19 @@ bool SessionPlaces::is_outdated(std::size_t kept) const {
 
 /// Of a session that goes on from an earlier run its mapper sends its own keyframes again.
 std::optional<SessionPlaces::KeptKeyframe> SessionPlaces::next_kept() {
+  constexpr int most_looks = 20;  // so that nobody waits for it
   const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
   if (!lock || !T_map_current_) return std::nullopt;
-  while (next_kept_ < kept_.size() &&
-         (kept_[next_kept_].session == stored_current_ || is_outdated(next_kept_)))
-    ++next_kept_;
-  if (next_kept_ >= kept_.size()) return std::nullopt;
-  const Kept& kept = kept_[next_kept_];
-  KeptKeyframe keyframe{
-      static_cast<int>(next_kept_++), T_map_current_->inverse() * kept.T_map_camera, {}, {}};
+  for (int look = 0; look < most_looks && next_kept_ < kept_.size(); ++look) {
+    const std::size_t i = next_kept_++;
+    if (kept_[i].session != stored_current_ && !is_outdated(i)) return read_kept(i);
+  }
+  return std::nullopt;
+}
+
+SessionPlaces::KeptKeyframe SessionPlaces::read_kept(std::size_t i) {
+  const Kept& kept = kept_[i];
+  KeptKeyframe keyframe{static_cast<int>(i), T_map_current_->inverse() * kept.T_map_camera, {}, {}};
   try {
     MapFile map(file_);
     keyframe.images = map.images(kept.session, kept.keyframe);

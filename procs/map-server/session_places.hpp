@@ -58,7 +58,8 @@ class SessionPlaces {
   Answer locate(const FeatureFrame& features);
 
   /// The next keyframe of the file's map, in the current session's frame, with its images or its cloud: once
-  /// the session was joined, one after the other. Not those of which later sessions have seen the same.
+  /// the session was joined, one after the other. Not those of which later sessions have seen the same; where
+  /// there are many of these in a row, none for now.
   struct KeptKeyframe {
     int number = 0;  ///< from 0
     Eigen::Isometry3d T_session_camera;
@@ -80,6 +81,7 @@ class SessionPlaces {
   };
   void load();
   bool is_outdated(std::size_t kept) const;
+  KeptKeyframe read_kept(std::size_t kept);
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
   void leave_current();
   void go_on(std::int64_t session);
