@@ -68,9 +68,11 @@ void MapRecorder::read_kept() {
 void MapRecorder::keep(MapFile& map, const StoredSession& session) {
   const auto place = std::find_if(stored_.begin(), stored_.end(),
                                   [&](const StoredSession& other) { return other.id >= session.id; });
-  const bool is_known = place != stored_.end() && place->id == session.id;
-  const std::size_t index = static_cast<std::size_t>(place - stored_.begin());
-  is_known ? void(*place = session) : void(stored_.insert(place, session));
+  const auto index = static_cast<std::size_t>(place - stored_.begin());
+  if (place != stored_.end() && place->id == session.id)
+    *place = session;
+  else
+    stored_.insert(place, session);
 
   KeptSession kept{session.id, session.mapper, names_of(stored_)[index]};
   std::set<std::int32_t>& keyframes = stored_keyframes_[session.id] = {};

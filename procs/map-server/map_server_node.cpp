@@ -91,7 +91,8 @@ std::optional<Node::Duration> MapServerNode::work() {
   note_saving(false);
   note_store();
   note_joined();
-  if (recorder_) retire("icp", dense_maps_), retire("fastslam", landmark_maps_);
+  retire("icp", dense_maps_);
+  retire("fastslam", landmark_maps_);
   show_kept();
   for (const QuestionDesk::Answered& answered : desk_.take()) {
     if (answered.error.empty()) ++answered_;
@@ -138,7 +139,7 @@ void MapServerNode::note_joined(const std::string& mapper, const SessionPlaces::
 /// A map that its mapper has left needs no memory once it is in the file.
 template <class Map>
 void MapServerNode::retire(const std::string& mapper, SessionTable<Map>& sessions) {
-  while (!sessions.empty() && sessions.current() != 0) {
+  while (recorder_ && !sessions.empty() && sessions.current() != 0) {
     const auto stored = recorder_->retire(mapper, sessions.all().front().key);
     if (!stored) return;
     sessions.drop_first();

@@ -7,9 +7,8 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t most_places = 200;
-constexpr double same_view_distance = 0.15, same_view_angle = 0.15;  // m, rad
-constexpr int enough_later = 2;                                      // sessions that saw the same
-constexpr double moved_distance = 0.001, moved_angle = 0.0005;       // m, rad: then a joint is told again
+constexpr int enough_later = 2;                                 // sessions that saw the same
+constexpr double moved_distance = 0.001, moved_angle = 0.0005;  // m, rad: then a joint is told again
 
 std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
   return (session << 32) + keyframe;
@@ -226,11 +225,12 @@ SessionPlaces::Answer SessionPlaces::locate(const FeatureFrame& features) {
 
 /// A room that is mapped again and again must not take longer to be shown each time.
 bool SessionPlaces::is_outdated(std::size_t kept) const {
+  const PlaceSettings same;  // what PlaceIndex takes for one view
   std::set<std::int64_t> later;
   for (std::size_t i = kept + 1; i < kept_.size(); ++i)
     if (kept_[i].session != kept_[kept].session &&
-        distance_between(kept_[i].T_map_camera, kept_[kept].T_map_camera) < same_view_distance &&
-        angle_between(kept_[i].T_map_camera, kept_[kept].T_map_camera) < same_view_angle)
+        distance_between(kept_[i].T_map_camera, kept_[kept].T_map_camera) < same.same_view_distance &&
+        angle_between(kept_[i].T_map_camera, kept_[kept].T_map_camera) < same.same_view_angle)
       later.insert(kept_[i].session);
   return later.size() >= enough_later;
 }
