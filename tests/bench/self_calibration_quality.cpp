@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <lcmslam/calibration/self/drive_advice.hpp>
+#include <lcmslam/calibration/self/head_calibration.hpp>
 #include <lcmslam/calibration/self/recorded_scene.hpp>
 #include <lcmslam/calibration/self/self_report.hpp>
 #include <lcmslam/geometry/random.hpp>
@@ -132,7 +133,7 @@ Errors measure(const SimulationSourceSettings& settings, const std::string& log,
   }
   SceneObservations scene = recording.observations();
   HeadModel model(start);
-  const BundleResult result = adjust_bundle(model, scene, priors, bundle);
+  const BundleResult result = calibrate_head(model, scene, priors, bundle);
   if (verbose) {
     HeadModel right(truth);
     std::printf(

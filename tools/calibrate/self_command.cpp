@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include <lcmslam/calibration/self/drive_advice.hpp>
+#include <lcmslam/calibration/self/head_calibration.hpp>
 #include <lcmslam/calibration/self/self_report.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
 #include "tools/calibrate/calibrate_commands.hpp"
@@ -40,7 +41,7 @@ int calibrate_self_command(int argc, char** argv) {
   if (recorded.damaged > 0) std::cout << fmt::format("  {} messages were damaged\n", recorded.damaged);
   HeadModel model(recorded.start);
   const BundleSettings settings;
-  const BundleResult result = adjust_bundle(model, scene, {}, settings);
+  const BundleResult result = calibrate_head(model, scene, {}, settings);
   std::cout << fmt::format(
                    "  {} pixels within {:.2f} pixels, {} depths within {:.2f} of the sensor's noise\n",
                    result.pixels, result.pixel_scale, result.depths, result.depth_scale)

@@ -1,8 +1,10 @@
 #include <lcmslam/calibration/self/aligned_sightings.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <lcmslam/calibration/self/depth_patch.hpp>
+#include <lcmslam/calibration/self/landmark_tracks.hpp>
 
 namespace lcmslam {
 namespace {
@@ -55,12 +57,13 @@ std::optional<PatchWarp> warp_of(const Eigen::Vector2d& at, const Eigen::Vector3
 }  // namespace
 
 void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
-                     const std::vector<cv::Mat>& greys, const RgbdCalibration& head) {
+                     const RgbdCalibration& head) {
   const std::size_t middle = landmark.sightings.size() / 2;
   const LandmarkSighting reference = landmark.sightings[middle];
   const auto r = static_cast<std::size_t>(reference.keyframe);
   const Eigen::Isometry3d T_reference_world = keyframes[r].T_world_camera.inverse();
-  const auto surface = surface_around(T_reference_world * landmark.point, keyframes[r], head);
+  const double z = (T_reference_world * landmark.point).z();
+  const auto surface = surface_around(z * head.colour.ray(reference.pixel), keyframes[r], head);
   if (!surface) {
     landmark.sightings.clear();
     return;
@@ -75,13 +78,24 @@ void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyfra
                            (T_reference_world * keyframes[k].T_world_camera).inverse(), head.colour);
       if (!start) continue;
       start->t = sighting.pixel;
-      const auto found = align_patch(greys[r], reference.pixel, patch_radius, greys[k], *start);
+      const auto found =
+          align_patch(keyframes[r].grey, reference.pixel, patch_radius, keyframes[k].grey, *start);
       if (!found) continue;
       sighting.pixel = found->t;
     }
     aligned.push_back(sighting);
   }
   landmark.sightings = std::move(aligned);
+}
+
+void align_sightings(SceneObservations& scene, const RgbdCalibration& head) {
+  auto& landmarks = scene.landmarks;
+  for (SightedLandmark& landmark : landmarks) align_sightings(landmark, scene.keyframes, head);
+  landmarks.erase(std::remove_if(landmarks.begin(), landmarks.end(),
+                                 [](const auto& landmark) {
+                                   return landmark.sightings.size() < LandmarkTracks::fewest_sightings;
+                                 }),
+                  landmarks.end());
 }
 
 }  // namespace lcmslam

@@ -8,8 +8,11 @@
 namespace lcmslam {
 
 /// Puts a landmark's sightings where the texture of the middle one lies in the other images; those that do
-/// not show it leave, and all of a landmark at an edge of depth. `greys`: CV_8UC1, of each keyframe.
+/// not show it leave, and all of a landmark at an edge of depth.
 void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
-                     const std::vector<cv::Mat>& greys, const RgbdCalibration& head);
+                     const RgbdCalibration& head);
+
+/// Each landmark so; those that too few sightings are left of leave.
+void align_sightings(SceneObservations& scene, const RgbdCalibration& head);
 
 }  // namespace lcmslam

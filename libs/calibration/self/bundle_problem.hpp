@@ -18,7 +18,7 @@ struct BundlePriors {
 
   BundlePriors(const CalibrationPriors& priors, const HeadModel& start)
       : sigmas(priors.sigmas(start.start)),
-        values(start.values),
+        values(HeadModel(start.start).values),
         aspect(priors.aspect),
         range_curve(priors.range_curve) {}
 };

@@ -5,7 +5,6 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include <lcmslam/calibration/self/aligned_sightings.hpp>
 #include <lcmslam/calibration/self/landmark_tracks.hpp>
 #include <lcmslam/rgbd/camera_motion.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
@@ -85,7 +84,8 @@ void RecordedScene::add(const RgbdFrame& frame) {
   const Eigen::Isometry3d T = sample->T_odom_robot * features.T_robot_camera;
   path_.push_back({frame.utime, T});
   if (!is_keyframe(T)) return;
-  Keyframe keyframe{path_.size() - 1, std::move(features), smooth_grey(frame.colour), {}};
+  Keyframe keyframe{path_.size() - 1, std::move(features), {}};
+  keyframe.observed.grey = smooth_grey(frame.colour);
   keyframe.observed.utime = frame.utime;
   keyframe.observed.T_world_camera = T;
   keyframe.observed.depth_lag = seconds(frame.utime, frame.depth_utime);
@@ -148,7 +148,6 @@ std::vector<std::size_t> RecordedScene::views_of(const std::vector<const Keyfram
 SceneObservations RecordedScene::observations() const {
   std::vector<const Keyframe*> keyframes;
   std::vector<ObservedKeyframe> observed;
-  std::vector<cv::Mat> greys;
   const std::size_t most = std::min(keyframes_.size(), static_cast<std::size_t>(settings_.keyframes));
   for (std::size_t n = 0; n < most; ++n) {
     const std::size_t i = n * keyframes_.size() / most;
@@ -159,7 +158,6 @@ SceneObservations RecordedScene::observations() const {
                           : std::optional(motion_between(keyframes.back()->pose, keyframes_[i].pose));
     keyframes.push_back(&keyframes_[i]);
     observed.push_back(keyframes_[i].observed);
-    greys.push_back(keyframes_[i].grey);
     observed.back().twist = *twist;
     observed.back().motion = motion;
   }
@@ -177,12 +175,6 @@ SceneObservations RecordedScene::observations() const {
   }
   SceneObservations scene;
   scene.landmarks = tracks.landmarks(static_cast<std::size_t>(settings_.landmarks));
-  for (SightedLandmark& landmark : scene.landmarks) align_sightings(landmark, observed, greys, start_);
-  scene.landmarks.erase(std::remove_if(scene.landmarks.begin(), scene.landmarks.end(),
-                                       [](const auto& landmark) {
-                                         return landmark.sightings.size() < LandmarkTracks::fewest_sightings;
-                                       }),
-                        scene.landmarks.end());
   scene.keyframes = std::move(observed);
   return scene;
 }

@@ -1,6 +1,6 @@
 #pragma once
 // From a recording's frames to what it shows of the head: keyframes on the path that visual odometry saw, and
-// the landmarks that their SURF features agree on.
+// the landmarks that their SURF features agree on, for calibrate_head().
 //
 //   RecordedScene recording(calibration, settings);
 //   for (each frame) recording.add(frame);
@@ -72,14 +72,14 @@ class RecordedScene {
   /// How the camera turned from image to image, for OdometryClock.
   const std::vector<CameraTurn::Step>& turns() const { return turns_; }
 
-  /// Throws std::runtime_error when the recording shows too little.
+  /// Landmarks with the pixels of their features. Throws std::runtime_error when the recording shows too
+  /// little.
   SceneObservations observations() const;
 
  private:
   struct Keyframe {
     std::size_t pose;  // in path_
     FeatureFrame features;
-    cv::Mat grey;  // slightly smoothed
     ObservedKeyframe observed;
   };
   bool is_keyframe(const Eigen::Isometry3d& T) const;

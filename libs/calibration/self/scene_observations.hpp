@@ -16,6 +16,7 @@ struct ObservedKeyframe {
   std::optional<Vector6d> motion;  ///< log of T_previous_this by what said the twist: as twist times seconds
   double depth_lag = 0;            ///< s from the colour image's stamp to the depth image's, as stamped
   cv::Mat inverse_depth;           ///< CV_32FC1, 1/m along the optical axis, 0 = none
+  cv::Mat grey;  ///< CV_8UC1, the colour image, smoothed by as much as makes its values between pixels agree
 };
 
 struct LandmarkSighting {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <lcmslam/calibration/self/depth_patch.hpp>
+#include <lcmslam/calibration/self/surface_slopes.hpp>
 
 namespace lcmslam {
 namespace {
@@ -100,8 +101,9 @@ class Comparer {
     if (inverse_depth.empty()) return std::nullopt;
     c.patch = depth_patch(inverse_depth, *pixel, depth_camera_, state_.model.start.depth_noise);
     if (!c.patch) return std::nullopt;
-    const double freed = depth_camera_.ray(*pixel).norm() / c.patch->inverse;
-    c.range = state_.curve.place(freed - state_.curve.at(state_.curve.place(freed)));  // as measured
+    // By where the landmark is, not by what was measured: there a world that shrinks would take its noise
+    // along.
+    c.range = state_.curve.place(p.norm());
     c.patch->freed = state_.curve.at(c.range);
     const double error = std::abs(
         residuals::depth_error<double>(*c.patch, pixel->data(), p, h.data() + head::depth_scale, 0.0));
@@ -110,6 +112,10 @@ class Comparer {
     if (error < std::max(near_depth_gate, gate)) return error;
     c.patch.reset();
     return std::nullopt;
+  }
+
+  void share_slopes_of(Comparison* first, Comparison* last) const {
+    share_slopes(first, last, state_, depth_camera_, T_depth_colour_);
   }
 
  private:
@@ -127,7 +133,8 @@ Comparisons compare(const BundleState& state, const BundleSettings& settings, co
   const Comparer comparer(state, settings, former);
   Comparisons result;
   std::vector<double> pixel_errors, depth_errors;
-  for (std::size_t l = 0; l < state.scene.landmarks.size(); ++l)
+  for (std::size_t l = 0; l < state.scene.landmarks.size(); ++l) {
+    const std::size_t first = result.all.size();
     for (const LandmarkSighting& sighting : state.scene.landmarks[l].sightings) {
       Comparison c{static_cast<std::size_t>(sighting.keyframe), l, {}, {}, {}};
       const auto pixels_off = comparer.look_in_colour(sighting, c);
@@ -136,6 +143,8 @@ Comparisons compare(const BundleState& state, const BundleSettings& settings, co
       if (const auto depth_off = comparer.look_in_depth(c)) depth_errors.push_back(*depth_off);
       result.all.push_back(c);
     }
+    comparer.share_slopes_of(result.all.data() + first, result.all.data() + result.all.size());
+  }
   if (result.all.size() < fewest_pixels)
     throw std::runtime_error("self calibration: only " + std::to_string(result.all.size()) +
                              " sightings of landmarks agree with their keyframes; at least " +

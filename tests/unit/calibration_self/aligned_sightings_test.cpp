@@ -42,14 +42,13 @@ cv::Mat seen_from(const Eigen::Isometry3d& T_world_camera, const CameraModel& ca
 struct TwoViews {
   RgbdCalibration calibration = one_lens();
   std::vector<ObservedKeyframe> keyframes{2};
-  std::vector<cv::Mat> greys;
   SightedLandmark landmark;
   Eigen::Vector2d there;  // of the landmark in the second view
 
   explicit TwoViews(const Eigen::Vector2d& at) {
     const CameraModel& camera = calibration.colour;
     keyframes[1].T_world_camera.translation() << 0.06, -0.02, 0.22;
-    for (ObservedKeyframe& keyframe : keyframes) greys.push_back(seen_from(keyframe.T_world_camera, camera));
+    for (ObservedKeyframe& keyframe : keyframes) keyframe.grey = seen_from(keyframe.T_world_camera, camera);
     keyframes[0].inverse_depth.create(camera.height, camera.width, CV_32FC1);
     for (int v = 0; v < camera.height; ++v)
       for (int u = 0; u < camera.width; ++u)
@@ -66,7 +65,7 @@ TEST(AlignedSightings, ASteepWallBendsTexturesAndTheirMiddleStays) {
   for (const Eigen::Vector2d& at :
        {Eigen::Vector2d(190, 130), Eigen::Vector2d(215, 95), Eigen::Vector2d(200, 150)}) {
     TwoViews views(at);
-    align_sightings(views.landmark, views.keyframes, views.greys, views.calibration);
+    align_sightings(views.landmark, views.keyframes, views.calibration);
     ASSERT_EQ(views.landmark.sightings.size(), 2U) << at.transpose();
     EXPECT_LT((views.landmark.sightings[0].pixel - views.there).norm(), 0.03) << at.transpose();
   }
@@ -77,12 +76,12 @@ TEST(AlignedSightings, WhatIsAtAnEdgeOfDepthLeaves) {
   TwoViews views(at);
   cv::Mat& inverse = views.keyframes[0].inverse_depth;
   inverse.colRange(191, inverse.cols) *= 0.5;
-  align_sightings(views.landmark, views.keyframes, views.greys, views.calibration);
+  align_sightings(views.landmark, views.keyframes, views.calibration);
   EXPECT_TRUE(views.landmark.sightings.empty());
 
   TwoViews blind(at);  // where depth says nothing, textures do
   blind.keyframes[0].inverse_depth.setTo(0);
-  align_sightings(blind.landmark, blind.keyframes, blind.greys, blind.calibration);
+  align_sightings(blind.landmark, blind.keyframes, blind.calibration);
   EXPECT_EQ(blind.landmark.sightings.size(), 2U);
 }
 

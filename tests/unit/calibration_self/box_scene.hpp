@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <opencv2/imgproc.hpp>
 
 #include <lcmslam/calibration/self/head_parameters.hpp>
 #include <lcmslam/calibration/self/scene_observations.hpp>
@@ -109,6 +110,18 @@ inline void add_noise(SceneObservations& scene, double pixels, const DepthNoise&
       const double z = 1 / static_cast<double>(inverse);
       inverse = static_cast<float>(1 / (z + depth.sigma(z) * random.normal()));
     }
+}
+
+/// Depths off by `sigma` m, alike over an eighth of the image.
+inline void add_shared_noise(SceneObservations& scene, double sigma, std::uint64_t seed) {
+  Random random(seed);
+  for (ObservedKeyframe& keyframe : scene.keyframes) {
+    cv::Mat_<float> coarse(8, 10);
+    for (float& value : coarse) value = static_cast<float>(sigma * random.normal());
+    cv::Mat noise;
+    cv::resize(coarse, noise, keyframe.inverse_depth.size(), 0, 0, cv::INTER_LINEAR);
+    keyframe.inverse_depth = 1 / (1 / keyframe.inverse_depth + noise);
+  }
 }
 
 inline Shot shot(const Eigen::Vector3d& place, const Eigen::Vector3d& turn,

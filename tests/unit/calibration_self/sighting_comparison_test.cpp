@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <cmath>
 
+#include <lcmslam/calibration/self/depth_patch.hpp>
 #include "tests/unit/calibration_self/box_scene.hpp"
 
 namespace lcmslam {
@@ -39,6 +40,46 @@ TEST(SightingComparison, PatchesAreFreedOfWhatRangesErrBy) {
   }
   ASSERT_GT(count, 100);
   EXPECT_LT(1e3 * std::sqrt(squares / count), 0.3) << "mm";
+}
+
+// Where noise has tilted a patch by chance, those of the other views say how the wall lies.
+TEST(SightingComparison, SlopesAreThoseOfTheOtherViews) {
+  RgbdCalibration truth = testing::true_head();
+  truth.depth_noise = {0.02, 0, 0, 0};
+  const std::vector<testing::Shot> shots = testing::rich_motion();
+  SceneObservations scene = testing::seen_room(truth, shots, 300);
+  testing::add_shared_noise(scene, 0.03, 8);
+  HeadModel model(truth);
+  const BundleState state(model, scene);
+  const double seconds = 0.018 + truth.depth_clock_offset;
+  double own = 0, shared = 0;
+  int count = 0;
+  for (const Comparison& c : compare(state, {}, nullptr).all) {
+    if (!c.patch) continue;
+    const Eigen::Vector2d at(c.patch->u, c.patch->v);
+    const auto alone =
+        depth_patch(scene.keyframes[c.keyframe].inverse_depth, at, truth.depth, truth.depth_noise);
+    ASSERT_TRUE(alone);
+    const Vector6d& twist = shots[c.keyframe].twist;
+    const double t = seconds + c.row * truth.rolling_shutter;
+    Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+    moved.linear() = so3_exp(t * twist.tail<3>());
+    moved.translation() = moved.linear() * (t * twist.head<3>());
+    const Eigen::Isometry3d T = shots[c.keyframe].T_world_camera * moved * truth.T_colour_depth;
+    const auto inverse = [&](double du, double dv) {
+      return 1 / testing::range_to_wall(T.translation(),
+                                        T.linear() * truth.depth.ray(at + Eigen::Vector2d(du, dv)));
+    };
+    if (c.patch->along_u == alone->along_u) continue;  // too few views agree
+    const Eigen::Vector2d wall((inverse(2, 0) - inverse(-2, 0)) / 4, (inverse(0, 2) - inverse(0, -2)) / 4);
+    if ((wall - Eigen::Vector2d(alone->along_u, alone->along_v)).norm() > 4e-4) continue;  // at a corner
+    own += (wall - Eigen::Vector2d(alone->along_u, alone->along_v)).squaredNorm();
+    shared += (wall - Eigen::Vector2d(c.patch->along_u, c.patch->along_v)).squaredNorm();
+    EXPECT_EQ(c.patch->inverse, alone->inverse) << "depths stay";
+    ++count;
+  }
+  ASSERT_GT(count, 500);
+  EXPECT_LT(std::sqrt(shared), 0.7 * std::sqrt(own));
 }
 
 }  // namespace

@@ -1,0 +1,14 @@
+#pragma once
+// A head from what a recording shows of it.
+
+#include <lcmslam/calibration/self/bundle_adjustment.hpp>
+
+namespace lcmslam {
+
+/// Finds the textures of `scene`'s landmarks again in each image and adjusts all of it; then once more by the
+/// head that was found: one that is 1 degree off takes edges of depth for surfaces, and bends textures
+/// wrongly. `scene`: as RecordedScene gives it, and as it was adjusted. Throws as adjust_bundle().
+BundleResult calibrate_head(HeadModel& model, SceneObservations& scene, const CalibrationPriors& priors,
+                            const BundleSettings& settings);
+
+}  // namespace lcmslam
