@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <lcmslam/calibration/self/cost_functions.hpp>
@@ -30,30 +31,50 @@ BundleProblem::BundleProblem(BundleState& state, const Comparisons& comparisons,
   add_priors();
   add_curve_priors();
   // The first keyframe that is compared to anything is the world.
-  for (auto& pose : state_.poses)
-    if (problem_.HasParameterBlock(pose.data())) {
-      problem_.SetParameterBlockConstant(pose.data());
-      break;
-    }
+  bool world = true;
+  for (std::size_t k = 0; k < state_.moved.size(); ++k) {
+    if (!problem_.HasParameterBlock(state_.moved[k].data())) continue;
+    add_keyframe(k, world);
+    world = false;
+  }
+}
+
+// With a global shutter a turn rate moves nothing but depth, by a few milliseconds: it would follow noise.
+void BundleProblem::add_keyframe(std::size_t k, bool is_world) {
+  constexpr double rolls = 0.005;  // s, from the first row to the last
+  double* keyframe = state_.moved[k].data();
+  const ObservedKeyframe& observed = state_.scene.keyframes[k];
+  const bool turns = observed.turn_noise > 0 && std::abs(state_.model.values[head::colour_rows]) > rolls;
+  std::vector<int> held;
+  for (int i = 0; i < residuals::keyframe_size; ++i)
+    if (i < residuals::turn_rate_at ? is_world : !turns) held.push_back(i);
+  if (static_cast<int>(held.size()) == residuals::keyframe_size)
+    problem_.SetParameterBlockConstant(keyframe);
+  else if (!held.empty())
+    problem_.SetManifold(keyframe, new ceres::SubsetManifold(residuals::keyframe_size, held));
+  if (!turns) return;
+  const Eigen::Vector3d told = (state_.told_twists[k] - observed.twist).tail<3>();
+  problem_.AddResidualBlock(cost_of(residuals::ToldTurnRate{told, observed.turn_noise}), nullptr, keyframe);
 }
 
 void BundleProblem::add(const Comparison& c) {
   const double width = kernel_sigmas / settings_.correlation;
   HeadModel& model = state_.model;
-  double* pose = state_.poses[c.keyframe].data();
+  double* keyframe = state_.moved[c.keyframe].data();
   double* point = state_.scene.landmarks[c.landmark].point.data();
   residuals::Reprojection pixel = c.pixel;
   pixel.sigma *= comparisons_.pixel_scale * settings_.correlation;
-  problem_.AddResidualBlock(cost_of(pixel), new ceres::CauchyLoss(width), pose, point,
+  problem_.AddResidualBlock(cost_of(pixel), new ceres::CauchyLoss(width), keyframe, point,
                             intrinsics_block.of(model), rows_block.of(model));
   if (!c.patch) return;
   double* curve = state_.curve.values.data() + c.range.first;
   auto* loss = new ceres::CauchyLoss(width);
   if (model.registered())
-    problem_.AddResidualBlock(cost_of(surface_of_colour(c)), loss, pose, point, intrinsics_block.of(model),
-                              depth_block.of(model), curve, curve + 1, curve + 2, curve + 3);
+    problem_.AddResidualBlock(cost_of(surface_of_colour(c)), loss, keyframe, point,
+                              intrinsics_block.of(model), depth_block.of(model), curve, curve + 1, curve + 2,
+                              curve + 3);
   else
-    problem_.AddResidualBlock(cost_of(surface_of_own_camera(c)), loss, pose, point,
+    problem_.AddResidualBlock(cost_of(surface_of_own_camera(c)), loss, keyframe, point,
                               extrinsics_block.of(model), depth_block.of(model), curve, curve + 1, curve + 2,
                               curve + 3);
 }
@@ -152,7 +173,7 @@ void BundleProblem::solve() {
     if (problem_.HasParameterBlock(block)) order->AddElementToGroup(block, 1);
   };
   for (double* landmark : used_landmarks()) order->AddElementToGroup(landmark, 0);
-  for (auto& pose : state_.poses) after_landmarks(pose.data());
+  for (auto& keyframe : state_.moved) after_landmarks(keyframe.data());
   for (const Block& block : head_blocks) after_landmarks(block.of(state_.model));
   for (double& value : state_.curve.values) after_landmarks(&value);
   options.linear_solver_ordering.reset(order);
@@ -176,8 +197,8 @@ BundleProblem::HeadCovariance BundleProblem::head_covariance() {
       if (priors_.sigmas[static_cast<std::size_t>(block.first + i)] > 0)
         result.parameters.push_back(static_cast<std::size_t>(block.first + i));
   }
-  for (auto& pose : state_.poses)
-    if (is_moved(pose.data())) others.push_back(pose.data());
+  for (auto& keyframe : state_.moved)
+    if (is_moved(keyframe.data())) others.push_back(keyframe.data());
   for (double& value : state_.curve.values)
     if (is_moved(&value)) others.push_back(&value);
   if (!blocks.empty()) result.covariance = marginal_covariance(problem_, blocks, others, used_landmarks());

@@ -45,6 +45,7 @@ class BundleProblem {
   residuals::SurfaceOfColour surface_of_colour(const Comparison& c) const;
   residuals::SurfaceOfOwnCamera surface_of_own_camera(const Comparison& c) const;
   void add_priors();
+  void add_keyframe(std::size_t k, bool is_world);
   void add_curve_priors();
   bool is_moved(double* block) const;
   std::vector<double*> used_landmarks() const;

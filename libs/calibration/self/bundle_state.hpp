@@ -25,10 +25,11 @@ class BundleState {
   RangeCurve curve;
   double rational[3] = {};                   ///< k4 k5 k6 of the colour camera's lens
   std::vector<Eigen::Isometry3d> starts;     ///< T_camera_world
-  std::vector<std::array<double, 6>> poses;  ///< what they have moved since (residuals.hpp)
+  std::vector<std::array<double, 9>> moved;  ///< what keyframes have moved since (residuals.hpp)
+  std::vector<Vector6d> told_twists;         ///< by odometry, as much larger as the keyframes say
 
  private:
-  std::vector<Vector6d> told_twists_;  // as they were at first
+  std::vector<Vector6d> first_twists_;  // as they were at first
 };
 
 }  // namespace lcmslam

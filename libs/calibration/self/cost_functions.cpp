@@ -8,16 +8,21 @@ using ceres::AutoDiffCostFunction;
 using namespace residuals;
 
 ceres::CostFunction* cost_of(const Reprojection& residual) {
-  return new AutoDiffCostFunction<Reprojection, 2, 6, 3, 9, 1>(new Reprojection(residual));
+  return new AutoDiffCostFunction<Reprojection, 2, keyframe_size, 3, 9, 1>(new Reprojection(residual));
 }
 
 ceres::CostFunction* cost_of(const SurfaceOfOwnCamera& residual) {
-  return new AutoDiffCostFunction<SurfaceOfOwnCamera, 1, 6, 3, 6, 6, 1, 1, 1, 1>(
+  return new AutoDiffCostFunction<SurfaceOfOwnCamera, 1, keyframe_size, 3, 6, 6, 1, 1, 1, 1>(
       new SurfaceOfOwnCamera(residual));
 }
 
 ceres::CostFunction* cost_of(const SurfaceOfColour& residual) {
-  return new AutoDiffCostFunction<SurfaceOfColour, 1, 6, 3, 9, 6, 1, 1, 1, 1>(new SurfaceOfColour(residual));
+  return new AutoDiffCostFunction<SurfaceOfColour, 1, keyframe_size, 3, 9, 6, 1, 1, 1, 1>(
+      new SurfaceOfColour(residual));
+}
+
+ceres::CostFunction* cost_of(const ToldTurnRate& residual) {
+  return new AutoDiffCostFunction<ToldTurnRate, 3, keyframe_size>(new ToldTurnRate(residual));
 }
 
 ceres::CostFunction* cost_of(const Aspect& residual) {

@@ -12,6 +12,7 @@ ceres::CostFunction* cost_of(const residuals::Reprojection& residual);  ///< pos
 ceres::CostFunction* cost_of(const residuals::SurfaceOfOwnCamera& residual);
 /// pose, point, intrinsics, depth, a range curve's four numbers
 ceres::CostFunction* cost_of(const residuals::SurfaceOfColour& residual);
+ceres::CostFunction* cost_of(const residuals::ToldTurnRate& residual);
 ceres::CostFunction* cost_of(const residuals::Aspect& residual);  ///< intrinsics
 /// Of a block of 9, 6 or 1 numbers.
 ceres::CostFunction* cost_of(const residuals::Prior& residual, int block_size);

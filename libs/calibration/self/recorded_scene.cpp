@@ -105,17 +105,21 @@ bool RecordedScene::is_keyframe(const Eigen::Isometry3d& T) const {
 }
 
 // Over the same time before and after, so that an acceleration does no harm.
-std::optional<Vector6d> RecordedScene::velocity(std::size_t pose) const {
+std::optional<RecordedScene::Velocity> RecordedScene::velocity_at(std::size_t pose) const {
   constexpr double longest = 0.25;  // s, to each side
   std::size_t before = pose, after = pose;
   const Utime now = path_[pose].utime, window = static_cast<Utime>(1e6 * settings_.velocity_window);
   if (const auto motion = wheels_.between(now - window, now + window))
-    return se3_log(camera_motion(*motion, start_.T_robot_camera)) / seconds(now - window, now + window);
+    return Velocity{
+        se3_log(camera_motion(*motion, start_.T_robot_camera)) / seconds(now - window, now + window),
+        settings_.wheel_turn_noise};
   while (before > 0 && seconds(path_[before].utime, now) < settings_.velocity_window) --before;
   while (after + 1 < path_.size() && seconds(now, path_[after].utime) < settings_.velocity_window) ++after;
   const double past = seconds(path_[before].utime, now), coming = seconds(now, path_[after].utime);
   if (!(past > 0 && coming > 0 && past < longest && coming < longest)) return std::nullopt;
-  return se3_log(path_[before].T_world_camera.inverse() * path_[after].T_world_camera) / (past + coming);
+  return Velocity{
+      se3_log(path_[before].T_world_camera.inverse() * path_[after].T_world_camera) / (past + coming),
+      settings_.image_turn_noise};
 }
 
 Vector6d RecordedScene::motion_between(std::size_t pose, std::size_t later) const {
@@ -151,14 +155,15 @@ SceneObservations RecordedScene::observations() const {
   const std::size_t most = std::min(keyframes_.size(), static_cast<std::size_t>(settings_.keyframes));
   for (std::size_t n = 0; n < most; ++n) {
     const std::size_t i = n * keyframes_.size() / most;
-    const auto twist = velocity(keyframes_[i].pose);
-    if (!twist) continue;
+    const auto velocity = velocity_at(keyframes_[i].pose);
+    if (!velocity) continue;
     const std::optional<Vector6d> motion =
         keyframes.empty() ? std::nullopt
                           : std::optional(motion_between(keyframes.back()->pose, keyframes_[i].pose));
     keyframes.push_back(&keyframes_[i]);
     observed.push_back(keyframes_[i].observed);
-    observed.back().twist = *twist;
+    observed.back().twist = velocity->twist;
+    observed.back().turn_noise = velocity->turn_noise;
     observed.back().motion = motion;
   }
   if (keyframes.size() < fewest_keyframes)

@@ -26,6 +26,7 @@ struct RecordedSceneSettings {
   int keyframes = 240;
   double keyframe_translation = 0.12, keyframe_rotation = 0.12;
   double velocity_window = 0.07;
+  double wheel_turn_noise = 0.03, image_turn_noise = 0.1;
   int neighbours = 5, others = 6;
   double view_distance = 1.2, view_angle = 0.6;
   double match_gate = 10;
@@ -39,6 +40,9 @@ struct RecordedSceneSettings {
     s.number("keyframe_rotation", keyframe_rotation, "rad", {1e-3, 3}, "from keyframe to keyframe");
     s.number("velocity_window", velocity_window, "s", {1e-3, 1},
              "to each side, over which the camera's velocity is taken");
+    s.number("wheel_turn_noise", wheel_turn_noise, "rad/s", {0, 10}, "of turn rates that wheels tell");
+    s.number("image_turn_noise", image_turn_noise, "rad/s", {0, 10},
+             "of turn rates between images: a camera in a hand turns faster and slower in between");
     s.number("neighbours", neighbours, "", {1, 100}, "keyframes before that one is matched to");
     s.number("others", others, "", {0, 100}, "earlier keyframes of the same view that one is matched to");
     s.number("view_distance", view_distance, "m", {0.01, 100}, "between keyframes of the same view");
@@ -83,7 +87,11 @@ class RecordedScene {
     ObservedKeyframe observed;
   };
   bool is_keyframe(const Eigen::Isometry3d& T) const;
-  std::optional<Vector6d> velocity(std::size_t pose) const;
+  struct Velocity {
+    Vector6d twist;
+    double turn_noise;
+  };
+  std::optional<Velocity> velocity_at(std::size_t pose) const;
   Vector6d motion_between(std::size_t pose, std::size_t later) const;
   std::vector<std::size_t> views_of(const std::vector<const Keyframe*>& keyframes, std::size_t of) const;
 

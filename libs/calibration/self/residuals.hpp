@@ -1,9 +1,9 @@
 #pragma once
 // What is compared, as Ceres differentiates it by itself.
 //
-// A keyframe's pose is T_camera_world = (R(turn), shift) * T_start: six numbers, turn first, that begin at 0.
-// Whatever was measured at another moment than the keyframe's is moved by the camera's own velocity: after s
-// seconds a point p of its frame is at exp(-s twist) p.
+// A keyframe is nine numbers that begin at 0: T_camera_world = (R(turn), shift) * T_start, turn first, and by
+// how much it turns faster than was told (rad/s). Whatever was measured at another moment than the keyframe's
+// is moved by the camera's own velocity: after s seconds a point p of its frame is at exp(-s twist) p.
 
 #include <ceres/rotation.h>
 #include <Eigen/Core>
@@ -16,16 +16,19 @@ namespace lcmslam::residuals {
 template <class T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
 
+constexpr int keyframe_size = 9, turn_rate_at = 6;  ///< of a keyframe's numbers; where its turn rate begins
+
 /// A point of the world in a keyframe's camera, `seconds` after the keyframe's moment.
 template <class T>
-Vector3<T> in_camera(const Eigen::Isometry3d& T_start, const Vector6d& twist, const T* pose, const T* point,
-                     const T& seconds) {
+Vector3<T> in_camera(const Eigen::Isometry3d& T_start, const Vector6d& twist, const T* keyframe,
+                     const T* point, const T& seconds) {
   const Vector3<T> begun =
       T_start.linear().cast<T>() * Eigen::Map<const Vector3<T>>(point) + T_start.translation().cast<T>();
   Vector3<T> p, moved;
-  ceres::AngleAxisRotatePoint(pose, begun.data(), p.data());
-  p += Eigen::Map<const Vector3<T>>(pose + 3);
-  const Vector3<T> turn = -seconds * twist.tail<3>().cast<T>();
+  ceres::AngleAxisRotatePoint(keyframe, begun.data(), p.data());
+  p += Eigen::Map<const Vector3<T>>(keyframe + 3);
+  const Vector3<T> rate = twist.tail<3>().cast<T>() + Eigen::Map<const Vector3<T>>(keyframe + turn_rate_at);
+  const Vector3<T> turn = -seconds * rate;
   ceres::AngleAxisRotatePoint(turn.data(), p.data(), moved.data());
   return moved - seconds * twist.head<3>().cast<T>();
 }
@@ -62,9 +65,9 @@ struct Reprojection {
   double sigma;
 
   template <class T>
-  bool operator()(const T* pose, const T* point, const T* intrinsics, const T* rows, T* residual) const {
+  bool operator()(const T* keyframe, const T* point, const T* intrinsics, const T* rows, T* residual) const {
     T seen[2];
-    if (!project(intrinsics, rational, in_camera(T_start, twist, pose, point, T(row * rows[0])), seen))
+    if (!project(intrinsics, rational, in_camera(T_start, twist, keyframe, point, T(row * rows[0])), seen))
       return false;
     residual[0] = (seen[0] - pixel.x()) / sigma;
     residual[1] = (seen[1] - pixel.y()) / sigma;
@@ -110,10 +113,10 @@ struct SurfaceOfOwnCamera {
   RangeCurve::Place range;
 
   template <class T>
-  bool operator()(const T* pose, const T* point, const T* extrinsics, const T* depth, const T* a, const T* b,
-                  const T* c, const T* d, T* residual) const {
+  bool operator()(const T* keyframe, const T* point, const T* extrinsics, const T* depth, const T* a,
+                  const T* b, const T* c, const T* d, T* residual) const {
     const T seconds = seconds_to_depth(lag, row, depth);
-    const Vector3<T> p = in_camera(T_start, twist, pose, point, seconds);
+    const Vector3<T> p = in_camera(T_start, twist, keyframe, point, seconds);
     const Eigen::Isometry3d T_depth_colour = T_colour_depth_start.inverse();
     const Vector3<T> begun = T_depth_colour.linear().cast<T>() * p + T_depth_colour.translation().cast<T>() -
                              Eigen::Map<const Vector3<T>>(extrinsics);
@@ -139,13 +142,24 @@ struct SurfaceOfColour {
   RangeCurve::Place range;
 
   template <class T>
-  bool operator()(const T* pose, const T* point, const T* intrinsics, const T* depth, const T* a, const T* b,
-                  const T* c, const T* d, T* residual) const {
+  bool operator()(const T* keyframe, const T* point, const T* intrinsics, const T* depth, const T* a,
+                  const T* b, const T* c, const T* d, T* residual) const {
     const T seconds = seconds_to_depth(lag, row, depth);
-    const Vector3<T> p = in_camera(T_start, twist, pose, point, seconds);
+    const Vector3<T> p = in_camera(T_start, twist, keyframe, point, seconds);
     T seen[2];
     if (!project(intrinsics, rational, p, seen)) return false;
     residual[0] = depth_error(patch, seen, p, depth, curve_at(range, a, b, c, d) - patch.freed);
+    return true;
+  }
+};
+
+/// A keyframe's turn rate as it was told, less what the keyframe began with; rad/s.
+struct ToldTurnRate {
+  Eigen::Vector3d told;
+  double sigma;
+  template <class T>
+  bool operator()(const T* keyframe, T* residual) const {
+    for (int i = 0; i < 3; ++i) residual[i] = (keyframe[turn_rate_at + i] - told(i)) / sigma;
     return true;
   }
 };

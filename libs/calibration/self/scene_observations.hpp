@@ -13,6 +13,7 @@ struct ObservedKeyframe {
   Utime utime = 0;                                                   ///< of the colour image
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< at the middle of the colour image
   Vector6d twist = Vector6d::Zero();  ///< of the camera, its own frame: m/s, rad/s
+  double turn_noise = 0;              ///< rad/s, standard deviation of the twist's turn rate on each axis
   std::optional<Vector6d> motion;  ///< log of T_previous_this by what said the twist: as twist times seconds
   double depth_lag = 0;            ///< s from the colour image's stamp to the depth image's, as stamped
   cv::Mat inverse_depth;           ///< CV_32FC1, 1/m along the optical axis, 0 = none

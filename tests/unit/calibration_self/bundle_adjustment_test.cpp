@@ -256,6 +256,49 @@ TEST(SelfCalibration, VelocitiesFollowThePathThatWasFound) {
   EXPECT_NEAR(scene.keyframes[3].twist(0), shots[3].twist(0), 2e-3);
 }
 
+/// A head that errs by nothing but its keyframes' turn rates, by 0.1 rad/s on each axis.
+SceneObservations with_wrong_turn_rates(const RgbdCalibration& truth, double turn_noise) {
+  SceneObservations scene = seen_room(truth, rich_motion(), 400);
+  Random random(6);
+  for (ObservedKeyframe& keyframe : scene.keyframes) {
+    for (int i = 3; i < 6; ++i) keyframe.twist(i) += 0.1 * random.normal();
+    keyframe.turn_noise = turn_noise;
+  }
+  return scene;
+}
+
+TEST(SelfCalibration, RowsTellTurnRatesThatWereToldWrongly) {
+  const RgbdCalibration truth = sharp(true_head());
+  const std::vector<Shot> shots = rich_motion();
+  SceneObservations scene = with_wrong_turn_rates(truth, 0.1), as_told = with_wrong_turn_rates(truth, 0);
+  HeadModel model(spoiled(truth)), off(spoiled(truth));
+  adjust_bundle(model, scene, wide(), {});
+  adjust_bundle(off, as_told, wide(), {});
+  const auto turn_rate_errors = [&](const SceneObservations& s) {
+    double squares = 0;
+    for (std::size_t k = 0; k < shots.size(); ++k)
+      squares += (s.keyframes[k].twist - shots[k].twist).tail<3>().squaredNorm();
+    return std::sqrt(squares / static_cast<double>(3 * shots.size()));
+  };
+  EXPECT_LT(turn_rate_errors(scene), 0.02);
+  EXPECT_GT(turn_rate_errors(as_told), 0.05);
+  EXPECT_LT(distance_between(model.T_colour_depth(), truth.T_colour_depth), 5e-4);
+  EXPECT_GT(distance_between(off.T_colour_depth(), truth.T_colour_depth), 1e-3);
+  EXPECT_NEAR(model.values[head::colour_rows], truth.rolling_shutter, 3e-4);
+}
+
+TEST(SelfCalibration, AGlobalShutterTellsNothingOfTurnRates) {
+  RgbdCalibration truth = sharp(true_head());
+  truth.rolling_shutter = 0;
+  const std::vector<Shot> shots = rich_motion();
+  SceneObservations scene = with_wrong_turn_rates(truth, 0.1);
+  const SceneObservations told = scene;
+  HeadModel model(truth);
+  adjust_bundle(model, scene, wide(), {});
+  for (std::size_t k = 0; k < shots.size(); ++k)
+    EXPECT_LT((scene.keyframes[k].twist - told.keyframes[k].twist).norm(), 1e-9) << k;
+}
+
 TEST(SelfCalibration, LeavesWhatIsHeld) {
   SceneObservations scene = seen_room(true_head(), rich_motion(), 200);
   HeadModel model(true_head());
