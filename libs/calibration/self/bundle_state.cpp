@@ -34,8 +34,8 @@ void BundleState::take_over() {
     step.translation() = Eigen::Vector3d(moved[k].data() + 3);
     starts[k] = step * starts[k];
     scene.keyframes[k].T_world_camera = starts[k].inverse();
-    faster.push_back((scene.keyframes[k].twist - told_twists[k]).tail<3>() +
-                     Eigen::Vector3d(moved[k].data() + residuals::turn_rate_at));
+    faster.emplace_back((scene.keyframes[k].twist - told_twists[k]).tail<3>() +
+                        Eigen::Vector3d(moved[k].data() + residuals::turn_rate_at));
     moved[k] = {};
   }
   const VelocityScale scale = velocity_scale(scene.keyframes);

@@ -51,15 +51,14 @@ struct Plane {
 
   Eigen::Vector3d normal_in_world() const { return R_world_depth * n.normalized(); }
 
-  /// Through the same depth, with this normal (world). False where it is seen from its edge.
-  bool take_slope(const Eigen::Vector3d& normal) {
+  /// Through the same depth, with this normal (world), unless that is seen from its edge.
+  void take_slope(const Eigen::Vector3d& normal) {
     const Eigen::Vector3d seen = R_world_depth.transpose() * normal;
     const double facing = seen.dot(ray);
-    if (!(facing > 0)) return false;
+    if (!(facing > 0)) return;
     const Eigen::Vector3d there = seen * (compared->patch->inverse / facing);
     const Eigen::Vector2d along = rays_of_pixels.transpose() * there.head<2>();
     compared->patch->along_u = along.x(), compared->patch->along_v = along.y() + sheared(there);
-    return true;
   }
 };
 
