@@ -7,6 +7,8 @@
 
 namespace lcmslam {
 
+static_assert(std::tuple_size_v<decltype(BundleState::moved)::value_type> == residuals::keyframe_size);
+
 BundleState::BundleState(HeadModel& head, SceneObservations& observed)
     : model(head), scene(observed), curve(head.start.depth_max) {
   for (const ObservedKeyframe& keyframe : scene.keyframes) {
