@@ -46,6 +46,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   StepResult result;
   result.rejuvenated = take_over_when_due(frame.utime);
   std::vector<FeaturePoint> measured = usable_features(frame, settings_);
+  if (started_ && usable(motion))
+    widen_for_motion(se3_log(motion.T_from_to) / elapsed(frame.utime), settings_.timing_sigma, measured);
   std::vector<FeaturePoint> points = corrected(measured, sensor_);
   result.offered = static_cast<int>(
       std::count_if(points.begin(), points.end(), [](const FeaturePoint& p) { return !p.is_bearing(); }));
@@ -95,8 +97,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     // Errors go the same way as the particles.
     if (association.corrected) own_motion.T_from_to = association.prior.T_from_to;
     covariance_.move(own_motion);
-    const double elapsed = 1e-6 * static_cast<double>(std::max<Utime>(frame.utime - utime_, 1000));
-    twist = se3_log(own_motion.T_from_to) / elapsed;
+    twist = se3_log(own_motion.T_from_to) / elapsed(frame.utime);
     if (!association.corrected && !association.T_world_found) prior_covariance = association.prior.covariance;
     const bool located = judge(verdict, association, points, index_, observations, result);
     const bool agreed = agree(association, verdict, located);
@@ -139,6 +140,11 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   result.resampled = particles_.resample_when_due(weights);
   result.best = particles_.best_index();
   return result;
+}
+
+// Since the last step, s.
+double FastSlam::elapsed(Utime utime) const {
+  return 1e-6 * static_cast<double>(std::max<Utime>(utime - utime_, 1000));
 }
 
 // Once a robot has left the plane its motion has six degrees of freedom, and where it stands on the plane

@@ -76,6 +76,7 @@ class FastSlam {
     Motion motion;                     ///< of the best particle
     std::optional<GroundPull> ground;  ///< that is part of it
   };
+  double elapsed(Utime utime) const;
   Predicted predict(const Motion& odometry);
   std::optional<Floor> refuses_ground(const FrameAssociation& association) const;
   bool leave_for(Floor floor);

@@ -100,6 +100,7 @@ struct FastSlamSettings {
   /// less than a hundred independent ones.
   double measurement_inflation = 2;
   double measurement_sigma = 0;
+  double timing_sigma = 0.002;
   double correlation_time = 0;
   double minimum_landmark_sigma = 0.001;
   int maximum_observations = 100;

@@ -26,4 +26,9 @@ struct FeaturePoint {
 /// depend on the frame's.
 std::vector<FeaturePoint> usable_features(const FeatureFrame& frame, const FastSlamSettings& settings);
 
+/// The moment at which a camera saw a feature is known to `timing_sigma` (s): exposures last, rows are read
+/// one after the other, depths have a clock of their own. By what a standing point seems to move meanwhile,
+/// seen from a robot of velocity `twist` (m/s, rad/s, body frame), its measurement is widened.
+void widen_for_motion(const Vector6d& twist, double timing_sigma, std::vector<FeaturePoint>& points);
+
 }  // namespace lcmslam

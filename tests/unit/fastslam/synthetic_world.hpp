@@ -26,6 +26,7 @@ struct WorldSettings {
   double wiggle = 0.006;          // m, systematic error of the range (time-of-flight), period 1.9 m
   double scale_error = 0.02, rotation_error = 0.03;
   bool slips = true;         // 2-5 cm and 1-3 degrees every 10 m
+  double timing = 0;         // s, sigma of the moment at which a feature was seen, about its image's
   bool full_motion = false;  // the robot also heaves, rolls and pitches
   double ramp = 0;           // m that the floor rises across the room's middle
   double stated_translation = 0.003, stated_rotation = 0.002;  // sigma of a step that odometry claims
@@ -127,7 +128,8 @@ inline Eigen::Isometry3d true_pose(const WorldSettings& s, int frame) {
 }
 
 inline FeatureFrame see(const WorldSettings& s, const std::vector<Point>& points,
-                        const Eigen::Isometry3d& T_world_robot, Random& random, std::vector<int>& truth) {
+                        const Eigen::Isometry3d& T_world_robot, Random& random, std::vector<int>& truth,
+                        const Vector6d& twist = Vector6d::Zero()) {
   FeatureFrame frame;
   frame.width = 640;
   frame.height = 480;
@@ -159,7 +161,11 @@ inline FeatureFrame see(const WorldSettings& s, const std::vector<Point>& points
     truth.push_back(who);
   };
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d p = T_camera_world * points[i].position;
+    Eigen::Vector3d p = T_camera_world * points[i].position;
+    if (s.timing > 0) {
+      const Eigen::Isometry3d T_later = se3_exp(Vector6d(s.timing * random.normal() * twist));
+      p = frame.T_robot_camera.inverse() * T_later.inverse() * frame.T_robot_camera * p;
+    }
     if (p.z() < 0.3 || p.norm() > 7.5) continue;
     if (std::abs(p.x() / p.z()) > 320 / 554.0 || std::abs(p.y() / p.z()) > 240 / 554.0) continue;
     if ((T_camera_world.linear() * points[i].normal).dot(-p.normalized()) < 0.25) continue;
@@ -222,7 +228,8 @@ inline Drive make_drive(const WorldSettings& s, std::uint64_t seed) {
       T_odometry = T_odometry * step.motion.T_from_to;
     }
     step.T_start_odometry = T_odometry;
-    step.frame = see(s, drive.points, T, random, step.truth);
+    const Vector6d twist = se3_log(T.inverse() * true_pose(s, i + 1)) / s.frame_seconds;
+    step.frame = see(s, drive.points, T, random, step.truth, twist);
     step.frame.utime = 1'000'000 + static_cast<Utime>(i) * 100'000;
     step.frame.seq = i;
     drive.steps.push_back(std::move(step));

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <lcmslam/fastslam/association/usable_features.hpp>
+#include <lcmslam/geometry/transform.hpp>
 #include "tests/unit/fastslam/association_scene.hpp"
 
 namespace lcmslam {
@@ -100,6 +101,57 @@ TEST(UsableFeatures, FeaturesWithoutDepthAreBearings) {
   });
   EXPECT_GT(of_bearings, 0.6 * bearings);
   EXPECT_LE(static_cast<int>(matches.size()) - scene.right(usable, matches), 2);
+}
+
+// What a point of the world moves by, seen from a robot that goes on by `seconds` of `twist`.
+Eigen::Vector3d shift_seen(const Measurement& m, const Vector6d& twist, double seconds) {
+  const Eigen::Isometry3d T_later_now = se3_exp(Vector6d(twist * seconds)).inverse();
+  if (m.kind == MeasurementKind::point) return T_later_now * m.value - m.value;
+  const Eigen::Isometry3d& T = *m.T_robot_camera;
+  const Eigen::Vector3d ray(m.value.x(), m.value.y(), 1);
+  const Eigen::Vector3d later = T.linear().transpose() * T_later_now.linear() * T.linear() * ray;
+  return later / later.z() - ray;
+}
+
+TEST(UsableFeatures, MotionWidensByWhatASightMovesInTheUncertaintyOfItsMoment) {
+  Scene scene(1);
+  for (std::size_t i = 0; i < scene.frame.features.size(); i += 2)
+    scene.frame.features[i].kind = MeasurementKind::bearing;
+  const auto still = usable_features(scene.frame, scene.settings);
+  Vector6d twist;
+  twist << 0.4, -0.2, 0.1, 0.3, -0.6, 1.2;
+  for (const bool turning : {true, false}) {
+    if (!turning) twist.tail<3>().setZero();
+    auto moving = still;
+    widen_for_motion(twist, 0.01, moving);
+    int bearings = 0;
+    for (std::size_t i = 0; i < still.size(); ++i) {
+      const Measurement &before = still[i].measurement, &after = moving[i].measurement;
+      const Eigen::Vector3d shift = 1e3 * shift_seen(before, twist, 1e-5);
+      const Eigen::Matrix3d expected = before.covariance + shift * shift.transpose();
+      if (turning || !still[i].is_bearing())
+        EXPECT_LT((after.covariance - expected).norm(), 1e-3 * shift.squaredNorm() + 1e-15);
+      else
+        EXPECT_EQ(after.covariance, before.covariance) << "how far it is nobody knows";
+      EXPECT_EQ(after.value, before.value);
+      bearings += still[i].is_bearing();
+    }
+    EXPECT_GT(bearings, 10);
+    EXPECT_GT(static_cast<int>(still.size()) - bearings, 10);
+  }
+}
+
+TEST(UsableFeatures, NothingIsWidenedWithoutAMotionOrByAnotherSensorsWord) {
+  Scene scene(1);
+  const auto still = usable_features(scene.frame, scene.settings);
+  Vector6d twist = Vector6d::Ones();
+  auto points = still;
+  widen_for_motion(twist, 0, points);
+  widen_for_motion(Vector6d::Constant(std::numeric_limits<double>::quiet_NaN()), 0.01, points);
+  for (FeaturePoint& point : points) point.measurement.kind = MeasurementKind::range_bearing;
+  widen_for_motion(twist, 0.01, points);
+  for (std::size_t i = 0; i < still.size(); ++i)
+    EXPECT_EQ(points[i].measurement.covariance, still[i].measurement.covariance);
 }
 
 }  // namespace
