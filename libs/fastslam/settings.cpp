@@ -118,10 +118,10 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "factor on each measurement covariance: errors of one feature are correlated in time");
   s.number("measurement_sigma", measurement_sigma, "m", {0, 10},
            "on each axis, of every 3-D point alike (the thesis's R); 0: what the sensor's model says of it");
-  s.number("timing_sigma", timing_sigma, "s", {0, 1},
-           "of the moment at which a camera saw a feature (exposure, rows, the depths' clock): what it moves "
-           "by meanwhile "
-           "widens its measurement");
+  s.number(
+      "timing_sigma", timing_sigma, "s", {0, 1},
+      "of the moment at which a camera saw a feature (exposure, rows, the depths' clock): its measurement "
+      "is wider by what it moves in that time");
   s.number("correlation_time", correlation_time, "s", {0, 1e4},
            "over which a sensor's errors on one landmark stay alike (fall to 1/e); 0: independent");
   s.number("minimum_landmark_sigma", minimum_landmark_sigma, "m", {0, 10},
