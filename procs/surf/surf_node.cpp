@@ -10,6 +10,7 @@
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/rgbd/camera_motion.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
+#include <lcmslam/rgbd/feature_support.hpp>
 
 namespace lcmslam {
 namespace {
@@ -37,6 +38,8 @@ SurfNode::SurfNode(const SurfNodeSettings& settings, Publisher& publisher)
       surf_(settings.surf),
       threshold_(settings.threshold),
       range_error_settings_(settings.range_error),
+      largest_depth_step_(settings.largest_depth_step),
+      largest_depth_step_(settings.largest_depth_step),
       period_(settings.rate > 0 ? 1e6 / settings.rate : 0),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)) {}
 
@@ -139,7 +142,10 @@ Eigen::Isometry3d SurfNode::motion_between_shots(const RgbdFrame& frame) const {
 
 FeatureFrame SurfNode::describe(const RgbdFrame& frame) {
   surf_.set_hessian_threshold(threshold_.value());
-  FeatureFrame result = describe_frame(frame, *registration_, motion_between_shots(frame), surf_);
+  const Eigen::Isometry3d T_colour_depth_time = motion_between_shots(frame);
+  FeatureFrame result = describe_frame(frame, *registration_, T_colour_depth_time, surf_);
+  straddling_ = leave_out_straddling(frame, registration_->calibration(), T_colour_depth_time,
+                                     largest_depth_step_, result);
   threshold_.observe(surf_.blobs_found());
   blurred_ = sharpness_.observe(result.sharpness);
   blurred_frames_ += blurred_ ? 1 : 0;
@@ -167,6 +173,7 @@ NodeReport SurfNode::report() const {
                    {"left_out", static_cast<double>(left_out_)},
                    {"keypoints", keypoints_},
                    {"with_depth", with_depth_},
+                   {"straddling", static_cast<double>(straddling_)},
                    {"threshold", threshold_.value()},
                    {"sharpness", last_sharpness_},
                    {"blurred_frames", static_cast<double>(blurred_frames_)}};

@@ -44,6 +44,7 @@ class SurfNode : public Node {
   AdaptiveThreshold threshold_;
   SharpnessWatch sharpness_;
   RangeErrorSettings range_error_settings_;
+  double largest_depth_step_;
   double period_;            // us between two images that are used, at least
   std::size_t frame_queue_;  // frames that may wait
   camera_calibration_t calibration_message_;
@@ -56,6 +57,7 @@ class SurfNode : public Node {
   Utime last_utime_ = 0;
   std::int64_t frames_ = 0, left_out_ = 0, blurred_frames_ = 0;
   double keypoints_ = 0, with_depth_ = 0, last_sharpness_ = 0;  // of the newest frame
+  int straddling_ = 0;                                          // likewise
   bool blurred_ = false, no_depth_ = false;
   std::optional<Plausibility> plausibility_;  // until a dozen frames were looked at
   Utime looked_ = 0;                          // at the last of them
