@@ -10,7 +10,6 @@
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/rgbd/camera_motion.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
-#include <lcmslam/rgbd/feature_support.hpp>
 
 namespace lcmslam {
 namespace {
@@ -38,8 +37,7 @@ SurfNode::SurfNode(const SurfNodeSettings& settings, Publisher& publisher)
       surf_(settings.surf),
       threshold_(settings.threshold),
       range_error_settings_(settings.range_error),
-      largest_depth_step_(settings.largest_depth_step),
-      largest_depth_step_(settings.largest_depth_step),
+      support_(settings.support),
       period_(settings.rate > 0 ? 1e6 / settings.rate : 0),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)) {}
 
@@ -144,8 +142,8 @@ FeatureFrame SurfNode::describe(const RgbdFrame& frame) {
   surf_.set_hessian_threshold(threshold_.value());
   const Eigen::Isometry3d T_colour_depth_time = motion_between_shots(frame);
   FeatureFrame result = describe_frame(frame, *registration_, T_colour_depth_time, surf_);
-  straddling_ = leave_out_straddling(frame, registration_->calibration(), T_colour_depth_time,
-                                     largest_depth_step_, result);
+  straddling_ =
+      leave_out_straddling(frame, registration_->calibration(), T_colour_depth_time, support_, result);
   threshold_.observe(surf_.blobs_found());
   blurred_ = sharpness_.observe(result.sharpness);
   blurred_frames_ += blurred_ ? 1 : 0;

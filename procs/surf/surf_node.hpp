@@ -9,6 +9,7 @@
 #include <lcmslam/imaging/sharpness.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/planes/range_error.hpp>
+#include <lcmslam/rgbd/feature_support.hpp>
 #include <lcmslam/rgbd/mount_motion.hpp>
 #include <lcmslam/rgbd/plausibility.hpp>
 #include <lcmslam/runtime/node.hpp>
@@ -44,7 +45,7 @@ class SurfNode : public Node {
   AdaptiveThreshold threshold_;
   SharpnessWatch sharpness_;
   RangeErrorSettings range_error_settings_;
-  double largest_depth_step_;
+  FeatureSupportSettings support_;
   double period_;            // us between two images that are used, at least
   std::size_t frame_queue_;  // frames that may wait
   camera_calibration_t calibration_message_;

@@ -63,6 +63,18 @@ TEST_F(SurfNodeTest, SecondCameraIsLeftOutWithItsCalibration) {
   EXPECT_EQ(bus_.decode_errors(), 0);
 }
 
+TEST_F(SurfNodeTest, FeaturesBesideEdgesOfDepthAreLeftOut) {
+  SurfNode& all = bus_.add<SurfNode>(ConfigNode::parse("largest_depth_step: 1000", "test"));
+  SurfNode& few = bus_.add<SurfNode>(ConfigNode::parse("least_features: 100", "test"));
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  bus_.deliver("CAMERA", kitchen_.frame(0));
+  ASSERT_EQ(bus_.count("FEATURES"), 3U);
+  EXPECT_EQ(testing::value_of(all, "straddling"), 0);
+  EXPECT_GT(testing::value_of(few, "straddling"), 20);
+  EXPECT_EQ(testing::value_of(few, "keypoints") + testing::value_of(few, "straddling"),
+            testing::value_of(all, "keypoints"));
+}
+
 TEST_F(SurfNodeTest, PointsLieOnTheScene) {
   bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
   bus_.deliver("CAMERA", kitchen_.frame(0));

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double step = 0.05;
 
-/// A wall 2 m away and a box before its right half, whose front is 1.5 m away, seen by a head whose cameras
+/// A wall 2 m away and a board before its right half, 1.5 m away, seen by a head whose cameras
 /// stand apart; the depth image was taken elsewhere than the colour image.
 class FeatureSupport : public testing::Test {
  protected:
   FeatureSupport() {
     T_colour_depth_time_ = se3_exp((Vector6d() << 0.02, -0.01, 0.01, 0.01, -0.03, 0.02).finished());
     scene_.planes = {{{0, 0, 1}, 2}};
-    scene_.boxes = {{Eigen::Vector3d(0.2, -3, 1.5), Eigen::Vector3d(3, 3, 1.9)}};
+    scene_.boxes = {{Eigen::Vector3d(0.2, -3, 1.5), Eigen::Vector3d(3, 3, 1.501)}};
     look();
   }
   void look() {
@@ -39,11 +39,11 @@ class FeatureSupport : public testing::Test {
     FeatureFrame features;
     features.features = {feature};
     const int left_out =
-        leave_out_straddling(frame_, calibration_, T_colour_depth_time_, largest_step, features);
+        leave_out_straddling(frame_, calibration_, T_colour_depth_time_, {largest_step, 0}, features);
     EXPECT_EQ(left_out, features.features.empty() ? 1 : 0);
     return !features.features.empty();
   }
-  /// m on the box's front, `pixels` of the colour image beside its edge at x = 0.2.
+  /// m on the board, `pixels` of the colour image beside its edge at x = 0.2.
   Eigen::Vector3d beside_edge(double pixels, double y) const {
     return {0.2 + pixels * 1.5 / calibration_.colour.fx, y, 1.5};
   }
@@ -93,6 +93,27 @@ TEST_F(FeatureSupport, SaysNothingWhereThereIsNoDepth) {
   EXPECT_TRUE(kept(straddling));
   frame_.depth = cv::Mat();
   EXPECT_TRUE(kept(straddling));
+}
+
+TEST_F(FeatureSupport, WhereLittleElseIsSeenTheLargestStepsGoFirst) {
+  scene_.boxes.push_back({Eigen::Vector3d(-3, -3, 1.7), Eigen::Vector3d(-0.3, 3, 1.701)});  // a smaller step
+  look();
+  FeatureFrame features;
+  const Eigen::Vector3d on_wall(0, 0, 2), at_small_step(-0.31, 0, 1.7);
+  features.features = {feature(beside_edge(4, 0), 30), feature(on_wall, 20), feature(at_small_step, 30),
+                       feature(beside_edge(4, 0.1), 30), feature(on_wall, 20)};
+  const auto left = [&](int least) {
+    FeatureFrame all = features;
+    const int out = leave_out_straddling(frame_, calibration_, T_colour_depth_time_, {step, least}, all);
+    EXPECT_EQ(all.features.size() + static_cast<std::size_t>(out), 5U);
+    return all.features;
+  };
+  EXPECT_EQ(left(5).size(), 5U);
+  EXPECT_EQ(left(1).size(), 2U);
+  const auto three = left(3);
+  ASSERT_EQ(three.size(), 3U);
+  EXPECT_EQ(three[0].point, on_wall.cast<float>());
+  EXPECT_EQ(three[1].point, at_small_step.cast<float>()) << "in the order in which they were";
 }
 
 }  // namespace
