@@ -11,7 +11,7 @@ namespace lcmslam {
 
 struct FeatureSupportSettings {
   double largest_depth_step = 0.05;
-  int least_features = 400;
+  int least_features = 500;
 
   void describe(SettingsVisitor& s) {
     s.number("largest_depth_step", largest_depth_step, "", {0, 1000},

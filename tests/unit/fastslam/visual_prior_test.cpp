@@ -51,6 +51,7 @@ Outcome run(const synthetic::Drive& drive, const std::vector<Motion>& motions, b
   settings.planar = false;
   settings.translation_noise = settings.rotation_noise = 1e-6;  // the odometry's own noise is all of it
   settings.translation_noise_per_m = settings.rotation_noise_per_rad = settings.rotation_noise_per_m = 0;
+  settings.timing_sigma = 0;  // nor do this world's images have another moment than their stamps say
   settings.way_scale_sigma = settings.heading_scale_sigma = settings.heading_per_m_sigma = 0;
   FastSlam slam(settings);
   Outcome outcome;
