@@ -54,7 +54,7 @@ map-server: {page: {drive_channel: TELEOP, web: {port: ${port}}}}
       graph.kill("icp");
       await page.getByText("icp began anew").first().waitFor({ timeout: slow, state: "attached" });
       await picture(page, "graph_after_deaths");
-      const others = errors.filter((error) => !/WebSocket connection|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET/.test(error));
+      const others = errors.filter((error) => !/WebSocket connection|ERR_CONNECTION_(REFUSED|RESET)|ERR_INCOMPLETE_CHUNKED_ENCODING/.test(error));
       assert.deepEqual(others, [], "the page's console");
       await close();
     } finally {

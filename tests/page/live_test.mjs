@@ -44,7 +44,7 @@ export const tests = {
   },
 
   async "a server that goes and comes back is found again"(browser) {
-    const lost = /WebSocket connection|ERR_CONNECTION_(REFUSED|RESET)/;
+    const lost = /WebSocket connection|ERR_CONNECTION_(REFUSED|RESET)|ERR_INCOMPLETE_CHUNKED_ENCODING/;
     await withPage(browser, { allowed: lost, server: { story: false } }, async (page, server) => {
       for (const k of [0, 1]) for (const message of pointsOf(k, onTheRound(k / 30))) server.put(message);
       server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
