@@ -61,11 +61,13 @@ int leave_out_straddling(const RgbdFrame& frame, const RgbdCalibration& calibrat
   if (frame.depth.empty() || all.size() <= least) return 0;
   const Eigen::Isometry3d T_depth_colour = (T_colour_depth_time * calibration.T_colour_depth).inverse();
   const std::vector<double> steps = steps_around(frame, calibration, T_depth_colour, all);
-  // The largest that may stay, so that `least` do.
-  std::vector<double> sorted = steps;
-  const auto spared = sorted.begin() + static_cast<std::ptrdiff_t>(least) - 1;
-  if (least > 0) std::nth_element(sorted.begin(), spared, sorted.end());
-  const double limit = std::max(settings.largest_depth_step, least > 0 ? *spared : 0);
+  double limit = settings.largest_depth_step;
+  if (least > 0) {  // so many stay
+    std::vector<double> sorted = steps;
+    const auto spared = sorted.begin() + static_cast<std::ptrdiff_t>(least) - 1;
+    std::nth_element(sorted.begin(), spared, sorted.end());
+    limit = std::max(limit, *spared);
+  }
   std::vector<Feature> kept;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (steps[i] <= limit) kept.push_back(all[i]);

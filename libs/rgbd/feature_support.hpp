@@ -16,8 +16,7 @@ struct FeatureSupportSettings {
   void describe(SettingsVisitor& s) {
     s.number("largest_depth_step", largest_depth_step, "", {0, 1000},
              "ratio: a feature beside which 1/z leaves the plane of its surface by more lies on an edge of "
-             "depth, moves "
-             "with the view, and is left out");
+             "depth, moves with the view, and is left out");
     s.number("least_features", least_features, "", {0, 5000},
              "of an image that are kept whatever lies beside them; those on the largest steps go first");
   }
