@@ -96,7 +96,7 @@ TEST_F(FeatureSupport, SaysNothingWhereThereIsNoDepth) {
 }
 
 TEST_F(FeatureSupport, WhereLittleElseIsSeenTheLargestStepsGoFirst) {
-  scene_.boxes.push_back({Eigen::Vector3d(-3, -3, 1.7), Eigen::Vector3d(-0.3, 3, 1.701)});  // a smaller step
+  scene_.boxes.emplace_back(Eigen::Vector3d(-3, -3, 1.7), Eigen::Vector3d(-0.3, 3, 1.701));  // a smaller step
   look();
   FeatureFrame features;
   const Eigen::Vector3d on_wall(0, 0, 2), at_small_step(-0.31, 0, 1.7);
