@@ -94,7 +94,7 @@ EnsembleVectors SensorError::of_point(const FeaturePoint& point, const FeatureFr
   // What is the camera's: depth, focal lengths, time.
   const Eigen::Matrix3d& R = frame.T_robot_camera.linear();
   const Eigen::Vector3d by_x = R.col(0) * R.col(0).dot(ray), by_y = R.col(1) * R.col(1).dot(ray);
-  const Eigen::Vector3d velocity = -twist.head<3>() - twist.tail<3>().cross(p);  // of a standing point
+  const Eigen::Vector3d velocity = point_velocity(p, twist);
   const auto row =
       static_cast<float>(frame.height > 0 ? feature.y / static_cast<float>(frame.height) - 0.5F : 0);
   error += systematic.cast<float>().lazyProduct(depth_wave(ray.norm()));

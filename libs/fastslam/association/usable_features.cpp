@@ -92,10 +92,6 @@ std::vector<FeaturePoint> usable_features(const FeatureFrame& frame, const FastS
 
 namespace {
 
-Eigen::Vector3d point_velocity(const Measurement& point, const Vector6d& twist) {
-  return -twist.head<3>() - twist.tail<3>().cross(point.value);
-}
-
 // How far away it is nobody knows: only what turning does to it, (x, y, 1) of the camera.
 Eigen::Vector3d bearing_velocity(const Measurement& bearing, const Vector6d& twist) {
   const Eigen::Vector3d ray(bearing.value.x(), bearing.value.y(), 1);
@@ -111,7 +107,7 @@ void widen_for_motion(const Vector6d& twist, double timing_sigma, std::vector<Fe
     Measurement& m = point.measurement;
     if (m.kind != MeasurementKind::point && m.kind != MeasurementKind::bearing) continue;
     const Eigen::Vector3d shift =
-        timing_sigma * (point.is_bearing() ? bearing_velocity(m, twist) : point_velocity(m, twist));
+        timing_sigma * (point.is_bearing() ? bearing_velocity(m, twist) : point_velocity(m.value, twist));
     m.covariance += shift * shift.transpose();
   }
 }

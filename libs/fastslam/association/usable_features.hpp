@@ -26,6 +26,11 @@ struct FeaturePoint {
 /// depend on the frame's.
 std::vector<FeaturePoint> usable_features(const FeatureFrame& frame, const FastSlamSettings& settings);
 
+/// m/s, robot frame: what a standing point seems to move by, seen from a robot of velocity `twist`.
+inline Eigen::Vector3d point_velocity(const Eigen::Vector3d& point, const Vector6d& twist) {
+  return -twist.head<3>() - twist.tail<3>().cross(point);
+}
+
 /// The moment at which a camera saw a feature is known to `timing_sigma` (s): exposures last, rows are read
 /// one after the other, depths have a clock of their own. By what a standing point seems to move meanwhile,
 /// seen from a robot of velocity `twist` (m/s, rad/s, body frame), its measurement is widened.

@@ -132,16 +132,16 @@ TEST(FastSlam, PlaceRecognitionClosesALoop) {
 }
 
 // The same world: what was mapped astray before the loop closed comes to where it is, without being asked.
-// (Of the first twelve seeds these four close it before they end.)
 TEST(FastSlam, AClosedLoopBendsTheMap) {
   WorldSettings world;
   world.landmarks = 2500;
-  for (const std::uint64_t seed : {1U, 3U, 4U, 5U}) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const auto points = synthetic::make_points(world, random);
     FastSlamSettings settings;
     settings.bend_closed_loops = true;
+    settings.timing_sigma = 0;          // this world's images have exact moments
     settings.remove_landmarks = false;  // astray, they would die in the end
     FastSlam slam(settings);
     std::vector<int> truth;
