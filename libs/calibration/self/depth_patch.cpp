@@ -47,7 +47,8 @@ std::optional<residuals::Patch> plane_around(const cv::Mat& inverse_depth, int u
   if (count < fewest * asked) return std::nullopt;
   A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
   const Eigen::Vector3d fit = A.topLeftCorner<3, 3>().ldlt().solve(b.head<3>());
-  if (!(fit(0) > 1e-3)) return std::nullopt;
+  const double middle = rim > 1 ? A.ldlt().solve(b)(0) : fit(0);  // things bulge: a plane lies behind them
+  if (!(fit(0) > 1e-3 && middle > 1e-3)) return std::nullopt;
 
   const double z = 1 / fit(0);
   const double sigma = noise.sigma(z), inverse_sigma = sigma * fit(0) * fit(0);
@@ -55,8 +56,7 @@ std::optional<residuals::Patch> plane_around(const cv::Mat& inverse_depth, int u
   const double slope = unit * std::hypot(fit(1) * camera.fx, fit(2) * camera.fy) * z;
   if (slope > steepest) return std::nullopt;
   // Of a full square the middles' difference has 1.6 sigma / sqrt(count).
-  if (rim > 1 && std::abs(A.ldlt().solve(b)(0) - fit(0)) > bent * 1.6 * inverse_sigma / std::sqrt(count))
-    return std::nullopt;
+  if (std::abs(middle - fit(0)) > bent * 1.6 * inverse_sigma / std::sqrt(count)) return std::nullopt;
   int far = 0;
   for (int dv = -rim; dv <= rim; dv += step) {
     const auto* row = inverse_depth.ptr<float>(v + dv);
@@ -69,7 +69,7 @@ std::optional<residuals::Patch> plane_around(const cv::Mat& inverse_depth, int u
   if (far > outliers * count) return std::nullopt;
   residuals::Patch patch;
   patch.u = u, patch.v = v;
-  patch.inverse = fit(0), patch.along_u = unit * fit(1), patch.along_v = unit * fit(2);
+  patch.inverse = middle, patch.along_u = unit * fit(1), patch.along_v = unit * fit(2);
   patch.sigma = sigma;
   return patch;
 }

@@ -48,6 +48,22 @@ TEST(DepthPatch, TakesTheWidestPlane) {
   EXPECT_LT(worst, 2e-5);
 }
 
+// A bend that its noise hides in one patch does not lean the mean of many.
+TEST(DepthPatch, ABulgesMiddleIsNotBehindIt) {
+  constexpr double top = 0.6, behind = 3e-4;  // 1/m, by which the plane of 37 x 37 pixels would lie off
+  const double bend = behind / (2 * 18 * 19 / 3.0);
+  const auto bulge = [&](int u, int v) { return top - bend * (std::pow(u - 150, 2) + std::pow(v - 111, 2)); };
+  double sum = 0;
+  constexpr int seeds = 40;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const auto patch = depth_patch(seen(bulge, seed), wall_middle, camera(), {});
+    ASSERT_TRUE(patch) << seed;
+    EXPECT_NEAR(patch->along_u, 0, 5e-5);
+    sum += patch->inverse - top;
+  }
+  EXPECT_NEAR(sum / seeds, 0, behind / 4);
+}
+
 TEST(DepthPatch, StaysOnItsSideOfAnEdge) {
   const auto before_a_door = [](int u, int v) { return u < 160 ? wall(u, v) : 0.3; };
   const auto patch = depth_patch(seen(before_a_door, 3), wall_middle, camera(), {});
