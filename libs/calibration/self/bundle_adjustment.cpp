@@ -8,6 +8,8 @@
 namespace lcmslam {
 namespace {
 
+constexpr double come_and_go = 0.02;  // of the sightings; what compares others has not converged
+
 bool differ(const HeadNumbers& a, const HeadNumbers& b, const HeadNumbers& by) {
   for (std::size_t i = 0; i < a.size(); ++i)
     if (std::abs(a[i] - b[i]) > by[i]) return true;
@@ -47,8 +49,9 @@ BundleResult adjust_bundle(HeadModel& model, SceneObservations& scene, const Cal
     const HeadNumbers before = model.values;
     BundleProblem(state, seen, told, settings).solve();
     state.take_over();
-    moves = differ(model.values, before, still);
+    const int compared = seen.pixels;
     seen = compare(state, settings, &seen);
+    moves = differ(model.values, before, still) || std::abs(seen.pixels - compared) > come_and_go * compared;
   }
   result.pixels = seen.pixels;
   result.depths = seen.depths;

@@ -5,9 +5,15 @@
 namespace lcmslam {
 namespace {
 
-/// Keyframes as they were adjusted; each landmark goes with the one that its texture is taken from.
+/// Keyframes and landmarks as they were adjusted. One that was compared to nothing goes with the keyframe
+/// that its texture is taken from.
 void move_to(const SceneObservations& adjusted, SceneObservations& scene) {
-  for (SightedLandmark& landmark : scene.landmarks) {
+  for (std::size_t i = 0; i < scene.landmarks.size(); ++i) {
+    SightedLandmark& landmark = scene.landmarks[i];
+    if (adjusted.landmarks[i].point != landmark.point) {
+      landmark.point = adjusted.landmarks[i].point;
+      continue;
+    }
     const auto k = static_cast<std::size_t>(landmark.sightings[landmark.sightings.size() / 2].keyframe);
     landmark.point =
         adjusted.keyframes[k].T_world_camera * (scene.keyframes[k].T_world_camera.inverse() * landmark.point);
