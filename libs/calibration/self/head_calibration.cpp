@@ -3,11 +3,8 @@
 #include <lcmslam/calibration/self/aligned_sightings.hpp>
 
 namespace lcmslam {
-namespace {
 
-/// Keyframes and landmarks as they were adjusted. One that was compared to nothing goes with the keyframe
-/// that its texture is taken from.
-void move_to(const SceneObservations& adjusted, SceneObservations& scene) {
+void continue_at(const SceneObservations& adjusted, SceneObservations& scene) {
   for (std::size_t i = 0; i < scene.landmarks.size(); ++i) {
     SightedLandmark& landmark = scene.landmarks[i];
     if (adjusted.landmarks[i].point != landmark.point) {
@@ -22,14 +19,12 @@ void move_to(const SceneObservations& adjusted, SceneObservations& scene) {
     scene.keyframes[k].T_world_camera = adjusted.keyframes[k].T_world_camera;
 }
 
-}  // namespace
-
 BundleResult calibrate_head(HeadModel& model, SceneObservations& scene, const CalibrationPriors& priors,
                             const BundleSettings& settings) {
   SceneObservations tracked = scene;
   align_sightings(scene, model.calibration());
   const int rounds = adjust_bundle(model, scene, priors, settings).rounds;
-  move_to(scene, tracked);
+  continue_at(scene, tracked);
   scene = std::move(tracked);
   align_sightings(scene, model.calibration());
   BundleResult result = adjust_bundle(model, scene, priors, settings);
