@@ -1,5 +1,6 @@
 #include <lcmslam/calibration/self/aligned_sightings.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <lcmslam/calibration/self/depth_patch.hpp>
@@ -88,10 +89,13 @@ void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyfra
 }
 
 void align_sightings(SceneObservations& scene, const RgbdCalibration& head) {
-  for (SightedLandmark& landmark : scene.landmarks) {
-    align_sightings(landmark, scene.keyframes, head);
-    if (landmark.sightings.size() < LandmarkTracks::fewest_sightings) landmark.sightings.clear();
-  }
+  auto& landmarks = scene.landmarks;
+  for (SightedLandmark& landmark : landmarks) align_sightings(landmark, scene.keyframes, head);
+  landmarks.erase(std::remove_if(landmarks.begin(), landmarks.end(),
+                                 [](const auto& landmark) {
+                                   return landmark.sightings.size() < LandmarkTracks::fewest_sightings;
+                                 }),
+                  landmarks.end());
 }
 
 }  // namespace lcmslam

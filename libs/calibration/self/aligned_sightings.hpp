@@ -12,7 +12,7 @@ namespace lcmslam {
 void align_sightings(SightedLandmark& landmark, const std::vector<ObservedKeyframe>& keyframes,
                      const RgbdCalibration& head);
 
-/// Each landmark so; those that too few sightings are left of keep none.
+/// Each landmark so; those that too few sightings are left of leave.
 void align_sightings(SceneObservations& scene, const RgbdCalibration& head);
 
 }  // namespace lcmslam

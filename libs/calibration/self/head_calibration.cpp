@@ -4,16 +4,12 @@
 
 namespace lcmslam {
 
-void continue_at(const SceneObservations& adjusted, SceneObservations& scene) {
-  for (std::size_t i = 0; i < scene.landmarks.size(); ++i) {
-    SightedLandmark& landmark = scene.landmarks[i];
-    if (adjusted.landmarks[i].point != landmark.point) {
-      landmark.point = adjusted.landmarks[i].point;
-      continue;
-    }
-    const auto k = static_cast<std::size_t>(landmark.sightings[landmark.sightings.size() / 2].keyframe);
-    landmark.point =
-        adjusted.keyframes[k].T_world_camera * (scene.keyframes[k].T_world_camera.inverse() * landmark.point);
+void continue_at(const SceneObservations& adjusted, const RgbdCalibration& head, SceneObservations& scene) {
+  for (SightedLandmark& landmark : scene.landmarks) {
+    const LandmarkSighting& sighting = landmark.sightings[landmark.sightings.size() / 2];
+    const auto k = static_cast<std::size_t>(sighting.keyframe);
+    const double z = (scene.keyframes[k].T_world_camera.inverse() * landmark.point).z();
+    landmark.point = adjusted.keyframes[k].T_world_camera * (z * head.colour.ray(sighting.pixel));
   }
   for (std::size_t k = 0; k < scene.keyframes.size(); ++k)
     scene.keyframes[k].T_world_camera = adjusted.keyframes[k].T_world_camera;
@@ -24,7 +20,7 @@ BundleResult calibrate_head(HeadModel& model, SceneObservations& scene, const Ca
   SceneObservations tracked = scene;
   align_sightings(scene, model.calibration());
   const int rounds = adjust_bundle(model, scene, priors, settings).rounds;
-  continue_at(scene, tracked);
+  continue_at(scene, model.calibration(), tracked);
   scene = std::move(tracked);
   align_sightings(scene, model.calibration());
   BundleResult result = adjust_bundle(model, scene, priors, settings);

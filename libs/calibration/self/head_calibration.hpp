@@ -5,9 +5,9 @@
 
 namespace lcmslam {
 
-/// Puts the keyframes and landmarks of `scene` where `adjusted`, a copy of it, found them. A landmark that
-/// was compared to nothing stays where the keyframe saw it that its texture is taken from.
-void continue_at(const SceneObservations& adjusted, SceneObservations& scene);
+/// Puts the keyframes of `scene` where `adjusted`, a copy of it, found them, and each landmark on the ray of
+/// the pixel that its texture is taken from, as `head` has it, as deep as that keyframe first saw it.
+void continue_at(const SceneObservations& adjusted, const RgbdCalibration& head, SceneObservations& scene);
 
 /// Finds the textures of `scene`'s landmarks again in each image and adjusts all of it; then once more by the
 /// head that was found: one that is 1 degree off takes edges of depth for surfaces, and bends textures
