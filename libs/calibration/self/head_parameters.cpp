@@ -65,7 +65,7 @@ HeadNumbers unmodelled_sigmas(const RgbdCalibration& start) {
   s[head::cx] = s[head::cy] = 7e-4 * start.colour.fx;
   s[head::p1] = s[head::p2] = 1e-4;
   s[head::k1] = 1e-3, s[head::k2] = s[head::k3] = 3e-3;
-  for (const auto p : {head::tx, head::ty, head::tz}) s[p] = 8e-4;
+  for (const auto p : {head::tx, head::ty, head::tz}) s[p] = 5e-4;
   s[head::depth_offset] = 3e-4;
   for (const auto p : {head::rx, head::ry, head::rz}) s[p] = 7e-4;
   s[head::depth_scale] = 5e-4;
