@@ -49,6 +49,7 @@ Equations equations(const EnsembleObservation& seen, const Eigen::Isometry3d& T_
 
 ErrorEnsemble::ErrorEnsemble(const FastSlamSettings& settings)
     : planar_(settings.planar),
+      draw_share_(settings.draw_share),
       landmark_variance_(settings.minimum_landmark_sigma * settings.minimum_landmark_sigma),
       stream_(settings.seed, ensemble_stream) {}
 
@@ -102,7 +103,7 @@ void ErrorEnsemble::observe(const std::vector<EnsembleObservation>& accepted,
     pull += weighted.cast<float>().lazyProduct(told);
   }
   const Matrix6d covariance = information.llt().solve(Matrix6d::Identity());
-  robot_ = covariance.cast<float>().lazyProduct(pull) + drawn(covariance);
+  robot_ = covariance.cast<float>().lazyProduct(pull) + drawn(draw_share_ * covariance);
   for (std::size_t i = 0; i < accepted.size(); ++i) {
     const Equations& e = equations_of[i];
     EnsembleVectors& f = landmarks_[static_cast<std::size_t>(accepted[i].slot)];

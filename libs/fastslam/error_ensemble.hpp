@@ -12,10 +12,12 @@
 //   landmark   f <- f - K (G (f - J e) + v);   a new one:  f = J e - v    m_true = m + f, robot frame
 //
 // with v the errors of this member's sensor (sensor_error.hpp), q those of its odometry, and d the draw by
-// which particles differ. Mean squares over the members are covariances (Evensen 2003, "The Ensemble Kalman
-// Filter", has the statistics). So all correlations are there: the pose in the map's frame grows less certain
-// with the way into new ground, as a walk or steadily where the error is a systematic one, and is as good as
-// it was where old landmarks are seen again.
+// which particles differ, as far as weights do not choose among draws and the mean does not cancel them
+// (`draw_share`: of the variance that they told in a kitchen an eighth was seen). Mean squares over the
+// members are covariances (Evensen 2003, "The Ensemble Kalman Filter", has the statistics). So all
+// correlations are there: the pose in the map's frame grows less certain with the way into new ground, as a
+// walk or steadily where the error is a systematic one, and is as good as it was where old landmarks are seen
+// again.
 
 #include <Eigen/Core>
 #include <optional>
@@ -63,6 +65,7 @@ class ErrorEnsemble {
   Matrix6d restricted(const Matrix6d& covariance) const;
 
   bool planar_;
+  double draw_share_;
   double landmark_variance_;  // that the filter adds after each update
   Random stream_;
   Twists robot_ = Twists::Zero();

@@ -12,6 +12,7 @@ FastSlamSettings thesis_preset() {
   s.resampling = ResamplingScheme::multinomial;
   s.resample_fraction = 1;
   s.estimate = PoseEstimate::best;
+  s.draw_share = 1;  // the best particle errs by its own draws
   s.use_motion_covariance = false;
   s.translation_noise = 0.05;  // sigma_r of figure 2.1; its heading's noise is not given
   s.rotation_noise = 0.01;
@@ -62,6 +63,9 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
   s.number("shared_rotation_sigma", shared_rotation_sigma, "rad", {0, 10},
            "added in variance to the reported covariance: what nothing else tells");
 
+  s.number(
+      "draw_share", draw_share, "", {0, 1},
+      "of the variance by which particles are drawn, what their mean errs by: weights choose among draws");
   s.number("systematic_depth", systematic_depth, "", {0, 1},
            "part of a depth's stated sigma that is alike for all that lies at one range, always");
   s.number("view_share", view_share, "", {0, 1},

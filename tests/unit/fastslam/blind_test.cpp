@@ -80,7 +80,7 @@ TEST(CoveredCamera, StandsLostMapsNothingAndFindsBack) {
         EXPECT_LT((r.T_world_robot.translation() - T_last_seen.translation()).norm(), 0.01) << i;
         EXPECT_TRUE(r.status == TrackStatus::lost || (dark_for < 0.9 && r.status == TrackStatus::predicting))
             << i;
-        EXPECT_GE(r.covariance.trace(), sigma) << i;
+        EXPECT_GE(r.covariance.trace(), 0.999 * sigma) << i;  // a sample's
         EXPECT_EQ(slam.index().size(), landmarks) << i;
         sigma = r.covariance.trace();
         worst_nees = std::max(worst_nees, nees(r, step));

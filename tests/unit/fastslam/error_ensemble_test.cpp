@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include <lcmslam/fastslam/pose_space.hpp>
 
@@ -93,6 +94,24 @@ TEST_F(ErrorEnsembleTest, StaysInThePlaneUntilItIsLeft) {
   ensemble.move(standing(1e-4));
   EXPECT_NEAR(ensemble.pose()(2, 2), 1e-4, 0.5e-4);
   EXPECT_GT(ensemble.pose()(5, 5), 1.2e-4);
+}
+
+// With exact measurements of exact landmarks nothing but the draw errs.
+TEST_F(ErrorEnsembleTest, TellsItsShareOfTheDraws) {
+  const auto drawn = [&](double share) {
+    FastSlamSettings settings = planar();
+    settings.draw_share = share;
+    ErrorEnsemble ensemble(settings);
+    auto exact = look(slots(0, 5), here_);
+    for (EnsembleObservation& o : exact) o.error.setZero();
+    ensemble.create(exact, here_);
+    ensemble.observe(exact, here_, Matrix6d(1e-4 * Matrix6d::Identity()));
+    std::fill(looks_.begin(), looks_.end(), 0);
+    return ensemble.pose();
+  };
+  const Matrix6d whole = drawn(1), quarter = drawn(0.25);
+  EXPECT_GT(whole(0, 0), 1e-6);
+  EXPECT_TRUE(quarter.isApprox(0.25 * whole, 1e-4)) << quarter(0, 0) << " of " << whole(0, 0);
 }
 
 // New landmarks err as the pose and the measurement do.
