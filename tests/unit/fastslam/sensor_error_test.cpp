@@ -59,8 +59,7 @@ TEST_F(SensorErrorTest, IsAsLargeAsTheNoiseStates) {
 // Between two images: all of the depth's systematic part, for every landmark; the feature's own part as long
 // as the view is the same.
 TEST_F(SensorErrorTest, HoldsTogetherAsTold) {
-  FastSlamSettings settings = without_calibration_errors();
-  settings.systematic_depth = 0.6;
+  const FastSlamSettings settings = without_calibration_errors();
   double same_view = 0, other_view = 0, other_landmark = 0, own_same = 0, own_other = 0;
   SensorError errors(settings);
   constexpr int landmarks = 200;
