@@ -51,6 +51,7 @@ Outcome run(const synthetic::Drive& drive, const std::vector<Motion>& motions, b
   settings.planar = false;
   settings.translation_noise = settings.rotation_noise = 1e-6;  // the odometry's own noise is all of it
   settings.translation_noise_per_m = settings.rotation_noise_per_rad = settings.rotation_noise_per_m = 0;
+  settings.draw_share = 1;    // what is told twice is the prior's, and draws come from it
   settings.timing_sigma = 0;  // nor do this world's images have another moment than their stamps say
   settings.way_scale_sigma = settings.heading_scale_sigma = settings.heading_per_m_sigma = 0;
   FastSlam slam(settings);
@@ -97,7 +98,7 @@ TEST(VisualPrior, SaidToBeVisualItIsNotCountedTwice) {
   RecordProperty("nees_untold", std::to_string(median(untold)));
   RecordProperty("ate_told", std::to_string(median(error_told)));
   RecordProperty("ate_untold", std::to_string(median(error_untold)));
-  EXPECT_LT(median(told), 0.9 * median(untold));
+  EXPECT_LT(median(told), 0.8 * median(untold));
   EXPECT_LT(median(error_told), 1.05 * median(error_untold));
 }
 
