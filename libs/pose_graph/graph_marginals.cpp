@@ -19,17 +19,18 @@ void add(const Matrix6d& block, int row, int column, Entries& entries) {
     for (int c = 0; c < 6; ++c) entries.emplace_back(6 * (row - 1) + r, 6 * (column - 1) + c, block(r, c));
 }
 
-constexpr int of_edges = 2, of_mount = 6;  // columns of what is shared
+constexpr int of_edges = 3, of_mount = 6;  // columns of what is shared
 using EdgesShare = Eigen::Matrix<double, 6, of_edges>;
 
-// Too long and too far: Z_true = Z exp(b), a part of what Z measures, as the second pose's body has it.
-// A camera that contradicts itself by more also errs by more where it agrees with itself.
-EdgesShare shared_error(const GraphEdge& edge, const PoseGraphSettings& settings,
+// Too long, too far and too bent: Z_true = Z exp(b), a part of what Z measures, as the second pose's body has
+// it. A camera that contradicts itself by more also errs by more where it agrees with itself.
+EdgesShare shared_error(const GraphEdge& edge, const Eigen::Vector3d& up, const PoseGraphSettings& settings,
                         const ErrorFactors& factors) {
   const Eigen::Isometry3d& Z = edge.T_from_to.T;
   EdgesShare b = EdgesShare::Zero();
   b.block<3, 1>(0, 0) = factors.edges * settings.motion_scale * (Z.linear().transpose() * Z.translation());
   b.block<3, 1>(3, 1) = factors.edges * settings.turn_scale * se3_log(Z).tail<3>();
+  b.block<3, 1>(3, 2) = factors.edges * settings.curvature * Z.translation().norm() * up;
   return b;
 }
 
@@ -71,7 +72,7 @@ GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& set
     add(WJ, e.to, e.from, equations.H);
     add(WJ.transpose(), e.from, e.to, equations.H);
     add(W, e.to, e.to, equations.H);
-    const EdgesShare b = shared_error(e, settings, factors);
+    const EdgesShare b = shared_error(e, T_to.linear().transpose().col(2), settings, factors);
     add_shared(e.from, WJ.transpose() * b);
     add_shared(e.to, W * b);
   }

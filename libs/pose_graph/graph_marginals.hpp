@@ -31,7 +31,7 @@ class GraphMarginals {
  public:
   /// One column for one sigma of each error.
   struct Shared {
-    Eigen::Matrix<double, 6, 2> by_edges;
+    Eigen::Matrix<double, 6, 3> by_edges;
     Matrix6d by_mount;
   };
 

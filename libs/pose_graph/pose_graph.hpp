@@ -48,6 +48,7 @@ struct PoseGraphSettings {
   double ground_error = 0.2;
   double motion_scale = 0.0015;
   double turn_scale = 0.0015;
+  double curvature = 0.0003;
   double stated_measurements = 5;
 
   void describe(SettingsVisitor& s) {
@@ -76,6 +77,10 @@ struct PoseGraphSettings {
              "standard deviation of a ratio by which all edges measure too large or too small turns; for the "
              "poses' "
              "covariances");
+    s.number("curvature", curvature, "rad/m", {0, 1},
+             "standard deviation of a turn about the vertical by which all edges bend straight ways alike; "
+             "for the "
+             "poses' covariances");
     s.number("stated_measurements", stated_measurements, "", {0.1, 1e6},
              "edges, and poses on the ground, as many as the two errors above count for beside what the "
              "graph's measurements contradict each other by: what edges and ground err by follows from both");

@@ -27,7 +27,7 @@ Vector6d sigmas() {
 PoseGraphSettings plain_settings() {
   PoseGraphSettings settings;
   settings.edge_error = settings.ground_error = 1;
-  settings.motion_scale = settings.turn_scale = 0;
+  settings.motion_scale = settings.turn_scale = settings.curvature = 0;
   settings.kernel_width = settings.max_error = 1e6;
   settings.stated_measurements = 0.1;
   return settings;

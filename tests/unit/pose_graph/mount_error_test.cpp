@@ -66,7 +66,7 @@ Matrix6d step_covariance() {
 PoseGraphSettings least_squares() {
   PoseGraphSettings s;
   s.edge_error = s.ground_error = 1;
-  s.motion_scale = s.turn_scale = 0;
+  s.motion_scale = s.turn_scale = s.curvature = 0;
   s.kernel_width = s.max_error = 1e6;
   return s;
 }

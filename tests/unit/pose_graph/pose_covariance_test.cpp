@@ -33,7 +33,7 @@ Vector6d edge_noise(Random& random) {
 PoseGraphSettings exact_settings() {
   PoseGraphSettings settings;
   settings.edge_error = 1;
-  settings.motion_scale = settings.turn_scale = 0;
+  settings.motion_scale = settings.turn_scale = settings.curvature = 0;
   settings.kernel_width = 1e6;  // plain least squares: what the covariances are of
   settings.max_error = 1e6;
   return settings;
@@ -130,11 +130,13 @@ TEST(PoseCovariance, IsWhatOptimisedPosesErrBy) {
   EXPECT_NEAR(sum / count, 6, 0.9);  // 180 chi squares of 6, those of one seed correlated: sigma below 0.45
 }
 
-// Every edge of a drive measures ways too long by one ratio and turns too far by another.
+// Every edge of a drive measures ways too long by one ratio, turns too far by another, and bends straight
+// ways.
 TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
   PoseGraphSettings settings = exact_settings();
   settings.motion_scale = 0.01;
   settings.turn_scale = 0.02;
+  settings.curvature = 0.02;
   constexpr int seeds = 150;
   double sum = 0, alone = 0;
   int count = 0;
@@ -142,11 +144,14 @@ TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
     Round round(seed);
     Random random(seed, 7);
     const double longer = random.normal(0, settings.motion_scale),
-                 farther = random.normal(0, settings.turn_scale);
+                 farther = random.normal(0, settings.turn_scale), bent = random.normal(0, settings.curvature);
     for (GraphEdge& e : round.graph.edges) {
+      const Eigen::Isometry3d& T_to = round.truth[static_cast<std::size_t>(e.to)];
       Vector6d motion = se3_log(e.T_from_to.T);
       motion.head<3>() = e.T_from_to.T.linear().transpose() * e.T_from_to.T.translation() * longer;
-      motion.tail<3>() *= farther;
+      motion.tail<3>() =
+          farther * motion.tail<3>() +
+          bent * e.T_from_to.T.translation().norm() * (T_to.linear().transpose() * Eigen::Vector3d::UnitZ());
       e.T_from_to.T = e.T_from_to.T * se3_exp(motion);
     }
     optimise(round.graph, settings);
@@ -177,6 +182,7 @@ TEST(PoseCovariance, EdgesThatErrAlikeCountAsOne) {
   PoseGraphSettings settings = exact_settings();
   settings.motion_scale = 0.01;
   settings.turn_scale = 0.02;
+  settings.curvature = 0.02;
   Round round(1);
   Vector6d mount;
   mount << 0.01, 0.01, 0.01, 0.02, 0.02, 0.02;
