@@ -23,7 +23,8 @@ constexpr int of_edges = 3, of_mount = 6;  // columns of what is shared
 using EdgesShare = Eigen::Matrix<double, 6, of_edges>;
 
 // Too long, too far and too bent: Z_true = Z exp(b), a part of what Z measures, as the second pose's body has
-// it. A camera that contradicts itself by more also errs by more where it agrees with itself.
+// it (`up`: the vertical in that body). A camera that contradicts itself by more also errs by more where it
+// agrees with itself.
 EdgesShare shared_error(const GraphEdge& edge, const Eigen::Vector3d& up, const PoseGraphSettings& settings,
                         const ErrorFactors& factors) {
   const Eigen::Isometry3d& Z = edge.T_from_to.T;
