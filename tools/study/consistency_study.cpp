@@ -150,23 +150,29 @@ std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRu
     score.runs = static_cast<int>(members.size());
     std::size_t seconds = 0;
     std::vector<double> all;
+    std::array<double, 6> having{};  // poses
     for (const ConsistencyRun* run : members) {
-      score.components = std::max(run == members.front() ? 0 : score.components, run->components);
+      score.components += run->components;
       seconds = std::max(seconds, run->nees.size());
       all.insert(all.end(), run->all.begin(), run->all.end());
       score.poses += run->all.size();
       const auto poses = static_cast<double>(run->all.size());
       score.within_whitened += poses * run->within_whitened;
       for (std::size_t i = 0; i < 6; ++i) {
+        if (run->ratio_rms[i] > 0) having[i] += poses;
         score.within[i] += poses * run->within[i];
-        score.ratio_rms[i] += run->ratio_rms[i] * run->ratio_rms[i] / score.runs;
-        score.error_rms[i] += run->error_rms[i] * run->error_rms[i] / score.runs;
+        score.ratio_rms[i] += poses * run->ratio_rms[i] * run->ratio_rms[i];
+        score.error_rms[i] += poses * run->error_rms[i] * run->error_rms[i];
       }
     }
-    for (auto* squares : {&score.ratio_rms, &score.error_rms})
-      for (double& square : *squares) square = std::sqrt(square);
+    score.components /= score.runs;
     const auto poses = static_cast<double>(std::max<std::size_t>(1, score.poses));
-    for (double& share : score.within) share /= poses;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double count = std::max(1., having[i]);
+      score.within[i] /= count;
+      score.ratio_rms[i] = std::sqrt(score.ratio_rms[i] / count);
+      score.error_rms[i] = std::sqrt(score.error_rms[i] / count);
+    }
     score.within_whitened /= poses;
     const double d = score.components, n = score.runs;
     score.low = chi_square_quantile(n * d, -1.96) / n;
@@ -220,16 +226,17 @@ std::string consistency_table(const std::vector<ConsistencyScore>& scores) {
   Table table({"scene", "channel", "runs", "honest", "95 % band", "median", "mean", "inside %", "above %",
                "> 3x %", "error/sigma x", "y", "z", "roll", "pitch", "yaw", "error mm", "mrad"});
   for (const ConsistencyScore& s : scores) {
-    std::vector<std::string> row = {s.scene,
-                                    s.channel,
-                                    std::to_string(s.runs),
-                                    std::to_string(s.components),
-                                    fixed_number(s.low, 1) + ".." + fixed_number(s.high, 1),
-                                    fixed_number(s.median, 1),
-                                    fixed_number(s.mean, 1),
-                                    fixed_number(100 * s.inside, 0),
-                                    fixed_number(100 * s.above, 0),
-                                    fixed_number(100 * s.far_above, 0)};
+    std::vector<std::string> row = {
+        s.scene,
+        s.channel,
+        std::to_string(s.runs),
+        fixed_number(s.components, s.components == std::round(s.components) ? 0 : 1),
+        fixed_number(s.low, 1) + ".." + fixed_number(s.high, 1),
+        fixed_number(s.median, 1),
+        fixed_number(s.mean, 1),
+        fixed_number(100 * s.inside, 0),
+        fixed_number(100 * s.above, 0),
+        fixed_number(100 * s.far_above, 0)};
     for (const double ratio : s.ratio_rms) row.push_back(ratio > 0 ? fixed_number(ratio, 2) : "-");
     const auto& e = s.error_rms;
     row.push_back(fixed_number(1e3 * std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]), 1));

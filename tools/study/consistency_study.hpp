@@ -39,13 +39,14 @@ struct ConsistencyRun {
 /// Several runs of one scene together.
 struct ConsistencyScore {
   std::string scene, channel;
-  int components = 6, runs = 0;
+  int runs = 0;
+  double components = 0;         ///< NEES when honest: the runs' mean, as one may leave the plane
   double low = 0, high = 0;      ///< 95 % band of the mean of so many runs
   double inside = 0, above = 0;  ///< share of the seconds
   double far_above = 0;          ///< share of the seconds whose mean is more than three times its expectation
   double mean = 0, median = 0;   ///< of all poses' NEES
   std::array<double, 6> ratio_rms{}, error_rms{};
-  std::array<double, 6> within{};  ///< of all poses, likewise
+  std::array<double, 6> within{};  ///< of all poses that have the component, likewise
   double within_whitened = 0;
   std::size_t poses = 0;
 };

@@ -70,6 +70,21 @@ TEST(ConsistencyStudy, AnHonestMapperIsInsideTheBand) {
   }
 }
 
+// A filter of the plane may leave it in one drive: each is measured by its own number of components.
+TEST(ConsistencyStudy, DrivesInThePlaneAndOutOfItAreHonestTogether) {
+  std::vector<ConsistencyRun> drives;
+  for (int i = 1; i <= honest_runs; ++i)
+    drives.push_back(simulated_drive(static_cast<std::uint64_t>(i), 1, i <= honest_runs / 2 ? 3 : 6));
+  const ConsistencyScore mixed = consistency_scores(drives).at(0);
+  EXPECT_DOUBLE_EQ(mixed.components, 4.5);
+  EXPECT_NEAR(mixed.mean, 4.5, 0.45);
+  EXPECT_NEAR(mixed.inside, 0.95, 0.035);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(mixed.within[i], 0.9973, 0.003) << i;
+    EXPECT_NEAR(mixed.ratio_rms[i], 1, 0.05) << i;
+  }
+}
+
 // 2 Phi(3) - 1; of 24000 errors the share scatters by 0.03 %, and by 0.09 % of one component's 4000.
 TEST(ConsistencyStudy, OfHonestErrorsThoseOfTheTablesAreWithinThreeSigmas) {
   for (const int components : {3, 6}) {
