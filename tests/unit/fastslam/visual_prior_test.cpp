@@ -78,7 +78,8 @@ double median(std::vector<double> values) {
 
 TEST(VisualPrior, SaidToBeVisualItIsNotCountedTwice) {
   std::vector<double> told, untold, error_told, error_untold;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  constexpr std::uint64_t drives = 11;  // the medians' ratio is that of 25, 0.66; of fewer 0.58 to 0.81
+  for (std::uint64_t seed = 1; seed <= drives; ++seed) {
     synthetic::WorldSettings world;
     world.frames = 150;
     world.full_motion = true;
