@@ -150,7 +150,7 @@ std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRu
     score.runs = static_cast<int>(members.size());
     std::size_t seconds = 0;
     std::vector<double> all;
-    std::array<double, 6> having{};  // poses
+    std::array<double, 6> having{};  // poses that have the component
     for (const ConsistencyRun* run : members) {
       score.components += run->components;
       seconds = std::max(seconds, run->nees.size());
