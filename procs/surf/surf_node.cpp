@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include <lcmslam/configuration/read_settings.hpp>
@@ -17,6 +18,18 @@ namespace {
 // Whether images fit the calibration is looked at in the first frames, some way apart, and said early.
 constexpr int looked_at = 12, enough_to_say = 4, motions_looked_at = 60;
 constexpr Utime look_period = 1'000'000;  // us
+
+/// Full of blobs, before a wall.
+RgbdFrame any_frame(const RgbdCalibration& calibration) {
+  const CameraModel& colour = calibration.colour;
+  constexpr int blob = 8;  // pixels
+  cv::Mat noise(1 + colour.height / blob, 1 + colour.width / blob, CV_8UC3);
+  cv::RNG(1).fill(noise, cv::RNG::UNIFORM, 0, 256);
+  RgbdFrame frame;
+  cv::resize(noise, frame.colour, {colour.width, colour.height}, 0, 0, cv::INTER_CUBIC);
+  frame.depth = cv::Mat(calibration.depth.height, calibration.depth.width, CV_16UC1, cv::Scalar(1500));
+  return frame;
+}
 
 }  // namespace
 
@@ -66,7 +79,17 @@ void SurfNode::on_calibration(const camera_calibration_t& message) {
   doubt_.clear();
   motion_doubt_.clear();
   calibration_message_ = message;
-  if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
+  if (uncalibrated_)
+    on_camera(*std::exchange(uncalibrated_, std::nullopt));
+  else
+    warm_up();
+}
+
+// The first image makes buffers and threads and takes as long as ten others, and those that come meanwhile
+// would be skipped: while none waits, one that says nothing goes before it.
+void SurfNode::warm_up() {
+  describe_frame(any_frame(registration_->calibration()), *registration_, Eigen::Isometry3d::Identity(),
+                 surf_);
 }
 
 // Another sender's path begins elsewhere.
@@ -108,6 +131,7 @@ void SurfNode::look_at(const FeatureFrame& frame) {
 }
 
 void SurfNode::look_at(const RgbdFrame& frame) {
+  if (frames_ == 1) looked_ = frame.utime;  // it has taken long enough
   const bool due = frame.utime < looked_ || frame.utime - looked_ >= look_period;
   if (!plausibility_ || !due) return;
   looked_ = frame.utime;

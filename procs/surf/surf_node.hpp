@@ -34,6 +34,7 @@ class SurfNode : public Node {
   void on_camera(const images_t& message);
   void on_calibration(const camera_calibration_t& message);
   void on_odometry(const odometry_t& message);
+  void warm_up();
   bool too_soon(Utime utime);
   FeatureFrame describe(const RgbdFrame& frame);
   Eigen::Isometry3d motion_between_shots(const RgbdFrame& frame) const;

@@ -1,50 +1,8 @@
-// A program of its own, because it counts every call of malloc: operator new and OpenCV's matrices too.
 #include <gtest/gtest.h>
-
-#include <malloc.h>
-#include <atomic>
-#include <cerrno>
-#include <cstdlib>
 
 #include <lcmslam/surf/surf.hpp>
 #include "tests/unit/surf/blob_scene.hpp"
-
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
-#define LCMSLAM_COUNTS_MALLOC
-
-namespace {
-std::atomic<int> allocations{0};
-}
-
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-
-void* malloc(std::size_t size) {
-  ++allocations;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  ++allocations;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* memory, std::size_t size) {
-  ++allocations;
-  return __libc_realloc(memory, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocations;
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-  ++allocations;
-  *memory = __libc_memalign(alignment, size);
-  return *memory || size == 0 ? 0 : ENOMEM;
-}
-}
-#endif
+#include "tests/unit/surf_allocation/malloc_count.hpp"
 
 namespace lcmslam {
 namespace {
@@ -54,11 +12,11 @@ TEST(SurfAllocation, NoneAFrameAfterTheFirstOnes) {
   GTEST_SKIP() << "the sanitizer's malloc cannot be counted";
 #else
   {
-    const int before = allocations;
+    const long before = testing::malloc_calls();
     const cv::Mat matrix(100, 100, CV_8U);
     auto* volatile number = new int(3);
     delete number;
-    ASSERT_GE(allocations - before, 2) << "the counter does not count";
+    ASSERT_GE(testing::malloc_calls() - before, 2) << "the counter does not count";
   }
   // What the threads' scheduler takes for its tasks is not SURF's: one thread.
   const int threads = cv::getNumThreads();
@@ -78,9 +36,9 @@ TEST(SurfAllocation, NoneAFrameAfterTheFirstOnes) {
     const cv::Mat mask(480, 640, CV_8UC1, cv::Scalar(1));
     for (const cv::Mat& image : images) surf.detectAndCompute(image, mask, keypoints, descriptors);
     ASSERT_EQ(keypoints.size(), 300u);
-    const int before = allocations;
+    const long before = testing::malloc_calls();
     for (const cv::Mat& image : images) surf.detectAndCompute(image, mask, keypoints, descriptors);
-    EXPECT_EQ(allocations - before, 0) << (extended ? "extended" : "64-D");
+    EXPECT_EQ(testing::malloc_calls() - before, 0) << (extended ? "extended" : "64-D");
     ASSERT_EQ(descriptors.rows, 300);
   }
   cv::setNumThreads(threads);
