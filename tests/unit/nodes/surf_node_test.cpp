@@ -46,6 +46,20 @@ TEST_F(SurfNodeTest, FrameWaitsForTheCalibrationAndThenGivesFeatures) {
   EXPECT_EQ(bus_.count("FEATURES"), 1U);
 }
 
+TEST_F(SurfNodeTest, WarmingUpIsNotSeenInTheFeatures) {
+  testing::TestBus waiting;  // its image was there first
+  waiting.add<SurfNode>();
+  waiting.deliver("CAMERA", kitchen_.frame(0));
+  waiting.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  EXPECT_EQ(bus_.count("FEATURES"), 0U);
+  bus_.deliver("CAMERA", kitchen_.frame(0));
+  const auto expected = waiting.on<features_t>("FEATURES"), found = bus_.on<features_t>("FEATURES");
+  ASSERT_EQ(expected.size(), 1U);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(encode_message(found[0]), encode_message(expected[0]));
+}
+
 TEST_F(SurfNodeTest, SecondCameraIsLeftOutWithItsCalibration) {
   bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
   bus_.deliver("CAMERA", kitchen_.frame(0));

@@ -10,7 +10,7 @@ std::atomic<long> calls{0}, bytes{0};
 
 }  // namespace
 
-#ifdef LCMSLAM_COUNTS_MALLOC
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
 namespace {
 
 void count(std::size_t size) {
