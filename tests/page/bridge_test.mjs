@@ -42,26 +42,50 @@ map-server: {page: {web: {port: ${port}}}}
 /** Two machines' buses. */
 const otherBus = { LCM_DEFAULT_URL: `udpm://239.255.76.68:${30000 + Math.floor(10000 * Math.random())}?ttl=0&recv_buf_size=2097152` };
 
-/** Places of both mappers a second at the operator's page, and how much later they are there than at the robot's: ms, ascending. */
+const mappers = ["icp", "fastslam"];
+
+/** What a page has shown of each mapper: its different places. */
+class Places {
+  clear() {
+    this.seen = mappers.map(() => new Set());
+  }
+  add(poses) {
+    mappers.forEach((mapper, i) => poses[mapper] && this.seen[i].add(JSON.stringify(poses[mapper].T)));
+  }
+  rates(seconds) {
+    return this.seen.map((places) => places.size / seconds);
+  }
+}
+
+/**
+ * Places a second of each mapper at the robot's page, `told`, and at the operator's, `rates`; and how much later they are there:
+ * ms, ascending.
+ */
 async function watchPoses(robot, operator) {
-  const there = [], ages = [], places = { icp: new Set(), fastslam: new Set() };
-  const near = watchBoard(robot.address, robot.port, ({ channel, utime }) => channel === "poses" && there.push([utime, performance.now()]));
+  const there = [], ages = [], nearPlaces = new Places(), farPlaces = new Places();
+  const clear = () => [nearPlaces, farPlaces].forEach((places) => places.clear());
+  clear();
+  const near = watchBoard(robot.address, robot.port, ({ channel, utime, ...poses }) => {
+    if (channel !== "poses") return;
+    nearPlaces.add(poses);
+    there.push([utime, performance.now()]);
+  });
   near.on("open", () => near.send(JSON.stringify({ want: [] })));
   const far = watchBoard(operator.address, operator.port, ({ channel, utime, ...poses }) => {
     if (channel !== "poses") return;
-    for (const [mapper, seen] of Object.entries(places)) if (poses[mapper]) seen.add(JSON.stringify(poses[mapper].T));
+    farPlaces.add(poses);
     const first = there.find(([known]) => known >= utime); // the robot's page knows wheels, too, and is ahead by them
     if (first) ages.push(performance.now() - first[1]);
   });
   await until(() => ages.length > 0, "a pose at the operator's", slow);
   ages.length = 0;
-  for (const seen of Object.values(places)) seen.clear();
+  clear();
   const begin = performance.now();
   await until(() => performance.now() - begin > watched, "the time to watch", 2 * watched);
   const seconds = (performance.now() - begin) / 1000;
   near.close();
   far.close();
-  return { rates: Object.values(places).map((seen) => seen.size / seconds), ages: ages.sort((a, b) => a - b) };
+  return { told: nearPlaces.rates(seconds), rates: farPlaces.rates(seconds), ages: ages.sort((a, b) => a - b) };
 }
 
 export const tests = {
@@ -78,11 +102,13 @@ export const tests = {
         return now?.points > 0 && now.landmarks > 0 ? now : null;
       }, "both maps", slow);
 
-      const { rates, ages } = await watchPoses(robot, operator);
+      const { told, rates, ages } = await watchPoses(robot, operator);
       const [median, late] = [0.5, 0.95].map((share) => ages[Math.floor(share * ages.length)]);
-      measured("poses at the operator's page", `${rates.map((rate) => rate.toFixed(1)).join(" and ")} a second (icp, fastslam), ${median?.toFixed(0)} ms old, 95 % within ${late?.toFixed(0)} ms; ` +
+      const perSecond = (some) => some.map((rate) => rate.toFixed(1)).join(" and ");
+      measured("poses at the operator's page", `${perSecond(rates)} a second of the robot's ${perSecond(told)} (${mappers.join(", ")}), ${median?.toFixed(0)} ms old, 95 % within ${late?.toFixed(0)} ms; ` +
         `${link.lost} packets were lost`);
-      assert.ok(Math.min(...rates) > 3, `${rates} poses a second`); // of 5
+      // How many the robot's mappers tell is a matter of the machine: 5 a second at most.
+      rates.forEach((rate, i) => assert.ok(told[i] > 0 && rate > 0.6 * told[i], `${mappers[i]}: ${rate} poses a second of ${told[i]}`));
       assert.ok(median < 1000 && late < 2000, `poses are ${median} ms old, 95 % within ${late} ms`);
       assert.ok(link.lost > 0, "the link was good");
 
