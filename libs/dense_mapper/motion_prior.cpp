@@ -16,6 +16,19 @@ Vector6d squares(double translation, double rotation) {
   return v;
 }
 
+// The floor of a step lies along the ground as odometry's own error does: a base whose tyres hold it sideways
+// slips along its way. A tenth of it is there on each axis, whatever odometry says.
+Matrix6d floor_of_step(const Matrix6d& odometry, const MotionPriorSettings& settings) {
+  constexpr double least = 0.1;
+  Matrix6d floor = squares(settings.floor_translation, settings.floor_rotation).asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(odometry.topLeftCorner<2, 2>());
+  const Eigen::Vector2d variances = axes.eigenvalues();  // ascending
+  if (variances[1] <= 0) return floor;
+  const Eigen::Vector2d shares = (variances / variances[1]).cwiseMax(least * least);
+  floor.topLeftCorner<2, 2>() *= axes.eigenvectors() * shares.asDiagonal() * axes.eigenvectors().transpose();
+  return floor;
+}
+
 bool is_usable(const std::optional<Motion>& motion) {
   return motion && motion->T_from_to.matrix().allFinite() && motion->covariance.allFinite();
 }
@@ -30,13 +43,13 @@ Matrix6d carried_along(const Matrix6d& covariance, const Motion& motion) {
 
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift,
-              Floor floor) {
+              Floor floor, const Matrix6d& unseen) {
   Prior prior;
   Matrix6d covariance = Matrix6d::Zero();
   if (is_usable(motion)) {
     prior.T_target_source = T_world_last * motion->T_from_to;
-    covariance = motion->covariance;
-    covariance.diagonal() += squares(settings.floor_translation, settings.floor_rotation);
+    covariance =
+        motion->covariance + floor_of_step(motion->covariance, settings) + carried_along(unseen, *motion);
   } else {
     prior.T_target_source = T_world_last * free_motion;
     covariance.diagonal() = squares(settings.free_translation, settings.free_rotation);
@@ -66,10 +79,8 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
 
 Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion, Floor floor) const {
   const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, longest_velocity);
-  std::optional<Motion> since_found = motion;
-  if (is_usable(motion)) since_found->covariance += carried_along(unseen_, *motion);
-  return lcmslam::predict(T_world_last_, since_found, se3_exp(seconds * velocity_), settings_, adrift_,
-                          floor);
+  return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_, adrift_, floor,
+                          unseen_);
 }
 
 void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion) {

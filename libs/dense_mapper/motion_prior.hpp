@@ -23,7 +23,7 @@ struct MotionPriorSettings {
   void describe(SettingsVisitor& s) {
     s.number("floor_translation", floor_translation, "m", {0, 1000},
              "noise floor of a step, added (squared) to odometry's covariance: wheels slip by more than they "
-             "state");
+             "state; less where odometry is surer than along its way, a tenth at least");
     s.number("floor_rotation", floor_rotation, "rad", {0, 3.1416},
              "noise floor of a step, added (squared) to odometry's covariance");
     s.number("free_translation", free_translation, "m", {0, 1000},
@@ -35,10 +35,10 @@ struct MotionPriorSettings {
 
 /// Prior of T_world_robot from the last pose and the motion since: odometry's, or `free_motion` (that of a
 /// velocity which goes on) when there is none, and of the floor where the settings are planar. `adrift`: s
-/// during which nobody knew the motion.
+/// during which nobody knew the motion. `unseen`: covariance of T_world_last by odometry alone, robot frame.
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift = 0,
-              Floor floor = Floor::plane);
+              Floor floor = Floor::plane, const Matrix6d& unseen = Matrix6d::Zero());
 
 /// Where the robot was last and how it moved, for the next prediction.
 class MotionModel {

@@ -9,7 +9,13 @@ namespace lcmslam {
 
 // Each smoother ends where it sees the other's landmarks.
 void FastSlam::smooth_beside(StepRecord step, bool reunion, const StepResult& result) {
-  if (map_smoothing_) map_smoothing_->add(step.utime, step.odometry, step.used, result);
+  if (map_smoothing_) {
+    // As the best particle believes it: what is systematic would bend the map.
+    const OdometryCalibration& calibration = particles_.calibration();
+    const Motion calibrated{calibration.apply(particles_.best().calibration),
+                            step.odometry.covariance + calibration.added_covariance()};
+    map_smoothing_->add(step.utime, calibrated, step.used, result);
+  }
   if (path_smoothing_ && !BackgroundPathSmoothing::fits(step.used)) {
     path_smoothing_.reset();  // waits
     particles_.forget_start();

@@ -61,7 +61,7 @@ struct FastSlamSettings {
   double shared_translation_sigma = 0.002;
   double shared_rotation_sigma = 0.001;
   // What its other part is made of (sensor_error.hpp): how the stated noise of measurements goes together.
-  double draw_share = 0.7;
+  double draw_share = 0.3;
   double systematic_depth = 0.2;
   double view_share = 0.5;
   double view_step = 0.1;
@@ -71,9 +71,9 @@ struct FastSlamSettings {
 
   // Motion noise of one step (standard deviations), added in variance to the odometry's own.
   bool use_motion_covariance = true;
-  double translation_noise = 0.003;
+  double translation_noise = 0.0003;
   double rotation_noise = 0.002;
-  double translation_noise_per_m = 0.01;  // what is systematic is learned, below
+  double translation_noise_per_m = 0.003;  // what is systematic is learned, below
   double rotation_noise_per_rad = 0.01;
   double rotation_noise_per_m = 0.003;
   double visual_factor = 3;

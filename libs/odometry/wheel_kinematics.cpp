@@ -48,6 +48,12 @@ void check_wheels(const std::vector<Wheel>& wheels) {
   }
 }
 
+bool are_held_sideways(const std::vector<Wheel>& before, const std::vector<Wheel>& after) {
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (after[i].roller_angle == 0 && before[i].steering == 0 && after[i].steering == 0) return true;
+  return false;
+}
+
 WheelFit fit_motion(const std::vector<Wheel>& before, const std::vector<Wheel>& after,
                     double side_slip_weight) {
   const auto max_rows = static_cast<Eigen::Index>(2 * after.size());

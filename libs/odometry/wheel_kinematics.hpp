@@ -26,6 +26,10 @@ struct WheelFit {
 WheelFit fit_motion(const std::vector<Wheel>& before, const std::vector<Wheel>& after,
                     double side_slip_weight = 1.0);
 
+/// Whether a plain tyre that rolls along the body's x axis and did not steer keeps the base from moving
+/// sideways.
+bool are_held_sideways(const std::vector<Wheel>& before, const std::vector<Wheel>& after);
+
 /// Throws std::invalid_argument that names the wheel and the value that is wrong.
 void check_wheels(const std::vector<Wheel>& wheels);
 

@@ -29,7 +29,9 @@ Matrix6d increment_covariance(const WheelNoise& noise, const PlanarIncrement& in
   Vector6d variance;
   variance[0] =
       square(noise.longitudinal_scale) * noise.scale_length * along_x + translation + rest_translation;
-  variance[1] = square(noise.lateral_scale) * noise.scale_length * along_y + translation + rest_translation;
+  variance[1] = increment.is_held_sideways ? square(noise.side_drift) * way + rest_translation
+                                           : square(noise.lateral_scale) * noise.scale_length * along_y +
+                                                 translation + rest_translation;
   variance[2] = flatness + rest_translation;
   variance[3] = variance[4] = flatness + rest_rotation;
   variance[5] = square(noise.rotation_scale) * noise.scale_angle * std::abs(increment.heading) + rotation +

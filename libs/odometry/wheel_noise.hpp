@@ -22,6 +22,7 @@ struct WheelNoise {
   double scale_angle = 1.0;
 
   double translation_drift = 0.01;
+  double side_drift = 0.002;
   double rotation_drift = 0.00873;
 
   double slip_distance = 10;
@@ -44,6 +45,8 @@ struct WheelNoise {
              "turn at which the random walk is as large as the scale's error");
     s.number("translation_drift", translation_drift, "m per root metre", {0, 1},
              "random walk of the position on each axis, by the way rolled");
+    s.number("side_drift", side_drift, "m per root metre", {0, 1},
+             "the same across the axis of tyres that do not steer: they can but scrub");
     s.number("rotation_drift", rotation_drift, "rad per root metre", {0, 1},
              "random walk of the heading, by the way rolled (0.00873: half a degree)");
     s.number("slip_distance", slip_distance, "m", {1e-3, 1e9}, "rolled between slips");
@@ -60,10 +63,11 @@ struct WheelNoise {
 
 /// Motion of the body during one increment, in its own frame.
 struct PlanarIncrement {
-  double x = 0, y = 0;    ///< m along the arc
-  double heading = 0;     ///< rad
-  double way_rolled = 0;  ///< m, mean way of the wheels' contacts: not 0 when turning on the spot
-  double duration = 0;    ///< s
+  double x = 0, y = 0;            ///< m along the arc
+  double heading = 0;             ///< rad
+  double way_rolled = 0;          ///< m, mean way of the wheels' contacts: not 0 when turning on the spot
+  double duration = 0;            ///< s
+  bool is_held_sideways = false;  ///< by tyres that do not steer
 
   Vector6d twist() const { return (Vector6d() << x, y, 0, 0, 0, heading).finished(); }
 };

@@ -72,7 +72,9 @@ std::optional<MotionSample> WheelOdometry::step(const Encoders& encoders) {
       add_restart();
     } else {
       const WheelFit fit = fit_motion(wheels_, encoders.wheels, settings_.side_slip_weight);
-      integrate({fit.motion.x(), fit.motion.y(), fit.motion.z(), fit.way_rolled, duration}, fit.covariance);
+      integrate({fit.motion.x(), fit.motion.y(), fit.motion.z(), fit.way_rolled, duration,
+                 are_held_sideways(wheels_, encoders.wheels)},
+                fit.covariance);
       twist_ = {fit.motion.x() / duration, fit.motion.y() / duration, fit.motion.z() / duration};
       residual_ = fit.residual;
     }
@@ -88,8 +90,9 @@ void WheelOdometry::integrate(const PlanarIncrement& increment, const Eigen::Mat
   const double turn = std::abs(increment.heading);
   const int steps = std::clamp(static_cast<int>(std::ceil(turn / max_turn_per_step)), 1, 1000);
   const double fraction = 1.0 / steps;
-  const PlanarIncrement step{increment.x * fraction, increment.y * fraction, increment.heading * fraction,
-                             increment.way_rolled * fraction, increment.duration * fraction};
+  const PlanarIncrement step{increment.x * fraction,        increment.y * fraction,
+                             increment.heading * fraction,  increment.way_rolled * fraction,
+                             increment.duration * fraction, increment.is_held_sideways};
   const Matrix6d Q = increment_covariance(settings_.noise, step) + fraction * from_planar(fit_covariance);
   const Matrix6d A = adjoint(se3_exp(-step.twist()));
   for (int i = 0; i < steps; ++i) sample_.covariance = (A * sample_.covariance * A.transpose() + Q).eval();

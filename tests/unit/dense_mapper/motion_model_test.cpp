@@ -22,6 +22,34 @@ TEST(MotionModel, OdometryLeadsWhereItIsKnown) {
   EXPECT_NEAR(prior.information(5, 5), 1 / (1e-4 + s.floor_rotation * s.floor_rotation), 1e-6);
 }
 
+// Wheels slip along their way, tyres hold a base sideways: what is added to odometry's covariance keeps its
+// shape.
+TEST(MotionModel, TheFloorOfAStepLiesAsOdometrysErrorDoes) {
+  MotionPriorSettings s;
+  s.floor_translation = 0.03;
+  const auto variances = [&](double along, double across, double direction) {
+    Motion motion;
+    motion.covariance = 1e-8 * Matrix6d::Identity();
+    const Eigen::Matrix2d R = Eigen::Rotation2Dd(direction).toRotationMatrix();
+    motion.covariance.topLeftCorner<2, 2>() =
+        R * Eigen::Vector2d(along * along, across * across).asDiagonal() * R.transpose();
+    MotionModel model(s);
+    model.observe(0, start, true);
+    const Matrix6d told = model.predict(100'000, motion).information.inverse();
+    const Eigen::Matrix2d turned_back = R.transpose() * told.topLeftCorner<2, 2>() * R;
+    EXPECT_NEAR(turned_back(0, 1), 0, 1e-12);
+    EXPECT_NEAR(told(2, 2), 1e-8 + 0.03 * 0.03, 1e-9) << "nothing holds a base's height on a ramp";
+    return Eigen::Vector2d(turned_back.diagonal());
+  };
+  for (const double direction : {0.0, 0.7}) {
+    const Eigen::Vector2d held = variances(0.003, 0.001, direction);
+    EXPECT_NEAR(held[0], 9e-6 + 0.03 * 0.03, 1e-9);
+    EXPECT_NEAR(held[1], 1e-6 + 0.01 * 0.01, 1e-9);
+    EXPECT_NEAR(variances(0.003, 0, direction)[1], 0.003 * 0.003, 1e-9) << "a tenth, whatever is claimed";
+  }
+  EXPECT_NEAR(variances(0, 0, 0)[1], 0.03 * 0.03, 1e-9) << "odometry that tells no error";
+}
+
 TEST(MotionModel, TheLastVelocityGoesOnForASecondAtMost) {
   MotionModel model({});
   model.observe(0, start, true);

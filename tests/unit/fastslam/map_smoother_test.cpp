@@ -180,7 +180,8 @@ double map_error(const FastSlam& slam, const synthetic::Drive& drive, const Eige
 TEST(MapSmoother, ADriveIsSmoothedAndTheFilterGoesOn) {
   synthetic::WorldSettings world;
   world.frames = 300;
-  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+  double ways[2] = {}, maps[2] = {};  // m, sums over the seeds: online, smoothed
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const auto drive = synthetic::make_drive(world, seed);
     FastSlamSettings settings;
     settings.seed = seed;
@@ -204,18 +205,20 @@ TEST(MapSmoother, ADriveIsSmoothedAndTheFilterGoesOn) {
     }
     online = std::sqrt(online / static_cast<double>(path.size()));
     smoothed = std::sqrt(smoothed / static_cast<double>(path.size()));
-    RecordProperty("online_" + std::to_string(seed), std::to_string(online));
-    RecordProperty("smoothed_" + std::to_string(seed), std::to_string(smoothed));
-    RecordProperty("map_before_" + std::to_string(seed), std::to_string(map_before));
-    RecordProperty("map_after_" + std::to_string(seed), std::to_string(map_after));
-    EXPECT_LT(smoothed, 1.1 * online) << "seed " << seed;
-    EXPECT_LT(map_after, 1.05 * map_before) << "seed " << seed;
+    RecordProperty("seed_" + std::to_string(seed),
+                   "path " + std::to_string(online) + " smoothed " + std::to_string(smoothed) + ", map " +
+                       std::to_string(map_before) + " smoothed " + std::to_string(map_after));
+    ways[0] += online, ways[1] += smoothed;
+    maps[0] += map_before, maps[1] += map_after;
     for (std::size_t i = 250; i < drive.steps.size(); ++i) {
       const StepResult r = slam.step(drive.steps[i].motion, drive.steps[i].frame);
       EXPECT_EQ(r.status, TrackStatus::tracking) << "frame " << i;
       EXPECT_LT((r.T_world_robot.translation() - drive.steps[i].T_start_robot.translation()).norm(), 0.06);
     }
   }
+  // One drive's smoothed map may be worse than the filter's, by what the camera errs in all its images.
+  EXPECT_LT(ways[1], 0.9 * ways[0]);
+  EXPECT_LT(maps[1], 0.95 * maps[0]);
 }
 
 // Smoothing beside the filter is taken over at a message time, however long it computes.

@@ -21,6 +21,19 @@ TEST(MotionModel, VisualOdometryIsBelievedLess) {
   EXPECT_NEAR(visual(0, 0) / wheels(0, 0), settings.visual_factor * settings.visual_factor, 1e-3);
 }
 
+// Of turning and moving sideways a camera sees much the same: how well odometry knows the one decides what is
+// seen of the other. A noise of every step that hides it costs half of the accuracy.
+TEST(MotionModel, OdometryThatKnowsItsErrorIsBelieved) {
+  Motion step;  // of a differential base in a tenth of a second
+  step.T_from_to.translation().x() = 0.045;
+  step.covariance.diagonal() << 7e-6, 1.8e-7, 1e-8, 1e-8, 1e-8, 1e-5;
+  const Matrix6d prior = motion_prior(step, FastSlamSettings()).covariance;
+  for (const int axis : {0, 1}) {
+    EXPECT_GE(prior(axis, axis), step.covariance(axis, axis));
+    EXPECT_LT(prior(axis, axis), 2 * step.covariance(axis, axis)) << "axis " << axis;
+  }
+}
+
 TEST(MotionModel, PlanarPriorStaysInThePlaneAndBadMotionIsNoIdea) {
   FastSlamSettings settings;
   Motion motion;

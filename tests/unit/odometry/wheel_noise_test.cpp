@@ -135,6 +135,19 @@ TEST(WheelNoise, TheDistanceOfASlipHoldsOneSlip) {
   EXPECT_NEAR(std::sqrt(slip(5, 5)), noise.slip_rotation, 1e-12);
 }
 
+TEST(WheelNoise, TyresThatHoldABaseSidewaysCanButScrub) {
+  WheelNoise noise;
+  noise.rest_translation = 1e-9;
+  PlanarIncrement increment{0.5, 0, 0.2, 1, 1};
+  const Matrix6d loose = increment_covariance(noise, increment);
+  increment.is_held_sideways = true;
+  Matrix6d held = increment_covariance(noise, increment);
+  EXPECT_NEAR(std::sqrt(held(1, 1)), noise.side_drift, 1e-9);
+  EXPECT_GT(loose(1, 1), 16 * held(1, 1));
+  held(1, 1) = loose(1, 1);
+  EXPECT_EQ(held, loose) << "other axes are as they were";
+}
+
 TEST(WheelNoise, OneMetreOfScaleErrorIsTheScale) {
   WheelNoise noise;
   noise.translation_drift = noise.rotation_drift = noise.slip_translation = noise.slip_rotation = 0;

@@ -145,6 +145,29 @@ TEST(WheelOdometry, ResidualShowsASlippingWheelAndWidensTheCovariance) {
   EXPECT_GE(with.covariance(5, 5), fit.covariance(2, 2));
 }
 
+// A differential base cannot drive sideways; one that steers or has rollers can, and errs so.
+TEST(WheelOdometry, KnowsWhetherTyresHoldTheBaseSideways) {
+  const WheelNoise noise;
+  for (Base base : testing::all_bases()) {
+    WheelOdometry odometry;
+    odometry.update(base.encoders);
+    const PlanarTwist twist{0.5, base.sideways ? 0.02 : 0, 0};
+    testing::steer(base, twist);
+    odometry.update(base.encoders);
+    MotionSample sample;
+    for (int i = 0; i < 100; ++i) {  // a metre
+      testing::drive(base, twist, 0.02);
+      sample = *odometry.update(base.encoders);
+    }
+    // The heading's error leads it aside, too: take what is independent of that.
+    const Matrix6d& S = sample.covariance;
+    const double aside = std::sqrt(S(1, 1) - S(1, 5) * S(1, 5) / S(5, 5));
+    EXPECT_GT(aside, base.sideways ? noise.translation_drift : noise.side_drift) << base.name;
+    EXPECT_LT(aside, base.sideways ? 0.02 : 0.006) << base.name;
+    EXPECT_GT(S(0, 0), noise.translation_drift * noise.translation_drift) << base.name;
+  }
+}
+
 TEST(WheelOdometry, EveryIncrementHasAPositiveDefiniteCovariance) {
   Random random(5);
   for (Base base : testing::all_bases()) {
