@@ -22,7 +22,7 @@ Matrix6d floor_of_step(const Matrix6d& odometry, const MotionPriorSettings& sett
   constexpr double least = 0.1;
   Matrix6d floor = squares(settings.floor_translation, settings.floor_rotation).asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(odometry.topLeftCorner<2, 2>());
-  const Eigen::Vector2d variances = axes.eigenvalues();  // ascending
+  const Eigen::Vector2d& variances = axes.eigenvalues();  // ascending
   if (variances[1] <= 0) return floor;
   const Eigen::Vector2d shares = (variances / variances[1]).cwiseMax(least * least);
   floor.topLeftCorner<2, 2>() *= axes.eigenvectors() * shares.asDiagonal() * axes.eigenvectors().transpose();

@@ -61,7 +61,7 @@ struct FastSlamSettings {
   double shared_translation_sigma = 0.002;
   double shared_rotation_sigma = 0.001;
   // What its other part is made of (sensor_error.hpp): how the stated noise of measurements goes together.
-  double draw_share = 0.3;
+  double draw_share = 0.7;
   double systematic_depth = 0.2;
   double view_share = 0.5;
   double view_step = 0.1;

@@ -23,8 +23,8 @@ class BackgroundMapSmoothing {
   explicit BackgroundMapSmoothing(const FastSlamSettings& settings);
 
   /// The next step: `result` says what the best particle accepted of `points` and which became landmarks.
-  /// `odometry` as the best particle believes it, calibrated. Where anything but points and bearings was measured, smoothing
-  /// ends for good; what runs is still taken over.
+  /// `odometry` as the best particle believes it, calibrated. Where anything but points and bearings was
+  /// measured, smoothing ends for good; what runs is still taken over.
   void add(Utime utime, const Motion& odometry, const std::vector<FeaturePoint>& points,
            const StepResult& result);
 
