@@ -22,7 +22,7 @@ struct WheelNoise {
   double scale_angle = 1.0;
 
   double translation_drift = 0.01;
-  double side_drift = 0.002;
+  double side_drift = 0.002;  ///< of a base held sideways; its key is that of wheels, whose places tell it
   double rotation_drift = 0.00873;
 
   double slip_distance = 10;
@@ -45,8 +45,6 @@ struct WheelNoise {
              "turn at which the random walk is as large as the scale's error");
     s.number("translation_drift", translation_drift, "m per root metre", {0, 1},
              "random walk of the position on each axis, by the way rolled");
-    s.number("side_drift", side_drift, "m per root metre", {0, 1},
-             "the same across the axis of tyres that do not steer: they can but scrub");
     s.number("rotation_drift", rotation_drift, "rad per root metre", {0, 1},
              "random walk of the heading, by the way rolled (0.00873: half a degree)");
     s.number("slip_distance", slip_distance, "m", {1e-3, 1e9}, "rolled between slips");

@@ -20,6 +20,8 @@ struct WheelOdometrySettings {
 
   void describe(SettingsVisitor& s) {
     noise.describe(s);
+    s.number("side_drift", noise.side_drift, "m per root metre", {0, 1},
+             "random walk of the position across tyres that do not steer: they can but scrub");
     s.number("side_slip_weight", side_slip_weight, "", {1e-6, 1e6},
              "of a tyre's \"no side slip\" against its rolling");
     s.number("max_wheel_speed", max_wheel_speed, "m/s", {0.01, 1000},
