@@ -4,8 +4,14 @@
 
 namespace lcmslam {
 
+CalibrationMean calibration_sigmas(const FastSlamSettings& s) {
+  CalibrationMean sigma;
+  sigma << s.way_scale_sigma, s.heading_scale_sigma, s.heading_per_m_sigma, s.side_per_m_sigma;
+  return sigma;
+}
+
 OdometryCalibration::OdometryCalibration(const FastSlamSettings& s) {
-  const Eigen::Vector3d sigma(s.way_scale_sigma, s.heading_scale_sigma, s.heading_per_m_sigma);
+  const CalibrationMean sigma = calibration_sigmas(s);
   covariance_ = sigma.cwiseAbs2().asDiagonal();
   walk_ = (s.calibration_walk * sigma).cwiseAbs2();
   least_covariance_ = 0.01 * covariance_;
@@ -21,6 +27,7 @@ void OdometryCalibration::begin(const Motion& odometry) {
   jacobian_.col(0).head<3>() = measured_.head<3>();
   jacobian_.col(1).tail<3>() = measured_.tail<3>();
   jacobian_(5, 2) = measured_.head<3>().norm();
+  jacobian_.col(3).head<2>() << -measured_.y(), measured_.x();
 }
 
 Eigen::Isometry3d OdometryCalibration::apply(const CalibrationMean& mean) const {

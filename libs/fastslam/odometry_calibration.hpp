@@ -2,10 +2,12 @@
 // Systematic errors of the odometry, learned while driving. Wheels of unequal radius, a steering offset or
 // a wrong scale make errors that go the same way for minutes; taken for white noise they make a filter
 // overconfident (Victoria Park: heading turns by 1.4 mrad a metre, a random walk of the stated noise would
-// give a tenth of that over a lap). The calibration c is a linear Gaussian part of each particle's state:
+// give a tenth of that over a lap). And where the head looks aside of where the wheels roll, the base seems
+// to slip as it drives: tyres that are known to hold it sideways would bend the path instead. The calibration
+// c is a linear Gaussian part of each particle's state:
 //
 //   motion(c) = exp(xi + J(xi) c),   xi = log of the measured motion,   c = (scale of the way, scale of the
-//   heading, heading per metre),   c a random walk over the way driven
+//   heading, heading per metre, side per metre),   c a random walk over the way driven
 //
 // Given the particle's path it has a closed form (Rao-Blackwell): each step's drawn motion is a measurement
 // of c. J depends on the odometry alone, so that all particles share the covariance and differ in the mean.
@@ -16,7 +18,13 @@
 
 namespace lcmslam {
 
-using CalibrationMean = Eigen::Vector3d;
+constexpr int calibration_size = 4;
+using CalibrationMean = Eigen::Matrix<double, calibration_size, 1>;
+using CalibrationCovariance = Eigen::Matrix<double, calibration_size, calibration_size>;
+using CalibrationJacobian = Eigen::Matrix<double, 6, calibration_size>;
+
+/// Of each component, before anything was driven.
+CalibrationMean calibration_sigmas(const FastSlamSettings& settings);
 
 class OdometryCalibration {
  public:
@@ -43,18 +51,20 @@ class OdometryCalibration {
   void end();
 
   /// The calibration is known from elsewhere; never so well that it could not drift.
-  void set_covariance(const Eigen::Matrix3d& covariance) { covariance_ = covariance + least_covariance_; }
+  void set_covariance(const CalibrationCovariance& covariance) {
+    covariance_ = covariance + least_covariance_;
+  }
 
   /// J of the step.
-  const Eigen::Matrix<double, 6, 3>& jacobian() const { return jacobian_; }
-  const Eigen::Matrix3d& covariance() const { return covariance_; }
+  const CalibrationJacobian& jacobian() const { return jacobian_; }
+  const CalibrationCovariance& covariance() const { return covariance_; }
 
  private:
-  Eigen::Vector3d walk_;  // variance a metre
-  Eigen::Matrix3d covariance_, least_covariance_;
+  CalibrationMean walk_;  // variance a metre
+  CalibrationCovariance covariance_, least_covariance_;
   Vector6d measured_ = Vector6d::Zero();
-  Eigen::Matrix<double, 6, 3> jacobian_ = Eigen::Matrix<double, 6, 3>::Zero();
-  Eigen::Matrix<double, 3, 6> gain_ = Eigen::Matrix<double, 3, 6>::Zero();
+  CalibrationJacobian jacobian_ = CalibrationJacobian::Zero();
+  Eigen::Matrix<double, calibration_size, 6> gain_ = Eigen::Matrix<double, calibration_size, 6>::Zero();
   bool on_ = false, active_ = false;
 };
 

@@ -112,7 +112,7 @@ bool ParticleSet::coalesced() const {
 }
 
 void ParticleSet::draw_anew(const std::vector<PathSample>& samples,
-                            const Eigen::Matrix3d& calibration_covariance,
+                            const CalibrationCovariance& calibration_covariance,
                             const std::function<int(std::int32_t)>& slot_of) {
   calibration_.set_covariance(calibration_covariance);
   for (std::size_t k = 0; k < particles_.size(); ++k) {

@@ -88,7 +88,7 @@ class ParticleSet {
 
   /// As many samples as particles; the first, the posterior's mode, becomes the best. `slot_of`: of a
   /// landmark's identity, -1 when it has none.
-  void draw_anew(const std::vector<PathSample>& samples, const Eigen::Matrix3d& calibration_covariance,
+  void draw_anew(const std::vector<PathSample>& samples, const CalibrationCovariance& calibration_covariance,
                  const std::function<int(std::int32_t)>& slot_of);
   /// The particles were drawn anew, and differ in where their paths began.
   bool start_known() const { return start_known_; }

@@ -41,8 +41,7 @@ SensorError::SensorError(const FastSlamSettings& settings)
   }
   for (double range = 0; range <= std::min(settings.maximum_range, farthest_wave) + range_step;
        range += range_step)
-    depth_waves_.emplace_back(std::sqrt(2.F) *
-                              (static_cast<float>(range) * frequency + phase).array().cos());
+    depth_waves_.emplace_back(std::sqrt(2.F) * (static_cast<float>(range) * frequency + phase).array().cos());
 }
 
 EnsembleRow SensorError::depth_wave(double range) const {

@@ -18,6 +18,7 @@ FastSlamSettings thesis_preset() {
   s.rotation_noise = 0.01;
   s.translation_noise_per_m = s.rotation_noise_per_rad = s.rotation_noise_per_m = 0;
   s.way_scale_sigma = s.heading_scale_sigma = s.heading_per_m_sigma = 0;
+  s.side_per_m_sigma = 0;
   s.rejuvenate = false;
   s.smooth_map = false;
   s.detect_slips = false;
@@ -101,6 +102,8 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "systematic error of the angle that wheels tell, ratio; learned");
   s.number("heading_per_m_sigma", heading_per_m_sigma, "rad per m", {0, 1},
            "systematic drift of the heading by the way driven; learned");
+  s.number("side_per_m_sigma", side_per_m_sigma, "m per m", {0, 1},
+           "systematic way aside by the way driven: the head looks aside of where the wheels roll; learned");
   s.number("calibration_walk", calibration_walk, "per root metre", {0, 10},
            "of the sigmas of way and heading: how fast these errors may change");
 

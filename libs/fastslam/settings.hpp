@@ -83,6 +83,7 @@ struct FastSlamSettings {
   double way_scale_sigma = 0.03;
   double heading_scale_sigma = 0.02;
   double heading_per_m_sigma = 0.002;
+  double side_per_m_sigma = 0.002;
   double calibration_walk = 0.05;
 
   // Systematic errors of a range-bearing sensor, estimated with the smoothed path (sensor_calibration.hpp):

@@ -19,10 +19,10 @@ namespace lcmslam {
 
 /// The path's posterior as it was when smoothing began, and what happened since.
 struct SmoothedPath {
-  double cost = 0;                         ///< per measurement, see PathSmoother::solve()
-  SensorCalibration sensor;                ///< of all samples
-  std::vector<PathSample> samples;         ///< one for each particle, the first the mode; empty: not solved
-  Eigen::Matrix3d calibration_covariance;  ///< given the path
+  double cost = 0;                  ///< per measurement, see PathSmoother::solve()
+  SensorCalibration sensor;         ///< of all samples
+  std::vector<PathSample> samples;  ///< one for each particle, the first the mode; empty: not solved
+  CalibrationCovariance calibration_covariance;  ///< given the path
   std::vector<SmoothedPose> path;
   std::vector<StepRecord> since;
   bool requested = false;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <lcmslam/fastslam/landmarks/measurement_model.hpp>
+#include <lcmslam/fastslam/odometry_calibration.hpp>
 
 namespace lcmslam {
 
@@ -23,7 +24,8 @@ T wrapped(const T& angle) {
 // L^-1 (difference of the relative pose from z exp(J c)), Q = L L^T; right perturbation.
 struct OdometryError {
   Eigen::Vector3d z;
-  Eigen::Matrix3d J, root_information;
+  Eigen::Matrix<double, 3, calibration_size> J;
+  Eigen::Matrix3d root_information;
 
   template <class T>
   bool operator()(const T* a, const T* b, const T* c, T* residual) const {
@@ -33,7 +35,7 @@ struct OdometryError {
     const T dy = -sa * (b[0] - a[0]) + ca * (b[1] - a[1]) - z.y();
     T e[3] = {cz * dx + sz * dy, -sz * dx + cz * dy, wrapped(T(b[2] - a[2] - z.z()))};
     for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k) e[i] -= J(i, k) * c[k];
+      for (int k = 0; k < calibration_size; ++k) e[i] -= J(i, k) * c[k];
     for (int i = 0; i < 3; ++i) {
       residual[i] = T(0);
       for (int k = 0; k <= i; ++k) residual[i] += root_information(i, k) * e[k];
@@ -63,11 +65,12 @@ struct LandmarkError {
   }
 };
 
+template <int size>
 struct CalibrationPrior {
-  Eigen::Vector3d sigma;
+  Eigen::Matrix<double, size, 1> sigma;
   template <class T>
   bool operator()(const T* c, T* residual) const {
-    for (int i = 0; i < 3; ++i) residual[i] = c[i] / sigma(i);
+    for (int i = 0; i < size; ++i) residual[i] = c[i] / sigma(i);
     return true;
   }
 };

@@ -82,7 +82,7 @@ struct PathSmoother::Graph {
   // Since the newest pose: steps without an observation make one motion.
   Eigen::Isometry3d T_pose_now = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();
-  Eigen::Matrix<double, 6, 3> jacobian = Eigen::Matrix<double, 6, 3>::Zero();
+  CalibrationJacobian jacobian = CalibrationJacobian::Zero();
   std::size_t residuals = 0;  // of observations
   bool solved = false;
 };

@@ -36,8 +36,8 @@ struct PathSmoother::Graph::Posterior {
   SparseMatrix H;
   SparseRoot root;  // P H P^T = L L^T
   Eigen::Index landmarks, calibration;
-  Eigen::Matrix3d calibration_covariance;  // given the path
-  Eigen::Matrix3d motion_root;             // of the noise since the newest pose
+  CalibrationCovariance calibration_covariance;  // given the path
+  Eigen::Matrix3d motion_root;                   // of the noise since the newest pose
   Eigen::Matrix3d sensor_root;
 
   Eigen::Index newest() const { return landmarks - 3; }
@@ -70,8 +70,10 @@ bool PathSmoother::Graph::find_posterior(Posterior& p) const {
   p.root.compute(p.H);
   if (p.root.info() != Eigen::Success) return false;
   p.landmarks = static_cast<Eigen::Index>(3 * (poses.size() - 1));
-  p.calibration = p.H.rows() - 3;
-  p.calibration_covariance = block3(p.H, p.calibration).llt().solve(Eigen::Matrix3d::Identity());
+  p.calibration = p.H.rows() - calibration_size;
+  p.calibration_covariance = CalibrationCovariance(p.H.bottomRightCorner(calibration_size, calibration_size))
+                                 .llt()
+                                 .solve(CalibrationCovariance::Identity());
   p.motion_root = (reduce(covariance) + 1e-12 * Eigen::Matrix3d::Identity()).llt().matrixL();
   p.sensor_root.setZero();
   if (sensor_may_err()) p.sensor_root = lcmslam::sensor_root(all, p.root, p.newest());
@@ -113,7 +115,7 @@ PathSample PathSmoother::Graph::draw(const Posterior& p, Random* random) const {
     gaussian.covariance.topLeftCorner<2, 2>() = 0.5 * (turned + turned.transpose());
     column += 2;
   }
-  sample.calibration = calibration - p.calibration_covariance * pull.segment<3>(p.calibration);
+  sample.calibration = calibration - p.calibration_covariance * pull.segment<calibration_size>(p.calibration);
 
   // The newest pose, and the motion since.
   const Eigen::Vector3d newest =
@@ -133,7 +135,7 @@ PathSample PathSmoother::Graph::draw(const Posterior& p, Random* random) const {
 }
 
 std::vector<PathSample> PathSmoother::sample(std::size_t count, Random& random,
-                                             Eigen::Matrix3d& calibration_covariance) {
+                                             CalibrationCovariance& calibration_covariance) {
   std::vector<PathSample> samples;
   Graph::Posterior posterior;
   if (graph_->poses.size() < 2 || graph_->residuals == 0 || !graph_->find_posterior(posterior))

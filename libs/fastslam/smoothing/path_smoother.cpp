@@ -12,12 +12,12 @@ PathSmoother::Graph::Graph(const FastSlamSettings& s)
   ceres::Problem::Options options;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem = std::make_unique<ceres::Problem>(options);
-  const Eigen::Vector3d sigma(std::max(1e-9, s.way_scale_sigma), std::max(1e-9, s.heading_scale_sigma),
-                              std::max(1e-9, s.heading_per_m_sigma));
-  auto* prior = new ceres::AutoDiffCostFunction<CalibrationPrior, 3, 3>(new CalibrationPrior{sigma});
+  constexpr int n = calibration_size;
+  auto* prior = new ceres::AutoDiffCostFunction<CalibrationPrior<n>, n, n>(
+      new CalibrationPrior<n>{calibration_sigmas(s).cwiseMax(1e-9)});
   problem->AddResidualBlock(prior, nullptr, calibration.data());
   auto* of_sensor =
-      new ceres::AutoDiffCostFunction<CalibrationPrior, 3, 3>(new CalibrationPrior{sensor_sigma});
+      new ceres::AutoDiffCostFunction<CalibrationPrior<3>, 3, 3>(new CalibrationPrior<3>{sensor_sigma});
   problem->AddResidualBlock(of_sensor, nullptr, sensor.data());
 }
 
@@ -46,8 +46,7 @@ void PathSmoother::Graph::place_world() {
 PathSmoother::PathSmoother(const FastSlamSettings& settings) : graph_(std::make_unique<Graph>(settings)) {}
 PathSmoother::~PathSmoother() = default;
 
-void PathSmoother::add(Utime utime, const Motion& motion,
-                       const Eigen::Matrix<double, 6, 3>& calibration_jacobian,
+void PathSmoother::add(Utime utime, const Motion& motion, const CalibrationJacobian& calibration_jacobian,
                        const std::vector<IdentifiedMeasurement>& seen, const Eigen::Isometry3d& T_world_robot,
                        const Matrix6d& covariance) {
   Graph& g = *graph_;
@@ -66,8 +65,9 @@ void PathSmoother::add(Utime utime, const Motion& motion,
     error->root_information = root_information(g.reduce(g.covariance));
     g.add_pose(utime, T_world_robot, covariance);
     double* before = g.poses[g.poses.size() - 2].data();
-    g.problem->AddResidualBlock(new ceres::AutoDiffCostFunction<OdometryError, 3, 3, 3, 3>(error), nullptr,
-                                before, g.poses.back().data(), g.calibration.data());
+    g.problem->AddResidualBlock(
+        new ceres::AutoDiffCostFunction<OdometryError, 3, 3, 3, calibration_size>(error), nullptr, before,
+        g.poses.back().data(), g.calibration.data());
     if (g.poses.size() == 2) g.problem->SetParameterBlockConstant(before);
     g.T_pose_now.setIdentity();
     g.covariance.setZero();

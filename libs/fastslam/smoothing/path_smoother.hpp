@@ -48,9 +48,9 @@ class PathSmoother {
   ~PathSmoother();
 
   /// A step of the filter. `motion`: as the odometry says it, with the noise that the filter gives it;
-  /// `calibration_jacobian`: of its right perturbation by the calibration (6x3). `T_world_robot` and
+  /// `calibration_jacobian`: of its right perturbation by the calibration (6x4). `T_world_robot` and
   /// `covariance` (body frame): the filter's estimate, where the search starts.
-  void add(Utime utime, const Motion& motion, const Eigen::Matrix<double, 6, 3>& calibration_jacobian,
+  void add(Utime utime, const Motion& motion, const CalibrationJacobian& calibration_jacobian,
            const std::vector<IdentifiedMeasurement>& seen, const Eigen::Isometry3d& T_world_robot,
            const Matrix6d& covariance);
 
@@ -72,7 +72,8 @@ class PathSmoother {
   /// motion. Empty when there is no solution or it is singular. `calibration_covariance`: given the path, for
   /// all samples. All are of one sensor() calibration: what it may be wrong by is in their T_world_start, as
   /// if the path had begun elsewhere.
-  std::vector<PathSample> sample(std::size_t count, Random& random, Eigen::Matrix3d& calibration_covariance);
+  std::vector<PathSample> sample(std::size_t count, Random& random,
+                                 CalibrationCovariance& calibration_covariance);
 
  private:
   struct Graph;

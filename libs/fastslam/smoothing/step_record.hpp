@@ -12,7 +12,7 @@ namespace lcmslam {
 struct StepRecord {
   Utime utime = 0;
   Motion odometry;                                                  ///< as motion_prior() gives it
-  Eigen::Matrix<double, 6, 3> calibration_jacobian;                 ///< of its right perturbation
+  CalibrationJacobian calibration_jacobian;                         ///< of its right perturbation
   std::vector<FeaturePoint> measured;                               ///< as the sensor gave them
   std::vector<FeaturePoint> used;                                   ///< corrected and widened
   std::vector<LandmarkMatch> observed;                              ///< the particles were weighed by these

@@ -168,6 +168,31 @@ TEST(KnownLandmarks, SystematicOdometryIsLearned) {
   EXPECT_NEAR(median(learned), -world.heading_per_m, 0.01);  // two sigma of one run
 }
 
+// A degree, as heads are screwed on. Wheels that know that they do not slip would bend the path instead.
+TEST(KnownLandmarks, AHeadThatLooksAsideIsLearned) {
+  PlanarWorldSettings world;
+  world.offsets = true;
+  world.translation_sigma = 0.0005;
+  const float aside = 0.02F;
+  std::vector<double> with, without, learned;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    PlanarDrive drive = make_planar_drive(world, seed);
+    for (auto& step : drive.steps)
+      for (Feature& feature : step.frame.features)
+        feature.point = Eigen::AngleAxisf(aside, Eigen::Vector3f::UnitZ()) * feature.point;
+    FastSlamSettings settings = settings_for(seed);
+    settings.rejuvenate = false;
+    settings.side_per_m_sigma = aside;
+    const Outcome learning = run(drive, settings);
+    with.push_back(learning.landmarks);
+    learned.push_back(learning.calibration(3));
+    settings.side_per_m_sigma = 0;
+    without.push_back(run(drive, settings).landmarks);
+  }
+  EXPECT_LT(median(with), 0.7 * median(without));
+  EXPECT_NEAR(median(learned), aside, 0.005);
+}
+
 TEST(KnownLandmarks, CorrelatedErrorsDoNotMakeItOverconfident) {
   PlanarWorldSettings world;
   world.correlation = 0.9;  // frames 0.2 s apart: 1/e after 1.9 s
@@ -331,7 +356,7 @@ TEST(KnownLandmarks, RejuvenationKeepsTheFilterConsistent) {
     const Outcome b = run(drive, settings);
     with.push_back(a.nees);
     without.push_back(b.nees_of_spread);
-    published.push_back(b.nees);
+    published.push_back(b.nees_from_start);
     error_with.push_back(a.rmse);
     error_without.push_back(b.rmse);
   }
@@ -340,7 +365,7 @@ TEST(KnownLandmarks, RejuvenationKeepsTheFilterConsistent) {
   EXPECT_LT(median(with), median(without));
   EXPECT_LT(median(error_with), 1.1 * median(error_without));
   EXPECT_LT(median(with), 12);
-  EXPECT_LT(median(published), 12);
+  EXPECT_LT(median(published), 6);
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ FastSlamSettings settings_of(int particles) {
   FastSlamSettings settings;
   settings.particles = particles;
   settings.way_scale_sigma = settings.heading_scale_sigma = settings.heading_per_m_sigma = 0;
+  settings.side_per_m_sigma = 0;
   return settings;
 }
 
@@ -226,7 +227,7 @@ TEST(ParticleSet, DrawnAnewItIsWhatTheSamplesAre) {
     sample.landmarks[8].mean = Eigen::Vector3d(20, 0, 0);
   }
   EXPECT_FALSE(particles.start_known());
-  particles.draw_anew(samples, 1e-6 * Eigen::Matrix3d::Identity(),
+  particles.draw_anew(samples, 1e-6 * CalibrationCovariance::Identity(),
                       [](std::int32_t identity) { return identity == 7 ? 2 : -1; });
   EXPECT_TRUE(particles.start_known());
   EXPECT_EQ(particles.best_index(), 0);

@@ -42,7 +42,7 @@ TEST(PoseCovariance, IsThatOfThePathsWhereTheirBeginningsAreKnown) {
   std::vector<PathSample> samples(3);
   for (int k = 0; k < 3; ++k)
     samples[static_cast<std::size_t>(k)].T_world_start = planar_pose(0.3 * (k - 1), 0, 0);
-  particles.draw_anew(samples, Eigen::Matrix3d::Zero(), [](std::int32_t) { return -1; });
+  particles.draw_anew(samples, CalibrationCovariance::Zero(), [](std::int32_t) { return -1; });
   ParticleSet::Estimate estimate;
   estimate.spread = 100 * Matrix6d::Identity();
   Matrix6d expected = unmodelled();

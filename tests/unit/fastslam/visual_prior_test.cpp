@@ -54,6 +54,7 @@ Outcome run(const synthetic::Drive& drive, const std::vector<Motion>& motions, b
   settings.draw_share = 1;    // what is told twice is the prior's, and draws come from it
   settings.timing_sigma = 0;  // nor do this world's images have another moment than their stamps say
   settings.way_scale_sigma = settings.heading_scale_sigma = settings.heading_per_m_sigma = 0;
+  settings.side_per_m_sigma = 0;
   FastSlam slam(settings);
   Outcome outcome;
   for (std::size_t i = 0; i < drive.steps.size(); ++i) {
