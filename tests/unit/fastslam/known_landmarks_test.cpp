@@ -51,8 +51,8 @@ Outcome run(const PlanarDrive& drive, const FastSlamSettings& settings) {
   std::vector<Eigen::Vector3d> estimated, truth;
   for (const auto& step : drive.steps) {
     results.push_back(slam.step(step.motion, step.frame));
-    estimated.push_back(results.back().T_world_robot.translation());
-    truth.push_back(step.T_start_robot.translation());
+    estimated.emplace_back(results.back().T_world_robot.translation());
+    truth.emplace_back(step.T_start_robot.translation());
     outcome.removed += results.back().removed;
   }
   const Eigen::Isometry3d T_truth_world = align_svd(estimated, truth).value();
@@ -269,7 +269,7 @@ TEST(KnownLandmarks, FewLineagesAreReasonEnoughToDrawAnew) {
         drawn += r.rejuvenated;
         T = r.T_world_robot;
       }
-      ends.push_back(T.translation().head<2>());
+      ends.emplace_back(T.translation().head<2>());
     }
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     for (const auto& end : ends) mean += end / static_cast<double>(ends.size());

@@ -46,7 +46,7 @@ inline PlanarDrive make_planar_drive(const PlanarWorldSettings& s, std::uint64_t
   std::vector<double> range_error(static_cast<std::size_t>(s.beacons));
   for (int b = 0; b < s.beacons; ++b) {
     const Eigen::Vector3d p(random.uniform(-7, 7), random.uniform(-6, 6), 0);
-    drive.beacons.push_back((T_start.inverse() * p).head<2>());
+    drive.beacons.emplace_back((T_start.inverse() * p).head<2>());
     range_error[static_cast<std::size_t>(b)] = s.range_sigma * random.normal();
   }
   for (int i = 0; i < s.frames; ++i) {
