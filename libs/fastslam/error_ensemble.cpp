@@ -49,9 +49,15 @@ Equations equations(const EnsembleObservation& seen, const Eigen::Isometry3d& T_
 
 ErrorEnsemble::ErrorEnsemble(const FastSlamSettings& settings)
     : planar_(settings.planar),
-      draw_share_(settings.draw_share),
+      draw_share_(settings.planar ? settings.draw_share : settings.free_draw_share),
+      free_draw_share_(settings.free_draw_share),
       landmark_variance_(settings.minimum_landmark_sigma * settings.minimum_landmark_sigma),
       stream_(settings.seed, ensemble_stream) {}
+
+void ErrorEnsemble::leave_plane() {
+  planar_ = false;
+  draw_share_ = free_draw_share_;
+}
 
 // Only what is free.
 Matrix6d ErrorEnsemble::restricted(const Matrix6d& covariance) const {

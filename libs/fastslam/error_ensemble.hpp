@@ -13,11 +13,11 @@
 //
 // with v the errors of this member's sensor (sensor_error.hpp), q those of its odometry, and d the draw by
 // which particles differ, as far as weights do not choose among draws and the mean does not cancel them
-// (`draw_share`: an eighth of the variance that they told was seen in a kitchen, more where draws add up on
-// the way into new ground). Mean squares over the members are covariances (Evensen 2003, "The Ensemble Kalman
-// Filter", has the statistics). So all correlations are there: the pose in the map's frame grows less certain
-// with the way into new ground, as a walk or steadily where the error is a systematic one, and is as good as
-// it was where old landmarks are seen again.
+// (`draw_share`: an eighth of the variance that they told was seen in a kitchen). Mean squares over the
+// members are covariances (Evensen 2003, "The Ensemble Kalman Filter", has the statistics). So all
+// correlations are there: the pose in the map's frame grows less certain with the way into new ground, as a
+// walk or steadily where the error is a systematic one, and is as good as it was where old landmarks are seen
+// again.
 
 #include <Eigen/Core>
 #include <optional>
@@ -44,7 +44,7 @@ class ErrorEnsemble {
   explicit ErrorEnsemble(const FastSlamSettings& settings);
 
   /// From now on the pose has six degrees of freedom.
-  void leave_plane() { planar_ = false; }
+  void leave_plane();
   /// The robot moved; covariance of the motion alone.
   void move(const Motion& step);
   /// From `T_world_robot` the pose was found by landmarks, and they learned. `prior`: covariance that the
@@ -65,7 +65,7 @@ class ErrorEnsemble {
   Matrix6d restricted(const Matrix6d& covariance) const;
 
   bool planar_;
-  double draw_share_;
+  double draw_share_, free_draw_share_;
   double landmark_variance_;  // that the filter adds after each update
   Random stream_;
   Twists robot_ = Twists::Zero();

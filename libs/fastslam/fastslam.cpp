@@ -117,7 +117,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   covariance_.observe(observations.accepted,
                       {frame, points, particles_.best().map, index_, result.T_world_best, twist},
                       prior_covariance);
-  publish_estimate(estimate, weights, own_motion, result);
+  publish_estimate(estimate, weights, own_motion, frame.T_robot_camera, result);
 
   // Deaths and births, alike in all particles. New landmarks last, so that 2.0 is possible: nobody was
   // weighed by a landmark that his own step had made.
@@ -182,10 +182,11 @@ bool FastSlam::leave_for(Floor floor) {
 }
 
 void FastSlam::publish_estimate(const ParticleSet::Estimate& estimate, const std::vector<double>& weights,
-                                const Motion& motion, StepResult& result) {
+                                const Motion& motion, const Eigen::Isometry3d& T_robot_camera,
+                                StepResult& result) {
   result.T_world_robot = estimate.T_world_robot;
   result.spread = estimate.spread;
-  result.covariance = covariance_.from_start(particles_, weights, estimate);
+  result.covariance = covariance_.from_start(particles_, weights, estimate, T_robot_camera);
   local_frame_.advance(result.T_world_robot, motion);
   result.T_local_robot = local_frame_.T_local_robot();
   result.T_world_local = local_frame_.T_map_local();

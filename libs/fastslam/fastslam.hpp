@@ -81,7 +81,7 @@ class FastSlam {
   std::optional<Floor> refuses_ground(const FrameAssociation& association) const;
   bool leave_for(Floor floor);
   void publish_estimate(const ParticleSet::Estimate& estimate, const std::vector<double>& weights,
-                        const Motion& motion, StepResult& result);
+                        const Motion& motion, const Eigen::Isometry3d& T_robot_camera, StepResult& result);
   Landmark published(int slot) const;
   bool nothing_to_find_back(const FrameAssociation& association,
                             const std::vector<FeaturePoint>& points) const;

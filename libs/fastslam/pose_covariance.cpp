@@ -1,12 +1,28 @@
 #include <lcmslam/fastslam/pose_covariance.hpp>
 
+#include <cmath>
+
+#include <lcmslam/fastslam/pose_space.hpp>
+
 namespace lcmslam {
+namespace {
+
+constexpr double least_sigma = 0.0003;  // m and rad: no pose is told to be exact
+
+}  // namespace
 
 PoseCovariance::PoseCovariance(const FastSlamSettings& settings)
-    : sensor_error_(settings), ensemble_(settings) {
-  const double translation = settings.shared_translation_sigma, rotation = settings.shared_rotation_sigma;
-  unmodelled_.diagonal().head<3>().setConstant(translation * translation);
-  unmodelled_.diagonal().tail<3>().setConstant(rotation * rotation);
+    : mount_error_(settings.mount_error),
+      planar_(settings.planar),
+      sensor_error_(settings),
+      ensemble_(settings) {
+  mount_.diagonal().head<3>().setConstant(std::pow(mount_error_.translation_sigma, 2));
+  mount_.diagonal().tail<3>().setConstant(std::pow(mount_error_.rotation_sigma, 2));
+}
+
+void PoseCovariance::leave_plane() {
+  planar_ = false;
+  ensemble_.leave_plane();
 }
 
 std::vector<EnsembleObservation> PoseCovariance::with_errors(const std::vector<LandmarkMatch>& matches,
@@ -37,10 +53,25 @@ void PoseCovariance::create(const std::vector<LandmarkMatch>& created, const Mea
 // the smoother holds the world where it was published to be, not at the first pose.) Others have forgotten
 // it, and the ensemble remembers.
 Matrix6d PoseCovariance::from_start(const ParticleSet& particles, const std::vector<double>& weights,
-                                    const ParticleSet::Estimate& estimate) const {
-  if (particles.start_known())
-    return particles.mean_square_from_start(weights, estimate.T_world_robot) + unmodelled_;
-  return ensemble_.pose() + unmodelled_;
+                                    const ParticleSet::Estimate& estimate,
+                                    const Eigen::Isometry3d& T_robot_camera) const {
+  const Matrix6d by_measurements = particles.start_known()
+                                       ? particles.mean_square_from_start(weights, estimate.T_world_robot)
+                                       : ensemble_.pose();
+  return by_measurements + by_mount(estimate.T_world_robot, T_robot_camera);
+}
+
+// The world begins at the robot's first pose, and even that is no point. What a planar filter holds to be
+// zero (height, roll and pitch) is off as the head's place is.
+Matrix6d PoseCovariance::by_mount(const Eigen::Isometry3d& T_start_robot,
+                                  const Eigen::Isometry3d& T_robot_camera) const {
+  const Eigen::Isometry3d T_first_now = T_robot_camera.inverse() * T_start_robot * T_robot_camera;
+  Matrix6d P =
+      mount_error(T_first_now, T_robot_camera, mount_error_.sigmas(T_robot_camera), Matrix6d::Zero());
+  if (planar_) P = PoseSpace<3>::expand(PoseSpace<3>::reduce(P));
+  if (planar_) P.diagonal().segment<3>(2) = mount_.diagonal().segment<3>(2);
+  P.diagonal().array() += least_sigma * least_sigma;
+  return P;
 }
 
 Eigen::Matrix3d PoseCovariance::of_landmark(int slot, const ParticleSet& particles) const {

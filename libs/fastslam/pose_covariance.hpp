@@ -25,7 +25,7 @@ class PoseCovariance {
   explicit PoseCovariance(const FastSlamSettings& settings);
 
   /// From now on the pose has six degrees of freedom.
-  void leave_plane() { ensemble_.leave_plane(); }
+  void leave_plane();
   /// The robot moved; covariance of this step alone.
   void move(const Motion& step) { ensemble_.move(step); }
   /// The pose rests on these landmarks, and they learned. `prior`: as the filter had it before it looked;
@@ -37,9 +37,9 @@ class PoseCovariance {
 
   /// Of the estimate exp(xi) as the robot's pose seen from its first one; body frame.
   Matrix6d from_start(const ParticleSet& particles, const std::vector<double>& weights,
-                      const ParticleSet::Estimate& estimate) const;
+                      const ParticleSet::Estimate& estimate, const Eigen::Isometry3d& T_robot_camera) const;
   /// Of the estimate in the world in which the landmarks stand; body frame.
-  Matrix6d in_map(const ParticleSet::Estimate& estimate) const { return estimate.spread + unmodelled_; }
+  Matrix6d in_map(const ParticleSet::Estimate& estimate) const { return estimate.spread + mount_; }
   /// Of a landmark's place seen from the robot's first pose, m^2, world.
   Eigen::Matrix3d of_landmark(int slot, const ParticleSet& particles) const;
 
@@ -47,7 +47,11 @@ class PoseCovariance {
   std::vector<EnsembleObservation> with_errors(const std::vector<LandmarkMatch>& matches,
                                                const MeasuredStep& step);
 
-  Matrix6d unmodelled_ = Matrix6d::Zero();  // of the settings' shared sigmas
+  Matrix6d by_mount(const Eigen::Isometry3d& T_start_robot, const Eigen::Isometry3d& T_robot_camera) const;
+
+  MountErrorSettings mount_error_;
+  Matrix6d mount_ = Matrix6d::Zero();  // of the head's place itself
+  bool planar_;
   SensorError sensor_error_;
   ErrorEnsemble ensemble_;
 };

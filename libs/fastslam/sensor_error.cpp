@@ -38,6 +38,7 @@ SensorError::SensorError(const FastSlamSettings& settings)
     focal_y_(k) = static_cast<float>(stream_.normal(0, settings.focal_sigma));
     stamp_(k) = static_cast<float>(stream_.normal(0, settings.stamp_sigma));
     shutter_(k) = static_cast<float>(stream_.normal(0, settings.shutter_sigma));
+    slide_(k) = static_cast<float>(stream_.normal(0, settings.slide_sigma));
   }
   for (double range = 0; range <= std::min(settings.maximum_range, farthest_wave) + range_step;
        range += range_step)
@@ -56,6 +57,14 @@ EnsembleVectors SensorError::of_view(const Eigen::Vector3d& ray, std::int64_t la
   for (const double part : {ray.x() / range, ray.y() / range, ray.z() / range, std::log(range)})
     key = mixed(key ^ static_cast<std::uint64_t>(std::llround(part / step)));
   return random_signs({mixed(key ^ 1U), mixed(key ^ 2U), mixed(key ^ 3U)});
+}
+
+// In the robot's frame.
+Eigen::Vector3d SensorError::way_since_first_seen(std::int64_t landmark,
+                                                  const Eigen::Isometry3d& T_world_robot) {
+  const Eigen::Vector3d& first =
+      first_seen_from_.try_emplace(landmark, T_world_robot.translation()).first->second;
+  return T_world_robot.linear().transpose() * (T_world_robot.translation() - first);
 }
 
 EnsembleVectors SensorError::draw(const FeaturePoint& point, const FeatureFrame& frame, std::int64_t landmark,
@@ -98,6 +107,7 @@ EnsembleVectors SensorError::of_point(const FeaturePoint& point, const FeatureFr
       static_cast<float>(frame.height > 0 ? feature.y / static_cast<float>(frame.height) - 0.5F : 0);
   error += systematic.cast<float>().lazyProduct(depth_wave(ray.norm()));
   error += by_x.cast<float>().lazyProduct(focal_x_) + by_y.cast<float>().lazyProduct(focal_y_);
+  error += way_since_first_seen(landmark, T_world_robot).cast<float>().lazyProduct(slide_);
   error += velocity.cast<float>().lazyProduct(EnsembleRow(stamp_ + row * shutter_));
   return error;
 }

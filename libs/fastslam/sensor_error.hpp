@@ -7,11 +7,14 @@
 //   long as it is seen from the same side and distance;
 //   the rest is new in every image.
 //
-// Besides, the focal lengths are known as well as a calibration tells them, and so is the moment at which
-// each row of the image was taken: what the robot moves by until then, everything seems to have moved.
+// Blobs on edges slide along them as the robot goes by, most of them with it: all landmarks by a ratio of the
+// way since they were first seen. Besides, the focal lengths are known as well as a calibration tells them,
+// and so is the moment at which each row of the image was taken: what the robot moves by until then,
+// everything seems to have moved.
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include <lcmslam/fastslam/association/usable_features.hpp>
@@ -44,6 +47,7 @@ class SensorError {
   EnsembleVectors of_plane(const Measurement& measurement);
   EnsembleRow depth_wave(double range) const;
   EnsembleVectors of_view(const Eigen::Vector3d& ray, std::int64_t landmark) const;
+  Eigen::Vector3d way_since_first_seen(std::int64_t landmark, const Eigen::Isometry3d& T_world_robot);
 
   FastSlamSettings settings_;
   Random stream_;
@@ -51,6 +55,8 @@ class SensorError {
   std::vector<EnsembleRow> depth_waves_;  // of unit variance, by range
   EnsembleRow focal_x_, focal_y_;         // ratios
   EnsembleRow stamp_, shutter_;           // s: of the image, and from its first row to its last
+  EnsembleRow slide_;                     // ratio
+  std::unordered_map<std::int64_t, Eigen::Vector3d> first_seen_from_;  // by landmark: m, world
 };
 
 }  // namespace lcmslam

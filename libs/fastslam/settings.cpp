@@ -12,7 +12,7 @@ FastSlamSettings thesis_preset() {
   s.resampling = ResamplingScheme::multinomial;
   s.resample_fraction = 1;
   s.estimate = PoseEstimate::best;
-  s.draw_share = 1;  // the best particle errs by its own draws
+  s.draw_share = s.free_draw_share = 1;  // the best particle errs by its own draws
   s.use_motion_covariance = false;
   s.translation_noise = 0.05;  // sigma_r of figure 2.1; its heading's noise is not given
   s.rotation_noise = 0.01;
@@ -59,14 +59,13 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
   s.number("resample_fraction", resample_fraction, "", {0, 1},
            "resamples when the effective sample size is below this share of the particles; 1: every step");
   s.choice("estimate", estimate, estimate_names, "which pose is reported: the best particle's or their mean");
-  s.number("shared_translation_sigma", shared_translation_sigma, "m", {0, 10},
-           "added in variance to the reported covariance: what nothing else tells (the camera's mount)");
-  s.number("shared_rotation_sigma", shared_rotation_sigma, "rad", {0, 10},
-           "added in variance to the reported covariance: what nothing else tells");
-
+  s.section("mount_error", mount_error,
+            "what the told covariance of a pose holds for the head's place on the robot");
   s.number(
       "draw_share", draw_share, "", {0, 1},
       "of the variance by which particles are drawn, what their mean errs by: weights choose among draws");
+  s.number("free_draw_share", free_draw_share, "", {0, 1},
+           "the same with six degrees of freedom, which as many particles fill more thinly");
   s.number("systematic_depth", systematic_depth, "", {0, 1},
            "part of a depth's stated sigma that is alike for all that lies at one range, always");
   s.number("view_share", view_share, "", {0, 1},
@@ -77,6 +76,8 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
   s.number("stamp_sigma", stamp_sigma, "s", {0, 1}, "of the images' stamps, all alike");
   s.number("shutter_sigma", shutter_sigma, "s", {0, 1},
            "of the time from an image's first row to its last, where rows are not all of one moment");
+  s.number("slide_sigma", slide_sigma, "", {0, 1},
+           "of the ratio by which all landmarks slide along with the robot, blobs on edges do");
 
   s.flag("use_motion_covariance", use_motion_covariance,
          "odometry's own covariance is used; false: the noise is translation_noise and the like alone");

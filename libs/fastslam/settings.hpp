@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <lcmslam/geometry/ground_plane.hpp>
+#include <lcmslam/geometry/mount_error.hpp>
 #include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
@@ -57,17 +58,18 @@ struct FastSlamSettings {
   ResamplingScheme resampling = ResamplingScheme::systematic;
   double resample_fraction = 0.5;
   PoseEstimate estimate = PoseEstimate::mean;
-  // Added in variance to the reported covariance: what nothing here knows of (the camera's mount).
-  double shared_translation_sigma = 0.002;
-  double shared_rotation_sigma = 0.001;
-  // What its other part is made of (sensor_error.hpp): how the stated noise of measurements goes together.
-  double draw_share = 0.7;
-  double systematic_depth = 0.2;
+  // What the reported covariance is made of: where the head sits, and how the stated noise of measurements
+  // goes together (sensor_error.hpp).
+  MountErrorSettings mount_error;
+  double draw_share = 0.05;
+  double free_draw_share = 0.7;
+  double systematic_depth = 0.1;
   double view_share = 0.5;
   double view_step = 0.1;
   double focal_sigma = 0.001;
   double stamp_sigma = 0.001;
   double shutter_sigma = 0;
+  double slide_sigma = 0.0025;
 
   // Motion noise of one step (standard deviations), added in variance to the odometry's own.
   bool use_motion_covariance = true;

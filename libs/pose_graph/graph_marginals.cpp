@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include <lcmslam/pose_graph/mount_error.hpp>
+#include <lcmslam/geometry/mount_error.hpp>
 
 namespace lcmslam {
 namespace {

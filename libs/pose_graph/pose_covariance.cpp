@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include <lcmslam/pose_graph/mount_error.hpp>
+#include <lcmslam/geometry/mount_error.hpp>
 
 namespace lcmslam {
 

@@ -1,7 +1,7 @@
 #pragma once
 // One piece of a model of sensor head: what no calibration tells of it. Heads of one model are told alike and
 // are not alike: a careful calibration leaves errors of these sizes, which the mappers are told to expect
-// (FastSlamSettings::focal_sigma, stamp_sigma, shared_translation_sigma, shared_rotation_sigma).
+// (FastSlamSettings::focal_sigma, stamp_sigma; MountErrorSettings).
 
 #include <cstdint>
 

@@ -85,6 +85,22 @@ TEST_F(ErrorEnsembleTest, GrowsAsTheOdometryErrs) {
   EXPECT_NEAR(sum(5, 5), wider * 1e-4, 0.1e-4);
 }
 
+TEST_F(ErrorEnsembleTest, OfDrawsTellsMoreWhereThePlaneIsLeft) {
+  FastSlamSettings settings = planar();
+  settings.draw_share = 0;
+  settings.free_draw_share = 1;
+  ErrorEnsemble ensemble(settings);
+  auto exact = look(slots(0, 5), here_);
+  for (EnsembleObservation& o : exact) o.error.setZero();
+  ensemble.create(exact, here_);
+  const Matrix6d prior = 1e-4 * Matrix6d::Identity();
+  ensemble.observe(exact, here_, prior);
+  EXPECT_LT(ensemble.pose().trace(), 1e-10);
+  ensemble.leave_plane();
+  ensemble.observe(exact, here_, prior);
+  EXPECT_GT(ensemble.pose().trace(), 1e-8);
+}
+
 TEST_F(ErrorEnsembleTest, StaysInThePlaneUntilItIsLeft) {
   ErrorEnsemble ensemble(planar());
   ensemble.move(standing(1e-4));
@@ -136,7 +152,9 @@ TEST_F(ErrorEnsembleTest, LandmarksErrWithThePoseThatMadeThem) {
 // A robot that knows nothing but landmarks whose places are certain: (sum J^T R^-1 J)^-1, once for the
 // measurements and once for the draw.
 TEST_F(ErrorEnsembleTest, ThePoseAmongLandmarksIsThatOfTheirEquations) {
-  ErrorEnsemble ensemble(planar());
+  FastSlamSettings settings = planar();
+  settings.draw_share = 1;
+  ErrorEnsemble ensemble(settings);
   auto made = look(slots(0, 40), here_);
   for (auto& landmark : made) landmark.error.setZero();
   ensemble.create(made, here_);

@@ -11,7 +11,7 @@ constexpr double range = 2.5;
 
 FastSlamSettings without_calibration_errors() {
   FastSlamSettings settings;
-  settings.focal_sigma = settings.stamp_sigma = settings.shutter_sigma = 0;
+  settings.focal_sigma = settings.stamp_sigma = settings.shutter_sigma = settings.slide_sigma = 0;
   return settings;
 }
 
@@ -54,6 +54,30 @@ TEST_F(SensorErrorTest, IsAsLargeAsTheNoiseStates) {
   }
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(sum(i, i), stated_(i, i), 0.1 * stated_(i, i));
   EXPECT_NEAR(sum(0, 1), 0, 0.1 * std::sqrt(stated_(0, 0) * stated_(1, 1)));
+}
+
+// A robot that has turned left and gone 2 m aside of where it first saw two landmarks: each member has both
+// slide along by the same ratio of that way, and a third that is new by nothing.
+TEST_F(SensorErrorTest, LandmarksSlideByARatioOfTheWaySinceTheyWereFirstSeen) {
+  FastSlamSettings settings = without_calibration_errors();
+  SensorError still(settings);
+  settings.slide_sigma = 0.01;
+  SensorError sliding(settings);
+  // The same draws in both, but for the slide.
+  const auto slide = [&](std::int64_t landmark, const Eigen::Isometry3d& T_world_robot) {
+    const auto of = [&](SensorError& errors) {
+      return errors.draw(point_, frame_, landmark, T_world_robot, Vector6d::Zero());
+    };
+    return EnsembleVectors(of(sliding) - of(still));
+  };
+  const Eigen::Isometry3d first = planar_pose(1, 1, 0), later = planar_pose(1, 3, M_PI / 2);
+  EXPECT_LT(slide(1, first).norm(), 1e-6F);
+  EXPECT_LT(slide(2, first).norm(), 1e-6F);
+  const EnsembleVectors one = slide(1, later), two = slide(2, later);
+  EXPECT_LT((one - two).norm(), 1e-5F);
+  EXPECT_NEAR(mean_product(one, one, 0), std::pow(0.01 * 2, 2), 0.4 * std::pow(0.01 * 2, 2));  // ahead now
+  EXPECT_LT(one.row(1).norm() + one.row(2).norm(), 1e-5F);
+  EXPECT_LT(slide(3, later).norm(), 1e-6F);
 }
 
 // Between two images: all of the depth's systematic part, for every landmark; the feature's own part as long

@@ -1,6 +1,6 @@
 // The robot's path from its cameras' path, with a head that sits elsewhere than is told.
 
-#include <lcmslam/pose_graph/mount_error.hpp>
+#include <lcmslam/geometry/mount_error.hpp>
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 //
 // with T_first_now from the first camera to this one: nothing where the robot began and most where it looks
 // the other way. x is by how much m moves the camera's own pose: a robot that is said to stand on a floor is
-// held there with the wrong mount, A x = A L m for height, roll and pitch A (graph_marginals.hpp), so that of
+// held there with the wrong mount, A x = A L m for height, roll and pitch A (the pose graph's), so that of
 // these it errs by little.
 
 #include <lcmslam/geometry/transform.hpp>

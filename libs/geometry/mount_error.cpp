@@ -1,4 +1,4 @@
-#include <lcmslam/pose_graph/mount_error.hpp>
+#include <lcmslam/geometry/mount_error.hpp>
 
 namespace lcmslam {
 
