@@ -8,8 +8,8 @@
 #include <lcmslam/dense_mapper/motion_prior.hpp>
 #include <lcmslam/dense_mapper/thesis/thesis_settings.hpp>
 #include <lcmslam/dense_mapper/voxel_map.hpp>
-#include <lcmslam/pose_graph/keyframe_graph.hpp>
 #include <lcmslam/geometry/mount_error.hpp>
+#include <lcmslam/pose_graph/keyframe_graph.hpp>
 #include <lcmslam/registration/registration.hpp>
 #include <lcmslam/rgbd/colour_overlap.hpp>
 #include <lcmslam/rgbd/depth_clock.hpp>
