@@ -58,11 +58,13 @@ Matrix6d PoseCovariance::from_start(const ParticleSet& particles, const std::vec
   const Matrix6d by_measurements = particles.start_known()
                                        ? particles.mean_square_from_start(weights, estimate.T_world_robot)
                                        : ensemble_.pose();
-  return by_measurements + by_mount(estimate.T_world_robot, T_robot_camera);
+  Matrix6d P = by_measurements + by_mount(estimate.T_world_robot, T_robot_camera);
+  P.diagonal().array() += least_sigma * least_sigma;
+  return P;
 }
 
-// The world begins at the robot's first pose, and even that is no point. What a planar filter holds to be
-// zero (height, roll and pitch) is off as the head's place is.
+// The world begins at the robot's first pose. What a planar filter holds to be zero (height, roll and pitch)
+// is off as the head's place is.
 Matrix6d PoseCovariance::by_mount(const Eigen::Isometry3d& T_start_robot,
                                   const Eigen::Isometry3d& T_robot_camera) const {
   const Eigen::Isometry3d T_first_now = T_robot_camera.inverse() * T_start_robot * T_robot_camera;
@@ -70,7 +72,6 @@ Matrix6d PoseCovariance::by_mount(const Eigen::Isometry3d& T_start_robot,
       mount_error(T_first_now, T_robot_camera, mount_error_.sigmas(T_robot_camera), Matrix6d::Zero());
   if (planar_) P = PoseSpace<3>::expand(PoseSpace<3>::reduce(P));
   if (planar_) P.diagonal().segment<3>(2) = mount_.diagonal().segment<3>(2);
-  P.diagonal().array() += least_sigma * least_sigma;
   return P;
 }
 
