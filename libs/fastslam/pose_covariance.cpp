@@ -7,7 +7,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr double least_sigma = 0.0003;  // m and rad: no pose is told to be exact
+constexpr double least_sigma = 0.0001;  // m and rad: no pose is told to be exact
 
 }  // namespace
 
