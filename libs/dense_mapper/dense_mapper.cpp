@@ -172,19 +172,20 @@ bool DenseMapper::is_found(const Tracked& tracked) {
   return true;
 }
 
-// The map in sight stands on the newest node and errs as that does; registration errs beside it, as the edge
-// would that it may become, and so does the head's place on the robot.
+// The map in sight stands on the newest node and errs as that does; registration errs beside it, and so does
+// the head's place on the robot.
 void DenseMapper::tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step& step) const {
   const KeyframeGraph::Node& newest = graph_.nodes().back();
   const Eigen::Isometry3d T_world_camera = step.T_world_robot * T_robot_camera;
   const PoseError error =
       carried_along(newest.error, {newest.T_world_camera.inverse() * T_world_camera, Matrix6d::Zero()});
   step.map_covariance = covariance_at(error, T_world_camera, T_robot_camera);
+  step.local_covariance =
+      step.status == MappingStatus::tracking
+          ? frame_error(step.covariance, settings_.graph.optimiser, graph_.error_factors())
+          : step.covariance;
   // A new node's own covariance has its registration in it.
-  if (step.node) return;
-  step.map_covariance += step.status == MappingStatus::tracking
-                             ? edge_error(step.covariance, settings_.graph.optimiser, graph_.error_factors())
-                             : step.covariance;
+  if (!step.node) step.map_covariance += step.local_covariance;
 }
 
 Matrix6d DenseMapper::covariance_at(const PoseError& error, const Eigen::Isometry3d& T_world_camera,

@@ -34,8 +34,9 @@ class DenseMapper {
     /// In the map's frame, which is the first pose: of the keyframes that the pose stands on, and against
     /// them.
     Matrix6d map_covariance = Matrix6d::Zero();
-    Matrix6d covariance =
-        Matrix6d::Zero();  ///< against the map in sight; both: right perturbation, robot frame
+    /// Against the map in sight: as cautious as the graph's weights, and as registration has been found to
+    /// err. All three: right perturbation, robot frame.
+    Matrix6d covariance = Matrix6d::Zero(), local_covariance = Matrix6d::Zero();
     /// The pose in two parts, T_world_local * T_local_robot, of which the second never jumps (LocalFrame).
     Eigen::Isometry3d T_world_local = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d T_local_robot = Eigen::Isometry3d::Identity();

@@ -63,6 +63,12 @@ Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& setting
   return sigmas * sigmas * covariance;
 }
 
+Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
+                     const ErrorFactors& factors) {
+  const double sigmas = factors.edges * settings.frame_error;
+  return sigmas * sigmas * covariance;
+}
+
 FloorJacobian floor_jacobian(const GroundConstraint& ground) {
   return adjoint(ground.T_camera_robot.inverse()).middleRows<3>(2);
 }

@@ -25,9 +25,12 @@ struct ErrorFactors {
 /// Of an optimised graph.
 ErrorFactors error_factors(const PoseGraph& graph, const PoseGraphSettings& settings);
 
-/// What an edge, or tracking that may become one, errs by: from the covariance by which it is weighed.
+/// What an edge, or tracking that becomes one, errs by: from the covariance by which it is weighed.
 Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
                     const ErrorFactors& factors);
+/// And tracking between two nodes, beside the newest one.
+Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
+                     const ErrorFactors& factors);
 
 /// Height, roll and pitch of the robot by the camera's pose exp(xi).
 using FloorJacobian = Eigen::Matrix<double, 3, 6>;

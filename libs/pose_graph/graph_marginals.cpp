@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include <lcmslam/geometry/mount_error.hpp>
 
@@ -19,19 +20,44 @@ void add(const Matrix6d& block, int row, int column, Entries& entries) {
     for (int c = 0; c < 6; ++c) entries.emplace_back(6 * (row - 1) + r, 6 * (column - 1) + c, block(r, c));
 }
 
-constexpr int of_edges = 3, of_mount = 6;  // columns of what is shared
-using EdgesShare = Eigen::Matrix<double, 6, of_edges>;
+constexpr int of_mount = 6, of_stretch = 2;  // columns of what is shared, the mount's before the edges'
+constexpr int turned = of_mount;             // one of all edges
+constexpr int most_stretches = 32;
 
-// Too long, too far and too bent: Z_true = Z exp(b), a part of what Z measures, as the second pose's body has
-// it (`up`: the vertical in that body). A camera that contradicts itself by more also errs by more where it
-// agrees with itself.
-EdgesShare shared_error(const GraphEdge& edge, const Eigen::Vector3d& up, const PoseGraphSettings& settings,
-                        const ErrorFactors& factors) {
+/// By edge: on which stretch of the way its later node stands.
+struct Stretches {
+  std::vector<int> of_edge;
+  int count = 1;
+};
+
+Stretches stretches_of(const PoseGraph& graph, double length) {
+  std::vector<double> way(graph.poses.size(), 0);
+  for (std::size_t i = 1; i < way.size(); ++i)
+    way[i] = way[i - 1] + distance_between(graph.poses[i - 1], graph.poses[i]);
+  const double each = std::max(length, way.back() / most_stretches);
+  Stretches stretches;
+  for (const GraphEdge& e : graph.edges) {
+    const double at = way[static_cast<std::size_t>(std::max(e.from, e.to))];
+    stretches.of_edge.push_back(std::min(static_cast<int>(at / each), most_stretches - 1));
+    stretches.count = std::max(stretches.count, stretches.of_edge.back() + 1);
+  }
+  return stretches;
+}
+
+// Too far, too long and too bent: Z_true = Z exp(b), a part of what Z measures, as the second pose's body has
+// it (`up`: the vertical in that body). How edges contradict each other tells nothing of it.
+struct SharedError {
+  Vector6d turn = Vector6d::Zero();
+  Eigen::Matrix<double, 6, of_stretch> stretch = Eigen::Matrix<double, 6, of_stretch>::Zero();
+};
+
+SharedError shared_error(const GraphEdge& edge, const Eigen::Vector3d& up,
+                         const PoseGraphSettings& settings) {
   const Eigen::Isometry3d& Z = edge.T_from_to.T;
-  EdgesShare b = EdgesShare::Zero();
-  b.block<3, 1>(0, 0) = factors.edges * settings.motion_scale * (Z.linear().transpose() * Z.translation());
-  b.block<3, 1>(3, 1) = factors.edges * settings.turn_scale * se3_log(Z).tail<3>();
-  b.block<3, 1>(3, 2) = factors.edges * settings.curvature * Z.translation().norm() * up;
+  SharedError b;
+  b.turn.tail<3>() = settings.turn_scale * se3_log(Z).tail<3>();
+  b.stretch.block<3, 1>(0, 0) = settings.motion_scale * (Z.linear().transpose() * Z.translation());
+  b.stretch.block<3, 1>(3, 1) = settings.curvature * Z.translation().norm() * up;
   return b;
 }
 
@@ -56,9 +82,11 @@ std::vector<double> shares(const std::vector<GraphEdge>& edges, EdgeErrors error
 GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& settings,
                             const ErrorFactors& factors, EdgeErrors errors) {
   GraphEquations equations;
-  equations.shared.setZero(static_cast<Eigen::Index>(6 * (graph.poses.size() - 1)), of_edges + of_mount);
-  const auto add_shared = [&](int node, const EdgesShare& rows) {
-    if (node > 0) equations.shared.block<6, of_edges>(6 * (node - 1), 0) += rows;
+  const Stretches stretches = stretches_of(graph, settings.stretch);
+  equations.shared.setZero(static_cast<Eigen::Index>(6 * (graph.poses.size() - 1)),
+                           of_mount + 1 + of_stretch * stretches.count);
+  const auto add_shared = [&](int node, int column, const auto& rows) {
+    if (node > 0) equations.shared.block(6 * (node - 1), column, 6, rows.cols()) += rows;
   };
   const std::vector<double> share = shares(graph.edges, errors);
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
@@ -73,16 +101,19 @@ GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& set
     add(WJ, e.to, e.from, equations.H);
     add(WJ.transpose(), e.from, e.to, equations.H);
     add(W, e.to, e.to, equations.H);
-    const EdgesShare b = shared_error(e, T_to.linear().transpose().col(2), settings, factors);
-    add_shared(e.from, WJ.transpose() * b);
-    add_shared(e.to, W * b);
+    const SharedError b = shared_error(e, T_to.linear().transpose().col(2), settings);
+    const int bent = turned + 1 + of_stretch * stretches.of_edge[i];
+    for (const auto& [node, felt] : {std::make_pair(e.from, Matrix6d(WJ.transpose())), {e.to, W}}) {
+      add_shared(node, turned, (felt * b.turn).eval());
+      add_shared(node, bent, (felt * b.stretch).eval());
+    }
   }
   if (!graph.ground) return equations;
   for (std::size_t i = 1; i < graph.poses.size(); ++i) {
     const auto node = static_cast<int>(i);
     const Matrix6d W = ground_information(*graph.ground, i, settings, factors);
     add(W, node, node, equations.H);
-    equations.shared.block<6, of_mount>(6 * (node - 1), of_edges) +=
+    equations.shared.block<6, of_mount>(6 * (node - 1), 0) +=
         W * mount_lever(graph.poses.front().inverse() * graph.poses[i]) *
         graph.ground->mount_sigmas.asDiagonal();
   }
@@ -151,8 +182,10 @@ Matrix6d GraphMarginals::block(int i, int j) const {
 }
 
 GraphMarginals::Shared GraphMarginals::shared(int i) const {
-  if (i < 1) return {EdgesShare::Zero(), Matrix6d::Zero()};
-  return {shared_.block<6, of_edges>(6 * (i - 1), 0), shared_.block<6, of_mount>(6 * (i - 1), of_edges)};
+  const Eigen::Index columns = shared_.cols() - of_mount;
+  if (i < 1) return {Eigen::MatrixXd::Zero(6, columns), Matrix6d::Zero()};
+  const auto rows = shared_.middleRows<6>(6 * (i - 1));
+  return {rows.rightCols(columns), rows.leftCols<of_mount>()};
 }
 
 }  // namespace lcmslam

@@ -5,9 +5,10 @@
 //   b_i)
 //
 // with R what an edge or the ground errs by and b the errors that all edges share, and all of the ground: the
-// mount's (mount_error.hpp). Only the entries of H^-1 that its sparse
-// factor has are computed (Takahashi, Fagan and Chin 1973; Erisman and Tinney 1975), so the cost is that of
-// the factorisation.
+// mount's (mount_error.hpp). Edges share by how much they are too long and bent with those of their stretch
+// of the way, as what a camera errs by lasts as long as what it sees is alike. Only the entries of H^-1 that
+// its sparse factor has are computed (Takahashi, Fagan and Chin 1973; Erisman and Tinney 1975), so the cost
+// is that of the factorisation.
 
 #include <Eigen/SparseCore>
 #include <cstdint>
@@ -31,7 +32,7 @@ class GraphMarginals {
  public:
   /// One column for one sigma of each error.
   struct Shared {
-    Eigen::Matrix<double, 6, 3> by_edges;
+    Eigen::Matrix<double, 6, Eigen::Dynamic> by_edges;
     Matrix6d by_mount;
   };
 
@@ -52,8 +53,8 @@ class GraphMarginals {
   // (L D L^T)^-1 where L has entries: below its diagonal, and on it.
   Eigen::SparseMatrix<double> inverse_;
   Eigen::VectorXd diagonal_;
-  Eigen::VectorXi place_;  // of an unknown in the factor
-  Eigen::MatrixXd shared_;
+  Eigen::VectorXi place_;   // of an unknown in the factor
+  Eigen::MatrixXd shared_;  // the mount's columns first
 };
 
 }  // namespace lcmslam

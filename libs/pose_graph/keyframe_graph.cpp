@@ -104,7 +104,6 @@ void KeyframeGraph::begin(Utime now, Optimise when) {
 KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphEdge> waiting,
                                              const std::vector<NewNode>& fresh, LoopFinder& finder,
                                              const KeyframeGraphSettings& settings, Optimise when) {
-  bool circles = false;
   for (const NewNode& added : fresh) {
     const KeyframeView& view = *added.view;
     // Compare with the last one, with those near, with loop candidates.
@@ -121,15 +120,12 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
       if (!measured) continue;
       const EdgeKind kind = view.node - other > loop_span ? EdgeKind::loop : EdgeKind::registration;
       waiting.push_back({other, view.node, kind, *measured, 0});
-      circles = circles || view.node - other > 1;
     }
     if (added.keyframe) finder.add(added.view);
   }
   Solution solution;
-  const bool admitted = admit(waiting, graph, settings.optimiser) > 0;
-  const bool any_circle = std::any_of(graph.edges.begin(), graph.edges.end(),
-                                      [](const GraphEdge& e) { return e.to - e.from > 1; });
-  if ((admitted && circles) || (when == Optimise::any_circle && any_circle))
+  const bool optimised = close_circles(waiting, graph, settings.optimiser);
+  if (!optimised && when == Optimise::any_circle && has_circle(graph.edges))
     optimise(graph, settings.optimiser);
   solution.factors = lcmslam::error_factors(graph, settings.optimiser);
   solution.errors = pose_errors(graph, settings.optimiser, solution.factors);

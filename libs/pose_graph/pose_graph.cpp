@@ -211,6 +211,19 @@ int admit(std::vector<GraphEdge>& waiting, PoseGraph& graph, const PoseGraphSett
   return added;
 }
 
+bool has_circle(const std::vector<GraphEdge>& edges, std::size_t first) {
+  return std::any_of(edges.begin() + static_cast<std::ptrdiff_t>(first), edges.end(),
+                     [](const GraphEdge& e) { return e.to - e.from > 1; });
+}
+
+bool close_circles(std::vector<GraphEdge>& waiting, PoseGraph& graph, const PoseGraphSettings& settings) {
+  const std::size_t before = graph.edges.size();
+  admit(waiting, graph, settings);
+  if (!has_circle(graph.edges, before)) return false;
+  optimise(graph, settings);
+  return true;
+}
+
 int optimise(PoseGraph& graph, const PoseGraphSettings& settings) {
   if (graph.poses.size() < 2 || graph.edges.empty()) return 0;
   int refused = 0;

@@ -45,10 +45,12 @@ struct PoseGraphSettings {
   double path_gate = 4.74;
   int loop_support = 3;
   double edge_error = 0.25;
-  double ground_error = 0.2;
-  double motion_scale = 0.0015;
-  double turn_scale = 0.0015;
-  double curvature = 0.0003;
+  double frame_error = 0.2;
+  double ground_error = 0.3;
+  double motion_scale = 0.0012;
+  double turn_scale = 0.001;
+  double curvature = 0.0002;
+  double stretch = 8;
   double stated_measurements = 5;
 
   void describe(SettingsVisitor& s) {
@@ -65,22 +67,27 @@ struct PoseGraphSettings {
              "what an edge errs by on its own, over the sigma that weighs it (cautiously: one wrong edge "
              "bends the map); "
              "for the poses' covariances");
+    s.number("frame_error", frame_error, "", {0.001, 1000},
+             "likewise, what a frame errs by beside the newest node: less than an edge, as most of what both "
+             "see is the same; for the poses' covariances");
     s.number(
         "ground_error", ground_error, "", {0.001, 1000},
         "what the ground is off its plane by, over the sigma that weighs it (cautiously, likewise); for the "
         "poses' covariances");
-    s.number("motion_scale", motion_scale, "", {0, 1},
-             "standard deviation of a ratio by which all edges measure too long or too short ways, as depth "
-             "cameras "
-             "with a systematic error do; for the poses' covariances");
+    s.number(
+        "motion_scale", motion_scale, "", {0, 1},
+        "standard deviation of a ratio by which all edges of a stretch measure too long or too short ways, "
+        "as depth cameras with a systematic error do; for the poses' covariances");
     s.number("turn_scale", turn_scale, "", {0, 1},
              "standard deviation of a ratio by which all edges measure too large or too small turns; for the "
              "poses' "
              "covariances");
     s.number("curvature", curvature, "rad/m", {0, 1},
-             "standard deviation of a turn about the vertical by which all edges bend straight ways alike; "
-             "for the "
-             "poses' covariances");
+             "standard deviation of a turn about the vertical by which all edges of a stretch bend straight "
+             "ways alike; for the poses' covariances");
+    s.number(
+        "stretch", stretch, "m", {0.1, 1e6},
+        "of the way, for which motion_scale and curvature last; at most 32 of them, longer on longer ways");
     s.number("stated_measurements", stated_measurements, "", {0.1, 1e6},
              "edges, and poses on the ground, as many as the two errors above count for beside what the "
              "graph's measurements contradict each other by: what edges and ground err by follows from both");
@@ -120,6 +127,13 @@ bool consistent(const GraphEdge& a, const GraphEdge& b, const PoseGraph& graph,
 /// Takes from `waiting` what can be believed and adds it to the graph: what agrees with the graph's own
 /// expectation, and groups that agree with each other. The number added.
 int admit(std::vector<GraphEdge>& waiting, PoseGraph& graph, const PoseGraphSettings& settings);
+
+/// Admits and, where that closes a circle, optimises: until the poses agree with what was admitted, it
+/// contradicts all that they are told to err by. Whether it did.
+bool close_circles(std::vector<GraphEdge>& waiting, PoseGraph& graph, const PoseGraphSettings& settings);
+
+/// Whether any of the edges from number `first` on closes a circle.
+bool has_circle(const std::vector<GraphEdge>& edges, std::size_t first = 0);
 
 /// Moves the poses; refused edges are gone afterwards. The number refused.
 int optimise(PoseGraph& graph, const PoseGraphSettings& settings);

@@ -11,17 +11,23 @@ namespace lcmslam {
 
 struct DepthClockSettings {
   bool enabled = true;
-  double prior = 0.01;
-  /// Frames that follow one another err alike, so it is three times what single frames scatter.
-  double noise = 0.03;
+  double prior = 0.003;
+  double noise = 0.01;
+  double stated_frames = 30;
+  double frames_alike = 16;
   double outlier = 0.1;
 
   void describe(SettingsVisitor& s) {
     s.flag("enabled", enabled,
            "learns by how much the depth image's stamps are off the colour camera's clock");
     s.number("prior", prior, "s", {1e-4, 1}, "standard deviation of the offset before anything is seen");
-    s.number("noise", noise, "rad", {1e-4, 1},
-             "standard deviation of the difference between both orientations in one frame");
+    s.number(
+        "noise", noise, "rad", {1e-4, 1},
+        "standard deviation of the difference between both orientations in one frame, before any is seen");
+    s.number("stated_frames", stated_frames, "", {0.1, 1e6},
+             "as many as noise counts for beside the differences that are seen");
+    s.number("frames_alike", frames_alike, "", {1, 1e6},
+             "frames in a row whose difference is as good as the same, and counts once");
     s.number("outlier", outlier, "rad", {0, 3.1416}, "a difference beyond is no matter of clocks");
   }
 };
@@ -40,8 +46,12 @@ class DepthClock {
   double sigma() const;  ///< s
 
  private:
+  double information() const;  // prior and turns, 1/s^2
+
   DepthClockSettings settings_;
-  double information_ = 0, sum_ = 0;
+  // Of each frame's turn (rad) had nothing been moved in time, and its omega.
+  double frames_ = 0, omega_omega_ = 0, omega_turn_ = 0, turn_turn_ = 0;
+  double variance_;  // rad^2, of one frame's turn
   double offset_ = 0;
 };
 

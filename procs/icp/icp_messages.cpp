@@ -78,7 +78,7 @@ pose_estimate_t icp_pose(const DenseMapper::Step& step, Utime depth_utime,
 pose_estimate_t icp_local_pose(const pose_estimate_t& pose, const DenseMapper::Step& step,
                                const Eigen::Isometry3d& T_step_depth, const std::string& local_frame) {
   const pose_estimate_t part =
-      make_pose_estimate(pose.utime, step.T_local_robot * T_step_depth, step.covariance);
+      make_pose_estimate(pose.utime, step.T_local_robot * T_step_depth, step.local_covariance);
   pose_estimate_t local = pose;
   local.frame = local_frame;
   local.T_map_robot = part.T_map_robot;

@@ -25,7 +25,7 @@ using testing::TestBus;
 std::pair<double, double> learned_clock(double seconds) {
   TestBus bus;
   bus.add<OdometryNode>();
-  const IcpNode& icp = bus.add<IcpNode>();
+  const IcpNode& icp = bus.add<IcpNode>(ConfigNode::parse("{depth_clock: {prior: 0.01}}"));
   RecordedDrive::Part part;
   part.from = RecordedDrive::turns;
   part.with_features = true;

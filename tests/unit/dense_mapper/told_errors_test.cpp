@@ -33,7 +33,7 @@ TEST(ToldErrors, APoseErrsAsTheGraphHasLearned) {
     const KeyframeGraph::Node& node = mapper.graph().nodes().back();
     const Matrix6d A = adjoint(step.T_world_robot.inverse() * node.T_world_camera);
     const Matrix6d beside = step.map_covariance - A * node.error.covariance() * A.transpose();
-    const double sigmas = factor * settings.graph.optimiser.edge_error;
+    const double sigmas = factor * settings.graph.optimiser.frame_error;
     EXPECT_LT((beside - sigmas * sigmas * step.covariance).norm(), 1e-6 * beside.norm()) << i;
     learned = factor;
     told = beside.norm();

@@ -130,28 +130,40 @@ TEST(PoseCovariance, IsWhatOptimisedPosesErrBy) {
   EXPECT_NEAR(sum / count, 6, 0.9);  // 180 chi squares of 6, those of one seed correlated: sigma below 0.45
 }
 
-// Every edge of a drive measures ways too long by one ratio, turns too far by another, and bends straight
-// ways.
-TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
+/// What edges of one stretch err by together.
+struct Shared {
+  double longer, bent;
+};
+
+// Every edge of a stretch measures ways too long by one ratio and bends straight ways, and every edge of the
+// drive turns too far by another.
+void expect_honest_where_edges_err_together(double stretch) {
   PoseGraphSettings settings = exact_settings();
   settings.motion_scale = 0.01;
   settings.turn_scale = 0.02;
   settings.curvature = 0.02;
+  settings.stretch = stretch;
   constexpr int seeds = 150;
   double sum = 0, alone = 0;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     Round round(seed);
     Random random(seed, 7);
-    const double longer = random.normal(0, settings.motion_scale),
-                 farther = random.normal(0, settings.turn_scale), bent = random.normal(0, settings.curvature);
+    const double farther = random.normal(0, settings.turn_scale);
+    std::vector<Shared> stretches;
+    for (const GraphEdge& e : round.graph.edges) {  // nodes are 1 m apart
+      const auto s = static_cast<std::size_t>(std::max(e.from, e.to) / stretch);
+      while (stretches.size() <= s)
+        stretches.push_back({random.normal(0, settings.motion_scale), random.normal(0, settings.curvature)});
+    }
     for (GraphEdge& e : round.graph.edges) {
+      const Shared& shared = stretches[static_cast<std::size_t>(std::max(e.from, e.to) / stretch)];
       const Eigen::Isometry3d& T_to = round.truth[static_cast<std::size_t>(e.to)];
       Vector6d motion = se3_log(e.T_from_to.T);
-      motion.head<3>() = e.T_from_to.T.linear().transpose() * e.T_from_to.T.translation() * longer;
+      motion.head<3>() = e.T_from_to.T.linear().transpose() * e.T_from_to.T.translation() * shared.longer;
       motion.tail<3>() =
-          farther * motion.tail<3>() +
-          bent * e.T_from_to.T.translation().norm() * (T_to.linear().transpose() * Eigen::Vector3d::UnitZ());
+          farther * motion.tail<3>() + shared.bent * e.T_from_to.T.translation().norm() *
+                                           (T_to.linear().transpose() * Eigen::Vector3d::UnitZ());
       e.T_from_to.T = e.T_from_to.T * se3_exp(motion);
     }
     optimise(round.graph, settings);
@@ -164,8 +176,28 @@ TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
       ++count;
     }
   }
-  EXPECT_NEAR(sum / count, 6, 0.9);
-  EXPECT_GT(alone / count, 15);  // as if edges erred on their own
+  EXPECT_NEAR(sum / count, 6, 0.9) << stretch;
+  EXPECT_GT(alone / count, 15) << stretch;  // as if edges erred on their own
+}
+
+TEST(PoseCovariance, HoldsWhatAllEdgesErrByTogether) {
+  expect_honest_where_edges_err_together(1000);
+  expect_honest_where_edges_err_together(7.5);
+}
+
+// Edges that contradict each other err by more on their own; of what they share that tells nothing.
+TEST(PoseCovariance, WhatEdgesShareDoesNotGrowWithWhatTheyContradict) {
+  PoseGraphSettings settings = exact_settings();
+  settings.motion_scale = settings.turn_scale = settings.curvature = 0.02;
+  Round round(1);
+  const auto stated = pose_errors(round.graph, settings), alone = pose_errors(round.graph, exact_settings());
+  const ErrorFactors contradicting{3, 1};
+  const auto larger = pose_errors(round.graph, settings, contradicting);
+  for (const std::size_t node : {10U, 19U, 29U}) {
+    const Matrix6d shared = stated[node].own - alone[node].own;
+    EXPECT_GT(shared.trace(), alone[node].own.trace());
+    EXPECT_LT((larger[node].own - 9 * alone[node].own - shared).norm(), 1e-9 * shared.norm()) << node;
+  }
 }
 
 void expect_same(const std::vector<PoseError>& a, const std::vector<PoseError>& b) {
