@@ -5,10 +5,10 @@
 //
 // R is what an edge errs by, which is less than what it is weighed by: weights are cautious, because one edge
 // that is wrong bends the map (PoseGraphSettings::edge_error, ground_error); by how much it is, the graph
-// itself tells (error_factors.hpp). The errors b that all edges share (PoseGraphSettings::motion_scale,
-// turn_scale, curvature) do not average out along the way, and only a map that closes resists them. What a
-// wrong mount makes of the ground is kept apart, because the robot's pose errs by that mount as well
-// (mount_error.hpp).
+// itself tells (error_factors.hpp). The errors b that edges share (PoseGraphSettings::turn_scale all of
+// them; motion_scale and curvature those of a stretch of the way) do not average out as their own do, and
+// only a map that closes resists them. What a wrong mount makes of the ground is kept apart, because the
+// robot's pose errs by that mount as well (mount_error.hpp).
 
 #include <vector>
 

@@ -127,13 +127,7 @@ TEST(ErrorFactors, ScaleWhatPosesAreToldToErrBy) {
 
 /// Back and forth along a gallery, with keyframes on the way there; the robot's frame is the camera's.
 struct Drive {
-  explicit Drive(double ground_error = PoseGraphSettings().ground_error) : settings(with(ground_error)) {}
-
-  static KeyframeGraphSettings with(double ground_error) {
-    KeyframeGraphSettings settings;
-    settings.optimiser.ground_error = ground_error;
-    return settings;
-  }
+  explicit Drive(const KeyframeGraphSettings& graph_settings = {}) : settings(graph_settings) {}
 
   Gallery gallery = Gallery(4);
   KeyframeGraphSettings settings;
@@ -165,7 +159,9 @@ TEST(ErrorFactors, OfANewPoseAreThoseOfTheLastWork) {
 // Between two works as in them: the robot stands on its floor.
 TEST(ErrorFactors, ANewPoseStandsOnTheGround) {
   constexpr double ground = 0.2;
-  Drive drive(ground);
+  KeyframeGraphSettings settings;
+  settings.optimiser.ground_error = ground;
+  Drive drive(settings);
   const GroundSettings plane;
   drive.graph.set_ground(GroundConstraint{Eigen::Isometry3d::Identity(), plane, {}});
   for (int i = 0; i <= 5; ++i) drive.add(i);
