@@ -11,8 +11,10 @@ if(NOT LCMSLAM_SANITIZE)  # with sanitizers GCC 12 warns of what is not so, in s
 endif()
 # Identical floating-point results whatever the compiler fuses: batch runs are compared byte for byte.
 target_compile_options(lcmslam_options INTERFACE -ffp-contract=off)
-# Messages that name a source file name it from the root of the tree, wherever that stood.
-target_compile_options(lcmslam_options INTERFACE -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/=)
+# Messages that name a source file name it from the root of the tree, wherever that stood; ccache names files from the
+# folder of the build.
+file(RELATIVE_PATH source_from_build ${CMAKE_BINARY_DIR} ${CMAKE_SOURCE_DIR})
+target_compile_options(lcmslam_options INTERFACE -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/= -fmacro-prefix-map=${source_from_build}/=)
 # A static library names everything that one of its files may need; a program loads what it does need.
 target_link_options(lcmslam_options INTERFACE -Wl,--as-needed)
 if(LCMSLAM_SANITIZE)
@@ -127,7 +129,6 @@ endfunction()
 function(lcmslam_precompile_tests)
   add_library(lcmslam_precompiled_tests STATIC ${CMAKE_BINARY_DIR}/precompiled.cpp)
   target_link_libraries(lcmslam_precompiled_tests PRIVATE lcmslam_options Eigen3::Eigen opencv_core GTest::gmock)
-  target_compile_definitions(lcmslam_precompiled_tests PRIVATE LCMSLAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   target_compile_options(lcmslam_precompiled_tests PRIVATE $<$<CONFIG:Release>:-O1>)
   lcmslam_precompile(lcmslam_precompiled_tests <gmock/gmock.h> <Eigen/Dense> <opencv2/core.hpp> <algorithm> <cmath>
                      <filesystem> <fstream> <limits> <map> <memory> <optional> <set> <sstream> <string> <vector>)
@@ -148,8 +149,8 @@ function(lcmslam_test name)
     return()
   endif()
   add_executable(test_${name} ${sources})
-  target_link_libraries(test_${name} PRIVATE lcmslam_options ${ARG_DEPENDS} Eigen3::Eigen GTest::gmock GTest::gtest_main)
-  target_compile_definitions(test_${name} PRIVATE LCMSLAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  target_link_libraries(test_${name} PRIVATE lcmslam_options lcmslam_test_support ${ARG_DEPENDS} Eigen3::Eigen GTest::gmock
+                                            GTest::gtest_main)
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # they are built more often than run
   lcmslam_precompile(test_${name} REUSE_FROM lcmslam_precompiled_tests)
   lcmslam_batch(test_${name} SIZE 8)  # whose local names meet more often

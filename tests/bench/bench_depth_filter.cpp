@@ -9,6 +9,8 @@
 #include <lcmslam/simulation/planar_path.hpp>
 #include <lcmslam/simulation/sensor_head.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -19,7 +21,7 @@ struct Images {
 
 /// Four of the kitchen's path.
 Images render(const std::string& head_name, cv::Size size) {
-  const Scene scene = load_scene(LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml");
+  const Scene scene = load_scene(source_folder() / "config/scenes/kitchen.yaml");
   const RayCaster caster(scene);
   const SensorHead head = make_head(head_name, scene, caster, size);
   const PlanarPath path(scene.path);

@@ -9,6 +9,8 @@
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -21,7 +23,7 @@ struct Shot {
 const Shot& shot() {
   static const Shot one = [] {
     SimulationSettings settings;
-    settings.scene = LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml";
+    settings.scene = source_folder() / "config/scenes/kitchen.yaml";
     settings.head = "rgbd";
     const Simulation simulation(settings);
     Shot s{simulation.calibration(), simulation.render(simulation.start() + 1'000'000), {}};

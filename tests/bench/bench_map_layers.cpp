@@ -17,6 +17,7 @@
 #include <lcmslam/simulation/planar_path.hpp>
 #include <lcmslam/simulation/sensor_head.hpp>
 #include "tests/bench/cpu_time.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace lcmslam {
 namespace {
@@ -29,7 +30,7 @@ struct Drive {
 
   Drive() {
     cv::setNumThreads(1);
-    const Scene scene = load_scene(LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml");
+    const Scene scene = load_scene(source_folder() / "config/scenes/kitchen.yaml");
     const RayCaster caster(scene);
     const SensorHead head = make_head("rgbd", scene, caster, {640, 480});
     camera = head.calibration.depth;

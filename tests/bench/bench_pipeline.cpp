@@ -14,13 +14,14 @@
 #include <lcmslam/rgbd/make_cloud.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 #include <lcmslam/surf/surf.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/surf/dlib_surf.hpp"
 
 namespace lcmslam {
 namespace {
 
 const Simulation& kitchen() {
-  static const Simulation simulation({LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml"});
+  static const Simulation simulation({source_folder() / "config/scenes/kitchen.yaml"});
   return simulation;
 }
 

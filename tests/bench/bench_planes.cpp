@@ -9,6 +9,8 @@
 #include <lcmslam/simulation/planar_path.hpp>
 #include <lcmslam/simulation/sensor_head.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -21,7 +23,7 @@ struct Images {
 /// Eight of the kitchen's path.
 const Images& images() {
   static const Images made = [] {
-    const Scene scene = load_scene(LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml");
+    const Scene scene = load_scene(source_folder() / "config/scenes/kitchen.yaml");
     const RayCaster caster(scene);
     const SensorHead head = make_head("rgbd", scene, caster, {640, 480});
     const PlanarPath path(scene.path);

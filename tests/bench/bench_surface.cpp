@@ -12,6 +12,8 @@
 #include <lcmslam/surface/surface.hpp>
 #include <lcmslam/surface/view_fusion.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -24,7 +26,7 @@ struct Drive {
 
 const Drive& drive(bool vga) {
   const auto make = [](bool large) {
-    const Scene scene = load_scene(LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml");
+    const Scene scene = load_scene(source_folder() / "config/scenes/kitchen.yaml");
     const RayCaster caster(scene);
     const SensorHead head = make_head("rgbd", scene, caster, large ? cv::Size(640, 480) : cv::Size());
     const PlanarPath path(scene.path);

@@ -22,6 +22,8 @@
 #include <lcmslam/simulation/ray_caster.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -164,7 +166,7 @@ std::string text(const Told& told) {
 
 void run(const Options& options, std::uint64_t seed) {
   SimulationSettings simulated;
-  simulated.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/" + options.scene + ".yaml";
+  simulated.scene = source_folder().string() + "/config/scenes/" + options.scene + ".yaml";
   simulated.head = options.head;
   simulated.seed = seed;
   const Simulation simulation(simulated);

@@ -16,6 +16,7 @@
 #include <lcmslam/surface/mesh_export.hpp>
 #include <lcmslam/surface/surface.hpp>
 #include "tests/bench/cpu_time.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace lcmslam {
 namespace {
@@ -94,7 +95,7 @@ struct Options {
 
 void run(const Options& options, std::uint64_t seed) {
   SimulationSettings simulated;
-  simulated.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/" + options.scene + ".yaml";
+  simulated.scene = source_folder().string() + "/config/scenes/" + options.scene + ".yaml";
   simulated.head = options.head;
   simulated.seed = seed;
   const Simulation simulation(simulated);

@@ -21,6 +21,7 @@
 #include <lcmslam/recordings/mcap_writer.hpp>
 #include <lcmslam/ros/message_writers.hpp>
 #include "tests/support/datagrams.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/messages/samples.hpp"
 #include "tests/unit/messages/wire_sample.hpp"
 
@@ -122,7 +123,7 @@ void make_sessions(SeedFolder folder) {
 
 void make_configurations(SeedFolder folder) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(fs::path(LCMSLAM_SOURCE_DIR) / "config"))
+  for (const auto& entry : fs::recursive_directory_iterator(source_folder() / "config"))
     if (entry.path().extension() == ".yaml") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {

@@ -7,6 +7,7 @@
 #include "procs/fastslam/fastslam_node.hpp"
 #include "procs/icp/icp_node.hpp"
 #include "tests/support/recorded_drive.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace lcmslam {
 namespace {
@@ -28,7 +29,7 @@ void PrintTo(const Preset& preset, std::ostream* out) {
 }
 
 ConfigNode preset_config(const Preset& preset, const std::string& section) {
-  ConfigNode config = ConfigNode::load(std::filesystem::path(LCMSLAM_SOURCE_DIR) / "config" / preset.file);
+  ConfigNode config = ConfigNode::load(source_folder() / "config" / preset.file);
   if (*preset.variant != '\0') config.set("icp.variant", preset.variant);
   return config.section(section);
 }

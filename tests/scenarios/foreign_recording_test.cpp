@@ -13,6 +13,7 @@
 #include <lcmslam/pose_t.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "tests/support/recorded_drive.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tools/batch/batch_run.hpp"
 #include "tools/evaluate/pose_log.hpp"
 #include "tools/log/log_edit.hpp"
@@ -116,7 +117,7 @@ class ForeignRecording : public ::testing::Test {
 
 TEST_F(ForeignRecording, ImagesAndPosesAloneAreMapped) {
   BatchOptions options;
-  options.config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {});
+  options.config = load_config(source_folder() / "config/replay.yaml", {});
   options.log = log();
   options.folder = folder_ / "maps";
   options.calibration = load_calibration(calibration());

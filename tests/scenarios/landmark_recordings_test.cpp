@@ -20,6 +20,7 @@
 #include "procs/fastslam/fastslam_node.hpp"
 #include "procs/odometry/odometry_node.hpp"
 #include "tests/support/recordings.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/support/test_bus.hpp"
 #include "tools/study/batch_solution.hpp"
 
@@ -52,7 +53,7 @@ Trajectory path_of(const std::vector<pose_estimate_t>& messages) {
 }
 
 Result run(const LandmarkRecording& recording, const std::string& config_file, int seed) {
-  ConfigNode config = ConfigNode::load(fs::path(LCMSLAM_SOURCE_DIR) / "config" / config_file);
+  ConfigNode config = ConfigNode::load(source_folder() / "config" / config_file);
   config.set("fastslam.seed", std::to_string(seed));
   testing::TestBus bus;
   if (!recording.twists.empty()) bus.add<OdometryNode>(config.section("odometry"));

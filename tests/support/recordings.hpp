@@ -6,12 +6,13 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 
 inline std::filesystem::path recordings_folder() {
   const char* folder = std::getenv("LCMSLAM_DATA");
-  return folder != nullptr ? std::filesystem::path(folder)
-                           : std::filesystem::path(LCMSLAM_SOURCE_DIR) / ".." / "shared" / "data";
+  return folder != nullptr ? std::filesystem::path(folder) : source_folder() / ".." / "shared" / "data";
 }
 
 /// A file or a folder of them.
@@ -21,7 +22,7 @@ inline std::filesystem::path recording_path(const std::string& name) {
 
 /// One of logs/.
 inline std::filesystem::path own_log(const std::string& name) {
-  return std::filesystem::path(LCMSLAM_SOURCE_DIR) / "logs" / name;
+  return source_folder() / "logs" / name;
 }
 
 }  // namespace lcmslam

@@ -13,13 +13,14 @@
 #include <lcmslam/messages/origin.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include <lcmslam/simulation/simulation.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/support/test_bus.hpp"
 
 namespace lcmslam::testing {
 
 inline SimulationSettings kitchen_settings(const std::string& base = "differential", std::uint64_t seed = 1) {
   SimulationSettings settings;
-  settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
+  settings.scene = source_folder() / "config/scenes/kitchen.yaml";
   settings.base = base;
   settings.seed = seed;
   return settings;

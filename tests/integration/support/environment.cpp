@@ -23,10 +23,6 @@ std::filesystem::path program_folder() {
   return folder != nullptr ? folder : LCMSLAM_PROGRAMS;
 }
 
-std::filesystem::path source_folder() {
-  return LCMSLAM_SOURCE_DIR;
-}
-
 TemporaryFolder::TemporaryFolder() {
   std::string name = std::filesystem::temp_directory_path() / "lcmslam-test-XXXXXX";
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot be made");

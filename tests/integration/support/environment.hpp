@@ -6,6 +6,8 @@
 #include <functional>
 #include <string>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam::integration {
 
 /// What main() of every integration test does: enters the private bus before any thread starts (where
@@ -14,7 +16,6 @@ int run_tests(int argc, char** argv);
 
 /// Folder of the programs; LCMSLAM_PROGRAMS overrides it.
 std::filesystem::path program_folder();
-std::filesystem::path source_folder();
 
 /// A folder that is removed at the end, unless the test failed: then its path is printed.
 class TemporaryFolder {

@@ -8,6 +8,7 @@
 #include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/imaging/io/calibration_text.hpp>
 #include "tests/support/board_shots.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/commands.hpp"
@@ -216,7 +217,7 @@ TEST(CalibrateCommand, SaysThatAnInputHasNoAmplitude) {
 
 TEST(CalibrateCommand, SaysWhyNoImageOfALogFitsTheCalibration) {
   const testing::ScratchFolder scratch;
-  const std::string log = LCMSLAM_SOURCE_DIR "/logs/kitchen_drive.lcmlog";
+  const std::string log = source_folder() / "logs/kitchen_drive.lcmlog";
   RgbdCalibration other;
   other.sensor = "other";
   other.colour = other.depth = testing::drawn_colour_camera(3);  // the log's depth images are smaller

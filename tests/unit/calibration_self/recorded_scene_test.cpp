@@ -13,6 +13,8 @@
 #include <lcmslam/odometry/wheel_odometry.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -29,7 +31,7 @@ struct Drive {
 const Drive& drive() {
   static const Drive once = [] {
     SimulationSettings settings;
-    settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
+    settings.scene = source_folder() / "config/scenes/kitchen.yaml";
     settings.head = "rgbd";
     const Simulation simulation(settings);
     Drive d;
@@ -107,7 +109,7 @@ TEST(RecordedScene, EdgesAreLeftOutByTheHeadThatIsFound) {
 TEST(OdometryClock, FindsThatSimulatedWheelsAreLate) {
   for (const std::uint64_t seed : {1U, 3U}) {
     SimulationSettings settings;
-    settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
+    settings.scene = source_folder() / "config/scenes/kitchen.yaml";
     settings.laps = 10;
     settings.seed = seed;
     const Simulation simulation(settings);

@@ -7,6 +7,8 @@
 #include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/imaging/io/calibration_text.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -36,8 +38,7 @@ const std::string tof =
 
 TEST(Calibration, EveryShippedFileLoads) {
   int files = 0;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::string(LCMSLAM_SOURCE_DIR) + "/config/calibration")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "config/calibration")) {
     if (entry.path().extension() != ".yaml") continue;
     const RgbdCalibration calibration = load_calibration(entry.path());
     EXPECT_FALSE(calibration.sensor.empty()) << entry.path();
@@ -81,7 +82,7 @@ TEST(Calibration, ADepthErrorThatCannotBeUndoneIsRefused) {
 
 // Kinects of the first kind and Xtions read their rows one after the other.
 TEST(Calibration, IsFoundByTheSensorsName) {
-  const std::filesystem::path folder = std::string(LCMSLAM_SOURCE_DIR) + "/config/calibration";
+  const std::filesystem::path folder = source_folder() / "config/calibration";
   for (const char* name : {"tum_default", "tum_fr1", "tum_fr2", "tum_fr3", "seven_scenes"}) {
     const auto found = find_calibration(name, folder);
     ASSERT_TRUE(found) << name;

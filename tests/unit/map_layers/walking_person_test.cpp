@@ -10,6 +10,8 @@
 #include <lcmslam/simulation/sensor_head.hpp>
 #include <lcmslam/simulation/shapes.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -18,7 +20,7 @@ constexpr int standing = 9, walking = 30, after = 9;
 constexpr int noises = 3;  // different images of the kitchen alone
 
 const Scene& kitchen() {
-  static const Scene scene = load_scene(LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml");
+  static const Scene scene = load_scene(source_folder() / "config/scenes/kitchen.yaml");
   return scene;
 }
 

@@ -13,11 +13,12 @@
 #include <lcmslam/messages/parts.hpp>
 #include "procs/camera/camera_log.hpp"
 #include "procs/camera/repeated_source.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace lcmslam {
 namespace {
 
-const std::string kitchen = LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog";
+const std::string kitchen = source_folder() / "logs/kitchen.lcmlog";
 
 class CameraLog : public ::testing::Test {
  protected:

@@ -8,6 +8,8 @@
 #include <lcmslam/simulation/simulation.hpp>
 #include <lcmslam/simulation/wheel_base.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -86,7 +88,7 @@ TEST(Ground, WheelsMeasureTheWayAlongTheSlope) {
 // The robot of the scene climbs what the cameras see, and comes down again.
 TEST(Ground, OfTheKitchenWithARampIsWhatItsRobotStandsOn) {
   SimulationSettings settings;
-  settings.scene = std::filesystem::path(LCMSLAM_SOURCE_DIR) / "config/scenes/kitchen_ramp.yaml";
+  settings.scene = source_folder() / "config/scenes/kitchen_ramp.yaml";
   const Simulation simulation(settings);
   double highest = 0, steepest = 0;
   for (Utime t = simulation.start(); t < simulation.end(); t += 100'000) {

@@ -10,10 +10,12 @@
 #include <lcmslam/simulation/head_settings.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
-const std::filesystem::path config_folder = std::filesystem::path(LCMSLAM_SOURCE_DIR) / "config";
+const std::filesystem::path config_folder = source_folder() / "config";
 
 SimulationSettings with_head(const std::string& head) {
   SimulationSettings result;

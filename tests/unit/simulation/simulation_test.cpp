@@ -6,11 +6,13 @@
 #include <lcmslam/simulation/ray_caster.hpp>
 #include <lcmslam/simulation/scene.hpp>
 
+#include "tests/support/source_folder.hpp"
+
 namespace lcmslam {
 namespace {
 
 std::filesystem::path scene_file(const std::string& name) {
-  return std::filesystem::path(LCMSLAM_SOURCE_DIR) / "config/scenes" / (name + ".yaml");
+  return source_folder() / "config/scenes" / (name + ".yaml");
 }
 
 SimulationSettings settings(const std::string& scene, const std::string& base = "differential",

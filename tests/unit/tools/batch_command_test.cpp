@@ -8,6 +8,7 @@
 #include <lcmslam/log/log_writer.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include "tests/support/recordings.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/commands.hpp"
@@ -25,7 +26,7 @@ using ::testing::StartsWith;
 class BatchCommand : public ::testing::Test {
  protected:
   CommandRun batch(const std::string& log, std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {LCMSLAM_SOURCE_DIR "/config/replay.yaml", log, "--to", "0.5"});
+    more.insert(more.begin(), {source_folder() / "config/replay.yaml", log, "--to", "0.5"});
     if (std::find(more.begin(), more.end(), "--out") == more.end()) more.insert(more.end(), {"--out", out()});
     return run_command({"batch", batch_command}, more);
   }

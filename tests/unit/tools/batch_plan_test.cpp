@@ -10,6 +10,7 @@
 #include <lcmslam/pose_t.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "procs/odometry/odometry_settings.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/log_samples.hpp"
 
 namespace lcmslam {
@@ -22,7 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 ConfigNode replay(const std::vector<std::string>& overrides = {}) {
-  return load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", overrides);
+  return load_config(source_folder() / "config/replay.yaml", overrides);
 }
 
 /// A log with images and their calibration, and with messages on these channels.
@@ -114,7 +115,7 @@ TEST(BatchPlan, AForeignLogIsRefusedAndItsChannelsAreNamed) {
               AllOf(HasSubstr("my.lcmlog: has no CAMERA (images_t)"),
                     HasSubstr("it has LEFT_HEAD (images_t), RIGHT_HEAD (images_t), SCAN")));
   LogOffer features = offer({});  // images, where features are asked for
-  EXPECT_THAT(error_of(load_config(LCMSLAM_SOURCE_DIR "/config/mrclam.yaml", {}), features),
+  EXPECT_THAT(error_of(load_config(source_folder() / "config/mrclam.yaml", {}), features),
               HasSubstr("has no FEATURES (features_t)"));
 }
 

@@ -9,6 +9,7 @@
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/parts.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/batch/batch_run.hpp"
 
@@ -19,13 +20,13 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::ScratchFolder;
 
-const std::filesystem::path kitchen = LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog";
+const std::filesystem::path kitchen = source_folder() / "logs/kitchen.lcmlog";
 
 constexpr int frames = 15;  // of the first 1.5 s at 10 Hz; the camera's stamps are not the wheels'
 
 BatchOptions options(const std::filesystem::path& log, const std::filesystem::path& folder) {
   BatchOptions o;
-  o.config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {});
+  o.config = load_config(source_folder() / "config/replay.yaml", {});
   o.log = log;
   o.folder = folder;
   o.to = 1.5;
@@ -124,7 +125,7 @@ TEST_F(Batch, TellsHowManyFramesAreDone) {
 
 TEST_F(Batch, TheSourceThatAutoFindsGivesTheSameAsItsName) {
   BatchOptions o = options(kitchen, folder("named"));
-  o.config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {"odometry.source=wheels"});
+  o.config = load_config(source_folder() / "config/replay.yaml", {"odometry.source=wheels"});
   run_batch(o);
   EXPECT_THAT(differing(reference(), folder("named")), ::testing::IsEmpty());
 }

@@ -10,6 +10,7 @@
 #include <lcmslam/simulation/scene.hpp>
 #include <lcmslam/simulation/wheel_base.hpp>
 #include "procs/camera/camera_log.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/commands.hpp"
@@ -64,7 +65,7 @@ class CalibrateDrive : public ::testing::Test {
   static void SetUpTestSuite() {
     scratch_ = new testing::ScratchFolder;
     SimulationSourceSettings settings;
-    settings.simulation.scene = LCMSLAM_SOURCE_DIR "/config/scenes/kitchen_eight.yaml";
+    settings.simulation.scene = source_folder() / "config/scenes/kitchen_eight.yaml";
     settings.simulation.seconds = 30;
     settings.simulation.frame_rate = 5;
     settings.simulation.threads = 2;

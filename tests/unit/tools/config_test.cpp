@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/config/check_file.hpp"
 #include "tools/config/explain.hpp"
@@ -17,7 +18,7 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const std::filesystem::path source = LCMSLAM_SOURCE_DIR;
+const std::filesystem::path source = source_folder();
 
 template <class Action>
 std::string error_of(const Action& action) {

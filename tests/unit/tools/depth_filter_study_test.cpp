@@ -1,4 +1,5 @@
 #include "tools/study/depth_filter_study.hpp"
+#include "tests/support/source_folder.hpp"
 
 #include <gmock/gmock.h>
 
@@ -11,7 +12,7 @@ using ::testing::HasSubstr;
 
 DepthFilterStudySettings small() {
   DepthFilterStudySettings settings;
-  settings.scenes = {LCMSLAM_SOURCE_DIR "/config/scenes/table.yaml"};
+  settings.scenes = {source_folder() / "config/scenes/table.yaml"};
   settings.sizes = {{176, 144}};
   settings.images = 3;
   settings.seed = 4;

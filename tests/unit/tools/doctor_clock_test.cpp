@@ -10,6 +10,7 @@
 #include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/log_samples.hpp"
 #include "tools/batch/batch_graph.hpp"
@@ -136,7 +137,7 @@ TEST(DoctorsClock, NamesTheOffsetOfLateWheelsAndTheKeyThatMendsIt) {
 
   // Odometry made with that key is on the camera's clock; made without it the doctor still says what to add.
   const auto odometry = [&](const std::string& name, double offset) {
-    const ConfigNode config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml",
+    const ConfigNode config = load_config(source_folder() / "config/replay.yaml",
                                           {"odometry.clock_offset=" + std::to_string(offset)});
     return doctor(drive_log(scratch, name, late, &config));
   };

@@ -14,6 +14,7 @@
 #include <lcmslam/status_t.hpp>
 #include "tests/support/datagrams.hpp"
 #include "tests/support/own_bus.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/doctor/checks.hpp"
 
@@ -156,14 +157,14 @@ TEST(Doctor, SaysWhatASmallBufferMeans) {
 }
 
 TEST(GraphTraffic, IsMeasuredOnTheImagesThatTheConfigurationWouldSend) {
-  const std::string demo = LCMSLAM_SOURCE_DIR "/config/demo.yaml";
+  const std::string demo = source_folder() / "config/demo.yaml";
   const GraphTraffic tof = graph_traffic(demo, {"camera.simulation.frame_rate=10"});
   EXPECT_NEAR(tof.rate, 10, 1e-3);
   EXPECT_THAT(tof.origin, HasSubstr("measured"));
   const GraphTraffic rgbd = graph_traffic(demo, {"camera.simulation.head=rgbd", "camera.speed=2"});
   EXPECT_GT(rgbd.largest, tof.largest);
   EXPECT_LT(rgbd.largest, 450'000U);
-  const GraphTraffic elsewhere = graph_traffic(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {});
+  const GraphTraffic elsewhere = graph_traffic(source_folder() / "config/replay.yaml", {});
   EXPECT_EQ(elsewhere.largest, 300'000U);
   EXPECT_THAT(elsewhere.origin, HasSubstr("assumed"));
   EXPECT_THROW(graph_traffic(demo, {"camera.simulation.scene=none.yaml"}), std::exception);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <lcmslam/runtime/options.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/scratch.hpp"
 
 namespace lcmslam {
@@ -93,11 +94,11 @@ TEST(LapFigures, AreTold) {
 TEST(EnduranceStudy, CountsEachLap) {
   const testing::ScratchFolder scratch;
   EnduranceSettings settings;
-  settings.simulation.scene = LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml";
+  settings.simulation.scene = source_folder() / "config/scenes/kitchen.yaml";
   settings.simulation.frame_rate = 1;
   settings.simulation.seconds = 6;
   settings.simulation.laps = 2;  // here of three frames each: the robot rests, then drives off
-  settings.config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {"fastslam.particles=20"});
+  settings.config = load_config(source_folder() / "config/replay.yaml", {"fastslam.particles=20"});
   settings.folder = scratch.path() / "maps";
   int told = 0;
   settings.after_lap = [&](const LapFigures&) { ++told; };

@@ -9,6 +9,7 @@
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/graph_teller.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/evaluate_fixture.hpp"
 #include "tests/unit/tools/mounted_camera.hpp"
 #include "tools/evaluate/pose_log.hpp"
@@ -134,7 +135,7 @@ TEST_F(Evaluate, MapIsComparedWithTheScene) {
   write_tum(path("truth.txt"), same);
   for (StampedPose& pose : same) pose.T_world_body.translation().x() += 1e-7;
   write_tum(path("estimate.txt"), same);
-  const std::string scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/kitchen.yaml";
+  const std::string scene = source_folder() / "config/scenes/kitchen.yaml";
   EXPECT_EQ(run({"--truth", path("truth.txt"), path("estimate.txt"), "--map", path("map.ply"), "--scene",
                  scene, "--json", path("map.json")}),
             0)

@@ -1,4 +1,5 @@
 #include "tools/study/filter_study.hpp"
+#include "tests/support/source_folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +12,8 @@
 namespace lcmslam {
 namespace {
 
-const std::string kitchen = LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog";
-const std::string replay = LCMSLAM_SOURCE_DIR "/config/replay.yaml";
+const std::string kitchen = source_folder() / "logs/kitchen.lcmlog";
+const std::string replay = source_folder() / "config/replay.yaml";
 
 // A robot that stands, drives off and comes back; the path says that it came back 0.1 m aside.
 TEST(Reunion, ApartIsWhatThePathIsOff) {

@@ -2,6 +2,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/log_samples.hpp"
 #include "tools/commands.hpp"
@@ -68,7 +69,7 @@ TEST_F(Import, SimulateReplacesNothingUnaskedEither) {
   scratch_.write("a.lcmlog", "precious");
   const CommandRun run =
       run_command({"simulate", simulate_command},
-                  {LCMSLAM_SOURCE_DIR "/config/scenes/kitchen.yaml", log(), "--seconds", "0.3"});
+                  {source_folder() / "config/scenes/kitchen.yaml", log(), "--seconds", "0.3"});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.last_line(), HasSubstr("--force"));
   EXPECT_EQ(scratch_.read("a.lcmlog"), "precious");

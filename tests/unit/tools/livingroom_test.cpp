@@ -9,6 +9,7 @@
 #include <lcmslam/evaluation/trajectory_error.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include "tests/support/recordings.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/evaluation/path_samples.hpp"
 #include "tests/unit/tools/joint_alignment.hpp"
 #include "tests/unit/tools/scratch.hpp"
@@ -28,7 +29,7 @@ PoseLog map(const std::filesystem::path& recording, const ScratchFolder& scratch
   std::array<char*, 3> argv{words[0].data(), words[1].data(), words[2].data()};
   EXPECT_EQ(import_command(3, argv.data()), 0);
   BatchOptions options;
-  options.config = load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {"odometry.source=visual"});
+  options.config = load_config(source_folder() / "config/replay.yaml", {"odometry.source=visual"});
   options.log = log;
   options.folder = scratch.path() / "maps";
   return read_pose_log(run_batch(options).output);

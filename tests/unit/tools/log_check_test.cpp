@@ -5,6 +5,7 @@
 #include <set>
 
 #include <lcmslam/geometry/random.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/log_samples.hpp"
 
 namespace lcmslam {
@@ -66,7 +67,7 @@ TEST_F(LogCheckTest, DefinitionsAreFilesOrFoldersAndErrorsNameThem) {
   folder_.write("types/outer_t.lcm", "package a; struct outer_t { deep.inner_t inner; }");
   folder_.write("types/deep/inner_t.lcm", "package deep; struct inner_t { int8_t n; }");
   EXPECT_EQ(read_definitions({(folder_.path() / "types").string()}).size(), 2U);
-  EXPECT_GT(read_definitions({LCMSLAM_SOURCE_DIR "/lcmtypes"}).size(), 40U)
+  EXPECT_GT(read_definitions({source_folder() / "lcmtypes"}).size(), 40U)
       << "two packages with types of one name";
   std::filesystem::create_directories(folder_.path() / "empty");
   for (const auto& [path, text] :
@@ -207,7 +208,7 @@ TEST_F(LogCheckTest, ContentThatTheNodesWouldRefuseIsFound) {
 TEST_F(LogCheckTest, FlippedBitsInImagesAreFound) {
   std::string bytes;
   {
-    std::ifstream kitchen(LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog", std::ios::binary);
+    std::ifstream kitchen(source_folder() / "logs/kitchen.lcmlog", std::ios::binary);
     bytes.assign(std::istreambuf_iterator<char>(kitchen), {});
   }
   EXPECT_TRUE(check_log(folder_.write("sound", bytes).string()).findings.empty());

@@ -6,6 +6,7 @@
 #include <regex>
 
 #include <lcmslam/log/log_writer.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/log_samples.hpp"
 #include "tests/unit/tools/mistakes.hpp"
 #include "tests/unit/tools/scratch.hpp"
@@ -48,7 +49,7 @@ std::string printed_by(const std::vector<std::string>& words, const std::filesys
                        int& exit_code) {
   std::vector<std::string> line = {"lcmslam"};
   for (const std::string& word : words)
-    line.push_back(word.rfind("@/", 0) == 0 ? LCMSLAM_SOURCE_DIR + word.substr(1) : word);
+    line.push_back(word.rfind("@/", 0) == 0 ? source_folder().string() + word.substr(1) : word);
   std::vector<char*> argv;
   for (std::string& word : line) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -66,7 +67,7 @@ std::string printed_by(const std::vector<std::string>& words, const std::filesys
 TEST_P(Typed, IsNamed) {
   const testing::ScratchFolder folder;
   write_files(folder);
-  std::filesystem::copy(LCMSLAM_SOURCE_DIR "/logs/office_steered.lcmlog", folder.path() / "run.lcmlog");
+  std::filesystem::copy(source_folder() / "logs/office_steered.lcmlog", folder.path() / "run.lcmlog");
   int exit_code = 0;
   const std::string text = printed_by(GetParam().words, folder.path(), exit_code);
   EXPECT_NE(exit_code, 0) << text;
@@ -75,7 +76,7 @@ TEST_P(Typed, IsNamed) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out.lcmlog")) << "a mistake writes nothing";
   EXPECT_EQ(folder.read("notes.txt"), "what the robot did today\n");
   EXPECT_EQ(std::filesystem::file_size(folder.path() / "run.lcmlog"),
-            std::filesystem::file_size(LCMSLAM_SOURCE_DIR "/logs/office_steered.lcmlog"));
+            std::filesystem::file_size(source_folder() / "logs/office_steered.lcmlog"));
 }
 
 std::string name_of(const ::testing::TestParamInfo<Mistake>& tested) {

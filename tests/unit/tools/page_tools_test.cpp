@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include <lcmslam/map_store/file/map_store.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/map_store_file/sample_store.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tools/commands.hpp"
@@ -121,8 +122,8 @@ class LogPageTest : public ::testing::Test {
     return answer;
   }
 
-  const std::string log_ = LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog";
-  const ConfigNode config_ = ConfigNode::load(LCMSLAM_SOURCE_DIR "/config/replay.yaml");
+  const std::string log_ = source_folder() / "logs/kitchen.lcmlog";
+  const ConfigNode config_ = ConfigNode::load(source_folder() / "config/replay.yaml");
   Board board_;
   double now_ = 100;
 };

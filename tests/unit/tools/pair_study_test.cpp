@@ -5,13 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "procs/camera/camera_log.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace lcmslam {
 namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kitchen = LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog";
+const std::string kitchen = source_folder() / "logs/kitchen.lcmlog";
 
 PairStudySettings small() {
   PairStudySettings settings;

@@ -16,6 +16,7 @@
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 #include "tests/support/recordings.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/batch/batch_run.hpp"
 #include "tools/log/log_plausibility.hpp"
@@ -38,7 +39,7 @@ constexpr int looked_at = 12;
 
 Material simulated(const std::string& scene, const std::string& head) {
   SimulationSettings settings;
-  settings.scene = std::string(LCMSLAM_SOURCE_DIR) + "/config/scenes/" + scene + ".yaml";
+  settings.scene = source_folder().string() + "/config/scenes/" + scene + ".yaml";
   settings.head = head;
   const Simulation simulation(settings);
   Material material{simulation.calibration(), {}};
@@ -254,8 +255,7 @@ std::string said_by_surf(const std::string& log, void (*change)(RgbdCalibration&
   }
   writer.close();
   BatchOptions options;
-  options.config =
-      load_config(LCMSLAM_SOURCE_DIR "/config/replay.yaml", {"launch.processes=[surf, odometry]"});
+  options.config = load_config(source_folder() / "config/replay.yaml", {"launch.processes=[surf, odometry]"});
   options.log = changed;
   options.folder = scratch.path() / "out";
   for (const auto& process : run_batch(options).processes)

@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "tests/support/source_folder.hpp"
 #include "tools/command_help.hpp"
 #include "tools/commands.hpp"
 
@@ -77,7 +78,7 @@ TEST(RunCommands, WithoutACommandSaysWhatThereIs) {
 
 // ./lcmslam builds before it hands over, so that it has to know the names.
 TEST(LcmslamScript, HandsOverEveryCommand) {
-  std::ifstream script(LCMSLAM_SOURCE_DIR "/lcmslam");
+  std::ifstream script(source_folder() / "lcmslam");
   std::set<std::string> known;
   for (std::string line; std::getline(script, line);) {
     if (line.empty() || line.compare(0, 2, "  ") != 0 || line.find(')') == std::string::npos) continue;

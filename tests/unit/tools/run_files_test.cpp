@@ -6,6 +6,7 @@
 
 #include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/runtime/version.hpp>
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/commands.hpp"
 #include "tools/evaluate/pose_log.hpp"
@@ -32,7 +33,7 @@ class RunFiles : public ::testing::Test {
     scratch_ = new testing::ScratchFolder;
     std::string output;
     code_ = run(batch_command,
-                {"batch", LCMSLAM_SOURCE_DIR "/config/replay.yaml", LCMSLAM_SOURCE_DIR "/logs/kitchen.lcmlog",
+                {"batch", source_folder() / "config/replay.yaml", source_folder() / "logs/kitchen.lcmlog",
                  "--to", "1.5", "--kitti", "--out", out().string(), "--set", "fastslam.particles=20"},
                 output);
   }
