@@ -13,8 +13,8 @@ endif()
 target_compile_options(lcmslam_options INTERFACE -ffp-contract=off)
 # Messages that name a source file name it from the root of the tree, wherever that stood; ccache names files from the
 # folder of the build.
-file(RELATIVE_PATH source_from_build ${CMAKE_BINARY_DIR} ${CMAKE_SOURCE_DIR})
-target_compile_options(lcmslam_options INTERFACE -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/= -fmacro-prefix-map=${source_from_build}/=)
+file(RELATIVE_PATH source_from_build ${CMAKE_BINARY_DIR} ${CMAKE_SOURCE_DIR}/)
+target_compile_options(lcmslam_options INTERFACE -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/= -fmacro-prefix-map=${source_from_build}=)
 # A static library names everything that one of its files may need; a program loads what it does need.
 target_link_options(lcmslam_options INTERFACE -Wl,--as-needed)
 if(LCMSLAM_SANITIZE)
