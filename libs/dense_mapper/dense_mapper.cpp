@@ -228,6 +228,7 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   const Matrix6d A = adjoint(frame.T_robot_camera.inverse());  // from the robot's body frame to the camera's
   KeyframeView view;
   view.cloud = transformed(prepared.cloud, frame.T_robot_camera.inverse());
+  view.noise_left = frame.noise_left;
   if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
   map_.restore(keyframes_.all(), T_world_camera);
   const int node = graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(),

@@ -71,6 +71,9 @@ void DenseMapperSettings::describe(SettingsVisitor& s) {
            "share of the pairs within three sigmas, below which tracking is degraded");
   s.number("max_jump", max_jump, "m", {0, 1000}, "beyond the prediction: lost");
   s.number("max_turn", max_turn, "rad", {0, 3.1416}, "beyond the prediction: lost");
+  s.number("max_disagreement", max_disagreement, "", {0, 1e6},
+           "Mahalanobis distance from where the wheels have led, beyond which a frame that no features place "
+           "fits another place: lost");
   s.number(
       "reseed_after", reseed_after, "", {1, 1e6},
       "bad frames after which odometry, if there is any, is believed where the map does not contradict it");

@@ -46,6 +46,7 @@ struct DenseMapperSettings {
   double good_inliers = 0.5;
   double max_jump = 0.30;
   double max_turn = 0.35;
+  double max_disagreement = 5;
   int reseed_after = 10;
   double carried_after = 1;
   int recovery_keyframes = 3;

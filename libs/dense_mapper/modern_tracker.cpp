@@ -31,6 +31,25 @@ ModernTracker::ModernTracker(const DenseMapperSettings& settings, DeformableMap&
 
 Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
   last_view_.compare(prepared.frame.colour, prepared.frame.T_robot_camera);
+  Tracked tracked = on_floor(prepared, expected);
+  if (is_elsewhere(tracked, prepared.frame, expected)) tracked.status = MappingStatus::lost;
+  return tracked;
+}
+
+// Beside where the wheels lead a frame may fit, too: whoever was carried sees walls like those that were
+// there. (Beyond a jump registration has not been drawn there, but begun.)
+bool ModernTracker::is_elsewhere(const Tracked& tracked, const DenseFrame& frame,
+                                 const Expectation& expected) const {
+  const bool wheels = frame.motion && !frame.motion->visual && !expected.adrift;
+  if (!wheels || tracked.anchored || tracked.status == MappingStatus::lost) return false;
+  const Prior& motion = expected.off_ground ? *expected.off_ground : expected.prior;
+  const Eigen::Isometry3d off = motion.T_target_source.inverse() * tracked.registration.T_target_source;
+  if (off.translation().norm() > settings_.max_jump || rotation_angle(off) > settings_.max_turn) return false;
+  const Vector6d e = se3_log(off);
+  return std::sqrt(e.dot(motion.information * e)) > settings_.max_disagreement;
+}
+
+Tracked ModernTracker::on_floor(const PreparedFrame& prepared, const Expectation& expected) {
   const Tracked tracked = place(prepared, expected.prior, expected);
   if (!expected.off_ground || tracked.status == MappingStatus::lost) return tracked;
 
@@ -168,7 +187,7 @@ RegistrationPasses::Attempt ModernTracker::try_starts(const PreparedFrame& prepa
   sort_by_score(cloud, starts);
   for (const Eigen::Isometry3d& T_start : starts) {
     const Target& target = view_.from(T_start * prepared.frame.T_robot_camera);
-    const auto now = passes_.run(cloud, target, T_start, prior, last_view_);
+    const auto now = passes_.run(prepared, target, T_start, prior, last_view_);
     if (now.quality > best.quality || &T_start == &starts.front()) best = now;
     if (best.status == MappingStatus::tracking) break;
   }

@@ -28,6 +28,8 @@ class ModernTracker : public Tracker {
   std::size_t memory_bytes() const override { return anchor_.memory_bytes(); }
 
  private:
+  Tracked on_floor(const PreparedFrame& prepared, const Expectation& expected);
+  bool is_elsewhere(const Tracked& tracked, const DenseFrame& frame, const Expectation& expected) const;
   Tracked place(const PreparedFrame& prepared, const Prior& prior, const Expectation& expected);
   std::optional<Prior> ask_features(const PreparedFrame& prepared, Tracked& result);
   Prior judged_by_map(const PreparedFrame& prepared, const Prior& odometry, const Prior& anchor);

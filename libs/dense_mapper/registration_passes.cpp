@@ -12,7 +12,7 @@ const Prior* prior_for(const RegistrationSettings& settings, const Prior& prior)
 
 }  // namespace
 
-RegistrationPasses::Attempt RegistrationPasses::run(const Cloud& cloud, const Target& target,
+RegistrationPasses::Attempt RegistrationPasses::run(const PreparedFrame& prepared, const Target& target,
                                                     const Eigen::Isometry3d& T_start, const Prior& prior,
                                                     const LastView& last) const {
   const bool recovery = is_beyond(T_start, prior);
@@ -25,7 +25,8 @@ RegistrationPasses::Attempt RegistrationPasses::run(const Cloud& cloud, const Ta
   Eigen::Isometry3d T = T_start;
   for (const RegistrationSettings* pass : {&settings_.coarse, &settings_.fine}) {
     result.registration =
-        register_cloud(cloud, target, T, last.possible(*pass), prior_for(*pass, used), last.views());
+        register_cloud(prepared.cloud, target, T, last.possible(*pass), prior_for(*pass, used), last.views(),
+                       pass == &settings_.fine ? prepared.frame.noise_left : 1);
     T = result.registration.T_target_source;
   }
   result.quality = result.registration.overlap * inlier_share(result.registration);

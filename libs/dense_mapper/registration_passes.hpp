@@ -20,8 +20,8 @@ class RegistrationPasses {
   };
   /// `prior` of T_world_robot. A start far from it is a recovery: what was expected is no knowledge then, and
   /// the result must be good. `last` serves the rejectors that compare views.
-  Attempt run(const Cloud& cloud, const Target& target, const Eigen::Isometry3d& T_start, const Prior& prior,
-              const LastView& last) const;
+  Attempt run(const PreparedFrame& prepared, const Target& target, const Eigen::Isometry3d& T_start,
+              const Prior& prior, const LastView& last) const;
 
  private:
   bool is_beyond(const Eigen::Isometry3d& T_world_robot, const Prior& prior) const;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include <lcmslam/geometry/random.hpp>
 #include <lcmslam/imaging/depth_filter_parts.hpp>
 #include <lcmslam/parallel/instruction_set.hpp>
 
@@ -51,7 +52,10 @@ LCMSLAM_VECTORISED(write_row, (const float* inverse, int columns, std::uint16_t*
 class BilateralFilter : public DepthFilterPart {
  public:
   explicit BilateralFilter(const BilateralFilterSettings& settings)
-      : width_(static_cast<float>(settings.range_sigmas * std::sqrt(2.0))) {}
+      : width_(static_cast<float>(settings.range_sigmas * std::sqrt(2.0))),
+        noise_left_(measure_noise_left()) {}
+
+  double noise_left() const override { return noise_left_; }
 
   void apply(DepthImage& image) override {
     if (!image.independent) return;
@@ -74,10 +78,35 @@ class BilateralFilter : public DepthFilterPart {
   }
 
  private:
+  // Weights depend on the noise that they weigh, so what is left has no simple formula: seen on an image of
+  // noise alone.
+  double measure_noise_left() {
+    constexpr int side = 128, rim = 2 * reach;
+    constexpr float mean = 1, sigma = 1e-3f;  // 1/m
+    DepthImage image;
+    image.independent = true;
+    image.depth = cv::Mat(side, side, CV_16UC1, cv::Scalar(1));
+    image.sigma = cv::Mat_<float>(side, side, sigma);
+    image.inverse = cv::Mat_<float>(side + 2 * DepthImage::border, side + 2 * DepthImage::border, 0.0f);
+    Random random(1);
+    for (int v = 0; v < side; ++v)
+      for (int u = 0; u < side; ++u)
+        image.inverse_row(v)[u] = mean + static_cast<float>(random.normal(0, static_cast<double>(sigma)));
+    apply(image);
+    double squares = 0;
+    for (int v = rim; v < side - rim; ++v)
+      for (int u = rim; u < side - rim; ++u) {
+        const float off = (image.inverse_row(v)[u] - mean) / sigma;
+        squares += static_cast<double>(off * off);
+      }
+    return std::sqrt(squares) / (side - 2 * rim);
+  }
+
   float* smoothed_row(int v) { return smoothed_.ptr<float>(v + DepthImage::border) + DepthImage::border; }
 
   float width_;
   cv::Mat_<float> smoothed_;  // along rows, with the border of `inverse`
+  double noise_left_;
 };
 
 }  // namespace

@@ -68,6 +68,13 @@ void DepthFilter::operator()(cv::Mat& depth, const cv::Mat& amplitude) {
   image_.amplitude.release();
 }
 
+double DepthFilter::noise_left() const {
+  if (!image_.independent) return 1;
+  double left = 1;
+  for (const auto& part : parts_) left *= part->noise_left();
+  return left;
+}
+
 void DepthFilter::prepare() {
   const cv::Size size = image_.depth.size();
   if (image_.sigma.size() != size) {

@@ -39,6 +39,9 @@ class DepthFilterPart {
   virtual ~DepthFilterPart() = default;
   /// May keep buffers: one object serves one thread. Leaves `inverse` 0 where depth is 0.
   virtual void apply(DepthImage& image) = 0;
+  /// Standard deviation of a pixel on a surface afterwards, over that before, where pixels are independent:
+  /// below 1 for parts that smooth.
+  virtual double noise_left() const { return 1; }
 };
 
 struct AmplitudeFilterSettings {
@@ -115,6 +118,10 @@ class DepthFilter {
   /// Filters in place. `depth` CV_16UC1 mm of any size, `amplitude` CV_8UC1 of the same size or empty; throws
   /// std::invalid_argument for others. Takes no memory after the first image of a size.
   void operator()(cv::Mat& depth, const cv::Mat& amplitude);
+
+  /// Standard deviation of a pixel on a surface after the filter, over that before. Neighbours share what is
+  /// left, and at edges, where they are missing, more is.
+  double noise_left() const;
 
  private:
   void prepare();

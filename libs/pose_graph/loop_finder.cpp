@@ -139,7 +139,7 @@ std::optional<UncertainTransform> LoopFinder::verify(const KeyframeView& from, c
   const KdTreeTarget target(from.cloud);
   const RegistrationResult result =
       register_cloud(to.cloud, target, aligned.success ? aligned.T_a_b : *guess, settings_.registration,
-                     aligned.success ? &prior : nullptr);
+                     aligned.success ? &prior : nullptr, nullptr, to.noise_left);
   const bool fits = result.ok() && result.overlap >= settings_.min_overlap &&
                     result.inliers >= settings_.min_inlier_share * result.pairs;
   if (!fits) return std::nullopt;

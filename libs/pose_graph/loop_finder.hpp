@@ -54,6 +54,7 @@ struct LoopFinderSettings {
 struct KeyframeView {
   int node = 0;           ///< when it is added
   Cloud cloud;            ///< reduced, with normals and sigmas
+  double noise_left = 1;  ///< share of the sigmas that smoothing has left
   FeatureFrame features;  ///< may be empty
 };
 

@@ -44,12 +44,12 @@ struct PoseGraphSettings {
   int max_iterations = 30;
   double path_gate = 4.74;
   int loop_support = 3;
-  double edge_error = 0.25;
-  double frame_error = 0.2;
-  double ground_error = 0.3;
-  double motion_scale = 0.0012;
-  double turn_scale = 0.001;
-  double curvature = 0.0002;
+  double edge_error = 0.2;
+  double frame_error = 0.4;
+  double ground_error = 0.42;
+  double motion_scale = 0.0009;
+  double turn_scale = 0.00075;
+  double curvature = 0.000165;
   double stretch = 8;
   double stated_measurements = 5;
 
@@ -67,9 +67,10 @@ struct PoseGraphSettings {
              "what an edge errs by on its own, over the sigma that weighs it (cautiously: one wrong edge "
              "bends the map); "
              "for the poses' covariances");
-    s.number("frame_error", frame_error, "", {0.001, 1000},
-             "likewise, what a frame errs by beside the newest node: less than an edge, as most of what both "
-             "see is the same; for the poses' covariances");
+    s.number(
+        "frame_error", frame_error, "", {0.001, 1000},
+        "likewise, what a frame errs by beside the newest node: its points' noise is told less cautiously "
+        "than an edge's; for the poses' covariances");
     s.number(
         "ground_error", ground_error, "", {0.001, 1000},
         "what the ground is off its plane by, over the sigma that weighs it (cautiously, likewise); for the "

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <lcmslam/registration/kd_tree_target.hpp>
 #include <lcmslam/registration/preparation.hpp>
@@ -119,6 +120,16 @@ double next_limit(const std::vector<Pair>& pairs, double limit, const Registrati
   return std::clamp(settings.distance_sigmas * spread, std::min(settings.min_distance, limit), limit);
 }
 
+// Kernels, limits and inliers are there for errors that smoothing does not take: they go by the noise as it
+// was. What the pairs that are left know beside a prior goes by the noise that is left.
+void weigh_by_noise_left(std::vector<Pair>& pairs, double noise_left) {
+  const double share = noise_left * noise_left;
+  for (Pair& p : pairs) {
+    p.variance *= share;
+    p.weight /= share;
+  }
+}
+
 // What the last pairs say about the result.
 void report(const std::vector<Pair>& pairs, std::size_t selected, const Metric& metric,
             const RegistrationSettings& settings, const Prior* prior, RegistrationResult& result) {
@@ -173,7 +184,7 @@ std::vector<std::string> degenerate_names(const RegistrationResult& result) {
 
 RegistrationResult register_cloud(const Cloud& source, const Target& target, const Eigen::Isometry3d& T_start,
                                   const RegistrationSettings& settings, const Prior* prior,
-                                  const SensorViews* views) {
+                                  const SensorViews* views, double noise_left) {
   const auto solver = make_solver(settings, prior);
   const auto metric = make_metric(settings);
   const auto kernel = make_kernel(settings);
@@ -187,6 +198,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
   T = T_start;
   double limit = settings.max_distance;
   result.stop = StopReason::max_iterations;
+  Eigen::Isometry3d T_pairs = T;  // where the pairs were found
   std::vector<Pair> pairs;
   for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
     search.find(T, limit, pairs);
@@ -205,7 +217,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
     }
     const bool arrived = stop.arrived(T, *T_next, result.rms);
     const double next = next_limit(pairs, limit, settings);
-    T = *T_next;
+    T_pairs = std::exchange(T, *T_next);
     if (arrived && next > 0.9 * limit) {
       result.stop = StopReason::converged;
       break;
@@ -214,6 +226,11 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
   }
 
   report(pairs, search.selected(), *metric, settings, prior, result);
+  if (result.ok() && settings.weigh_by_noise && noise_left < 1) {
+    weigh_by_noise_left(pairs, noise_left);
+    if (const auto settled = solver->solve(pairs, T_pairs)) T = *settled;
+    result.covariance = observe(pairs, *metric, T, settings).covariance(prior);
+  }
   return result;
 }
 

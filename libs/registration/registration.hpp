@@ -41,11 +41,11 @@ std::vector<std::string> degenerate_names(const RegistrationResult& result);
 /// T_target_source from a start. Throws std::invalid_argument for combinations of parts that do not
 /// exist (make_solver), never for data: clouds that are empty, not finite or degenerate give a stop
 /// reason and the start (or the last good) transform. `views` is asked for by the frustum and the colour
-/// overlap rejector alone. Sources need what the settings ask for (prepared_source): normals for
-/// plane-to-plane, ...
+/// overlap rejector alone. `noise_left` of the source's sigmas (DepthFilter::noise_left) weighs its pairs in
+/// the last step. Sources need what the settings ask for (prepared_source): normals for plane-to-plane, ...
 RegistrationResult register_cloud(const Cloud& source, const Target& target, const Eigen::Isometry3d& T_start,
                                   const RegistrationSettings& settings, const Prior* prior = nullptr,
-                                  const SensorViews* views = nullptr);
+                                  const SensorViews* views = nullptr, double noise_left = 1);
 
 /// What register_cloud would report at T, without a step: pairs within max_distance, RMS, covariance,
 /// overlap. Stop is converged, or too_few_pairs.

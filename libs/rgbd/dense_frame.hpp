@@ -16,7 +16,8 @@ using Colouriser = std::function<ColouredCloud()>;
 
 struct DenseFrame {
   Utime utime = 0;
-  Cloud cloud;  ///< with normals; with intensities where the registration compares colours
+  Cloud cloud;            ///< with normals; with intensities where the registration compares colours
+  double noise_left = 1;  ///< share of the cloud's sigmas that smoothing has left (DepthFilter::noise_left)
   Colouriser colouriser;
   Eigen::Isometry3d T_robot_camera = Eigen::Isometry3d::Identity();
   std::optional<Motion> motion;          ///< the robot's since the frame before, where odometry knows it

@@ -105,6 +105,7 @@ RgbdFrameMaker::Made RgbdFrameMaker::make(Prepared& prepared, const MotionBetwee
 
   // What stands there.
   frame.T_robot_camera = c.T_robot_camera;
+  frame.noise_left = filter_->noise_left();
   frame.colouriser = [this, &prepared, way] { return colourise(prepared, way); };
   if (settings_.intensities) {
     const ColouredCloud coloured = frame.colouriser();

@@ -23,7 +23,7 @@ class Passes : public testing::Test {
   RegistrationPasses::Attempt run(const Cloud& cloud, const Eigen::Isometry3d& T_start,
                                   const Eigen::Isometry3d& T_expected, double sigma = 0.1) const {
     const Prior prior{T_expected, Matrix6d::Identity() / (sigma * sigma)};
-    return passes_.run(cloud, target_, T_start, prior, LastView(false, false, {}));
+    return passes_.run({frame_, cloud}, target_, T_start, prior, LastView(false, false, {}));
   }
   double error(const RegistrationPasses::Attempt& attempt, const Eigen::Isometry3d& truth) const {
     const Eigen::Isometry3d& T = attempt.registration.T_target_source;
@@ -33,6 +33,7 @@ class Passes : public testing::Test {
   const Cloud room_ = room();
   const KdTreeTarget target_{room_};
   const RegistrationPasses passes_{DenseMapperSettings()};
+  DenseFrame frame_;
 };
 
 TEST_F(Passes, TracksFromAStartNearby) {
@@ -66,14 +67,26 @@ TEST_F(Passes, ARecoveryIsNotDrawnToWhatWasExpected) {
   EXPECT_LT(error(recovered, here), 0.005);
 }
 
+// A prior that is surer than the points holds them back, but little where smoothing has made them surer.
+TEST_F(Passes, SmoothedPointsHoldAgainstAPriorAsTheirNoiseIsLeft) {
+  const Eigen::Isometry3d expected = se3_exp(twist(0.01, 0.01, -0.01, 0, 0, 0));
+  const double sigma = 0.0005;
+  const double as_noisy = error(run(seen_from(here), expected, expected, sigma), here);
+  EXPECT_GT(as_noisy, 0.01);
+  frame_.noise_left = 0.2;
+  const auto smoothed = run(seen_from(here), expected, expected, sigma);
+  EXPECT_EQ(smoothed.status, MappingStatus::tracking);
+  EXPECT_LT(error(smoothed, here), 0.4 * as_noisy);
+}
+
 // The cloud draws the pose farther away than the robot can have gone.
 TEST_F(Passes, AResultBeyondAJumpIsLost) {
   DenseMapperSettings settings;
   settings.max_jump = 0.03;
   const Eigen::Isometry3d truth = se3_exp(twist(0.06, -0.05, 0.02, 0.01, 0.02, 0.04));
   const Prior prior{here, 100 * Matrix6d::Identity()};
-  const auto attempt =
-      RegistrationPasses(settings).run(seen_from(truth), target_, here, prior, LastView(false, false, {}));
+  const auto attempt = RegistrationPasses(settings).run({frame_, seen_from(truth)}, target_, here, prior,
+                                                        LastView(false, false, {}));
   EXPECT_LT(error(attempt, truth), 0.01);
   EXPECT_EQ(attempt.status, MappingStatus::lost);
 }

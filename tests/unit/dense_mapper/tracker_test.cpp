@@ -96,6 +96,19 @@ TEST_F(ModernTracking, KeyframesAreStartsWhenTheRobotMayBeAnywhere) {
   EXPECT_LT(error(tracked.registration.T_target_source, nearby), 0.01);
 }
 
+// A frame that fits where the wheels cannot have led in one step shows another place, unless nobody knows how
+// the robot moved.
+TEST_F(ModernTracking, WhatFitsFarBesideTheWheelsWayIsLost) {
+  const Eigen::Isometry3d aside = se3_exp(twist(0.16, 0.1, 0, 0, 0, 0.02));
+  Motion motion;
+  EXPECT_EQ(to_string(track(seen_from(aside), expectation(here, 0.05), motion).status), "tracking");
+  const Expectation surer = expectation(here, 0.02);
+  EXPECT_EQ(to_string(track(seen_from(aside), surer, motion).status), "lost");
+  EXPECT_EQ(to_string(track(seen_from(aside), surer).status), "tracking");
+  motion.visual = true;
+  EXPECT_EQ(to_string(track(seen_from(aside), surer, motion).status), "tracking");
+}
+
 // The place before, and no keyframe, is another start.
 TEST_F(ModernTracking, WhereItWasLastIsAStart) {
   Expectation far = expectation(planar_pose(-2, 1.5, 1.2));

@@ -162,6 +162,26 @@ TEST(BilateralFilter, NoiseFallsAndEdgesAndSlopesStay) {
   EXPECT_NEAR(cv::mean(depth)[0], cv::mean(exact)[0], 0.5);
 }
 
+// What is told of the noise that stays is what stays, wherever the noise is small against the slope or not.
+TEST(BilateralFilter, TellsHowMuchNoiseIsLeft) {
+  const double sigma = 0.02;
+  for (const double range_sigmas : {1.5, 3.0, 6.0}) {
+    SCOPED_TRACE(range_sigmas);
+    RgbdCalibration c = camera_of(320, 0);
+    c.depth_noise.amplitude = sigma / 4;  // at 2 m
+    DepthFilterSettings settings = only("bilateral");
+    settings.bilateral.range_sigmas = range_sigmas;
+    DepthFilter filter(c, settings);
+    cv::Mat depth = plane(c, 2, 0.1, sigma, 5), off;
+    filter(depth, {});
+    cv::subtract(depth, plane(c, 2, 0.1, 0), off, {}, CV_64F);
+    const cv::Rect inside(4, 4, depth.cols - 8, depth.rows - 8);
+    const double left =
+        cv::norm(off(inside)) / std::sqrt(static_cast<double>(inside.area())) / (1000 * sigma);
+    EXPECT_NEAR(filter.noise_left() / left, 1, 0.06) << left;
+  }
+}
+
 TEST(BilateralFilter, LeavesCamerasAloneWhoseNeighbouringPixelsShareTheirErrors) {
   const RgbdCalibration c = camera_of(64, 0.01);
   cv::Mat depth = plane(c, 2, 0, 0.01);
@@ -169,6 +189,7 @@ TEST(BilateralFilter, LeavesCamerasAloneWhoseNeighbouringPixelsShareTheirErrors)
   DepthFilter filter(c, only("bilateral"));
   filter(depth, {});
   EXPECT_EQ(cv::norm(depth, before, cv::NORM_INF), 0);
+  EXPECT_EQ(filter.noise_left(), 1);
 }
 
 TEST(DepthFilter, SizesMayChangeAndSameInputGivesSameOutput) {

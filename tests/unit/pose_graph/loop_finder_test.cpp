@@ -50,6 +50,24 @@ TEST(LoopFinder, RefusesAnotherPlace) {
   EXPECT_FALSE(finder.verify(*view, shuffled, std::nullopt));
 }
 
+// What features and points say is weighed by the noise that smoothing has left.
+TEST(LoopFinder, SmoothedPointsMakeASurerEdge) {
+  Gallery gallery(3);
+  LoopFinderSettings settings;
+  settings.floor_translation = settings.floor_rotation = 1e-5;
+  LoopFinder finder(settings);
+  const KeyframeView from = gallery.seen_from(Eigen::Isometry3d::Identity());
+  KeyframeView to = gallery.seen_from(se3_exp(twist(0.1, 0.05, -0.05, 0, 0.05, 0)));
+  const auto as_noisy = finder.verify(from, to, std::nullopt);
+  to.noise_left = 0.5;
+  const auto smoothed = finder.verify(from, to, std::nullopt);
+  ASSERT_TRUE(as_noisy && smoothed);
+  const Vector6d shrunk = smoothed->covariance.diagonal().cwiseQuotient(as_noisy->covariance.diagonal());
+  EXPECT_LT(shrunk.maxCoeff(), 0.9) << shrunk.transpose();
+  EXPECT_GT(shrunk.minCoeff(), 0.25) << shrunk.transpose();
+  EXPECT_FALSE(smoothed->T.isApprox(as_noisy->T, 1e-9));
+}
+
 // A poster that hangs in two rooms: its features and its points are the same, all around it is not.
 TEST(LoopFinder, RefusesWhereTheFeaturesAgreeAndTheCloudsDoNot) {
   Gallery here(1);

@@ -143,6 +143,36 @@ TEST(Registration, AWeakPriorDoesNotPullAGoodRegistration) {
   expect_near(r.T_target_source, Eigen::Isometry3d::Identity(), 0.004, 0.2);
 }
 
+// Pairs of smoothed points outweigh a prior as those of a better camera would, but what fits is judged by the
+// noise as it was.
+TEST(Registration, ThePriorWeighsLessAgainstSmoothedPoints) {
+  constexpr double noise_left = 0.4;
+  Prior wrong;
+  wrong.T_target_source = se3_exp(twist(0.006, 0.004, -0.005, 0.003, -0.002, 0.004));
+  wrong.information = Matrix6d::Identity() / (0.001 * 0.001);
+  Prior weaker = wrong;
+  weaker.information *= noise_left * noise_left;
+  RegistrationSettings settings;
+  settings.kernel = KernelKind::none;
+  settings.epsilon_translation = settings.epsilon_rotation = 1e-6;
+  const auto target = make_target(room(), CorrespondenceKind::kd_tree);
+  const auto run = [&](const Prior& prior, double left) {
+    return register_cloud(room(0.037), *target, wrong.T_target_source, settings, &prior, nullptr, left);
+  };
+  const RegistrationResult as_noisy = run(wrong, 1), smoothed = run(wrong, noise_left),
+                           better = run(weaker, 1);
+  const auto off = [](const RegistrationResult& a, const RegistrationResult& b) {
+    return se3_log(a.T_target_source.inverse() * b.T_target_source).norm();
+  };
+  EXPECT_GT(off(as_noisy, better), 0.001);
+  EXPECT_LT(off(smoothed, better), 0.05 * off(as_noisy, better));
+  EXPECT_LT((smoothed.covariance - noise_left * noise_left * better.covariance).norm(),
+            0.01 * smoothed.covariance.norm());
+  EXPECT_EQ(smoothed.inliers, as_noisy.inliers);
+  EXPECT_EQ(smoothed.pairs, as_noisy.pairs);
+  EXPECT_EQ(smoothed.rms, as_noisy.rms);
+}
+
 // Noisy copies of a scene: the errors must fit the stated covariance. Independent noise on every
 // point, so all of them count; 6 x 40 squared normalised errors have mean 1 +- 0.09.
 TEST(Registration, CovarianceIsConsistent) {

@@ -219,6 +219,25 @@ TEST_F(MovingHead, IntensitiesComeWithThePointsThatColourSees) {
   EXPECT_EQ(made.frame.cloud.intensities, intensities_of(coloured));
 }
 
+// Clouds tell the camera's noise as it is, and what the depth filter has left of it.
+TEST_F(MovingHead, FramesTellWhatTheFilterLeavesOfTheNoise) {
+  calibration_.depth_noise = {0.002, 0, 0, 0.001};
+  const auto frame_with = [&](const std::vector<std::string>& parts) {
+    settings_.depth_filter.parts = parts;
+    RgbdFrameMaker maker = this->maker();
+    auto prepared = maker.prepare(images(0));
+    return maker.make(prepared, odometry, 0).frame;
+  };
+  const DenseFrame raw = frame_with({}), smooth = frame_with({"bilateral"});
+  EXPECT_EQ(raw.noise_left, 1);
+  EXPECT_GT(smooth.noise_left, 0.2);
+  EXPECT_LT(smooth.noise_left, 0.5);
+  ASSERT_EQ(raw.cloud.size(), smooth.cloud.size());
+  ASSERT_GT(raw.cloud.size(), 1000U);
+  for (std::size_t i = 0; i < raw.cloud.size(); ++i)
+    ASSERT_NEAR(smooth.cloud.sigmas[i] / raw.cloud.sigmas[i], 1, 0.01) << "point " << i;
+}
+
 // Decoding colour is dear: once, and only for keyframes. Without it points are grey, and none is left out.
 TEST_F(MovingHead, ColourIsAskedForLateAndOnce) {
   RgbdFrameMaker maker = this->maker();
