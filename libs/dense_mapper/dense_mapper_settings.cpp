@@ -72,7 +72,7 @@ void DenseMapperSettings::describe(SettingsVisitor& s) {
   s.number("max_jump", max_jump, "m", {0, 1000}, "beyond the prediction: lost");
   s.number("max_turn", max_turn, "rad", {0, 3.1416}, "beyond the prediction: lost");
   s.number("max_disagreement", max_disagreement, "", {0, 1e6},
-           "Mahalanobis distance from where the wheels have led, beyond which a frame that no features place "
+           "standard deviations from where the wheels have led, beyond which a frame that no features place "
            "fits another place: lost");
   s.number(
       "reseed_after", reseed_after, "", {1, 1e6},

@@ -45,8 +45,9 @@ bool ModernTracker::is_elsewhere(const Tracked& tracked, const DenseFrame& frame
   const Prior& motion = expected.off_ground ? *expected.off_ground : expected.prior;
   const Eigen::Isometry3d off = motion.T_target_source.inverse() * tracked.registration.T_target_source;
   if (off.translation().norm() > settings_.max_jump || rotation_angle(off) > settings_.max_turn) return false;
-  const Vector6d e = se3_log(off);
-  return std::sqrt(e.dot(motion.information * e)) > settings_.max_disagreement;
+  Vector6d variances = motion.information.inverse().diagonal();
+  variances.head<2>().setConstant(variances.head<2>().maxCoeff());  // a base may slip aside, too
+  return std::sqrt(se3_log(off).cwiseAbs2().cwiseQuotient(variances).sum()) > settings_.max_disagreement;
 }
 
 Tracked ModernTracker::on_floor(const PreparedFrame& prepared, const Expectation& expected) {
