@@ -29,9 +29,10 @@ DepthFilterSettings only(const std::string& part) {
 cv::Mat plane(const RgbdCalibration& c, double distance, double slope, double sigma, std::uint64_t seed = 1) {
   Random random(seed);
   cv::Mat depth(c.depth.height, c.depth.width, CV_16UC1);
+  const int centre = depth.cols / 2;
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
-      const double x = (u - depth.cols / 2) / c.depth.fx;  // z = distance / (1 - slope x)
+      const double x = (u - centre) / c.depth.fx;  // z = distance / (1 - slope x)
       const double z = distance / (1 - slope * x) + random.normal(0, sigma);
       depth.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(std::lround(1000 * z));
     }
