@@ -213,17 +213,6 @@ TEST(KnownLandmarks, CorrelatedErrorsDoNotMakeItOverconfident) {
   EXPECT_LT(median(with), 0.6 * median(without));
 }
 
-TEST(SensorCalibration, CorrectsWhatItSays) {
-  const SensorCalibration sensor{0.1, 0.02, -0.03};
-  Measurement m;
-  m.kind = MeasurementKind::range_bearing;
-  m.value << 0.1 + 1.02 * 3, -0.03 + 0.4, 0;
-  EXPECT_NEAR(sensor.corrected(m).value.x(), 3, 1e-12);
-  EXPECT_NEAR(sensor.corrected(m).value.y(), 0.4, 1e-12);
-  m.kind = MeasurementKind::planar;
-  EXPECT_EQ(sensor.corrected(m).value, m.value);
-}
-
 // A range that reads too long and a camera that looks aside show in the robot's own data.
 TEST(SensorCalibration, IsLearnedWithTheSmoothedPath) {
   PlanarWorldSettings world;
