@@ -180,10 +180,9 @@ void DenseMapper::tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step&
   const PoseError error =
       carried_along(newest.error, {newest.T_world_camera.inverse() * T_world_camera, Matrix6d::Zero()});
   step.map_covariance = covariance_at(error, T_world_camera, T_robot_camera);
-  step.local_covariance =
-      step.status == MappingStatus::tracking
-          ? frame_error(step.covariance, settings_.graph.optimiser, graph_.error_factors())
-          : step.covariance;
+  step.local_covariance = step.status == MappingStatus::tracking
+                              ? frame_error(step.covariance, settings_.graph.optimiser)
+                              : step.covariance;
   // A new node's own covariance has its registration in it.
   if (!step.node) step.map_covariance += step.local_covariance;
 }

@@ -63,10 +63,8 @@ Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& setting
   return sigmas * sigmas * covariance;
 }
 
-Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
-                     const ErrorFactors& factors) {
-  const double sigmas = factors.edges * settings.frame_error;
-  return sigmas * sigmas * covariance;
+Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings) {
+  return settings.frame_error * settings.frame_error * covariance;
 }
 
 FloorJacobian floor_jacobian(const GroundConstraint& ground) {

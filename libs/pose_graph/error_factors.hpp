@@ -28,9 +28,9 @@ ErrorFactors error_factors(const PoseGraph& graph, const PoseGraphSettings& sett
 /// What an edge, or tracking that becomes one, errs by: from the covariance by which it is weighed.
 Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
                     const ErrorFactors& factors);
-/// And tracking between two nodes, beside the newest one.
-Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
-                     const ErrorFactors& factors);
+/// And tracking between two nodes, beside the newest one, whose view it nearly shares: by what edges between
+/// other views contradict each other it does not err.
+Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings);
 
 /// Height, roll and pitch of the robot by the camera's pose exp(xi).
 using FloorJacobian = Eigen::Matrix<double, 3, 6>;

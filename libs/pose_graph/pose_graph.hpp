@@ -44,7 +44,7 @@ struct PoseGraphSettings {
   int max_iterations = 30;
   double path_gate = 4.74;
   int loop_support = 3;
-  double edge_error = 0.2;
+  double edge_error = 0.1;
   double frame_error = 0.4;
   double ground_error = 0.42;
   double motion_scale = 0.0009;

@@ -23,6 +23,16 @@ Matrix6d centred_basis(const std::vector<Pair>& pairs) {
   return basis;
 }
 
+// Of what the weights count with, as they count it: m^2.
+double assumed_variance(const std::vector<Pair>& pairs) {
+  double sum = 0, weight = 0;
+  for (const Pair& p : pairs) {
+    sum += p.weight * p.variance;
+    weight += p.weight;
+  }
+  return sum / weight;
+}
+
 }  // namespace
 
 Observability observe(const std::vector<Pair>& pairs, const Metric& metric,
@@ -41,10 +51,12 @@ Observability observe(const std::vector<Pair>& pairs, const Metric& metric,
   result.directions = eigen.eigenvectors();
   result.shares = eigen.eigenvalues() / equations.weight;
 
-  // Mean squared residual in units of the assumed variance; noise that was assumed is not believed
-  // away. Unweighted pairs have no assumed noise: the residuals tell it.
-  const double unit = equations.squared_error / equations.weight;
-  const double variance = settings.weigh_by_noise ? std::max(1.0, unit) : std::max(1e-8, unit);
+  // Unweighted pairs have no assumed noise: the residuals tell it. Noise that was assumed is not believed
+  // away; what pairs err by beyond it is doubt of where they lead, but no reason to hold them back on the
+  // way.
+  const double residual = equations.squared_error / equations.weight;
+  const double variance = settings.weigh_by_noise ? 1.0 : std::max(1e-8, residual);
+  if (settings.weigh_by_noise) result.excess = std::max(1.0, residual / assumed_variance(pairs));
   const double independent = std::min(1.0, settings.independent_pairs / static_cast<double>(pairs.size()));
   result.scale = independent / variance;
 
@@ -68,7 +80,7 @@ std::vector<Vector6d> Observability::degenerate_twists() const {
 }
 
 Matrix6d Observability::covariance(const Prior* prior) const {
-  Matrix6d total = information;
+  Matrix6d total = information / excess;
   if (prior) total += basis.transpose() * prior->information * basis;
   if (!prior)
     for (const int i : degenerate) total += directions.col(i) * directions.col(i).transpose();

@@ -123,7 +123,10 @@ double next_limit(const std::vector<Pair>& pairs, double limit, const Registrati
 // Kernels, limits and inliers are there for errors that smoothing does not take: they go by the noise as it
 // was. What the pairs that are left know beside a prior goes by the noise that is left.
 void weigh_by_noise_left(std::vector<Pair>& pairs, double noise_left) {
-  for (Pair& p : pairs) p.weight /= noise_left * noise_left;
+  for (Pair& p : pairs) {
+    p.variance *= noise_left * noise_left;
+    p.weight /= noise_left * noise_left;
+  }
 }
 
 // What the last pairs say about the result.

@@ -47,13 +47,15 @@ struct Observability {
   Vector6d shares = Vector6d::Zero();          ///< eigenvalue / weight, ascending
   std::vector<int> degenerate;                 ///< columns of `directions`
   double scale = 0;                            ///< that scaling
-  Matrix6d information = Matrix6d::Zero();     ///< in y, scaled to the true noise, degenerate ones out
-  Vector6d gradient = Vector6d::Zero();        ///< in y, scaled alike: information * y = gradient
+  double excess = 1;  ///< mean squared residual over the noise that was assumed; at least 1
+  Matrix6d information = Matrix6d::Zero();  ///< in y, scaled to the true noise, degenerate ones out
+  Vector6d gradient = Vector6d::Zero();     ///< in y, scaled alike: information * y = gradient
 
   /// Degenerate directions as unit twists (translation, rotation) of the source frame.
   std::vector<Vector6d> degenerate_twists() const;
-  /// Covariance of T_target_source (right perturbation), with the prior if there is one. Directions
-  /// that nothing fixes get a standard deviation of 1 m (rotations: at the points' RMS spread).
+  /// Covariance of T_target_source (right perturbation), with the prior if there is one and as much more
+  /// noise as the residuals have than was assumed. Directions that nothing fixes get a standard deviation of
+  /// 1 m (rotations: at the points' RMS spread).
   Matrix6d covariance(const Prior* prior) const;
 };
 

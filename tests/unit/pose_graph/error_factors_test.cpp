@@ -143,7 +143,9 @@ struct Drive {
 };
 
 TEST(ErrorFactors, OfANewPoseAreThoseOfTheLastWork) {
-  Drive drive;
+  KeyframeGraphSettings settings;
+  settings.optimiser.edge_error = 0.2;
+  Drive drive(settings);
   for (int i = 0; i <= 16; ++i) drive.add(i);
   EXPECT_EQ(drive.graph.error_factors().edges, 1);
   if (const auto correction = drive.graph.finish()) drive.graph.apply(*correction);
@@ -161,6 +163,7 @@ TEST(ErrorFactors, ANewPoseStandsOnTheGround) {
   constexpr double ground = 0.2;
   KeyframeGraphSettings settings;
   settings.optimiser.ground_error = ground;
+  settings.optimiser.edge_error = 0.2;
   Drive drive(settings);
   const GroundSettings plane;
   drive.graph.set_ground(GroundConstraint{Eigen::Isometry3d::Identity(), plane, {}});

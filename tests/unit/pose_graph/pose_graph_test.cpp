@@ -138,6 +138,8 @@ TEST(PoseGraph, AnUnlikelyLoopWaitsForOthersThatAgreeWithIt) {
 TEST(PoseGraph, WhatIsBelievedIsWeighedAtOnce) {
   Walk walk(3);
   Random random(7);
+  PoseGraphSettings settings;
+  settings.edge_error = 0.2;
   for (int i = 41; i < 80; i += 3) walk.graph.edges.push_back(walk.loop(i - 40, i, random));
   optimise(walk.graph, {});
   const std::size_t sound = walk.graph.edges.size();
@@ -152,11 +154,11 @@ TEST(PoseGraph, WhatIsBelievedIsWeighedAtOnce) {
   PoseGraph unweighed = walk.graph;
   std::vector<GraphEdge> others = waiting;
   EXPECT_EQ(admit(others, unweighed, {}), 3);
-  EXPECT_GT(error_factors(unweighed, {}).edges, 10);
+  EXPECT_GT(error_factors(unweighed, settings).edges, 10);
   EXPECT_TRUE(close_circles(waiting, walk.graph, {}));
   EXPECT_TRUE(waiting.empty());
   EXPECT_EQ(walk.graph.edges.size(), sound);
-  EXPECT_LT(error_factors(walk.graph, {}).edges, 5);
+  EXPECT_LT(error_factors(walk.graph, settings).edges, 5);
   EXPECT_FALSE(close_circles(waiting, walk.graph, {}));  // there is nothing new
 }
 

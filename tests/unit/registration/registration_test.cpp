@@ -173,6 +173,25 @@ TEST(Registration, ThePriorWeighsLessAgainstSmoothedPoints) {
   EXPECT_EQ(smoothed.rms, as_noisy.rms);
 }
 
+// Whose noise is said to be smoothed away, but is there: what is told is as unsure as if nobody had said so.
+TEST(Registration, NoiseThatWasNotSmoothedAwayIsTold) {
+  RegistrationSettings settings;
+  settings.kernel = KernelKind::none;
+  settings.distance_sigmas = 0;
+  settings.noise_floor = 0.001;
+  const auto target = make_target(room(0.02), CorrespondenceKind::kd_tree);
+  Cloud noisy = room(0.1);
+  noisy.sigmas.assign(noisy.size(), 0.01f);
+  Random random(1);
+  for (Eigen::Vector3f& point : noisy.points)
+    for (int axis = 0; axis < 3; ++axis) point[axis] += static_cast<float>(random.normal(0, 0.01));
+  const auto told = [&](double left) {
+    return register_cloud(noisy, *target, Eigen::Isometry3d::Identity(), settings, nullptr, nullptr, left)
+        .covariance.norm();
+  };
+  EXPECT_NEAR(told(0.3), told(1), 0.2 * told(1));
+}
+
 // Noisy copies of a scene: the errors must fit the stated covariance. Independent noise on every
 // point, so all of them count; 6 x 40 squared normalised errors have mean 1 +- 0.09.
 TEST(Registration, CovarianceIsConsistent) {

@@ -96,5 +96,50 @@ TEST(Observability, MorePairsThanAreIndependentTellNothingNew) {
   EXPECT_TRUE(observe(twice, *metric, T, settings).covariance(nullptr).isApprox(covariance, 1e-9));
 }
 
+/// On planes that T brings them to but for noise of `noise` (m), weighed by what `assumed` (m) says.
+std::vector<Pair> noisy_pairs(Random& random, const Eigen::Isometry3d& T, double noise, double assumed) {
+  std::vector<Pair> pairs = random_pairs(random, T, 500);
+  for (Pair& p : pairs) {
+    p.target = p.moved + random.normal(0, noise) * p.target_normal;
+    p.variance = assumed * assumed;
+    p.weight = 1 / p.variance;
+  }
+  return pairs;
+}
+
+// Pairs that err by three times what they are said to leave the result three times less sure; of pairs that
+// err by half of it nothing is believed away.
+TEST(Observability, WhatPairsErrByBeyondTheirNoiseIsDoubt) {
+  const RegistrationSettings settings;
+  const auto metric = make_metric(settings);
+  Random random(3);
+  const Eigen::Isometry3d T = random_transform(random);
+  const auto told = [&](double noise) {
+    Random same(4);
+    return observe(noisy_pairs(same, T, noise, 0.01), *metric, T, settings).covariance(nullptr);
+  };
+  const Matrix6d as_assumed = told(0.001);
+  EXPECT_TRUE(told(0.005).isApprox(as_assumed, 1e-9));
+  const Matrix6d tripled = told(0.03);
+  EXPECT_TRUE(tripled.isApprox(9 * as_assumed, 0.15)) << tripled.norm() / as_assumed.norm();
+}
+
+// A start that is off is no noise: pairs that are as sure as a prior draw it half the way.
+TEST(GaussNewton, PairsFarFromTheStartCountAsTheirNoiseSays) {
+  const RegistrationSettings settings;
+  Random random(5);
+  const Eigen::Isometry3d T = random_transform(random);
+  const Vector6d way = (Vector6d() << 0.3, 0.2, -0.1, 0, 0, 0).finished();
+  std::vector<Pair> pairs = noisy_pairs(random, T, 0, 0.01);
+  for (Pair& p : pairs) p.moved = T * se3_exp(-way) * p.source;
+  const Eigen::Isometry3d T_start = T * se3_exp(-way);
+  const Observability seen = observe(pairs, *make_metric(settings), T_start, settings);
+  const Matrix6d to_twist = seen.basis.inverse();
+  const Prior prior{T_start, to_twist.transpose() * seen.information * to_twist};
+  const auto reached = GaussNewtonSolver(settings, &prior).solve(pairs, T_start);
+  ASSERT_TRUE(reached);
+  EXPECT_LT((se3_log(T_start.inverse() * *reached) - 0.5 * way).norm(), 1e-6);
+}
+
 }  // namespace
 }  // namespace lcmslam
