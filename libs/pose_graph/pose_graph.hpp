@@ -69,8 +69,8 @@ struct PoseGraphSettings {
              "for the poses' covariances");
     s.number(
         "frame_error", frame_error, "", {0.001, 1000},
-        "likewise, what a frame errs by beside the newest node: its points' noise is told less cautiously "
-        "than an edge's; for the poses' covariances");
+        "likewise, what a frame errs by beside the newest node, whatever edges contradict each other by: its "
+        "points' noise is told less cautiously than an edge's; for the poses' covariances");
     s.number(
         "ground_error", ground_error, "", {0.001, 1000},
         "what the ground is off its plane by, over the sigma that weighs it (cautiously, likewise); for the "

@@ -131,9 +131,9 @@ TEST(GaussNewton, PairsFarFromTheStartCountAsTheirNoiseSays) {
   const Eigen::Isometry3d T = random_transform(random);
   const Vector6d way = (Vector6d() << 0.3, 0.2, -0.1, 0, 0, 0).finished();
   std::vector<Pair> pairs = noisy_pairs(random, T, 0, 0.01);
-  for (Pair& p : pairs) p.moved = T * se3_exp(-way) * p.source;
+  const Observability seen = observe(pairs, *make_metric(settings), T, settings);
   const Eigen::Isometry3d T_start = T * se3_exp(-way);
-  const Observability seen = observe(pairs, *make_metric(settings), T_start, settings);
+  for (Pair& p : pairs) p.moved = T_start * p.source;
   const Matrix6d to_twist = seen.basis.inverse();
   const Prior prior{T_start, to_twist.transpose() * seen.information * to_twist};
   const auto reached = GaussNewtonSolver(settings, &prior).solve(pairs, T_start);
