@@ -28,8 +28,8 @@ ErrorFactors error_factors(const PoseGraph& graph, const PoseGraphSettings& sett
 /// What an edge, or tracking that becomes one, errs by: from the covariance by which it is weighed.
 Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
                     const ErrorFactors& factors);
-/// And tracking between two nodes, beside the newest one, whose view it nearly shares: by what edges between
-/// other views contradict each other it does not err.
+/// And tracking between two nodes, beside the newest one. It nearly shares that one's view, so how edges
+/// between other views contradict each other tells nothing of it.
 Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings);
 
 /// Height, roll and pitch of the robot by the camera's pose exp(xi).

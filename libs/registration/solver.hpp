@@ -47,8 +47,8 @@ struct Observability {
   Vector6d shares = Vector6d::Zero();          ///< eigenvalue / weight, ascending
   std::vector<int> degenerate;                 ///< columns of `directions`
   double scale = 0;                            ///< that scaling
-  double excess = 1;  ///< mean squared residual over the noise that was assumed; at least 1
-  Matrix6d information = Matrix6d::Zero();  ///< in y, scaled to the true noise, degenerate ones out
+  double excess = 1;                        ///< mean squared residual over the assumed variance; at least 1
+  Matrix6d information = Matrix6d::Zero();  ///< in y, of assumed (else: seen) noise, degenerate ones out
   Vector6d gradient = Vector6d::Zero();     ///< in y, scaled alike: information * y = gradient
 
   /// Degenerate directions as unit twists (translation, rotation) of the source frame.
