@@ -230,6 +230,7 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   view.noise_left = frame.noise_left;
   if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
   map_.restore(keyframes_.all(), T_world_camera);
+  view.shows = shown_keyframes(transformed(prepared.cloud, step.T_world_robot));
   const int node = graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(),
                               std::move(view), keyframe, step.floor);
   step.node = true;
@@ -241,6 +242,25 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
     keyframes_.add(node, frame.utime, T_world_camera, usable_points(frame.colouriser(), settings_.filter));
   if (frame.features)
     tracker_->add_keyframe(strongest(*frame.features, settings_.keyframe_features), T_world_camera, node);
+}
+
+// Keyframes that own at least a share of what a cloud (map coordinates) lies on, most of it first.
+std::vector<int> DenseMapper::shown_keyframes(const Cloud& cloud) const {
+  constexpr std::size_t asked = 300;
+  constexpr int least = 30;
+  const std::vector<int> owners = map_.voxels().owners(cloud, asked);
+  const std::vector<KeyframeGraph::Node>& nodes = graph_.nodes();
+  std::vector<std::pair<int, int>> votes;  // and keyframe
+  for (std::size_t i = 0; i < std::min(owners.size(), nodes.size()); ++i) {
+    if (nodes[i].keyframe || votes.empty()) votes.emplace_back(0, static_cast<int>(i));
+    votes.back().first += owners[i];
+  }
+  std::stable_sort(votes.begin(), votes.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<int> keyframes;
+  for (const auto& [count, node] : votes)
+    if (count >= least) keyframes.push_back(node);
+  return keyframes;
 }
 
 void DenseMapper::add_features(const FeatureFrame& features, Utime utime) {

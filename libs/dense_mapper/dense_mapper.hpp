@@ -97,6 +97,7 @@ class DenseMapper {
   void tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step& step) const;
   void tell_local_pose(const Expectation& expected, Step& step);
   void grow(const PreparedFrame& prepared, Step& step);
+  std::vector<int> shown_keyframes(const Cloud& cloud) const;
   void add_node(const PreparedFrame& prepared, bool keyframe, Step& step);
   bool work_on_graph(Utime utime);
   bool thin();

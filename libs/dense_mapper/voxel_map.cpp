@@ -14,6 +14,7 @@ namespace {
 constexpr int block_side = 4;  // voxels
 constexpr float smallest_sigma = 1e-4f;
 constexpr float same_surface = 0.7f;  // cosine
+constexpr float owner_within = 0.1f;  // m
 
 Eigen::Vector3i block_of(const Eigen::Vector3i& voxel) {
   return {voxel.x() >> 2, voxel.y() >> 2, voxel.z() >> 2};
@@ -178,6 +179,25 @@ Eigen::Vector3f VoxelMap::gradient_at(const Surfel& surfel, const Block& block) 
     if (!std::isnan(s.intensity) && s.normal.dot(surfel.normal) > same_surface)
       gradient.add(s.point - surfel.point, s.intensity - surfel.intensity);
   return gradient.solve();
+}
+
+std::vector<int> VoxelMap::owners(const Cloud& cloud, std::size_t asked) const {
+  std::vector<int> owners;
+  TargetPoint found;
+  const std::size_t step = 1 + cloud.size() / std::max<std::size_t>(1, asked);
+  for (std::size_t i = 0; i < cloud.size(); i += step) {
+    if (!find(cloud.points[i], owner_within, found)) continue;
+    if (cloud.has_normals() && !(found.normal.dot(cloud.normals[i]) > same_surface)) continue;
+    const Block& block = blocks_[static_cast<std::size_t>(
+        index_.find(voxel_key(block_of(voxel_of(found.point, inverse_size_)))))];
+    const auto surfel = std::find_if(block.surfels.begin(), block.surfels.end(), [&](const Surfel& s) {
+      return s.point == found.point && s.normal == found.normal;
+    });
+    const auto owner = static_cast<std::size_t>(std::max(0, surfel->anchor));
+    if (owners.size() <= owner) owners.resize(owner + 1, 0);
+    ++owners[owner];
+  }
+  return owners;
 }
 
 std::size_t VoxelMap::memory_bytes() const {

@@ -1,5 +1,6 @@
 #include <lcmslam/pose_graph/keyframe_graph.hpp>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <set>
 
@@ -45,6 +46,30 @@ std::vector<int> nearest(const PoseGraph& graph, const LoopFinder& finder, int n
   std::vector<int> nodes;
   for (const auto& [distance, other] : near)
     if (static_cast<int>(nodes.size()) < settings.neighbours) nodes.push_back(other);
+  return nodes;
+}
+
+// Whether the graph knows T_from_to so badly, in some direction, that another pair of clouds is worth it:
+// those that overlap a little err alike, and do harm beside a circle that is closed.
+bool is_vague(const PoseGraph& graph, int from, int to, const KeyframeGraphSettings& settings) {
+  const auto known = expected(graph, from, to);
+  if (!known) return true;
+  const Matrix6d of_edge = squares(settings.loops.floor_translation, settings.loops.floor_rotation);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratios(known->covariance, of_edge,
+                                                                  Eigen::EigenvaluesOnly);
+  return ratios.eigenvalues().maxCoeff() > settings.vague * settings.vague;
+}
+
+// Those whose surfaces it shows again after a while, from wherever it sees them: features are not found again
+// from another side, surfaces are.
+std::vector<int> shown_again(const PoseGraph& graph, const LoopFinder& finder, const KeyframeView& view,
+                             const std::vector<int>& near, const KeyframeGraphSettings& settings) {
+  std::vector<int> nodes;
+  for (const int other : view.shows)
+    if (static_cast<int>(nodes.size()) < settings.shown && view.node - other > loop_span &&
+        finder.view(other) != nullptr && std::find(near.begin(), near.end(), other) == near.end() &&
+        is_vague(graph, other, view.node, settings))
+      nodes.push_back(other);
   return nodes;
 }
 
@@ -106,9 +131,10 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
                                              const KeyframeGraphSettings& settings, Optimise when) {
   for (const NewNode& added : fresh) {
     const KeyframeView& view = *added.view;
-    // Compare with the last one, with those near, with loop candidates.
+    // Compare with the last one, with those near or shown again, with loop candidates.
     std::vector<int> near = nearest(graph, finder, view.node, settings);
     if (finder.view(view.node - 1) != nullptr) near.push_back(view.node - 1);
+    for (const int other : shown_again(graph, finder, view, near, settings)) near.push_back(other);
     std::vector<int> known = near;
     for (const int candidate : finder.candidates(view.features, known)) known.push_back(candidate);
     for (const int other : known) {
@@ -259,7 +285,10 @@ std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& coveri
       e.from = place[static_cast<std::size_t>(e.from)];
       e.to = place[static_cast<std::size_t>(e.to)];
     }
-  for (NewNode& added : fresh_) added.view->node = place[static_cast<std::size_t>(added.view->node)];
+  for (NewNode& added : fresh_) {
+    added.view->node = place[static_cast<std::size_t>(added.view->node)];
+    for (int& other : added.view->shows) other = thinned.index[static_cast<std::size_t>(other)];
+  }
   finder_.renumber(thinned.gone, thinned.index);
   solved_.clear();
   solved_errors_.clear();

@@ -25,6 +25,8 @@ struct KeyframeGraphSettings {
   PoseGraphSettings optimiser;
   LoopFinderSettings loops;
   int neighbours = 2;
+  int shown = 2;
+  double vague = 6;
   double max_distance = 1.0;
   double max_angle = 0.7;
   double floor_translation = 0.01;
@@ -46,6 +48,12 @@ struct KeyframeGraphSettings {
     s.section("loops", loops, "whether the camera has been here before");
     s.number("neighbours", neighbours, "", {0, 100},
              "nearest keyframes that a new node is compared with, besides the one before it");
+    s.number("shown", shown, "", {0, 100},
+             "earlier keyframes whose surfaces a new node shows, that it is compared with from wherever it "
+             "sees them");
+    s.number("vague", vague, "", {0, 1e6},
+             "times the noise floor of an edge that the graph must err by between them, in some direction: "
+             "beyond that they are compared");
     s.number("max_distance", max_distance, "m", {0, 1000}, "between the cameras of neighbours");
     s.number("max_angle", max_angle, "rad", {0, 3.1416}, "between the cameras of neighbours");
     s.number("floor_translation", floor_translation, "m", {0, 1000},

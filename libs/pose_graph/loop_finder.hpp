@@ -52,10 +52,11 @@ struct LoopFinderSettings {
 
 /// What is seen from a keyframe; camera frame.
 struct KeyframeView {
-  int node = 0;           ///< when it is added
-  Cloud cloud;            ///< reduced, with normals and sigmas
-  double noise_left = 1;  ///< share of the sigmas that smoothing has left
-  FeatureFrame features;  ///< may be empty
+  int node = 0;            ///< when it is added
+  Cloud cloud;             ///< reduced, with normals and sigmas
+  double noise_left = 1;   ///< share of the sigmas that smoothing has left
+  FeatureFrame features;   ///< may be empty
+  std::vector<int> shows;  ///< keyframes whose surfaces the map has where the cloud lies, of most first
 };
 
 std::size_t memory_bytes(const KeyframeView& view);

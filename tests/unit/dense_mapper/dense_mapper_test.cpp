@@ -225,6 +225,29 @@ TEST(DenseMapper, GoesOnFromOdometryWhereTheMapEnds) {
   expect_pose(step.T_world_robot, no_mount, 0.02, 0.02);
 }
 
+// From far aside nothing is near, and without features nothing is recognised; surfaces are the same.
+TEST(DenseMapper, ComparesANodeWithTheKeyframeWhoseSurfacesItShows) {
+  const auto loops_to_the_first = [](int shown) {
+    DenseMapperSettings settings;
+    settings.keyframe_distance = 0.1;
+    settings.graph.max_distance = 0.5;
+    settings.graph.shown = shown;
+    settings.graph.vague = 0;
+    DenseMapper mapper(settings);
+    const Cloud scene = room(0.03);
+    for (int i = 0; i < 60; ++i)
+      mapper.step(coloured_frame(
+          i * frame_time, seen_from(scene, planar_pose(-0.03 * i, 0, 0), static_cast<std::uint64_t>(i)),
+          no_mount));
+    mapper.finish();
+    const std::vector<GraphEdge>& edges = mapper.graph().edges();
+    return std::count_if(edges.begin(), edges.end(),
+                         [](const GraphEdge& e) { return e.kind == EdgeKind::loop && e.from == 0; });
+  };
+  EXPECT_GT(loops_to_the_first(2), 0);
+  EXPECT_EQ(loops_to_the_first(0), 0);
+}
+
 // Against motion capture; the stretch turns fast and comes back.
 TEST(DenseMapper, TracksAHandHeldRecording) {
   const auto recording = Fr1Recording::open();

@@ -39,6 +39,28 @@ TEST(VoxelMap, FindsTheNearestSurfelAtAnyDistance) {
   }
 }
 
+TEST(VoxelMap, TellsWhoseSurfelsACloudLiesOn) {
+  VoxelMap map;
+  Cloud first, second, asked;
+  for (int i = 0; i < 100; ++i) {
+    const auto x = 0.05f * static_cast<float>(i) + 0.01f;
+    for (Cloud* cloud : {&first, &second, &asked}) cloud->normals.push_back(Eigen::Vector3f::UnitZ());
+    first.points.emplace_back(x, 0.f, 0.f);
+    second.points.emplace_back(x, 1.f, 0.f);
+    asked.points.emplace_back(x, i < 60 ? 0.02f : i < 80 ? 1.02f : 2.f, 0.01f);  // the last twenty on nothing
+  }
+  map.insert(first, Eigen::Vector3d::Zero(), 2);
+  map.insert(second, Eigen::Vector3d::Zero(), 5);
+  map.insert(first, Eigen::Vector3d::Zero(), 7);  // seen again: it stays the first one's
+  EXPECT_EQ(map.owners(asked, 1000), (std::vector<int>{0, 0, 60, 0, 0, 20}));
+  const std::vector<int> of_some = map.owners(asked, 50);
+  ASSERT_EQ(of_some.size(), 6U);
+  EXPECT_NEAR(of_some[2], 20, 2) << "of every third";
+  for (Eigen::Vector3f& normal : asked.normals) normal = -normal;
+  EXPECT_TRUE(map.owners(asked, 1000).empty()) << "the other side of it";
+  EXPECT_TRUE(map.owners(Cloud(), 1000).empty());
+}
+
 TEST(VoxelMap, TellsHowFarOtherSurfelsAreAtLeast) {
   Random random(17);
   VoxelMapSettings settings;

@@ -264,6 +264,44 @@ struct LongDrive {
   }
 };
 
+// A node waits for its features while others go: whom it shows has another number then.
+TEST(KeyframeGraphThinning, WhatANewNodeShowsIsCalledByItsNewNumber) {
+  KeyframeGraphSettings settings;
+  settings.max_keyframes = 20;
+  KeyframeGraph graph(settings);
+  Gallery gallery(4);
+  constexpr int shown = 18, last = 40;
+  Utime now = one_second;
+  for (int i = 0; i <= last; ++i, now += one_second) {
+    // Along and back, then aslant from aside.
+    const double x = 0.2 * (i <= 20 ? i : 40 - i);
+    const Eigen::Isometry3d T =
+        i < last ? Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0))
+                 : se3_exp(twist(0, 0, 0, 0, -0.75, 0)).pretranslate(Eigen::Vector3d(0.2 * shown + 2, 0, 0));
+    KeyframeView view = gallery.seen_from(T);
+    if (i < last && i != shown) view = KeyframeView();  // nothing to compare with
+    if (i == last) {
+      view.features = {};
+      view.shows = {shown};
+    }
+    graph.add(now, T, 1e-3 * Matrix6d::Identity(), std::move(view), i <= 20 || i == last);
+    if (i < last) {
+      EXPECT_FALSE(graph.work(now + one_second / 2));
+      EXPECT_FALSE(graph.work(now + 19 * one_second / 20));
+    }
+  }
+  const auto thinned = graph.thin({});
+  ASSERT_TRUE(thinned);
+  const int number = thinned->index[shown];
+  ASSERT_NE(number, shown);
+  if (const auto correction = graph.finish()) graph.apply(*correction);
+  const auto loop = std::find_if(graph.edges().begin(), graph.edges().end(),
+                                 [](const GraphEdge& e) { return e.kind == EdgeKind::loop; });
+  ASSERT_NE(loop, graph.edges().end());
+  EXPECT_EQ(loop->from, number);
+  EXPECT_EQ(loop->to, static_cast<int>(graph.nodes().size()) - 1);
+}
+
 TEST(LongDrive, MemorySettlesAndTheLoopStillCloses) {
   constexpr int laps = 12;
   const LongDrive drive(20, laps), everything(100000, 4);

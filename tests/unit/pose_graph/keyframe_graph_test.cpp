@@ -112,6 +112,51 @@ TEST(KeyframeGraph, ALoopThatIsStillWorkedOnAtTheEndCounts) {
   EXPECT_FALSE(visit.graph.ties(21)) << "nobody is there";
 }
 
+/// Away along the gallery with tracking that says how badly it knows the way, and a last look back at where
+/// it began, aslant from two metres aside and without features: nothing is near, nothing is recognised.
+struct LookBack {
+  KeyframeGraph graph;
+  static constexpr int last = 15;
+
+  LookBack(double sigma, std::vector<int> shows, const KeyframeGraphSettings& settings = {})
+      : graph(settings) {
+    Gallery gallery(4);
+    Utime now = one_second;
+    for (int i = 0; i <= last; ++i, now += one_second) {
+      const Eigen::Isometry3d T =
+          i < last ? Eigen::Isometry3d(Eigen::Translation3d(0.4 * i, 0, 0))
+                   : se3_exp(twist(0, 0, 0, 0, -0.75, 0)).pretranslate(Eigen::Vector3d(2, 0, 0));
+      KeyframeView view = gallery.seen_from(T);
+      if (i == last) {
+        view.features = {};
+        view.shows = shows;
+      }
+      graph.add(now, T, sigma * sigma * Matrix6d::Identity(), std::move(view), true);
+      if (const auto correction = graph.work(now)) graph.apply(*correction);
+      if (const auto correction = graph.work(now + one_second / 2)) graph.apply(*correction);
+    }
+    if (const auto correction = graph.finish()) graph.apply(*correction);
+  }
+
+  std::vector<int> compared_with() const {
+    std::vector<int> nodes;
+    for (const GraphEdge& e : graph.edges())
+      if (e.kind == EdgeKind::loop && e.to == last) nodes.push_back(e.from);
+    return nodes;
+  }
+};
+
+TEST(KeyframeGraph, WhatShowsOldSurfacesIsComparedFromAnySide) {
+  constexpr double vague = 0.03, sure = 1e-4;  // m and rad, of a step
+  EXPECT_EQ(LookBack(vague, {0}).compared_with(), std::vector<int>{0});
+  EXPECT_EQ(LookBack(vague, {}).compared_with(), std::vector<int>{});
+  EXPECT_EQ(LookBack(vague, {14, 10}).compared_with(), std::vector<int>{}) << "they are not old";
+  EXPECT_EQ(LookBack(vague, {1, 0, 2}).compared_with(), (std::vector<int>{1, 0})) << "two, of most first";
+  KeyframeGraphSettings settings;
+  settings.floor_translation = settings.floor_rotation = sure;
+  EXPECT_EQ(LookBack(sure, {0}, settings).compared_with(), std::vector<int>{}) << "the graph knows better";
+}
+
 // Done, but so small that the map was not deformed for it.
 TEST(KeyframeGraph, ACorrectionTooSmallForTheMapCountsAtTheEnd) {
   KeyframeGraphSettings settings;
