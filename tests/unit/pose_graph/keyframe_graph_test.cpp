@@ -19,7 +19,7 @@ struct Visit {
     Eigen::Isometry3d T_world_map = se3_exp(twist(5, -3, 1, 0.4, 0.3, 2));
     Utime now = one_second;
     for (int i = 0; i <= 20; ++i, now += one_second) {
-      truth.push_back(Eigen::Isometry3d(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0)));
+      truth.emplace_back(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0));
       T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
       KeyframeView view = gallery.seen_from(truth.back());
       if (!neighbours_found) view = KeyframeView();  // neither features nor points
@@ -75,7 +75,7 @@ struct LoopAtTheEnd {
     Gallery gallery(4);
     Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
     for (int i = 0; i <= 20; ++i, now += one_second) {
-      truth.push_back(Eigen::Isometry3d(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0)));
+      truth.emplace_back(Eigen::Translation3d(i <= 10 ? 0.4 * i : 0.4 * (20 - i), 0, 0));
       T_world_map = T_world_map * se3_exp(twist(0, 0.01, 0.004, 0, 0.004, 0));
       const bool end = i % 20 == 0;
       const KeyframeView view = end ? gallery.seen_from(truth.back()) : KeyframeView();
@@ -118,7 +118,7 @@ struct LookBack {
   KeyframeGraph graph;
   static constexpr int last = 15;
 
-  LookBack(double sigma, std::vector<int> shows, const KeyframeGraphSettings& settings = {})
+  LookBack(double sigma, const std::vector<int>& shows, const KeyframeGraphSettings& settings = {})
       : graph(settings) {
     Gallery gallery(4);
     Utime now = one_second;
