@@ -98,6 +98,7 @@ VoxelMap VoxelMap::deformed(const std::vector<Eigen::Isometry3d>& T_new_old) con
   map.index_.clear(blocks_.size());
   map.blocks_.reserve(blocks_.size());
   std::vector<Eigen::Isometry3f> moves;
+  moves.reserve(T_new_old.size());
   for (const Eigen::Isometry3d& T : T_new_old) moves.push_back(T.cast<float>());
   for (const Block& block : blocks_)
     for (Surfel s : block.surfels) {

@@ -23,7 +23,7 @@ TEST(VoxelMap, FindsTheNearestSurfelAtAnyDistance) {
   Cloud cloud;
   for (int i = 0; i < 2000; ++i) {
     cloud.points.push_back(random_point_within(random, 1));
-    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
   }
   map.insert(cloud, Eigen::Vector3d::Zero());
   const Cloud surfels = map.cloud();
@@ -44,7 +44,7 @@ TEST(VoxelMap, TellsWhoseSurfelsACloudLiesOn) {
   Cloud first, second, asked;
   for (int i = 0; i < 100; ++i) {
     const auto x = 0.05f * static_cast<float>(i) + 0.01f;
-    for (Cloud* cloud : {&first, &second, &asked}) cloud->normals.push_back(Eigen::Vector3f::UnitZ());
+    for (Cloud* cloud : {&first, &second, &asked}) cloud->normals.emplace_back(Eigen::Vector3f::UnitZ());
     first.points.emplace_back(x, 0.f, 0.f);
     second.points.emplace_back(x, 1.f, 0.f);
     asked.points.emplace_back(x, i < 60 ? 0.02f : i < 80 ? 1.02f : 2.f, 0.01f);  // the last twenty on nothing
@@ -69,7 +69,7 @@ TEST(VoxelMap, TellsHowFarOtherSurfelsAreAtLeast) {
   Cloud cloud;
   for (int i = 0; i < 2000; ++i) {
     cloud.points.push_back(random_point_within(random, 1));
-    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
   }
   map.insert(cloud, Eigen::Vector3d::Zero());
   const std::vector<Eigen::Vector3f> surfels = map.cloud().points;
@@ -139,7 +139,7 @@ TEST(VoxelMap, AveragesWhatIsSeenOften) {
   for (int i = 0; i < frames; ++i) {
     Cloud cloud;
     cloud.points.emplace_back(0.05f, 0.05f, static_cast<float>(random.normal(0.05, 0.01)));
-    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
     cloud.sigmas.push_back(0.01f);
     map.insert(cloud, Eigen::Vector3d::Zero());
   }
@@ -157,7 +157,7 @@ TEST(VoxelMap, AnOldSurfaceThatMovedIsFollowed) {
   const auto insert = [&](float z, int frames) {
     Cloud cloud;
     cloud.points.emplace_back(0.05f, 0.05f, z);
-    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
     cloud.sigmas.push_back(0.01f);
     for (int i = 0; i < frames; ++i) map.insert(cloud, Eigen::Vector3d::Zero());
   };
@@ -183,7 +183,7 @@ TEST(VoxelMap, StaysWithinItsBoundAndForgetsTheFarthest) {
   for (int i = 0; i < 1000; ++i) {
     Cloud cloud;
     cloud.points.emplace_back(0.4f * static_cast<float>(i) + 0.2f, 0.2f, 0.2f);
-    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
     map.insert(cloud, cloud.points.back().cast<double>());
     ASSERT_LE(map.blocks(), 100u);
   }
