@@ -189,11 +189,13 @@ std::vector<int> VoxelMap::owners(const Cloud& cloud, std::size_t asked) const {
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     if (!find(cloud.points[i], owner_within, found)) continue;
     if (cloud.has_normals() && !(found.normal.dot(cloud.normals[i]) > same_surface)) continue;
-    const Block& block = blocks_[static_cast<std::size_t>(
-        index_.find(voxel_key(block_of(voxel_of(found.point, inverse_size_)))))];
-    const auto surfel = std::find_if(block.surfels.begin(), block.surfels.end(), [&](const Surfel& s) {
+    const std::int32_t slot = index_.find(voxel_key(block_of(voxel_of(found.point, inverse_size_))));
+    if (slot == VoxelIndex::none) continue;
+    const std::vector<Surfel>& surfels = blocks_[static_cast<std::size_t>(slot)].surfels;
+    const auto surfel = std::find_if(surfels.begin(), surfels.end(), [&](const Surfel& s) {
       return s.point == found.point && s.normal == found.normal;
     });
+    if (surfel == surfels.end()) continue;
     const auto owner = static_cast<std::size_t>(std::max(0, surfel->anchor));
     if (owners.size() <= owner) owners.resize(owner + 1, 0);
     ++owners[owner];

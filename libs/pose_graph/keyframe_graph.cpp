@@ -54,7 +54,9 @@ std::vector<int> nearest(const PoseGraph& graph, const LoopFinder& finder, int n
 bool is_vague(const PoseGraph& graph, int from, int to, const KeyframeGraphSettings& settings) {
   const auto known = expected(graph, from, to);
   if (!known) return true;
-  const Matrix6d of_edge = squares(settings.loops.floor_translation, settings.loops.floor_rotation);
+  constexpr double least = 1e-12;  // m^2, rad^2: the floor may be nothing
+  const Matrix6d of_edge =
+      squares(settings.loops.floor_translation, settings.loops.floor_rotation) + least * Matrix6d::Identity();
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratios(known->covariance, of_edge,
                                                                   Eigen::EigenvaluesOnly);
   return ratios.eigenvalues().maxCoeff() > settings.vague * settings.vague;
