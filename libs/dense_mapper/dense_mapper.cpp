@@ -244,7 +244,8 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
     tracker_->add_keyframe(strongest(*frame.features, settings_.keyframe_features), T_world_camera, node);
 }
 
-// Keyframes that own at least a share of what a cloud (map coordinates) lies on, most of it first.
+// Keyframes that own a good part of the surfaces that a cloud (map coordinates) lies on, those of the most
+// points first. What other nodes have inserted belongs to the keyframe before them.
 std::vector<int> DenseMapper::shown_keyframes(const Cloud& cloud) const {
   constexpr std::size_t asked = 300;
   constexpr int least = 30;

@@ -77,7 +77,8 @@ class VoxelMap : public Target {
   bool finds_nearest() const override { return true; }
   bool find_nearest(const Eigen::Vector3f& point, float max_distance, TargetPoint& found,
                     float& others) const override;
-  /// How many of `asked` points of a cloud (map coordinates) lie on surfels of each keyframe, by its number.
+  /// Of about `asked` points of a cloud (map coordinates), how many lie on surfels of each keyframe, by its
+  /// number; with normals, on surfels that face the same way.
   std::vector<int> owners(const Cloud& cloud, std::size_t asked) const;
   std::size_t size() const override { return surfels_; }
   std::size_t blocks() const { return blocks_.size(); }

@@ -1,7 +1,7 @@
 #pragma once
 // The keyframes' pose graph, kept beside the frames: a new keyframe is compared with the one before it, with
-// those near it and with loop candidates. A measurement that geometry and the graph's own expectation confirm
-// becomes an edge, and the poses are optimised anew.
+// those near it, with those whose surfaces it shows again and with loop candidates. A measurement that
+// geometry and the graph's own expectation confirm becomes an edge, and the poses are optimised anew.
 //
 // The work runs in a thread of its own on what was known when it began, and its result is taken over at a
 // fixed message time later: the same log gives the same result however fast the machine is. A machine
@@ -49,11 +49,11 @@ struct KeyframeGraphSettings {
     s.number("neighbours", neighbours, "", {0, 100},
              "nearest keyframes that a new node is compared with, besides the one before it");
     s.number("shown", shown, "", {0, 100},
-             "earlier keyframes whose surfaces a new node shows, that it is compared with from wherever it "
-             "sees them");
+             "earlier keyframes whose surfaces a new node shows again, from whichever side, that it is "
+             "compared with");
     s.number("vague", vague, "", {0, 1e6},
-             "times the noise floor of an edge that the graph must err by between them, in some direction: "
-             "beyond that they are compared");
+             "times an edge's noise floor (loops.floor_*): where the graph errs by less in every direction "
+             "between a node and a keyframe whose surfaces it shows again, they are not compared");
     s.number("max_distance", max_distance, "m", {0, 1000}, "between the cameras of neighbours");
     s.number("max_angle", max_angle, "rad", {0, 3.1416}, "between the cameras of neighbours");
     s.number("floor_translation", floor_translation, "m", {0, 1000},

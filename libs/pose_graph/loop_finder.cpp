@@ -33,7 +33,8 @@ RegistrationSettings LoopFinderSettings::registration_defaults() {
 }
 
 std::size_t memory_bytes(const KeyframeView& view) {
-  return sizeof view + memory_bytes(view.cloud) + view.features.features.capacity() * sizeof(Feature);
+  return sizeof view + memory_bytes(view.cloud) + view.features.features.capacity() * sizeof(Feature) +
+         view.shows.capacity() * sizeof(int);
 }
 
 LoopFinder::LoopFinder(const LoopFinderSettings& settings) : settings_(settings) {

@@ -56,7 +56,7 @@ struct KeyframeView {
   Cloud cloud;             ///< reduced, with normals and sigmas
   double noise_left = 1;   ///< share of the sigmas that smoothing has left
   FeatureFrame features;   ///< may be empty
-  std::vector<int> shows;  ///< keyframes whose surfaces the map has where the cloud lies, of most first
+  std::vector<int> shows;  ///< keyframes that own the surfaces it lies on, of the most points first
 };
 
 std::size_t memory_bytes(const KeyframeView& view);
