@@ -14,7 +14,7 @@ int bridge_command(int argc, char** argv) {
   ProcessOptions options;
   CLI::App app{"Carries chosen channels of the bus to an MQTT broker and from it, until Ctrl-C.",
                "lcmslam bridge"};
-  app.add_option("config", options.config, "configuration with a section bridge, e.g. config/robot.yaml")
+  app.add_option("config", options.config, "configuration with a section bridge, e.g. config/operator.yaml")
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("--lcm-url", options.lcm_url, "LCM provider");

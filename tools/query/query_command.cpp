@@ -72,7 +72,7 @@ int query_command(int argc, char** argv) {
   CLI::App app{
       "Asks the running map server and prints the answer, JSON. Questions (docs/QUERIES.md), with what they "
       "need behind them: distance, collision, path, space, cloud, mesh, planes, objects, landmarks, "
-      "frontiers, grid, localise:\n  lcmslam query distance points=1,0,0.5;\n  lcmslam query planes "
+      "frontiers, grid, localise:\n  lcmslam query distance \"points=1,0,0.5;\"\n  lcmslam query planes "
       "near=2,0,0.7 radius=1 "
       "supporting=true\n  lcmslam query mesh from=0,-1,0 to=3,1,2 --out part.ply",
       "lcmslam query"};
