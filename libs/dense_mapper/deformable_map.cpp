@@ -31,7 +31,7 @@ void DeformableMap::insert(Cloud cloud_in_world, const Eigen::Vector3d& view_poi
 
 void DeformableMap::restore(const std::vector<KeyframeStore::Keyframe>& keyframes,
                             const Eigen::Isometry3d& T_world_camera) {
-  if (!map_->has_forgotten()) return;
+  if (!map_->has_forgotten() || deforming()) return;  // what waits cannot be found, and would come again
   for (const auto& keyframe : keyframes) {
     const std::size_t size = keyframe.cloud.size();
     if (distance_between(keyframe.T_world_camera, T_world_camera) > restored_around || size == 0) continue;

@@ -5,6 +5,14 @@
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
+namespace {
+
+// What a prior leaves open; of what it says nothing, at most a kilometre.
+Matrix6d uncertain(const Prior& prior) {
+  return (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+}
+
+}  // namespace
 
 DenseMapper::DenseMapper(const DenseMapperSettings& settings)
     : settings_(settings),
@@ -127,8 +135,7 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
   step.anchored = tracked.anchored;
   step.T_world_anchor = tracked.T_world_anchor;
   step.T_world_robot = believed ? tracked.registration.T_target_source : prior.T_target_source;
-  step.covariance = believed ? tracked.registration.covariance
-                             : (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+  step.covariance = believed ? tracked.registration.covariance : uncertain(prior);
   step.blind = static_cast<int>(prepared.cloud.size()) < settings_.min_points;
   if (tracker_->searches_map())
     carried_.observe(prepared, prior.T_target_source, tracking, was_adrift, map_.voxels());
@@ -137,6 +144,9 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
     step.adrift = true;
     step.status = MappingStatus::lost;
   }
+  // Where it fits is a candidate then, no place that is known.
+  if (step.adrift) step.covariance = uncertain(prior);
+  if (step.adrift && !was_adrift) step.covariance += motion_.drift();
   step.unplaced = carried_.unplaced();
   step.relocalised = (bad_steps_ > 0 || was_adrift) && tracking &&
                      (distance_between(step.T_world_robot, prior.T_target_source) > settings_.max_jump ||
@@ -144,15 +154,15 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
   bad_steps_ = tracking ? 0 : bad_steps_ + 1;
-  const bool reseed = prepared.frame.motion && !step.adrift && !step.blind && !carried_.contradicted() &&
-                      bad_steps_ > settings_.reseed_after;
-  if (reseed) {
+  step.reseeded = prepared.frame.motion && !step.adrift && !step.blind && !carried_.contradicted() &&
+                  bad_steps_ > settings_.reseed_after;
+  if (step.reseeded) {
     step.status = MappingStatus::degraded;
     step.covariance = prior.information.inverse();
     bad_steps_ = 0;
     if (!hanging_from_ && settings_.graph.enabled) hanging_from_ = graph_.nodes().back().id + 1;
   }
-  return tracking || reseed;
+  return tracking || step.reseeded;
 }
 
 // What grows from where odometry led fits itself; whether it lies where it should in the map, the graph tells
@@ -201,8 +211,7 @@ Matrix6d DenseMapper::node_covariance(const KeyframeGraph::Node& node,
 
 void DenseMapper::tell_local_pose(const Expectation& expected, Step& step) {
   const Eigen::Isometry3d T_last_now = expected.T_world_last.inverse() * expected.prior.T_target_source;
-  local_.advance(step.T_world_robot,
-                 {T_last_now, (expected.prior.information + 1e-6 * Matrix6d::Identity()).inverse()});
+  local_.advance(step.T_world_robot, {T_last_now, uncertain(expected.prior)});
   step.T_world_local = local_.T_map_local();
   step.T_local_robot = local_.T_local_robot();
 }
@@ -211,7 +220,8 @@ void DenseMapper::grow(const PreparedFrame& prepared, Step& step) {
   const Eigen::Isometry3d& T = step.T_world_robot;
   const Eigen::Isometry3d T_world_camera = T * prepared.frame.T_robot_camera;
   const bool keyframe = keyframes_.is_due(T_world_camera, step.registration.overlap);
-  if (keyframe || keyframes_.is_far(T_world_camera, graph_.nodes().back().T_world_camera))
+  // What odometry placed belongs to a node of its own, however near another stands.
+  if (keyframe || step.reseeded || keyframes_.is_far(T_world_camera, graph_.nodes().back().T_world_camera))
     add_node(prepared, keyframe, step);
   if (distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
       angle_between(T, T_world_inserted_) >= settings_.insert_angle) {
@@ -231,8 +241,10 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
   map_.restore(keyframes_.all(), T_world_camera);
   view.shows = shown_keyframes(transformed(prepared.cloud, step.T_world_robot));
-  const int node = graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(),
-                              std::move(view), keyframe, step.floor);
+  // The graph takes covariances for as cautious as registration's are; odometry's say what it errs by.
+  const double caution = step.reseeded ? settings_.graph.optimiser.edge_error : 1;
+  const Matrix6d covariance = A * step.covariance * A.transpose() / (caution * caution);
+  const int node = graph_.add(frame.utime, T_world_camera, covariance, std::move(view), keyframe, step.floor);
   step.node = true;
   step.keyframe = keyframe;
   if (!keyframe) return;

@@ -29,6 +29,10 @@ Matrix6d floor_of_step(const Matrix6d& odometry, const MotionPriorSettings& sett
   return floor;
 }
 
+Matrix6d drift_after(double seconds) {
+  return squares(drift_speed * seconds, std::min(drift_speed * seconds, 3.0)).asDiagonal();
+}
+
 bool is_usable(const std::optional<Motion>& motion) {
   return motion && motion->T_from_to.matrix().allFinite() && motion->covariance.allFinite();
 }
@@ -54,7 +58,7 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
     prior.T_target_source = T_world_last * free_motion;
     covariance.diagonal() = squares(settings.free_translation, settings.free_rotation);
   }
-  covariance.diagonal() += squares(drift_speed * adrift, std::min(drift_speed * adrift, 3.0));
+  covariance += drift_after(adrift);
   if (!settings.planar || floor == Floor::free) {
     prior.information = covariance.inverse();
     return prior;
@@ -81,6 +85,10 @@ Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion, Flo
   const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, longest_velocity);
   return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_, adrift_, floor,
                           unseen_);
+}
+
+Matrix6d MotionModel::drift() const {
+  return drift_after(adrift_);
 }
 
 void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion) {

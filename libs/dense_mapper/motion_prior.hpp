@@ -56,6 +56,8 @@ class MotionModel {
   bool adrift() const { return adrift_ > 0; }
   /// What is seen contradicts the map for `seconds`, whatever odometry says: adrift from now on, too.
   void be_carried(double seconds) { adrift_ = std::max(adrift_, seconds); }
+  /// How far a robot that is adrift may have gone since it was found: covariance, beside what odometry says.
+  Matrix6d drift() const;
 
   /// Afterwards, by what became of the step: the map tells where the robot is, or its place is as uncertain
   /// as it was and by this motion more.

@@ -31,6 +31,10 @@ Eigen::Isometry3d rigid(const Eigen::Isometry3d& T) {
   return result;
 }
 
+bool holds(const std::vector<int>& nodes, int node) {
+  return std::find(nodes.begin(), nodes.end(), node) != nodes.end();
+}
+
 std::vector<int> nearest(const PoseGraph& graph, const LoopFinder& finder, int node,
                          const KeyframeGraphSettings& settings) {
   const Eigen::Isometry3d& T_world_camera = graph.poses[static_cast<std::size_t>(node)];
@@ -69,7 +73,7 @@ std::vector<int> shown_again(const PoseGraph& graph, const LoopFinder& finder, c
   std::vector<int> nodes;
   for (const int other : view.shows)
     if (static_cast<int>(nodes.size()) < settings.shown && view.node - other > loop_span &&
-        finder.view(other) != nullptr && std::find(near.begin(), near.end(), other) == near.end() &&
+        finder.view(other) != nullptr && !holds(near, other) && !holds(nodes, other) &&
         is_vague(graph, other, view.node, settings))
       nodes.push_back(other);
   return nodes;
@@ -140,7 +144,7 @@ KeyframeGraph::Solution KeyframeGraph::solve(PoseGraph graph, std::vector<GraphE
     std::vector<int> known = near;
     for (const int candidate : finder.candidates(view.features, known)) known.push_back(candidate);
     for (const int other : known) {
-      const bool is_near = std::find(near.begin(), near.end(), other) != near.end();
+      const bool is_near = holds(near, other);
       const Eigen::Isometry3d T_from_to = graph.poses[static_cast<std::size_t>(other)].inverse() *
                                           graph.poses[static_cast<std::size_t>(view.node)];
       const auto measured =

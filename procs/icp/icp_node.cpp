@@ -1,6 +1,7 @@
 #include "procs/icp/icp_node.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <thread>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include "procs/icp/icp_messages.hpp"
@@ -102,9 +104,14 @@ void IcpNode::on_calibration(const camera_calibration_t& message) {
   }
   const RgbdCalibration calibration = told_calibration(message);
   join_.flush();  // frames of the old one
+  const bool planar = pose_ == "planar" || (pose_ == "auto" && calibration.has_mount);
+  // A map stands on the ground by its camera's mount: with another one, another map begins.
+  if (mapper_ && (planar != settings_.prior.planar ||
+                  !calibration.T_robot_camera.isApprox(maker_.calibration().T_robot_camera, 1e-9)))
+    begin_map_beside();
   maker_.calibrate(calibration);
   calibration_message_ = message;
-  settings_.prior.planar = pose_ == "planar" || (pose_ == "auto" && calibration.has_mount);
+  settings_.prior.planar = planar;
   if (uncalibrated_) on_camera(*std::exchange(uncalibrated_, std::nullopt));
 }
 
@@ -158,7 +165,9 @@ void IcpNode::on_frame(Prepared& prepared) {
   with_features_ += frame.features ? 1 : 0;
   without_features_ += !frame.features && needs_features(settings_.variant, settings_.thesis) ? 1 : 0;
   T_world_previous_ = last_.T_world_robot;
+  const bool searched = last_.adrift;
   last_ = mapper_->step(frame);
+  if (!searched) searches_since_ = frame.utime;  // whoever was away for long has as long to be found
   learn_clock(frame);
   const double seconds = 1e-6 * static_cast<double>(frame.utime - last_utime_);
   twist_ = Vector6d::Zero();
@@ -188,14 +197,14 @@ void IcpNode::begin_map_beside() {
 
 // After a gap, or where what it sees contradicts its wheels, the robot may have been carried out of its map.
 bool IcpNode::is_elsewhere(Utime utime) {
-  if (!last_.adrift) found_utime_ = last_utime_;
   if (new_map_when_carried_ > 0 && last_.unplaced >= new_map_when_carried_) return true;
-  return new_map_after_ > 0 && static_cast<double>(utime - found_utime_) > 1e6 * new_map_after_ &&
-         last_.adrift;
+  return new_map_after_ > 0 && last_.adrift &&
+         static_cast<double>(utime - searches_since_) > 1e6 * new_map_after_;
 }
 
 void IcpNode::finish_map() {
   mapper_->finish();
+  move_waiting_tiles();
   if (!mapper_->graph().nodes().empty()) publish_graph(true);
   queue_changed(true);
 }
@@ -211,6 +220,7 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   const std::optional<Motion>& motion = made.frame.motion;
   // First the graph: the pose stands in the map that it makes.
   if (step.thinned) drop_tiles_of_the_gone();
+  if (step.deformed) move_waiting_tiles();
   if (step.node || step.deformed || step.thinned) publish_graph(false);
   pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth,
                                   std::hypot(maker_.depth_clock().sigma(), settings_.stamp_sigma) * twist_);
@@ -300,6 +310,16 @@ void IcpNode::drop_tiles_of_the_gone() {
                                 return tile.frame == map_frame() && ids.count(tile.id) == 0;
                               }),
                tiles_.end());
+}
+
+// A keyframe goes out where the graph has it by then: whoever hears it takes its pose for the newest.
+void IcpNode::move_waiting_tiles() {
+  std::map<std::int32_t, rigid_transform_t> poses;
+  for (const DenseMapper::Keyframe& keyframe : mapper_->keyframes())
+    poses[id_of(keyframe)] = to_message(keyframe.T_world_camera);
+  for (keyframe_t& tile : tiles_)
+    if (const auto pose = poses.find(tile.id); tile.frame == map_frame() && pose != poses.end())
+      tile.T_map_camera = pose->second;
 }
 
 void IcpNode::send_waiting_tile() {

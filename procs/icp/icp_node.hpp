@@ -54,6 +54,7 @@ class IcpNode : public Node {
   int id_of(const DenseMapper::Keyframe& keyframe) const;
   void queue_changed(bool all);
   void drop_tiles_of_the_gone();
+  void move_waiting_tiles();
   void send_waiting_tile();
 
   Publisher& publisher_;
@@ -71,7 +72,7 @@ class IcpNode : public Node {
   Eigen::Isometry3d T_world_previous_ = Eigen::Isometry3d::Identity();  // of the step before last_
   Utime last_utime_ = 0;
   Vector6d twist_ = Vector6d::Zero();  // per second, at the last step
-  Utime found_utime_ = 0;              // of the last step that was not adrift
+  Utime searches_since_ = 0;           // the first frame that was adrift, or the last one that was not
   GraphTeller graph_teller_;
   std::deque<keyframe_t> tiles_;       // wait for their turn: bursts overrun receive buffers
   std::int64_t keyframes_queued_ = 0;  // over all maps

@@ -258,6 +258,70 @@ TEST(Mappers, TheGraphIsToldByItsChanges) {
   for (const std::int32_t id : keyframes) EXPECT_EQ(followed.nodes().count(id), 1U) << id;
 }
 
+// Over a real bus tiles are paced: the graph may move keyframes that still wait.
+TEST(Mappers, KeyframesThatWaitedGoOutWhereTheGraphHasMovedThem) {
+  Graph graph(noisy_wheels);
+  graph.play();
+  const std::size_t tiles_before = graph.bus.count("ICP_KEYFRAME");
+  graph.bus.command("resend");
+  const auto poses_of = [](const graph_t& whole) {
+    std::map<std::int32_t, Eigen::Isometry3d> poses;
+    for (const graph_node_t& node : whole.nodes)
+      poses[node.keyframe] = from_message(node.T_map_camera, "T_map_camera");
+    return poses;
+  };
+  const auto before = poses_of(graph.bus.on<graph_t>("ICP_GRAPH").back());
+  graph.bus.finish();
+  const graph_t last = graph.bus.on<graph_t>("ICP_GRAPH").back();
+  ASSERT_EQ(last.change, 0);
+  const auto after = poses_of(last);
+  const auto tiles = graph.bus.on<keyframe_t>("ICP_KEYFRAME");
+  ASSERT_GT(tiles.size(), tiles_before);
+  double moved = 0;
+  for (std::size_t i = tiles_before; i < tiles.size(); ++i) {
+    const Eigen::Isometry3d T = from_message(tiles[i].T_map_camera, "T_map_camera");
+    EXPECT_LT(distance_between(T, after.at(tiles[i].id)), 1e-9) << tiles[i].id;
+    moved = std::max(moved, distance_between(after.at(tiles[i].id), before.at(tiles[i].id)));
+  }
+  EXPECT_GT(moved, 1e-4) << "nothing was moved, nothing is shown";
+}
+
+// However long the camera was away: the robot is looked for from when it is back.
+TEST(Mappers, ALongGapLeavesTimeToBeFound) {
+  TestBus bus;
+  IcpNode& icp = bus.add<IcpNode>(ConfigNode::parse("{new_map_after: 1}"));
+  SimulatedKitchen& kitchen = SimulatedKitchen::instance();
+  bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
+  for (int k = 0; k < 4; ++k) bus.deliver("CAMERA", kitchen.frame(k));
+  constexpr int back = 90, waiting = 6, tries = 10;  // six frames wait for odometry
+  for (int k = back; k <= back + waiting + tries; ++k) {
+    bus.deliver("CAMERA", kitchen.frame(k));
+    EXPECT_EQ(value_of(icp, "sessions"), 1) << k;
+  }
+  EXPECT_EQ(bus.on<pose_estimate_t>("ICP_POSE").back().status, pose_estimate_t::LOST);
+  for (int k = 1; k <= 3; ++k) bus.deliver("CAMERA", kitchen.frame(back + waiting + tries + k));
+  EXPECT_EQ(value_of(icp, "sessions"), 2);
+}
+
+// What stands on the old mount stays as it was.
+TEST(Mappers, AnotherMountBeginsAnotherMap) {
+  TestBus bus;
+  bus.add<OdometryNode>();
+  IcpNode& icp = bus.add<IcpNode>();
+  SimulatedKitchen& kitchen = SimulatedKitchen::instance();
+  kitchen.play(bus, 6);
+  const std::size_t keyframes = bus.count("ICP_KEYFRAME");
+  camera_calibration_t calibration = kitchen.calibration();
+  calibration.depth_noise_quadratic *= 1.01;
+  bus.deliver("CAMERA_CALIBRATION", calibration);
+  EXPECT_EQ(value_of(icp, "sessions"), 1) << "noise is no mount";
+  calibration.T_robot_camera.trans[2] += 0.01;
+  bus.deliver("CAMERA_CALIBRATION", calibration);
+  EXPECT_EQ(value_of(icp, "sessions"), 2);
+  EXPECT_EQ(bus.on<graph_t>("ICP_GRAPH").back().change, 0) << "the old map whole, once more";
+  EXPECT_GE(bus.count("ICP_KEYFRAME"), keyframes);
+}
+
 TEST(Mappers, ResendGivesTheWholeMap) {
   Graph graph;
   graph.play();

@@ -72,20 +72,33 @@ TEST(DeformableMap, IsDueAtATimeThatGrowsWithTheMap) {
   EXPECT_FALSE(map.is_due(due + 2));
 }
 
+/// A small map that has come far since its first keyframe.
+struct Forgetful {
+  DeformableMap map;
+  std::vector<KeyframeStore::Keyframe> keyframes;
+
+  Forgetful() : map(settings()) {
+    ColouredCloud seen;
+    const Cloud first = plate(1);
+    seen.points = first.points;
+    seen.normals = first.normals;
+    seen.sigmas = first.sigmas;
+    seen.colours.assign(seen.size(), {9, 9, 9});
+    keyframes = {{0, 0, Eigen::Isometry3d::Identity(), seen, 0.02, 0}};
+    map.insert(first, {0, 0, 0}, 0);
+    for (int i = 1; i < 8; ++i) map.insert(plate(1 + 3 * i), {3.0 * i, 0, 0}, i);
+  }
+  static DenseMapperSettings settings() {
+    DenseMapperSettings settings;
+    settings.map.max_blocks = 200;
+    return settings;
+  }
+};
+
 TEST(DeformableMap, KeyframesAroundGiveBackWhatWasForgotten) {
-  DenseMapperSettings settings;
-  settings.map.max_blocks = 200;
-  DeformableMap map(settings);
-  ColouredCloud seen;
-  const Cloud first = plate(1);
-  seen.points = first.points;
-  seen.normals = first.normals;
-  seen.sigmas = first.sigmas;
-  seen.colours.assign(seen.size(), {9, 9, 9});
-  const std::vector<KeyframeStore::Keyframe> keyframes = {
-      {0, 0, Eigen::Isometry3d::Identity(), seen, 0.02, 0}};
-  map.insert(first, {0, 0, 0}, 0);
-  for (int i = 1; i < 8; ++i) map.insert(plate(1 + 3 * i), {3.0 * i, 0, 0}, i);
+  Forgetful forgetful;
+  DeformableMap& map = forgetful.map;
+  const auto& keyframes = forgetful.keyframes;
   ASSERT_TRUE(map.voxels().has_forgotten());
   ASSERT_FALSE(knows(map.voxels(), {1, 0, 0}));
   map.restore(keyframes, planar_pose(4, 0, 0));
@@ -95,6 +108,20 @@ TEST(DeformableMap, KeyframesAroundGiveBackWhatWasForgotten) {
   const std::int32_t revision = map.voxels().revision();
   map.restore(keyframes, planar_pose(2, 0, 0));
   EXPECT_EQ(map.voxels().revision(), revision) << "it is known already";
+}
+
+// A map that is being deformed cannot tell what it has got back already.
+TEST(DeformableMap, NothingIsGivenBackTwice) {
+  Forgetful forgetful;
+  const std::vector<Eigen::Isometry3d> nothing_moves(8, Eigen::Isometry3d::Identity());
+  forgetful.map.begin_deforming(nothing_moves, 0);
+  const std::size_t bytes = forgetful.map.memory_bytes();
+  for (int i = 0; i < 5; ++i) forgetful.map.restore(forgetful.keyframes, planar_pose(2, 0, 0));
+  EXPECT_EQ(forgetful.map.memory_bytes(), bytes);
+  forgetful.map.finish_deforming();
+  ASSERT_FALSE(knows(forgetful.map.voxels(), {1, 0, 0}));
+  forgetful.map.restore(forgetful.keyframes, planar_pose(2, 0, 0));
+  EXPECT_TRUE(knows(forgetful.map.voxels(), {1, 0, 0}));
 }
 
 TEST(DeformableMap, RefusesWhatWouldTouchAMapThatIsRead) {

@@ -152,6 +152,7 @@ TEST(KeyframeGraph, WhatShowsOldSurfacesIsComparedFromAnySide) {
   EXPECT_EQ(LookBack(vague, {}).compared_with(), std::vector<int>{});
   EXPECT_EQ(LookBack(vague, {14, 10}).compared_with(), std::vector<int>{}) << "they are not old";
   EXPECT_EQ(LookBack(vague, {1, 0, 2}).compared_with(), (std::vector<int>{1, 0})) << "two, of most first";
+  EXPECT_EQ(LookBack(vague, {1, 1, 0}).compared_with(), (std::vector<int>{1, 0})) << "each once";
   KeyframeGraphSettings settings;
   settings.floor_translation = settings.floor_rotation = sure;
   EXPECT_EQ(LookBack(sure, {0}, settings).compared_with(), std::vector<int>{}) << "the graph knows better";
