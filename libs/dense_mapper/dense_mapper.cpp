@@ -241,10 +241,9 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
   map_.restore(keyframes_.all(), T_world_camera);
   view.shows = shown_keyframes(transformed(prepared.cloud, step.T_world_robot));
-  // The graph takes covariances for as cautious as registration's are; odometry's say what it errs by.
-  const double caution = step.reseeded ? settings_.graph.optimiser.edge_error : 1;
-  const Matrix6d covariance = A * step.covariance * A.transpose() / (caution * caution);
-  const int node = graph_.add(frame.utime, T_world_camera, covariance, std::move(view), keyframe, step.floor);
+  const int node = graph_.add(
+      frame.utime, T_world_camera, A * step.covariance * A.transpose(), std::move(view), keyframe, step.floor,
+      step.reseeded ? KeyframeGraph::PlacedBy::odometry : KeyframeGraph::PlacedBy::registration);
   step.node = true;
   step.keyframe = keyframe;
   if (!keyframe) return;

@@ -181,6 +181,7 @@ void marginalise(int node, std::vector<GraphEdge>& edges, std::vector<GraphEdge>
   const auto continued = [&](GraphEdge e) {
     e.to = onwards.to;
     e.T_from_to = e.T_from_to * onwards.T_from_to;
+    e.expected_share = std::min(e.expected_share, onwards.expected_share);
     return e.from < e.to ? e : reversed(e);
   };
   for (const GraphEdge& e : its)

@@ -87,7 +87,7 @@ KeyframeGraph::KeyframeGraph(const KeyframeGraphSettings& settings)
 }
 
 int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance,
-                       KeyframeView view, bool keyframe, Floor floor) {
+                       KeyframeView view, bool keyframe, Floor floor, PlacedBy by) {
   const auto id = static_cast<int>(nodes_.size());
   view.node = id;
   if (id > 0) {
@@ -96,6 +96,10 @@ int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, con
     edge.to = id;
     edge.T_from_to = {nodes_.back().T_world_camera.inverse() * T_world_camera,
                       covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
+    if (by == PlacedBy::odometry) {
+      edge.expected_share = settings_.optimiser.edge_error;  // that this is weighed as all others are
+      edge.T_from_to.covariance = covariance / (edge.expected_share * edge.expected_share);
+    }
     edges_.push_back(edge);
   }
   nodes_.push_back({utime, T_world_camera, next_id_++, keyframe, floor, {}, {}});

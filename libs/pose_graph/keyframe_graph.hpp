@@ -97,9 +97,11 @@ class KeyframeGraph {
   void set_ground(const std::optional<GroundConstraint>& ground) { ground_ = ground; }
 
   /// A new node, numbered from 0. `covariance` of tracking there, against the map (camera's body frame).
-  /// `keyframe`: later ones are compared with it. `floor`: that a robot on wheels stood on.
+  /// `keyframe`: later ones are compared with it. `floor`: that a robot on wheels stood on. `by`: whether the
+  /// covariance is registration's, which is told cautiously, or what odometry alone errs by.
+  enum class PlacedBy { registration, odometry };
   int add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance, KeyframeView view,
-          bool keyframe, Floor floor = Floor::plane);
+          bool keyframe, Floor floor = Floor::plane, PlacedBy by = PlacedBy::registration);
   /// What was seen from the newest node, when it comes later than its cloud. False when it is too late.
   bool add_features(int node, const FeatureFrame& features);
 

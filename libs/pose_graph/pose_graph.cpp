@@ -120,6 +120,10 @@ double size_of(const Matrix6d& covariance) {
   return covariance.topLeftCorner<3, 3>().trace() + arm * arm * covariance.bottomRightCorner<3, 3>().trace();
 }
 
+UncertainTransform expectation(const GraphEdge& e) {
+  return {e.T_from_to.T, e.expected_share * e.expected_share * e.T_from_to.covariance};
+}
+
 }  // namespace
 
 UncertainTransform operator*(const UncertainTransform& a, const UncertainTransform& b) {
@@ -167,10 +171,10 @@ std::optional<UncertainTransform> expected(const PoseGraph& graph, int from, int
     for (const GraphEdge* e : edges[h]) {
       const bool forward = e->from == here;
       const auto next = static_cast<std::size_t>(forward ? e->to : e->from);
-      const double there = c + size_of(e->T_from_to.covariance);
+      const double there = c + e->expected_share * e->expected_share * size_of(e->T_from_to.covariance);
       if (there >= cost[next]) continue;
       cost[next] = there;
-      UncertainTransform step = forward ? e->T_from_to : inverse(e->T_from_to);
+      UncertainTransform step = forward ? expectation(*e) : inverse(expectation(*e));
       step.T = graph.poses[h].inverse() * graph.poses[next];  // the graph's poses, the edge's covariance
       way[next] = way[h] * step;
       open.push({there, static_cast<int>(next)});

@@ -34,8 +34,10 @@ enum class EdgeKind : std::uint8_t { odometry, registration, loop };
 struct GraphEdge {
   int from = 0, to = 0;  ///< nodes
   EdgeKind kind = EdgeKind::odometry;
-  UncertainTransform T_from_to;
-  double error = 0;  ///< Mahalanobis distance after optimisation
+  UncertainTransform T_from_to;  ///< with the covariance by which it is weighed
+  double error = 0;              ///< Mahalanobis distance after optimisation
+  double expected_share = 1;     ///< of its sigmas where it tells what to expect: by odometry alone without
+                                 ///< the caution by which measurements are weighed
 };
 
 struct PoseGraphSettings {

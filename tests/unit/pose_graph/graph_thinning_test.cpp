@@ -56,6 +56,17 @@ TEST(Marginalise, ComposesThePathAndContinuesLoops) {
   EXPECT_TRUE(waiting[0].T_from_to.T.isApprox(loop_b.T, 1e-9));
 }
 
+TEST(Marginalise, WhatContinuesOverOdometryIsExpectedAsThatIs) {
+  const UncertainTransform step{Eigen::Isometry3d::Identity(), diagonal(0.01, 0.01)};
+  std::vector<GraphEdge> edges = {edge(3, 4, EdgeKind::odometry, step), edge(4, 5, EdgeKind::odometry, step),
+                                  edge(0, 4, EdgeKind::loop, step)};
+  std::vector<GraphEdge> waiting;
+  edges[0].expected_share = 0.1;
+  marginalise(4, edges, waiting);
+  ASSERT_EQ(edges.size(), 2U);
+  for (const GraphEdge& e : edges) EXPECT_EQ(e.expected_share, 0.1) << e.from << " to " << e.to;
+}
+
 TEST(Marginalise, ParallelEdgesBecomeOne) {
   Random random(4);
   const Eigen::Isometry3d T = some_pose(random);

@@ -205,6 +205,8 @@ TEST(PoseGraph, ExpectsWithTheCovarianceOfTheSurestWay) {
   walk.graph.edges.push_back(walk.loop(0, 29, random));
   const auto near = expected(walk.graph, 0, 29);
   EXPECT_LT(near->covariance.trace(), 0.1 * far->covariance.trace());
+  for (GraphEdge& e : walk.graph.edges) e.expected_share = 0.1;
+  EXPECT_TRUE(expected(walk.graph, 0, 29)->covariance.isApprox(0.01 * near->covariance, 1e-9));
   walk.graph.poses.push_back(Eigen::Isometry3d::Identity());
   EXPECT_FALSE(expected(walk.graph, 0, 30));  // nothing leads there
 }
