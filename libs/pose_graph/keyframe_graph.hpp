@@ -96,10 +96,11 @@ class KeyframeGraph {
   /// For robots on the ground; nothing for cameras in the hand.
   void set_ground(const std::optional<GroundConstraint>& ground) { ground_ = ground; }
 
-  /// A new node, numbered from 0. `covariance` of tracking there, against the map (camera's body frame).
-  /// `keyframe`: later ones are compared with it. `floor`: that a robot on wheels stood on. `by`: whether the
-  /// covariance is registration's, which is told cautiously, or what odometry alone errs by.
+  /// Whose covariance a new node has: registration's is told cautiously, odometry's says what it errs by.
   enum class PlacedBy { registration, odometry };
+
+  /// A new node, numbered from 0. `covariance` of tracking there, against the map (camera's body frame).
+  /// `keyframe`: later ones are compared with it. `floor`: that a robot on wheels stood on.
   int add(Utime utime, const Eigen::Isometry3d& T_world_camera, const Matrix6d& covariance, KeyframeView view,
           bool keyframe, Floor floor = Floor::plane, PlacedBy by = PlacedBy::registration);
   /// What was seen from the newest node, when it comes later than its cloud. False when it is too late.
