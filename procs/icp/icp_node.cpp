@@ -1,9 +1,6 @@
 #include "procs/icp/icp_node.hpp"
 
 #include <algorithm>
-#include <map>
-#include <set>
-#include <thread>
 #include <utility>
 
 #include <lcmslam/configuration/read_settings.hpp>
@@ -11,8 +8,6 @@
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
-#include <lcmslam/messages/geometry_messages.hpp>
-#include <lcmslam/messages/map_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include "procs/icp/icp_messages.hpp"
 #include "procs/told_calibration.hpp"
@@ -191,7 +186,7 @@ void IcpNode::begin_session() {
 void IcpNode::begin_map_beside() {
   finish_map();
   mapper_.reset();
-  published_.clear();
+  keyframe_teller_.begin_map();
   ++session_;
 }
 
@@ -204,9 +199,9 @@ bool IcpNode::is_elsewhere(Utime utime) {
 
 void IcpNode::finish_map() {
   mapper_->finish();
-  move_waiting_tiles();
+  keyframe_teller_.move(map());
   if (!mapper_->graph().nodes().empty()) publish_graph(true);
-  queue_changed(true);
+  keyframe_teller_.tell_changed(map(), true);
 }
 
 void IcpNode::learn_clock(const DenseFrame& frame) {
@@ -219,8 +214,8 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   const DenseMapper::Step& step = last_;
   const std::optional<Motion>& motion = made.frame.motion;
   // First the graph: the pose stands in the map that it makes.
-  if (step.thinned) drop_tiles_of_the_gone();
-  if (step.deformed) move_waiting_tiles();
+  if (step.thinned) keyframe_teller_.drop_the_gone(map());
+  if (step.deformed) keyframe_teller_.move(map());
   if (step.node || step.deformed || step.thinned) publish_graph(false);
   pose_estimate_t pose = icp_pose(step, made.depth_utime, made.T_frame_depth,
                                   std::hypot(maker_.depth_clock().sigma(), settings_.stamp_sigma) * twist_);
@@ -247,46 +242,8 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   report.processing_time = cpu_time;
   publisher_.publish("ICP_REPORT", report);
 
-  if (step.keyframe) queue_keyframe(mapper_->keyframes().back());
-  queue_changed(false);
-}
-
-void IcpNode::queue_changed(bool all) {
-  for (const std::size_t i : mapper_->take_changed(all)) queue_keyframe(mapper_->keyframes()[i]);
-}
-
-// All for whoever missed something. A cloud that was published as it is keeps its revision: whoever has it
-// knows it again. The newest one still grows.
-void IcpNode::queue_all() {
-  const auto& keyframes = mapper_->keyframes();
-  const std::vector<std::size_t> changed = mapper_->take_changed(true);
-  for (std::size_t i = 0; i < keyframes.size(); ++i) {
-    const auto published = published_.find(id_of(keyframes[i]));
-    const bool is_as_published = published != published_.end() && i + 1 < keyframes.size() &&
-                                 published->second.points == keyframes[i].cloud.size() &&
-                                 std::find(changed.begin(), changed.end(), i) == changed.end();
-    if (is_as_published)
-      queue_tiles(keyframes[i], published->second.revision);
-    else
-      queue_keyframe(keyframes[i]);
-  }
-}
-
-int IcpNode::id_of(const DenseMapper::Keyframe& keyframe) const {
-  return mapper_->graph().nodes()[static_cast<std::size_t>(keyframe.node)].id;
-}
-
-void IcpNode::queue_keyframe(const DenseMapper::Keyframe& keyframe) {
-  published_[id_of(keyframe)] = {++keyframes_queued_, keyframe.cloud.size()};
-  queue_tiles(keyframe, keyframes_queued_);
-}
-
-void IcpNode::queue_tiles(const DenseMapper::Keyframe& keyframe, std::int64_t revision) {
-  const DenseKeyframe dense{id_of(keyframe), keyframe.utime, keyframe.T_world_camera, keyframe.cloud};
-  for (auto& tile : make_keyframe_tiles(dense, maker_.calibration().T_robot_camera, revision)) {
-    tile.frame = map_frame();
-    tiles_.push_back(std::move(tile));
-  }
+  if (step.keyframe) keyframe_teller_.tell(map(), mapper_->keyframes().back());
+  keyframe_teller_.tell_changed(map(), false);
 }
 
 // What changed, or `all` of it: at a map's end, and for whoever asked.
@@ -302,46 +259,13 @@ void IcpNode::publish_graph(bool all) {
                      icp_graph_covariance(*mapper_, told, maker_.calibration().T_robot_camera));
 }
 
-void IcpNode::drop_tiles_of_the_gone() {
-  std::set<std::int32_t> ids;
-  for (const auto& node : mapper_->graph().nodes()) ids.insert(node.id);
-  tiles_.erase(std::remove_if(tiles_.begin(), tiles_.end(),
-                              [&](const keyframe_t& tile) {
-                                return tile.frame == map_frame() && ids.count(tile.id) == 0;
-                              }),
-               tiles_.end());
-}
-
-// A keyframe goes out where the graph has it by then: whoever hears it takes its pose for the newest.
-void IcpNode::move_waiting_tiles() {
-  std::map<std::int32_t, rigid_transform_t> poses;
-  for (const DenseMapper::Keyframe& keyframe : mapper_->keyframes())
-    poses[id_of(keyframe)] = to_message(keyframe.T_world_camera);
-  for (keyframe_t& tile : tiles_)
-    if (const auto pose = poses.find(tile.id); tile.frame == map_frame() && pose != poses.end())
-      tile.T_map_camera = pose->second;
-}
-
-void IcpNode::send_waiting_tile() {
-  publisher_.publish("ICP_KEYFRAME", tiles_.front());
-  tiles_.pop_front();
-}
-
 std::optional<Node::Duration> IcpNode::work() {
-  const auto pace = publisher_.pace();
-  while (!tiles_.empty() && pace.count() == 0) send_waiting_tile();
-  if (tiles_.empty()) return std::nullopt;
-  const auto now = std::chrono::steady_clock::now();
-  if (now >= next_tile_) {
-    send_waiting_tile();
-    next_tile_ = now + pace;
-  }
-  return pace;
+  return keyframe_teller_.work();
 }
 
 void IcpNode::command(const command_t& command) {
   if (command.name == "resend" && mapper_) {
-    if (tiles_.empty()) queue_all();  // else what waits is under way already
+    keyframe_teller_.tell_all(map());
     publish_graph(true);
   }
   if (command.name == "reset") begin_session();
@@ -350,10 +274,7 @@ void IcpNode::command(const command_t& command) {
 void IcpNode::finish() {
   join_.flush();
   if (mapper_) finish_map();
-  while (!tiles_.empty()) {
-    send_waiting_tile();
-    std::this_thread::sleep_for(publisher_.pace());
-  }
+  keyframe_teller_.finish();
 }
 
 NodeReport IcpNode::report() const {

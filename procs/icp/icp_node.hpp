@@ -2,19 +2,17 @@
 // CAMERA + ODOMETRY -> ICP_POSE (and in two parts, ICP_LOCAL_POSE, which never jumps, and ICP_CORRECTION),
 // ICP_KEYFRAME, ICP_GRAPH, ICP_GRAPH_COVARIANCE, ICP_REPORT.
 
-#include <deque>
-
 #include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include <lcmslam/features_t.hpp>
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
-#include <lcmslam/keyframe_t.hpp>
 #include <lcmslam/messages/graph_teller.hpp>
 #include <lcmslam/rgbd/rgbd_frame_maker.hpp>
 #include <lcmslam/runtime/motion_join.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include "procs/icp/icp_node_settings.hpp"
+#include "procs/icp/keyframe_teller.hpp"
 
 namespace lcmslam {
 
@@ -44,18 +42,11 @@ class IcpNode : public Node {
   void begin_map_beside();
   bool is_elsewhere(Utime utime);
   void finish_map();
+  KeyframeTeller::Map map() { return {*mapper_, map_frame(), maker_.calibration().T_robot_camera}; }
   std::string map_frame() const { return map_frame_of(first_map_frame_, session_); }
   void learn_clock(const DenseFrame& frame);
   void publish(Utime image_utime, const RgbdFrameMaker::Made& made, double cpu_time);
   void publish_graph(bool all);
-  void queue_all();
-  void queue_keyframe(const DenseMapper::Keyframe& keyframe);
-  void queue_tiles(const DenseMapper::Keyframe& keyframe, std::int64_t revision);
-  int id_of(const DenseMapper::Keyframe& keyframe) const;
-  void queue_changed(bool all);
-  void drop_tiles_of_the_gone();
-  void move_waiting_tiles();
-  void send_waiting_tile();
 
   Publisher& publisher_;
   DenseMapperSettings settings_;
@@ -74,14 +65,7 @@ class IcpNode : public Node {
   Vector6d twist_ = Vector6d::Zero();  // per second, at the last step
   Utime searches_since_ = 0;           // the first frame that was adrift, or the last one that was not
   GraphTeller graph_teller_;
-  std::deque<keyframe_t> tiles_;       // wait for their turn: bursts overrun receive buffers
-  std::int64_t keyframes_queued_ = 0;  // over all maps
-  struct Published {
-    std::int64_t revision = 0;
-    std::size_t points = 0;
-  };
-  std::map<int, Published> published_;  // by keyframe of this map
-  std::chrono::steady_clock::time_point next_tile_{};
+  KeyframeTeller keyframe_teller_{publisher_};
   std::int64_t session_ = 1;  // maps begun; each has a frame of its own
   std::int64_t steps_ = 0, lost_ = 0, uncoloured_ = 0, with_features_ = 0, without_features_ = 0,
                anchored_ = 0, gaps_ = 0, off_ground_ = 0, blind_ = 0;
