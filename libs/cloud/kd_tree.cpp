@@ -91,6 +91,11 @@ class KdTree::Tree {
 
   std::size_t size() const { return indices_.size(); }
 
+  std::size_t memory_bytes() const {
+    const std::size_t points = indices_.size() * 3 * sizeof(float);  // FLANN counts its nodes only
+    return indices_.capacity() * sizeof(indices_[0]) + points + static_cast<std::size_t>(index_.usedMemory());
+  }
+
   void search(const Eigen::Vector3f& query, flann::ResultSet<float>& found) const {
     index_.findNeighbors(found, query.data(), exact_);
   }
@@ -125,6 +130,10 @@ KdTree& KdTree::operator=(KdTree&&) noexcept = default;
 
 std::size_t KdTree::size() const {
   return tree_ ? tree_->size() : 0;
+}
+
+std::size_t KdTree::memory_bytes() const {
+  return tree_ ? tree_->memory_bytes() : 0;
 }
 
 KdTree::Neighbour KdTree::nearest(const Eigen::Vector3f& query, float max_distance) const {

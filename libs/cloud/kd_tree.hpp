@@ -32,6 +32,7 @@ class KdTree {
   void nearest_few(const Eigen::Vector3f& query, std::size_t count, std::vector<Neighbour>& found) const;
 
   std::size_t size() const;
+  std::size_t memory_bytes() const;
 
  private:
   class Tree;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include <lcmslam/pose_graph/loop_admission.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
@@ -56,7 +57,7 @@ std::vector<int> nearest(const PoseGraph& graph, const LoopFinder& finder, int n
 // Whether the graph knows T_from_to so badly, in some direction, that another pair of clouds is worth it:
 // those that overlap a little err alike, and do harm beside a circle that is closed.
 bool is_vague(const PoseGraph& graph, int from, int to, const KeyframeGraphSettings& settings) {
-  const auto known = expected(graph, from, to);
+  const auto known = SurestChains(graph, from).to(to);
   if (!known) return true;
   constexpr double least = 1e-12;  // m^2, rad^2: the floor may be nothing
   const Matrix6d of_edge =
@@ -260,8 +261,8 @@ std::optional<KeyframeGraph::Correction> KeyframeGraph::finish() {
 }
 
 std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& covering) {
-  constexpr std::size_t newest = 10;  // nodes that tracking and the next edges start from
   const auto most = static_cast<std::size_t>(settings_.max_keyframes);
+  const std::size_t newest = std::min<std::size_t>(10, most / 2);  // tracking and the next edges start there
   const auto keyframes = static_cast<std::size_t>(
       std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.keyframe; }));
   const std::size_t others = nodes_.size() - keyframes;
@@ -277,6 +278,8 @@ std::optional<KeyframeGraph::Thinned> KeyframeGraph::thin(const Covering& coveri
   };
   Thinned thinned;
   thinned.gone = covered_nodes(nodes, left(keyframes, most), left(others, most_others), covering);
+  if (std::none_of(thinned.gone.begin(), thinned.gone.end(), [](bool gone) { return gone; }))
+    return std::nullopt;
 
   for (std::size_t i = 0; i < nodes_.size(); ++i)
     if (thinned.gone[i]) marginalise(static_cast<int>(i), edges_, waiting_);

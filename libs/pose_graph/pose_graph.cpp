@@ -4,9 +4,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
-#include <limits>
-#include <queue>
-#include <set>
 
 namespace lcmslam {
 namespace {
@@ -115,117 +112,13 @@ void solve(PoseGraph& graph, const PoseGraphSettings& settings) {
   for (std::size_t i = 0; i < poses.size(); ++i) graph.poses[i] = from_pose(poses[i]);
 }
 
-double size_of(const Matrix6d& covariance) {
-  constexpr double arm = 2;  // m: how far away a rotation's error is felt
-  return covariance.topLeftCorner<3, 3>().trace() + arm * arm * covariance.bottomRightCorner<3, 3>().trace();
-}
-
-UncertainTransform expectation(const GraphEdge& e) {
-  return {e.T_from_to.T, e.expected_share * e.expected_share * e.T_from_to.covariance};
-}
-
 }  // namespace
-
-UncertainTransform operator*(const UncertainTransform& a, const UncertainTransform& b) {
-  const Matrix6d A = adjoint(b.T.inverse());
-  return {a.T * b.T, A * a.covariance * A.transpose() + b.covariance};
-}
-
-UncertainTransform inverse(const UncertainTransform& a) {
-  const Matrix6d A = adjoint(a.T);
-  return {a.T.inverse(), A * a.covariance * A.transpose()};
-}
-
-double distance_from_identity(const UncertainTransform& a) {
-  const Vector6d e = se3_log(a.T);
-  return std::sqrt(std::max(0.0, e.dot(a.covariance.ldlt().solve(e))));
-}
 
 double error_over_sigma(const GraphEdge& edge, const PoseGraph& graph) {
   const Eigen::Isometry3d& T_from = graph.poses[static_cast<std::size_t>(edge.from)];
   const Eigen::Isometry3d& T_to = graph.poses[static_cast<std::size_t>(edge.to)];
   return distance_from_identity(
       {edge.T_from_to.T.inverse() * T_from.inverse() * T_to, edge.T_from_to.covariance});
-}
-
-// Dijkstra (1959) over the edges' sizes; the covariance is compounded along the way.
-std::optional<UncertainTransform> expected(const PoseGraph& graph, int from, int to) {
-  const std::size_t n = graph.poses.size();
-  std::vector<std::vector<const GraphEdge*>> edges(n);
-  for (const GraphEdge& e : graph.edges) {
-    edges[static_cast<std::size_t>(e.from)].push_back(&e);
-    edges[static_cast<std::size_t>(e.to)].push_back(&e);
-  }
-  std::vector<double> cost(n, std::numeric_limits<double>::infinity());
-  std::vector<UncertainTransform> way(n);
-  using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> open;
-  cost[static_cast<std::size_t>(from)] = 0;
-  open.push({0, from});
-  while (!open.empty()) {
-    const auto [c, here] = open.top();
-    open.pop();
-    const auto h = static_cast<std::size_t>(here);
-    if (c > cost[h]) continue;
-    if (here == to) break;
-    for (const GraphEdge* e : edges[h]) {
-      const bool forward = e->from == here;
-      const auto next = static_cast<std::size_t>(forward ? e->to : e->from);
-      const double there = c + e->expected_share * e->expected_share * size_of(e->T_from_to.covariance);
-      if (there >= cost[next]) continue;
-      cost[next] = there;
-      UncertainTransform step = forward ? expectation(*e) : inverse(expectation(*e));
-      step.T = graph.poses[h].inverse() * graph.poses[next];  // the graph's poses, the edge's covariance
-      way[next] = way[h] * step;
-      open.push({there, static_cast<int>(next)});
-    }
-  }
-  if (!std::isfinite(cost[static_cast<std::size_t>(to)])) return std::nullopt;
-  return way[static_cast<std::size_t>(to)];
-}
-
-bool consistent(const GraphEdge& a, const GraphEdge& b, const PoseGraph& graph,
-                const PoseGraphSettings& settings) {
-  const auto between_ends = expected(graph, a.to, b.to);
-  const auto between_starts = expected(graph, b.from, a.from);
-  if (!between_ends || !between_starts) return false;
-  const UncertainTransform circle = a.T_from_to * *between_ends * inverse(b.T_from_to) * *between_starts;
-  return distance_from_identity(circle) < settings.path_gate;
-}
-
-int admit(std::vector<GraphEdge>& waiting, PoseGraph& graph, const PoseGraphSettings& settings) {
-  std::vector<bool> believed(waiting.size(), false);
-  for (std::size_t i = 0; i < waiting.size(); ++i) {
-    const auto known = expected(graph, waiting[i].from, waiting[i].to);
-    believed[i] =
-        known && distance_from_identity(inverse(waiting[i].T_from_to) * *known) < settings.path_gate;
-  }
-  for (std::size_t i = 0; i < waiting.size(); ++i) {
-    if (believed[i]) continue;
-    std::set<int> places = {waiting[i].to};
-    for (std::size_t k = 0; k < waiting.size(); ++k)
-      if (k != i && waiting[k].to != waiting[i].to && consistent(waiting[i], waiting[k], graph, settings))
-        places.insert(waiting[k].to);
-    believed[i] = static_cast<int>(places.size()) >= settings.loop_support;
-  }
-  std::vector<GraphEdge> rest;
-  for (std::size_t i = 0; i < waiting.size(); ++i) (believed[i] ? graph.edges : rest).push_back(waiting[i]);
-  const auto added = static_cast<int>(waiting.size() - rest.size());
-  waiting = std::move(rest);
-  return added;
-}
-
-bool has_circle(const std::vector<GraphEdge>& edges, std::size_t first) {
-  return std::any_of(edges.begin() + static_cast<std::ptrdiff_t>(first), edges.end(),
-                     [](const GraphEdge& e) { return e.to - e.from > 1; });
-}
-
-bool close_circles(std::vector<GraphEdge>& waiting, PoseGraph& graph, const PoseGraphSettings& settings) {
-  const std::size_t before = graph.edges.size();
-  admit(waiting, graph, settings);
-  if (!has_circle(graph.edges, before)) return false;
-  optimise(graph, settings);
-  return true;
 }
 
 int optimise(PoseGraph& graph, const PoseGraphSettings& settings) {

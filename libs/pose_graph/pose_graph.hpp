@@ -13,21 +13,10 @@
 
 #include <lcmslam/geometry/ground_plane.hpp>
 #include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/pose_graph/uncertain_transform.hpp>
 #include <lcmslam/settings/settings.hpp>
 
 namespace lcmslam {
-
-/// A transform with its covariance (right perturbation).
-struct UncertainTransform {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  Matrix6d covariance = Matrix6d::Zero();
-};
-
-/// a, then b; errors independent. First order (Barfoot and Furgale 2014).
-UncertainTransform operator*(const UncertainTransform& a, const UncertainTransform& b);
-UncertainTransform inverse(const UncertainTransform& a);
-/// Mahalanobis distance of T from the identity.
-double distance_from_identity(const UncertainTransform& a);
 
 enum class EdgeKind : std::uint8_t { odometry, registration, loop };
 
@@ -118,25 +107,6 @@ struct PoseGraph {
 
 /// e of an edge at the poses, over its sigmas.
 double error_over_sigma(const GraphEdge& edge, const PoseGraph& graph);
-
-/// T_from_to as the graph has it, its covariance that of the surest chain of edges between them; nothing
-/// when they are not connected.
-std::optional<UncertainTransform> expected(const PoseGraph& graph, int from, int to);
-
-/// Whether both, with the graph's chains between their ends, close a circle (Mangelson et al. 2018).
-bool consistent(const GraphEdge& a, const GraphEdge& b, const PoseGraph& graph,
-                const PoseGraphSettings& settings);
-
-/// Takes from `waiting` what can be believed and adds it to the graph: what agrees with the graph's own
-/// expectation, and groups that agree with each other. The number added.
-int admit(std::vector<GraphEdge>& waiting, PoseGraph& graph, const PoseGraphSettings& settings);
-
-/// Admits and, where that closes a circle, optimises: until the poses agree with what was admitted, it
-/// contradicts all that they are told to err by. Whether it did.
-bool close_circles(std::vector<GraphEdge>& waiting, PoseGraph& graph, const PoseGraphSettings& settings);
-
-/// Whether any of the edges from number `first` on closes a circle.
-bool has_circle(const std::vector<GraphEdge>& edges, std::size_t first = 0);
 
 /// Moves the poses; refused edges are gone afterwards. The number refused.
 int optimise(PoseGraph& graph, const PoseGraphSettings& settings);

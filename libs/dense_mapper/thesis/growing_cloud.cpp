@@ -37,6 +37,12 @@ Cloud GrowingCloud::newest(std::size_t count) const {
   return kept_points(cloud_, [&](std::size_t i) { return i >= begin; });
 }
 
+std::size_t GrowingCloud::memory_bytes() const {
+  std::size_t bytes = lcmslam::memory_bytes(cloud_);
+  for (const Part& part : parts_) bytes += part.tree.memory_bytes();
+  return bytes;
+}
+
 // Parts no larger than twice what comes after them are built anew together with it.
 void GrowingCloud::build(std::size_t begin) {
   const std::size_t end = cloud_.size();

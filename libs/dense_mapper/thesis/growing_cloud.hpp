@@ -24,6 +24,7 @@ class GrowingCloud : public Target {
 
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
   std::size_t size() const override { return cloud_.size(); }
+  std::size_t memory_bytes() const;
   /// The last `count` points that joined; NaN normals and sigmas of 0 where unknown.
   Cloud newest(std::size_t count) const;
 

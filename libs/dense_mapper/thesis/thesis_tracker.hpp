@@ -38,6 +38,10 @@ class ThesisTracker : public Tracker {
   bool grows() const override { return true; }
   ColouredCloud joined() const override { return joined_; }
 
+  std::size_t memory_bytes() const override {
+    return target_.memory_bytes() + lcmslam::memory_bytes(joined_);
+  }
+
  private:
   Eigen::Isometry3d start_of(const PreparedFrame& prepared, const Eigen::Isometry3d& T_predicted) const;
   RegistrationResult register_plain(const Cloud& cloud, const Eigen::Isometry3d& T_start) const;

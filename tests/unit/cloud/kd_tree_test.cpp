@@ -25,6 +25,9 @@ TEST(KdTree, FindsTheNearest) {
       const float max_distance = static_cast<float>(random.uniform(0, 0.5));
       EXPECT_EQ(tree.nearest(query, max_distance).index, nearest_by_exhaustion(points, query, max_distance));
     }
+    const std::size_t least = points.size() * (sizeof(Eigen::Vector3f) + sizeof(std::int32_t));
+    EXPECT_GT(tree.memory_bytes(), least);
+    EXPECT_LT(tree.memory_bytes(), 5 * least);
   }
 }
 

@@ -43,6 +43,18 @@ TEST(GrowingCloud, FindsWhatAnExhaustiveSearchFinds) {
   }
 }
 
+TEST(GrowingCloud, CountsItsPointsAndTheirTrees) {
+  Random random(1);
+  Cloud cloud;
+  for (int i = 0; i < 1000; ++i)
+    cloud.points.push_back(Eigen::Vector3d(random.normal(), random.normal(), random.normal()).cast<float>());
+  GrowingCloud grown(0);
+  grown.add(cloud);
+  constexpr std::size_t in_cloud = 2 * sizeof(Eigen::Vector3f) + sizeof(float);  // point, normal, sigma
+  EXPECT_GT(grown.memory_bytes(), cloud.size() * in_cloud + KdTree(cloud.points).memory_bytes() - 1);
+  EXPECT_LT(grown.memory_bytes(), 3 * cloud.size() * in_cloud);
+}
+
 TEST(GrowingCloud, NearPointsAreOne) {
   GrowingCloud grown(0.02);
   Cloud cloud;
@@ -292,7 +304,10 @@ TEST(Alternating, WithoutAStartTheSettingsDecideWhereItBegins) {
     settings.start = start;
     EXPECT_EQ(needs_features(VariantKind::plain, settings), start == StartKind::features);
     ThesisTracker tracker(VariantKind::plain, settings);
+    EXPECT_EQ(tracker.memory_bytes(), 0U);
     tracker.accept({last, transformed(geometry_of(first.cloud), mount)}, T_last, true);
+    EXPECT_GE(tracker.memory_bytes(), tracker.target().memory_bytes());
+    EXPECT_GT(tracker.memory_bytes(), 0U);
     const auto result =
         tracker.register_frame({now, transformed(geometry_of(second.cloud), mount)}, T_predicted);
     EXPECT_LT(distance_between(result.T_target_source, T_expected), tolerance) << static_cast<int>(start);

@@ -33,6 +33,7 @@ struct LongDrive {
         if (const auto gone = graph.thin({})) {
           ++thinned;
           EXPECT_EQ(gone->gone.size(), gone->index.size());
+          EXPECT_THAT(gone->gone, testing::Contains(true)) << "nobody need hear of nothing";
         }
       }
       most_nodes = std::max(most_nodes, graph.nodes().size());
@@ -119,6 +120,14 @@ TEST(LongDrive, MemorySettlesAndTheLoopStillCloses) {
   for (std::size_t i = 1; i < drive.graph.nodes().size(); ++i)
     EXPECT_LT(drive.graph.nodes()[i - 1].id, drive.graph.nodes()[i].id);
   EXPECT_EQ(drive.graph.nodes().back().id, 2 * LongDrive::per_way * laps);
+}
+
+TEST(LongDrive, TheFewestKeyframesThatMayBeAskedForAreKept) {
+  const LongDrive drive(5, 4);
+  const auto keyframes = std::count_if(drive.graph.nodes().begin(), drive.graph.nodes().end(),
+                                       [](const KeyframeGraph::Node& n) { return n.keyframe; });
+  EXPECT_LE(keyframes, 5);
+  EXPECT_GE(keyframes, 4);
 }
 
 // Far from the bound on keyframes: a place that is visited again makes none.

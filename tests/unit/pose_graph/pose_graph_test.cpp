@@ -4,6 +4,7 @@
 
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/pose_graph/error_factors.hpp>
+#include <lcmslam/pose_graph/loop_admission.hpp>
 #include "tests/support/cloud_scenes.hpp"
 
 namespace lcmslam {
@@ -194,21 +195,35 @@ TEST(PoseGraph, TheGroundHoldsWhatEachNodesFloorTells) {
 
 TEST(PoseGraph, ExpectsWithTheCovarianceOfTheSurestWay) {
   Walk walk(2, 30);
-  const auto far = expected(walk.graph, 0, 29);
+  const auto far = SurestChains(walk.graph, 0).to(29);
   ASSERT_TRUE(far);
   EXPECT_TRUE(far->T.isApprox(walk.graph.poses[0].inverse() * walk.graph.poses[29], 1e-9));
   Random random(1);
   GraphEdge unsure = walk.loop(0, 29, random);  // one step, but less is known of it than of all the others
   unsure.T_from_to.covariance = covariance(5, 2);
   walk.graph.edges.push_back(unsure);
-  EXPECT_EQ(expected(walk.graph, 0, 29)->covariance, far->covariance);
+  EXPECT_EQ(SurestChains(walk.graph, 0).to(29)->covariance, far->covariance);
   walk.graph.edges.push_back(walk.loop(0, 29, random));
-  const auto near = expected(walk.graph, 0, 29);
+  const auto near = SurestChains(walk.graph, 0).to(29);
   EXPECT_LT(near->covariance.trace(), 0.1 * far->covariance.trace());
   for (GraphEdge& e : walk.graph.edges) e.expected_share = 0.1;
-  EXPECT_TRUE(expected(walk.graph, 0, 29)->covariance.isApprox(0.01 * near->covariance, 1e-9));
+  EXPECT_TRUE(SurestChains(walk.graph, 0).to(29)->covariance.isApprox(0.01 * near->covariance, 1e-9));
   walk.graph.poses.push_back(Eigen::Isometry3d::Identity());
-  EXPECT_FALSE(expected(walk.graph, 0, 30));  // nothing leads there
+  EXPECT_FALSE(SurestChains(walk.graph, 0).to(30));  // nothing leads there
+}
+
+TEST(PoseGraph, ChainsAreTheSameFromBothEnds) {
+  Walk walk(2);
+  Random random(1);
+  for (int i = 40; i < 80; i += 7) walk.graph.edges.push_back(walk.loop(i - 40, i, random));
+  for (GraphEdge& e : walk.graph.edges) e.expected_share = random.uniform(0.5, 1);  // no two chains are alike
+  const SurestChains from_first(walk.graph, 0);
+  for (int i = 0; i < 80; i += 3) {
+    const auto there = from_first.to(i), back = SurestChains(walk.graph, i).to(0);
+    ASSERT_TRUE(there && back);
+    EXPECT_TRUE(inverse(*back).T.isApprox(there->T, 1e-9)) << i;
+    EXPECT_TRUE(inverse(*back).covariance.isApprox(there->covariance, 1e-9)) << i;
+  }
 }
 
 TEST(PoseGraph, TheSameGraphGivesTheSameBits) {
