@@ -138,7 +138,7 @@ struct FastSlamSettings {
 
   // Keyframes of 3-D landmarks, so that path and map can be smoothed on request (map_smoother.hpp).
   bool smooth_map = true;
-  bool bend_closed_loops = false;  // off: it brings nothing so far (docs/RESULTS.md)
+  bool bend_closed_loops = false;  // off: it brings nothing so far (docs/notebook/graph.md)
 
   // New landmarks and their existence (log-odds).
   int maximum_new_landmarks = 60;
