@@ -7,7 +7,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::uint64_t error_stream = 0x73656e736f72;
+constexpr std::uint64_t error_stream = 0x73656e736f72, bend_stream = 0x62656e64;
 constexpr double range_step = 0.05, farthest_wave = 50;   // m, of the table of waves
 constexpr double shortest_wave = 1.5, longest_wave = 12;  // m, of a depth camera's systematic error
 
@@ -40,6 +40,8 @@ SensorError::SensorError(const FastSlamSettings& settings)
     shutter_(k) = static_cast<float>(stream_.normal(0, settings.shutter_sigma));
     slide_(k) = static_cast<float>(stream_.normal(0, settings.slide_sigma));
   }
+  Random bends(settings.seed, bend_stream);  // apart, so that what is drawn otherwise does not depend on it
+  for (int k = 0; k < ensemble_size; ++k) bend_(k) = static_cast<float>(bends.normal(0, settings.bend_sigma));
   for (double range = 0; range <= std::min(settings.maximum_range, farthest_wave) + range_step;
        range += range_step)
     depth_waves_.emplace_back(std::sqrt(2.F) * (static_cast<float>(range) * frequency + phase).array().cos());
@@ -107,7 +109,10 @@ EnsembleVectors SensorError::of_point(const FeaturePoint& point, const FeatureFr
       static_cast<float>(frame.height > 0 ? feature.y / static_cast<float>(frame.height) - 0.5F : 0);
   error += systematic.cast<float>().lazyProduct(depth_wave(ray.norm()));
   error += by_x.cast<float>().lazyProduct(focal_x_) + by_y.cast<float>().lazyProduct(focal_y_);
-  error += way_since_first_seen(landmark, T_world_robot).cast<float>().lazyProduct(slide_);
+  const Eigen::Vector3d way = way_since_first_seen(landmark, T_world_robot);
+  const Eigen::Vector3d by_turning = Eigen::Vector3d::UnitZ().cross(p);  // of the robot about the vertical
+  error += way.cast<float>().lazyProduct(slide_);
+  error += (way.norm() * by_turning).cast<float>().lazyProduct(bend_);
   error += velocity.cast<float>().lazyProduct(EnsembleRow(stamp_ + row * shutter_));
   return error;
 }

@@ -8,9 +8,9 @@
 //   the rest is new in every image.
 //
 // Blobs on edges slide along them as the robot goes by, most of them with it: all landmarks by a ratio of the
-// way since they were first seen. Besides, the focal lengths are known as well as a calibration tells them,
-// and so is the moment at which each row of the image was taken: what the robot moves by until then,
-// everything seems to have moved.
+// way since they were first seen, and turned about the robot by an angle for each metre of it. Besides, the
+// focal lengths are known as well as a calibration tells them, and so is the moment at which each row of the
+// image was taken: what the robot moves by until then, everything seems to have moved.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -56,6 +56,7 @@ class SensorError {
   EnsembleRow focal_x_, focal_y_;         // ratios
   EnsembleRow stamp_, shutter_;           // s: of the image, and from its first row to its last
   EnsembleRow slide_;                     // ratio
+  EnsembleRow bend_;                      // rad/m
   std::unordered_map<std::int64_t, Eigen::Vector3d> first_seen_from_;  // by landmark: m, world
 };
 

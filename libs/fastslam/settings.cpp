@@ -78,6 +78,9 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
            "of the time from an image's first row to its last, where rows are not all of one moment");
   s.number("slide_sigma", slide_sigma, "", {0, 1},
            "of the ratio by which all landmarks slide along with the robot, blobs on edges do");
+  s.number("bend_sigma", bend_sigma, "rad/m", {0, 1},
+           "of the turn about the vertical by which all landmarks bend straight ways alike, as SURF's places "
+           "lean");
 
   s.flag("use_motion_covariance", use_motion_covariance,
          "odometry's own covariance is used; false: the noise is translation_noise and the like alone");

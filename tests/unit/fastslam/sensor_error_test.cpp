@@ -11,7 +11,8 @@ constexpr double range = 2.5;
 
 FastSlamSettings without_calibration_errors() {
   FastSlamSettings settings;
-  settings.focal_sigma = settings.stamp_sigma = settings.shutter_sigma = settings.slide_sigma = 0;
+  settings.focal_sigma = settings.stamp_sigma = settings.shutter_sigma = 0;
+  settings.slide_sigma = settings.bend_sigma = 0;
   return settings;
 }
 
@@ -78,6 +79,28 @@ TEST_F(SensorErrorTest, LandmarksSlideByARatioOfTheWaySinceTheyWereFirstSeen) {
   EXPECT_NEAR(mean_product(one, one, 0), std::pow(0.01 * 2, 2), 0.4 * std::pow(0.01 * 2, 2));  // ahead now
   EXPECT_LT(one.row(1).norm() + one.row(2).norm(), 1e-5F);
   EXPECT_LT(slide(3, later).norm(), 1e-6F);
+}
+
+// The same robot: each member turns both landmarks about it by the same angle, whichever way it went.
+TEST_F(SensorErrorTest, LandmarksBendTheWaySinceTheyWereFirstSeen) {
+  FastSlamSettings settings = without_calibration_errors();
+  SensorError straight(settings);
+  settings.bend_sigma = 0.01;
+  SensorError bent(settings);
+  const auto bend = [&](std::int64_t landmark, const Eigen::Isometry3d& T_world_robot) {
+    const auto of = [&](SensorError& errors) {
+      return errors.draw(point_, frame_, landmark, T_world_robot, Vector6d::Zero());
+    };
+    return EnsembleVectors(of(bent) - of(straight));
+  };
+  const Eigen::Isometry3d first = planar_pose(1, 1, 0);
+  EXPECT_LT(bend(1, first).norm() + bend(2, first).norm(), 1e-6F);
+  const EnsembleVectors aside = bend(1, planar_pose(1, 3, M_PI / 2)), back = bend(2, planar_pose(-1, 1, 0));
+  EXPECT_LT((aside - back).norm(), 1e-5F);
+  const double expected = std::pow(0.01 * 2 * range, 2);
+  EXPECT_NEAR(mean_product(aside, aside, 1), expected, 0.4 * expected);
+  EXPECT_LT(aside.row(0).norm() + aside.row(2).norm(), 1e-5F);
+  EXPECT_LT(bend(3, planar_pose(-1, 1, 0)).norm(), 1e-6F);
 }
 
 // Between two images: all of the depth's systematic part, for every landmark; the feature's own part as long
