@@ -65,13 +65,21 @@ Matrix6d PoseCovariance::from_start(const ParticleSet& particles, const std::vec
   return P;
 }
 
-// The world begins at the robot's first pose. What a planar filter holds to be zero (height, roll and pitch)
-// is off as the head's place is.
+// The world begins at the robot's first pose. A planar filter holds height, roll and pitch with the wrong
+// mount: cameras rise and tilt about themselves, which moves nobody aside. These three are off as the head's
+// place is.
 Matrix6d PoseCovariance::by_mount(const Eigen::Isometry3d& T_start_robot,
                                   const Eigen::Isometry3d& T_robot_camera) const {
   const Eigen::Isometry3d T_first_now = T_robot_camera.inverse() * T_start_robot * T_robot_camera;
-  Matrix6d P =
-      mount_error(T_first_now, T_robot_camera, mount_error_.sigmas(T_robot_camera), Matrix6d::Zero());
+  const Vector6d sigmas = mount_error_.sigmas(T_robot_camera);
+  Matrix6d held = Matrix6d::Zero();
+  if (planar_) {
+    const Eigen::Vector3d up = T_robot_camera.linear().row(2).transpose();
+    held.topLeftCorner<3, 3>() = up * up.transpose();
+    held.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() - up * up.transpose();
+  }
+  const Matrix6d moved = held * mount_lever(T_first_now) * sigmas.asDiagonal();
+  Matrix6d P = mount_error(T_first_now, T_robot_camera, sigmas, moved);
   if (planar_) P = PoseSpace<3>::expand(PoseSpace<3>::reduce(P));
   if (planar_) P.diagonal().segment<3>(2) = mount_.diagonal().segment<3>(2);
   return P;

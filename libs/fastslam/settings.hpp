@@ -61,7 +61,7 @@ struct FastSlamSettings {
   // What the reported covariance is made of: where the head sits, and how the stated noise of measurements
   // goes together (sensor_error.hpp).
   MountErrorSettings mount_error;
-  double draw_share = 0;
+  double draw_share = 0.05;
   double free_draw_share = 0.7;
   double systematic_depth = 0.1;
   double view_share = 0.5;
@@ -69,7 +69,7 @@ struct FastSlamSettings {
   double focal_sigma = 0.001;
   double stamp_sigma = 0.001;
   double shutter_sigma = 0;
-  double slide_sigma = 0.0035;
+  double slide_sigma = 0.003;
   double bend_sigma = 0.0002;
 
   // Motion noise of one step (standard deviations), added in variance to the odometry's own.
