@@ -94,7 +94,9 @@ TEST(PoseCovariance, HoldsWhatTheHeadsPlaceMakesOfTheWay) {
     }
     EXPECT_GT(P(0, 0), 3 * 9e-6);
     // Tilts of a head 1.1 m above the ground lean a robot in space, and move none aside that stands.
-    if (planar) EXPECT_LT(P(0, 0), 5 * 9e-6);
+    if (planar) {
+      EXPECT_LT(P(0, 0), 5 * 9e-6);
+    }
   }
 }
 
