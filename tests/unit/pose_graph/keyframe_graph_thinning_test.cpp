@@ -98,6 +98,18 @@ TEST(KeyframeGraphThinning, WhatANewNodeShowsIsCalledByItsNewNumber) {
   EXPECT_EQ(loop->to, static_cast<int>(graph.nodes().size()) - 1);
 }
 
+// What waits to be compared stays: where all do, nothing goes, and nobody hears of it.
+TEST(KeyframeGraphThinning, NothingIsToldWhereNothingMayGo) {
+  KeyframeGraphSettings settings;
+  settings.max_keyframes = 5;
+  KeyframeGraph graph(settings);
+  for (int i = 0; i < 8; ++i)
+    graph.add(one_second + 1000 * i, Eigen::Isometry3d(Eigen::Translation3d(0.3 * i, 0, 0)),
+              1e-3 * Matrix6d::Identity(), KeyframeView(), true);
+  EXPECT_FALSE(graph.thin({}));
+  EXPECT_EQ(graph.nodes().size(), 8U);
+}
+
 TEST(LongDrive, MemorySettlesAndTheLoopStillCloses) {
   constexpr int laps = 12;
   const LongDrive drive(20, laps), everything(100000, 4);
