@@ -13,8 +13,8 @@
 //
 // with v the errors of this member's sensor (sensor_error.hpp), q those of its odometry, and d the draw by
 // which particles differ, as far as weights do not choose among draws and the mean does not cancel them
-// (`draw_share`: nothing of it in the plane, where the sensor's errors are what was seen; most of it with six
-// degrees of freedom, `free_draw_share`). Mean squares over the members are covariances (Evensen 2003, "The
+// (`draw_share`: a twentieth of their variance in the plane; most of it with six degrees of freedom,
+// `free_draw_share`). Mean squares over the members are covariances (Evensen 2003, "The
 // Ensemble Kalman Filter", has the statistics). So all correlations are there: the pose in the map's frame
 // grows less certain with the way into new ground, as a walk or steadily where the error is a systematic one,
 // and is as good as it was where old landmarks are seen again.

@@ -11,6 +11,16 @@ namespace {
 // what the measurements' model leaves out: without more than in the plane fr1_rpy's NEES was twice as large.
 constexpr double least_sigma = 0.0001, least_free_sigma = 0.0003;
 
+// Of a camera's wrong place on a robot that is held in the plane, what moves the camera and not the robot: it
+// rises, and tilts about itself.
+Matrix6d held_by_plane(const Eigen::Isometry3d& T_robot_camera) {
+  const Eigen::Vector3d up = T_robot_camera.linear().row(2).transpose();
+  Matrix6d held = Matrix6d::Zero();
+  held.topLeftCorner<3, 3>() = up * up.transpose();
+  held.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() - up * up.transpose();
+  return held;
+}
+
 }  // namespace
 
 PoseCovariance::PoseCovariance(const FastSlamSettings& settings)
@@ -65,20 +75,14 @@ Matrix6d PoseCovariance::from_start(const ParticleSet& particles, const std::vec
   return P;
 }
 
-// The world begins at the robot's first pose. A planar filter holds height, roll and pitch with the wrong
-// mount: cameras rise and tilt about themselves, which moves nobody aside. These three are off as the head's
-// place is.
+// The world begins at the robot's first pose. What a planar filter holds to be zero (height, roll and pitch)
+// is off as the head's place is.
 Matrix6d PoseCovariance::by_mount(const Eigen::Isometry3d& T_start_robot,
                                   const Eigen::Isometry3d& T_robot_camera) const {
   const Eigen::Isometry3d T_first_now = T_robot_camera.inverse() * T_start_robot * T_robot_camera;
   const Vector6d sigmas = mount_error_.sigmas(T_robot_camera);
-  Matrix6d held = Matrix6d::Zero();
-  if (planar_) {
-    const Eigen::Vector3d up = T_robot_camera.linear().row(2).transpose();
-    held.topLeftCorner<3, 3>() = up * up.transpose();
-    held.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() - up * up.transpose();
-  }
-  const Matrix6d moved = held * mount_lever(T_first_now) * sigmas.asDiagonal();
+  Matrix6d moved = Matrix6d::Zero();
+  if (planar_) moved = held_by_plane(T_robot_camera) * mount_lever(T_first_now) * sigmas.asDiagonal();
   Matrix6d P = mount_error(T_first_now, T_robot_camera, sigmas, moved);
   if (planar_) P = PoseSpace<3>::expand(PoseSpace<3>::reduce(P));
   if (planar_) P.diagonal().segment<3>(2) = mount_.diagonal().segment<3>(2);
