@@ -34,6 +34,13 @@ class SensorErrorTest : public ::testing::Test {
                        const Vector6d& twist = Vector6d::Zero()) const {
     return errors.draw(point_, frame_, landmark, planar_pose(0, 0, heading), twist);
   }
+  /// Of two that draw the same but for one error.
+  EnsembleVectors difference(SensorError& with, SensorError& without, std::int64_t landmark,
+                             const Eigen::Isometry3d& T_world_robot) const {
+    const Vector6d still = Vector6d::Zero();
+    return with.draw(point_, frame_, landmark, T_world_robot, still) -
+           without.draw(point_, frame_, landmark, T_world_robot, still);
+  }
   static double mean_product(const EnsembleVectors& a, const EnsembleVectors& b, int row) {
     return static_cast<double>(a.row(row).dot(b.row(row))) / ensemble_size;
   }
@@ -61,15 +68,10 @@ TEST_F(SensorErrorTest, IsAsLargeAsTheNoiseStates) {
 // slide along by the same ratio of that way, and a third that is new by nothing.
 TEST_F(SensorErrorTest, LandmarksSlideByARatioOfTheWaySinceTheyWereFirstSeen) {
   FastSlamSettings settings = without_calibration_errors();
-  SensorError still(settings);
   settings.slide_sigma = 0.01;
-  SensorError sliding(settings);
-  // The same draws in both, but for the slide.
+  SensorError still(without_calibration_errors()), sliding(settings);
   const auto slide = [&](std::int64_t landmark, const Eigen::Isometry3d& T_world_robot) {
-    const auto of = [&](SensorError& errors) {
-      return errors.draw(point_, frame_, landmark, T_world_robot, Vector6d::Zero());
-    };
-    return EnsembleVectors(of(sliding) - of(still));
+    return difference(sliding, still, landmark, T_world_robot);
   };
   const Eigen::Isometry3d first = planar_pose(1, 1, 0), later = planar_pose(1, 3, M_PI / 2);
   EXPECT_LT(slide(1, first).norm(), 1e-6F);
@@ -84,14 +86,10 @@ TEST_F(SensorErrorTest, LandmarksSlideByARatioOfTheWaySinceTheyWereFirstSeen) {
 // The same robot: each member turns both landmarks about it by the same angle, whichever way it went.
 TEST_F(SensorErrorTest, LandmarksBendTheWaySinceTheyWereFirstSeen) {
   FastSlamSettings settings = without_calibration_errors();
-  SensorError straight(settings);
   settings.bend_sigma = 0.01;
-  SensorError bent(settings);
+  SensorError straight(without_calibration_errors()), bent(settings);
   const auto bend = [&](std::int64_t landmark, const Eigen::Isometry3d& T_world_robot) {
-    const auto of = [&](SensorError& errors) {
-      return errors.draw(point_, frame_, landmark, T_world_robot, Vector6d::Zero());
-    };
-    return EnsembleVectors(of(bent) - of(straight));
+    return difference(bent, straight, landmark, T_world_robot);
   };
   const Eigen::Isometry3d first = planar_pose(1, 1, 0);
   EXPECT_LT(bend(1, first).norm() + bend(2, first).norm(), 1e-6F);
