@@ -21,7 +21,7 @@ TEST(GrowingCloud, FindsWhatAnExhaustiveSearchFinds) {
   for (int batch = 0; batch < 40; ++batch) {
     Cloud cloud;
     for (int i = 0; i < 5 + 17 * (batch % 7); ++i)
-      cloud.points.push_back(
+      cloud.points.emplace_back(
           Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)).cast<float>());
     all.insert(all.end(), cloud.points.begin(), cloud.points.end());
     EXPECT_EQ(grown.add(cloud), cloud.size());
@@ -46,7 +46,8 @@ TEST(GrowingCloud, CountsItsPointsAndTheirTrees) {
   Random random(1);
   Cloud cloud;
   for (int i = 0; i < 1000; ++i)
-    cloud.points.push_back(Eigen::Vector3d(random.normal(), random.normal(), random.normal()).cast<float>());
+    cloud.points.emplace_back(
+        Eigen::Vector3d(random.normal(), random.normal(), random.normal()).cast<float>());
   GrowingCloud grown(0);
   grown.add(cloud);
   constexpr std::size_t in_cloud = 2 * sizeof(Eigen::Vector3f) + sizeof(float);  // point, normal, sigma

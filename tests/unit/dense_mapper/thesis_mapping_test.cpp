@@ -163,7 +163,7 @@ DenseFrame wall_frame(double x, std::uint64_t seed) {
         model.ray({random.uniform(0, model.width - 1), random.uniform(0, model.height - 1)});
     double depth = wall_distance;
     for (int k = 0; k < 10; ++k) depth = wall_depth({x + depth * ray.x(), depth * ray.y()});
-    cloud.points.push_back(((depth + random.normal(0, 0.002)) * ray).cast<float>());
+    cloud.points.emplace_back(((depth + random.normal(0, 0.002)) * ray).cast<float>());
   }
   cloud.normals.assign(cloud.size(), Eigen::Vector3f(0, 0, -1));
   cloud.colours.assign(cloud.size(), cv::Vec3b(10, 20, 30));
