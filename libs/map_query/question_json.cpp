@@ -58,6 +58,15 @@ json region_members(const Region& region) {
   return j;
 }
 
+constexpr double largest_body = 30;  // m: bodies are looked at part by part, within one look at the map
+
+void check_size(const std::string& key, double length) {
+  if (length > largest_body)
+    throw std::invalid_argument("'" + key + "' holds a body of " + std::to_string(length) +
+                                " m, must be at most " + std::to_string(largest_body) +
+                                " m (all lengths are in m)");
+}
+
 /// x y z, quaternion w x y z, and the box's whole sides.
 Box box(const std::string& key, const std::array<double, 10>& v) {
   const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);
@@ -67,6 +76,7 @@ Box box(const std::string& key, const std::array<double, 10>& v) {
   Box box;
   box.T_map_box = Eigen::Translation3d(v[0], v[1], v[2]) * q.normalized();
   box.half_size = 0.5 * Eigen::Vector3d(positive(key, v[7]), positive(key, v[8]), positive(key, v[9]));
+  check_size(key, 2 * box.half_size.maxCoeff());
   return box;
 }
 json box_row(const Box& box) {
@@ -91,11 +101,16 @@ json members(const SpaceQuestion& q) {
 
 void read(JsonFields& f, CollisionQuestion& q) {
   if (f.find("spheres") != nullptr)
-    for (const auto& v : f.rows<4>("spheres", most_asked_points))
+    for (const auto& v : f.rows<4>("spheres", most_asked_points)) {
+      check_size("spheres", 2 * v[3]);
       q.bodies.emplace_back(Sphere{{v[0], v[1], v[2]}, positive("spheres", v[3])});
+    }
   if (f.find("capsules") != nullptr)
-    for (const auto& v : f.rows<7>("capsules", most_asked_points))
-      q.bodies.emplace_back(Capsule{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, positive("capsules", v[6])});
+    for (const auto& v : f.rows<7>("capsules", most_asked_points)) {
+      const Eigen::Vector3d from(v[0], v[1], v[2]), to(v[3], v[4], v[5]);
+      check_size("capsules", (to - from).norm() + 2 * v[6]);
+      q.bodies.emplace_back(Capsule{from, to, positive("capsules", v[6])});
+    }
   if (f.find("boxes") != nullptr)
     for (const auto& v : f.rows<10>("boxes", most_asked_points)) q.bodies.emplace_back(box("boxes", v));
   if (q.bodies.empty()) throw std::invalid_argument("'spheres', 'capsules' or 'boxes' is missing");
@@ -222,12 +237,21 @@ Question::What question_of(const std::string& name) {
   }
 }
 
+constexpr int deepest = 8;  // lists and objects in one another; questions need three
+
+// Whatever prints or copies such a value goes into itself as deep.
+bool refuse_deep(int depth, json::parse_event_t /*event*/, const json& /*parsed*/) {
+  if (depth > deepest)
+    throw std::invalid_argument("a question nests lists deeper than " + std::to_string(deepest));
+  return true;
+}
+
 }  // namespace
 
 Question parse_question(const std::string& text) {
   json object;
   try {
-    object = json::parse(text);
+    object = json::parse(text, refuse_deep);
   } catch (const json::exception& error) {
     throw std::invalid_argument(std::string("a question is JSON: ") + error.what());
   }

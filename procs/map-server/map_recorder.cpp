@@ -131,6 +131,8 @@ MapRecorder::Session& MapRecorder::begin_session(const std::string& mapper, cons
   if (begun.id != 0) {
     session.kept_id = begun.id;
     session.keyframes = stored_keyframes_[begun.id];
+    for (const KeptSession& kept : kept_)
+      if (kept.id == begun.id) session.unheard_landmarks = static_cast<std::size_t>(kept.landmarks);
     kept_.erase(std::remove_if(kept_.begin(), kept_.end(),
                                [&](const KeptSession& kept) { return kept.id == begun.id; }),
                 kept_.end());
@@ -141,19 +143,25 @@ MapRecorder::Session& MapRecorder::begin_session(const std::string& mapper, cons
 
 void MapRecorder::landmarks(const SessionKey& key, const landmarks_t& message, const LandmarkMap& map,
                             bool whole) {
-  writer_.change(session("fastslam", key).number, [&](SessionChanges& changes) {
+  Session& s = session("fastslam", key);
+  const std::size_t stay =
+      whole ? map.size() : s.unheard_landmarks - std::min(s.unheard_landmarks, message.removed.size());
+  if (2 * stay < s.unheard_landmarks) {
+    leave_beside("fastslam", key, s);
+    whole = true;
+  }
+  s.unheard_landmarks = whole ? 0 : stay;
+  writer_.change(s.number, [&](SessionChanges& changes) {
     if (whole) {
       changes.clear_landmarks();
       for (const Landmark& landmark : map.landmarks()) changes.put_landmark(landmark);
       return;
     }
     // As the map has them now: it leaves out changes that come late.
-    const auto take_over = [&](std::int64_t id) {
-      const Landmark* landmark = map.find(id);
-      landmark != nullptr ? changes.put_landmark(*landmark) : changes.drop_landmark(id);
-    };
-    for (const landmark_t& landmark : message.landmarks) take_over(landmark.id);
-    for (const std::int64_t id : message.removed) take_over(id);
+    for (const landmark_t& told : message.landmarks)
+      if (const Landmark* landmark = map.find(told.id)) changes.put_landmark(*landmark);
+    for (const std::int64_t id : message.removed)
+      if (map.find(id) == nullptr) changes.drop_landmark(id);
   });
 }
 
@@ -194,7 +202,7 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
     if (s.keyframes.count(id) > 0 && is_gone(id)) gone.insert(id);
   if (whole) std::copy_if(s.keyframes.begin(), s.keyframes.end(), std::inserter(gone, gone.end()), is_gone);
   if (s.kept_id != 0 && 2 * gone.size() > s.keyframes.size()) {
-    leave_beside(key, s);
+    leave_beside("icp", key, s);
     for (const auto& [id, keyframe] : map.keyframes()) put_keyframe(s, keyframe);
     gone.clear();
   }
@@ -223,11 +231,11 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
 }
 
 /// What this server has not in memory would be lost: the file keeps it as it is.
-void MapRecorder::leave_beside(const SessionKey& key, Session& s) {
+void MapRecorder::leave_beside(const std::string& mapper, const SessionKey& key, Session& s) {
   for (std::size_t i = 0; i < stored_.size(); ++i)
-    if (stored_[i].id == s.kept_id) kept_.push_back({s.kept_id, "icp", names_of(stored_)[i]});
+    if (stored_[i].id == s.kept_id) kept_.push_back({s.kept_id, mapper, names_of(stored_)[i]});
   s = {};
-  s.number = writer_.begin_session({0, "icp", key.sender, key.frame});
+  s.number = writer_.begin_session({0, mapper, key.sender, key.frame});
 }
 
 void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map) {

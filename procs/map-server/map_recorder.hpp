@@ -34,7 +34,8 @@ class MapRecorder {
   /// A file that is there is gone on with; one that cannot be read stays as it is, and error() says why.
   MapRecorder(const std::filesystem::path& file, const std::string& configuration);
 
-  /// After the message changed the map. `whole`: all of the map may be another.
+  /// After the message changed the map. `whole`: all of the map may be another. What takes the most of the
+  /// file's landmarks away leaves those beside, as a graph does.
   void landmarks(const SessionKey& key, const landmarks_t& message, const LandmarkMap& map, bool whole);
   void keyframe(const SessionKey& key, const DenseKeyframe& keyframe);
   /// What it was shown to derived maps with.
@@ -82,16 +83,17 @@ class MapRecorder {
 
  private:
   struct Session {
-    std::size_t number = 0;            // the writer's
-    std::int64_t kept_id = 0;          // in the file, of one that goes on from an earlier run; 0: none
-    std::set<std::int32_t> keyframes;  // that the file has
+    std::size_t number = 0;             // the writer's
+    std::int64_t kept_id = 0;           // in the file, of one that goes on from an earlier run; 0: none
+    std::set<std::int32_t> keyframes;   // that the file has
+    std::size_t unheard_landmarks = 0;  // that the file has of an earlier run, until all are heard again
   };
 
   void read_kept();
   void keep(MapFile& map, const StoredSession& session);
   Session& session(const std::string& mapper, const SessionKey& key);
   Session& begin_session(const std::string& mapper, const SessionKey& key, Session& session);
-  void leave_beside(const SessionKey& key, Session& session);
+  void leave_beside(const std::string& mapper, const SessionKey& key, Session& session);
   void put_keyframe(Session& session, const DenseKeyframe& keyframe);
   std::optional<Matrix6d> covariance_at(Utime utime) const;
 

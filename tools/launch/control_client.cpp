@@ -13,8 +13,9 @@ int control_launch(const std::string& request, const std::string& robot) {
   auto launches = running_launches();
   if (!robot.empty())
     launches.erase(std::remove_if(launches.begin(), launches.end(),
-                                  [&](const auto& socket) {
-                                    return socket.filename().string().rfind(robot + "-", 0) != 0;
+                                  [&](const auto& socket) {  // ROBOT-PID.*, and names may have dashes
+                                    const std::string name = socket.filename().string();
+                                    return name.substr(0, name.rfind('-')) != robot;
                                   }),
                    launches.end());
   if (launches.empty()) {

@@ -103,5 +103,27 @@ TEST(Question, WhatIsWrongIsSaid) {
   EXPECT_EQ(problem(R"({"ask": "planes"})"), "");
 }
 
+// A robot in mm would have empty space divided for minutes, while nothing is mapped.
+TEST(Question, BodiesAreNoLargerThanRobots) {
+  for (const std::string body :
+       {R"("ask": "path", "robot": [0, 0, 700, 1, 0, 0, 0, 750, 550, 1400], "poses": [[0, 0, 0, 0]])",
+        R"("ask": "collision", "spheres": [[0, 0, 0, 0.2], [0, 0, 0, 200]])",
+        R"("ask": "collision", "capsules": [[0, 0, 0, 100, 0, 0, 0.1]])",
+        R"("ask": "collision", "boxes": [[0, 0, 0, 1, 0, 0, 0, 1, 1, 31]])"}) {
+    try {
+      parse_question("{" + body + "}");
+      ADD_FAILURE() << body;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr("all lengths are in m"));
+    }
+  }
+}
+
+TEST(Question, ListsThatNestDeepAreRefused) {
+  const std::string deep(200'000, '[');
+  EXPECT_THROW(parse_question(R"({"ask": )" + deep + std::string(200'000, ']') + "}"), std::invalid_argument);
+  EXPECT_THROW(parse_question(R"({"ask": )" + deep), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace lcmslam

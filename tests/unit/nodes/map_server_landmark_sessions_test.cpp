@@ -47,6 +47,8 @@ class LandmarkLife {
     }
     bus_.work();
   }
+  /// The mapper has told so many changes before this server began.
+  void goes_on_from(std::int64_t revision) { revisions_["map"] = revision; }
   double value(const std::string& name) { return value_of(node_, name); }
   void finish() { bus_.finish(); }
 
@@ -140,6 +142,7 @@ TEST_F(MapServerLandmarkSessions, OneThatOutlivesTheServerIsPlacedAnewAsItsMapMo
   const Eigen::Isometry3d before = *MapFile(file()).sessions().at(1).T_map_session;
   EXPECT_GT(distance_between(before, elsewhere().inverse()), 0.05);
   LandmarkLife server(scratch_.path(), "map", 13);
+  server.goes_on_from(1000);
   server.drive(room.mapped(elsewhere(), 2));
   EXPECT_EQ(server.value("kept_landmarks"), kept) << "of the old map, without the session itself";
   server.finish();

@@ -35,11 +35,16 @@ class StoringServer {
     message.sender = sender;
     bus_.deliver(channel, message);
   }
-  void landmarks(std::int64_t revision, std::int64_t base, const std::vector<std::int64_t>& ids,
-                 const std::vector<std::int64_t>& removed = {}) {
+  std::vector<landmarks_t> tiles_of(std::int64_t revision, std::int64_t base,
+                                    const std::vector<std::int64_t>& ids,
+                                    const std::vector<std::int64_t>& removed = {}) {
     std::vector<Landmark> upserted;
     for (const std::int64_t id : ids) upserted.push_back(some_landmark(random_, id));
-    for (const landmarks_t& tile : make_landmark_tiles(1, revision, base, upserted, removed))
+    return make_landmark_tiles(1, revision, base, upserted, removed);
+  }
+  void landmarks(std::int64_t revision, std::int64_t base, const std::vector<std::int64_t>& ids,
+                 const std::vector<std::int64_t>& removed = {}) {
+    for (const landmarks_t& tile : tiles_of(revision, base, ids, removed))
       send("FASTSLAM_LANDMARKS", tile, fastslam_);
   }
   DenseKeyframe keyframe(std::int32_t id, Utime utime = 0, std::size_t points = 30) {

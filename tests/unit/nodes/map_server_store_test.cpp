@@ -1,6 +1,7 @@
 // The map server's file: what it hears is in it, and the next one goes on with it.
 
 #include <gmock/gmock.h>
+#include <numeric>
 
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/status_t.hpp>
@@ -166,6 +167,62 @@ TEST_F(MapServerStore, AGraphThatTakesTheMostAwayLeavesTheFilesMapBeside) {
   EXPECT_EQ(value_of(server.node(), "kept_sessions"), 1);
   EXPECT_GE(load_ply(run() / "icp-session1_map.ply").size(), 100U);
   EXPECT_THAT(faults(), IsEmpty());
+}
+
+std::vector<std::int64_t> ids_to(std::int64_t end) {
+  std::vector<std::int64_t> ids(static_cast<std::size_t>(end));
+  std::iota(ids.begin(), ids.end(), 0);
+  return ids;
+}
+
+// Of a map in three tiles one is lost, and changes follow that build on it.
+TEST_F(MapServerStore, AMapThatComesInPartTakesNothingFromTheFile) {
+  {
+    StoringServer server(run());
+    server.landmarks(1, 0, ids_to(1000));
+    server.finish();
+  }
+  StoringServer server(run());
+  std::vector<landmarks_t> tiles = server.tiles_of(2, 0, ids_to(1000));
+  ASSERT_GT(tiles.size(), 1U);
+  tiles.pop_back();
+  for (const landmarks_t& tile : tiles) server.send("FASTSLAM_LANDMARKS", tile, 1);
+  server.finish();
+  EXPECT_EQ(MapFile(file()).landmarks(session("fastslam")).size(), 1000U);
+}
+
+TEST_F(MapServerStore, LateChangesTakeNothingFromTheFile) {
+  {
+    StoringServer server(run());
+    server.landmarks(1, 0, ids_to(20));
+    server.finish();
+  }
+  StoringServer server(run());
+  server.landmarks(9, 8, {3});
+  server.landmarks(7, 6, {4, 5});  // older: memory leaves it out
+  server.finish();
+  EXPECT_EQ(MapFile(file()).landmarks(session("fastslam")).size(), 20U);
+}
+
+TEST_F(MapServerStore, LandmarksThatAreTakenAwayAfterARestartStayBeside) {
+  for (const bool whole : {true, false}) {
+    std::filesystem::remove_all(run());
+    {
+      StoringServer server(run());
+      server.landmarks(1, 0, ids_to(300));
+      server.finish();
+    }
+    StoringServer server(run());
+    whole ? server.landmarks(2, 0, {}) : server.landmarks(2, 1, {}, ids_to(300));
+    server.landmarks(3, 2, {7});
+    server.finish();
+    MapFile read(file());
+    ASSERT_EQ(read.sessions().size(), 2U) << whole;
+    EXPECT_EQ(read.landmarks(1).size(), 300U) << whole;
+    EXPECT_EQ(read.landmarks(2).size(), 1U) << whole;
+    EXPECT_EQ(value_of(server.node(), "kept_sessions"), 1) << whole;
+    EXPECT_THAT(faults(), IsEmpty());
+  }
 }
 
 TEST_F(MapServerStore, WhatIsTakenAwayIsKeptBesideInTheFile) {

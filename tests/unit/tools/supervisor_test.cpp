@@ -324,5 +324,42 @@ TEST_F(SupervisorTest, LogsBeginAnewAndTheOldOnesAreKept) {
   EXPECT_FALSE(rotate_log(spec.log, 0, 2));
 }
 
+/// No file of this process may become larger, as on a disk that is full.
+class NoRoom {
+ public:
+  explicit NoRoom(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~NoRoom() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, SIG_DFL);
+  }
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(SupervisorTest, LogsThatADiskHasNoRoomForStayAsTheyAre) {
+  const std::string log(100'000, 'x'), older(10, 'o'), oldest(10, 'p');
+  scratch_.write("worker.txt", log);
+  scratch_.write("worker.1.txt", older);
+  scratch_.write("worker.2.txt", oldest);
+  {
+    const NoRoom full(60'000);
+    EXPECT_FALSE(rotate_log(scratch_.path() / "worker.txt", 1000, 4));
+    EXPECT_FALSE(rotate_log(scratch_.path() / "worker.txt", 1000, 4));
+  }
+  EXPECT_EQ(scratch_.read("worker.txt"), log);
+  EXPECT_EQ(scratch_.read("worker.1.txt"), older);
+  EXPECT_EQ(scratch_.read("worker.2.txt"), oldest);
+  EXPECT_FALSE(std::filesystem::exists(scratch_.path() / "worker.1.txt.part"));
+  EXPECT_TRUE(rotate_log(scratch_.path() / "worker.txt", 1000, 4));
+  EXPECT_EQ(scratch_.read("worker.1.txt"), log);
+  EXPECT_EQ(scratch_.read("worker.3.txt"), oldest);
+}
+
 }  // namespace
 }  // namespace lcmslam
