@@ -157,7 +157,7 @@ void MapRecorder::landmarks(const SessionKey& key, const landmarks_t& message, c
       for (const Landmark& landmark : map.landmarks()) changes.put_landmark(landmark);
       return;
     }
-    // As the map has them now: it leaves out changes that come late.
+    // As the map has them now: it leaves out changes that come late, and parts of a map that is not whole.
     for (const landmark_t& told : message.landmarks)
       if (const Landmark* landmark = map.find(told.id)) changes.put_landmark(*landmark);
     for (const std::int64_t id : message.removed)

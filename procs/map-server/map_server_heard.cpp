@@ -107,9 +107,8 @@ void MapServerNode::on_landmarks(const landmarks_t& message) {
   std::optional<LandmarkMap> before;
   if (may_take_most && map.size() > 0) before = map;
   bool whole = message.base_revision == 0;
-  const bool is_part = whole && message.n_tiles > 1;
   try {
-    if (is_part)
+    if (whole && message.n_tiles > 1)
       whole = map.add_tile({message.map_revision, message.tile, message.n_tiles, landmarks});
     else
       map.apply({message.map_revision, message.base_revision, landmarks, message.removed});
@@ -119,7 +118,7 @@ void MapServerNode::on_landmarks(const landmarks_t& message) {
   ++changes_;
   if (before && 2 * map.size() < before->size()) keep_beside(message, map, std::move(*before));
   const auto* session = landmark_maps_.find(key_of(message));
-  if (recorder_ && (whole || !is_part)) recorder_->landmarks(session->key, message, session->map, whole);
+  if (recorder_) recorder_->landmarks(session->key, message, session->map, whole);
   if (landmark_places_ && session == &landmark_maps_.all()[landmark_maps_.current()])
     landmark_places_->follow(session->map);
 }
