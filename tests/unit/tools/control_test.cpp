@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/unit/tools/scratch.hpp"
+#include "tools/launch/control_client.hpp"
 
 namespace lcmslam {
 namespace {
@@ -37,6 +38,27 @@ TEST_F(Control, AnswersWhoAsks) {
       << "bounded";
   stop = true;
   launch.join();
+}
+
+// Robots' names may begin with one another's.
+TEST_F(Control, TheRobotThatIsMeantIsAsked) {
+  ControlSocket dora(control_folder(), "dora"), dora_2(control_folder(), "dora-2");
+  std::atomic<bool> stop{false};
+  std::atomic<int> asked{0}, asked_2{0};
+  std::thread launches([&] {
+    while (!stop) {
+      dora.poll([&](const std::string&) { return ++asked, "fine\n"; });
+      dora_2.poll([&](const std::string&) { return ++asked_2, "fine\n"; });
+    }
+  });
+  EXPECT_EQ(control_launch("status", "dora"), 0);
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(asked_2, 0);
+  EXPECT_EQ(control_launch("status", "dora-2"), 0);
+  EXPECT_EQ(asked_2, 1);
+  EXPECT_EQ(control_launch("status", "dor"), 3);
+  stop = true;
+  launches.join();
 }
 
 TEST_F(Control, IsThisUsersAlone) {

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <csignal>
 
+#include "tests/support/full_disk.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/launch/log_files.hpp"
 
@@ -324,31 +325,13 @@ TEST_F(SupervisorTest, LogsBeginAnewAndTheOldOnesAreKept) {
   EXPECT_FALSE(rotate_log(spec.log, 0, 2));
 }
 
-/// No file of this process may become larger, as on a disk that is full.
-class NoRoom {
- public:
-  explicit NoRoom(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit now{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &now);
-  }
-  ~NoRoom() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, SIG_DFL);
-  }
-
- private:
-  rlimit before_{};
-};
-
 TEST_F(SupervisorTest, LogsThatADiskHasNoRoomForStayAsTheyAre) {
   const std::string log(100'000, 'x'), older(10, 'o'), oldest(10, 'p');
   scratch_.write("worker.txt", log);
   scratch_.write("worker.1.txt", older);
   scratch_.write("worker.2.txt", oldest);
   {
-    const NoRoom full(60'000);
+    const testing::FullDisk full(60'000);
     EXPECT_FALSE(rotate_log(scratch_.path() / "worker.txt", 1000, 4));
     EXPECT_FALSE(rotate_log(scratch_.path() / "worker.txt", 1000, 4));
   }
