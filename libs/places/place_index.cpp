@@ -111,7 +111,7 @@ void PlaceIndex::add(std::int64_t key, const Eigen::Isometry3d& T_map_camera, co
 void PlaceIndex::take_over(const PlaceIndex& other, const Eigen::Isometry3d& T_map_other,
                            std::int64_t first_key) {
   for (const auto& [key, view] : other.views_)
-    add(first_key++, View{T_map_other * view.T_map_camera, view.features, view.cloud, {}, 0});
+    add(first_key + key, View{T_map_other * view.T_map_camera, view.features, view.cloud, {}, 0});
 }
 
 void PlaceIndex::add(std::int64_t key, View view) {

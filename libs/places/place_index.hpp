@@ -63,7 +63,7 @@ class PlaceIndex {
   /// Keyframes that are not there are left out.
   void move(std::int64_t key, const Eigen::Isometry3d& T_map_camera);
   void drop(std::int64_t key);
-  /// Adds the keyframes of another map, which lies there in this one, under keys from `first_key` on.
+  /// Adds the keyframes of another map, which lies there in this one, under their keys plus `first_key`.
   void take_over(const PlaceIndex& other, const Eigen::Isometry3d& T_map_other, std::int64_t first_key);
   bool has(std::int64_t key) const { return views_.count(key) > 0; }
   std::size_t size() const { return views_.size(); }

@@ -50,15 +50,12 @@ void LandmarkSessions::place(std::int64_t session, const std::vector<Landmark>& 
   if (session == stored_current_) T_map_current_ = T_map_session;
 }
 
-void LandmarkSessions::begin_session(std::int64_t stored, std::vector<Landmark> last) {
+void LandmarkSessions::begin_session(std::int64_t stored, LandmarkMap last) {
   newest_ = -1;
   jobs_.hand_in([this, stored, last = std::move(last), number = ++begun_] {
     const std::lock_guard<std::mutex> lock(mutex_);
     number_ = number;
-    // A mapper that begins anew looks for its last map, too, where it is known how that lies.
-    if (map_.size() == 0) T_map_current_ = Eigen::Isometry3d::Identity();
-    if (T_map_current_ && T_map_session_.count(stored_current_) == 0) map_.add(last, *T_map_current_);
-    kept_ = map_.size();
+    leave_current(last);
     joiner_ = LandmarkJoiner();
     stored_current_ = stored;
     const auto known = T_map_session_.find(stored);
@@ -68,6 +65,16 @@ void LandmarkSessions::begin_session(std::int64_t stored, std::vector<Landmark> 
     T_map_current_ = known->second;
     if (stored != first_session_) go_on(stored);
   });
+}
+
+/// A mapper that begins anew looks for its last map, too, where it is known how that lies. What the file had
+/// of that goes: the mapper has learned more. Where a part alone has come it stays.
+void LandmarkSessions::leave_current(const LandmarkMap& last) {
+  if (map_.size() == 0) T_map_current_ = Eigen::Isometry3d::Identity();
+  if (!T_map_current_ || last.size() == 0) return;
+  if (stored_current_ != 0 && !last.incomplete()) map_.drop(stored_current_);
+  map_.add(last.landmarks(), *T_map_current_, stored_current_);
+  kept_ = map_.size();
 }
 
 /// As SessionPlaces: what was joined in an earlier run goes on and its mapper learns more, so that it is

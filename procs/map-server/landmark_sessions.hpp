@@ -18,9 +18,9 @@ class LandmarkSessions {
   /// As SessionPlaces, which reads the same file and says why where that cannot be read.
   LandmarkSessions(const std::filesystem::path& file, bool background);
 
-  /// Another current session; `last`: the landmarks of the one before, which stay in the map. `stored`: its
-  /// id in the file when it goes on from an earlier run, else 0.
-  void begin_session(std::int64_t stored, std::vector<Landmark> last);
+  /// Another current session; `last`: that of the one before, which stays in the map. `stored`: its id in the
+  /// file when it goes on from an earlier run, else 0.
+  void begin_session(std::int64_t stored, LandmarkMap last);
   /// The current session's map has changed.
   void follow(const LandmarkMap& map);
 
@@ -34,6 +34,7 @@ class LandmarkSessions {
   void load();
   void place(std::int64_t session, const std::vector<Landmark>& landmarks,
              const Eigen::Isometry3d& T_map_session);
+  void leave_current(const LandmarkMap& last);
   void go_on(std::int64_t session);
   void follow_moved(const LandmarkMap& map);
   void look_for(const std::vector<Landmark>& group);

@@ -67,9 +67,8 @@ void MapServerNode::hear_fastslam(const SessionKey& key) {
   fastslam_path_.clear();
   if (!landmark_places_) return;
   const bool was_another = !landmark_maps_.empty() && !(landmark_maps_.all()[last].key == key);
-  landmark_places_->begin_session(
-      recorder_ ? recorder_->stored("fastslam", key) : 0,
-      was_another ? landmark_maps_.all()[last].map.landmarks() : std::vector<Landmark>());
+  landmark_places_->begin_session(recorder_ ? recorder_->stored("fastslam", key) : 0,
+                                  was_another ? landmark_maps_.all()[last].map : LandmarkMap());
 }
 
 void MapServerNode::on_icp_pose(const pose_estimate_t& message) {

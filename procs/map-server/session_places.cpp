@@ -1,13 +1,11 @@
 #include "procs/map-server/session_places.hpp"
 
 #include <algorithm>
-#include <set>
 
 namespace lcmslam {
 namespace {
 
 constexpr std::size_t most_places = 200;
-constexpr int enough_later = 2;                                 // sessions that saw the same
 constexpr double moved_distance = 0.001, moved_angle = 0.0005;  // m, rad: then a joint is told again
 
 std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
@@ -89,7 +87,7 @@ void SessionPlaces::begin_session(std::int64_t stored) {
     if (known == T_map_session_.end()) return;
     T_map_current_ = known->second;
     lock.unlock();
-    if (stored != first_session_) go_on(stored);
+    if (stored != first_session_) go_on(stored);  // the first makes the frame
   });
 }
 
@@ -119,34 +117,9 @@ void SessionPlaces::go_on(std::int64_t session) {
 /// A mapper that begins anew looks for its last map, too, where it is known how that lies.
 void SessionPlaces::leave_current() {
   if (map_.size() == 0) T_map_current_ = Eigen::Isometry3d::Identity();
-  if (T_map_current_ && T_map_session_.count(stored_current_) == 0)
-    map_.take_over(current_, *T_map_current_, index_key(-(++left_), 0));
-}
-
-void SessionPlaces::keep(std::int64_t stored) {
-  jobs_.hand_in([this, stored] {
-    try {
-      MapFile map(file_);
-      for (const StoredSession& session : map.sessions()) {
-        if (session.id != stored) continue;
-        const std::lock_guard<std::mutex> lock(mutex_);
-        if (first_session_ == 0) first_session_ = stored;
-        if (stored != first_session_ && !session.T_map_session) return;
-        const Eigen::Isometry3d T = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
-        T_map_session_[stored] = T;  // should its mapper come back
-        for (const StoredKeyframe& keyframe : map.keyframes(stored)) {
-          const auto is_it = [&](const Kept& kept) {
-            return kept.session == stored && kept.keyframe == keyframe.id;
-          };
-          if (std::none_of(kept_.begin(), kept_.end(), is_it))
-            kept_.push_back({stored, keyframe.id, T * keyframe.T_map_camera});
-        }
-      }
-    } catch (const std::exception& error) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      error_ = error.what();
-    }
-  });
+  if (!T_map_current_) return;
+  const std::int64_t left = stored_current_ != 0 ? stored_current_ : -(++left_);
+  map_.take_over(current_, *T_map_current_, index_key(left, 0));
 }
 
 void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera,
@@ -190,9 +163,20 @@ void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& mov
     const std::lock_guard<std::mutex> lock(mutex_);
     for (const auto& [id, T_session_camera] : moved) current_.move(id, T_session_camera);
     for (const std::int32_t id : gone) current_.drop(id);
+    correct_stored(moved, gone);
     joiner_.move(moved);
     tell_joint();
   });
+}
+
+/// Of a session that goes on, what the map has of it since an earlier run.
+void SessionPlaces::correct_stored(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
+                                   const std::vector<std::int32_t>& gone) {
+  const auto known = T_map_session_.find(stored_current_);
+  if (known == T_map_session_.end()) return;
+  for (const auto& [id, T_session_camera] : moved)
+    map_.move(index_key(stored_current_, id), known->second * T_session_camera);
+  for (const std::int32_t id : gone) map_.drop(index_key(stored_current_, id));
 }
 
 std::vector<SessionPlaces::Joined> SessionPlaces::of_current(std::vector<Joined> joined, int number) {
@@ -221,43 +205,6 @@ SessionPlaces::Answer SessionPlaces::locate(const FeatureFrame& features) {
   if (T_map_current_)
     answer.located.place->T_map_camera = T_map_current_->inverse() * answer.located.place->T_map_camera;
   return answer;
-}
-
-/// A room that is mapped again and again must not take longer to be shown each time.
-bool SessionPlaces::is_outdated(std::size_t kept) const {
-  const PlaceSettings same;  // what PlaceIndex takes for one view
-  std::set<std::int64_t> later;
-  for (std::size_t i = kept + 1; i < kept_.size(); ++i)
-    if (kept_[i].session != kept_[kept].session &&
-        distance_between(kept_[i].T_map_camera, kept_[kept].T_map_camera) < same.same_view_distance &&
-        angle_between(kept_[i].T_map_camera, kept_[kept].T_map_camera) < same.same_view_angle)
-      later.insert(kept_[i].session);
-  return later.size() >= enough_later;
-}
-
-/// Of a session that goes on from an earlier run its mapper sends its own keyframes again.
-std::optional<SessionPlaces::KeptKeyframe> SessionPlaces::next_kept() {
-  constexpr int most_looks = 20;  // so that nobody waits for it
-  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
-  if (!lock || !T_map_current_) return std::nullopt;
-  for (int look = 0; look < most_looks && next_kept_ < kept_.size(); ++look) {
-    const std::size_t i = next_kept_++;
-    if (kept_[i].session != stored_current_ && !is_outdated(i)) return read_kept(i);
-  }
-  return std::nullopt;
-}
-
-SessionPlaces::KeptKeyframe SessionPlaces::read_kept(std::size_t i) {
-  const Kept& kept = kept_[i];
-  KeptKeyframe keyframe{static_cast<int>(i), T_map_current_->inverse() * kept.T_map_camera, {}, {}};
-  try {
-    MapFile map(file_);
-    keyframe.images = map.images(kept.session, kept.keyframe);
-    if (!keyframe.images) keyframe.cloud = map.cloud(kept.session, kept.keyframe);
-  } catch (const std::exception& error) {
-    error_ = error.what();
-  }
-  return keyframe;
 }
 
 std::size_t SessionPlaces::kept_keyframes() const {

@@ -80,6 +80,7 @@ class SessionPlaces {
     Eigen::Isometry3d T_map_camera;
   };
   void load();
+  void keep(const Kept& keyframe);
   bool is_outdated(std::size_t kept) const;
   KeptKeyframe read_kept(std::size_t kept);
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
@@ -88,6 +89,8 @@ class SessionPlaces {
   void look_for(std::int32_t id, const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
                 const ColouredCloud& cloud);
   void tell_joint();
+  void correct_stored(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
+                      const std::vector<std::int32_t>& gone);
   void join_stored(MapFile& map, std::int64_t session);
 
   std::filesystem::path file_;

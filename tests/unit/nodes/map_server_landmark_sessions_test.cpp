@@ -29,11 +29,7 @@ class LandmarkLife {
   void drive(const std::vector<Landmark>& landmarks, const std::string& frame = "map") {
     std::int64_t& revision = revisions_[frame];
     for (std::size_t i = 0; i < landmarks.size(); i += 25) {
-      utime_ += 1'000'000;
-      pose_estimate_t pose =
-          make_pose_estimate(utime_, Eigen::Isometry3d::Identity(), Matrix6d::Identity() * 1e-6);
-      pose.status = pose_estimate_t::TRACKING;
-      send("FASTSLAM_POSE", pose, frame);
+      track(frame);
       const auto end = std::min(landmarks.size(), i + 25);
       const auto at = [&](std::size_t k) { return landmarks.begin() + static_cast<std::ptrdiff_t>(k); };
       for (landmarks_t& told : make_landmark_tiles(utime_, 0, 0, {at(i), at(end)}, {})) {
@@ -47,12 +43,26 @@ class LandmarkLife {
     }
     bus_.work();
   }
+  /// The mapper is asked for all that it has.
+  void tell_all(const std::vector<Landmark>& landmarks) {
+    track("map");
+    for (const landmarks_t& tile : make_landmark_tiles(utime_, ++revisions_["map"], 0, landmarks, {}))
+      send("FASTSLAM_LANDMARKS", tile, "map");
+    bus_.work();
+  }
   /// The mapper has told so many changes before this server began.
   void goes_on_from(std::int64_t revision) { revisions_["map"] = revision; }
   double value(const std::string& name) { return value_of(node_, name); }
   void finish() { bus_.finish(); }
 
  private:
+  void track(const std::string& frame) {
+    utime_ += 1'000'000;
+    pose_estimate_t pose =
+        make_pose_estimate(utime_, Eigen::Isometry3d::Identity(), Matrix6d::Identity() * 1e-6);
+    pose.status = pose_estimate_t::TRACKING;
+    send("FASTSLAM_POSE", pose, frame);
+  }
   template <class M>
   void send(const std::string& channel, M message, const std::string& frame) {
     message.seq = seq_++;
@@ -145,6 +155,35 @@ TEST_F(MapServerLandmarkSessions, OneThatOutlivesTheServerIsPlacedAnewAsItsMapMo
   server.goes_on_from(1000);
   server.drive(room.mapped(elsewhere(), 2));
   EXPECT_EQ(server.value("kept_landmarks"), kept) << "of the old map, without the session itself";
+  server.finish();
+  expect_joined(2);
+}
+
+// The map's first session goes on, too.
+TEST_F(MapServerLandmarkSessions, WhatTheFirstOneLearnsAfterARestartCountsForOthers) {
+  {
+    LandmarkLife server(scratch_.path(), "map", 3);
+    server.drive(room.mapped(planar_pose(0.1, 0.05, 0.03), 1));
+    server.finish();
+  }
+  LandmarkLife server(scratch_.path(), "map", 3);
+  server.tell_all(room.mapped(Eigen::Isometry3d::Identity(), 1));
+  server.drive(room.mapped(elsewhere(), 2), "map-2");
+  EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
+  server.finish();
+  expect_joined(2);
+}
+
+TEST_F(MapServerLandmarkSessions, APartOfTheFirstOneLeavesTheFilesWhole) {
+  map_once();
+  LandmarkLife server(scratch_.path(), "map", 3);
+  const double kept = server.value("kept_landmarks");
+  server.goes_on_from(1000);
+  const auto all = room.mapped(Eigen::Isometry3d::Identity(), 1);
+  server.drive({all.begin(), all.begin() + 50});
+  server.drive(room.mapped(elsewhere(), 2), "map-2");
+  EXPECT_GE(server.value("kept_landmarks"), kept);
+  EXPECT_EQ(server.value("landmark_sessions_joined"), 1);
   server.finish();
   expect_joined(2);
 }
