@@ -66,27 +66,34 @@ class MapClient::Bus {
 
   Reply ask(const std::string& question, double deadline) {
     const auto end = Clock::now() + seconds(deadline);
+    begin();
     send(question);
     while (Clock::now() < end) {
       Arrival arrival;
       if (receiver_->take(arrival, std::chrono::milliseconds(20))) arrival.deliver();
       if (failed_) throw MapError(error_);
       if (n_tiles_ > 0 && tiles_.size() == n_tiles_) return joined();
-      // Nobody may have heard it, or a tile was lost; an answer is put together of one asking only.
-      if (Clock::now() - last_heard_ > asked_again_after) send(question);
+      if (Clock::now() - last_heard_ <= asked_again_after) continue;
+      // A tile was lost; or else nobody may have heard it, or the answer takes its time and is welcome later.
+      if (!tiles_.empty()) begin();
+      send(question);
     }
     throw MapError("no answer from a map server on " + url_ + " within " + std::to_string(deadline) + " s" +
                    (tiles_.empty() ? "" : "; some of it is missing"));
   }
 
  private:
-  void send(const std::string& question) {
+  void begin() {
+    ++id_;
     tiles_.clear();
     n_tiles_ = 0;
     failed_ = false;
+  }
+
+  void send(const std::string& question) {
     map_request_t request{};
     request.utime = 0;
-    request.request_id = ++id_;
+    request.request_id = id_;
     request.kind = map_request_t::QUERY;
     request.argument = question;
     publisher_.publish("MAP_REQUEST", request);
@@ -104,7 +111,10 @@ class MapClient::Bus {
       error_ = printable(reply.message);
       return;
     }
-    n_tiles_ = static_cast<std::size_t>(reply.n_tiles);
+    const auto n_tiles = static_cast<std::size_t>(reply.n_tiles);
+    // Who was asked twice may answer twice; an answer is put together of one map's tiles only.
+    if (n_tiles != n_tiles_ || reply.content != content_) tiles_.clear();
+    n_tiles_ = n_tiles;
     content_ = reply.content;
     tiles_[reply.tile] = std::string(reply.data.begin(), reply.data.end());
   }

@@ -36,6 +36,7 @@ void MapServerNode::on_request(const map_request_t& request) {
 
 /// Answered by work(), when the desk has done its part.
 void MapServerNode::ask(const map_request_t& request) {
+  if (desk_.has(request)) return;
   Question question = parse_question(request.argument);
   AskedMap map = asked_map(question);
   if (replies_.full() || !desk_.ask({request, std::move(question), std::move(map)}))

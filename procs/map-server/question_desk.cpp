@@ -1,5 +1,6 @@
 #include "procs/map-server/question_desk.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace lcmslam {
@@ -34,6 +35,17 @@ QuestionDesk::~QuestionDesk() {
   thread_.join();
 }
 
+bool QuestionDesk::has(const map_request_t& request) const {
+  const auto same = [&](const map_request_t& r) {
+    return r.sender == request.sender && r.request_id == request.request_id && r.argument == request.argument;
+  };
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return (working_ && same(*working_)) ||
+         std::any_of(waiting_.begin(), waiting_.end(),
+                     [&](const Waiting& w) { return same(w.asked.request); }) ||
+         std::any_of(answered_.begin(), answered_.end(), [&](const Answered& a) { return same(a.request); });
+}
+
 bool QuestionDesk::ask(Asked asked) {
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double>(asked.question.deadline));
@@ -54,14 +66,14 @@ void QuestionDesk::work() {
     if (stop_) return;
     Waiting waiting = std::move(waiting_.front());
     waiting_.pop_front();
-    working_ = true;
+    working_ = waiting.asked.request;
     lock.unlock();
     Answered result{
         waiting.asked.request, "it came too late: its deadline was over before its turn", {}, "", 0};
     waiting.asked.map.is_late = [until = waiting.until] { return Clock::now() >= until; };
     if (!waiting.asked.map.is_late()) result = answered(waiting.asked);
     lock.lock();
-    working_ = false;
+    working_.reset();
     answered_.push_back(std::move(result));
   }
 }
@@ -73,7 +85,7 @@ std::vector<QuestionDesk::Answered> QuestionDesk::take() {
 
 bool QuestionDesk::busy() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return working_ || !waiting_.empty() || !answered_.empty();
+  return working_.has_value() || !waiting_.empty() || !answered_.empty();
 }
 
 }  // namespace lcmslam

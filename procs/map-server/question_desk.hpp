@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include <lcmslam/live_map/answer.hpp>
@@ -33,6 +34,8 @@ class QuestionDesk {
     std::int64_t map_version = 0;
   };
 
+  /// Whether that very request waits or its answer does: who asks again without one waits for the first.
+  bool has(const map_request_t& request) const;
   /// False: too many wait.
   bool ask(Asked asked);
   /// What has been answered since.
@@ -52,7 +55,8 @@ class QuestionDesk {
   std::condition_variable wake_;
   std::deque<Waiting> waiting_;
   std::vector<Answered> answered_;
-  bool stop_ = false, working_ = false;
+  std::optional<map_request_t> working_;  // on its question
+  bool stop_ = false;
   std::thread thread_;
 };
 

@@ -168,6 +168,24 @@ TEST_F(MapServerQuestions, SpaceIsOccupiedWhereSurfacesAreAndFreeBefore) {
   EXPECT_THAT(last.content, HasSubstr("application/json; frame=map; map_version="));
 }
 
+// Who waits asks again under the same number, in case nobody has heard it.
+TEST_F(MapServerQuestions, WhoAsksAgainBeforeTheAnswerIsAnsweredOnce) {
+  map_request_t request{};
+  request.kind = map_request_t::QUERY;
+  request.argument = R"({"ask": "planes"})";
+  request.request_id = 5;
+  bus_.deliver("MAP_REQUEST", request);
+  bus_.deliver("MAP_REQUEST", request);
+  map_request_t another = request;
+  another.sender = 78;
+  bus_.deliver("MAP_REQUEST", another);
+  bus_.work();
+  EXPECT_EQ(bus_.count("MAP_REPLY"), 2U);
+  bus_.deliver("MAP_REQUEST", request);  // that answer was lost
+  bus_.work();
+  EXPECT_EQ(bus_.count("MAP_REPLY"), 3U);
+}
+
 TEST_F(MapServerQuestions, DistancesAreThoseToTheSurfaces) {
   drive();
   const auto points = seen(0.8);
