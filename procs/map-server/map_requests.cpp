@@ -8,17 +8,20 @@
 namespace lcmslam {
 
 void MapServerNode::on_request(const map_request_t& request) {
-  map_reply_t reply;
+  map_reply_t reply{};
   reply.utime = request.utime;
   reply.request_id = request.request_id;
-  reply.status = 0;
-  reply.tile = 0;
   reply.n_tiles = 1;
   try {
     if (request.kind == map_request_t::QUERY) return ask(request);
     if (request.kind == map_request_t::EXPORT) {
       for (const auto& file : export_maps(request)) reply.message += file + "\n";
-    } else if (request.kind != map_request_t::INFO) {
+    } else if (request.kind == map_request_t::INFO) {
+      const std::string info = describe();
+      reply.content = "application/json";
+      reply.data.assign(info.begin(), info.end());
+      reply.size = static_cast<std::int32_t>(reply.data.size());
+    } else {
       throw std::runtime_error(fmt::format("there is no request of kind {}", request.kind));
     }
   } catch (const std::exception& error) {
@@ -27,10 +30,6 @@ void MapServerNode::on_request(const map_request_t& request) {
     ++requests_refused_;
     spdlog::error("request refused: {}", error.what());
   }
-  const std::string info = describe();
-  reply.content = "application/json";
-  reply.data.assign(info.begin(), info.end());
-  reply.size = static_cast<int32_t>(reply.data.size());
   publisher_.publish("MAP_REPLY", reply);
 }
 
@@ -94,8 +93,7 @@ std::string MapServerNode::describe() const {
   return fmt::format(
       R"({{"landmarks": {}, "keyframes": {}, "map_points": {}, "resolution": {}, "kept_sessions": {}}})",
       landmarks != nullptr ? landmarks->size() : 0, dense != nullptr ? dense->keyframes().size() : 0,
-      dense != nullptr ? dense->merge(resolution_).size() : 0, resolution_,
-      recorder_ ? recorder_->kept().size() : 0);
+      dense != nullptr ? dense->point_count() : 0, resolution_, recorder_ ? recorder_->kept().size() : 0);
 }
 
 std::vector<std::string> MapServerNode::export_maps(const map_request_t& request) {

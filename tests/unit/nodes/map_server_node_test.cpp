@@ -20,6 +20,13 @@ TEST_F(MapServer, InfoTellsWhatIsThere) {
               AllOf(HasSubstr("\"landmarks\": 2"), HasSubstr("\"keyframes\": 1")));
 }
 
+// Counting the points of a map that is put together of all keyframes takes seconds.
+TEST_F(MapServer, InfoCountsThePointsThatStatusCounts) {
+  for (std::int32_t id = 0; id < 20; ++id) keyframe(2, id, 2000);
+  const map_reply_t reply = request(map_request_t::INFO);
+  EXPECT_THAT(std::string(reply.data.begin(), reply.data.end()), HasSubstr("\"map_points\": 40000,"));
+}
+
 TEST_F(MapServer, MissedLandmarkChangeIsAskedForAgainAndRepaired) {
   landmarks(1, 1, 0, {10});
   pose("FASTSLAM_POSE", 1, 1, 10.0);

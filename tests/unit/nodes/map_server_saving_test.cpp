@@ -55,6 +55,7 @@ TEST_F(MapServer, RequestsThatCannotBeFulfilledSayWhy) {
   const map_reply_t kind = request(99);
   EXPECT_EQ(kind.status, 1);
   EXPECT_THAT(kind.message, HasSubstr("99"));
+  EXPECT_EQ(kind.size, 0) << "nobody asked how large the map is";
   EXPECT_EQ(request(map_request_t::INFO).status, 0);  // and it goes on
 }
 
