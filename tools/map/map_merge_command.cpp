@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <iostream>
 
+#include <lcmslam/map_store/file/clear_beside.hpp>
 #include <lcmslam/map_store/file/compact_map_file.hpp>
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/file/map_store.hpp>
@@ -150,12 +151,16 @@ int map_merge_command(int argc, char** argv) {
   app.add_flag("--force", force, "overwrite that if it exists");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   check_output_file(into, force);
-  MapFile a(first), b(second);
-  const Joints joints = find_joints(a, b);
   const fs::path part = into + ".part";
+  Joints joints;
   try {
-    copy_compacted(first, FilePlace(part));
-    append(b, joints, part);
+    {
+      MapFile a(first), b(second);  // closed before one of them is replaced
+      joints = find_joints(a, b);
+      copy_compacted(first, FilePlace(part));
+      append(b, joints, part);
+    }
+    clear_beside(into);
     fs::rename(part, into);
   } catch (...) {
     for (const char* ending : {"", "-wal", "-shm"}) fs::remove(part.string() + ending);

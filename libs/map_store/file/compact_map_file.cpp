@@ -1,6 +1,9 @@
 #include <lcmslam/map_store/file/compact_map_file.hpp>
 
+#include <optional>
+
 #include <lcmslam/files/atomic_file.hpp>
+#include <lcmslam/map_store/file/clear_beside.hpp>
 #include <lcmslam/map_store/file/store_schema.hpp>
 
 namespace lcmslam {
@@ -15,12 +18,14 @@ void compact_map_file(const std::filesystem::path& file) {
 }
 
 void copy_compacted(const std::filesystem::path& file, const FilePlace& copy) {
-  Database database(file, Database::Access::read);
-  schema_of(database);
-  database.execute("PRAGMA query_only = 0");  // it would hold for the copy, too
+  std::optional<Database> database(std::in_place, file, Database::Access::read);
+  schema_of(*database);
+  database->execute("PRAGMA query_only = 0");  // it would hold for the copy, too
   write_atomically(copy, [&](const std::filesystem::path& part) {
     // By its own name: SQLite follows no links (Database), and `part` may be one.
-    Statement(database, "VACUUM INTO ?")(std::filesystem::canonical(part).string()).run();
+    Statement(*database, "VACUUM INTO ?")(std::filesystem::canonical(part).string()).run();
+    database.reset();  // the copy may take its place
+    clear_beside(copy.path());
   });
 }
 

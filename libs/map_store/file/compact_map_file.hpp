@@ -10,7 +10,8 @@ namespace lcmslam {
 /// In its place; killed half-way it is as it was. Throws StoreError, also while somebody else has it open.
 void compact_map_file(const std::filesystem::path& file);
 
-/// As another file, which is the old one or whole. Throws StoreError, std::runtime_error.
+/// As another file, which is the old one or whole. Throws StoreError, std::runtime_error, also while somebody
+/// else has the old one of that name open.
 void copy_compacted(const std::filesystem::path& file, const FilePlace& copy);
 
 }  // namespace lcmslam

@@ -44,6 +44,15 @@ class MapCommand : public ::testing::Test {
     transaction.commit();
   }
   void SetUp() override { write(file()); }
+  /// A map whose writer was killed: its last changes stand in SQLite's log beside it.
+  void leave_with_log(const std::filesystem::path& killed) {
+    const auto alive = folder_ / "alive.lcmslam";
+    MapStore store(alive);
+    write(alive, 0.25);
+    for (const char* ending : {"", "-wal"})
+      std::filesystem::copy_file(alive.string() + ending, killed.string() + ending);
+    ASSERT_GT(std::filesystem::file_size(killed.string() + "-wal"), 1000U);
+  }
   testing::CommandRun run(std::vector<std::string> arguments) {
     return testing::run_command({"map", map_command}, std::move(arguments));
   }
@@ -230,6 +239,10 @@ TEST_F(MapCommand, MergeKnowsMapsOfLandmarksAlone) {
   ASSERT_TRUE(sessions[1].T_map_session);
   EXPECT_LT(distance_between(*sessions[1].T_map_session, elsewhere().inverse()), 0.03);
   EXPECT_LT(angle_between(*sessions[1].T_map_session, elsewhere().inverse()), 0.01);
+  const std::string old = folder_ / "old.lcmslam";
+  leave_with_log(old);
+  ASSERT_EQ(run({"merge", monday, friday, "--into", old, "--force"}).exit_code, 0);
+  EXPECT_EQ(run({"diff", both, old}).exit_code, 0);
   const auto out = folder_ / "view";
   ASSERT_EQ(run({"view", both, out.string()}).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(out / "fastslam-session1_top.png"));
@@ -274,6 +287,28 @@ TEST_F(MapCommand, AMapThatIsWrittenIsNotCompactedInItsPlace) {
   const auto refused = run({"compact", file()});
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.errors, HasSubstr("database is locked"));
+}
+
+// SQLite would write the old file's log over the new one.
+TEST_F(MapCommand, WhatTakesTheNameOfAKilledWritersMapIsItselfOnly) {
+  const auto copy = folder_ / "copy.lcmslam";
+  leave_with_log(copy);
+  EXPECT_EQ(run({"compact", file(), "--out", copy, "--force"}).exit_code, 0);
+  const auto diff = run({"diff", file(), copy});
+  EXPECT_EQ(diff.exit_code, 0) << diff.out << diff.errors;
+}
+
+TEST_F(MapCommand, AMapThatIsOpenIsNotReplaced) {
+  const auto copy = folder_ / "copy.lcmslam";
+  write(copy, 0.25);
+  {
+    MapStore writer(copy);
+    const auto refused = run({"compact", file(), "--out", copy, "--force"});
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.errors, AllOf(HasSubstr("copy.lcmslam"), HasSubstr("database is locked")));
+  }
+  EXPECT_EQ(run({"diff", file(), copy}).exit_code, 1) << "it stays as it was";
+  EXPECT_EQ(run({"compact", file(), "--out", file(), "--force"}).exit_code, 0) << "nobody else has it open";
 }
 
 TEST_F(MapCommand, DiffSaysWhatMovedAndHowFar) {
