@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 #include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/file/map_store.hpp>
