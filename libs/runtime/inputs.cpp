@@ -1,37 +1,8 @@
 #include <lcmslam/runtime/inputs.hpp>
 
 #include <spdlog/spdlog.h>
-#include <algorithm>
 
 namespace lcmslam {
-
-void InputCount::follow(std::int64_t seq, std::int64_t known_missing, Utime utime) {
-  constexpr std::int64_t largest_seq = std::int64_t{1} << 50;  // more are garbage
-  constexpr std::int64_t most_missing = 1000;
-  constexpr Utime replay_step = 1'000'000;   // us; a log that starts again goes back by more
-  if (seq < 0 || seq > largest_seq) return;  // a foreign sender that does not number
-  const bool went_back = numbered_utime_ > replay_step && utime < numbered_utime_ - replay_step;
-  const bool replayed = seq <= last_seq && missing_.count(seq) == 0 && went_back;
-  if (replayed) {
-    last_seq = -1;
-    missing_.clear();
-  }
-  numbered_utime_ = utime;
-  if (last_seq < 0) {
-    last_seq = seq;
-  } else if (seq > last_seq) {
-    lost += std::max<std::int64_t>(0, seq - last_seq - 1 - known_missing);
-    for (std::int64_t gap = std::max(last_seq + 1, seq - most_missing); gap < seq; ++gap)
-      missing_.insert(gap);
-    while (missing_.size() > most_missing) missing_.erase(missing_.begin());
-    last_seq = seq;
-  } else if (missing_.erase(seq) > 0) {
-    ++reordered;  // was counted as lost when its successor came
-    if (lost > 0) --lost;
-  } else {
-    ++duplicates;
-  }
-}
 
 void Input::deliver(const std::uint8_t* data, std::size_t size, std::int64_t dropped) {
   known_missing_ += dropped;
@@ -56,7 +27,7 @@ void Input::seen(const Origin& origin, Utime utime, std::size_t size) {
       100'000'000'000'000'000;  // us, 3000 years: differences of sound times never overflow
   if (utime < -far_away || utime > far_away)
     throw DecodeError("utime " + std::to_string(utime) + " is no time");
-  InputCount& count = count_of(origin.sender);
+  InputCount& count = senders.of(origin.sender);
   ++count.received;
   count.bytes += static_cast<std::int64_t>(size);
   count.last_utime = utime;
@@ -67,14 +38,8 @@ void Input::seen(const Origin& origin, Utime utime, std::size_t size) {
 }
 
 void Input::skip(const MessageIdentity& message) {
-  count_of(message.origin.sender).follow(message.origin.seq, known_missing_, message.utime);
+  senders.of(message.origin.sender).follow(message.origin.seq, known_missing_, message.utime);
   known_missing_ = 0;
-}
-
-InputCount& Input::count_of(std::int64_t sender) {
-  constexpr std::size_t most_senders = 64;  // garbage must not grow the table for ever
-  const bool known = senders.count(sender) > 0;
-  return senders[known || senders.size() < most_senders ? sender : 0];
 }
 
 std::optional<MessageIdentity> Inputs::BytesInput::identify(const std::uint8_t* data,

@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,29 +15,10 @@
 #include <lcmslam/messages/any_message.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/origin.hpp>
+#include <lcmslam/runtime/sender_counts.hpp>
 #include <lcmslam/runtime/stamp_judge.hpp>
 
 namespace lcmslam {
-
-/// What was received on one channel from one sender.
-struct InputCount {
-  std::int64_t received = 0;
-  std::int64_t bytes = 0;
-  std::int64_t lost = 0;  ///< gaps in seq
-  std::int64_t duplicates = 0;
-  std::int64_t reordered = 0;  ///< came after a later one: taken for lost until then
-  std::int64_t last_seq = -1;
-  Utime last_utime = 0;
-
-  /// Follows the sender's numbering. `known_missing` messages before this one arrived but their numbers could
-  /// not be read (decode errors): they are not lost. A `utime` far before the last one's together with a
-  /// number that does not rise is a log that is played again: the numbering begins anew.
-  void follow(std::int64_t seq, std::int64_t known_missing = 0, Utime utime = 0);
-
- private:
-  std::set<std::int64_t> missing_;  // numbers taken for lost, the newest of them
-  Utime numbered_utime_ = 0;        // of the last message that was followed
-};
 
 /// What remains of a message that was thrown away unhandled.
 struct MessageIdentity {
@@ -72,7 +52,7 @@ class Input {
 
   std::int64_t decode_errors = 0;
   std::string last_error;
-  std::map<std::int64_t, InputCount> senders;
+  SenderCounts senders;
 
  protected:
   /// Decodes, calls `seen`, then the handler. Throws DecodeError.
@@ -80,7 +60,6 @@ class Input {
   void seen(const Origin& origin, Utime utime, std::size_t size);
 
  private:
-  InputCount& count_of(std::int64_t sender);
   std::string channel_;
   std::size_t capacity_;
   std::int64_t known_missing_ = 0;    // since the last good message

@@ -4,6 +4,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <lcmslam/runtime/machine.hpp>
 
@@ -81,10 +82,11 @@ void StatusReporter::answered(Utime utime) {
 }
 
 double StatusReporter::rate(const std::string& key, std::int64_t now_value, double seconds) {
-  std::int64_t& last = last_values_[key];
-  const double result = seconds > 0 ? static_cast<double>(now_value - last) / seconds : 0;
-  last = now_value;
-  return result;
+  const auto found = last_values_.find(key);
+  const std::int64_t before = found == last_values_.end() ? 0 : found->second;
+  values_[key] = now_value;
+  // A sender that was forgotten meanwhile and has come again begins with nothing.
+  return seconds > 0 ? static_cast<double>(std::max<std::int64_t>(0, now_value - before)) / seconds : 0;
 }
 
 status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs, Receiver& receiver) {
@@ -110,8 +112,9 @@ status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs,
 
   const auto queues = receiver.counts();
   for (const auto& input : inputs.all()) {
-    auto senders = input->senders;
+    auto senders = input->senders.table();
     if (senders.empty()) senders[0] = {};
+    const InputCount& forgotten = input->senders.forgotten();  // came long ago: no part of a rate
     bool first = true;  // what belongs to the channel stands with its first sender
     for (const auto& [sender, count] : senders) {
       const std::string key = input->channel() + std::to_string(sender);
@@ -126,8 +129,8 @@ status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs,
       in.queue_drops = first ? queues.at(input.get()).drops : 0;
       in.last_seq = count.last_seq;
       in.last_utime = count.last_utime;
-      in.rate = rate(key + "#", count.received, seconds);
-      in.bytes_per_second = rate(key + "b", count.bytes, seconds);
+      in.rate = rate(key + "#", count.received - (sender == 0 ? forgotten.received : 0), seconds);
+      in.bytes_per_second = rate(key + "b", count.bytes - (sender == 0 ? forgotten.bytes : 0), seconds);
       in.queue_age = first ? queues.at(input.get()).oldest : 0;
       in.last_error = first ? trouble_of(*input, queues.at(input.get())) : "";
       s.inputs.push_back(in);
@@ -160,6 +163,7 @@ status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs,
   s.n_inputs = static_cast<int32_t>(s.inputs.size());
   s.n_outputs = static_cast<int32_t>(s.outputs.size());
   s.n_values = static_cast<int32_t>(s.values.size());
+  last_values_ = std::exchange(values_, {});  // those of senders that were forgotten are gone
   last_ = now;
   last_cpu_ = s.cpu_total;
   return s;

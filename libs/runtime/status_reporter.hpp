@@ -35,7 +35,7 @@ class StatusReporter {
   SteadyTime start_ = std::chrono::steady_clock::now();
   SteadyTime last_ = start_;
   double last_cpu_ = 0;
-  std::map<std::string, std::int64_t> last_values_;
+  std::map<std::string, std::int64_t> last_values_, values_;  // at the last call, and at this one
   std::map<Utime, SteadyTime> waiting_;
   std::vector<double> latencies_;  // s, the newest of them
 };

@@ -186,9 +186,7 @@ void BridgeNode::tell(const std::string& channel, Teller& teller, Snapshots& sna
 void BridgeNode::ask_for_what_lacks() {
   const auto now = Clock::now();
   if (now < next_request_) return;
-  std::int64_t lost = 0;
-  if (keyframes_ != nullptr)
-    for (const auto& [sender, count] : keyframes_->senders) lost += count.lost;
+  const std::int64_t lost = keyframes_ != nullptr ? keyframes_->senders.total().lost : 0;
   const bool icp = graph_.incomplete() || lost > keyframes_lost_ || asked_ == 0 || outbox_.lacks();
   const bool fastslam = landmarks_.incomplete() || asked_ == 0;
   if (!icp && !fastslam) return;

@@ -173,7 +173,7 @@ std::vector<BatchGraph::Summary> BatchGraph::summary() const {
       summary.decode_errors += input->decode_errors;
       if (input->decode_errors > 0)
         summary.refused[input->channel()] = {input->decode_errors, input->last_error};
-      for (const auto& [sender, count] : input->senders) summary.received += count.received;
+      summary.received += input->senders.total().received;
     }
     for (const auto& [channel, count] : member->outbox.counts()) summary.published += count.sent;
     summary.report = with_stamps(member->node->report(), member->inputs.stamps());

@@ -183,8 +183,8 @@ Finding check_loop_back(const DoctorOptions& options) {
   }
   if (lost == 0 && !slow) return finding;
   if (lost > 0) finding.level = lost == count ? Level::failure : Level::warning;
-  const auto sender_count = input.senders.find(sender);
-  if (sender_count != input.senders.end())
+  const auto sender_count = input.senders.known().find(sender);
+  if (sender_count != input.senders.known().end())
     finding.text += fmt::format(" ({} counted as lost)", sender_count->second.lost);
   const bool multicast = !multicast_address(options.lcm_url).group.empty();
   if (multicast) finding.cure = "sudo sysctl -w net.core.rmem_max=4194304";

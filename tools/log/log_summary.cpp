@@ -8,8 +8,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t most_types = 8;     // of a channel; more are garbage
-constexpr std::size_t most_senders = 64;  // the same
+constexpr std::size_t most_types = 8;  // of a channel; more are garbage
 
 /// Follows one channel's times.
 struct ChannelTimes {
@@ -89,8 +88,7 @@ class Summariser {
   static void follow_numbers(ChannelSummary& channel, const LogEventView& event) {
     const Origin origin = message_origin(event.data, event.size);
     if (origin.seq < 0) return;
-    if (channel.senders.count(origin.sender) == 0 && channel.senders.size() == most_senders) return;
-    InputCount& sender = channel.senders[origin.sender];
+    InputCount& sender = channel.senders.of(origin.sender);
     ++sender.received;
     sender.follow(origin.seq, 0, message_utime(event.data, event.size).value_or(0));
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <lcmslam/log/log_reader.hpp>
-#include <lcmslam/runtime/inputs.hpp>
+#include <lcmslam/runtime/sender_counts.hpp>
 #include "tools/log/part_joiner.hpp"
 
 namespace lcmslam {
@@ -16,10 +16,10 @@ struct ChannelSummary {
   std::int64_t other_types = 0;                 ///< messages of further types
   std::int64_t untyped = 0;                     ///< messages of less than 8 bytes
   std::int64_t count = 0, bytes = 0, largest = 0;
-  Utime largest_gap = 0;                       ///< us, within a session
-  std::int64_t jumps_back = 0;                 ///< messages logged with an earlier time than the one before
-  double rate = 0;                             ///< Hz, over the sessions' times
-  std::map<std::int64_t, InputCount> senders;  ///< of numbered types; lost = gaps in seq
+  Utime largest_gap = 0;        ///< us, within a session
+  std::int64_t jumps_back = 0;  ///< messages logged with an earlier time than the one before
+  double rate = 0;              ///< Hz, over the sessions' times
+  SenderCounts senders;         ///< of numbered types; lost = gaps in seq
 };
 
 struct SessionSummary {

@@ -18,7 +18,7 @@ Json channel_json(const std::string& name, const ChannelSummary& channel) {
                      {"messages", n}});
   }
   Json senders = Json::array();
-  for (const auto& [sender, count] : channel.senders)
+  for (const auto& [sender, count] : channel.senders.table())
     senders.push_back({{"sender", sender},
                        {"messages", count.received},
                        {"lost", count.lost},

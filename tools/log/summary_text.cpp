@@ -33,10 +33,7 @@ std::string types_text(const ChannelSummary& channel) {
 }
 
 std::string lost_text(const ChannelSummary& channel) {
-  if (channel.senders.empty()) return "-";
-  std::int64_t lost = 0;
-  for (const auto& [sender, count] : channel.senders) lost += count.lost;
-  return std::to_string(lost);
+  return channel.senders.known().empty() ? "-" : std::to_string(channel.senders.total().lost);
 }
 
 std::string sessions_text(const LogSummary& summary) {

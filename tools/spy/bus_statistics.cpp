@@ -13,7 +13,6 @@ namespace {
 
 // Garbage must not grow the tables for ever.
 constexpr std::size_t most_channels = 1000;
-constexpr std::size_t most_senders = 64;
 constexpr std::size_t most_types = 64;
 
 /// Enough to read the numbering of every type.
@@ -45,21 +44,9 @@ std::uint64_t message_fingerprint(const std::uint8_t* data, std::size_t size) {
   return static_cast<std::uint64_t>(WireReader(data, size).integer(8, "fingerprint"));
 }
 
-void BusStatistics::Sequences::follow(const Origin& origin, Utime utime, std::int64_t known_missing) {
-  if (origin.seq < 0) return;
-  const bool known = senders_.count(origin.sender) > 0;
-  senders_[known || senders_.size() < most_senders ? origin.sender : 0].follow(origin.seq, known_missing,
-                                                                               utime);
-}
-
-InputCount BusStatistics::Sequences::sum() const {
-  InputCount sum;
-  for (const auto& [sender, count] : senders_) {
-    sum.lost += count.lost;
-    sum.duplicates += count.duplicates;
-    sum.reordered += count.reordered;
-  }
-  return sum;
+void BusStatistics::follow(SenderCounts& senders, const Origin& origin, Utime utime,
+                           std::int64_t known_missing) {
+  if (origin.seq >= 0) senders.of(origin.sender).follow(origin.seq, known_missing, utime);
 }
 
 BusStatistics::Channel* BusStatistics::find(const std::string& name) {
@@ -94,7 +81,7 @@ void BusStatistics::add(const std::string& name, const std::uint8_t* data, std::
 void BusStatistics::count_piece(Channel& channel, const part_t& part, double time) {
   ++channel.report.pieces;
   channel.last_time = time;
-  channel.piece_sequences.follow(origin(part), part.utime, 0);
+  follow(channel.piece_senders, origin(part), part.utime, 0);
   try {
     const auto whole = channel.assembler.add(part);
     if (whole) count(channel, whole->bytes.data(), whole->bytes.size(), time);
@@ -123,7 +110,7 @@ void BusStatistics::look_at(Channel& channel, const std::uint8_t* data, std::siz
   const MessageType* type = MessageType::find(fingerprint);
   if (type == nullptr) return;
   const MessageValue message = read_message(*type, data, size, header_limits());
-  channel.sequences.follow(origin(message), utime_of(message), channel.unread);
+  follow(channel.senders, origin(message), utime_of(message), channel.unread);
   channel.unread = 0;
 }
 
@@ -138,13 +125,13 @@ std::vector<ChannelReport> BusStatistics::channels(double now) const {
     ChannelReport report = channel.report;
     report.rate = channel.rate.at(now);
     report.types = channel.fingerprints.size();
-    report.senders = channel.sequences.size();
-    const InputCount sum = channel.sequences.sum();
+    report.senders = channel.senders.known().size();
+    const InputCount sum = channel.senders.total();
     report.lost = sum.lost;
     report.duplicates = sum.duplicates;
     report.reordered = sum.reordered;
     report.age = now - channel.last_time;
-    report.lost_pieces = channel.piece_sequences.sum().lost;
+    report.lost_pieces = channel.piece_senders.total().lost;
     report.incomplete = channel.assembler.incomplete();
     reports.push_back(std::move(report));
   }

@@ -5,8 +5,9 @@
 #include <set>
 
 #include <lcmslam/messages/message_value.hpp>
+#include <lcmslam/messages/origin.hpp>
 #include <lcmslam/messages/parts.hpp>
-#include <lcmslam/runtime/inputs.hpp>
+#include <lcmslam/runtime/sender_counts.hpp>
 #include "tools/spy/arrival_rate.hpp"
 
 namespace lcmslam {
@@ -42,22 +43,11 @@ class BusStatistics {
   std::int64_t left_out() const { return left_out_; }
 
  private:
-  /// Numbers of the senders on one LCM channel.
-  class Sequences {
-   public:
-    /// `known_missing`: messages whose number could not be read.
-    void follow(const Origin& origin, Utime utime, std::int64_t known_missing);
-    InputCount sum() const;
-    std::size_t size() const { return senders_.size(); }
-
-   private:
-    std::map<std::int64_t, InputCount> senders_;
-  };
   struct Channel {
     explicit Channel(double window) : rate(window) {}
     ChannelReport report;
     ArrivalRate rate;
-    Sequences sequences, piece_sequences;
+    SenderCounts senders, piece_senders;
     std::set<std::uint64_t> fingerprints;
     std::int64_t unread = 0;  // messages that did not decode since the last that did
     double last_time = 0;
@@ -68,6 +58,8 @@ class BusStatistics {
   void count(Channel& channel, const std::uint8_t* data, std::size_t size, double time);
   void look_at(Channel& channel, const std::uint8_t* data, std::size_t size);
   void count_piece(Channel& channel, const part_t& part, double time);
+  /// `known_missing`: messages whose number could not be read.
+  static void follow(SenderCounts& senders, const Origin& origin, Utime utime, std::int64_t known_missing);
   static void fail(Channel& channel, const std::string& error);
 
   double window_;
