@@ -98,6 +98,14 @@ TEST_F(RunFiles, MapsThatCannotBeSavedAreTheExitCodeAndTheLastLine) {
                                           HasSubstr("_map.p"), HasSubstr("File too large")));
 }
 
+TEST_F(RunFiles, ATerminalThatIsClosedIsNoLossOfTheMaps) {
+  launch();
+  wait_for_maps();
+  launch_->send(SIGHUP);
+  EXPECT_EQ(launch_->wait(stop_patience).exit_code, 0) << launch_->output();
+  EXPECT_THAT(last_line(), HasSubstr("all is saved in " + folder_.path().string()));
+}
+
 TEST_F(RunFiles, StrangersNeitherStopProcessesNorResetMaps) {
   launch();
   wait_for_maps();
