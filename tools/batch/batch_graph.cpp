@@ -14,6 +14,7 @@
 #include "procs/map-server/map_server_node.hpp"
 #include "procs/odometry/odometry_node.hpp"
 #include "procs/surf/surf_node.hpp"
+#include "tools/process_channels.hpp"
 
 namespace lcmslam {
 namespace {
@@ -23,24 +24,15 @@ std::unique_ptr<Node> make(const ConfigNode& config, Publisher& publisher) {
   return std::make_unique<N>(config, publisher);
 }
 
-struct Kind {
-  std::function<std::unique_ptr<Node>(const ConfigNode&, Publisher&)> make;
-  std::vector<std::string> outputs;  // channels, or their beginning with an underscore at its end
-};
+using Make = std::unique_ptr<Node> (*)(const ConfigNode&, Publisher&);
 
-const std::map<std::string, Kind>& kinds() {
-  static const std::map<std::string, Kind> all = {
-      {"surf", {make<SurfNode>, {"FEATURES"}}},
-      {"odometry", {make<OdometryNode>, {"ODOMETRY"}}},
-      {"fastslam", {make<FastSlamNode>, {"FASTSLAM_"}}},
-      {"icp", {make<IcpNode>, {"ICP_"}}},
-      {"map-server", {make<MapServerNode>, {"MAP_REPLY"}}},
-  };
+const std::map<std::string, Make>& kinds() {
+  static const std::map<std::string, Make> all = {{"surf", make<SurfNode>},
+                                                  {"odometry", make<OdometryNode>},
+                                                  {"fastslam", make<FastSlamNode>},
+                                                  {"icp", make<IcpNode>},
+                                                  {"map-server", make<MapServerNode>}};
   return all;
-}
-
-bool is_of(const std::string& channel, const std::string& output) {
-  return output.back() == '_' ? channel.rfind(output, 0) == 0 : channel == output;
 }
 
 /// Keeps what a node publishes, with the number of the wave's message that it answers.
@@ -94,7 +86,7 @@ BatchGraph::BatchGraph(const ConfigNode& config, const std::vector<std::string>&
     // Numbers instead of the random ones of live processes: the same on every run.
     members_.push_back(std::make_unique<Member>(name, static_cast<std::int64_t>(members_.size()) + 1));
     Member& member = *members_.back();
-    member.node = kind->second.make(config.section(name), member.outbox);
+    member.node = kind->second(config.section(name), member.outbox);
     member.node->connect(member.inputs);
     member.inputs.subscribe<command_t>("COMMAND", 100, [&member](const command_t& command) {
       if (command.target.empty() || command.target == member.name) member.node->command(command);
@@ -105,11 +97,8 @@ BatchGraph::BatchGraph(const ConfigNode& config, const std::vector<std::string>&
 BatchGraph::~BatchGraph() = default;
 
 bool BatchGraph::is_input(const std::string& channel) const {
-  if (channel == "COMMAND" || channel == "MAP_REQUEST" || channel == "STATUS") return false;
-  for (const auto& member : members_)
-    for (const std::string& output : kinds().at(member->name).outputs)
-      if (is_of(channel, output)) return false;
-  return true;
+  return !is_told(channel) && std::none_of(members_.begin(), members_.end(),
+                                           [&](const auto& member) { return makes(member->name, channel); });
 }
 
 void BatchGraph::deliver(BatchMessage message) {

@@ -56,6 +56,10 @@ void LcmPlayBus::receive_status(const BusMessage& message) {
       running_.insert(status.process);
     else
       running_.erase(status.process);
+    if (status.state == status_t::STARTING || status.state == status_t::RUNNING)
+      present_.insert(status.process);
+    else
+      present_.erase(status.process);
   } catch (const DecodeError&) {  // somebody else's STATUS
   }
 }

@@ -20,6 +20,8 @@ class LcmPlayBus : public PlayBus {
 
   /// Processes that report that they run.
   const std::set<std::string>& running() const { return running_; }
+  /// Processes that are there, whether they run yet or not.
+  const std::set<std::string>& present() const { return present_; }
   /// Listens until all of these run, or the time is over; true when they do.
   bool wait_for(const std::set<std::string>& processes, Time until);
 
@@ -32,7 +34,7 @@ class LcmPlayBus : public PlayBus {
   BusSender sender_;
   std::set<std::string> answer_channels_;
   std::unique_ptr<BusReader> reader_;
-  std::set<std::string> running_;
+  std::set<std::string> running_, present_;
 };
 
 }  // namespace lcmslam

@@ -3,72 +3,19 @@
 #include <stdexcept>
 #include <utility>
 
-#include <lcmslam/camera_calibration_t.hpp>
-#include <lcmslam/images_t.hpp>
-#include <lcmslam/messages/decode.hpp>
-#include "tools/log/log_session.hpp"
-#include "tools/log/message_facts.hpp"
-#include "tools/log/message_reader.hpp"
 #include "tools/log/play_pace.hpp"
+#include "tools/log/play_source.hpp"
+#include "tools/process_channels.hpp"
 
 namespace lcmslam {
 namespace {
 
-/// The selected messages of a log, with what the player has to know of them.
-class PlaySource {
- public:
-  PlaySource(const std::string& file, const LogSelection& selection, std::set<std::string> channels,
-             Utime first)
-      : reader_(file), selection_(selection), channels_(std::move(channels)), first_(first) {}
-
-  std::optional<PlayEvent> next() {
-    while (const auto event = reader_.next()) {
-      begins_ |= sessions_.begins(*event);
-      const bool selected =
-          channels_.count(std::string(event->channel)) > 0 && selection_.has_time(event->timestamp, first_);
-      if (selected) return describe(*event);
-    }
-    return std::nullopt;
-  }
-
- private:
-  PlayEvent describe(const LogEventView& view) {
-    PlayEvent play{view.copy(), message_utime(view.data, view.size).value_or(view.timestamp), {}, begins_};
-    begins_ = false;
-    if (view.channel == "CAMERA")
-      play.frame = frame_times(view, play.utime);
-    else if (view.channel == "CAMERA_CALIBRATION")
-      calibrate(view);
-    return play;
-  }
-
-  std::vector<Utime> frame_times(const LogEventView& view, Utime utime) const {
-    std::vector<Utime> times{utime};
-    try {
-      for (const auto& image : decode_message<images_t>(view.data, view.size).images)
-        for (const Utime offset : {Utime{0}, depth_offset_})
-          times.push_back(time_between(-offset, image.utime));
-    } catch (const DecodeError&) {  // a camera of another type
-    }
-    return times;
-  }
-
-  void calibrate(const LogEventView& view) {
-    try {
-      const double offset = decode_message<camera_calibration_t>(view.data, view.size).depth_clock_offset;
-      if (std::abs(offset) < 10) depth_offset_ = static_cast<Utime>(1e6 * offset);
-    } catch (const DecodeError&) {  // of another type
-    }
-  }
-
-  MessageReader reader_;
-  const LogSelection& selection_;
-  std::set<std::string> channels_;
-  Utime first_;
-  SessionTracker sessions_;
-  bool begins_ = false;
-  Utime depth_offset_ = 0;  // us
-};
+/// What odometry is made of, in the order in which it is preferred; empty: of the frames themselves.
+std::string readings_of(const std::set<std::string>& channels) {
+  for (const char* channel : {"ODOMETRY", "ENCODERS", "TWIST", "POSE_BODY"})
+    if (channels.count(channel) > 0) return channel;
+  return "";
+}
 
 class Player {
  public:
@@ -143,18 +90,18 @@ class Player {
 }  // namespace
 
 std::set<std::string> channels_to_play(const std::set<std::string>& in_log, const PlaySettings& settings) {
-  static const std::set<std::string> raw{"CAMERA", "CAMERA_CALIBRATION", "ENCODERS", "GROUND_TRUTH"};
   const bool choose = settings.selection.channels.empty() && !settings.all_channels;
-  std::set<std::string> chosen, raw_chosen;
+  const auto computed = computed_channels(in_log, settings.processes);
+  std::set<std::string> chosen, measured;
   for (const auto& channel : in_log) {
     // Answers that were recorded would be taken for those of the live mappers.
     const bool answer = !settings.answer_channels.empty() &&
                         (channel == "STATUS" || settings.answer_channels.count(channel) > 0);
     if (answer || !settings.selection.has_channel(channel)) continue;
     chosen.insert(channel);
-    if (raw.count(channel) > 0) raw_chosen.insert(channel);
+    if (computed.count(channel) == 0 && !is_told(channel)) measured.insert(channel);
   }
-  return choose && !raw_chosen.empty() ? raw_chosen : chosen;
+  return choose && !measured.empty() ? measured : chosen;
 }
 
 PlayCounts play_log(const std::string& file, const PlaySettings& settings, PlayBus& bus) {
@@ -169,18 +116,20 @@ PlayCounts play_log(const std::string& file, const PlaySettings& settings, PlayB
   settings.selection.check_channels(contents.channels, file);
   const auto channels = channels_to_play(contents.channels, settings);
   const bool lockstep = !settings.answer_channels.empty();
-  if (lockstep && channels.count("CAMERA") == 0)
-    throw std::runtime_error(file + ": lockstep waits for answers to CAMERA, which is not played");
+  if (lockstep && frames_of(channels).empty())
+    throw std::runtime_error(file +
+                             ": lockstep waits for answers to CAMERA (or FEATURES), which is not played");
 
   PlaySettings all = settings;
-  // Without wheels odometry comes from the images themselves: a depth image taken after its colour image is
+  // Without readings odometry comes from the images themselves: a depth image taken after its colour image is
   // covered by the next frame only.
-  if (channels.count("ENCODERS") == 0) all.in_flight = 2;
+  const std::string readings = readings_of(channels);
+  if (readings.empty()) all.in_flight = 2;
   Player player(all, bus);
   const auto begin = bus.now();
   do {
     PlaySource source(file, settings.selection, channels, contents.first);
-    LockstepOrder order([&] { return source.next(); });
+    LockstepOrder order([&] { return source.next(); }, readings);
     const std::int64_t before = player.counts().messages;
     if (lockstep)
       player.play([&] { return order.next(); }, [&] { return order.covered(); });

@@ -14,7 +14,8 @@ struct PlaySettings {
   double speed = 1;  ///< 0: as fast as possible
   LogSelection selection;
   bool loop = false;
-  bool all_channels = false;              ///< also what can be computed from the raw channels
+  bool all_channels = false;              ///< also what the graph computes
+  std::set<std::string> processes;        ///< of the graph that it is played to
   std::set<std::string> answer_channels;  ///< of lockstep; none: no lockstep
   double patience = 5;                    ///< s, for the answers to a frame
   int in_flight = 1;                      ///< of lockstep: frames that may be unanswered
@@ -37,13 +38,13 @@ class PlayBus {
 struct PlayCounts {
   std::int64_t messages = 0, frames = 0;
   std::int64_t answered = 0;   ///< frames, by all channels
-  std::int64_t uncovered = 0;  ///< frames for which the log has no reading of the wheels
+  std::int64_t uncovered = 0;  ///< frames for which the log has no reading that odometry is made of
   std::map<std::string, Lockstep::Count> answers;
   double log_seconds = 0, seconds = 0;
 };
 
-/// The channels that a log's player sends, given those of the log: the raw ones, from which everything else
-/// can be computed, where it has them, else all.
+/// The channels that a log's player sends, given those of the log: but for what the graph computes from the
+/// others and what was told to its processes; all, where nothing else is there.
 std::set<std::string> channels_to_play(const std::set<std::string>& in_log, const PlaySettings& settings);
 
 /// Throws std::runtime_error or std::invalid_argument for a log or settings that cannot be played.

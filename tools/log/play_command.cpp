@@ -9,6 +9,7 @@
 #include "tools/log/log_commands.hpp"
 #include "tools/log/message_reader.hpp"
 #include "tools/log/selection_options.hpp"
+#include "tools/process_channels.hpp"
 
 namespace lcmslam {
 namespace {
@@ -69,6 +70,18 @@ std::set<std::string> find_answers(LcmPlayBus& bus, const PlayOptions& options) 
   return found;
 }
 
+/// Who computes what this log may hold as well; where nobody is heard a whole graph is awaited.
+std::set<std::string> find_graph(LcmPlayBus& bus, const PlayOptions& options, const PlaySettings& settings) {
+  const std::set<std::string> whole(process_names().begin(), process_names().end());
+  const bool chosen = settings.all_channels || !settings.selection.channels.empty();
+  if (chosen || computed_channels(scan_log(options.file).channels, whole).empty()) return whole;
+  const auto until = bus.now() + std::chrono::milliseconds(1500);  // STATUS comes once a second
+  while (bus.now() < until && !bus.stopped()) bus.wait_until(until);
+  std::set<std::string> graph = bus.present();
+  graph.insert(options.processes.begin(), options.processes.end());
+  return graph.empty() ? whole : graph;
+}
+
 std::string names(const std::set<std::string>& channels) {
   return printable(fmt::format("{}", fmt::join(channels, ", ")));
 }
@@ -90,7 +103,7 @@ void print_end(const PlayCounts& counts, bool lockstep) {
   std::cout << fmt::format("{} messages, {} frames", counts.messages, counts.frames);
   if (lockstep) {
     if (counts.uncovered > 0)
-      std::cout << fmt::format(" ({} after the wheels' last reading: mappers may not answer)",
+      std::cout << fmt::format(" ({} that odometry's last reading does not cover: mappers may not answer)",
                                counts.uncovered);
     std::cout << fmt::format(", {} answered by all, {} given up", counts.answered,
                              counts.frames - counts.answered);
@@ -108,15 +121,15 @@ int log_play_command(int argc, char** argv) {
   PlayOptions options;
   PlaySettings settings;
   CLI::App app{
-      "Sends a log's messages on the bus, in the log's order and at its intervals. Of a log with "
-      "camera and wheels only these go out (raw data): a graph computes the rest.",
+      "Sends a log's messages on the bus, in the log's order and at its intervals, but for what the graph "
+      "that is heard there (where none is, a whole one) computes itself from the others.",
       "lcmslam log play"};
   app.add_option("log", options.file, "an .lcmlog file")->required();
   app.add_option("--speed", options.speed,
                  "1: as recorded (default), 0: as fast as possible (default with --lockstep)");
   options.selection.add_to(app);
   app.add_flag("--loop", settings.loop, "again and again, until Ctrl-C");
-  app.add_flag("--all", settings.all_channels, "all channels, not only raw data");
+  app.add_flag("--all", settings.all_channels, "all channels, also what the graph computes itself");
   app.add_option("--lcm-url", options.lcm_url, "LCM provider");
   app.add_option("--wait-for", options.processes, "first wait until these processes run: A,B,...")
       ->delimiter(',');
@@ -140,6 +153,7 @@ int log_play_command(int argc, char** argv) {
   LcmPlayBus bus(options.lcm_url, candidates(options));
   wait_for_processes(bus, options);
   settings.answer_channels = find_answers(bus, options);
+  settings.processes = find_graph(bus, options, settings);
   if (bus.stopped()) return 0;
   print_start(options, settings);
   const PlayCounts counts = play_log(options.file, settings, bus);

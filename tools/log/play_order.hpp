@@ -17,12 +17,15 @@ struct PlayEvent {
   bool begins_session = false;
 };
 
-/// In the log's order, but for this: mappers answer a frame when odometry covers its time, so the wheels'
-/// readings up to then go out before the next frame, even where they were logged after it.
+/// In the log's order, but for this: mappers answer a frame when odometry covers its time, so what odometry
+/// is made of (the wheels' readings, say) goes out up to then before the next frame, even where it was logged
+/// after it.
 class LockstepOrder {
  public:
   using Source = std::function<std::optional<PlayEvent>()>;
-  explicit LockstepOrder(Source source) : source_(std::move(source)) {}
+  /// `readings`: the channel that odometry is made of; empty: it has none of its own.
+  LockstepOrder(Source source, std::string readings)
+      : source_(std::move(source)), readings_(std::move(readings)) {}
 
   std::optional<PlayEvent> next();
 
@@ -36,6 +39,7 @@ class LockstepOrder {
   std::optional<std::size_t> find_odometry();
 
   Source source_;
+  std::string readings_;
   std::deque<PlayEvent> ahead_;
   std::optional<Utime> needed_;   // the last frame's newest time, until odometry covers it
   std::optional<Utime> covered_;  // by the readings that went out

@@ -135,12 +135,13 @@ PlayEvent event(const std::string& channel, Utime logged, Utime utime, std::vect
   return e;
 }
 
-std::vector<std::string> order(std::vector<PlayEvent> events) {
+std::vector<std::string> order(std::vector<PlayEvent> events, const std::string& readings = "ENCODERS") {
   std::size_t at = 0;
-  LockstepOrder order([&]() -> std::optional<PlayEvent> {
+  const auto source = [&]() -> std::optional<PlayEvent> {
     if (at == events.size()) return std::nullopt;
     return events[at++];
-  });
+  };
+  LockstepOrder order(source, readings);
   std::vector<std::string> result;
   while (const auto e = order.next()) result.push_back(e->event.channel[0] + std::to_string(e->utime / 1000));
   return result;
@@ -162,6 +163,13 @@ TEST(LockstepOrder, WheelsThatAFrameNeedsGoOutBeforeTheNextFrame) {
                      event("ENCODERS", 110'000, 50'000), event("CAMERA", 120'000, 76'000, {76'000}),
                      event("ENCODERS", 160'000, 100'000)}),
               ElementsAre("C10", "T11", "E0", "E50", "C43", "C76", "E100"));
+}
+
+TEST(LockstepOrder, ReadingsMayBeOfAnotherKindThanTheWheels) {
+  EXPECT_THAT(order({event("CAMERA", 10'000, 10'000, {10'000}), event("CAMERA", 43'000, 43'000, {43'000}),
+                     event("TWIST", 60'000, 50'000)},
+                    "TWIST"),
+              ElementsAre("C10", "T50", "C43"));
 }
 
 TEST(LockstepOrder, ADepthImageTakenLaterNeedsLaterWheels) {

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <lcmslam/features_t.hpp>
+#include <lcmslam/twist_t.hpp>
+
 #include "tests/unit/tools/log_samples.hpp"
 #include "tools/log/message_facts.hpp"
 
@@ -27,6 +30,7 @@ class SimulatedBus : public PlayBus {
     std::optional<Time> ready = std::nullopt;   // when its answer comes
   };
   std::vector<Mapper> mappers;
+  std::string frames = "CAMERA", readings = "ENCODERS";
   std::vector<std::pair<std::string, Time>> sent;
   std::size_t stop_after = SIZE_MAX;
 
@@ -34,9 +38,9 @@ class SimulatedBus : public PlayBus {
   bool stopped() override { return sent.size() >= stop_after; }
   void send(const std::string& channel, const std::vector<std::uint8_t>&, Utime utime) override {
     sent.emplace_back(channel, now_);
-    if (channel == "ENCODERS") odometry_ = utime;
+    if (channel == readings) odometry_ = utime;
     for (Mapper& mapper : mappers) {
-      if (channel == "CAMERA") {
+      if (channel == frames) {
         mapper.dropped += mapper.frame ? 1 : 0;
         if (!mapper.frame) mapper.frame = utime;
       }
@@ -108,7 +112,8 @@ TEST_F(LogPlayer, ADamagedTimeIsNotWaitedFor) {
   EXPECT_NEAR(counts.seconds, 0.94, 0.05);
 }
 
-TEST_F(LogPlayer, PlaysRawChannelsOfALogThatHasThemElseAll) {
+TEST_F(LogPlayer, LeavesOutWhatTheGraphComputesAndWhatIsTold) {
+  settings_.processes = {"surf", "odometry", "fastslam", "icp", "map-server"};
   const std::set<std::string> ours{"CAMERA", "ENCODERS", "ICP_POSE", "STATUS"}, foreign{"POSE", "SCAN"};
   EXPECT_THAT(channels_to_play(ours, settings_), ElementsAre("CAMERA", "ENCODERS"));
   EXPECT_EQ(channels_to_play(foreign, settings_), foreign);
@@ -119,6 +124,49 @@ TEST_F(LogPlayer, PlaysRawChannelsOfALogThatHasThemElseAll) {
   settings_.selection.channels = {"STATUS", "ENCODERS"};
   settings_.answer_channels.clear();
   EXPECT_THAT(channels_to_play(ours, settings_), ElementsAre("ENCODERS", "STATUS"));
+}
+
+TEST_F(LogPlayer, PlaysWhateverOdometryMayBeMadeOf) {
+  settings_.processes = {"surf", "odometry", "fastslam", "icp", "map-server"};
+  EXPECT_THAT(channels_to_play({"CAMERA", "FEATURES", "ODOMETRY", "POSE_BODY", "SCAN", "TWIST"}, settings_),
+              ElementsAre("CAMERA", "POSE_BODY", "SCAN", "TWIST"));
+}
+
+TEST_F(LogPlayer, PlaysWhatTheGraphCannotCompute) {
+  const std::set<std::string> landmarks{"FASTSLAM_POSE", "FEATURES", "GROUND_TRUTH", "ODOMETRY", "TWIST"};
+  settings_.processes = {"surf", "odometry", "fastslam", "icp",
+                         "map-server"};  // no images: surf makes nothing
+  EXPECT_THAT(channels_to_play(landmarks, settings_), ElementsAre("FEATURES", "GROUND_TRUTH", "TWIST"));
+  settings_.processes = {"fastslam", "map-server"};
+  EXPECT_THAT(channels_to_play(landmarks, settings_),
+              ElementsAre("FEATURES", "GROUND_TRUTH", "ODOMETRY", "TWIST"));
+  settings_.processes = {"map-server"};
+  EXPECT_EQ(channels_to_play(landmarks, settings_), landmarks);
+}
+
+/// A log of landmarks and of a driver that sends velocities.
+TEST_F(LogPlayer, LockstepCountsFeaturesWhereThereAreNoImages) {
+  const std::string file = (folder_.path() / "landmarks").string();
+  LogWriter log(file);
+  for (int i = 0; i < 20; ++i) {
+    features_t features{};
+    twist_t twist{};
+    features.utime = sample_start + 100'000 * i;
+    twist.utime = features.utime + 50'000;  // logged after the frame that it covers
+    log.write(features.utime, "FEATURES", encode_message(features));
+    log.write(twist.utime, "TWIST", encode_message(twist));
+  }
+  log.close();
+  settings_.speed = 0;
+  settings_.answer_channels = {"FASTSLAM_POSE"};
+  settings_.processes = {"odometry", "fastslam"};
+  bus_.frames = "FEATURES";
+  bus_.readings = "TWIST";
+  bus_.mappers = {{"FASTSLAM_POSE"}};
+  const PlayCounts counts = play_log(file, settings_, bus_);
+  EXPECT_EQ(counts.frames, 20);
+  EXPECT_EQ(counts.answered, 20);
+  EXPECT_EQ(bus_.mappers[0].dropped, 0);
 }
 
 TEST_F(LogPlayer, AtFullSpeedWithoutLockstepSlowMappersDropFrames) {
