@@ -22,6 +22,7 @@ struct ConfigNode::Data {
     std::string key;
     YamlPlace place;
     YamlPointer value;
+    std::filesystem::path folder = {};
   };
 
   std::string path;  ///< dotted name of this mapping, empty at the top
@@ -39,7 +40,9 @@ struct ConfigNode::Data {
       : path(std::move(dotted)),
         place(mapping.place),
         folder(std::filesystem::path(*mapping.place.file).parent_path()) {
-    for (const YamlEntry& entry : mapping.entries) entries.push_back({entry.key, entry.place, entry.value});
+    for (const YamlEntry& entry : mapping.entries)  // what was included keeps the folder of its own file
+      entries.push_back(
+          {entry.key, entry.place, entry.value, std::filesystem::path(*entry.place.file).parent_path()});
   }
 
   const Entry* find(const std::string& key) const {
@@ -270,14 +273,14 @@ void ConfigNode::set(const std::string& dotted_key, const std::string& value) {
     if (dot == std::string::npos) {
       target->children.erase(key);
       if (found == target->entries.end()) found = target->entries.insert(found, Data::Entry{});
-      *found = {key, nowhere(name), parsed};
+      *found = {key, nowhere(name), parsed, target->folder};
       return;
     }
     if (found == target->entries.end()) {
       auto mapping = std::make_shared<YamlValue>();
       mapping->kind = YamlValue::Kind::mapping;
       mapping->place = {target->place.file, 0};
-      found = target->entries.insert(found, {key, nowhere(name), mapping});
+      found = target->entries.insert(found, {key, nowhere(name), mapping, target->folder});
     } else if (found->value->kind != YamlValue::Kind::mapping &&
                found->value->kind != YamlValue::Kind::null) {
       throw ConfigError(name + ": '" + target->below(key) + "' is " + found->value->phrase() +
@@ -297,8 +300,9 @@ void ConfigNode::finish() const {
   data_->check_all_read();
 }
 
-std::filesystem::path ConfigNode::folder() const {
-  return data_->folder;
+std::filesystem::path ConfigNode::folder(const std::string& key) const {
+  const Data::Entry* entry = key.empty() ? nullptr : data_->find(key);
+  return entry ? entry->folder : data_->folder;
 }
 
 std::string ConfigNode::where(const std::string& key) const {

@@ -30,7 +30,7 @@ void read_tum(const ConfigNode& config, Description& description) {
       config.get("max_stamp_difference", description.max_stamp_difference, Range{0, 1});
   const ConfigNode by_name = config.section("calibration_by_name");
   for (const std::string& name : by_name.keys())
-    description.calibration_by_name.emplace_back(name, by_name.folder() / by_name.text(name));
+    description.calibration_by_name.emplace_back(name, by_name.folder(name) / by_name.text(name));
 }
 
 bool without_images(const Description& description) {
@@ -73,7 +73,7 @@ Description read_description(const fs::path& file) {
   description.depth_scale = config.get("depth_scale", description.depth_scale, Range{1, 1e6});
   description.frame_rate = config.get("frame_rate", description.frame_rate, Range{1e-3, 1e4});
   description.truth_of = config.choice("truth_of", description.truth_of, {"colour", "depth", "robot"});
-  if (config.has("calibration")) description.calibration = config.folder() / config.text("calibration");
+  if (config.has("calibration")) description.calibration = config.folder("calibration") / config.text("calibration");
   if (description.format == "numbered") read_numbered(config, description);
   if (description.format == "tum") read_tum(config, description);
   config.finish();

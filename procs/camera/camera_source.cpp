@@ -13,12 +13,12 @@ CameraSettings read_camera_settings(const ConfigNode& config) {
   auto settings = read_settings<CameraSettings>(config);
   std::filesystem::path& scene = settings.simulation.simulation.scene;
   if (settings.source == "simulation" && scene.is_relative())
-    scene = config.section("simulation").folder() / scene;
+    scene = config.section("simulation").folder("scene") / scene;
   std::filesystem::path& calibration = settings.calibration.file;
   if (settings.source == "calibration" && calibration.is_relative())
-    calibration = config.section("calibration").folder() / calibration;
+    calibration = config.section("calibration").folder("file") / calibration;
   if (settings.is_live_kind() && settings.live.calibration.is_relative())
-    settings.live.calibration = config.section("live").folder() / settings.live.calibration;
+    settings.live.calibration = config.section("live").folder("calibration") / settings.live.calibration;
   return settings;
 }
 

@@ -1,11 +1,16 @@
 #include "tools/config/check_file.hpp"
 
+#include <algorithm>
+
+#include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/datasets/description.hpp>
 #include <lcmslam/datasets/landmark_recording.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/imaging/io/foreign_calibration.hpp>
+#include <lcmslam/runtime/launch_settings.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/simulation/scene.hpp>
+#include "procs/camera/camera_source.hpp"
 #include "tools/config/setting_sections.hpp"
 
 namespace lcmslam {
@@ -46,6 +51,30 @@ std::string check_file(const std::filesystem::path& file, const std::vector<std:
   }
   check_graph(file.string(), overrides);
   return config.has("launch") ? "a graph" : "a preset";
+}
+
+std::vector<std::string> missing_files(const std::filesystem::path& file,
+                                       const std::vector<std::string>& overrides) {
+  const ConfigNode config = load_config(file.string(), overrides);
+  if (!config.has("launch") || !config.has("camera")) return {};
+  const auto processes = read_settings<LaunchSettings>(config.section("launch")).processes;
+  if (std::find(processes.begin(), processes.end(), "camera") == processes.end()) return {};
+  const ConfigNode camera = config.section("camera");
+  const CameraSettings settings = read_camera_settings(camera);
+  std::vector<std::string> missing;
+  const auto need = [&](const std::string& section, const std::string& key,
+                        const std::filesystem::path& path) {
+    std::error_code error;
+    if (path.empty() || std::filesystem::exists(path, error)) return;
+    missing.push_back(camera.section(section).where(key) + ": '" + key + "' names " + path.string() +
+                      ", which is not there");
+  };
+  if (settings.source == "simulation") need("simulation", "scene", settings.simulation.simulation.scene);
+  if (settings.source == "dataset") need("dataset", "folder", settings.dataset.folder);
+  if (settings.source == "log") need("log", "file", settings.log.file);
+  if (settings.source == "calibration") need("calibration", "file", settings.calibration.file);
+  if (settings.is_live_kind()) need("live", "calibration", settings.live.calibration);
+  return missing;
 }
 
 }  // namespace lcmslam

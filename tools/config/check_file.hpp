@@ -10,4 +10,9 @@ namespace lcmslam {
 /// overrides (section.key=value) are for graphs.
 std::string check_file(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
+/// What a graph's camera would open and is not there, with the place that names it, a line each. Whoever
+/// writes a configuration may write those files later.
+std::vector<std::string> missing_files(const std::filesystem::path& file,
+                                       const std::vector<std::string>& overrides = {});
+
 }  // namespace lcmslam

@@ -31,6 +31,9 @@ int config_command(int argc, char** argv) {
     if (!key.empty()) std::cout << explain_key(key);
     if (!file.empty()) {
       const std::string kind = check_file(file, overrides);
+      const auto missing = kind == "a graph" ? missing_files(file, overrides) : std::vector<std::string>{};
+      for (const std::string& line : missing) std::cerr << line << "\n";
+      if (!missing.empty()) return 2;
       std::cout << file << ": ok, " << kind << "\n";
     }
     return 0;

@@ -15,7 +15,7 @@ Every key has a default: an empty section is a good section. A key that does not
 are errors that name the file, the line and what would be right.
 
 - `include: other.yaml` (a file, or a list of files, relative to this one) takes over what another file says; this
-  file's own keys win. `config/modern.yaml` and `config/thesis.yaml` are the presets that others include.
+  file's own keys win. A path beside a driver or a scene is relative to the file that says it. `config/modern.yaml` and `config/thesis.yaml` are the presets that others include.
 - `--set section.key=value` on the command line wins over the file.
 - `./lcmslam config --list SECTION` prints one of the tables below, `--explain KEY` everything about one key,
   `--check FILE` reads a file as the processes do. `source <(./lcmslam completion bash)` completes keys.

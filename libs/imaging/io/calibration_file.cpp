@@ -16,7 +16,7 @@ constexpr double farthest_camera = 20,
 
 /// Intrinsics in a file of their own, as ROS and OpenCV write them, beside the file that names it.
 CameraModel load_camera(const ConfigNode& node) {
-  const std::filesystem::path file = node.folder() / node.text("file");
+  const std::filesystem::path file = node.folder("file") / node.text("file");
   if (!std::filesystem::exists(file)) node.fail("file", file.string() + " is not there");
   const ConfigNode camera = load_calibration_yaml(file);
   if (!is_foreign_camera(camera))

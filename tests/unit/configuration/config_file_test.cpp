@@ -154,6 +154,18 @@ TEST_F(ConfigFile, SectionsKnowTheFolderOfTheirFile) {
   EXPECT_EQ(config.section("calibration").folder(), folder_ / "parts");
 }
 
+/// One key of a section that is included may be said anew: the paths beside it stay where they were.
+TEST_F(ConfigFile, KeysKnowTheFolderOfTheirFile) {
+  write("parts/sensor.yaml", "calibration: {file: k.yaml, sigma: 1}\n");
+  ConfigNode config =
+      ConfigNode::load(write("top.yaml", "include: parts/sensor.yaml\ncalibration: {sigma: 2}\n"));
+  EXPECT_EQ(config.section("calibration").folder("file"), folder_ / "parts");
+  EXPECT_EQ(config.section("calibration").folder("sigma"), folder_);
+  EXPECT_EQ(config.section("calibration").folder("none"), folder_);
+  config.set("calibration.file", "mine.yaml");  // --set has no file of its own
+  EXPECT_EQ(config.section("calibration").folder("file"), folder_);
+}
+
 TEST_F(ConfigFile, CirclesAndBadIncludesAreErrors) {
   write("a.yaml", "x: 1\ninclude: b.yaml\n");
   write("b.yaml", "include: ./sub/../a.yaml\n");

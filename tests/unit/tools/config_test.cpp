@@ -14,6 +14,7 @@ namespace lcmslam {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -182,6 +183,25 @@ TEST(CheckFile, WhatIsShippedIsRight) {
   EXPECT_GE(graphs, 9);
   for (const auto& file : std::filesystem::directory_iterator(source / "config/cameras"))
     EXPECT_EQ(check_file(file.path()), "a graph") << file.path();
+}
+
+TEST(CheckFile, NamesFilesThatAreNotThere) {
+  const testing::ScratchFolder scratch;
+  std::filesystem::create_directory(scratch.path() / "parts");
+  scratch.write("parts/head.yaml",
+                "camera: {source: openni2, live: {calibration: k.yaml, jpeg_quality: 90}}\n");
+  const auto graph = scratch.write("a.yaml",
+                                   "include: parts/head.yaml\nlaunch: {processes: [camera]}\n"
+                                   "camera: {live: {jpeg_quality: 80}}\n");
+  const std::string wanted = (scratch.path() / "parts/k.yaml").string();
+  EXPECT_THAT(missing_files(graph),
+              ElementsAre(AllOf(HasSubstr("head.yaml:1"), HasSubstr("'calibration'"), HasSubstr(wanted))));
+  scratch.write("parts/k.yaml", "");
+  EXPECT_THAT(missing_files(graph), ElementsAre());
+  EXPECT_THAT(missing_files(graph, {"launch.processes=[surf]", "camera.live.calibration=gone.yaml"}),
+              ElementsAre());
+  EXPECT_THAT(missing_files(source / "config/demo.yaml"), ElementsAre());
+  EXPECT_THAT(missing_files(source / "config/cameras/kinect.yaml"), ElementsAre());
 }
 
 TEST(CheckFile, NamesWhatIsWrong) {
