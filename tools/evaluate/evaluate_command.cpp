@@ -12,7 +12,7 @@
 #include "tools/commands.hpp"
 #include "tools/evaluate/dense_map_log.hpp"
 #include "tools/evaluate/evaluation_report.hpp"
-#include "tools/evaluate/pose_log.hpp"
+#include "tools/evaluate/pose_omissions.hpp"
 #include "tools/evaluate/reference_surface.hpp"
 #include "tools/parse_command.hpp"
 
@@ -220,6 +220,8 @@ int export_poses(const Request& r) {
       throw std::runtime_error("--export: name the channel, " + file + ":ICP_POSE for example");
     const PoseLog log = read_pose_log(file);
     const PoseChannel& path = log.channel(channel, file);
+    for (const std::string& omission : omissions(log, file)) std::cout << omission << "\n";
+    for (const std::string& omission : omissions(path, file + ":" + channel)) std::cout << omission << "\n";
     trajectory = path.trajectory;
     frames = {path.frame, path.body};
   } else {

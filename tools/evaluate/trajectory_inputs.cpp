@@ -8,7 +8,7 @@
 
 #include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
-#include "tools/evaluate/pose_log.hpp"
+#include "tools/evaluate/pose_omissions.hpp"
 
 namespace lcmslam {
 namespace {
@@ -31,10 +31,6 @@ int ground_truth_comment(const std::string& file) {
 
 std::string stem(const std::string& file) {
   return std::filesystem::path(file).stem().string();
-}
-
-std::string plural(std::int64_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 class InputReader {
@@ -105,20 +101,14 @@ class InputReader {
     if (channel.is_ground_truth()) path.truth_origin = "it is a channel of ground truth";
     if (channel.source.find("truth") != std::string::npos)
       path.truth_origin = "its messages give '" + channel.source + "' as their source";
-    if (channel.restarts > 0)
-      note(file + ":" + name + " began again " + plural(channel.restarts, "time") +
-           ": only the newest map counts, " + plural(channel.left_out, "earlier pose") + " left out");
-    if (channel.undecodable > 0)
-      note(file + ":" + name + ": " + plural(channel.undecodable, "message") + " could not be decoded");
+    for (const std::string& omission : omissions(channel, file + ":" + name)) note(omission);
     return path;
   }
 
   const PoseLog& log(const std::string& file) {
     if (const auto found = logs_.find(file); found != logs_.end()) return found->second;
     const PoseLog& log = logs_.emplace(file, read_pose_log(file)).first->second;
-    if (log.damages() > 0)
-      note(file + " is damaged in " + plural(static_cast<std::int64_t>(log.damages()), "place") +
-           ": events there are left out");
+    for (const std::string& omission : omissions(log, file)) note(omission);
     return log;
   }
 

@@ -197,6 +197,8 @@ TEST_F(Evaluate, OnlyTheNewestMapOfARestartedMapperCounts) {
   EXPECT_EQ(inputs.estimates[0].trajectory.size(), 120U);
   ASSERT_EQ(inputs.notes.size(), 1U);
   EXPECT_THAT(inputs.notes[0], HasSubstr("began again 1 time: only the newest map counts, 80 earlier poses"));
+  ASSERT_EQ(run({path("run.lcmlog:ICP_POSE"), "--export", path("poses.txt")}), 0) << output_;
+  EXPECT_THAT(output_, AllOf(HasSubstr(inputs.notes[0]), HasSubstr("120 poses")));
 }
 
 TEST_F(Evaluate, OfSeveralRunsInALogOnlyTheNewestTruthCounts) {
