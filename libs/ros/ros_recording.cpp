@@ -14,7 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A bag that its recorder did not close is called .bag.active, and is read as it is.
 bool is_ros_file(const fs::path& path) {
+  if (path.extension() == ".active") return path.stem().extension() == ".bag";
   return path.extension() == ".bag" || path.extension() == ".mcap";
 }
 

@@ -7,6 +7,7 @@
 #include "procs/camera/camera_log.hpp"
 #include "procs/camera/repeated_source.hpp"
 #include "tools/commands.hpp"
+#include "tools/import/applicable_options.hpp"
 #include "tools/import/landmark_log.hpp"
 #include "tools/import/ros_log.hpp"
 #include "tools/log/log_plausibility.hpp"
@@ -59,9 +60,8 @@ struct RosInput {
 
   void add_to(CLI::App& app) {
     ros::Topics& topics = options.topics;
-    const std::string group = "ROS bags and MCAP files";
     const auto add = [&](const char* name, std::string& topic, const char* help) {
-      app.add_option(name, topic, help)->group(group);
+      app.add_option(name, topic, help)->group(ros_group);
     };
     add("--colour-topic", topics.colour,
         "images of the colour camera (default: by type and name, as the rest)");
@@ -72,11 +72,11 @@ struct RosInput {
     add("--truth-topic", topics.truth,
         "true poses of the robot (Odometry, PoseStamped), for evaluation only");
     app.add_flag("--twist", odometry_as_twist, "take the velocities of the odometry, not its poses")
-        ->group(group);
+        ->group(ros_group);
     app.add_option("--max-stamp-difference", options.max_stamp_difference,
                    "s between a colour image and its depth image")
         ->check(CLI::Range(0.0, 1.0))
-        ->group(group);
+        ->group(ros_group);
   }
 };
 
@@ -125,14 +125,19 @@ int import_command(int argc, char** argv) {
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   output.begin();
   if (const auto files = ros::ros_files(folder); !files.empty()) {
+    check_applicable(app, RecordingKind::ros, folder);
     ros_input.options.calibration = calibration;
     ros::RosRecording recording(files, ros_input.options);
     return write(recording, ros_input.odometry_as_twist, output.file);
   }
   DatasetOptions options;
   options.description = description;
-  if (const auto recording = open_landmark_dataset(folder, robot, options))
+  if (const auto recording = open_landmark_dataset(folder, robot, options)) {
+    const bool mrclam = !mrclam_robots(folder).empty();
+    check_applicable(app, mrclam ? RecordingKind::mrclam : RecordingKind::victoria_park, folder);
     return write(*recording, output.file);
+  }
+  check_applicable(app, RecordingKind::images, folder);
   DatasetSourceSettings settings;
   settings.folder = folder;
   settings.calibration = calibration;

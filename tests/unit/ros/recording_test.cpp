@@ -16,6 +16,7 @@ namespace lcmslam::ros {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -180,6 +181,18 @@ TEST_F(RosDrive, ImagesOfAnotherSizeAreLeftOutAndCounted) {
   while (recording.next()) ++frames;
   EXPECT_EQ(frames, 2);
   EXPECT_THAT(recording.problems(), Contains(HasSubstr("by the calibration it must be 32x24")));
+}
+
+TEST(RosFiles, ABagThatWasNotClosedIsOne) {
+  const std::string folder = ::testing::TempDir() + "ros_files_" + std::to_string(getpid());
+  std::filesystem::create_directory(folder);
+  for (const char* name : {"/a.bag.active", "/b.bag", "/c.mcap", "/d.active", "/e.txt"})
+    std::ofstream(folder + name) << "x";
+  EXPECT_THAT(ros_files(folder),
+              ElementsAre(folder + "/a.bag.active", folder + "/b.bag", folder + "/c.mcap"));
+  EXPECT_THAT(ros_files(folder + "/a.bag.active"), ElementsAre(folder + "/a.bag.active"));
+  EXPECT_THAT(ros_files(folder + "/d.active"), IsEmpty());
+  std::filesystem::remove_all(folder);
 }
 
 TEST(TopicChoice, TakesTheCamerasOwnImagesAndRegisteredDepth) {

@@ -65,6 +65,26 @@ TEST_F(Import, ReplacesALogOnlyByForceAndOnlyByAWholeOne) {
   EXPECT_EQ(count(read_log(log()), "CAMERA"), 5U);
 }
 
+TEST_F(Import, OptionsThatMeanNothingToARecordingAreRefused) {
+  make_recording(2, 2);
+  for (const std::vector<std::string>& option :
+       {std::vector<std::string>{"--twist"}, {"--colour-topic", "/rgb"}, {"--max-stamp-difference", "0.1"}})
+    EXPECT_THAT(import(option).last_line(),
+                AllOf(HasSubstr(option[0] + " is for ROS bags"), HasSubstr("a data set of images")));
+  EXPECT_THAT(import({"--robot", "3"}).last_line(), HasSubstr("--robot is for UTIAS MRCLAM"));
+  const std::string bag = scratch_.write("drive.bag", "");
+  for (const std::vector<std::string>& option :
+       {std::vector<std::string>{"--robot", "3"}, {"--repeat", "2"}, {"--description", bag}}) {
+    std::vector<std::string> arguments = {bag, log()};
+    arguments.insert(arguments.end(), option.begin(), option.end());
+    EXPECT_THAT(run_command({"import", import_command}, arguments).last_line(),
+                AllOf(HasSubstr(option[0] + " is for "), HasSubstr("drive.bag is a recording of ROS")));
+  }
+  EXPECT_FALSE(std::filesystem::exists(log()));
+  EXPECT_EQ(import({"--repeat", "2", "--calibration", (folder() / "calibration.yaml").string()}).exit_code,
+            0);
+}
+
 TEST_F(Import, SimulateReplacesNothingUnaskedEither) {
   scratch_.write("a.lcmlog", "precious");
   const CommandRun run =
