@@ -25,8 +25,8 @@ CameraNode::CameraNode(const ConfigNode& config, Publisher& publisher, OpenSourc
 CameraNode::CameraNode(const CameraSettings& settings, Publisher& publisher, OpenSource open)
     : publisher_(publisher),
       source_(open(settings)),
-      speed_(settings.speed),
-      wait_for_(settings.wait_for.begin(), settings.wait_for.end()) {
+      wait_for_(settings.wait_for.begin(), settings.wait_for.end()),
+      pace_(settings.speed) {
   const std::chrono::duration<double> patience(settings.wait_at_most);
   wait_until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(patience);
   if (!source_->relays().empty()) foreign_.emplace(source_->relays(), source_->calibration(), settings.live);
@@ -145,22 +145,26 @@ std::optional<Node::Duration> CameraNode::work() {
     next_.reset();
     return Duration{0};
   }
-  if (!started_) {
-    started_ = true;
-    start_time_ = now;
-    first_utime_ = event_utime(*next_);
-  }
-  const std::chrono::duration<double> offset(1e-6 * static_cast<double>(event_utime(*next_) - first_utime_) /
-                                             speed_);
-  const auto due = start_time_ + std::chrono::duration_cast<Clock::duration>(offset);
-  if (due > now) return due - now;
-  if (now - due > tolerated_delay) {  // cannot keep the pace: go slower rather than leave frames out
-    start_time_ += now - due;
-    slowed_ += std::chrono::duration<double>(now - due).count();
+  if (!due_) due_ = due(*next_, now);
+  if (*due_ > now) return *due_ - now;
+  if (now - *due_ > tolerated_delay) {  // cannot keep the pace: go slower rather than leave frames out
+    pace_.delay(now - *due_);
+    slowed_ += std::chrono::duration<double>(now - *due_).count();
   }
   publish(*next_);
   next_.reset();
+  due_.reset();
   return Duration{0};
+}
+
+CameraNode::Clock::time_point CameraNode::due(const CameraEvent& event, Clock::time_point now) {
+  const bool leapt = pace_.leaps() > 0;
+  const auto time = pace_.due(event.index(), event_utime(event), now);
+  if (!leapt && pace_.leaps() > 0)
+    spdlog::warn(
+        "the stamps leap to {} us: what follows goes out at once, and at its intervals from there on",
+        event_utime(event));
+  return time;
 }
 
 void CameraNode::publish(const CameraEvent& event) {
@@ -200,7 +204,8 @@ NodeReport CameraNode::report() const {
   report.values = {{"frames", static_cast<double>(frames_sent_)},
                    {"frames_total", static_cast<double>(source_->frames())},
                    {"malformed_frames", static_cast<double>(malformed_)},
-                   {"slowed_seconds", slowed_}};
+                   {"slowed_seconds", slowed_},
+                   {"leaps_of_time", static_cast<double>(pace_.leaps())}};
   report.values.insert(report.values.end(), health.values.begin(), health.values.end());
   if (source_->is_live()) report.values.emplace_back("out_of_date", static_cast<double>(skipped_));
   return report;

@@ -11,6 +11,7 @@
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/runtime/node.hpp>
 #include "procs/camera/camera_source.hpp"
+#include "procs/camera/event_pace.hpp"
 #include "procs/camera/foreign_images.hpp"
 
 namespace lcmslam {
@@ -38,6 +39,7 @@ class CameraNode : public Node {
   void warn() const;  // the first time something goes wrong, and at the end
   std::optional<CameraEvent> pop();
   bool consumers_ready();
+  Clock::time_point due(const CameraEvent& event, Clock::time_point now);
   void publish(const CameraEvent& event);
   void publish_calibration();
   void on_foreign_images(const images_t& images);
@@ -46,7 +48,6 @@ class CameraNode : public Node {
 
   Publisher& publisher_;
   std::unique_ptr<CameraSource> source_;
-  double speed_;
   std::set<std::string> wait_for_;  // processes that have not reported yet
   Clock::time_point wait_until_;
 
@@ -63,9 +64,8 @@ class CameraNode : public Node {
 
   std::optional<ForeignImages> foreign_;  // where the source relays them
   std::optional<CameraEvent> next_;
-  bool started_ = false;
-  Clock::time_point start_time_;  // when the event of first_utime_ is due
-  Utime first_utime_ = 0;
+  std::optional<Clock::time_point> due_;  // of next_, where it is paced
+  EventPace pace_;
   Utime last_utime_ = 0;
   std::string misfit_;              // why another driver's images are not of the calibration; empty: they are
   Clock::time_point calibrated_;    // when its calibration was last told

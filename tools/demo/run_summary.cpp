@@ -163,6 +163,8 @@ std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
     text += fmt::format("{:.0f} frames were malformed or missing and skipped\n", bad);
   if (const double slowed = status_value(status_of(run, "camera"), "slowed_seconds"); slowed > 0.05)
     text += fmt::format("the source fell {:.1f} s behind and was slowed down\n", slowed);
+  if (const double leaps = status_value(status_of(run, "camera"), "leaps_of_time"); leaps > 0)
+    text += fmt::format("the recording's stamps leap {:.0f} times\n", leaps);
   for (const auto& event : facts.events) text += event + "\n";
   return text;
 }
