@@ -103,8 +103,9 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();
     if (agreed) agreed_utime_ = frame.utime;
-    if (agreed) unplaced_ = 0;
+    if (agreed) unplaced_ = adrift_ = 0;
     result.unplaced = unplaced_;
+    result.adrift = adrift_;
     result.status = status(association, agreed, frame.utime);
     if (result.status == TrackStatus::tracking || result.status == TrackStatus::relocalised)
       observations.expected = std::move(association.visible);  // a robot that may be elsewhere misses nobody
@@ -235,14 +236,16 @@ TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed, U
 }
 
 // Where known landmarks should be and none is, the robot is elsewhere, whatever odometry knows: somebody has
-// carried it, and odometry's way has begun at a wrong place until something is recognised.
+// carried it, and odometry's way has begun at a wrong place until something is recognised. Who may be anywhere
+// expects no landmark: that it knows nothing of all it sees tells the same, less surely.
 void FastSlam::look_whether_carried(const FrameAssociation& association,
                                     const std::vector<FeaturePoint>& points, Utime utime) {
   constexpr double longest_frame = 1;  // s that one frame speaks for
   if (association.agreed) unplaced_ = 0;
   const bool enough = static_cast<int>(points.size()) >= settings_.minimum_consensus;
-  if (association.contradicted || (unplaced_ > 0 && !association.agreed && enough))
-    unplaced_ += std::min(1e-6 * static_cast<double>(utime - utime_), longest_frame);
+  const double seconds = std::min(1e-6 * static_cast<double>(utime - utime_), longest_frame);
+  if (association.contradicted || (unplaced_ > 0 && !association.agreed && enough)) unplaced_ += seconds;
+  if (unknown_.lost() && enough) adrift_ += seconds;
 }
 
 // A robot that may be anywhere in its map would map what it knows at a wrong place.

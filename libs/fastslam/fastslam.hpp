@@ -123,6 +123,7 @@ class FastSlam {
   double smoothing_cost_ = 0;
   bool started_ = false;
   double unplaced_ = 0;     // s, StepResult::unplaced
+  double adrift_ = 0;       // s, StepResult::adrift
   Utime utime_ = 0;         // of the last step
   Utime agreed_utime_ = 0;  // of the newest step whose measurements agreed with the map
 };

@@ -37,6 +37,7 @@ FastSlamNode::FastSlamNode(const FastSlamNodeSettings& settings, Publisher& publ
       pose_(settings.pose),
       first_map_frame_(settings.map_frame),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)),
+      new_map_after_(settings.new_map_after),
       new_map_when_carried_(settings.new_map_when_carried),
       join_(settings.max_wait, std::max<std::size_t>(6, frame_queue_),
             [this](const FeatureFrame& frame) { on_features(frame); }) {}
@@ -94,9 +95,11 @@ void FastSlamNode::begin_map_beside() {
   ++session_;
 }
 
-// What is seen has contradicted the map for long: the robot was carried to where it has not been.
+// What is seen has contradicted the map for long, or after a gap has told nothing for longer: the robot is
+// where it has not been.
 bool FastSlamNode::is_elsewhere() const {
-  return new_map_when_carried_ > 0 && last_.unplaced >= new_map_when_carried_;
+  return (new_map_when_carried_ > 0 && last_.unplaced >= new_map_when_carried_) ||
+         (new_map_after_ > 0 && last_.adrift >= new_map_after_);
 }
 
 void FastSlamNode::start(const FeatureFrame& frame) {

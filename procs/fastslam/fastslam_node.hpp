@@ -44,7 +44,7 @@ class FastSlamNode : public Node {
   std::string pose_;  // "auto": planar when the camera is mounted on a robot
   std::string first_map_frame_;
   std::size_t frame_queue_;      // frames that may wait
-  double new_map_when_carried_;  // s
+  double new_map_after_, new_map_when_carried_;  // s
   MotionJoin<FeatureFrame> join_;
   CameraShutter shutter_;
   std::optional<FastSlam> slam_;

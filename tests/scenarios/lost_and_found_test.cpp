@@ -216,6 +216,31 @@ TEST(LostAndFound, CarriedToAMappedPlace) {
   expect_no_nonsense(drive);
 }
 
+// A gap in all that is heard, and then a place that it has not seen, with good wheels.
+TEST(LostAndFound, BackInANewPlaceAfterAGap) {
+  LostDrive::Plan plan;
+  plan.parts = {{0, 7}, {12, RecordedDrive::ends}};
+  plan.pause = 4;
+  plan.new_map_after = 3;
+  const LostDrive drive(plan);
+  const double back = drive.begin_of(1);
+  print("back in a new place", drive, back, back);
+  const std::string channel = "FASTSLAM_POSE";
+  double heard_again = 0;
+  for (const auto& m : drive.poses(channel)) {
+    const double seconds = drive.seconds_of(m.utime);
+    if (seconds < back) continue;
+    EXPECT_EQ(m.status, pose_estimate_t::LOST) << seconds;
+    if (heard_again == 0) heard_again = seconds;
+  }
+  EXPECT_EQ(value_of(drive.fastslam, "sessions"), 2);
+  EXPECT_EQ(drive.bus.on<pose_estimate_t>(channel).back().frame, "map-2");
+  EXPECT_EQ(drive.bus.on<pose_estimate_t>(channel).back().status, pose_estimate_t::TRACKING);
+  EXPECT_LE(drive.rms(channel, 0, 1e9, "map-2"), 0.05);
+  EXPECT_NEAR(drive.seconds_of(drive.poses(channel, "map-2").at(0).utime) - heard_again, plan.new_map_after,
+              0.5);
+}
+
 // It sees what it has not seen, maps that beside the old map, and at the end comes by where it began.
 TEST(LostAndFound, CarriedToANewPlaceThatLeadsToTheOldOne) {
   LostDrive::Plan plan;

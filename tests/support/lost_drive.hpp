@@ -30,7 +30,9 @@ class LostDrive {
     std::function<double(double seconds)> slip = [](double) { return 0.0; };
     /// Whether the processor gets to an image at all.
     std::function<bool(int image, double seconds)> taken = [](int, double) { return true; };
-    int seed = 1;  ///< of the particles
+    double pause = 0.35;        ///< s between two parts: about a frame, or a gap in all that is heard
+    double new_map_after = 30;  ///< s, of fastslam
+    int seed = 1;               ///< of the particles
   };
 
   explicit LostDrive(const Plan& plan) : plan_(plan) {
@@ -47,7 +49,7 @@ class LostDrive {
         last = seconds;
       }
       pieces_.push_back({utime_at(now), now - part.from});
-      now = last + 0.35;  // about a frame later
+      now = last + plan_.pause;
     }
     bus.finish();
   }
@@ -160,7 +162,8 @@ class LostDrive {
   OdometryNode& odometry = bus.add<OdometryNode>();
   SurfNode& surf = bus.add<SurfNode>(ConfigNode::parse("{max_features: 600}"), 500);
   FastSlamNode& fastslam =
-      bus.add<FastSlamNode>(ConfigNode::parse("{particles: 50, seed: " + std::to_string(plan_.seed) + "}"));
+      bus.add<FastSlamNode>(ConfigNode::parse("{particles: 50, seed: " + std::to_string(plan_.seed) +
+                                              ", new_map_after: " + std::to_string(plan_.new_map_after) + "}"));
   IcpNode& icp = bus.add<IcpNode>();
 
  private:

@@ -185,6 +185,36 @@ TEST(CoveredCamera, AKnownRoomIsNotMappedAnewAfterEachJump) {
   EXPECT_LT(20 * landmarks.back(), 23 * landmarks[1]);
 }
 
+// Lost on the way to a room that it has not seen: good wheels or not, it knows nothing there, and counts how
+// long, so that somebody may begin a map for that room. Its first room it knows again.
+TEST(CoveredCamera, CountsHowLongItKnowsNothingOfWhatItSees) {
+  constexpr std::size_t known = 150, strange = 50;  // frames
+  const Drive first = make_drive(synthetic::short_world(lap), 6);
+  const Drive other = make_drive(synthetic::short_world(strange), 7);
+  FastSlam slam({});
+  for (std::size_t i = 0; i < known; ++i)
+    EXPECT_EQ(slam.step(first.steps[i].motion, first.steps[i].frame).adrift, 0) << i;
+  const int landmarks = slam.index().size();
+  Utime utime = first.steps[known - 1].frame.utime;
+  for (std::size_t i = 0; i < strange; ++i) {
+    synthetic::Step step = other.steps[i];
+    const Utime elapsed = i == 0 ? 1'000'000 : 100'000;
+    step.frame.utime = utime += elapsed;
+    if (i == 20) step.frame.features.clear();
+    const StepResult r = slam.step(i == 0 ? unknown_motion(elapsed) : step.motion, step.frame);
+    EXPECT_EQ(r.status, TrackStatus::lost) << i;
+    EXPECT_NEAR(r.adrift, 1 + 0.1 * static_cast<double>(i >= 20 ? i - 1 : i), 1e-6) << i;
+  }
+  EXPECT_EQ(slam.index().size(), landmarks);
+  double adrift = 1;
+  for (std::size_t i = 20; i < 60 && adrift > 0; ++i) {
+    synthetic::Step step = first.steps[i];
+    step.frame.utime = utime += 100'000;
+    adrift = slam.step(step.motion, step.frame).adrift;
+  }
+  EXPECT_EQ(adrift, 0) << "found";
+}
+
 // Frames a second apart, and an odometry that is lost between the first ones: what was seen only once is no
 // map to find back to. The world begins where the robot can follow its way, and holds from there.
 TEST(SlowCamera, BeginsItsWorldWhereItCanFollow) {
