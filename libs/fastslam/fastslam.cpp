@@ -236,8 +236,8 @@ TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed, U
 }
 
 // Where known landmarks should be and none is, the robot is elsewhere, whatever odometry knows: somebody has
-// carried it, and odometry's way has begun at a wrong place until something is recognised. Who may be anywhere
-// expects no landmark: that it knows nothing of all it sees tells the same, less surely.
+// carried it, and odometry's way has begun at a wrong place until something is recognised. Who may be
+// anywhere expects no landmark: that it knows nothing of all it sees tells the same, less surely.
 void FastSlam::look_whether_carried(const FrameAssociation& association,
                                     const std::vector<FeaturePoint>& points, Utime utime) {
   constexpr double longest_frame = 1;  // s that one frame speaks for

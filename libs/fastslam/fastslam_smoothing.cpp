@@ -69,6 +69,7 @@ std::vector<SmoothedPose> FastSlam::take_over(const std::optional<MapSmoothing>&
       carried.push_back(slot);
   }
   particles_.deform(smoothing->T_world_correction, placed, carried);
+  map_smoothing_->taken_over(*smoothing);
   return smoothing->path;
 }
 

@@ -8,8 +8,6 @@
 namespace lcmslam {
 namespace {
 
-constexpr double any_turn = 3;  // rad, sigma about each axis: every orientation is as likely
-
 double squared(double x) {
   return x * x;
 }
@@ -54,14 +52,6 @@ Motion with_ground(Motion motion, const FastSlamSettings& s) {
   const double distance = motion.T_from_to.translation().norm();
   motion.covariance(2, 2) += squared(s.ground_rise_per_m * distance);
   motion.covariance.diagonal().segment<2>(3).array() += squared(s.ground_tilt_per_m * distance);
-  return motion;
-}
-
-Motion unknown_motion(Utime elapsed) {
-  const double seconds = 1e-6 * static_cast<double>(elapsed);
-  Motion motion;
-  motion.covariance.diagonal().head<3>().setConstant(std::pow(0.5 * seconds, 2));
-  motion.covariance.diagonal().tail<3>().setConstant(std::pow(std::min(1.0 * seconds, any_turn), 2));
   return motion;
 }
 

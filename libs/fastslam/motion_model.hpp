@@ -16,10 +16,6 @@ Motion motion_prior(const Motion& odometry, const FastSlamSettings& settings);
 /// The same where settings.left_plane says that the floor is not flat: how it may rise and fall on the way.
 Motion with_ground(Motion motion, const FastSlamSettings& settings);
 
-/// Without odometry the robot may have gone anywhere that its speed allows: 0.5 m and 1 rad a second, in us;
-/// at last it may be turned anyhow.
-Motion unknown_motion(Utime elapsed);
-
 /// Finite, symmetric, and not so wide that numbers fail.
 bool usable(const Motion& motion);
 

@@ -43,10 +43,10 @@ std::vector<EnsembleObservation> PoseCovariance::with_errors(const std::vector<L
   observations.reserve(matches.size());
   for (const LandmarkMatch& match : matches) {
     const FeaturePoint& point = step.points[static_cast<std::size_t>(match.point)];
-    observations.push_back({match.slot, point.measurement,
-                            *step.map.find(static_cast<std::size_t>(match.slot)),
-                            sensor_error_.draw(point, step.frame, step.index.record(match.slot).id,
-                                               step.T_world_robot, step.twist)});
+    observations.push_back(
+        {match.slot, point.measurement, *step.map.find(static_cast<std::size_t>(match.slot)),
+         sensor_error_.draw(point, step.frame, {match.slot, step.index.record(match.slot).id},
+                            step.T_world_robot, step.twist)});
   }
   return observations;
 }

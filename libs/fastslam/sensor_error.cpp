@@ -62,14 +62,15 @@ EnsembleVectors SensorError::of_view(const Eigen::Vector3d& ray, std::int64_t la
 }
 
 // In the robot's frame.
-Eigen::Vector3d SensorError::way_since_first_seen(std::int64_t landmark,
-                                                  const Eigen::Isometry3d& T_world_robot) {
-  const Eigen::Vector3d& first =
-      first_seen_from_.try_emplace(landmark, T_world_robot.translation()).first->second;
-  return T_world_robot.linear().transpose() * (T_world_robot.translation() - first);
+Eigen::Vector3d SensorError::way_since_first_seen(Landmark landmark, const Eigen::Isometry3d& T_world_robot) {
+  const auto slot = static_cast<std::size_t>(landmark.slot);
+  if (first_views_.size() <= slot) first_views_.resize(slot + 1);
+  FirstView& first = first_views_[slot];
+  if (first.landmark != landmark.id) first = {landmark.id, T_world_robot.translation()};
+  return T_world_robot.linear().transpose() * (T_world_robot.translation() - first.from);
 }
 
-EnsembleVectors SensorError::draw(const FeaturePoint& point, const FeatureFrame& frame, std::int64_t landmark,
+EnsembleVectors SensorError::draw(const FeaturePoint& point, const FeatureFrame& frame, Landmark landmark,
                                   const Eigen::Isometry3d& T_world_robot, const Vector6d& twist) {
   return point.measurement.kind == MeasurementKind::point
              ? of_point(point, frame, landmark, T_world_robot, twist)
@@ -84,9 +85,8 @@ EnsembleVectors SensorError::of_plane(const Measurement& measurement) {
   return error;
 }
 
-EnsembleVectors SensorError::of_point(const FeaturePoint& point, const FeatureFrame& frame,
-                                      std::int64_t landmark, const Eigen::Isometry3d& T_world_robot,
-                                      const Vector6d& twist) {
+EnsembleVectors SensorError::of_point(const FeaturePoint& point, const FeatureFrame& frame, Landmark landmark,
+                                      const Eigen::Isometry3d& T_world_robot, const Vector6d& twist) {
   const Feature& feature = frame.features[static_cast<std::size_t>(point.feature)];
   const Eigen::Vector3d& p = point.measurement.value;
   const Eigen::Vector3d ray = p - frame.T_robot_camera.translation();
@@ -97,7 +97,7 @@ EnsembleVectors SensorError::of_point(const FeaturePoint& point, const FeatureFr
       point.measurement.covariance / settings_.measurement_inflation - systematic * systematic.transpose();
   const auto lasting = static_cast<float>(std::sqrt(settings_.view_share));
   const auto fresh = static_cast<float>(std::sqrt(1 - settings_.view_share));
-  const EnsembleVectors random = lasting * of_view(T_world_robot.linear() * ray, landmark) +
+  const EnsembleVectors random = lasting * of_view(T_world_robot.linear() * ray, landmark.id) +
                                  fresh * random_signs({stream_.bits(), stream_.bits(), stream_.bits()});
   EnsembleVectors error = Eigen::Matrix3d(own.llt().matrixL()).cast<float>().lazyProduct(random);
 

@@ -14,7 +14,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include <lcmslam/fastslam/association/usable_features.hpp>
@@ -36,18 +35,27 @@ class SensorError {
  public:
   explicit SensorError(const FastSlamSettings& settings);
 
-  /// Of the value of one measurement; `landmark`: id that is never used twice, `T_world_robot`: from where,
-  /// `twist`: the robot's velocity, m/s, rad/s, body frame.
-  EnsembleVectors draw(const FeaturePoint& point, const FeatureFrame& frame, std::int64_t landmark,
+  struct Landmark {
+    int slot;         ///< in the index, of one landmark after the other
+    std::int64_t id;  ///< never used twice
+  };
+  /// Of the value of one measurement; `T_world_robot`: from where, `twist`: the robot's velocity, m/s, rad/s,
+  /// body frame.
+  EnsembleVectors draw(const FeaturePoint& point, const FeatureFrame& frame, Landmark landmark,
                        const Eigen::Isometry3d& T_world_robot, const Vector6d& twist);
 
  private:
-  EnsembleVectors of_point(const FeaturePoint& point, const FeatureFrame& frame, std::int64_t landmark,
+  EnsembleVectors of_point(const FeaturePoint& point, const FeatureFrame& frame, Landmark landmark,
                            const Eigen::Isometry3d& T_world_robot, const Vector6d& twist);
   EnsembleVectors of_plane(const Measurement& measurement);
   EnsembleRow depth_wave(double range) const;
   EnsembleVectors of_view(const Eigen::Vector3d& ray, std::int64_t landmark) const;
-  Eigen::Vector3d way_since_first_seen(std::int64_t landmark, const Eigen::Isometry3d& T_world_robot);
+  Eigen::Vector3d way_since_first_seen(Landmark landmark, const Eigen::Isometry3d& T_world_robot);
+
+  struct FirstView {
+    std::int64_t landmark = -1;  // id
+    Eigen::Vector3d from;        // m, world
+  };
 
   FastSlamSettings settings_;
   Random stream_;
@@ -57,7 +65,7 @@ class SensorError {
   EnsembleRow stamp_, shutter_;           // s: of the image, and from its first row to its last
   EnsembleRow slide_;                     // ratio
   EnsembleRow bend_;                      // rad/m
-  std::unordered_map<std::int64_t, Eigen::Vector3d> first_seen_from_;  // by landmark: m, world
+  std::vector<FirstView> first_views_;    // by slot
 };
 
 }  // namespace lcmslam

@@ -61,8 +61,8 @@ struct StepResult {
   bool loop_closed = false;  ///< relocalised where only drift had led it astray: the map is deformed to fit
   double unplaced = 0;       ///< s since features first contradicted the landmarks that should be there, and
                              ///< nothing was recognised: somebody has carried the robot
-  double adrift = 0;         ///< s of frames that show enough and nothing known, of a robot that may be anywhere
-  bool slipped = false;      ///< observations contradicted the odometry, and won
+  double adrift = 0;     ///< s of frames that show enough and nothing known, of a robot that may be anywhere
+  bool slipped = false;  ///< observations contradicted the odometry, and won
   Floor floor = Floor::plane;  ///< of a robot on wheels: what measurements leave of the plane
   bool resampled = false;
   bool rejuvenated = false;

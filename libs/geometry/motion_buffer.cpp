@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 namespace lcmslam {
 namespace {
@@ -24,6 +25,15 @@ Matrix6d increment_covariance(const MotionSample& a, const MotionSample& b) {
 }
 
 }  // namespace
+
+Motion unknown_motion(Utime elapsed) {
+  constexpr double speed = 0.5, turn_rate = 1, any_turn = 3;  // m/s, rad/s, rad: every heading is as likely
+  const double seconds = 1e-6 * static_cast<double>(elapsed);
+  Motion motion;
+  motion.covariance.diagonal().head<3>().setConstant(std::pow(speed * seconds, 2));
+  motion.covariance.diagonal().tail<3>().setConstant(std::pow(std::min(turn_rate * seconds, any_turn), 2));
+  return motion;
+}
 
 bool MotionBuffer::add(const MotionSample& sample) {
   const bool in_order = samples_.empty() || sample.utime > samples_.back().utime;

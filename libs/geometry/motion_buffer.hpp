@@ -27,6 +27,10 @@ struct Motion {
   bool visual = false;
 };
 
+/// Without odometry the robot may have gone anywhere that its speed allows: 0.5 m and 1 rad a second, in us;
+/// at last it may be turned anyhow.
+Motion unknown_motion(Utime elapsed);
+
 class MotionBuffer {
  public:
   static constexpr Utime longest_step = 2'000'000;  ///< us

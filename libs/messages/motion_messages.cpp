@@ -26,7 +26,7 @@ encoders_t to_message(const Encoders& encoders) {
 
 Encoders from_message(const encoders_t& m) {
   check_range(m.n_wheels, 2, 64, "n_wheels");
-  Encoders encoders{m.utime, m.seq, {}};
+  Encoders encoders{m.utime, m.seq, m.sender, {}};
   for (const wheel_t& w : m.wheels) {
     check_range(w.x, -100, 100, "wheel x");
     check_range(w.y, -100, 100, "wheel y");

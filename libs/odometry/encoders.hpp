@@ -13,8 +13,9 @@ namespace lcmslam {
 struct Wheel {
   double x = 0, y = 0;      ///< ground contact, m
   double radius = 0.1;      ///< m
-  double roller_angle = 0;  ///< rad between the wheel's axle and its rollers' axes; 0: plain tyre (rolls
-                            ///< without side slip); +-pi/4: mecanum
+  double roller_angle = 0;  ///< rad from the rolling direction to the axis of the roller on the ground,
+                            ///< counter-clockwise from above: +-pi/4 mecanum, next to 0 (1e-6) an omni wheel;
+                            ///< 0: plain tyre, rolls without side slip
   double angle = 0;         ///< rad turned about its axle since start, forward positive (cumulative)
   double steering = 0;      ///< rad, direction of rolling measured from x; 0 for fixed wheels
 };
@@ -22,6 +23,7 @@ struct Wheel {
 struct Encoders {
   Utime utime = 0;
   std::int64_t seq = 0;
+  std::int64_t sender = 0;  ///< the driver's process, which counts from its own start; 0: unknown
   std::vector<Wheel> wheels;
 };
 

@@ -3,7 +3,9 @@
 // wheel at (x, y) then moves with c = (vx - w y, vy + w x). In the wheel's frame (its x axis is the
 // rolling direction, turned by the steering angle) c is (c_x, c_y), and
 //   plain tyre:  radius * angle_rate = c_x   and   0 = c_y   (no side slip)
-//   mecanum:     radius * angle_rate = c_x + c_y * tan(roller_angle)
+//   mecanum:     radius * angle_rate = c_x + c_y * tan(roller_angle), what goes along the roller's axis,
+//   which
+//                does not slip; across it the roller turns
 // Differential, steered and mecanum bases differ only in their wheels.
 
 #include <vector>

@@ -1,6 +1,7 @@
 #include <lcmslam/odometry/wheel_odometry.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -21,6 +22,11 @@ Matrix6d from_planar(const Eigen::Matrix3d& planar) {
     for (int j = 0; j < 3; ++j) full(index[i], index[j]) = planar(i, j);
   }
   return full;
+}
+
+Matrix6d in_plane(const Matrix6d& covariance) {
+  const std::array<int, 3> free{0, 1, 5};
+  return from_planar(covariance(free, free));
 }
 
 bool impossible(const std::vector<Wheel>& before, const std::vector<Wheel>& after, double max_way) {
@@ -68,8 +74,9 @@ std::optional<MotionSample> WheelOdometry::step(const Encoders& encoders) {
                                   "; a base keeps its wheels");
     }
     const double duration = 1e-6 * static_cast<double>(encoders.utime - sample_.utime);
-    if (impossible(wheels_, encoders.wheels, settings_.max_wheel_speed * duration)) {
-      add_restart();
+    if (encoders.sender != sender_ ||
+        impossible(wheels_, encoders.wheels, settings_.max_wheel_speed * duration)) {
+      add_restart(encoders.utime - sample_.utime);
     } else {
       const WheelFit fit = fit_motion(wheels_, encoders.wheels, settings_.side_slip_weight);
       integrate({fit.motion.x(), fit.motion.y(), fit.motion.z(), fit.way_rolled, duration,
@@ -80,6 +87,7 @@ std::optional<MotionSample> WheelOdometry::step(const Encoders& encoders) {
     }
   }
   wheels_ = encoders.wheels;
+  sender_ = encoders.sender;
   sample_.utime = encoders.utime;
   return sample_;
 }
@@ -100,12 +108,12 @@ void WheelOdometry::integrate(const PlanarIncrement& increment, const Eigen::Mat
   sample_.T_odom_robot = sample_.T_odom_robot * se3_exp(increment.twist());
 }
 
-void WheelOdometry::add_restart() {
+void WheelOdometry::add_restart(Utime uncounted) {
   ++restarts_;
   const WheelNoise& noise = settings_.noise;
   PlanarIncrement slip;
   slip.way_rolled = noise.slip_distance;
-  sample_.covariance += increment_covariance(noise, slip);
+  sample_.covariance += increment_covariance(noise, slip) + in_plane(unknown_motion(uncounted).covariance);
   twist_ = {};
   residual_ = 0;
 }

@@ -47,8 +47,9 @@ class WheelOdometry {
   /// covariance S_b = Ad(T_b_a) S_a Ad(T_b_a)^T + Q (right perturbation). Angles are cumulative: after
   /// lost messages the next one catches up.
   /// - A stamp that goes back starts anew at the identity; a repeated stamp gives nothing.
-  /// - Wheels that turned impossibly far give the old pose with a slip added to its covariance, and
-  ///   counting goes on from there (`restarts`).
+  /// - Another sender counts from another start, and wheels that turned impossibly far were reset: both give
+  ///   the old pose, its covariance with a slip and all that may have been driven meanwhile
+  ///   (unknown_motion), and counting goes on from there (`restarts`).
   /// Throws std::invalid_argument, and stays as it was, when a wheel's value is wrong, when the number
   /// of wheels changed or when they do not determine the motion.
   std::optional<MotionSample> update(const Encoders& encoders);
@@ -63,10 +64,11 @@ class WheelOdometry {
   Encoders corrected(const Encoders& encoders) const;
   std::optional<MotionSample> step(const Encoders& encoders);
   void integrate(const PlanarIncrement& increment, const Eigen::Matrix3d& fit_covariance);
-  void add_restart();
+  void add_restart(Utime uncounted);
 
   WheelOdometrySettings settings_;
   std::vector<Wheel> wheels_;  // of the newest message; empty before the first
+  std::int64_t sender_ = 0;    // likewise
   MotionSample sample_;
   PlanarTwist twist_;
   double residual_ = 0;

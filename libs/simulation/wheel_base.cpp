@@ -135,7 +135,7 @@ std::vector<Encoders> simulate_encoders(const DrivenPath& path, const std::strin
   Corruption corrupt(errors, seed);
   std::vector<Wheel> wheels = make_wheels(base);
   std::vector<double> travel(wheels.size(), 0.0);  // m, before quantisation
-  std::vector<Encoders> readings{{start, 0, wheels}};
+  std::vector<Encoders> readings{{start, 0, 0, wheels}};
   const double period = static_cast<double>(encoder_period) * 1e-6;
   const auto steps = static_cast<int>(std::ceil(path.duration() / period));
   for (int k = 1; k <= steps; ++k) {
@@ -146,7 +146,7 @@ std::vector<Encoders> simulate_encoders(const DrivenPath& path, const std::strin
       travel[i] += move(contact, wheel);
       wheel.angle = std::round(travel[i] / errors.quantum) * errors.quantum / wheel.radius;
     }
-    readings.push_back({start + k * encoder_period, k, wheels});
+    readings.push_back({start + k * encoder_period, k, 0, wheels});
   }
   return readings;
 }

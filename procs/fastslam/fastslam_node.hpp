@@ -43,7 +43,7 @@ class FastSlamNode : public Node {
   FastSlamSettings settings_;
   std::string pose_;  // "auto": planar when the camera is mounted on a robot
   std::string first_map_frame_;
-  std::size_t frame_queue_;      // frames that may wait
+  std::size_t frame_queue_;                      // frames that may wait
   double new_map_after_, new_map_when_carried_;  // s
   MotionJoin<FeatureFrame> join_;
   CameraShutter shutter_;

@@ -26,9 +26,10 @@ struct FastSlamNodeSettings {
     describe_map_frame(s, map_frame);
     describe_frame_queue(s, frame_queue);
     describe_max_wait(s, max_wait);
-    s.number("new_map_after", new_map_after, "s", {0, 1e6},
-             "of features of which none is known, since odometry was lost and the robot may be anywhere; then "
-             "a new map begins beside the old one; 0: never");
+    s.number(
+        "new_map_after", new_map_after, "s", {0, 1e6},
+        "of features of which none is known, since odometry was lost and the robot may be anywhere; then "
+        "a new map begins beside the old one; 0: never");
     s.number(
         "new_map_when_carried", new_map_when_carried, "s", {0, 1e6},
         "of features that contradict the landmarks that should be there and are found nowhere else; then a "

@@ -149,7 +149,9 @@ NodeReport OdometryNode::report() const {
   if (!came_later_.empty())
     report.detail +=
         "; " + came_later_ + " came later: odometry.source names it, or a longer odometry.auto_wait takes it";
-  report.values = {{"updates", static_cast<double>(updates_)}, {"degraded", static_cast<double>(degraded_)}};
+  report.values = {{"updates", static_cast<double>(updates_)},
+                   {"degraded", static_cast<double>(degraded_)},
+                   {"restarts", static_cast<double>(wheels_.restarts() + external_.restarts())}};
   return report;
 }
 

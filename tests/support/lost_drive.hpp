@@ -161,9 +161,9 @@ class LostDrive {
   TestBus bus;
   OdometryNode& odometry = bus.add<OdometryNode>();
   SurfNode& surf = bus.add<SurfNode>(ConfigNode::parse("{max_features: 600}"), 500);
-  FastSlamNode& fastslam =
-      bus.add<FastSlamNode>(ConfigNode::parse("{particles: 50, seed: " + std::to_string(plan_.seed) +
-                                              ", new_map_after: " + std::to_string(plan_.new_map_after) + "}"));
+  FastSlamNode& fastslam = bus.add<FastSlamNode>(
+      ConfigNode::parse("{particles: 50, seed: " + std::to_string(plan_.seed) +
+                        ", new_map_after: " + std::to_string(plan_.new_map_after) + "}"));
   IcpNode& icp = bus.add<IcpNode>();
 
  private:

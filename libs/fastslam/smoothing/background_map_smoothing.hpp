@@ -48,6 +48,10 @@ class BackgroundMapSmoothing {
   std::optional<Result> take_over_when_due(Utime now);
   /// From the whole path, at once; what runs is dropped.
   std::optional<MapSmoothing> smooth();
+  /// The filter's map is the smoothed one.
+  void taken_over(const MapSmoothing& smoothed) {
+    if (smoother_) smoother_->take_over(smoothed);
+  }
 
  private:
   struct Running {

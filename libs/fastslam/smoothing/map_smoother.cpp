@@ -105,6 +105,15 @@ std::vector<Eigen::Isometry3d> MapSmoother::deformed_path() const {
   return path;
 }
 
+void MapSmoother::take_over(const MapSmoothing& smoothed) {
+  auto pose = smoothed.path.begin();
+  for (Keyframe& k : keyframes_) {
+    while (pose != smoothed.path.end() && pose->utime < k.utime) ++pose;
+    k.T_world_robot =
+        pose != smoothed.path.end() ? pose->T_world_robot : smoothed.T_world_correction * k.T_world_robot;
+  }
+}
+
 std::optional<MapSmoothing> MapSmoother::solve() const {
   if (keyframes_.size() < 2) return std::nullopt;
   std::map<std::int64_t, int> observations;

@@ -53,6 +53,10 @@ class MapSmoother {
   /// with fewer than two keyframes.
   std::optional<MapSmoothing> solve() const;
 
+  /// The filter stands where the smoothed path leads: the keyframes do so too, and those that were added
+  /// since it was solved stand where it carries them.
+  void take_over(const MapSmoothing& smoothed);
+
   std::size_t keyframes() const { return keyframes_.size(); }
   static constexpr std::size_t maximum_keyframes = 200;  ///< a second or two for the solver
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 
 #include <lcmslam/fastslam/fastslam.hpp>
 #include <lcmslam/fastslam/smoothing/map_smoother.hpp>
@@ -219,6 +220,34 @@ TEST(MapSmoother, ADriveIsSmoothedAndTheFilterGoesOn) {
   // One drive's smoothed map may be worse than the filter's, by what the camera errs in all its images.
   EXPECT_LT(ways[1], 0.9 * ways[0]);
   EXPECT_LT(maps[1], 0.95 * maps[0]);
+}
+
+// Where the robot stands still nothing is new: it is corrected once, however often somebody asks.
+TEST(MapSmoother, ARobotThatStandsIsCorrectedOnce) {
+  synthetic::WorldSettings world;
+  world.frames = 250;
+  double first = 0, again = 0;  // m, sums over the seeds
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const auto drive = synthetic::make_drive(world, seed);
+    FastSlamSettings settings;
+    settings.seed = seed;
+    FastSlam slam(settings);
+    for (const auto& step : drive.steps) slam.step(step.motion, step.frame);
+    const auto where = [&](const FastSlam& s) {
+      const auto& weights = s.weights();
+      const auto best = std::max_element(weights.begin(), weights.end()) - weights.begin();
+      return Eigen::Vector3d(s.particles()[static_cast<std::size_t>(best)].T_world_robot.translation());
+    };
+    const Eigen::Vector3d before = where(slam);
+    slam.smooth();
+    const Eigen::Vector3d once = where(slam);
+    for (int i = 0; i < 5; ++i) slam.smooth();
+    first += (once - before).norm();
+    again += (where(slam) - once).norm();
+  }
+  std::cout << "moved " << first << " m, then " << again << " m\n";
+  EXPECT_GT(first, 0.01);
+  EXPECT_LT(again, 0.1 * first);
 }
 
 // Smoothing beside the filter is taken over at a message time, however long it computes.

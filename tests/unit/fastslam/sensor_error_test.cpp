@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/heap_allocations.hpp"
+
 namespace lcmslam {
 namespace {
 
@@ -30,12 +32,12 @@ class SensorErrorTest : public ::testing::Test {
     stated_.diagonal() << 1e-4, 4e-6, 4e-6;
     point_.measurement.covariance = FastSlamSettings().measurement_inflation * stated_;
   }
-  EnsembleVectors draw(SensorError& errors, std::int64_t landmark, double heading = 0,
+  EnsembleVectors draw(SensorError& errors, SensorError::Landmark landmark, double heading = 0,
                        const Vector6d& twist = Vector6d::Zero()) const {
     return errors.draw(point_, frame_, landmark, planar_pose(0, 0, heading), twist);
   }
   /// Of two that draw the same but for one error.
-  EnsembleVectors difference(SensorError& with, SensorError& without, std::int64_t landmark,
+  EnsembleVectors difference(SensorError& with, SensorError& without, SensorError::Landmark landmark,
                              const Eigen::Isometry3d& T_world_robot) const {
     const Vector6d still = Vector6d::Zero();
     return with.draw(point_, frame_, landmark, T_world_robot, still) -
@@ -57,7 +59,7 @@ TEST_F(SensorErrorTest, IsAsLargeAsTheNoiseStates) {
     FastSlamSettings settings = without_calibration_errors();
     settings.seed = static_cast<std::uint64_t>(seed);
     SensorError errors(settings);
-    const Eigen::Matrix<double, 3, ensemble_size> e = draw(errors, 1).cast<double>();
+    const Eigen::Matrix<double, 3, ensemble_size> e = draw(errors, {1, 1}).cast<double>();
     sum += e * e.transpose() / (seeds * ensemble_size);
   }
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(sum(i, i), stated_(i, i), 0.1 * stated_(i, i));
@@ -70,8 +72,8 @@ TEST_F(SensorErrorTest, LandmarksSlideByARatioOfTheWaySinceTheyWereFirstSeen) {
   FastSlamSettings settings = without_calibration_errors();
   settings.slide_sigma = 0.01;
   SensorError still(without_calibration_errors()), sliding(settings);
-  const auto slide = [&](std::int64_t landmark, const Eigen::Isometry3d& T_world_robot) {
-    return difference(sliding, still, landmark, T_world_robot);
+  const auto slide = [&](int landmark, const Eigen::Isometry3d& T_world_robot) {
+    return difference(sliding, still, {landmark, landmark}, T_world_robot);
   };
   const Eigen::Isometry3d first = planar_pose(1, 1, 0), later = planar_pose(1, 3, M_PI / 2);
   EXPECT_LT(slide(1, first).norm(), 1e-6F);
@@ -83,13 +85,27 @@ TEST_F(SensorErrorTest, LandmarksSlideByARatioOfTheWaySinceTheyWereFirstSeen) {
   EXPECT_LT(slide(3, later).norm(), 1e-6F);
 }
 
+// Landmarks come and go by the million; what is kept for them is as much as there are at a time.
+TEST_F(SensorErrorTest, ALandmarkInTheSlotOfADeadOneBeginsItsOwnWay) {
+  FastSlamSettings settings = without_calibration_errors();
+  settings.slide_sigma = 0.01;
+  SensorError still(without_calibration_errors()), sliding(settings);
+  for (int id = 1; id <= 3; ++id) {
+    EXPECT_LT(difference(sliding, still, {5, id}, planar_pose(id, 0, 0)).norm(), 1e-6F) << id;
+    EXPECT_GT(difference(sliding, still, {5, id}, planar_pose(id + 1, 0, 0)).norm(), 1e-3F) << id;
+  }
+  const long before = heap_allocations();
+  for (int id = 4; id <= 1000; ++id) draw(sliding, {5, id});
+  EXPECT_EQ(heap_allocations(), before);
+}
+
 // The same robot: each member turns both landmarks about it by the same angle, whichever way it went.
 TEST_F(SensorErrorTest, LandmarksBendTheWaySinceTheyWereFirstSeen) {
   FastSlamSettings settings = without_calibration_errors();
   settings.bend_sigma = 0.01;
   SensorError straight(without_calibration_errors()), bent(settings);
-  const auto bend = [&](std::int64_t landmark, const Eigen::Isometry3d& T_world_robot) {
-    return difference(bent, straight, landmark, T_world_robot);
+  const auto bend = [&](int landmark, const Eigen::Isometry3d& T_world_robot) {
+    return difference(bent, straight, {landmark, landmark}, T_world_robot);
   };
   const Eigen::Isometry3d first = planar_pose(1, 1, 0);
   EXPECT_LT(bend(1, first).norm() + bend(2, first).norm(), 1e-6F);
@@ -110,11 +126,11 @@ TEST_F(SensorErrorTest, HoldsTogetherAsTold) {
   SensorError errors(settings);
   constexpr int landmarks = 200;
   for (int landmark = 0; landmark < landmarks; ++landmark) {
-    const EnsembleVectors a = draw(errors, landmark), b = draw(errors, landmark);
-    const EnsembleVectors turned = draw(errors, landmark, 4 * settings.view_step);
+    const EnsembleVectors a = draw(errors, {landmark, landmark}), b = draw(errors, {landmark, landmark});
+    const EnsembleVectors turned = draw(errors, {landmark, landmark}, 4 * settings.view_step);
     same_view += mean_product(a, b, 0) / landmarks;
     other_view += mean_product(a, turned, 0) / landmarks;
-    other_landmark += mean_product(a, draw(errors, landmark + 1000), 0) / landmarks;
+    other_landmark += mean_product(a, draw(errors, {landmark + 1000, landmark + 1000}), 0) / landmarks;
     own_same += mean_product(a, b, 1) / landmarks;
     own_other += mean_product(a, turned, 1) / landmarks;
   }
@@ -134,11 +150,11 @@ TEST_F(SensorErrorTest, OfTimeGrowsWithTheVelocity) {
   Vector6d twist = Vector6d::Zero();
   twist(5) = 1;
   SensorError a(still), b(rolling);
-  const EnsembleVectors by_time = draw(b, 1, 0, twist) - draw(a, 1, 0, twist);
+  const EnsembleVectors by_time = draw(b, {1, 1}, 0, twist) - draw(a, {1, 1}, 0, twist);
   const double expected = 0.5 * 0.03 * range;
   EXPECT_NEAR(std::sqrt(mean_product(by_time, by_time, 1)), expected, 0.25 * expected);
   EXPECT_NEAR(mean_product(by_time, by_time, 0), 0, 1e-12);
-  const EnsembleVectors standing = draw(b, 2) - draw(a, 2);
+  const EnsembleVectors standing = draw(b, {2, 2}) - draw(a, {2, 2});
   EXPECT_EQ(standing, EnsembleVectors::Zero());
 }
 

@@ -107,6 +107,28 @@ TEST_F(OdometryNodeTest, LateOrRepeatedEncodersChangeNothing) {
   EXPECT_LT(step.translation().norm(), 0.6);  // and no jump back to the start
 }
 
+// A driver that was started again counts from nothing: the robot stays where it was, and how many did is
+// told.
+TEST_F(OdometryNodeTest, ADriverThatRestartsIsNoMotion) {
+  const OdometryNode& node = bus_.add<OdometryNode>();
+  const auto of = [&](std::int64_t sender, Utime t, double angle) {
+    encoders_t m = encoders(t);
+    for (wheel_t& wheel : m.wheels) wheel.angle -= angle;
+    set_origin(m, {t / 20'000, sender});
+    return m;
+  };
+  constexpr Utime stops = 4'000'000, starts = 4'800'000;
+  const double counted = encoders(starts).wheels[0].angle;
+  for (Utime t = 0; t <= stops; t += 20'000) bus_.deliver("ENCODERS", of(11, t, 0));
+  const std::size_t before = bus_.count("ODOMETRY");
+  for (Utime t = starts; t <= starts + 2'000'000; t += 20'000) bus_.deliver("ENCODERS", of(12, t, counted));
+  const auto odometry = bus_.on<odometry_t>("ODOMETRY");
+  ASSERT_GT(odometry.size(), before + 50);
+  EXPECT_TRUE(from_message(odometry[before])
+                  .T_odom_robot.isApprox(from_message(odometry[before - 1]).T_odom_robot, 1e-12));
+  EXPECT_EQ(testing::value_of(node, "restarts"), 1);
+}
+
 TEST_F(OdometryNodeTest, LogThatLoopsStartsAnewAtTheIdentity) {
   bus_.add<OdometryNode>();
   for (int round = 0; round < 2; ++round)

@@ -27,11 +27,12 @@ inline Wheel make_wheel(double x, double y, double radius, double roller_angle =
 }
 
 inline Base differential_base() {
-  return {"differential", {1'000'000, 0, {make_wheel(0, 0.2, 0.1), make_wheel(0, -0.2, 0.1)}}, false, false};
+  return {
+      "differential", {1'000'000, 0, 0, {make_wheel(0, 0.2, 0.1), make_wheel(0, -0.2, 0.1)}}, false, false};
 }
 
 inline Base steered_base() {
-  Base base{"steered", {1'000'000, 0, {}}, true, true};
+  Base base{"steered", {1'000'000, 0, 0, {}}, true, true};
   for (const double x : {0.25, -0.25}) {
     for (const double y : {0.2, -0.2}) base.encoders.wheels.push_back(make_wheel(x, y, 0.08));
   }
@@ -39,7 +40,7 @@ inline Base steered_base() {
 }
 
 inline Base mecanum_base() {
-  Base base{"mecanum", {1'000'000, 0, {}}, false, true};
+  Base base{"mecanum", {1'000'000, 0, 0, {}}, false, true};
   const double angle = M_PI / 4;  // X arrangement: rollers of diagonal wheels alike
   base.encoders.wheels = {make_wheel(0.3, 0.25, 0.076, -angle), make_wheel(0.3, -0.25, 0.076, angle),
                           make_wheel(-0.3, 0.25, 0.076, angle), make_wheel(-0.3, -0.25, 0.076, -angle)};

@@ -219,6 +219,58 @@ TEST(WheelOdometry, CountersThatStartAgainKeepThePose) {
   expect_near(odometry.update(base.encoders)->T_odom_robot, planar_pose(6, 0, 0), 1e-9, "goes on");
 }
 
+// What a driver counts that has started again is no motion, however much it looks like one; and what was
+// driven meanwhile, nobody knows.
+TEST(WheelOdometry, AnotherSenderCountsFromAnotherStart) {
+  for (const Utime silence : {500'000, 1'500'000}) {
+    Base base = testing::differential_base();
+    base.encoders.sender = 7;
+    WheelOdometry odometry;
+    odometry.update(base.encoders);
+    testing::drive(base, {0.5, 0, 0.1}, 8);
+    const MotionSample before = *odometry.update(base.encoders);
+    for (Wheel& wheel : base.encoders.wheels) wheel.angle = 0;
+    base.encoders.utime += silence;
+    base.encoders.sender = 8;
+    const MotionSample after = *odometry.update(base.encoders);
+    EXPECT_EQ(odometry.restarts(), 1);
+    expect_near(before.T_odom_robot, after.T_odom_robot, 1e-12, "restart");
+    const Matrix6d added = after.covariance - before.covariance;
+    const double seconds = 1e-6 * static_cast<double>(silence);
+    for (const auto& [axis, sigma] : {std::pair(0, 0.5), std::pair(1, 0.5), std::pair(5, 1.0)}) {
+      EXPECT_GT(std::sqrt(added(axis, axis)), sigma * seconds) << axis;
+      EXPECT_LT(std::sqrt(added(axis, axis)), 1.05 * sigma * seconds) << axis;
+    }
+    EXPECT_LT(added(2, 2), 1e-3) << "it stays on the ground";
+  }
+}
+
+// The roller on the ground turns across its axis; along it the contact goes with the wheel.
+TEST(WheelOdometry, RollersOfAnyAngle) {
+  for (const double roller : {0.3, M_PI / 4, 1.2}) {
+    Encoders encoders;
+    const Eigen::Vector3d speed(0.4, -0.3, 0.5);  // vx, vy, w
+    for (const auto& [x, y, sign] : {std::tuple(0.3, 0.2, -1), std::tuple(0.3, -0.2, 1),
+                                     std::tuple(-0.3, 0.2, 1), std::tuple(-0.3, -0.2, -1)})
+      encoders.wheels.push_back(testing::make_wheel(x, y, 0.1, sign * roller));
+    WheelOdometry odometry;
+    odometry.update(encoders);
+    constexpr double seconds = 0.02;
+    for (Wheel& wheel : encoders.wheels) {
+      const Eigen::Vector2d contact(speed.x() - speed.z() * wheel.y, speed.y() + speed.z() * wheel.x);
+      const Eigen::Vector2d across(-std::sin(wheel.roller_angle), std::cos(wheel.roller_angle));
+      Eigen::Matrix2d A;  // contact = rolled * (1, 0) + turned by the roller * across
+      A << Eigen::Vector2d::UnitX(), across;
+      wheel.angle = A.inverse().row(0).dot(contact) * seconds / wheel.radius;
+    }
+    encoders.utime += 20'000;
+    odometry.update(encoders);
+    EXPECT_NEAR(odometry.twist().vx, speed.x(), 1e-9) << roller;
+    EXPECT_NEAR(odometry.twist().vy, speed.y(), 1e-9) << roller;
+    EXPECT_NEAR(odometry.twist().w, speed.z(), 1e-9) << roller;
+  }
+}
+
 std::string error_of(const Encoders& encoders, WheelOdometry odometry = WheelOdometry()) {
   try {
     odometry.update(encoders);
@@ -229,14 +281,14 @@ std::string error_of(const Encoders& encoders, WheelOdometry odometry = WheelOdo
 }
 
 TEST(WheelOdometry, WheelsThatDoNotDetermineTheMotionAreAnError) {
-  EXPECT_THAT(error_of({0, 0, {}}), HasSubstr("at least two"));
-  EXPECT_THAT(error_of({0, 0, {testing::make_wheel(0, 0.2, 0.1)}}), HasSubstr("at least two"));
+  EXPECT_THAT(error_of({0, 0, 0, {}}), HasSubstr("at least two"));
+  EXPECT_THAT(error_of({0, 0, 0, {testing::make_wheel(0, 0.2, 0.1)}}), HasSubstr("at least two"));
   // All in one place: nothing is known of the heading.
-  EXPECT_THAT(error_of({0, 0, {testing::make_wheel(0, 0, 0.1), testing::make_wheel(0, 0, 0.1)}}),
+  EXPECT_THAT(error_of({0, 0, 0, {testing::make_wheel(0, 0, 0.1), testing::make_wheel(0, 0, 0.1)}}),
               HasSubstr("do not determine"));
   // Two mecanum wheels: two equations for three unknowns.
   EXPECT_THAT(
-      error_of({0, 0, {testing::make_wheel(0, 0.2, 0.1, 0.7), testing::make_wheel(0, -0.2, 0.1, 0.7)}}),
+      error_of({0, 0, 0, {testing::make_wheel(0, 0.2, 0.1, 0.7), testing::make_wheel(0, -0.2, 0.1, 0.7)}}),
       HasSubstr("do not determine"));
   // Four rollers alike on a line: forward and sideways cannot be told apart.
   Encoders alike;
