@@ -73,7 +73,8 @@ Description read_description(const fs::path& file) {
   description.depth_scale = config.get("depth_scale", description.depth_scale, Range{1, 1e6});
   description.frame_rate = config.get("frame_rate", description.frame_rate, Range{1e-3, 1e4});
   description.truth_of = config.choice("truth_of", description.truth_of, {"colour", "depth", "robot"});
-  if (config.has("calibration")) description.calibration = config.folder("calibration") / config.text("calibration");
+  if (config.has("calibration"))
+    description.calibration = config.folder("calibration") / config.text("calibration");
   if (description.format == "numbered") read_numbered(config, description);
   if (description.format == "tum") read_tum(config, description);
   config.finish();
