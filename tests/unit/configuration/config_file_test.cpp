@@ -189,7 +189,8 @@ TEST_F(ConfigFile, CirclesAndBadIncludesAreErrors) {
   // Includes that double at each level end with an error, not after 2^30 files.
   for (int i = 0; i < 30; ++i) {
     const std::string next = "n" + std::to_string(i + 1) + ".yaml";
-    write("n" + std::to_string(i) + ".yaml", "include: [" + next + ", " + next + "]\n");
+    write("n" + std::to_string(i) + ".yaml",
+          std::string("include: [").append(next).append(", ").append(next).append("]\n"));
   }
   write("n30.yaml", "a: 1\n");
   EXPECT_THAT(error_of([&] { ConfigNode::load(folder_ / "n0.yaml"); }), HasSubstr("includes"));

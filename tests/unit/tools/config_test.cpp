@@ -34,7 +34,7 @@ std::string error_of(const Action& action) {
 /// YAML with one value under a dotted key.
 std::string yaml(std::string key, std::string value) {
   for (std::size_t dot = key.rfind('.'); dot != std::string::npos; dot = key.rfind('.')) {
-    value = "{" + key.substr(dot + 1) + ": " + value + "}";
+    value = std::string("{").append(key, dot + 1).append(": ").append(value).append("}");
     key = key.substr(0, dot);
   }
   return "\n" + key + ": " + value + "\n";
