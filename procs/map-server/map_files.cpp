@@ -171,12 +171,26 @@ std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& fol
 
 void BackgroundSaver::begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision,
                             const std::string& formats) {
+  const auto made = [folder] {
+    std::filesystem::create_directories(folder);
+    return HeldFolder(folder);
+  };
+  begin_in(std::move(maps), made, revision, formats);
+}
+
+void BackgroundSaver::begin(MapsToSave maps, const HeldFolder& folder, std::int64_t revision,
+                            const std::string& formats) {
+  begin_in(
+      std::move(maps), [folder] { return folder; }, revision, formats);
+}
+
+void BackgroundSaver::begin_in(MapsToSave maps, Folder folder, std::int64_t revision,
+                               const std::string& formats) {
   saving_ = std::async(std::launch::async, [maps = std::move(maps), folder, revision, formats] {
-    Outcome outcome{revision, "", {}};
+    Outcome outcome{revision, {}, "", {}};
     const auto begin = std::chrono::steady_clock::now();
     try {
-      std::filesystem::create_directories(folder);
-      save_maps(maps, HeldFolder(folder), formats);
+      outcome.files = save_maps(maps, folder(), formats);
     } catch (const std::exception& error) {
       outcome.error = error.what();
     }

@@ -2,6 +2,7 @@
 // The files of both maps: PLY, PCD and pictures, of landmark maps and dense maps.
 
 #include <chrono>
+#include <functional>
 #include <future>
 #include <string>
 #include <vector>
@@ -50,7 +51,8 @@ class BackgroundSaver {
   /// How a saving ended.
   struct Outcome {
     std::int64_t revision = 0;
-    std::string error;  ///< empty: all was saved
+    std::vector<std::string> files;  ///< that were written
+    std::string error;               ///< empty: all was saved
     std::chrono::duration<double> took{};
   };
 
@@ -59,10 +61,15 @@ class BackgroundSaver {
   /// while it is busy.
   void begin(MapsToSave maps, const std::filesystem::path& folder, std::int64_t revision,
              const std::string& formats = "ply,pcd");
+  /// The same, into a folder that is there.
+  void begin(MapsToSave maps, const HeldFolder& folder, std::int64_t revision, const std::string& formats);
   /// How what was begun ended; nothing while it goes on (`wait`: only when nothing was begun).
   std::optional<Outcome> take_outcome(bool wait);
 
  private:
+  using Folder = std::function<HeldFolder()>;
+  void begin_in(MapsToSave maps, Folder folder, std::int64_t revision, const std::string& formats);
+
   std::future<Outcome> saving_;  // its destructor waits
 };
 

@@ -7,30 +7,42 @@
 
 namespace lcmslam {
 
-void MapServerNode::on_request(const map_request_t& request) {
+namespace {
+
+constexpr std::size_t most_exports = 16;  // that wait
+
+map_reply_t reply_to(const map_request_t& request) {
   map_reply_t reply{};
   reply.utime = request.utime;
   reply.request_id = request.request_id;
   reply.n_tiles = 1;
+  return reply;
+}
+
+}  // namespace
+
+void MapServerNode::on_request(const map_request_t& request) {
+  map_reply_t reply = reply_to(request);
   try {
     if (request.kind == map_request_t::QUERY) return ask(request);
-    if (request.kind == map_request_t::EXPORT) {
-      for (const auto& file : export_maps(request)) reply.message += file + "\n";
-    } else if (request.kind == map_request_t::INFO) {
-      const std::string info = describe();
-      reply.content = "application/json";
-      reply.data.assign(info.begin(), info.end());
-      reply.size = static_cast<std::int32_t>(reply.data.size());
-    } else {
+    if (request.kind == map_request_t::EXPORT) return answer_export(request);
+    if (request.kind != map_request_t::INFO)
       throw std::runtime_error(fmt::format("there is no request of kind {}", request.kind));
-    }
+    const std::string info = describe();
+    reply.content = "application/json";
+    reply.data.assign(info.begin(), info.end());
+    reply.size = static_cast<std::int32_t>(reply.data.size());
   } catch (const std::exception& error) {
-    reply.status = 1;
-    reply.message = error.what();
-    ++requests_refused_;
-    spdlog::error("request refused: {}", error.what());
+    refuse_request(reply, error.what());
   }
   publisher_.publish("MAP_REPLY", reply);
+}
+
+void MapServerNode::refuse_request(map_reply_t& reply, const std::string& why) {
+  reply.status = 1;
+  reply.message = why;
+  ++requests_refused_;
+  spdlog::error("request refused: {}", why);
 }
 
 /// Answered by work(), when the desk has done its part.
@@ -96,11 +108,27 @@ std::string MapServerNode::describe() const {
       dense != nullptr ? dense->point_count() : 0, resolution_, recorder_ ? recorder_->kept().size() : 0);
 }
 
-std::vector<std::string> MapServerNode::export_maps(const map_request_t& request) {
-  note_saving(true);  // both write files of the same names
-  auto files = save_maps(maps_to_save(true), export_folder(request.argument), request.format);
-  if (request.argument.empty() && request.format.empty()) drawn_changes_ = changes_;
-  return files;
+void MapServerNode::answer_export(const map_request_t& request) {
+  export_maps(request, [this, request](const std::vector<std::string>& files, const std::string& error) {
+    map_reply_t reply = reply_to(request);
+    for (const std::string& file : files) reply.message += file + "\n";
+    if (!error.empty()) refuse_request(reply, error);
+    publisher_.publish("MAP_REPLY", reply);
+  });
+}
+
+void MapServerNode::export_maps(const map_request_t& request, Exported done) {
+  if (exports_.size() >= most_exports) throw std::runtime_error("too many exports wait");
+  exports_.push_back({request, export_folder(request.argument), std::move(done)});
+  begin_export();
+}
+
+/// One at a time, and not beside a snapshot: both write files of the same names.
+void MapServerNode::begin_export() {
+  if (exports_.empty() || saver_.busy()) return;
+  exporting_ = std::move(exports_.front());
+  exports_.pop_front();
+  saver_.begin(maps_to_save(true), exporting_->folder, changes_, exporting_->request.format);
 }
 
 /// The run's own folder, or the one below it that a request names.

@@ -89,6 +89,7 @@ void MapServerNode::command(const command_t& command) {
 
 std::optional<Node::Duration> MapServerNode::work() {
   note_saving(false);
+  begin_export();
   note_store();
   note_joined();
   retire("icp", dense_maps_);
@@ -107,8 +108,9 @@ std::optional<Node::Duration> MapServerNode::work() {
     last_snapshot_ = now;
     save_beside();
   }
-  if (!desk_.busy() && replies_.empty()) return std::nullopt;
-  return std::chrono::milliseconds(1);
+  if (desk_.busy() || !replies_.empty()) return std::chrono::milliseconds(1);
+  if (exporting_) return std::chrono::milliseconds(10);
+  return std::nullopt;
 }
 
 /// Sessions whose place in the file's map was found.

@@ -1,7 +1,9 @@
 #pragma once
 // Keeps both mappers' maps, answers MAP_REQUEST, saves at shutdown.
 
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -74,8 +76,11 @@ class MapServerNode : public Node {
   std::shared_ptr<const EncodedFrame> newest_image() const;
   /// What a question looks at. Throws std::runtime_error in words for who asked.
   AskedMap asked_map(const Question& question) const;
-  /// As MAP_REQUEST's EXPORT does: what was written. Throws std::runtime_error in words for who asked.
-  std::vector<std::string> export_maps(const map_request_t& request);
+  /// How an export ended; `error` is empty where all was written.
+  using Exported = std::function<void(const std::vector<std::string>& files, const std::string& error)>;
+  /// As MAP_REQUEST's EXPORT does, beside the messages: work() calls `done`. Throws std::runtime_error in
+  /// words for who asked where it is not begun.
+  void export_maps(const map_request_t& request, Exported done);
 
  private:
   void on_landmarks(const landmarks_t& message);
@@ -104,10 +109,13 @@ class MapServerNode : public Node {
   void on_calibration(const camera_calibration_t& message);
   bool is_current(const SessionKey& key) const;
   void on_request(const map_request_t& request);
+  void refuse_request(map_reply_t& reply, const std::string& why);
   void ask(const map_request_t& request);
   ColouredCloud points_in(const Region& region) const;
   void follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision);
   HeldFolder export_folder(const std::string& name);
+  void answer_export(const map_request_t& request);
+  void begin_export();
   MapsToSave maps_to_save(bool with_kept) const;
   void save_beside();
   void keep_what_is_reset(const command_t& command);
@@ -141,6 +149,13 @@ class MapServerNode : public Node {
   std::set<std::string> export_folders_;  // that requests named
   std::int64_t saved_ = 0, requests_refused_ = 0;
   std::string failure_;  // of the last saving; empty: it went well
+  struct Export {
+    map_request_t request;
+    HeldFolder folder;
+    Exported done;
+  };
+  std::deque<Export> exports_;       // that wait
+  std::optional<Export> exporting_;  // what saver_ does is this
   BackgroundSaver saver_;
   std::optional<MapRecorder> recorder_;  // none: no file was asked for
   std::string store_failure_;            // as it was last told; empty: none

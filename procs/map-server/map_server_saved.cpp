@@ -58,6 +58,11 @@ void MapServerNode::save_beside() {
 void MapServerNode::note_saving(bool wait) {
   const auto outcome = saver_.take_outcome(wait);
   if (!outcome) return;
+  if (const auto ended = std::exchange(exporting_, std::nullopt)) {
+    const bool all = ended->request.argument.empty() && ended->request.format.empty();
+    if (all && outcome->error.empty()) drawn_changes_ = outcome->revision;
+    return ended->done(outcome->files, outcome->error);
+  }
   failure_ = outcome->error;
   saving_took_ = outcome->took;
   if (!failure_.empty()) return spdlog::error("maps are not saved: {}", failure_);
@@ -69,6 +74,7 @@ void MapServerNode::note_saving(bool wait) {
 /// Pictures too: drawing them takes too long while a run goes on.
 void MapServerNode::finish() {
   note_saving(true);
+  for (begin_export(); exporting_; begin_export()) note_saving(true);
   if (layers_) layers_->settle(longest_settling);
   if (changes_ != saved_changes_ || changes_ != drawn_changes_)
     saver_.begin(maps_to_save(true), folder_, changes_, "");

@@ -32,11 +32,13 @@ void OperatorActions::offer(PageDesk& desk) {
     maps_.command(save);
     return {{"words", "what has changed is being saved"}};
   });
-  desk.offer("export", [this](const json& request, PageDesk::Client) -> json {
+  desk.offer_slow("export", [this](const json& request, const PageDesk::Done& done) {
     map_request_t wanted{};
     wanted.kind = map_request_t::EXPORT;
     wanted.argument = page_text(request, "name");
-    return {{"files", maps_.export_maps(wanted)}};
+    maps_.export_maps(wanted, [done](const std::vector<std::string>& files, const std::string& error) {
+      done({{"files", files}}, error);
+    });
   });
   desk.offer("reset", [this](const json&, PageDesk::Client) { return reset(); });
   desk.offer("log", [this](const json& request, PageDesk::Client) -> json {

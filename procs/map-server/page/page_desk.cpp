@@ -53,6 +53,7 @@ json PageDesk::can() const {
   json can = json::array();
   if (asked_map_) can.push_back("query");
   for (const auto& action : actions_) can.push_back(action.first);
+  for (const auto& action : slow_actions_) can.push_back(action.first);
   return can;
 }
 
@@ -93,16 +94,23 @@ void PageDesk::serve(const Request& request) {
     if (!wanted.is_object()) throw std::invalid_argument("a request is a JSON object");
     const std::string what = page_text(wanted, "do");
     if (what == "query" && asked_map_) return ask(wanted, request.reply);
+    if (const auto slow = slow_actions_.find(what); slow != slow_actions_.end())
+      return slow->second(
+          wanted, [this, id = id_of(wanted), reply = request.reply](
+                      const json& members, const std::string& error) { end(id, reply, members, error); });
     const auto action = actions_.find(what);
     if (what != "ping" && action == actions_.end())
       throw std::invalid_argument(fmt::format("'{}' cannot be done here", what));
-    request.reply(
-        answered(id_of(wanted), what == "ping" ? json::object() : action->second(wanted, request.who)));
-    ++counts_.done;
+    end(id_of(wanted), request.reply, what == "ping" ? json::object() : action->second(wanted, request.who),
+        "");
   } catch (const std::exception& error) {
-    ++counts_.refused;
-    request.reply(refusal(id_of(wanted), error.what()));
+    end(id_of(wanted), request.reply, {}, error.what());
   }
+}
+
+void PageDesk::end(const json& id, const Reply& reply, const json& members, const std::string& error) {
+  ++(error.empty() ? counts_.done : counts_.refused);
+  reply(error.empty() ? answered(id, members) : refusal(id, error));
 }
 
 void PageDesk::ask(const json& wanted, const Reply& reply) {
@@ -120,15 +128,13 @@ void PageDesk::reply_answers() {
     const auto waiting = waiting_.find(answer.request.request_id);
     if (waiting == waiting_.end()) continue;
     const auto& [id, reply] = waiting->second;
+    json members;
     if (answer.error.empty()) {
       const auto& [content, bytes] = answer.answer;
       const json told = content == "application/json" ? json::parse(bytes) : json(base64(bytes));
-      reply(answered(id, {{"content", content}, {"answer", told}}));
-      ++counts_.done;
-    } else {
-      reply(refusal(id, answer.error));
-      ++counts_.refused;
+      members = {{"content", content}, {"answer", told}};
     }
+    end(id, reply, members, answer.error);
     waiting_.erase(waiting);
   }
 }

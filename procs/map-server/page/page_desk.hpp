@@ -21,6 +21,11 @@ class PageDesk {
 
   /// What can be done, before the first request.
   void offer(const std::string& name, Action action) { actions_[name] = std::move(action); }
+  /// How something that takes its time ended; `error` is empty where it was done.
+  using Done = std::function<void(const nlohmann::json& members, const std::string& error)>;
+  /// Begins what takes its time. Throws in words for who asked.
+  using SlowAction = std::function<void(const nlohmann::json& request, const Done& done)>;
+  void offer_slow(const std::string& name, SlowAction action) { slow_actions_[name] = std::move(action); }
   /// "query": asked_map() gives what a question looks at, and throws in words for who asked.
   void offer_questions(std::function<AskedMap(const Question&)> asked_map) {
     asked_map_ = std::move(asked_map);
@@ -49,10 +54,13 @@ class PageDesk {
     Reply reply;
   };
   void serve(const Request& request);
+  void end(const nlohmann::json& id, const Reply& reply, const nlohmann::json& members,
+           const std::string& error);
   void ask(const nlohmann::json& wanted, const Reply& reply);
   void reply_answers();
 
   std::map<std::string, Action> actions_;
+  std::map<std::string, SlowAction> slow_actions_;
   std::function<AskedMap(const Question&)> asked_map_;
   std::function<void(Client)> on_gone_;
   QuestionDesk questions_{true};

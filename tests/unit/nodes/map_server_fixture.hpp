@@ -82,7 +82,9 @@ class MapServer : public ::testing::Test {
     m.argument = argument;
     m.format = format;
     m.n_numbers = 0;
+    const std::size_t before = bus_.count("MAP_REPLY");
     bus_.deliver("MAP_REQUEST", m);
+    EXPECT_TRUE(wait_for([&] { return bus_.work(), bus_.count("MAP_REPLY") > before; }));
     const map_reply_t reply = bus_.on<map_reply_t>("MAP_REPLY").back();
     EXPECT_EQ(reply.request_id, m.request_id);
     return reply;

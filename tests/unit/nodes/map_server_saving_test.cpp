@@ -42,6 +42,26 @@ TEST_F(MapServer, OnlyTheFormatsAskedForAreWritten) {
   EXPECT_FALSE(exists("fastslam_top.png"));
 }
 
+// The page's thread, too, which stops a robot whose operator is gone.
+TEST_F(MapServer, NothingWaitsForAnExport) {
+  landmarks(1, 1, 0, {10});
+  map_request_t wanted{};
+  wanted.kind = map_request_t::EXPORT;
+  wanted.format = "ply";
+  for (const char* name : {"a", "b", "c"}) {
+    wanted.argument = name;
+    bus_.deliver("MAP_REQUEST", wanted);
+  }
+  EXPECT_EQ(bus_.count("MAP_REPLY"), 0U);
+  ASSERT_TRUE(testing::wait_for([&] { return bus_.work(), bus_.count("MAP_REPLY") == 1; }));
+  EXPECT_THAT(bus_.on<map_reply_t>("MAP_REPLY")[0].message, HasSubstr("a/fastslam_map.ply"));
+  bus_.finish();
+  const auto replies = bus_.on<map_reply_t>("MAP_REPLY");
+  ASSERT_EQ(replies.size(), 3U) << "those that waited are made at its end";
+  EXPECT_THAT(replies[2].message, HasSubstr("c/fastslam_map.ply"));
+  EXPECT_TRUE(std::filesystem::exists(own() / "c/fastslam_map.ply"));
+}
+
 TEST_F(MapServer, RequestsThatCannotBeFulfilledSayWhy) {
   landmarks(1, 1, 0, {10});
   const map_reply_t format = request(map_request_t::EXPORT, "maps", "ply,stl");

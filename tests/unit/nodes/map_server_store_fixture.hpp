@@ -126,7 +126,9 @@ class StoringServer {
     m.kind = map_request_t::EXPORT;
     m.argument = name;
     m.format = "ply";
+    const std::size_t before = bus_.count("MAP_REPLY");
     send("MAP_REQUEST", m, 9);
+    EXPECT_TRUE(wait_for([&] { return bus_.work(), bus_.count("MAP_REPLY") > before; }));
     return bus_.on<map_reply_t>("MAP_REPLY").back();
   }
   void finish() { bus_.finish(); }

@@ -254,6 +254,15 @@ TEST_F(LivePage, AnswersQuestionsAndRefusesInWords) {
   EXPECT_EQ(node_->report().refused, 9) << "STATUS tells it soon";
 }
 
+TEST_F(LivePage, ExportsAndSaysWhatWasWritten) {
+  keyframe(0);
+  const json reply = answer({{"id", 7}, {"do", "export"}, {"name", "evening"}});
+  EXPECT_EQ(reply["id"], 7);
+  EXPECT_EQ(reply["ok"], true) << reply.dump();
+  EXPECT_TRUE(std::filesystem::exists(scratch_.path() / "maps/evening/icp_map.ply"));
+  EXPECT_EQ(testing::value_of(*node_, "page_commands"), 1);
+}
+
 TEST_F(LivePage, CountsForeignSitesAmongWhatWasRefused) {
   testing::WebClient foreign(port_);
   EXPECT_FALSE(foreign.open_socket("/live", "Origin: http://evil.example\r\n"));
