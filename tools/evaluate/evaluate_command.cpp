@@ -221,7 +221,8 @@ int export_poses(const Request& r) {
     const PoseLog log = read_pose_log(file);
     const PoseChannel& path = log.channel(channel, file);
     for (const std::string& omission : omissions(log, file)) std::cout << omission << "\n";
-    for (const std::string& omission : omissions(path, file + ":" + channel)) std::cout << omission << "\n";
+    const std::string name = r.inputs.estimates[0];  // FILE:CHANNEL
+    for (const std::string& omission : omissions(path, name)) std::cout << omission << "\n";
     trajectory = path.trajectory;
     frames = {path.frame, path.body};
   } else {

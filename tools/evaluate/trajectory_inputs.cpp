@@ -101,7 +101,8 @@ class InputReader {
     if (channel.is_ground_truth()) path.truth_origin = "it is a channel of ground truth";
     if (channel.source.find("truth") != std::string::npos)
       path.truth_origin = "its messages give '" + channel.source + "' as their source";
-    for (const std::string& omission : omissions(channel, file + ":" + name)) note(omission);
+    const std::string full_name = file + ":" + name;
+    for (const std::string& omission : omissions(channel, full_name)) note(omission);
     return path;
   }
 

@@ -1,5 +1,6 @@
 #include "tools/import/applicable_options.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <map>
 #include <stdexcept>
@@ -46,7 +47,8 @@ void check_applicable(const CLI::App& app, RecordingKind kind, const std::string
   for (const auto& [option, use] : uses(app))
     if (app.get_option(option)->count() > 0 &&
         std::find(use.kinds.begin(), use.kinds.end(), kind) == use.kinds.end())
-      throw std::invalid_argument(option + " is for " + use.words + "; " + path + " is " + name_of(kind));
+      throw std::invalid_argument(
+          fmt::format("{} is for {}; {} is {}", option, use.words, path, name_of(kind)));
 }
 
 }  // namespace lcmslam
