@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <iostream>
 
 #include <lcmslam/map_store/file/clear_beside.hpp>
@@ -82,7 +83,7 @@ Joints find_joints(MapFile& first, MapFile& second) {
   return joints;
 }
 
-SessionChanges everything_of(MapFile& map, std::int64_t session) {
+SessionChanges map_of(MapFile& map, std::int64_t session) {
   SessionChanges all;
   for (const StoredKeyframe& keyframe : map.keyframes(session)) {
     const auto cloud = map.cloud(session, keyframe.id);
@@ -99,8 +100,18 @@ SessionChanges everything_of(MapFile& map, std::int64_t session) {
   for (const StoredEdge& edge : map.edges(session)) edges[{edge.from, edge.to}].push_back(edge);
   for (const auto& [pair, between] : edges) all.set_edges(pair, between);
   for (const Landmark& landmark : map.landmarks(session)) all.put_landmark(landmark);
-  for (const StoredPose& pose : map.trajectory(session)) all.append_pose(pose);
   return all;
+}
+
+/// In parts: changes that wait are bounded, and thin poses out.
+void copy_trajectory(MapFile& map, std::int64_t from, MapStore& store, std::int64_t to) {
+  constexpr std::size_t a_part = 10'000;
+  const std::vector<StoredPose> poses = map.trajectory(from);
+  for (std::size_t begin = 0; begin < poses.size(); begin += a_part) {
+    SessionChanges part;
+    for (std::size_t i = begin; i < std::min(poses.size(), begin + a_part); ++i) part.append_pose(poses[i]);
+    store.write(to, part);
+  }
 }
 
 void append(MapFile& second, const Joints& joints, const fs::path& file) {
@@ -112,7 +123,8 @@ void append(MapFile& second, const Joints& joints, const fs::path& file) {
   for (StoredSession session : second.sessions()) {
     const std::int64_t old = session.id;
     session.id = store.add_session(run, session);
-    store.write(session.id, everything_of(second, old));
+    store.write(session.id, map_of(second, old));
+    copy_trajectory(second, old, store, session.id);
     const auto joint = joints.find(session.mapper);
     const Places places = placed_sessions(second, session.mapper);
     const auto place = places.find(old);

@@ -262,6 +262,30 @@ TEST_F(MapCommand, MergeOfStrangersWritesNothing) {
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("both")));
 }
 
+// Twelve hours of poses.
+TEST_F(MapCommand, MergeKeepsLongTrajectoriesWhole) {
+  const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam",
+                    both = folder_ / "both.lcmslam";
+  const testing_scene::LandmarkRoom room(1);
+  write_landmarks(monday, room.mapped(Eigen::Isometry3d::Identity(), 1));
+  write_landmarks(friday, room.mapped(elsewhere(), 2));
+  constexpr int batches = 3, poses = 70'000;
+  {
+    MapStore store(friday);
+    Transaction transaction = store.begin();
+    for (int batch = 0; batch < batches; ++batch) {
+      SessionChanges driven;
+      for (int i = 0; i < poses; ++i)
+        driven.append_pose({1 + batch * poses + i, Eigen::Isometry3d::Identity()});
+      store.write(1, driven);
+    }
+    transaction.commit();
+  }
+  const auto merged = run({"merge", monday, friday, "--into", both});
+  ASSERT_EQ(merged.exit_code, 0) << merged.errors;
+  EXPECT_EQ(MapFile(both).trajectory(2).size(), std::size_t{batches} * poses);
+}
+
 TEST_F(MapCommand, VerifySaysWhatIsDamagedAndByItsExitCode) {
   EXPECT_EQ(run({"verify", file()}).exit_code, 0);
   EXPECT_THAT(run({"verify", file()}).out, HasSubstr("whole: 3 sessions, 7 keyframes"));
