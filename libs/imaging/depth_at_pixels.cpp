@@ -35,6 +35,7 @@ std::vector<DepthAtPixel> interpolate(const std::vector<cv::Point2f>& queries,
     float sigma = 0;
     if (!interpolate_depth(neighbours, depth.pitch, pixel_sigma, z, sigma)) continue;
     const Eigen::Vector3d ray = calibration.colour.ray({pixel.x, pixel.y});
+    if (!ray.allFinite()) continue;  // the lens folds there
     result[i] = {(static_cast<double>(z) * ray).cast<float>(), sigma};
   }
   return result;

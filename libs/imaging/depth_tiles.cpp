@@ -168,6 +168,7 @@ std::vector<char> DepthTiles::wanted_tiles(const cv::Mat& depth, const std::vect
   for (const cv::Point2f& query : queries) {
     if (!colour_.contains({query.x, query.y})) continue;
     const Eigen::Vector3f ray = colour_.ray({query.x, query.y}).cast<float>();
+    if (!ray.allFinite()) continue;  // a rational lens may fold in a thin ring
     ideal.emplace_back(ray.x(), ray.y());
     all.left = std::min(all.left, ray.x() - reach_x), all.right = std::max(all.right, ray.x() + reach_x);
     all.top = std::min(all.top, ray.y() - reach_y), all.bottom = std::max(all.bottom, ray.y() + reach_y);

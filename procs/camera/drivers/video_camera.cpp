@@ -191,13 +191,14 @@ class VideoDevice : public VideoCamera {
   }
 
  private:
-  /// V4L2 drivers stamp by the monotonic clock; one that does not is stamped at its arrival.
+  /// V4L2 drivers stamp by the monotonic clock; one that does not is stamped at its arrival. Both clocks are
+  /// read at once: decoding took its time since the arrival.
   Utime stamp(Utime arrival) const {
     const auto taken = static_cast<Utime>(capture_.get(cv::CAP_PROP_POS_MSEC) * 1000);
     using namespace std::chrono;
     const Utime now = duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count();
     const Utime age = now - taken;
-    return age >= 0 && age <= longest_delay ? arrival - age : arrival;
+    return age >= 0 && age <= longest_delay ? wall_clock() - age : arrival;
   }
 
   std::string notes_;

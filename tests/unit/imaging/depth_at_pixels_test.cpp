@@ -82,6 +82,43 @@ TEST(DepthAtPixels, NothingOnAStep) {
   }
 }
 
+// What OpenCV fits to an ordinary lens with 8 coefficients: it folds in a ring that the check of the model's
+// samples does not see.
+TEST(DepthAtPixels, NothingWhereARationalLensFolds) {
+  for (const bool registered : {false, true}) {
+    RgbdCalibration calibration;
+    calibration.colour = {640,
+                          480,
+                          369.2417,
+                          369.2805,
+                          320.3526,
+                          239.9039,
+                          {-0.95443936648, 0.29391769320, -2.7489448e-05, -4.4400921e-05, -0.07810608849,
+                           -0.68089654476, 0.03337224300, -0.02890496422}};
+    calibration.depth = calibration.colour;
+    calibration.depth_registered = registered;
+    if (!registered) {
+      calibration.depth = {640, 480, 500, 500, 320, 240, {}};
+      calibration.T_colour_depth.translation() << 0.025, 0, 0;
+    }
+    ASSERT_NO_THROW(calibration.colour.check("colour"));
+    std::vector<cv::Point2f> queries{{100, 100}, {320, 240}};
+    for (int v = 0; v < 480; ++v)
+      for (int u = 0; u < 640; ++u)
+        if (!calibration.colour.ray({u, v}).allFinite())
+          queries.emplace_back(static_cast<float>(u), static_cast<float>(v));
+    ASSERT_GT(queries.size(), 2U);
+    RgbdFrame frame;
+    frame.depth = cv::Mat(480, 640, CV_16UC1, cv::Scalar(1500));
+    const auto found = DepthRegistration(calibration).depth_at_pixels(frame, queries);
+    EXPECT_TRUE(found.at(1).point.allFinite());
+    for (std::size_t i = 2; i < found.size(); ++i) {
+      EXPECT_TRUE(std::isnan(found[i].sigma)) << queries[i];
+      EXPECT_FALSE(found[i].point.allFinite()) << queries[i];
+    }
+  }
+}
+
 TEST(EstimateNormals, LookAtTheCamera) {
   const cv::Mat normals = estimate_normals(image_of([](int, int) { return 2.f; }, 0.002f));
   const cv::Vec3f n = normals.at<cv::Vec3f>(40, 50);
