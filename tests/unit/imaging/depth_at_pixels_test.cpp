@@ -103,8 +103,8 @@ TEST(DepthAtPixels, NothingWhereARationalLensFolds) {
     }
     ASSERT_NO_THROW(calibration.colour.check("colour"));
     std::vector<cv::Point2f> queries{{100, 100}, {320, 240}};
-    for (int v = 0; v < 480; ++v)
-      for (int u = 0; u < 640; ++u)
+    for (int v = 0; v < 480; v += 7)
+      for (int u = 0; u < 640; u += 13)
         if (!calibration.colour.ray({u, v}).allFinite())
           queries.emplace_back(static_cast<float>(u), static_cast<float>(v));
     ASSERT_GT(queries.size(), 2U);
