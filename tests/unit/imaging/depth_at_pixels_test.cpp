@@ -110,11 +110,15 @@ TEST(DepthAtPixels, NothingWhereARationalLensFolds) {
     ASSERT_GT(queries.size(), 2U);
     RgbdFrame frame;
     frame.depth = cv::Mat(480, 640, CV_16UC1, cv::Scalar(1500));
-    const auto found = DepthRegistration(calibration).depth_at_pixels(frame, queries);
-    EXPECT_TRUE(found.at(1).point.allFinite());
-    for (std::size_t i = 2; i < found.size(); ++i) {
-      EXPECT_TRUE(std::isnan(found[i].sigma)) << queries[i];
-      EXPECT_FALSE(found[i].point.allFinite()) << queries[i];
+    DepthRegistration registration(calibration);
+    for (const float left : {100.F, 102.F, 104.F, 106.F}) {  // whatever the size of what is looked at
+      queries.front().x = left;
+      const auto found = registration.depth_at_pixels(frame, queries);
+      EXPECT_TRUE(found.at(1).point.allFinite());
+      for (std::size_t i = 2; i < found.size(); ++i) {
+        EXPECT_TRUE(std::isnan(found[i].sigma)) << queries[i];
+        EXPECT_FALSE(found[i].point.allFinite()) << queries[i];
+      }
     }
   }
 }
