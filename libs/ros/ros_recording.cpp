@@ -163,7 +163,8 @@ void RosRecording::settle_calibration(const RosOptions& options, const Topics& c
                                             camera(*depth_, chosen.depth_info), transforms_, robot_frames);
     calibration_ = head.calibration;
     notes_.insert(notes_.end(), head.notes.begin(), head.notes.end());
-    if (head.robot_frame == odometry_frame || odometry_ == nullptr) return;
+    // An empty name is of no frame: without a mount both are empty.
+    if (!odometry_frame.empty() && head.robot_frame == odometry_frame) return;
   }
   if (odometry_ == nullptr) return;
   notes_.push_back("odometry is left out: it is of " +

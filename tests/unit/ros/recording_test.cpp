@@ -37,26 +37,31 @@ class RosDrive : public ::testing::Test {
       known = channels_.emplace(topic, writer_->add_channel(topic, type, message_definition(type))).first;
     writer_->write(known->second, utime * 1000, utime * 1000, message.view());
   }
-  void write_colour(Utime utime, const std::string& topic = "/cam/color/image_raw") {
-    write(topic, "sensor_msgs/msg/Image", utime,
-          write_image({utime, "colour"}, cv::Mat(24, 32, CV_8UC3, cv::Scalar(1, 2, 3))));
+  void write_colour(Utime utime, const std::string& frame = "colour") {
+    write("/cam/color/image_raw", "sensor_msgs/msg/Image", utime,
+          write_image({utime, frame}, cv::Mat(24, 32, CV_8UC3, cv::Scalar(1, 2, 3))));
   }
-  void write_depth(Utime utime, const std::string& frame = "depth", cv::Size size = {32, 24}) {
-    write("/cam/depth/image", "sensor_msgs/msg/Image", utime,
+  void write_depth(Utime utime, const std::string& frame = "depth", cv::Size size = {32, 24},
+                   const std::string& topic = "/cam/depth/image") {
+    write(topic, "sensor_msgs/msg/Image", utime,
           write_image({utime, frame}, cv::Mat(size, CV_16UC1, cv::Scalar(1000))));
   }
+  void write_info(const std::string& topic, const std::string& frame) {
+    write(topic, "sensor_msgs/msg/CameraInfo", 1000, write_camera_info({1000, frame}, camera));
+  }
   void write_infos() {
-    write("/cam/color/camera_info", "sensor_msgs/msg/CameraInfo", 1000,
-          write_camera_info({1000, "colour"}, camera));
-    write("/cam/depth/camera_info", "sensor_msgs/msg/CameraInfo", 1000,
-          write_camera_info({1000, "depth"}, camera));
+    write_info("/cam/color/camera_info", "colour");
+    write_info("/cam/depth/camera_info", "depth");
+  }
+  void write_tf(const std::vector<Transform>& transforms) {
+    write("/tf_static", "tf2_msgs/msg/TFMessage", 1000, write_transforms(transforms));
   }
   void write_tf(const std::string& parent, const std::string& child, const Eigen::Isometry3d& T) {
-    write("/tf_static", "tf2_msgs/msg/TFMessage", 1000, write_transforms({{{1000, parent}, child, T}}));
+    write_tf({{{1000, parent}, child, T}});
   }
-  void write_odometry_at(Utime utime, double x, const std::string& topic = "/odom") {
-    write(topic, "nav_msgs/msg/Odometry", utime,
-          write_odometry({utime, "odom"}, "base_link", planar_pose(x, 0, 0), Matrix6d::Zero(), {0.5, 0, 0},
+  void write_odometry_at(Utime utime, double x, const std::string& robot = "base_link") {
+    write("/odom", "nav_msgs/msg/Odometry", utime,
+          write_odometry({utime, "odom"}, robot, planar_pose(x, 0, 0), Matrix6d::Zero(), {0.5, 0, 0},
                          {0, 0, 0}, Matrix6d::Zero()));
   }
   RosRecording open(const RosOptions& options = {}) {
@@ -166,6 +171,17 @@ TEST_F(RosDrive, OdometryOfAFrameThatNobodyPlacesIsLeftOut) {
   write_odometry_at(100'000, 1);
   RosRecording recording = open();
   EXPECT_THAT(recording.notes(), Contains(HasSubstr("odometry is left out")));
+  while (const auto event = recording.next()) EXPECT_TRUE(std::holds_alternative<EncodedFrame>(*event));
+}
+
+TEST_F(RosDrive, OdometryOfNoFrameIsLeftOut) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000, "colour");
+  write_infos();
+  write_odometry_at(100'000, 1, "");
+  RosRecording recording = open();
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("odometry is left out: it is of no frame")));
   while (const auto event = recording.next()) EXPECT_TRUE(std::holds_alternative<EncodedFrame>(*event));
 }
 
