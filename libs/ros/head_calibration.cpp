@@ -90,6 +90,21 @@ bool says_registered(const std::string& topic) {
   return topic.find("registered") != std::string::npos || topic.find("aligned") != std::string::npos;
 }
 
+/// An empty name is none: of images without names nobody says where they were taken.
+bool are_of_one_frame(const RecordedCamera& a, const RecordedCamera& b) {
+  return !a.frame.empty() && a.frame == b.frame;
+}
+
+void check_frames(const RecordedCamera& colour, const RecordedCamera& depth) {
+  std::string nameless;
+  for (const RecordedCamera* of : {&colour, &depth})
+    if (of->frame.empty()) nameless += (nameless.empty() ? "" : " and ") + of->topic;
+  if (nameless.empty()) return;
+  throw DatasetError("the images of " + nameless +
+                     " are of no frame (their frame_id is empty), so where the depth camera sits on the "
+                     "colour camera nobody says: --calibration FILE does");
+}
+
 std::string place(const Eigen::Isometry3d& T) {
   char text[80];
   const Eigen::Vector3d t = T.translation();
@@ -110,15 +125,17 @@ std::string moves(const TransformTree::Found& found) {
 void place_depth(const RecordedCamera& colour, const RecordedCamera& depth, const TransformTree& transforms,
                  HeadCalibration& head) {
   RgbdCalibration& calibration = head.calibration;
-  const bool same_frame = colour.frame == depth.frame || says_registered(depth.topic);
-  if (same_frame) {
+  const bool one_frame = are_of_one_frame(colour, depth);
+  if (one_frame || says_registered(depth.topic)) {
     // Drivers that register leave depth's distortion out, or repeat colour's CameraInfo.
     calibration.depth_registered = are_alike(calibration.colour, calibration.depth);
-    head.notes.push_back(calibration.depth_registered
-                             ? "depth is registered to colour: both are of " + colour.frame
-                             : "depth is of colour's frame " + colour.frame + " with intrinsics of its own");
+    head.notes.push_back(std::string(calibration.depth_registered
+                                         ? "depth is registered to colour: "
+                                         : "depth is of colour's frame with intrinsics of its own: ") +
+                         (one_frame ? "both are of " + colour.frame : depth.topic + " says so"));
     return;
   }
+  check_frames(colour, depth);
   const auto found = transforms.find(colour.frame, depth.frame);
   if (!found)
     throw DatasetError("no transform leads from " + colour.frame + " to " + depth.frame +
@@ -143,7 +160,7 @@ void mount(const RecordedCamera& colour, const TransformTree& transforms,
   std::string tried;
   for (const std::string& frame : robot_frames) tried += (tried.empty() ? "" : ", ") + frame;
   head.notes.push_back("no mount: no transform (/tf_static, /tf) leads from the robot (" + tried + ") to " +
-                       colour.frame);
+                       (colour.frame.empty() ? colour.topic + ", which is of no frame" : colour.frame));
 }
 
 }  // namespace
@@ -159,7 +176,7 @@ HeadCalibration make_calibration(const RecordedCamera& colour, const RecordedCam
   RgbdCalibration& calibration = head.calibration;
   calibration.sensor = "ros";
   calibration.colour = intrinsics(colour, head.notes);
-  const bool shares = !depth.info && (colour.frame == depth.frame || says_registered(depth.topic));
+  const bool shares = !depth.info && (are_of_one_frame(colour, depth) || says_registered(depth.topic));
   if (!depth.info && !shares)
     throw DatasetError(
         "no CameraInfo belongs to " + depth.topic + " (" + camera_info_beside(depth.topic) +

@@ -15,7 +15,7 @@ namespace lcmslam::ros {
 /// One camera as the recording has it.
 struct RecordedCamera {
   std::string topic;  ///< of its images
-  std::string frame;  ///< of its images
+  std::string frame;  ///< of its images; empty: they do not say
   PixelCount size;    ///< of its images
   std::optional<CameraInfo> info;
   std::string info_topic;

@@ -99,13 +99,14 @@ class Chooser {
   TopicChoice& choice_;
 };
 
-/// The CameraInfo beside the images; else one of their frame.
+/// The CameraInfo beside the images; else one of their frame, if they name one.
 void choose_info(Chooser& chooser, const std::string& what, const std::string& option,
                  const TopicFacts& images, std::string& name) {
   const std::string beside = camera_info_beside(images.name);
   const bool is_named = !name.empty();
   const Fits fits = [&](const TopicFacts& topic) {
-    return is_camera_info(topic.type) && (is_named || topic.name == beside || topic.frame == images.frame);
+    const bool is_of_frame = !images.frame.empty() && topic.frame == images.frame;
+    return is_camera_info(topic.type) && (is_named || topic.name == beside || is_of_frame);
   };
   chooser.choose(
       what, option, fits, [&](const std::string& topic) { return topic == beside ? 1 : 0; }, name);

@@ -185,6 +185,43 @@ TEST_F(RosDrive, OdometryOfNoFrameIsLeftOut) {
   while (const auto event = recording.next()) EXPECT_TRUE(std::holds_alternative<EncodedFrame>(*event));
 }
 
+TEST_F(RosDrive, ImagesOfNoFrameAreNotOfOneFrame) {
+  begin();
+  write_colour(100'000, "");
+  write_depth(100'000, "");
+  write_info("/cam/color/camera_info", "");
+  write_info("/cam/depth/camera_info", "");
+  EXPECT_THAT(refusal(), ::testing::AllOf(HasSubstr("/cam/depth/image"), HasSubstr("no frame"),
+                                          HasSubstr("--calibration")));
+}
+
+TEST_F(RosDrive, WithoutCameraInfoDepthOfNoFrameDoesNotShareColours) {
+  begin();
+  write_colour(100'000, "");
+  write_depth(100'000, "");
+  write_info("/cam/color/camera_info", "");
+  EXPECT_THAT(refusal(),
+              ::testing::AllOf(HasSubstr("/cam/depth/camera_info is not there"), HasSubstr("--calibration")));
+}
+
+TEST_F(RosDrive, CameraInfoOfNoFrameBelongsToNoOtherTopic) {
+  begin();
+  write_colour(100'000, "");
+  write_depth(100'000, "");
+  write_info("/elsewhere/camera_info", "");
+  EXPECT_THAT(refusal(), HasSubstr("/cam/color/camera_info is not there"));
+}
+
+TEST_F(RosDrive, DepthWhoseTopicSaysSoIsRegisteredWithoutFrames) {
+  begin();
+  write_colour(100'000, "");
+  write_depth(100'000, "", {32, 24}, "/cam/aligned_depth/image");
+  write_info("/cam/color/camera_info", "");
+  const RosRecording recording = open();
+  EXPECT_TRUE(recording.calibration().depth_registered);
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("/cam/aligned_depth/image says so")));
+}
+
 TEST_F(RosDrive, ImagesOfAnotherSizeAreLeftOutAndCounted) {
   begin();
   for (int i = 1; i < 4; ++i) write_colour(100'000 * i);
