@@ -81,11 +81,15 @@ Eigen::Vector3d RosReader::vector() {
 }
 
 Eigen::Isometry3d RosReader::pose() {
+  if (const auto pose = pose_or_nothing()) return *pose;
+  throw RecordingError("a pose whose numbers are not finite or whose quaternion is no unit one");
+}
+
+std::optional<Eigen::Isometry3d> RosReader::pose_or_nothing() {
   const Eigen::Vector3d translation = vector();
   const auto q = doubles<4>();  // x, y, z, w
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  if (!translation.allFinite() || !(std::abs(rotation.norm() - 1) < 0.01))
-    throw RecordingError("a pose whose numbers are not finite or whose quaternion is no unit one");
+  if (!translation.allFinite() || !(std::abs(rotation.norm() - 1) < 0.01)) return std::nullopt;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = translation;
   pose.linear() = rotation.normalized().toRotationMatrix();

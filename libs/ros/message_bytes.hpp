@@ -3,6 +3,7 @@
 // each number at a multiple of its size, either byte order, an end mark on texts).
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ class RosReader {
   RosHeader header();
   Eigen::Vector3d vector();
   Eigen::Isometry3d pose();  ///< also a Transform; throws RecordingError when that is none
+  std::optional<Eigen::Isometry3d>
+  pose_or_nothing();  ///< nothing when that is none; what follows can be read
 
   /// To be called at the message's end: throws RecordingError when more follows than padding.
   void finish() const;

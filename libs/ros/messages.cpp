@@ -83,15 +83,20 @@ Pose read_pose(ByteView message, const std::string& type, const std::string& enc
   return pose;
 }
 
-std::vector<Transform> read_transforms(ByteView message, const std::string& encoding) {
+Transforms read_transforms(ByteView message, const std::string& encoding) {
   RosReader reader(message, encoding);
-  std::vector<Transform> transforms;
+  Transforms transforms;
   for (std::uint32_t left = reader.count(); left > 0; --left) {
     Transform transform;
     transform.header = reader.header();
     transform.child_frame = reader.frame();
-    transform.T_parent_child = reader.pose();
-    transforms.push_back(std::move(transform));
+    // /tf_static is one message of all: a gripper's broken transform must not take the camera's away.
+    if (const auto pose = reader.pose_or_nothing()) {
+      transform.T_parent_child = *pose;
+      transforms.usable.push_back(std::move(transform));
+    } else {
+      transforms.unusable.push_back("from " + transform.header.frame + " to " + transform.child_frame);
+    }
   }
   reader.finish();
   return transforms;

@@ -48,6 +48,13 @@ struct Transform {
   Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
 };
 
+/// tf2_msgs/TFMessage.
+struct Transforms {
+  std::vector<Transform> usable;
+  std::vector<std::string>
+      unusable;  ///< "from base to gripper": not finite, or the quaternion is no unit one
+};
+
 /// "sensor_msgs/msg/Image" as "sensor_msgs/Image".
 std::string short_type(std::string type);
 
@@ -61,6 +68,6 @@ bool is_transforms(const std::string& type);
 Image read_image(ByteView message, const std::string& type, const std::string& encoding);
 CameraInfo read_camera_info(ByteView message, const std::string& encoding);
 Pose read_pose(ByteView message, const std::string& type, const std::string& encoding);
-std::vector<Transform> read_transforms(ByteView message, const std::string& encoding);
+Transforms read_transforms(ByteView message, const std::string& encoding);
 
 }  // namespace lcmslam::ros

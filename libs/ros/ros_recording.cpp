@@ -48,7 +48,26 @@ RosRecording::RosRecording(const std::vector<fs::path>& files, const RosOptions&
     names_.push_back(file.string());
     look_through(files_.size() - 1);
   }
+  list_unusable_transforms();
   for (Topic& topic : topics_) sort_entries(topic);
+  try {
+    choose(options);
+  } catch (const DatasetError& error) {
+    // What is missing may be what could not be read, and nobody can ask for problems() now.
+    const std::vector<std::string> all = problems();
+    if (all.empty()) throw;
+    throw DatasetError(std::string(error.what()) + "; of " + std::to_string(all.size()) +
+                       (all.size() == 1 ? " problem" : " problems") + " the first: " + all.front());
+  }
+  if (unstamped_ > 0)
+    notes_.push_back(std::to_string(unstamped_) +
+                     " messages have no stamp: the times of their recording are taken");
+  list_events(options.max_stamp_difference);
+}
+
+RosRecording::~RosRecording() = default;
+
+void RosRecording::choose(const RosOptions& options) {
   std::vector<TopicFacts> facts;
   for (const Topic& topic : topics_) facts.push_back(topic.facts);
   TopicChoice choice = choose_topics(facts, options.topics);
@@ -58,13 +77,7 @@ RosRecording::RosRecording(const std::vector<fs::path>& files, const RosOptions&
   odometry_ = find(choice.topics.odometry);
   truth_ = find(choice.topics.truth);
   settle_calibration(options, choice.topics);
-  if (unstamped_ > 0)
-    notes_.push_back(std::to_string(unstamped_) +
-                     " messages have no stamp: the times of their recording are taken");
-  list_events(options.max_stamp_difference);
 }
-
-RosRecording::~RosRecording() = default;
 
 RosRecording::Topic* RosRecording::find(const std::string& name) {
   const auto found =
@@ -121,7 +134,10 @@ void RosRecording::look_at(const RecordedMessage& message, ByteView bytes, std::
       of.facts.frame = of.info->header.frame;
     }
   } else if (is_transforms(type)) {
-    for (const Transform& transform : read_transforms(bytes, recorded.encoding)) transforms_.add(transform);
+    const Transforms transforms = read_transforms(bytes, recorded.encoding);
+    for (const Transform& transform : transforms.usable) transforms_.add(transform);
+    for (const std::string& frames : transforms.unusable)
+      ++unusable_transforms_[recorded.name + ": the transform " + frames];
   }
   ++of.facts.messages;
 }
@@ -130,6 +146,14 @@ void RosRecording::add_entry(Topic& topic, const RosHeader& header, const Record
                              std::size_t file) {
   if (header.utime == 0) ++unstamped_;
   topic.entries.push_back({header.utime != 0 ? header.utime : message.log_time / 1000, file, message});
+}
+
+/// One line for each: a robot may repeat it a hundred times a second.
+void RosRecording::list_unusable_transforms() {
+  for (const auto& [transform, times] : unusable_transforms_)
+    problems_.push_back(transform + " is left out" +
+                        (times == 1 ? "" : " " + std::to_string(times) + " times") +
+                        ": its numbers are not finite or its quaternion is no unit one");
 }
 
 void RosRecording::sort_entries(Topic& topic) {

@@ -6,6 +6,7 @@
 //   while (const auto event = recording.next()) ...            // in order of time
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,7 +46,8 @@ using RosEvent = std::variant<EncodedFrame, OdometryEvent, TruthEvent>;
 class RosRecording {
  public:
   /// Looks through the files once. Throws std::runtime_error (DatasetError, ConfigError) when there is no
-  /// colour, no depth, or no calibration: it names what would help.
+  /// colour, no depth, or no calibration: it names what would help,
+  /// and the first of problems().
   RosRecording(const std::vector<std::filesystem::path>& files, const RosOptions& options);
   ~RosRecording();
 
@@ -81,7 +83,9 @@ class RosRecording {
   void look_through(std::size_t file);
   void look_at(const RecordedMessage& message, ByteView bytes, std::size_t file);
   void add_entry(Topic& topic, const RosHeader& header, const RecordedMessage& message, std::size_t file);
+  void list_unusable_transforms();
   void sort_entries(Topic& topic);
+  void choose(const RosOptions& options);
   void settle_calibration(const RosOptions& options, const Topics& wanted);
   void list_events(double max_stamp_difference);
   void pair_images(double max_stamp_difference);
@@ -95,6 +99,7 @@ class RosRecording {
   std::vector<std::string> names_;  // of the files
   std::vector<Topic> topics_;
   TransformTree transforms_;
+  std::map<std::string, std::size_t> unusable_transforms_;  // how often, by topic and frames
   RgbdCalibration calibration_;
   int jpeg_quality_ = 90;
   Topic *colour_ = nullptr, *depth_ = nullptr, *odometry_ = nullptr, *truth_ = nullptr;

@@ -99,7 +99,7 @@ TEST(RosMessages, PosesAndTransformsComeBack) {
   EXPECT_EQ(pose.child_frame, "base_link");
   EXPECT_EQ(pose.angular.z(), 2);
   const auto transforms =
-      read_transforms(write_transforms({{{5, "a"}, "b", T}, {{5, "b"}, "c", T}}).view(), "cdr");
+      read_transforms(write_transforms({{{5, "a"}, "b", T}, {{5, "b"}, "c", T}}).view(), "cdr").usable;
   ASSERT_EQ(transforms.size(), 2U);
   EXPECT_EQ(transforms[1].child_frame, "c");
   EXPECT_TRUE(transforms[1].T_parent_child.isApprox(T, 1e-12));

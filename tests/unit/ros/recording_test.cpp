@@ -222,6 +222,39 @@ TEST_F(RosDrive, DepthWhoseTopicSaysSoIsRegisteredWithoutFrames) {
   EXPECT_THAT(recording.notes(), Contains(HasSubstr("/cam/aligned_depth/image says so")));
 }
 
+/// As a driver's bug writes it: the quaternion is no unit one.
+Eigen::Isometry3d no_pose() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() *= 1.2;
+  return T;
+}
+
+TEST_F(RosDrive, ATransformThatIsNoneIsLeftOutAlone) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000);
+  write_infos();
+  for (int i = 0; i < 2; ++i)
+    write_tf({{{1000, "head"}, "colour", moved(0.1, 0, 0)},
+              {{1000, "base"}, "gripper", no_pose()},
+              {{1000, "head"}, "depth", moved(0.1, 0.05, 0)}});
+  const RosRecording recording = open();
+  EXPECT_TRUE(recording.calibration().T_colour_depth.isApprox(moved(0, 0.05, 0)));
+  EXPECT_THAT(recording.problems(),
+              ElementsAre(::testing::AllOf(HasSubstr("/tf_static"), HasSubstr("from base to gripper"),
+                                           HasSubstr("2 times"), HasSubstr("quaternion"))));
+}
+
+TEST_F(RosDrive, ARefusalNamesTheFirstProblem) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000);
+  write_infos();
+  write_tf("colour", "depth", no_pose());
+  EXPECT_THAT(refusal(), ::testing::AllOf(HasSubstr("no transform leads from colour to depth"),
+                                          HasSubstr("/tf_static"), HasSubstr("quaternion")));
+}
+
 TEST_F(RosDrive, ImagesOfAnotherSizeAreLeftOutAndCounted) {
   begin();
   for (int i = 1; i < 4; ++i) write_colour(100'000 * i);
