@@ -61,6 +61,12 @@ void check_lens_model(const ConfigNode& config) {
                 "'" + model +
                     "' is not known: must be plumb_bob or rational_polynomial (calibrate with "
                     "one of them, or rectify the images and leave the distortion out)");
+  // OpenCV's calibration sample names no model, and gives a fisheye's four coefficients the usual name.
+  if (const std::string fisheye = config.get("fisheye_model", "0"); fisheye != "0")
+    config.fail("fisheye_model",
+                "fisheye_model is " + fisheye +
+                    ": must be 0, a fisheye's coefficients mean something else (calibrate without it, or "
+                    "rectify the images and leave the distortion out)");
 }
 
 /// OpenCV's k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [tx ty]]]]; thin prism and tilt must be 0.

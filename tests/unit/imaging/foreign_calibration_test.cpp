@@ -153,6 +153,9 @@ TEST_F(ForeignCalibration, ErrorsNameFileKeyAndWhatWouldBeRight) {
   EXPECT_THAT(
       error_of(changed(ros, "plumb_bob", "equidistant")),
       AllOf(HasSubstr("camera.yaml:8"), HasSubstr("'equidistant'"), HasSubstr("rational_polynomial")));
+  EXPECT_THAT(error_of(changed(ros, "distortion_model: plumb_bob", "fisheye_model: 1")),
+              AllOf(HasSubstr("camera.yaml:8"), HasSubstr("fisheye_model"), HasSubstr("must be 0")));
+  EXPECT_EQ(error_of(changed(ros, "distortion_model: plumb_bob", "fisheye_model: 0")), "");
   EXPECT_THAT(error_of(changed(ros, "525.5, 0.0, 319.25", "525.5, 319.25")),
               AllOf(HasSubstr("camera.yaml:4"), HasSubstr("fx, 0, cx")));
   EXPECT_THAT(error_of(changed(ros, "525.5, 0.0,", "525.5, 8.0,")), HasSubstr("skewed"));
