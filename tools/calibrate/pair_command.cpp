@@ -8,6 +8,7 @@
 #include "tools/calibrate/board_options.hpp"
 #include "tools/calibrate/calibrate_commands.hpp"
 #include "tools/calibrate/calibration_output.hpp"
+#include "tools/calibrate/range_choice.hpp"
 #include "tools/calibrate/range_report.hpp"
 #include "tools/calibrate/shots.hpp"
 #include "tools/calibrate/units.hpp"
@@ -121,11 +122,15 @@ int calibrate_pair_command(int argc, char** argv) {
       calibrate_pair(views, board, calibration->colour, calibration->depth, settings);
   std::cout << pair_report(pair);
   const auto ranges = ranges_of(pair, depths, board, calibration->colour);
-  if (ranges) std::cout << range_report(*ranges);
+  if (ranges) {
+    std::cout << range_report(*ranges);
+    const RangeChoice chosen = choose_range_error(calibration->depth_error, *ranges);
+    calibration->depth_error = chosen.error;
+    advise(chosen.kept);
+  }
   if (const int refused = refuse(doubts(pair), output.accept)) return refused;
   calibration->T_colour_depth = pair.T_colour_depth;
   calibration->depth = pair.depth;
-  if (ranges) calibration->depth_error = ranges->error;
   output.write(
       *calibration, fmt::format("colour_depth by lcmslam calibrate pair: {} views.", pair.views),
       covariance_text("colour_depth", {"x", "y", "z", "rx", "ry", "rz"}, pair.covariance,

@@ -8,6 +8,7 @@
 #include "tools/calibrate/calibration_output.hpp"
 #include "tools/calibrate/camera_report.hpp"
 #include "tools/calibrate/live_views.hpp"
+#include "tools/calibrate/range_choice.hpp"
 #include "tools/calibrate/range_report.hpp"
 #include "tools/calibrate/shots.hpp"
 #include "tools/calibrate/view_choice.hpp"
@@ -15,9 +16,6 @@
 
 namespace lcmslam {
 namespace {
-
-/// m: over as much a wiggle of the ranges tells itself from an offset.
-constexpr WantedRanges whole_period{1.0, 2.4};
 
 struct TofViews {
   std::vector<BoardView> views;
