@@ -16,6 +16,26 @@ Eigen::Vector3d rpy_of(const Eigen::Isometry3d& T_robot_camera) {
           std::atan2(R(1, 0), R(0, 0))};
 }
 
+/// A camera that looks backwards sees what wheels that turn backwards would do: of a start that looks ahead
+/// the solution is a mount turned by 180 degrees and negative wheels, as sure as the true one. Limits are
+/// those of the settings odometry.wheels.
+void doubt_factors(const DriveCalibration& found, std::vector<std::string>& missing) {
+  constexpr double least = 0.5, most = 2;
+  std::vector<double> factors = found.radius_factors;
+  factors.push_back(found.layout_factor);
+  for (const double factor : factors) {
+    if (factor >= least && factor <= most) continue;
+    missing.push_back(
+        fmt::format("a wheel's radius or the track would be {:.2f} of the stated one: the camera looks "
+                    "another way than the "
+                    "start assumed, or wheels count backwards or are stated wrongly. Give a calibration with "
+                    "a rough mount, "
+                    "to 20 degrees (--into), or mend the wheels",
+                    factor));
+    return;
+  }
+}
+
 }  // namespace
 
 std::string drive_report(const RecordedDrive& drive, const DriveCalibration& found) {
@@ -76,6 +96,7 @@ std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCal
   if (2 * drive.tracked < drive.images)
     missing.emplace_back(
         "the camera was tracked in less than half of the images: drive slowly, before things with texture");
+  doubt_factors(found, missing);
   if (std::max(sigma[0], sigma[1]) > 0.02)
     missing.emplace_back(fmt::format("x and y are known to {:.0f} mm only: turn more, to both sides",
                                      mm_per_m * std::max(sigma[0], sigma[1])));
@@ -94,6 +115,7 @@ std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCal
 
 std::vector<std::string> wheels_doubts(const DriveCalibration& found) {
   std::vector<std::string> missing;
+  doubt_factors(found, missing);
   const Eigen::VectorXd sigma = found.factor_covariance.diagonal().cwiseSqrt();
   if (sigma.head(sigma.size() - 1).maxCoeff() > 0.01)
     missing.emplace_back(
