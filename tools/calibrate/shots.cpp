@@ -32,11 +32,37 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return files;
 }
 
+/// Counts of a sensor as 8 bits: few use a good part of 16, so what 1 % and 99 % of the pixels do not reach
+/// is black and white.
+cv::Mat stretched(const cv::Mat& counts) {
+  cv::Mat values;
+  counts.convertTo(values, CV_32F);
+  cv::patchNaNs(values, 0);
+  std::vector<float> sorted(values.begin<float>(), values.end<float>());
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t margin = sorted.size() / 100;
+  const double black = sorted[margin], white = sorted[sorted.size() - 1 - margin];
+  const double scale = white > black ? 255 / (white - black) : 0;
+  cv::Mat grey;
+  values.convertTo(grey, CV_8U, scale, -scale * black);
+  return grey;
+}
+
+/// OpenCV alone would divide 16 bits by 256, which leaves little of an infrared image.
+cv::Mat load_grey(const fs::path& file) {
+  const cv::Mat image = cv::imread(file.string(), cv::IMREAD_ANYDEPTH | cv::IMREAD_GRAYSCALE);
+  return image.empty() || image.depth() == CV_8U ? image : stretched(image);
+}
+
+cv::Mat load_depth(const fs::path& file) {
+  return cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+}
+
 /// The file of the same name, whatever its extension.
-cv::Mat load_beside(const fs::path& folder, const fs::path& name, int flags) {
+cv::Mat load_beside(const fs::path& folder, const fs::path& name, cv::Mat (*load)(const fs::path&)) {
   if (!fs::is_directory(folder)) return {};
   for (const fs::path& file : files_of(folder))
-    if (file.stem() == name.stem()) return cv::imread(file.string(), flags);
+    if (file.stem() == name.stem()) return load(file);
   return {};
 }
 
@@ -51,11 +77,11 @@ void read_folder(const fs::path& folder, const ShotHandler& use) {
     Shot shot;
     shot.name = file.filename();
     if (several) {
-      shot.colour = load_beside(folder / "colour", file, cv::IMREAD_GRAYSCALE);
-      shot.amplitude = load_beside(folder / "amplitude", file, cv::IMREAD_GRAYSCALE);
-      shot.depth = load_beside(folder / "depth", file, cv::IMREAD_UNCHANGED);
+      shot.colour = load_beside(folder / "colour", file, load_grey);
+      shot.amplitude = load_beside(folder / "amplitude", file, load_grey);
+      shot.depth = load_beside(folder / "depth", file, load_depth);
     } else {
-      shot.colour = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+      shot.colour = load_grey(file);
     }
     if (shot.colour.empty() && shot.amplitude.empty()) continue;
     ++images;
