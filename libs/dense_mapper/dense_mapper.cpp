@@ -153,13 +153,15 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
                       angle_between(step.T_world_robot, prior.T_target_source) > settings_.max_turn);
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
+  // A camera that was covered has not seen that yet.
   bad_steps_ = tracking ? 0 : bad_steps_ + 1;
+  misfits_ = tracking ? 0 : misfits_ + (step.blind ? 0 : 1);
   step.reseeded = prepared.frame.motion && !step.adrift && !step.blind && !carried_.contradicted() &&
-                  bad_steps_ > settings_.reseed_after;
+                  misfits_ > settings_.reseed_after;
   if (step.reseeded) {
     step.status = MappingStatus::degraded;
     step.covariance = prior.information.inverse();
-    bad_steps_ = 0;
+    bad_steps_ = misfits_ = 0;
     if (!hanging_from_ && settings_.graph.enabled) hanging_from_ = graph_.nodes().back().id + 1;
   }
   return tracking || step.reseeded;
@@ -223,7 +225,8 @@ void DenseMapper::grow(const PreparedFrame& prepared, Step& step) {
   // What odometry placed belongs to a node of its own, however near another stands.
   if (keyframe || step.reseeded || keyframes_.is_far(T_world_camera, graph_.nodes().back().T_world_camera))
     add_node(prepared, keyframe, step);
-  if (distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
+  // What odometry placed does not fit what is there: a robot that stands would not fit for ever.
+  if (step.reseeded || distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
       angle_between(T, T_world_inserted_) >= settings_.insert_angle) {
     map_.insert(transformed(prepared.cloud, T), T.translation(), static_cast<int>(graph_.nodes().size()) - 1);
     T_world_inserted_ = T;

@@ -115,6 +115,7 @@ class DenseMapper {
   CarriedWatch carried_;
   KeyframeGraph graph_;
   int bad_steps_ = 0;                                                   // in a row
+  int misfits_ = 0;                                                     // of them those that showed something
   std::optional<int> hanging_from_;                                     // id of the first node of such a part
   int placed_in_a_row_ = 0;                                             // frames, while adrift
   Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();  // robot, at the last insertion

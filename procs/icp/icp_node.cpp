@@ -149,7 +149,7 @@ void IcpNode::on_frame(Prepared& prepared) {
       prepared, [this](Utime from, Utime to) { return join_.between(from, to); }, last_utime_);
   DenseFrame& frame = made.frame;
   if (mapper_ && frame.utime <= last_utime_) return;
-  if (mapper_ && is_elsewhere(frame.utime)) begin_map_beside();
+  if (mapper_ && is_elsewhere()) begin_map_beside();
   if (!mapper_) {
     mapper_.emplace(settings_);
     last_ = {};
@@ -162,9 +162,9 @@ void IcpNode::on_frame(Prepared& prepared) {
   T_world_previous_ = last_.T_world_robot;
   const bool searched = last_.adrift;
   last_ = mapper_->step(frame);
-  if (!searched) searches_since_ = frame.utime;  // whoever was away for long has as long to be found
-  learn_clock(frame);
   const double seconds = 1e-6 * static_cast<double>(frame.utime - last_utime_);
+  look_for_place(searched, seconds);
+  learn_clock(frame);
   twist_ = Vector6d::Zero();
   if (frame.motion && seconds > 0) twist_ = se3_log(frame.motion->T_from_to) / seconds;
   last_utime_ = frame.utime;
@@ -190,11 +190,17 @@ void IcpNode::begin_map_beside() {
   ++session_;
 }
 
+// Frames that show something are looks; a camera that was away or covered has not looked.
+void IcpNode::look_for_place(bool searched, double seconds) {
+  constexpr double longest_frame = 1;  // s that one frame speaks for
+  if (!last_.adrift || !searched) searched_ = 0;
+  if (last_.adrift && searched && !last_.blind) searched_ += std::min(seconds, longest_frame);
+}
+
 // After a gap, or where what it sees contradicts its wheels, the robot may have been carried out of its map.
-bool IcpNode::is_elsewhere(Utime utime) {
+bool IcpNode::is_elsewhere() const {
   if (new_map_when_carried_ > 0 && last_.unplaced >= new_map_when_carried_) return true;
-  return new_map_after_ > 0 && last_.adrift &&
-         static_cast<double>(utime - searches_since_) > 1e6 * new_map_after_;
+  return new_map_after_ > 0 && last_.adrift && searched_ > new_map_after_;
 }
 
 void IcpNode::finish_map() {

@@ -40,7 +40,8 @@ class IcpNode : public Node {
   RgbdFrameMaker::LateColour late(EncodedImage image);
   void begin_session();
   void begin_map_beside();
-  bool is_elsewhere(Utime utime);
+  void look_for_place(bool searched, double seconds);
+  bool is_elsewhere() const;
   void finish_map();
   KeyframeTeller::Map map() { return {*mapper_, map_frame(), maker_.calibration().T_robot_camera}; }
   std::string map_frame() const { return map_frame_of(first_map_frame_, session_); }
@@ -63,7 +64,7 @@ class IcpNode : public Node {
   Eigen::Isometry3d T_world_previous_ = Eigen::Isometry3d::Identity();  // of the step before last_
   Utime last_utime_ = 0;
   Vector6d twist_ = Vector6d::Zero();  // per second, at the last step
-  Utime searches_since_ = 0;           // the first frame that was adrift, or the last one that was not
+  double searched_ = 0;                // s of frames that showed something, since it is adrift
   GraphTeller graph_teller_;
   KeyframeTeller keyframe_teller_{publisher_};
   std::int64_t session_ = 1;  // maps begun; each has a frame of its own

@@ -303,6 +303,22 @@ TEST(Mappers, ALongGapLeavesTimeToBeFound) {
   EXPECT_EQ(value_of(icp, "sessions"), 2);
 }
 
+// A second gap is no time in which the robot was looked for.
+TEST(Mappers, TwoGapsLeaveTimeToBeFound) {
+  TestBus bus;
+  IcpNode& icp = bus.add<IcpNode>(ConfigNode::parse("{new_map_after: 2}"));
+  SimulatedKitchen& kitchen = SimulatedKitchen::instance();
+  bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
+  for (int k = 0; k < 4; ++k) bus.deliver("CAMERA", kitchen.frame(k));
+  constexpr int waiting = 6, few = 3;  // six frames wait for odometry
+  int k = 60;
+  for (; k <= 60 + waiting + few; ++k) bus.deliver("CAMERA", kitchen.frame(k));
+  ASSERT_EQ(bus.on<pose_estimate_t>("ICP_POSE").back().status, pose_estimate_t::LOST);
+  for (k = 95; k <= 95 + waiting + few; ++k) bus.deliver("CAMERA", kitchen.frame(k));
+  EXPECT_EQ(bus.on<pose_estimate_t>("ICP_POSE").back().status, pose_estimate_t::LOST);
+  EXPECT_EQ(value_of(icp, "sessions"), 1);
+}
+
 // What stands on the old mount stays as it was.
 TEST(Mappers, AnotherMountBeginsAnotherMap) {
   TestBus bus;

@@ -230,6 +230,51 @@ TEST(DenseMapper, GoesOnFromOdometryWhereTheMapEnds) {
   expect_pose(step.T_world_robot, no_mount, 0.02, 0.02);
 }
 
+/// Its walls are half as far away.
+Cloud nearer_room() {
+  Cloud nearer = room(0.015);
+  for (Eigen::Vector3f& p : nearer.points) p *= 0.5f;
+  return nearer;
+}
+
+// What a covered camera does not show is no sign that the map has ended.
+TEST(DenseMapper, ACoveredCameraIsNoReasonToGoOnFromOdometry) {
+  DenseMapperSettings settings;
+  settings.reseed_after = 3;
+  DenseMapper mapper(settings);
+  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
+  Motion motion;
+  motion.visual = true;
+  motion.covariance = 1e-6 * Matrix6d::Identity();
+  int frame = 1;
+  for (; frame <= 6; ++frame)
+    EXPECT_TRUE(mapper.step(coloured_frame(frame * frame_time, ColouredCloud(), no_mount, motion)).blind);
+  for (int i = 0; i <= settings.reseed_after; ++i, ++frame) {
+    const auto step = mapper.step(
+        coloured_frame(frame * frame_time, seen_from(nearer_room(), no_mount, 3), no_mount, motion));
+    EXPECT_EQ(step.reseeded, i == settings.reseed_after) << i;
+  }
+}
+
+// A robot that stands where walls have come nearer maps them once, and knows them from then on.
+TEST(DenseMapper, WhatChangesBeforeAStandingRobotIsMappedOnce) {
+  DenseMapperSettings settings;
+  settings.reseed_after = 3;
+  DenseMapper mapper(settings);
+  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
+  Motion motion;
+  motion.visual = true;
+  motion.covariance = 1e-6 * Matrix6d::Identity();
+  int reseeded = 0;
+  for (int i = 1; i <= 20; ++i) {
+    const auto step =
+        mapper.step(coloured_frame(i * frame_time, seen_from(nearer_room(), no_mount, 3), no_mount, motion));
+    reseeded += step.reseeded ? 1 : 0;
+    EXPECT_EQ(to_string(step.status), reseeded > 0 ? "degraded" : "lost") << i;
+  }
+  EXPECT_EQ(reseeded, 1);
+}
+
 // A little aside of a keyframe the walls have come nearer while it was away: what is mapped there is as
 // uncertain as odometry, not as that keyframe.
 TEST(DenseMapper, WhatOdometryPlacedBelongsToANodeOfItsOwn) {
@@ -245,13 +290,11 @@ TEST(DenseMapper, WhatOdometryPlacedBelongsToANodeOfItsOwn) {
   EXPECT_EQ(to_string(mapper.step(coloured_frame(frame_time, aside, no_mount, motion)).status), "tracking");
   ASSERT_EQ(mapper.graph().nodes().size(), 1U);
 
-  Cloud nearer = room(0.015);
-  for (Eigen::Vector3f& p : nearer.points) p *= 0.5f;
   motion.T_from_to.translation().x() = -1.1 * settings.keyframe_distance;
   DenseMapper::Step step;
   for (int i = 0; i <= settings.reseed_after; ++i) {
-    step =
-        mapper.step(coloured_frame((2 + i) * frame_time, seen_from(nearer, no_mount, 3), no_mount, motion));
+    step = mapper.step(
+        coloured_frame((2 + i) * frame_time, seen_from(nearer_room(), no_mount, 3), no_mount, motion));
     motion.T_from_to.setIdentity();
   }
   ASSERT_TRUE(step.reseeded);
