@@ -184,7 +184,7 @@ void BackgroundSaver::begin(MapsToSave maps, const HeldFolder& folder, std::int6
       std::move(maps), [folder] { return folder; }, revision, formats);
 }
 
-void BackgroundSaver::begin_in(MapsToSave maps, Folder folder, std::int64_t revision,
+void BackgroundSaver::begin_in(MapsToSave maps, const Folder& folder, std::int64_t revision,
                                const std::string& formats) {
   saving_ = std::async(std::launch::async, [maps = std::move(maps), folder, revision, formats] {
     Outcome outcome{revision, {}, "", {}};

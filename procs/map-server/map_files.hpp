@@ -68,7 +68,7 @@ class BackgroundSaver {
 
  private:
   using Folder = std::function<HeldFolder()>;
-  void begin_in(MapsToSave maps, Folder folder, std::int64_t revision, const std::string& formats);
+  void begin_in(MapsToSave maps, const Folder& folder, std::int64_t revision, const std::string& formats);
 
   std::future<Outcome> saving_;  // its destructor waits
 };
