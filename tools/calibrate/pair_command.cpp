@@ -60,7 +60,7 @@ std::vector<std::string> doubts(const PairCalibration& pair) {
     missing.push_back(
         fmt::format("only {} views with the board in both images: at least 6, better 15", pair.views));
   if (sigma.head<3>().maxCoeff() > enough || sigma.tail<3>().maxCoeff() > enough_angle)
-    missing.push_back(
+    missing.emplace_back(
         "the views do not tell enough: hold the board tilted, near and far, and all over the image");
   return missing;
 }
