@@ -37,9 +37,7 @@ void MapSmoother::add(Utime utime, const Eigen::Isometry3d& T_world_robot,
                       const std::optional<Motion>& motion, const std::vector<PointObservation>& seen,
                       bool loop_closed) {
   loop_closed_ = loop_closed_ || loop_closed;
-  if (keyframes_.empty())
-    motion_.reset();
-  else if (motion && motion_)
+  if (!keyframes_.empty() && motion && motion_)
     motion_ = chained(*motion_, *motion);
   else
     motion_.reset();  // for good until the next keyframe
