@@ -286,58 +286,6 @@ TEST(Mappers, KeyframesThatWaitedGoOutWhereTheGraphHasMovedThem) {
   EXPECT_GT(moved, 1e-4) << "nothing was moved, nothing is shown";
 }
 
-// However long the camera was away: the robot is looked for from when it is back.
-TEST(Mappers, ALongGapLeavesTimeToBeFound) {
-  TestBus bus;
-  IcpNode& icp = bus.add<IcpNode>(ConfigNode::parse("{new_map_after: 1}"));
-  SimulatedKitchen& kitchen = SimulatedKitchen::instance();
-  bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
-  for (int k = 0; k < 4; ++k) bus.deliver("CAMERA", kitchen.frame(k));
-  constexpr int back = 90, waiting = 6, tries = 10;  // six frames wait for odometry
-  for (int k = back; k <= back + waiting + tries; ++k) {
-    bus.deliver("CAMERA", kitchen.frame(k));
-    EXPECT_EQ(value_of(icp, "sessions"), 1) << k;
-  }
-  EXPECT_EQ(bus.on<pose_estimate_t>("ICP_POSE").back().status, pose_estimate_t::LOST);
-  for (int k = 1; k <= 3; ++k) bus.deliver("CAMERA", kitchen.frame(back + waiting + tries + k));
-  EXPECT_EQ(value_of(icp, "sessions"), 2);
-}
-
-// A second gap is no time in which the robot was looked for.
-TEST(Mappers, TwoGapsLeaveTimeToBeFound) {
-  TestBus bus;
-  IcpNode& icp = bus.add<IcpNode>(ConfigNode::parse("{new_map_after: 2}"));
-  SimulatedKitchen& kitchen = SimulatedKitchen::instance();
-  bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
-  for (int k = 0; k < 4; ++k) bus.deliver("CAMERA", kitchen.frame(k));
-  constexpr int waiting = 6, few = 3;  // six frames wait for odometry
-  int k = 60;
-  for (; k <= 60 + waiting + few; ++k) bus.deliver("CAMERA", kitchen.frame(k));
-  ASSERT_EQ(bus.on<pose_estimate_t>("ICP_POSE").back().status, pose_estimate_t::LOST);
-  for (k = 95; k <= 95 + waiting + few; ++k) bus.deliver("CAMERA", kitchen.frame(k));
-  EXPECT_EQ(bus.on<pose_estimate_t>("ICP_POSE").back().status, pose_estimate_t::LOST);
-  EXPECT_EQ(value_of(icp, "sessions"), 1);
-}
-
-// What stands on the old mount stays as it was.
-TEST(Mappers, AnotherMountBeginsAnotherMap) {
-  TestBus bus;
-  bus.add<OdometryNode>();
-  IcpNode& icp = bus.add<IcpNode>();
-  SimulatedKitchen& kitchen = SimulatedKitchen::instance();
-  kitchen.play(bus, 6);
-  const std::size_t keyframes = bus.count("ICP_KEYFRAME");
-  camera_calibration_t calibration = kitchen.calibration();
-  calibration.depth_noise_quadratic *= 1.01;
-  bus.deliver("CAMERA_CALIBRATION", calibration);
-  EXPECT_EQ(value_of(icp, "sessions"), 1) << "noise is no mount";
-  calibration.T_robot_camera.trans[2] += 0.01;
-  bus.deliver("CAMERA_CALIBRATION", calibration);
-  EXPECT_EQ(value_of(icp, "sessions"), 2);
-  EXPECT_EQ(bus.on<graph_t>("ICP_GRAPH").back().change, 0) << "the old map whole, once more";
-  EXPECT_GE(bus.count("ICP_KEYFRAME"), keyframes);
-}
-
 TEST(Mappers, ResendGivesTheWholeMap) {
   Graph graph;
   graph.play();

@@ -15,7 +15,7 @@ namespace {
 using testing::SimulatedKitchen;
 using testing::TestBus;
 
-constexpr int shown_again = 2, frames = 45, dark_frames = 6, frames_there = 8;
+constexpr int shown_again = 2, frames_here = 45, dark_frames = 6, frames_there = 8;
 
 Eigen::Isometry3d pose(const pose_estimate_t& message) {
   return from_message(message.T_map_robot, "T_map_robot");
@@ -55,19 +55,19 @@ TEST_F(Carried, FindsItselfInTheMapAgain) {
   bus.add<IcpNode>();
   bus.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
   int n = 0;
-  for (; n < frames; ++n) bus.deliver("CAMERA", kitchen_.frame(n));
-  for (; n < frames + dark_frames; ++n) bus.deliver("CAMERA", dark_frame(n));
-  for (; n < frames + dark_frames + frames_there; ++n) bus.deliver("CAMERA", frame_as(shown_again, n));
+  for (; n < frames_here; ++n) bus.deliver("CAMERA", kitchen_.frame(n));
+  for (; n < frames_here + dark_frames; ++n) bus.deliver("CAMERA", dark_frame(n));
+  for (; n < frames_here + dark_frames + frames_there; ++n) bus.deliver("CAMERA", frame_as(shown_again, n));
   bus.finish();
 
   const auto poses = bus.on<pose_estimate_t>("ICP_POSE");
   ASSERT_EQ(poses.size(), static_cast<std::size_t>(n));
   const Eigen::Isometry3d first_time = pose(poses[shown_again]);
-  const Eigen::Isometry3d carried = pose(poses[frames - 1]).inverse() * first_time;
+  const Eigen::Isometry3d carried = pose(poses[frames_here - 1]).inverse() * first_time;
   ASSERT_GT(carried.translation().norm() + rotation_angle(carried), 0.5);  // else this tests nothing
   int lost = 0, relocalised = 0;
-  for (std::size_t i = frames; i < poses.size(); ++i) {
-    const bool dark = i < frames + dark_frames;
+  for (std::size_t i = frames_here; i < poses.size(); ++i) {
+    const bool dark = i < frames_here + dark_frames;
     lost += dark && poses[i].status == pose_estimate_t::LOST ? 1 : 0;
     relocalised += !dark && poses[i].status == pose_estimate_t::RELOCALISED ? 1 : 0;
   }

@@ -1,0 +1,175 @@
+// Where the map ends, or is not what it was, or the robot may be anywhere in it.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <lcmslam/dense_mapper/dense_mapper.hpp>
+#include "tests/support/recorded_clouds.hpp"
+#include "tests/support/room_view.hpp"
+#include "tests/unit/dense_mapper/drive.hpp"
+
+namespace lcmslam {
+namespace {
+
+// Another room behind the robot that looks the same: odometry tells them apart, and is believed where the
+// map ends. As long as nothing else ties what is mapped there to the map, nobody claims to track in it.
+TEST(BeyondTheMap, GoesOnFromOdometryWhereTheMapEnds) {
+  DenseMapperSettings settings;
+  settings.reseed_after = 3;
+  DenseMapper mapper(settings);
+  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
+  const Eigen::Isometry3d T = planar_pose(0, 0, 3.0);
+  Motion motion;
+  motion.T_from_to = T;
+  motion.covariance = 1e-4 * Matrix6d::Identity();
+  const ColouredCloud behind = seen_from(transformed(room(0.03), T), T, 2);
+  DenseMapper::Step step;
+  for (int i = 1; i <= 8; ++i) {
+    SCOPED_TRACE(i);
+    step = mapper.step(coloured_frame(i * frame_time, behind, no_mount, motion));
+    const bool waiting = i <= settings.reseed_after;
+    EXPECT_EQ(to_string(step.status), waiting ? "lost" : "degraded");
+    EXPECT_EQ(step.hangs_on_odometry, !waiting);
+    if (waiting) {
+      EXPECT_GE(step.map_covariance(0, 0), 0.99 * step.covariance(0, 0)) << "as lost in the map";
+    }
+    const double known = (settings.reseed_after + 1) * 1e-4 + std::pow(settings.prior.floor_translation, 2);
+    if (i == settings.reseed_after + 1) {
+      EXPECT_TRUE(step.reseeded);
+      EXPECT_NEAR(step.covariance(0, 0), known, 1e-9) << "of all motion since the map was left";
+    }
+    if (!waiting) {
+      EXPECT_GT(step.map_covariance(0, 0), 0.99 * known) << "all that is mapped from there";
+      EXPECT_LT(step.map_covariance(0, 0), 1.5 * known);
+    }
+    motion.T_from_to.setIdentity();
+  }
+  expect_pose(step.T_world_robot, T, 0.02, 0.02);
+  EXPECT_GT(step.quality, 0.5) << "of what was mapped from there";
+
+  // Back at the start the graph compares both.
+  motion.T_from_to = T.inverse();
+  for (int i = 9; i <= 20; ++i) {
+    const ColouredCloud before = seen_from(room(0.03), no_mount, static_cast<std::uint64_t>(i));
+    step = mapper.step(coloured_frame(i * frame_time, before, no_mount, motion));
+    motion.T_from_to.setIdentity();
+  }
+  EXPECT_EQ(to_string(step.status), "tracking");
+  EXPECT_FALSE(step.hangs_on_odometry);
+  expect_pose(step.T_world_robot, no_mount, 0.02, 0.02);
+}
+
+/// Its walls are half as far away.
+Cloud nearer_room() {
+  Cloud nearer = room(0.015);
+  for (Eigen::Vector3f& p : nearer.points) p *= 0.5f;
+  return nearer;
+}
+
+/// It stands in a room that it has seen, says its visual odometry; the walls come nearer.
+class StandingRobot : public ::testing::Test {
+ protected:
+  StandingRobot() {
+    still_.visual = true;
+    still_.covariance = 1e-6 * Matrix6d::Identity();
+    look(seen_from(room(0.03), no_mount, 1));
+  }
+  static DenseMapperSettings settings() {
+    DenseMapperSettings settings;
+    settings.reseed_after = 3;
+    return settings;
+  }
+  DenseMapper::Step look(const ColouredCloud& seen) {
+    return mapper_.step(coloured_frame(frame_time * frames_++, seen, no_mount, still_));
+  }
+
+  DenseMapper mapper_{settings()};
+  const ColouredCloud changed_ = seen_from(nearer_room(), no_mount, 3);
+
+ private:
+  Motion still_;
+  int frames_ = 0;
+};
+
+// What a covered camera does not show is no sign that the map has ended.
+TEST_F(StandingRobot, HasNoReasonToGoOnFromOdometryWhileItsCameraIsCovered) {
+  for (int i = 0; i < 6; ++i) EXPECT_TRUE(look(ColouredCloud()).blind);
+  for (int i = 0; i <= settings().reseed_after; ++i)
+    EXPECT_EQ(look(changed_).reseeded, i == settings().reseed_after) << i;
+}
+
+// From then on it knows them.
+TEST_F(StandingRobot, MapsWhatHasChangedOnce) {
+  int reseeded = 0;
+  for (int i = 1; i <= 20; ++i) {
+    const DenseMapper::Step step = look(changed_);
+    reseeded += step.reseeded ? 1 : 0;
+    EXPECT_EQ(to_string(step.status), reseeded > 0 ? "degraded" : "lost") << i;
+  }
+  EXPECT_EQ(reseeded, 1);
+}
+
+// A little aside of a keyframe the walls have come nearer while it was away: what is mapped there is as
+// uncertain as odometry, not as that keyframe.
+TEST(BeyondTheMap, WhatOdometryPlacedBelongsToANodeOfItsOwn) {
+  DenseMapperSettings settings;
+  settings.reseed_after = 3;
+  settings.keyframe_overlap = 0;  // so near no new keyframe is made, however little overlaps
+  DenseMapper mapper(settings);
+  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
+  Motion motion;
+  motion.T_from_to.translation().x() = 0.9 * settings.keyframe_distance;
+  motion.covariance = 1e-4 * Matrix6d::Identity();
+  const ColouredCloud aside = seen_from(room(0.03), motion.T_from_to, 2);
+  EXPECT_EQ(to_string(mapper.step(coloured_frame(frame_time, aside, no_mount, motion)).status), "tracking");
+  ASSERT_EQ(mapper.graph().nodes().size(), 1U);
+
+  motion.T_from_to.translation().x() = -1.1 * settings.keyframe_distance;
+  DenseMapper::Step step;
+  for (int i = 0; i <= settings.reseed_after; ++i) {
+    step = mapper.step(
+        coloured_frame((2 + i) * frame_time, seen_from(nearer_room(), no_mount, 3), no_mount, motion));
+    motion.T_from_to.setIdentity();
+  }
+  ASSERT_TRUE(step.reseeded);
+  EXPECT_EQ(mapper.graph().nodes().size(), 2U);
+  EXPECT_GT(step.map_covariance(0, 0), std::pow(settings.prior.floor_translation, 2));
+}
+
+// After a gap it may be anywhere, also where its cloud happens to fit.
+TEST(BeyondTheMap, ARobotThatMayBeAnywhereSaysSo) {
+  DenseMapper mapper{DenseMapperSettings()};
+  const ColouredCloud seen = seen_from(room(0.03), no_mount, 1);
+  mapper.step(coloured_frame(0, seen, no_mount));
+  const double gap = 5;  // s without frames and odometry
+  const auto begin = static_cast<Utime>(1e6 * gap);
+  double before = 0;
+  for (int i = 0; i < 3; ++i) {
+    const DenseMapper::Step step = mapper.step(coloured_frame(begin + i * frame_time, seen, no_mount));
+    ASSERT_TRUE(step.adrift);
+    EXPECT_EQ(to_string(step.status), "lost");
+    EXPECT_GT(step.covariance(0, 0), 0.25 * gap * gap) << "half a metre a second";
+    EXPECT_GE(step.map_covariance(0, 0), step.covariance(0, 0));
+    EXPECT_GE(step.covariance(0, 0), before);
+    before = step.covariance(0, 0);
+  }
+}
+
+// Its wheels stand still, and another room is there.
+TEST(BeyondTheMap, ARobotThatWasCarriedSaysThatItMayBeAnywhere) {
+  DenseMapperSettings settings;
+  DenseMapper mapper(settings);
+  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
+  Motion still;
+  still.covariance = 1e-6 * Matrix6d::Identity();
+  const ColouredCloud there = seen_from(transformed(room(0.03), planar_pose(0.3, 0.2, 3.0)), no_mount, 2);
+  DenseMapper::Step step;
+  for (int i = 1; i < 50 && !step.adrift; ++i)
+    step = mapper.step(coloured_frame(i * frame_time, there, no_mount, still));
+  ASSERT_TRUE(step.adrift);
+  EXPECT_GT(step.covariance(0, 0), 0.25 * settings.carried_after * settings.carried_after);
+}
+
+}  // namespace
+}  // namespace lcmslam
