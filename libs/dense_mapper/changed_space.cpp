@@ -28,18 +28,18 @@ void ChangedSpace::look_through(const Cloud& cloud, const Eigen::Isometry3d& T_w
   if (sweeping())
     clean_next(map.voxels(), keyframes);
   else if (gone_.size() >= worth_a_sweep)
-    begin_sweep();
+    begin_sweep(keyframes);
 }
 
 void ChangedSpace::finish(const VoxelMap& map, KeyframeStore& keyframes) {
-  begin_sweep();
+  begin_sweep(keyframes);
   while (sweeping() && !keyframes.merging()) clean_next(map, keyframes);
 }
 
-void ChangedSpace::begin_sweep() {
+void ChangedSpace::begin_sweep(KeyframeStore& keyframes) {
   swept_.insert(swept_.end(), gone_.begin(), gone_.end());
   gone_.clear();
-  next_ = 0;
+  keyframes.begin_sweep();
   index();
 }
 
@@ -62,10 +62,13 @@ void ChangedSpace::index() {
 // bring back what a successor that is clean already has lost.
 void ChangedSpace::clean_next(const VoxelMap& map, KeyframeStore& keyframes) {
   if (keyframes.merging()) return;
-  while (next_ < keyframes.all().size()) {
-    const std::size_t i = next_++;
+  for (std::size_t i = 0; i < keyframes.all().size(); ++i) {
+    if (!keyframes.all()[i].to_sweep) continue;
     const Eigen::Vector3f centre = keyframes.all()[i].T_world_camera.translation().cast<float>();
-    if (static_cast<double>(swept_box_.exteriorDistance(centre)) > seen_within_) continue;
+    if (static_cast<double>(swept_box_.exteriorDistance(centre)) > seen_within_) {
+      keyframes.swept(i);
+      continue;
+    }
     clean(i, map, keyframes);
     return;
   }
@@ -84,7 +87,7 @@ void ChangedSpace::clean(std::size_t i, const VoxelMap& map, KeyframeStore& keyf
     const bool touched = swept_voxels_.find(voxel_key(voxel_of(p, inverse_size_))) != VoxelIndex::none;
     gone[k] = touched && !map.find(p, voxel_size_, found);
   }
-  keyframes.remove_points(i, gone);
+  keyframes.swept(i, gone);
 }
 
 void ChangedSpace::deform(const KeyframeGraph::Correction& correction) {
@@ -97,7 +100,6 @@ void ChangedSpace::deform(const KeyframeGraph::Correction& correction) {
 void ChangedSpace::renumber(const KeyframeGraph::Thinned& thinned) {
   for (auto* places : {&gone_, &swept_})
     for (VoxelMap::Gone& place : *places) place.anchor = of_node(thinned.index, place.anchor);
-  next_ = 0;  // keyframes have moved up
 }
 
 std::size_t ChangedSpace::memory_bytes() const {

@@ -30,7 +30,7 @@ class ChangedSpace {
   std::size_t memory_bytes() const;
 
  private:
-  void begin_sweep();
+  void begin_sweep(KeyframeStore& keyframes);
   void index();
   void clean_next(const VoxelMap& map, KeyframeStore& keyframes);
   void clean(std::size_t i, const VoxelMap& map, KeyframeStore& keyframes) const;
@@ -44,7 +44,6 @@ class ChangedSpace {
   std::vector<VoxelMap::Gone> gone_, swept_;  // collected; being swept (empty: no sweep)
   VoxelIndex swept_voxels_;                   // the map's voxels that swept_ touches
   Eigen::AlignedBox3f swept_box_;
-  std::size_t next_ = 0;  // keyframe
 };
 
 }  // namespace lcmslam

@@ -79,10 +79,16 @@ void KeyframeStore::bound(const Eigen::Isometry3d& T_world_camera) {
   }
 }
 
-void KeyframeStore::remove_points(std::size_t i, const std::vector<bool>& gone) {
+void KeyframeStore::begin_sweep() {
+  for (Keyframe& keyframe : keyframes_) keyframe.to_sweep = true;
+  for (Keyframe& keyframe : retired_) keyframe.to_sweep = true;
+}
+
+void KeyframeStore::swept(std::size_t i, const std::vector<bool>& gone) {
+  Keyframe& keyframe = keyframes_[i];
+  keyframe.to_sweep = false;
   const auto count = static_cast<std::size_t>(std::count(gone.begin(), gone.end(), true));
   if (count == 0) return;
-  Keyframe& keyframe = keyframes_[i];
   keyframe.cloud = kept_points(keyframe.cloud, [&](std::size_t k) { return !gone[k]; });
   keyframe.changed += count;
 }
@@ -121,6 +127,7 @@ void KeyframeStore::merge_next() {
          successor.cloud);
   if (successor.voxel > 0) successor.cloud = voxel_filtered(successor.cloud, successor.voxel);
   successor.changed += retired.cloud.size();
+  successor.to_sweep = successor.to_sweep || retired.to_sweep;
 }
 
 KeyframeStore::Keyframe& KeyframeStore::successor_of(const Keyframe& retired) {

@@ -20,6 +20,7 @@ class KeyframeStore {
     ColouredCloud cloud;      ///< camera frame, with normals
     double voxel = 0;         ///< m, of that cloud; 0: points as they came
     std::size_t changed = 0;  ///< points that went or came since the cloud was published
+    bool to_sweep = false;    ///< may have points where surfaces have gone; whoever it joins has them then
   };
 
   /// Reads the settings keyframe_*.
@@ -48,8 +49,11 @@ class KeyframeStore {
   void begin(int node, Utime utime, const Eigen::Isometry3d& T_world_camera);
   void grow(const ColouredCloud& cloud);
 
-  /// Points of the i-th keyframe that are no longer there (true).
-  void remove_points(std::size_t i, const std::vector<bool>& gone);
+  /// Surfaces have gone: all keyframes are to be swept.
+  void begin_sweep();
+  /// The i-th keyframe has been swept, and these points (true) are no longer there; none: it has nothing
+  /// there.
+  void swept(std::size_t i, const std::vector<bool>& gone = {});
 
   /// Each keyframe moves with its node.
   void deform(const KeyframeGraph::Correction& correction);

@@ -121,6 +121,34 @@ TEST_F(GonePlate, NothingIsCleanedWhileCloudsWaitToBeMerged) {
   EXPECT_EQ(plate_points(keyframes.all()[0]), 0U);
 }
 
+// A graph that is thinned again and again must not keep the sweep from its end. What a swept keyframe takes
+// from one that was not is swept there.
+TEST_F(GonePlate, ASweepGoesOnWhereNodesGo) {
+  DeformableMap map(settings_);
+  KeyframeStore keyframes(settings_);
+  ChangedSpace space(settings_);
+  see_plate(map, keyframes, 5);
+  for (int i = 0; i < 4; ++i) space.look_through(wall_, still_, map, keyframes);
+  for (std::size_t i = 0; i < 5; ++i) ASSERT_EQ(plate_points(keyframes.all()[i]) == 0, i < 2) << i;
+  const auto give_up = [&](const KeyframeGraph::Thinned& thinned) {
+    keyframes.thin(thinned);
+    space.renumber(thinned);
+    keyframes.merge_next();  // all stand at one place: into the first one
+  };
+  give_up({{false, false, false, false, true}, {0, 1, 2, 3, 0}});
+  EXPECT_GT(plate_points(keyframes.all()[0]), 100U);
+  space.look_through(wall_, still_, map, keyframes);
+  EXPECT_EQ(plate_points(keyframes.all()[0]), 0U);
+  give_up({{false, true, false, false}, {0, 0, 1, 2}});  // swept: its successor is clean as before
+  for (const std::size_t next : {1U, 2U}) {
+    EXPECT_GT(plate_points(keyframes.all()[next]), 100U);
+    space.look_through(wall_, still_, map, keyframes);
+    EXPECT_EQ(plate_points(keyframes.all()[next]), 0U);
+  }
+  space.look_through(wall_, still_, map, keyframes);
+  EXPECT_FALSE(space.sweeping());
+}
+
 TEST_F(GonePlate, NothingGoesWhereItIsSwitchedOffOrTheThesisMaps) {
   for (const bool thesis : {false, true}) {
     DenseMapperSettings settings = settings_;

@@ -89,8 +89,8 @@ TEST(KeyframeStore, OnlyNotableChangesArePublishedBeforeTheEnd) {
   store.add(1, 1, at(1), line(100));
   std::vector<bool> one(100, false), three(100, false);
   one[5] = three[1] = three[2] = three[3] = true;
-  store.remove_points(0, one);
-  store.remove_points(1, three);
+  store.swept(0, one);
+  store.swept(1, three);
   EXPECT_EQ(store.all()[0].cloud.size(), 99U);
   EXPECT_EQ(store.all()[1].cloud.size(), 97U);
   EXPECT_EQ(store.all()[1].cloud.points[1], line(100).points[4]);
