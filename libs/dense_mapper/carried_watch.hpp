@@ -15,10 +15,10 @@ class CarriedWatch {
  public:
   explicit CarriedWatch(const DenseMapperSettings& settings) : settings_(settings) {}
 
-  /// `T_world_predicted`: of the robot, by odometry; `placed`: the map says
-  /// where it is; `adrift`: odometry has lost the way, so that it contradicts nothing.
-  void observe(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_predicted, bool placed,
-               bool adrift, const VoxelMap& map);
+  /// `tracked`: where odometry led the robot, and registration from there; `placed`: the map says where it
+  /// is; `adrift`: odometry has lost the way, so that it contradicts nothing.
+  void observe(const PreparedFrame& prepared, const Tracked& tracked, bool placed, bool adrift,
+               const VoxelMap& map);
 
   /// Frames have contradicted the map since the robot was placed last.
   bool contradicted() const { return contradicted_ > 0; }
@@ -27,8 +27,7 @@ class CarriedWatch {
   double unplaced() const { return unplaced_; }
 
  private:
-  bool is_contradicted(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_predicted,
-                       const VoxelMap& map) const;
+  bool is_contradicted(const PreparedFrame& prepared, const Tracked& tracked, const VoxelMap& map) const;
 
   DenseMapperSettings settings_;
   Utime last_utime_ = 0;

@@ -18,11 +18,11 @@ ChangedSpace::ChangedSpace(const DenseMapperSettings& settings)
       inverse_size_(static_cast<float>(1 / settings.map.voxel_size)) {}
 
 void ChangedSpace::look_through(const Cloud& cloud, const Eigen::Isometry3d& T_world_camera,
-                                DeformableMap& map, KeyframeStore& keyframes) {
+                                DeformableMap& map, KeyframeStore& keyframes, int first_node) {
   if (!enabled_) return;
   if (!map.deforming()) {
     const FreeSpaceView view(cloud, settings_);
-    const auto gone = map.look_through(view, T_world_camera, settings_, looks_++);
+    const auto gone = map.look_through(view, T_world_camera, settings_, looks_++, first_node);
     gone_.insert(gone_.end(), gone.begin(), gone.end());
   }
   if (sweeping())

@@ -16,9 +16,9 @@ class ChangedSpace {
   /// Reads the settings free_space, filter and map. The thesis's variants forget nothing: with them it rests.
   explicit ChangedSpace(const DenseMapperSettings& settings);
 
-  /// A frame whose pose is certain; `cloud` in the camera frame.
+  /// A frame whose pose among the nodes from `first_node` on is certain; `cloud` in the camera frame.
   void look_through(const Cloud& cloud, const Eigen::Isometry3d& T_world_camera, DeformableMap& map,
-                    KeyframeStore& keyframes);
+                    KeyframeStore& keyframes, int first_node = 0);
   /// All that is left to clean, once no keyframe waits to be merged.
   void finish(const VoxelMap& map, KeyframeStore& keyframes);
 

@@ -50,10 +50,10 @@ void DeformableMap::restore(const std::vector<KeyframeStore::Keyframe>& keyframe
 
 std::vector<VoxelMap::Gone> DeformableMap::look_through(const FreeSpaceView& view,
                                                         const Eigen::Isometry3d& T_world_camera,
-                                                        const FreeSpaceSettings& settings,
-                                                        std::int32_t turn) {
+                                                        const FreeSpaceSettings& settings, std::int32_t turn,
+                                                        int first_node) {
   if (deforming()) throw std::logic_error("deformable map: looked through while it is being deformed");
-  return map_->look_through(view, T_world_camera, settings, turn);
+  return map_->look_through(view, T_world_camera, settings, turn, first_node);
 }
 
 void DeformableMap::begin_deforming(Correction correction, Utime now) {

@@ -35,7 +35,8 @@ class DeformableMap {
                const Eigen::Isometry3d& T_world_camera);
   /// Surfels that the view sees through (VoxelMap::look_through). Not while the map is being deformed.
   std::vector<VoxelMap::Gone> look_through(const FreeSpaceView& view, const Eigen::Isometry3d& T_world_camera,
-                                           const FreeSpaceSettings& settings, std::int32_t turn);
+                                           const FreeSpaceSettings& settings, std::int32_t turn,
+                                           int first_node = 0);
 
   bool deforming() const { return deforming_.valid(); }
   void begin_deforming(Correction correction, Utime now);

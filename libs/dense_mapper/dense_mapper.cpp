@@ -1,5 +1,7 @@
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
 
+#include <algorithm>
+
 #include <lcmslam/features/strongest_features.hpp>
 #include <lcmslam/pose_graph/error_factors.hpp>
 #include <lcmslam/settings/check.hpp>
@@ -10,6 +12,11 @@ namespace {
 // What a prior leaves open; of what it says nothing, at most a kilometre.
 Matrix6d uncertain(const Prior& prior) {
   return (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+}
+
+KeyframeGraph::PlacedBy placed_by(const DenseMapper::Step& step) {
+  if (step.reseeded) return KeyframeGraph::PlacedBy::odometry;
+  return step.relocalised ? KeyframeGraph::PlacedBy::relocalisation : KeyframeGraph::PlacedBy::registration;
 }
 
 }  // namespace
@@ -56,10 +63,11 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
     grow(prepared, step);
     accept(prepared, step.T_world_robot, registered);
   } else {
-    motion_.lose(frame.motion);
+    motion_.lose(frame.utime, frame.motion, step.status != MappingStatus::lost);
   }
   if (registered)
-    changed_space_.look_through(frame.cloud, step.T_world_robot * frame.T_robot_camera, map_, keyframes_);
+    changed_space_.look_through(frame.cloud, step.T_world_robot * frame.T_robot_camera, map_, keyframes_,
+                                first_node_here());
   // Tell: how wrong the pose may be in the whole map, and where it is as seen by whoever must not see it
   // jump.
   tell_covariance(frame.T_robot_camera, step);
@@ -137,8 +145,7 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
   step.T_world_robot = believed ? tracked.registration.T_target_source : prior.T_target_source;
   step.covariance = believed ? tracked.registration.covariance : uncertain(prior);
   step.blind = static_cast<int>(prepared.cloud.size()) < settings_.min_points;
-  if (tracker_->searches_map())
-    carried_.observe(prepared, prior.T_target_source, tracking, was_adrift, map_.voxels());
+  if (tracker_->searches_map()) carried_.observe(prepared, tracked, tracking, was_adrift, map_.voxels());
   if (carried_.carried()) {
     motion_.be_carried(settings_.carried_after);
     step.adrift = true;
@@ -156,8 +163,8 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
   // A camera that was covered has not seen that yet.
   bad_steps_ = tracking ? 0 : bad_steps_ + 1;
   misfits_ = tracking ? 0 : misfits_ + (step.blind ? 0 : 1);
-  step.reseeded = prepared.frame.motion && !step.adrift && !step.blind && !carried_.contradicted() &&
-                  misfits_ > settings_.reseed_after;
+  step.reseeded = motion_.knows(prepared.frame.motion) && !step.adrift && !step.blind &&
+                  !carried_.contradicted() && misfits_ > settings_.reseed_after;
   if (step.reseeded) {
     step.status = MappingStatus::degraded;
     step.covariance = prior.information.inverse();
@@ -172,6 +179,15 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
 bool DenseMapper::hangs_on_odometry() {
   if (hanging_from_ && !map_.deforming() && graph_.ties(*hanging_from_)) hanging_from_.reset();
   return hanging_from_.has_value();
+}
+
+// Of the part of the map whose place around the robot is known.
+int DenseMapper::first_node_here() const {
+  if (!hanging_from_) return 0;
+  const auto& nodes = graph_.nodes();
+  const auto first =
+      std::find_if(nodes.begin(), nodes.end(), [&](const auto& n) { return n.id >= *hanging_from_; });
+  return static_cast<int>(first - nodes.begin());
 }
 
 // After a gap: the cloud fits the map where features say so too or, without features, in many frames in a
@@ -244,9 +260,8 @@ void DenseMapper::add_node(const PreparedFrame& prepared, bool keyframe, Step& s
   if (frame.features) view.features = strongest(*frame.features, settings_.keyframe_features);
   map_.restore(keyframes_.all(), T_world_camera);
   view.shows = shown_keyframes(transformed(prepared.cloud, step.T_world_robot));
-  const int node = graph_.add(
-      frame.utime, T_world_camera, A * step.covariance * A.transpose(), std::move(view), keyframe, step.floor,
-      step.reseeded ? KeyframeGraph::PlacedBy::odometry : KeyframeGraph::PlacedBy::registration);
+  const int node = graph_.add(frame.utime, T_world_camera, A * step.covariance * A.transpose(),
+                              std::move(view), keyframe, step.floor, placed_by(step));
   step.node = true;
   step.keyframe = keyframe;
   if (!keyframe) return;

@@ -93,6 +93,7 @@ class DenseMapper {
   bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
   bool hangs_on_odometry();
+  int first_node_here() const;
   Matrix6d covariance_at(const PoseError& error, const Eigen::Isometry3d& T_world_camera,
                          const Eigen::Isometry3d& T_robot_camera) const;
   void tell_covariance(const Eigen::Isometry3d& T_robot_camera, Step& step) const;

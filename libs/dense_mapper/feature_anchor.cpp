@@ -82,6 +82,21 @@ std::optional<Prior> FeatureAnchor::recognise(const FeatureFrame& features,
                 settings_.recognised_share);
 }
 
+// Of those that are seen, no more than a half are found again.
+bool FeatureAnchor::is_rich(const FeatureFrame& features) const {
+  const auto points = std::count_if(features.features.begin(), features.features.end(),
+                                    [](const Feature& f) { return f.kind == MeasurementKind::point; });
+  return points >= 4 * settings_.min_inliers;
+}
+
+bool FeatureAnchor::can_recognise(const FeatureFrame& features,
+                                  const Eigen::Isometry3d& T_world_camera) const {
+  if (keyframes_.empty() || !is_rich(features)) return false;
+  const std::vector<const Keyframe*> near = around(T_world_camera);
+  return near.empty() ||
+         std::any_of(near.begin(), near.end(), [&](const Keyframe* k) { return is_rich(k->features); });
+}
+
 std::optional<Prior> FeatureAnchor::search(const FeatureFrame& features,
                                            const Eigen::Isometry3d& T_robot_camera) {
   for (int i = 0; i < settings_.searched_keyframes && !keyframes_.empty(); ++i) {

@@ -71,7 +71,6 @@ class FeatureAnchor {
   void renumber(const std::vector<bool>& gone, const std::vector<int>& number);
   void clear() { keyframes_.clear(); }
   std::size_t memory_bytes() const;
-  bool empty() const { return keyframes_.empty(); }
 
   /// Where the robot is, wherever that be: each call asks the next few keyframes. For a robot that is lost.
   std::optional<Prior> search(const FeatureFrame& features, const Eigen::Isometry3d& T_robot_camera);
@@ -86,12 +85,17 @@ class FeatureAnchor {
   std::optional<Prior> recognise(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera,
                                  const Eigen::Isometry3d& T_robot_camera);
 
+  /// Whether a view from there could be recognised at all: it has features enough, and so have keyframes
+  /// around (or none stand there, which is an answer).
+  bool can_recognise(const FeatureFrame& features, const Eigen::Isometry3d& T_world_camera) const;
+
  private:
   struct Keyframe {
     Eigen::Isometry3d T_world_camera;
     FeatureFrame features;
     int node = 0;
   };
+  bool is_rich(const FeatureFrame& features) const;
   /// What features of keyframes (point_a, in the world) and of this frame (point_b, in its camera) match.
   std::vector<PointPair> matches(const std::vector<const Keyframe*>& keyframes, const FeatureFrame& features);
   std::optional<Prior> agreed(const std::vector<PointPair>& pairs, const Eigen::Isometry3d& T_robot_camera,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lcmslam/dense_mapper/contradiction.hpp>
 #include <lcmslam/dense_mapper/start_hypotheses.hpp>
 
 namespace lcmslam {
@@ -14,6 +15,10 @@ RegistrationSettings asked_of_target(const DenseMapperSettings& settings) {
   s.boundary = s.boundary || settings.coarse.boundary;
   s.colour_scale = std::max(s.colour_scale, settings.coarse.colour_scale);
   return s;
+}
+
+bool has_wheels(const DenseFrame& frame) {
+  return frame.motion && !frame.motion->visual;
 }
 
 }  // namespace
@@ -32,19 +37,23 @@ ModernTracker::ModernTracker(const DenseMapperSettings& settings, DeformableMap&
 Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
   last_view_.compare(prepared.frame.colour, prepared.frame.T_robot_camera);
   Tracked tracked = on_floor(prepared, expected);
-  if (is_elsewhere(tracked, prepared.frame, expected)) tracked.status = MappingStatus::lost;
+  if (!is_elsewhere(tracked, prepared.frame, expected)) return tracked;
+  if (!has_wheels(prepared.frame)) recognise(prepared.frame, tracked);
+  if (!tracked.anchored) tracked.status = MappingStatus::lost;
   return tracked;
 }
 
 // Beside where the wheels lead a frame may fit, too: whoever was carried sees walls like those that were
-// there. (Beyond a jump registration has not been drawn there, but begun.)
+// there. (Beyond a jump registration has not been drawn there, but begun.) Without wheels it was begun at
+// keyframes as well, and one that looks alike may stand anywhere.
 bool ModernTracker::is_elsewhere(const Tracked& tracked, const DenseFrame& frame,
                                  const Expectation& expected) const {
-  const bool wheels = frame.motion && !frame.motion->visual && !expected.adrift;
-  if (!wheels || tracked.anchored || tracked.status == MappingStatus::lost) return false;
+  if (expected.adrift || tracked.anchored || tracked.status == MappingStatus::lost) return false;
   const Prior& motion = expected.off_ground ? *expected.off_ground : expected.prior;
   const Eigen::Isometry3d off = motion.T_target_source.inverse() * tracked.registration.T_target_source;
-  if (off.translation().norm() > settings_.max_jump || rotation_angle(off) > settings_.max_turn) return false;
+  const bool leaps =
+      off.translation().norm() > settings_.max_jump || rotation_angle(off) > settings_.max_turn;
+  if (leaps == has_wheels(frame)) return false;
   Vector6d variances = motion.information.inverse().diagonal();
   variances.head<2>().setConstant(variances.head<2>().maxCoeff());  // a base may slip aside, too
   return std::sqrt(se3_log(off).cwiseAbs2().cwiseQuotient(variances).sum()) > settings_.max_disagreement;
@@ -69,7 +78,8 @@ Tracked ModernTracker::place(const PreparedFrame& prepared, const Prior& prior, 
   Tracked result;
   result.prior = prior;
   const std::optional<Prior> anchor = ask_features(prepared, result);
-  const auto best = try_starts(prepared, starts(frame, result.prior, anchor, expected), result.prior);
+  const auto best =
+      try_starts(prepared, starts(frame, result.prior, anchor, expected), result.prior, expected.adrift);
   result.registration = best.registration;
   result.status = best.status;
   result.quality = best.quality;
@@ -78,24 +88,39 @@ Tracked ModernTracker::place(const PreparedFrame& prepared, const Prior& prior, 
 }
 
 // Walls look alike: whoever may be anywhere has found his place where the features say so, too. Where there
-// are none to ask, the mapper waits for more frames that fit.
+// are none to ask, nothing that is seen may speak against it, and the mapper waits for more frames that fit.
 void ModernTracker::confirm(const DenseFrame& frame, Tracked& result) {
-  constexpr double same_place = 0.1;  // m and rad
   result.anchored = false;
-  if (result.status != MappingStatus::tracking) {
-    result.status = MappingStatus::lost;
-    return;
-  }
-  if (!frame.features || !settings_.features.enabled || anchor_.empty()) return;
+  const bool fits = result.status == MappingStatus::tracking;
+  result.status = MappingStatus::lost;
+  if (!fits) return;
+  recognise(frame, result);
+  if (result.anchored || (!can_recognise(frame, result) && is_certain(frame, result.registration)))
+    result.status = MappingStatus::tracking;
+}
+
+bool ModernTracker::can_recognise(const DenseFrame& frame, const Tracked& result) const {
+  return frame.features && settings_.features.enabled &&
+         anchor_.can_recognise(*frame.features, result.registration.T_target_source * frame.T_robot_camera);
+}
+
+// The floor fits everywhere, and what is looked through is not there.
+bool ModernTracker::is_certain(const DenseFrame& frame, const RegistrationResult& placed) const {
+  constexpr double most_seen_through = 0.2;  // share
+  return placed.degenerate.empty() && seen_through(frame, placed.T_target_source * frame.T_robot_camera,
+                                                   map_.voxels()) < most_seen_through;
+}
+
+// Whether features say that it is where its cloud fits.
+void ModernTracker::recognise(const DenseFrame& frame, Tracked& result) {
+  constexpr double same_place = 0.1;  // m and rad
+  if (!frame.features || !settings_.features.enabled) return;
   const Eigen::Isometry3d& T_world_robot = result.registration.T_target_source;
   const auto place =
       anchor_.recognise(*frame.features, T_world_robot * frame.T_robot_camera, frame.T_robot_camera);
   result.anchored = place && distance_between(T_world_robot, place->T_target_source) < same_place &&
                     angle_between(T_world_robot, place->T_target_source) < same_place;
-  if (result.anchored)
-    result.T_world_anchor = place->T_target_source;
-  else
-    result.status = MappingStatus::lost;
+  if (result.anchored) result.T_world_anchor = place->T_target_source;
 }
 
 // Where keyframes' features place the robot, if that is believed; the prior then knows it.
@@ -134,7 +159,7 @@ std::vector<Eigen::Isometry3d> ModernTracker::starts(const DenseFrame& frame, co
 
   starts.push_back(expected.T_world_last);
   // Wheels slip by centimetres, they do not jump to another place that happens to look alike.
-  if (frame.motion && !frame.motion->visual && !expected.adrift) return starts;
+  if (has_wheels(frame) && !expected.adrift) return starts;
   if (!anchor && frame.features && settings_.features.enabled)
     if (const auto found = anchor_.search(*frame.features, frame.T_robot_camera))
       starts.push_back(found->T_target_source);
@@ -177,10 +202,11 @@ void ModernTracker::sort_by_score(const Cloud& cloud, std::vector<Eigen::Isometr
   starts = std::move(sorted);
 }
 
-// Best-looking starts first; the first one that tracks is taken, otherwise the best of all.
+// Best-looking starts first; the first one that tracks, and certainly where the robot may be anywhere, is
+// taken, otherwise the best of all.
 RegistrationPasses::Attempt ModernTracker::try_starts(const PreparedFrame& prepared,
                                                       std::vector<Eigen::Isometry3d> starts,
-                                                      const Prior& prior) {
+                                                      const Prior& prior, bool adrift) {
   RegistrationPasses::Attempt best;
   best.registration.T_target_source = prior.T_target_source;
   const Cloud& cloud = prepared.cloud;
@@ -189,8 +215,9 @@ RegistrationPasses::Attempt ModernTracker::try_starts(const PreparedFrame& prepa
   for (const Eigen::Isometry3d& T_start : starts) {
     const Target& target = view_.from(T_start * prepared.frame.T_robot_camera);
     const auto now = passes_.run(prepared, target, T_start, prior, last_view_);
+    const bool tracks = now.status == MappingStatus::tracking;
+    if (tracks && (!adrift || is_certain(prepared.frame, now.registration))) return now;
     if (now.quality > best.quality || &T_start == &starts.front()) best = now;
-    if (best.status == MappingStatus::tracking) break;
   }
   return best;
 }

@@ -36,10 +36,13 @@ class ModernTracker : public Tracker {
   std::vector<Eigen::Isometry3d> starts(const DenseFrame& frame, const Prior& prior,
                                         const std::optional<Prior>& anchor, const Expectation& expected);
   void confirm(const DenseFrame& frame, Tracked& result);
+  void recognise(const DenseFrame& frame, Tracked& result);
+  bool can_recognise(const DenseFrame& frame, const Tracked& result) const;
+  bool is_certain(const DenseFrame& frame, const RegistrationResult& placed) const;
   double score(const Cloud& cloud, const Eigen::Isometry3d& T_world_robot) const;
   void sort_by_score(const Cloud& cloud, std::vector<Eigen::Isometry3d>& starts) const;
   RegistrationPasses::Attempt try_starts(const PreparedFrame& prepared, std::vector<Eigen::Isometry3d> starts,
-                                         const Prior& prior);
+                                         const Prior& prior, bool adrift);
 
   DenseMapperSettings settings_;
   DeformableMap& map_;

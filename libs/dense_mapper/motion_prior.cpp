@@ -83,8 +83,14 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
 
 Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion, Floor floor) const {
   const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, longest_velocity);
-  return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_, adrift_, floor,
-                          unseen_);
+  return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_,
+                          std::max(unknown_, adrift_), floor, unseen_);
+}
+
+bool MotionModel::knows(const std::optional<Motion>& motion) const {
+  if (!is_usable(motion)) return false;
+  const Vector6d guess = squares(settings_.free_translation, settings_.free_rotation);
+  return !motion->visual || (motion->covariance.diagonal().array() <= guess.array()).all();
 }
 
 Matrix6d MotionModel::drift() const {
@@ -93,15 +99,19 @@ Matrix6d MotionModel::drift() const {
 
 void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion) {
   const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
-  if (adrift() || (!motion && seconds > longest_velocity)) adrift_ += seconds;
+  if (adrift())
+    adrift_ += seconds;
+  else if (!knows(motion) && unknown_ + seconds > longest_velocity)
+    adrift_ = unknown_ + seconds;
 }
 
 void MotionModel::found() {
-  adrift_ = 0;
+  unknown_ = adrift_ = 0;
   unseen_.setZero();
 }
 
-void MotionModel::lose(const std::optional<Motion>& motion) {
+void MotionModel::lose(Utime utime, const std::optional<Motion>& motion, bool guided) {
+  if (!guided && !knows(motion)) unknown_ += static_cast<double>(utime - last_utime_) * 1e-6;
   if (is_usable(motion)) unseen_ = carried_along(unseen_, *motion) + motion->covariance;
 }
 

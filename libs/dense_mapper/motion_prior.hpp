@@ -35,7 +35,8 @@ struct MotionPriorSettings {
 
 /// Prior of T_world_robot from the last pose and the motion since: odometry's, or `free_motion` (that of a
 /// velocity which goes on) when there is none, and of the floor where the settings are planar. `adrift`: s
-/// during which nobody knew the motion. `unseen`: covariance of T_world_last by odometry alone, robot frame.
+/// before, during which nobody knew the motion. `unseen`: covariance of T_world_last by odometry alone, robot
+/// frame.
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift = 0,
               Floor floor = Floor::plane, const Matrix6d& unseen = Matrix6d::Zero());
@@ -50,8 +51,12 @@ class MotionModel {
   /// `floor`: what a robot on wheels stands on.
   Prior predict(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane) const;
 
-  /// Before predict(): without odometry and longer than a velocity goes on, the robot is adrift until it is
-  /// found: the prediction is where it was last, and its covariance grows.
+  /// Whether odometry tells how the robot moved. A visual one that is lost guesses: where its step errs by
+  /// more than a velocity that goes on, nobody knows.
+  bool knows(const std::optional<Motion>& motion) const;
+
+  /// Before predict(): where nobody has known the motion for longer than a velocity goes on, the robot is
+  /// adrift until it is found: the prediction is where it was last, and its covariance grows.
   void look_for_gap(Utime utime, const std::optional<Motion>& motion);
   bool adrift() const { return adrift_ > 0; }
   /// What is seen contradicts the map for `seconds`, whatever odometry says: adrift from now on, too.
@@ -60,9 +65,9 @@ class MotionModel {
   Matrix6d drift() const;
 
   /// Afterwards, by what became of the step: the map tells where the robot is, or its place is as uncertain
-  /// as it was and by this motion more.
+  /// as it was and by this motion more; `guided`: badly as the frame fits, it has led the robot.
   void found();
-  void lose(const std::optional<Motion>& motion);
+  void lose(Utime utime, const std::optional<Motion>& motion, bool guided = false);
 
   /// Where the robot is; `moving`: it came there from the last place, so that its velocity may go on.
   void observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving);
@@ -76,7 +81,8 @@ class MotionModel {
   Utime last_utime_ = 0;
   Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
   Vector6d velocity_ = Vector6d::Zero();  // per second, robot frame
-  double adrift_ = 0;                     // s of unknown motion since the robot was found
+  double unknown_ = 0;                    // s of motion that nobody knows, since the robot was found
+  double adrift_ = 0;                     // s since it may be anywhere, and of what led there
   Matrix6d unseen_ = Matrix6d::Zero();    // covariance of odometry's motion since then, robot frame
 };
 

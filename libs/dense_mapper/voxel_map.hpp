@@ -68,9 +68,10 @@ class VoxelMap : public Target {
   };
   /// Surfels that the view supports gain, those that it sees through lose evidence; the ones that have lost
   /// enough go and are given back. Follows a rotating share of the view's rays (one of rotation^2), so that
-  /// the cost does not depend on the map's size. `turn` counts the calls.
+  /// the cost does not depend on the map's size. `turn` counts the calls. Surfels of nodes before
+  /// `first_node` stay as they are.
   std::vector<Gone> look_through(const FreeSpaceView& view, const Eigen::Isometry3d& T_map_camera,
-                                 const FreeSpaceSettings& settings, std::int32_t turn);
+                                 const FreeSpaceSettings& settings, std::int32_t turn, int first_node = 0);
 
   /// Surfels that were seen through of late are no partners.
   bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override;
@@ -122,7 +123,7 @@ class VoxelMap : public Target {
   Block& block_at(const Eigen::Vector3i& position);
   void merge(const Surfel& seen);
   Eigen::Vector3f gradient_at(const Surfel& surfel, const Block& block) const;
-  void look_at(Block& block, const FreeSpaceView& view, const Eigen::Isometry3f& T_camera_map,
+  void look_at(Block& block, const FreeSpaceView& view, const Eigen::Isometry3f& T_camera_map, int first_node,
                std::vector<Gone>& gone) const;
   void forget(const Eigen::Vector3d& view_point);
 

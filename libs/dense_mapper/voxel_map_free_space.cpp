@@ -8,7 +8,8 @@ namespace lcmslam {
 
 std::vector<VoxelMap::Gone> VoxelMap::look_through(const FreeSpaceView& view,
                                                    const Eigen::Isometry3d& T_map_camera,
-                                                   const FreeSpaceSettings& settings, std::int32_t turn) {
+                                                   const FreeSpaceSettings& settings, std::int32_t turn,
+                                                   int first_node) {
   const Eigen::Isometry3f T = T_map_camera.cast<float>();
   const Eigen::Isometry3f T_camera_map = T.inverse();
   const float side = 4 / inverse_size_;  // m, of a block
@@ -28,7 +29,7 @@ std::vector<VoxelMap::Gone> VoxelMap::look_through(const FreeSpaceView& view,
         Block& block = blocks_[static_cast<std::size_t>(slot)];
         if (block.looked_at == turn) continue;
         block.looked_at = turn;
-        look_at(block, view, T_camera_map, gone);
+        look_at(block, view, T_camera_map, first_node, gone);
       }
     }
   if (!gone.empty()) ++frame_;
@@ -37,8 +38,9 @@ std::vector<VoxelMap::Gone> VoxelMap::look_through(const FreeSpaceView& view,
 }
 
 void VoxelMap::look_at(Block& block, const FreeSpaceView& view, const Eigen::Isometry3f& T_camera_map,
-                       std::vector<Gone>& gone) const {
+                       int first_node, std::vector<Gone>& gone) const {
   for (Surfel& s : block.surfels) {
+    if (s.anchor < first_node) continue;
     const Visibility visibility = view.judge(T_camera_map * s.point, T_camera_map.linear() * s.normal);
     int evidence = s.evidence;
     if (visibility == Visibility::supported) evidence = std::min(evidence + 1, settings_.max_evidence);

@@ -93,9 +93,10 @@ int KeyframeGraph::add(Utime utime, const Eigen::Isometry3d& T_world_camera, con
   view.node = id;
   if (id > 0) {
     GraphEdge edge;
-    edge.from = id - 1;
+    edge.from = by == PlacedBy::relocalisation && !view.shows.empty() ? view.shows.front() : id - 1;
     edge.to = id;
-    edge.T_from_to = {nodes_.back().T_world_camera.inverse() * T_world_camera,
+    const Node& before = nodes_[static_cast<std::size_t>(edge.from)];
+    edge.T_from_to = {before.T_world_camera.inverse() * T_world_camera,
                       covariance + squares(settings_.floor_translation, settings_.floor_rotation)};
     if (by == PlacedBy::odometry) {
       edge.expected_share = settings_.optimiser.edge_error;  // that this is weighed as all others are
@@ -318,9 +319,13 @@ std::size_t KeyframeGraph::memory_bytes() const {
 }
 
 bool KeyframeGraph::ties(int id) const {
+  constexpr double known = 0.3;  // m, rad: more than that is where odometry led
+  const auto is_known = [](const GraphEdge& e) {
+    return e.T_from_to.covariance.diagonal().maxCoeff() < known * known;
+  };
   const auto is_before = [&](int node) { return nodes_[static_cast<std::size_t>(node)].id < id; };
   return std::any_of(edges_.begin(), edges_.end(), [&](const GraphEdge& e) {
-    return e.kind != EdgeKind::odometry && is_before(e.from) != is_before(e.to);
+    return e.kind != EdgeKind::odometry && is_before(e.from) != is_before(e.to) && is_known(e);
   });
 }
 

@@ -96,8 +96,10 @@ class KeyframeGraph {
   /// For robots on the ground; nothing for cameras in the hand.
   void set_ground(const std::optional<GroundConstraint>& ground) { ground_ = ground; }
 
-  /// Whose covariance a new node has: registration's is told cautiously, odometry's says what it errs by.
-  enum class PlacedBy { registration, odometry };
+  /// Whose covariance a new node has: registration's is told cautiously, odometry's says what it errs by. Who
+  /// was lost and is found again stands where it shows what others have seen, however it came there: the path
+  /// goes on from the keyframe that it shows most of, not from the last node.
+  enum class PlacedBy { registration, odometry, relocalisation };
 
   /// A new node, numbered from 0. `covariance` of tracking there, against the map (camera's body frame).
   /// `keyframe`: later ones are compared with it. `floor`: that a robot on wheels stood on.

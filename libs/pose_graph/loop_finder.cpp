@@ -144,6 +144,8 @@ std::optional<UncertainTransform> LoopFinder::verify(const KeyframeView& from, c
   const bool fits = result.ok() && result.overlap >= settings_.min_overlap &&
                     result.inliers >= settings_.min_inlier_share * result.pairs;
   if (!fits) return std::nullopt;
+  // What fits anywhere along a wall or on the floor stays where it was thought to be: that measures nothing.
+  if (!aligned.success && !result.degenerate.empty()) return std::nullopt;
   if (aligned.success &&
       distance_from_identity({aligned.T_a_b.inverse() * result.T_target_source,
                               aligned.covariance + noise_floor}) > settings_.max_disagreement)

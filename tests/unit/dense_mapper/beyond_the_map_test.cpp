@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
+#include "tests/support/cloud_scenes.hpp"
 #include "tests/support/recorded_clouds.hpp"
 #include "tests/support/room_view.hpp"
 #include "tests/unit/dense_mapper/drive.hpp"
@@ -110,6 +111,38 @@ TEST_F(StandingRobot, MapsWhatHasChangedOnce) {
   EXPECT_EQ(reseeded, 1);
 }
 
+/// Its walls are farther away, and so high or low that the old ones are looked through.
+Cloud farther_room() {
+  Cloud farther = room(0.03);
+  for (Eigen::Vector3f& p : farther.points) p *= 2.0f;
+  return farther;
+}
+
+// Odometry may have led it elsewhere: that it looks through what has been mapped before says nothing.
+TEST(BeyondTheMap, WhatHangsOnOdometryTakesNothingFromTheMapBefore) {
+  DenseMapperSettings settings;
+  settings.reseed_after = 3;
+  settings.free_space.rotation = 1;
+  DenseMapper mapper(settings);
+  const Eigen::Isometry3d mount = optical_axes();
+  Motion still;
+  still.visual = true;
+  still.covariance = 1e-6 * Matrix6d::Identity();
+  Utime utime = 0;
+  const auto look = [&](const Cloud& scene) {
+    return mapper.step(coloured_frame(utime += frame_time, seen_from(scene, mount, 1), mount, still));
+  };
+  look(room(0.03));
+  const Cloud before = mapper.map().cloud();
+  DenseMapper::Step step;
+  for (int i = 0; i < 30; ++i) step = look(farther_room());
+  ASSERT_TRUE(step.hangs_on_odometry);
+  std::size_t left = 0;
+  TargetPoint found;
+  for (const Eigen::Vector3f& p : before.points) left += mapper.map().find(p, 0.02f, found) ? 1 : 0;
+  EXPECT_EQ(left, before.size());
+}
+
 // A little aside of a keyframe the walls have come nearer while it was away: what is mapped there is as
 // uncertain as odometry, not as that keyframe.
 TEST(BeyondTheMap, WhatOdometryPlacedBelongsToANodeOfItsOwn) {
@@ -169,6 +202,31 @@ TEST(BeyondTheMap, ARobotThatWasCarriedSaysThatItMayBeAnywhere) {
     step = mapper.step(coloured_frame(i * frame_time, there, no_mount, still));
   ASSERT_TRUE(step.adrift);
   EXPECT_GT(step.covariance(0, 0), 0.25 * settings.carried_after * settings.carried_after);
+}
+
+// Its wheels stand still, and a door opens: another room, deep and low, but the walls beside the door are
+// where they were. It maps what it sees there.
+TEST(BeyondTheMap, ARobotBeforeADoorThatOpensHasNotBeenCarried) {
+  DenseMapperSettings settings;
+  DenseMapper mapper(settings);
+  Cloud walls, beyond;
+  add_rectangle(walls, {1, -1.5, -1}, {0, 0, 2}, {2, 0, 0}, 0.03);
+  add_rectangle(walls, {3, -1.5, -1}, {0, 0, 2}, {0, 0.5, 0}, 0.03);
+  Cloud shut = walls, open = walls;
+  add_rectangle(shut, {3, -1, -1}, {0, 0, 2}, {0, 4, 0}, 0.03);
+  add_rectangle(open, {3, -3, -2}, {5, 0, 0}, {0, 6, 0}, 0.04);
+  add_rectangle(open, {8, -1.5, -1}, {0, 0, 2}, {0, 3, 0}, 0.04);
+  Motion still;
+  still.covariance = 1e-6 * Matrix6d::Identity();
+  mapper.step(coloured_frame(0, seen_from(shut, no_mount, 1), no_mount));
+  DenseMapper::Step step;
+  for (int i = 1; i < 40; ++i) {
+    step = mapper.step(coloured_frame(i * frame_time, seen_from(open, no_mount, 2), no_mount, still));
+    EXPECT_FALSE(step.adrift) << i;
+  }
+  EXPECT_TRUE(step.hangs_on_odometry);
+  EXPECT_GT(step.quality, 0.5) << "of what it has mapped beyond";
+  expect_pose(step.T_world_robot, no_mount, 0.02, 0.01);
 }
 
 }  // namespace

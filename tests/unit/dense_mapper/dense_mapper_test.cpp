@@ -171,6 +171,9 @@ TEST(DenseMapper, RecoversAtAKeyframeAfterAJump) {
     step = mapper.step(coloured_frame(utime += frame_time, seen_from(scene, no_mount, 77), no_mount));
   EXPECT_EQ(to_string(step.status), "tracking");
   expect_pose(step.T_world_robot, no_mount, 0.02, 0.01);
+  const GraphEdge& way = mapper.graph().edges().back();
+  EXPECT_EQ(way.to, static_cast<int>(mapper.graph().nodes().size()) - 1);
+  EXPECT_EQ(way.from, 0) << "how it came there nobody knows";
 }
 
 // From far aside nothing is near, and without features nothing is recognised; surfaces are the same.

@@ -132,6 +132,26 @@ TEST_F(AnchorTest, SearchAsksAllKeyframesInTurn) {
   EXPECT_LT(error.translation().norm(), 0.02);
 }
 
+// Forty matches make a place recognised: where there are hardly any features, nobody can be asked.
+TEST_F(AnchorTest, KnowsWhereThereIsNobodyToAsk) {
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  const FeatureFrame rich = frame(here);
+  FeatureFrame poor = rich;
+  poor.features.resize(79);
+  FeatureFrame flat = rich;
+  for (Feature& feature : flat.features) feature.kind = MeasurementKind::bearing;
+  FeatureAnchor anchor({});
+  EXPECT_FALSE(anchor.can_recognise(rich, here)) << "no keyframes";
+  anchor.add(here, poor);
+  EXPECT_FALSE(anchor.can_recognise(rich, here));
+  EXPECT_TRUE(anchor.can_recognise(rich, Eigen::Isometry3d(Eigen::Translation3d(20, 0, 0))))
+      << "nobody stands there, which says something";
+  anchor.add(here, rich);
+  EXPECT_TRUE(anchor.can_recognise(rich, here));
+  EXPECT_FALSE(anchor.can_recognise(poor, here));
+  EXPECT_FALSE(anchor.can_recognise(flat, here)) << "without depth";
+}
+
 TEST_F(AnchorTest, TellsTheCovarianceOfTheRobotNotOfTheCamera) {
   FeatureAnchor anchor({});
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();

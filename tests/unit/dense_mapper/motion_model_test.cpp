@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
 #include <lcmslam/dense_mapper/motion_prior.hpp>
 #include "tests/support/cloud_scenes.hpp"
 
@@ -88,6 +91,53 @@ TEST(MotionModel, ARobotThatNobodyWatchesIsAdriftUntilItIsFound) {
   EXPECT_LT(1 / model.predict(6'300'000, std::nullopt).information(0, 0), 0.01);
 }
 
+// Frames come, and say nothing of where it is: it may be anywhere after a second, as if none had come.
+TEST(MotionModel, ARobotThatIsLostWithoutOdometryIsAdriftInTheEnd) {
+  Motion guess;  // of a visual odometry that is lost, too
+  guess.visual = true;
+  guess.covariance = 0.05 * 0.05 * Matrix6d::Identity();
+  for (const auto& motion : {std::optional<Motion>(), std::optional<Motion>(guess)}) {
+    SCOPED_TRACE(motion.has_value());
+    MotionModel model({});
+    model.observe(0, start, true);
+    EXPECT_FALSE(model.knows(motion));
+    for (int i = 1; i <= 20; ++i) {
+      const Utime utime = i * 100'000;
+      model.look_for_gap(utime, motion);
+      EXPECT_EQ(model.adrift(), i > 10) << i;
+      const double sigma = std::sqrt(model.predict(utime, motion).information.inverse()(0, 0));
+      EXPECT_GE(sigma, 0.5 * 0.1 * (i - 1)) << "half a metre a second";
+      EXPECT_LT(sigma, 0.5 * 0.1 * i + 0.3) << i;
+      model.lose(utime, motion);
+      model.observe(utime, start, false);
+    }
+    model.found();
+    EXPECT_FALSE(model.adrift());
+    EXPECT_LT(model.predict(2'100'000, std::nullopt).information.inverse()(0, 0), 0.01);
+  }
+}
+
+TEST(MotionModel, NobodyIsAdriftWhoIsLedOrKnowsHowItMoved) {
+  Motion tracked;
+  tracked.visual = true;
+  tracked.covariance = 0.01 * 0.01 * Matrix6d::Identity();
+  Motion wheels;
+  wheels.covariance = 0.05 * 0.05 * Matrix6d::Identity();
+  const std::pair<std::optional<Motion>, bool> cases[] = {
+      {tracked, false}, {wheels, false}, {std::nullopt, true}};
+  for (const auto& [motion, guided] : cases) {
+    MotionModel model({});
+    model.observe(0, start, true);
+    EXPECT_EQ(model.knows(motion), !guided);
+    for (int i = 1; i <= 20; ++i) {
+      model.look_for_gap(i * 100'000, motion);
+      EXPECT_FALSE(model.adrift()) << i;
+      model.lose(i * 100'000, motion, guided);
+      model.observe(i * 100'000, start, false);
+    }
+  }
+}
+
 // A heading that nobody has measured for long swings the place around.
 TEST(MotionModel, OdometryAloneIsTheLessSureTheLongerItLasts) {
   MotionModel model({});
@@ -97,8 +147,8 @@ TEST(MotionModel, OdometryAloneIsTheLessSureTheLongerItLasts) {
   motion.covariance = 1e-4 * Matrix6d::Identity();
   const auto variances = [&] { return Vector6d(model.predict(1, motion).information.inverse().diagonal()); };
   const Vector6d first = variances();
-  model.lose(motion);
-  model.lose(std::nullopt);
+  model.lose(0, motion);
+  model.lose(0, std::nullopt);
   const Vector6d second = variances();
   EXPECT_NEAR(second(0) - first(0), 1e-4, 1e-9);
   EXPECT_NEAR(second(1) - first(1), 1e-4 + 1e-4, 1e-9)

@@ -91,9 +91,58 @@ TEST_F(ModernTracking, KeyframesAreStartsWhenTheRobotMayBeAnywhere) {
   Motion motion;
   EXPECT_EQ(to_string(track(seen_from(nearby), far, motion).status), "lost");
   motion.visual = true;
+  far.adrift = true;
   const Tracked tracked = track(seen_from(nearby), far, motion);
   EXPECT_EQ(to_string(tracked.status), "tracking");
   EXPECT_LT(error(tracked.registration.T_target_source, nearby), 0.01);
+}
+
+// One bad frame, and a keyframe where all looks alike: without wheels, too, it stands where it can have come
+// to.
+TEST_F(ModernTracking, NobodyLeapsToAKeyframeFartherThanHeCanHaveCome) {
+  keyframes_.add(0, 0, here, {});
+  for (const double sigma : {0.05, 1.0}) {
+    Expectation far = expectation(planar_pose(-0.6, 0.3, 0.1), sigma);
+    far.T_world_last = far.prior.T_target_source;
+    far.bad_steps = 1;
+    const Tracked tracked = track(seen_from(nearby), far);
+    EXPECT_EQ(to_string(tracked.status), sigma < 0.1 ? "lost" : "tracking");
+    EXPECT_LT(error(tracked.registration.T_target_source, nearby), 0.01) << "that it fits is no question";
+  }
+}
+
+// A floor fits everywhere: whoever may be anywhere is not there because he sees one.
+TEST_F(ModernTracking, AFloorIsNoPlaceToBeFoundAt) {
+  Cloud floor;
+  add_rectangle(floor, {1, -1.5, -1}, {2, 0, 0}, {0, 3, 0}, 0.03);
+  floor.sigmas.assign(floor.size(), 0.003f);
+  Expectation expected = expectation(here);
+  EXPECT_EQ(to_string(track(floor, expected).status), "tracking");
+  expected.adrift = true;
+  EXPECT_EQ(to_string(track(floor, expected).status), "lost");
+  EXPECT_EQ(to_string(track(seen_from(here), expected).status), "tracking");
+}
+
+// It fits, but things of the map stand in between.
+TEST_F(ModernTracking, WhereTheMapIsLookedThroughIsNoPlaceToBeFoundAt) {
+  Cloud between;
+  for (const double x : {1.2, 1.5, 1.8, 2.1, 2.4})
+    add_rectangle(between, {x, -0.45 * x, -0.3 * x}, {0, 0, 0.6 * x}, {0, 0.9 * x, 0}, 0.03);
+  between.sigmas.assign(between.size(), 0.003f);
+  const Cloud seen = seen_from(here);
+  DenseFrame frame;
+  frame.T_robot_camera = optical_axes();
+  frame.cloud = transformed(seen, optical_axes().inverse());
+  Expectation expected = expectation(here);
+  for (const bool adrift : {true, false}) {
+    expected.adrift = adrift;
+    EXPECT_EQ(to_string(tracker_.track({frame, seen}, expected).status), "tracking");
+  }
+  map_.insert(between, {0, 0, 0}, 0);
+  for (const bool adrift : {true, false}) {
+    expected.adrift = adrift;
+    EXPECT_EQ(to_string(tracker_.track({frame, seen}, expected).status), adrift ? "lost" : "tracking");
+  }
 }
 
 // A frame that fits where the wheels cannot have led in one step shows another place, unless nobody knows how

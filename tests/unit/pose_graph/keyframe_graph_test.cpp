@@ -182,6 +182,35 @@ TEST(KeyframeGraph, DoesNotDependOnHowFastTheWorkIs) {
     EXPECT_EQ(a.graph.nodes()[i].T_world_camera.matrix(), b.graph.nodes()[i].T_world_camera.matrix());
 }
 
+// It stands where it shows what has been seen from there; how it came there is not known.
+TEST(KeyframeGraph, ThePathOfWhoIsFoundAgainGoesOnFromWhatItShows) {
+  for (const bool shows_any : {true, false}) {
+    KeyframeGraph graph({});
+    const auto place = [](int i) { return Eigen::Isometry3d(Eigen::Translation3d(0.4 * i, 0, 0)); };
+    for (int i = 0; i <= 8; ++i) graph.add(i, place(i), 1e-4 * Matrix6d::Identity(), {}, true);
+    KeyframeView view;
+    if (shows_any) view.shows = {1, 0};
+    graph.add(9, place(1), 1e-6 * Matrix6d::Identity(), view, false, Floor::plane,
+              KeyframeGraph::PlacedBy::relocalisation);
+    const GraphEdge& way = graph.edges().back();
+    EXPECT_EQ(way.from, shows_any ? 1 : 8);
+    EXPECT_EQ(way.to, 9);
+    const auto variance = [&](std::size_t node) { return graph.nodes()[node].error.covariance()(0, 0); };
+    if (!shows_any) continue;
+    EXPECT_LT(variance(9), 0.5 * variance(8)) << "as sure as what it shows";
+    EXPECT_GT(variance(9), variance(1));
+    EXPECT_LT(way.T_from_to.T.translation().norm(), 1e-9);
+  }
+}
+
+// An edge over a way that odometry alone knows is no tie, whichever kind it is of.
+TEST(KeyframeGraph, AnEdgeThatKnowsNothingTiesNothing) {
+  KeyframeGraphSettings settings;
+  EXPECT_TRUE(Visit(settings).graph.ties(10));
+  settings.loops.floor_translation = 1;
+  EXPECT_FALSE(Visit(settings).graph.ties(10));
+}
+
 TEST(KeyframeGraph, FeaturesMayComeLater) {
   Gallery gallery(4);
   KeyframeView view = gallery.seen_from(Eigen::Isometry3d::Identity());

@@ -50,6 +50,22 @@ TEST(LoopFinder, RefusesAnotherPlace) {
   EXPECT_FALSE(finder.verify(*view, shuffled, std::nullopt));
 }
 
+// Along a bare wall registration stays where it began.
+TEST(LoopFinder, ABareWallMeasuresNothing) {
+  LoopFinder finder({});
+  const auto view_of = [](const Cloud& cloud) {
+    KeyframeView view;
+    view.cloud = cloud;
+    view.cloud.sigmas.assign(cloud.size(), 0.003f);
+    return view;
+  };
+  Cloud wall;
+  add_rectangle(wall, {1, -1.5, -1}, {2, 0, 0}, {0, 3, 0}, 0.03);
+  const Eigen::Isometry3d guess = se3_exp(twist(0.02, 0.02, 0.01, 0, 0, 0.01));
+  EXPECT_FALSE(finder.verify(view_of(wall), view_of(wall), guess));
+  EXPECT_TRUE(finder.verify(view_of(room(0.03)), view_of(room(0.03)), guess));
+}
+
 // What features and points say is weighed by the noise that smoothing has left.
 TEST(LoopFinder, SmoothedPointsMakeASurerEdge) {
   Gallery gallery(3);

@@ -1,0 +1,54 @@
+#include <lcmslam/dense_mapper/contradiction.hpp>
+
+#include <cmath>
+
+#include <lcmslam/dense_mapper/free_space.hpp>
+#include <lcmslam/dense_mapper/voxel_map.hpp>
+
+namespace lcmslam {
+
+double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
+  constexpr std::size_t enough = 300;  // surfels
+  constexpr double looks_within = 3;   // m from the camera: farther surfaces are seen at too flat angles
+  FreeSpaceSettings wide;
+  wide.tolerance = 0.25;
+  wide.lateral = 0.1;
+  const FreeSpaceView view(frame.cloud, wide);
+  const Cloud surfels = map.partners_around(T_world_camera.translation(), looks_within);
+  const Eigen::Isometry3f T = T_world_camera.inverse().cast<float>();
+  std::size_t through = 0, supported = 0;
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    const Visibility seen = view.judge(T * surfels.points[i], T.linear() * surfels.normals[i]);
+    through += seen == Visibility::seen_through ? 1 : 0;
+    supported += seen == Visibility::supported ? 1 : 0;
+  }
+  return through + supported < enough
+             ? 0
+             : static_cast<double>(through) / static_cast<double>(through + supported);
+}
+
+bool still_shows(const Cloud& cloud, const Eigen::Isometry3d& T_predicted, const Eigen::Isometry3d& T_fitted,
+                 const VoxelMap& map) {
+  constexpr std::size_t asked = 600, enough = 50;  // points
+  constexpr double least = 0.3;                    // share
+  constexpr double same_place = 0.05;              // m, rad
+  constexpr float upright = 0.5f, on_wall = 0.03f, alike = 0.9f;
+  if (!cloud.has_normals() || distance_between(T_predicted, T_fitted) > same_place ||
+      angle_between(T_predicted, T_fitted) > same_place)
+    return false;
+  const Eigen::Isometry3f T = T_fitted.cast<float>();
+  std::size_t walls = 0, found = 0;
+  TargetPoint there;
+  for (std::size_t i = 0; i < cloud.size(); i += 1 + cloud.size() / asked) {
+    const Eigen::Vector3f normal = T.linear() * cloud.normals[i];
+    if (std::abs(normal.z()) > upright) continue;
+    ++walls;
+    const Eigen::Vector3f p = T * cloud.points[i];
+    if (map.find(p, 2 * on_wall, there) && there.normal.dot(normal) > alike &&
+        std::abs(there.normal.dot(p - there.point)) < on_wall)
+      ++found;
+  }
+  return found >= enough && static_cast<double>(found) > least * static_cast<double>(walls);
+}
+
+}  // namespace lcmslam

@@ -1,0 +1,21 @@
+#pragma once
+// What a frame says for and against the map at the place where the robot is thought to be, however much of it
+// fits: what it looks through is not there, what stands where it stood is.
+
+#include <lcmslam/rgbd/dense_frame.hpp>
+
+namespace lcmslam {
+
+class VoxelMap;
+
+/// Share of the map's surfaces in the view that the frame looks through; 0 where it shows few of them. A
+/// place that is some centimetres off looks through edges and floors as well, so tolerance is wide.
+double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map);
+
+/// Whether some of the walls that a cloud (robot frame) shows stand where the map has them, to a few
+/// centimetres: where a door opens or somebody steps in, the rest does. The floor says nothing: it is
+/// everywhere. `T_fitted`: where registration led the robot, from `T_predicted`.
+bool still_shows(const Cloud& cloud, const Eigen::Isometry3d& T_predicted, const Eigen::Isometry3d& T_fitted,
+                 const VoxelMap& map);
+
+}  // namespace lcmslam
