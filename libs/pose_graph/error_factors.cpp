@@ -14,12 +14,17 @@ struct Component {
   double factor(double stated) const { return std::sqrt((stated + squares) / (stated + redundancy)); }
 };
 
+// It is weighed as all others are, and errs by what odometry says.
+bool is_odometrys(const GraphEdge& edge) {
+  return edge.expected_share < 1;
+}
+
 void add_edge(const GraphEdge& e, const PoseGraph& graph, const GraphMarginals& marginals,
               const PoseGraphSettings& settings, Component& component) {
   const Eigen::Isometry3d& T_from = graph.poses[static_cast<std::size_t>(e.from)];
   const Eigen::Isometry3d& T_to = graph.poses[static_cast<std::size_t>(e.to)];
   const Matrix6d J = -adjoint(T_to.inverse() * T_from);
-  const Matrix6d W = edge_error(e.T_from_to.covariance, settings, {}).inverse();
+  const Matrix6d W = edge_error(e, settings, {}).inverse();
   const Matrix6d across = J * marginals.block(e.from, e.to);
   const Matrix6d adjusted = J * marginals.block(e.from, e.from) * J.transpose() + across +
                             across.transpose() + marginals.block(e.to, e.to);
@@ -49,7 +54,8 @@ ErrorFactors error_factors(const PoseGraph& graph, const PoseGraphSettings& sett
   const auto marginals = GraphMarginals::of(graph, settings, factors);
   if (!marginals) return factors;
   Component edges, floor;
-  for (const GraphEdge& e : graph.edges) add_edge(e, graph, *marginals, settings, edges);
+  for (const GraphEdge& e : graph.edges)
+    if (!is_odometrys(e)) add_edge(e, graph, *marginals, settings, edges);
   factors.edges = edges.factor(6 * settings.stated_measurements);
   if (!graph.ground) return factors;
   for (std::size_t i = 1; i < graph.poses.size(); ++i) add_ground(i, graph, *marginals, settings, floor);
@@ -57,10 +63,9 @@ ErrorFactors error_factors(const PoseGraph& graph, const PoseGraphSettings& sett
   return factors;
 }
 
-Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
-                    const ErrorFactors& factors) {
-  const double sigmas = factors.edges * settings.edge_error;
-  return sigmas * sigmas * covariance;
+Matrix6d edge_error(const GraphEdge& edge, const PoseGraphSettings& settings, const ErrorFactors& factors) {
+  const double sigmas = (is_odometrys(edge) ? 1 : factors.edges) * settings.edge_error;
+  return sigmas * sigmas * edge.T_from_to.covariance;
 }
 
 Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings) {

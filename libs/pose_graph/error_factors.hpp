@@ -25,9 +25,9 @@ struct ErrorFactors {
 /// Of an optimised graph.
 ErrorFactors error_factors(const PoseGraph& graph, const PoseGraphSettings& settings);
 
-/// What an edge, or tracking that becomes one, errs by: from the covariance by which it is weighed.
-Matrix6d edge_error(const Matrix6d& covariance, const PoseGraphSettings& settings,
-                    const ErrorFactors& factors);
+/// What an edge errs by: from the covariance by which it is weighed. How registrations contradict each other
+/// tells nothing of odometry.
+Matrix6d edge_error(const GraphEdge& edge, const PoseGraphSettings& settings, const ErrorFactors& factors);
 /// And tracking between two nodes, beside the newest one. It nearly shares that one's view, so how edges
 /// between other views contradict each other tells nothing of it.
 Matrix6d frame_error(const Matrix6d& covariance, const PoseGraphSettings& settings);

@@ -95,7 +95,7 @@ GraphEquations equations_of(const PoseGraph& graph, const PoseGraphSettings& set
     const Eigen::Isometry3d& T_from = graph.poses[static_cast<std::size_t>(e.from)];
     const Eigen::Isometry3d& T_to = graph.poses[static_cast<std::size_t>(e.to)];
     const Matrix6d J = -adjoint(T_to.inverse() * T_from);
-    const Matrix6d W = share[i] * edge_error(e.T_from_to.covariance, settings, factors).inverse();
+    const Matrix6d W = share[i] * edge_error(e, settings, factors).inverse();
     const Matrix6d WJ = W * J;
     add(J.transpose() * WJ, e.from, e.from, equations.H);
     add(WJ, e.to, e.from, equations.H);

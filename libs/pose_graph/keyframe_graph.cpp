@@ -208,7 +208,7 @@ void KeyframeGraph::carry_error(std::size_t node) {
     if (e->kind != EdgeKind::odometry || e->to != to) continue;
     const Node& before = nodes_[static_cast<std::size_t>(e->from)];
     const UncertainTransform step{before.T_world_camera.inverse() * nodes_[node].T_world_camera,
-                                  edge_error(e->T_from_to.covariance, settings_.optimiser, factors_)};
+                                  edge_error(*e, settings_.optimiser, factors_)};
     const auto carried = [&](const PoseError& error) {
       const PoseError beside = carried_along(error, step);
       if (!ground_) return beside;

@@ -125,6 +125,27 @@ TEST(ErrorFactors, ScaleWhatPosesAreToldToErrBy) {
   EXPECT_LT((twice - 4 * once).norm(), 1e-9 * once.norm());
 }
 
+// A way that odometry alone knows: registrations that agree do not make it surer, nor does it count among
+// them.
+TEST(ErrorFactors, AreNothingToOdometry) {
+  PoseGraph graph = graph_erring(0.4, 20, 3, 1);
+  const double edges = error_factors(graph, plain_settings()).edges;
+  GraphEdge led;
+  led.from = 19;
+  led.to = 20;
+  led.expected_share = 0.5;
+  led.T_from_to.covariance = 0.04 / (led.expected_share * led.expected_share) * Matrix6d::Identity();
+  graph.poses.push_back(graph.poses.back());
+  graph.edges.push_back(led);
+  PoseGraphSettings settings = plain_settings();
+  EXPECT_NEAR(error_factors(graph, settings).edges, edges, 1e-9);
+  settings.edge_error = led.expected_share;
+  for (const double factor : {0.3, 1.0, 3.0}) {
+    const Matrix6d told = edge_error(led, settings, {factor, 1});
+    EXPECT_NEAR(told(0, 0), 0.04, 1e-12) << factor;
+  }
+}
+
 /// Back and forth along a gallery, with keyframes on the way there; the robot's frame is the camera's.
 struct Drive {
   explicit Drive(const KeyframeGraphSettings& graph_settings = {}) : settings(graph_settings) {}
