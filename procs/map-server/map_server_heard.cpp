@@ -214,7 +214,7 @@ void MapServerNode::on_graph(const graph_t& message) {
   ++changes_;
   if (recorder_) recorder_->graph(session->key, message, session->graph, session->map);
   if (!is_current(session->key)) return;
-  if (layers_) layers_->correct(session->map);
+  if (layers_) layers_->correct(session->map, session->graph);
   if (!places_) return;
   std::map<std::int32_t, Eigen::Isometry3d> moved;  // by the graph: a restarted server has no keyframes yet
   const auto& nodes = session->graph.nodes();
