@@ -1,5 +1,7 @@
 #include <lcmslam/live_map/live_map.hpp>
 
+#include <limits>
+
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
@@ -62,6 +64,14 @@ void LiveMap::adopt(int keyframe, RgbdFrame frame, const FramePose& pose) {
   const int last = last_keyframe_;
   keep(keyframe, std::move(frame), pose);
   last_keyframe_ = last;
+  keyframes_.at(keyframe).is_adopted = true;
+}
+
+void LiveMap::adopt(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera) {
+  const int last = last_keyframe_;
+  keep(keyframe, cloud, T_map_camera);
+  last_keyframe_ = last;
+  keyframes_.at(keyframe).is_adopted = true;
 }
 
 void LiveMap::keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera) {
@@ -89,7 +99,7 @@ void LiveMap::kept(int keyframe, const Eigen::Isometry3d& T_map_camera,
                    const Eigen::Isometry3d& T_camera_depth) {
   last_keyframe_ = keyframe;
   const std::lock_guard<std::mutex> lock(mutex_);
-  keyframes_[keyframe] = {T_map_camera, T_camera_depth};
+  keyframes_[keyframe] = {T_map_camera, T_camera_depth, false};
   ++version_;
 }
 
@@ -111,6 +121,56 @@ void LiveMap::correct(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   ++version_;
+}
+
+void LiveMap::follow(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
+  std::vector<int> gone;
+  std::size_t stay = 0;
+  for (const auto& [id, keyframe] : keyframes_) {
+    if (keyframe.is_adopted) continue;
+    if (T_map_camera.count(id) == 0)
+      gone.push_back(id);
+    else
+      ++stay;
+  }
+  if (!gone.empty() && gone.size() <= stay) forget(gone);
+  correct(T_map_camera);
+}
+
+/// Some of the map's own stay. The frames that hung on those that go hang on the nearest of these.
+void LiveMap::forget(const std::vector<int>& keyframes) {
+  space_.forget(keyframes);
+  planes_.forget(keyframes);
+  std::map<int, Keyframe> gone;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const int id : keyframes) gone.insert(keyframes_.extract(id));
+    ++version_;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(surface_mutex_);
+    for (const int id : keyframes) surface_.forget(id);
+  }
+  std::map<int, int> heirs;
+  for (const auto& [id, keyframe] : gone) heirs[id] = nearest(keyframe.T_map_camera);
+  for (auto& [id, between] : between_)
+    if (const auto heir = heirs.find(between.keyframe); heir != heirs.end())
+      between = {heir->second, keyframes_.at(heir->second).T_map_camera.inverse() *
+                                   gone.at(heir->first).T_map_camera * between.T_keyframe_camera};
+  if (const auto heir = heirs.find(last_keyframe_); heir != heirs.end()) last_keyframe_ = heir->second;
+}
+
+/// Of the map's own keyframes.
+int LiveMap::nearest(const Eigen::Isometry3d& T_map_camera) const {
+  int nearest = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [id, keyframe] : keyframes_) {
+    const double away = distance_between(keyframe.T_map_camera, T_map_camera);
+    if (keyframe.is_adopted || away >= least) continue;
+    least = away;
+    nearest = id;
+  }
+  return nearest;
 }
 
 bool LiveMap::improve() {

@@ -5,7 +5,7 @@
 //   LiveMap map(calibration);
 //   map.show(frame, pose);            // at the rate that the machine bears
 //   map.keep(keyframe, frame, pose);  // each keyframe
-//   map.correct(poses);               // as often as the graph bends
+//   map.follow(poses);                // as often as the graph bends, or keyframes are given up
 //   while (map.improve()) ...         // when nothing else is to be done
 //   map.space().ask(...);
 
@@ -45,11 +45,16 @@ class LiveMap {
   void keep(int keyframe, RgbdFrame frame, const FramePose& pose);
   /// The same for a keyframe of another map: frames that follow do not hang on it.
   void adopt(int keyframe, RgbdFrame frame, const FramePose& pose);
+  void adopt(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera);
   /// A keyframe of which only the cloud (camera frame, m) is there: space and planes grow by it, the surface
   /// does not.
   void keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera);
   /// Where keyframes stand, T_map_camera by keyframe.
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_camera);
+  /// The same by a whole graph: keyframes that it does not name have been given up, and all layers become
+  /// what they are without them. Adopted ones stay; and a graph that lacks the most of the others is none of
+  /// this map's, nothing goes by it.
+  void follow(const std::map<int, Eigen::Isometry3d>& T_map_camera);
   /// A piece of the surface's work that was left; false: there is none.
   bool improve();
   /// How soon improve() is worth its time: while nobody looks at the surface it need not follow the graph.
@@ -83,6 +88,8 @@ class LiveMap {
   void clean(RgbdFrame& frame);
   void kept(int keyframe, const Eigen::Isometry3d& T_map_camera, const Eigen::Isometry3d& T_camera_depth);
   void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose);
+  void forget(const std::vector<int>& keyframes);
+  int nearest(const Eigen::Isometry3d& T_map_camera) const;
   void frame_shown();
   void settle_surface() const;
   bool watch_surface() const;
@@ -101,6 +108,7 @@ class LiveMap {
 
   struct Keyframe {
     Eigen::Isometry3d T_map_camera, T_camera_depth;  // depth camera at its own time
+    bool is_adopted = false;
   };
   struct Between {
     int keyframe;

@@ -30,19 +30,27 @@ void LivePlanes::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3
     map_.insert(found, finder_.cells(), T_map_depth);
     kept_bytes_ += bytes_of(kept.labels, kept.planes);
     if (const auto before = keyframes_.find(keyframe); before != keyframes_.end())
-      forget(before);
+      drop(before);
     else if (keyframes_.size() >= static_cast<std::size_t>(settings_.occupancy.max_keyframes))
-      forget(keyframes_.begin());
+      drop(keyframes_.begin());
   }
   keyframes_[keyframe] = std::move(kept);
   moved_.add(keyframe, T_map_depth);
   if (making_.valid()) meanwhile_.push_back(keyframe);
 }
 
-void LivePlanes::forget(Keyframes::iterator keyframe) {
+void LivePlanes::drop(Keyframes::iterator keyframe) {
   kept_bytes_ -= bytes_of(keyframe->second.labels, keyframe->second.planes);
   moved_.forget(keyframe->first);
   keyframes_.erase(keyframe);
+}
+
+void LivePlanes::forget(const std::vector<int>& keyframes) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const int id : keyframes) {
+    moved_.give_up(id);
+    if (const auto found = keyframes_.find(id); found != keyframes_.end()) drop(found);
+  }
 }
 
 void LivePlanes::frame() {

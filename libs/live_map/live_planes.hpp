@@ -28,6 +28,8 @@ class LivePlanes {
   void frame();
   /// Keyframes stand elsewhere: T_map_depth by keyframe.
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
+  /// These have been given up: the next time that planes are put together anew it is without them.
+  void forget(const std::vector<int>& keyframes);
   /// Waits for what is made beside the frames.
   void settle();
 
@@ -44,7 +46,7 @@ class LivePlanes {
   };
   using Keyframes = std::map<int, Keyframe>;
   static void insert(const Keyframe& keyframe, const CellMoments& cells, PlaneMap& map);
-  void forget(Keyframes::iterator keyframe);
+  void drop(Keyframes::iterator keyframe);
   void put_together_anew();
   void take_over(bool wait);
 

@@ -1,5 +1,7 @@
 #include <lcmslam/live_map/live_space.hpp>
 
+#include <algorithm>
+
 namespace lcmslam {
 namespace {
 
@@ -83,6 +85,17 @@ void LiveSpace::correct(const std::map<int, Eigen::Isometry3d>& T_map_depth) {
   if (!carving_.valid() && moved_.due()) carve_anew();
 }
 
+void LiveSpace::forget(const std::vector<int>& keyframes) {
+  for (const int id : keyframes) {
+    keyframes_.forget(id);
+    moved_.give_up(id);
+    const auto is_it = [&](const Kept& kept) { return kept.keyframe == id; };
+    meanwhile_.erase(std::remove_if(meanwhile_.begin(), meanwhile_.end(), is_it), meanwhile_.end());
+    if (carving_.valid()) forgotten_.push_back(id);
+  }
+  kept_bytes_ = keyframes_.memory_bytes();
+}
+
 void LiveSpace::settle() {
   take_over(true);
   if (!moved_.moved()) return;
@@ -104,6 +117,7 @@ void LiveSpace::take_over(bool wait) {
   if (!wait && carving_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
   Carved carved = carving_.get();
   keyframes_ = std::move(carved.keyframes);
+  for (const int id : std::exchange(forgotten_, {})) keyframes_.forget(id);
   for (const Kept& kept : meanwhile_) {
     keyframes_.add(kept.keyframe, kept.depth, camera_, kept.T_map_depth);
     carver_.carve(kept.depth, camera_, kept.T_map_depth, carved.grid);

@@ -34,6 +34,8 @@ class LiveSpace {
   void keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth);
   /// Keyframes stand elsewhere: T_map_depth by keyframe.
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
+  /// These have been given up: the next time that space is carved anew it is without them.
+  void forget(const std::vector<int>& keyframes);
   /// Waits for what is made beside the frames.
   void settle();
 
@@ -91,6 +93,7 @@ class LiveSpace {
   MovedKeyframes moved_;
   std::future<Carved> carving_;
   std::vector<Kept> meanwhile_;  // keyframes that came while it went on
+  std::vector<int> forgotten_;   // and those that went
   std::atomic<std::size_t> kept_bytes_{0};
 
   mutable std::mutex mutex_;  // guards what follows

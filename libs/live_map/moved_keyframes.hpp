@@ -1,7 +1,7 @@
 #pragma once
 // Which keyframes stand where, and whether the graph has moved any of them so far that what was made at its
-// old pose must be made anew. Where the graph of a large map bends all the time, that takes a bounded share
-// of the frames' time.
+// old pose must be made anew, or given some up, without which it must be. Where the graph of a large map
+// bends all the time, that takes a bounded share of the frames' time.
 
 #include <algorithm>
 #include <map>
@@ -20,6 +20,11 @@ class MovedKeyframes {
     keyframes_[keyframe] = {T_map_camera, T_map_camera};
   }
   void forget(int keyframe) { keyframes_.erase(keyframe); }
+  /// The same, and what is made of the others is to be made without it.
+  void give_up(int keyframe) {
+    forget(keyframe);
+    given_up_ = true;
+  }
 
   /// Where keyframes stand now; those that were not added are left out.
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
@@ -31,15 +36,15 @@ class MovedKeyframes {
   /// A frame came, keyframe or not.
   void frame() { ++frames_; }
 
-  /// Whether one of them moved too far.
-  bool moved() const { return moved_; }
+  /// Whether one of them moved too far, or was given up.
+  bool moved() const { return moved_ || given_up_; }
   /// The same, and enough frames came since take().
-  bool due() const { return moved_ && made_a_frame * frames_ >= keyframes_.size(); }
+  bool due() const { return moved() && made_a_frame * frames_ >= keyframes_.size(); }
 
   /// All that moved, however little, T_map_camera by keyframe; they count as made there from now on.
   std::map<int, Eigen::Isometry3d> take() {
     std::map<int, Eigen::Isometry3d> moved;
-    moved_ = false;
+    moved_ = given_up_ = false;
     frames_ = 0;
     for (auto& [id, k] : keyframes_) {
       if (k.made.isApprox(k.wanted, 1e-9)) continue;
@@ -58,7 +63,7 @@ class MovedKeyframes {
     return way.translation().norm() > distance_ || so3_log(way.linear()).norm() > angle_;
   }
 
-  bool moved_ = false;
+  bool moved_ = false, given_up_ = false;
   std::size_t frames_ = 1'000'000'000;  // since take(); at first nothing is to be waited for
   double distance_, angle_;
   std::map<int, Keyframe> keyframes_;

@@ -163,6 +163,13 @@ void PlaceIndex::drop(std::int64_t key) {
   views_.erase(view);
 }
 
+std::vector<std::int64_t> PlaceIndex::keys(std::int64_t first, std::int64_t end) const {
+  std::vector<std::int64_t> keys;
+  for (auto view = views_.lower_bound(first); view != views_.end() && view->first < end; ++view)
+    keys.push_back(view->first);
+  return keys;
+}
+
 std::size_t PlaceIndex::memory_bytes() const {
   std::size_t bytes = index_.memory_bytes() + key_of_slot_.capacity() * sizeof key_of_slot_[0];
   for (const auto& [key, view] : views_)

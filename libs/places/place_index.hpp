@@ -66,6 +66,8 @@ class PlaceIndex {
   /// Adds the keyframes of another map, which lies there in this one, under their keys plus `first_key`.
   void take_over(const PlaceIndex& other, const Eigen::Isometry3d& T_map_other, std::int64_t first_key);
   bool has(std::int64_t key) const { return views_.count(key) > 0; }
+  /// From `first` to before `end`.
+  std::vector<std::int64_t> keys(std::int64_t first, std::int64_t end) const;
   std::size_t size() const { return views_.size(); }
   std::size_t memory_bytes() const;
 

@@ -109,8 +109,30 @@ void Surface::move(std::int64_t keyframe, const Eigen::Isometry3d& T_map_camera)
     found->second.T_wanted = T_map_camera;
 }
 
+void Surface::forget(std::int64_t keyframe) {
+  const auto found = keyframes_.find(keyframe);
+  if (found == keyframes_.end()) return;
+  if (found->second.waiting) {
+    waiting_bytes_ -= bytes_of(*found->second.waiting);
+    waiting_.erase(std::find(waiting_.begin(), waiting_.end(), keyframe));
+  }
+  if (found->second.view) gone_.push_back(std::move(found->second));
+  keyframes_.erase(found);
+}
+
+void Surface::take_out_gone() {
+  const Keyframe& keyframe = gone_.back();
+  const SurfaceImage image = keyframe.view->unpacked();
+  take_out(maker_.view(image), keyframe.T_map_camera * image.T_camera_depth, keyframe.fused);
+  ++fusion_;
+  kept_bytes_ -= keyframe.view->memory_bytes();
+  gone_.pop_back();
+}
+
 int Surface::refuse(int keyframes) {
   fuse_all();
+  const bool any_gone = keyframes > 0 && !gone_.empty();
+  for (; keyframes > 0 && !gone_.empty(); --keyframes) take_out_gone();
   std::vector<std::pair<double, std::int64_t>> moved;  // shift, keyframe
   for (const auto& [id, keyframe] : keyframes_)
     if (keyframe.view && shift(keyframe) >= 1) moved.emplace_back(-shift(keyframe), id);
@@ -120,18 +142,16 @@ int Surface::refuse(int keyframes) {
     Keyframe& keyframe = keyframes_.at(moved[i].second);
     const SurfaceImage image = keyframe.view->unpacked();
     const SurfaceView view = maker_.view(image);
-    const std::int64_t fused = keyframe.fused;
-    for (VoxelBlocks* blocks : {&fine_, &coarse_})
-      take_out_view(view, keyframe.T_map_camera * image.T_camera_depth, settings_, fused, fusion_ + 1,
-                    *blocks);
+    take_out(view, keyframe.T_map_camera * image.T_camera_depth, keyframe.fused);
     put_in(view, keyframe.T_wanted * image.T_camera_depth);
     keyframe.T_map_camera = keyframe.T_wanted;
     keyframe.fused = fusion_;
   }
-  if (now > 0 && now == moved.size())
+  const std::size_t left = moved.size() - now + gone_.size();
+  if ((now > 0 || any_gone) && left == 0)
     for (VoxelBlocks* blocks : {&fine_, &coarse_})
       blocks->remove([](const VoxelBlocks::Entry& entry) { return is_empty(*entry.block); });
-  return static_cast<int>(moved.size() - now);
+  return static_cast<int>(left);
 }
 
 void Surface::put_in(const SurfaceView& view, const Eigen::Isometry3d& T_map_depth) {
@@ -140,11 +160,18 @@ void Surface::put_in(const SurfaceView& view, const Eigen::Isometry3d& T_map_dep
   fuse_view(view, T_map_depth, settings_, settings_.max_range, fusion_, coarse_);
 }
 
+/// It counts as the next fusion.
+void Surface::take_out(const SurfaceView& view, const Eigen::Isometry3d& T_map_depth, std::int64_t fused) {
+  for (VoxelBlocks* blocks : {&fine_, &coarse_})
+    take_out_view(view, T_map_depth, settings_, fused, fusion_ + 1, *blocks);
+}
+
 void Surface::keep_bounds() {
   const Eigen::Vector3f place = camera_.cast<float>();
   fine_.keep_near(place, blocks_in(fine_share * settings_.memory));
   coarse_.keep_near(place, blocks_in((1 - fine_share) * settings_.memory));
   const auto most = static_cast<std::size_t>(settings_.kept_memory * 1e6);
+  while (kept_bytes_ > most && !gone_.empty()) take_out_gone();
   for (auto oldest = keyframes_.begin(); kept_bytes_ > most && oldest != keyframes_.end(); ++oldest) {
     if (!oldest->second.view) continue;
     kept_bytes_ -= oldest->second.view->memory_bytes();

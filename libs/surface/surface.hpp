@@ -5,6 +5,7 @@
 //   Surface surface(calibration);
 //   surface.hand_in(keyframe, frame, T_map_camera);
 //   surface.move(keyframe, corrected);  // as often as the graph bends
+//   surface.forget(keyframe);           // which the graph has given up
 //   surface.refuse(2);                  // a few each cycle, so that nothing waits
 //   const Mesh mesh = surface.mesh();
 //
@@ -44,8 +45,12 @@ class Surface {
   /// Where a keyframe stands now. One whose images are not kept any more stays where it was fused.
   void move(std::int64_t keyframe, const Eigen::Isometry3d& T_map_camera);
 
-  /// Fuses all that wait, and at most so many of the keyframes that moved, those that moved farthest first.
-  /// Returns how many are left.
+  /// A keyframe goes, and refuse() takes out what it has put in; its name is free at once. One whose images
+  /// are not kept any more leaves the surface as it is. Does nothing where there is none.
+  void forget(std::int64_t keyframe);
+
+  /// Fuses all that wait, and takes out at most so many of the keyframes that went, or that moved and are
+  /// fused elsewhere then: those that went, then those that moved farthest. Returns how many are left.
   int refuse(int keyframes);
 
   /// As the surface is now, with all that waited; only what changed is meshed anew.
@@ -73,6 +78,8 @@ class Surface {
   void fuse_oldest();
   void fuse_all();
   void put_in(const SurfaceView& view, const Eigen::Isometry3d& T_map_depth);
+  void take_out(const SurfaceView& view, const Eigen::Isometry3d& T_map_depth, std::int64_t fused);
+  void take_out_gone();
   void keep_bounds();
   /// How far it moved in the units of its thresholds; below 1 it stays.
   double shift(const Keyframe& keyframe) const;
@@ -82,6 +89,7 @@ class Surface {
   VoxelBlocks fine_, coarse_;
   SurfaceMesh mesh_;
   std::map<std::int64_t, Keyframe> keyframes_;
+  std::vector<Keyframe> gone_;        // that are to be taken out
   std::deque<std::int64_t> waiting_;  // of those that are not fused yet, the oldest first
   std::size_t waiting_bytes_ = 0;
   Eigen::Vector3d camera_ = Eigen::Vector3d::Zero();  // newest place, m

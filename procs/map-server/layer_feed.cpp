@@ -139,15 +139,18 @@ std::optional<StoredImages> LayerFeed::keyframe(const DenseKeyframe& keyframe, c
 
 void LayerFeed::adopt(int id, const Eigen::Isometry3d& T_map_camera,
                       const std::optional<StoredImages>& images, ColouredCloud cloud) {
-  if (!images) return worker_.keep(id, std::move(cloud), T_map_camera);
+  if (!images) return worker_.adopt(id, std::move(cloud), T_map_camera);
   worker_.adopt(id, std::make_shared<EncodedFrame>(images->frame),
                 {T_map_camera, images->T_colour_depth_time});
 }
 
-void LayerFeed::correct(const DenseMap& map) {
+// By the graph, not the map: of that a keyframe may be missing whose images are here.
+void LayerFeed::correct(const DenseMap& map, const FollowedGraph& graph) {
   std::map<int, Eigen::Isometry3d> poses;
   for (const auto& [id, keyframe] : map.keyframes()) poses[id] = keyframe.T_world_camera;
-  if (!poses.empty()) worker_.correct(std::move(poses));
+  if (!graph.complete()) return worker_.correct(std::move(poses));
+  for (const KeyframePose& node : graph.poses()) poses[node.id] = node.T_world_camera;
+  worker_.follow(std::move(poses));
 }
 
 }  // namespace lcmslam

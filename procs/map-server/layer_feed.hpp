@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <lcmslam/map_store/file/stored_map.hpp>
+#include <lcmslam/messages/followed_graph.hpp>
 #include "procs/map-server/layer_settings.hpp"
 #include "procs/map-server/layer_worker.hpp"
 
@@ -35,8 +36,8 @@ class LayerFeed {
   /// A keyframe of another map, which no graph moves: from its images, or its cloud where there are none.
   void adopt(int id, const Eigen::Isometry3d& T_map_camera, const std::optional<StoredImages>& images,
              ColouredCloud cloud);
-  /// After the graph has moved the map.
-  void correct(const DenseMap& map);
+  /// After the graph has moved the map. What it has given up goes once it is known whole.
+  void correct(const DenseMap& map, const FollowedGraph& graph);
   /// Waits until all is done that was handed in, at most so long.
   void settle(std::chrono::steady_clock::duration longest) { worker_.settle(longest); }
 

@@ -76,8 +76,20 @@ void LayerWorker::adopt(int keyframe, Frame frame, const FramePose& pose) {
   });
 }
 
+void LayerWorker::adopt(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera) {
+  hand_in([this, keyframe, cloud = std::move(cloud), T_map_camera](LiveMap& map) {
+    if (map.has(keyframe)) return;
+    map.adopt(keyframe, cloud, T_map_camera);
+    count(&State::imageless);
+  });
+}
+
 void LayerWorker::correct(std::map<int, Eigen::Isometry3d> T_map_camera) {
   hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.correct(poses); });
+}
+
+void LayerWorker::follow(std::map<int, Eigen::Isometry3d> T_map_camera) {
+  hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.follow(poses); });
 }
 
 void LayerWorker::hand_in(Job job, bool newest_counts) {

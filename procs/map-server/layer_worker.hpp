@@ -37,7 +37,9 @@ class LayerWorker {
   void keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera);
   /// As keep(), of a map that no graph moves.
   void adopt(int keyframe, Frame frame, const FramePose& pose);
+  void adopt(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera);
   void correct(std::map<int, Eigen::Isometry3d> T_map_camera);
+  void follow(std::map<int, Eigen::Isometry3d> T_map_camera);
   /// Waits until all is done, at most so long; whoever works without a thread does all.
   void settle(std::chrono::steady_clock::duration longest);
 

@@ -49,6 +49,12 @@ std::size_t kept_by(const graph_t& message, const DenseMap& map) {
   return keyframes.size() - named.size();
 }
 
+std::map<std::int32_t, Eigen::Isometry3d> poses_of(const FollowedGraph& graph) {
+  std::map<std::int32_t, Eigen::Isometry3d> poses;
+  for (const KeyframePose& node : graph.poses()) poses[node.id] = node.T_world_camera;
+  return poses;
+}
+
 }  // namespace
 
 void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
@@ -190,7 +196,11 @@ void MapServerNode::remember(const KeyframeFeatures::Found& found) {
 }
 
 void MapServerNode::begin_places(const SessionKey& key) {
-  if (places_) places_->begin_session(recorder_ ? recorder_->stored("icp", key) : 0);
+  if (!places_) return;
+  places_->begin_session(recorder_ ? recorder_->stored("icp", key) : 0);
+  // A server that begins anew may hear the whole graph before it knows whose poses count.
+  const auto* session = dense_maps_.find(key);
+  if (session != nullptr && session->graph.complete()) places_->follow(poses_of(session->graph));
 }
 
 void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyframe) {
@@ -202,7 +212,8 @@ void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyf
 void MapServerNode::on_graph(const graph_t& message) {
   from_message(message);  // throws before anything is kept beside
   auto* session = &session_of(dense_maps_, message);
-  if (2 * kept_by(message, session->map) < session->map.keyframes().size()) {
+  const bool takes_most = 2 * kept_by(message, session->map) < session->map.keyframes().size();
+  if (takes_most) {
     if (!dense_maps_.keep_beside(key_of(message), session->map))
       refuse("it takes away the most of a map, and there is no room to keep that beside");
     const auto& kept = dense_maps_.all().back();
@@ -212,18 +223,27 @@ void MapServerNode::on_graph(const graph_t& message) {
   session->graph.apply(message);
   lcmslam::follow(session->map, session->graph, message);
   ++changes_;
+  const std::int64_t stored = recorder_ ? recorder_->stored("icp", session->key) : 0;
   if (recorder_) recorder_->graph(session->key, message, session->graph, session->map);
   if (!is_current(session->key)) return;
-  if (layers_) layers_->correct(session->map);
+  if (layers_) layers_->correct(session->map, session->graph);
   if (!places_) return;
+  if (stored != 0 && recorder_->stored("icp", session->key) == 0) places_->leave_stored();
+  correct_places(message, *session, takes_most);
+}
+
+/// Places, too, are not taken away by one message.
+void MapServerNode::correct_places(const graph_t& message, const SessionTable<DenseMap>::Session& session,
+                                   bool takes_most) {
+  if (message.change == 0) return places_->follow(poses_of(session.graph));
   std::map<std::int32_t, Eigen::Isometry3d> moved;  // by the graph: a restarted server has no keyframes yet
-  const auto& nodes = session->graph.nodes();
+  const auto& nodes = session.graph.nodes();
   for (const graph_node_t& told : message.nodes)
     if (const auto node = nodes.find(told.keyframe); node != nodes.end())
       moved[node->first] = from_message(node->second.T_map_camera, "T_map_camera");
   std::vector<std::int32_t> gone;
   for (const std::int32_t id : message.gone)
-    if (session->map.keyframes().count(id) == 0) gone.push_back(id);
+    if (!takes_most && session.map.keyframes().count(id) == 0) gone.push_back(id);
   places_->correct(moved, gone);
 }
 

@@ -89,6 +89,8 @@ class MapServerNode : public Node {
   void on_features(const features_t& message);
   void remember(const KeyframeFeatures::Found& found);
   void begin_places(const SessionKey& key);
+  void correct_places(const graph_t& message, const SessionTable<DenseMap>::Session& session,
+                      bool takes_most);
   void hear_fastslam(const SessionKey& key);
   void note_joined();
   template <class Map>

@@ -1,6 +1,8 @@
 #include "procs/map-server/session_places.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <set>
 
 namespace lcmslam {
 namespace {
@@ -161,12 +163,47 @@ void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& mov
                             const std::vector<std::int32_t>& gone) {
   jobs_.hand_in([this, moved, gone] {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (const auto& [id, T_session_camera] : moved) current_.move(id, T_session_camera);
-    for (const std::int32_t id : gone) current_.drop(id);
-    correct_stored(moved, gone);
-    joiner_.move(moved);
-    tell_joint();
+    apply(moved, gone);
   });
+}
+
+void SessionPlaces::follow(const std::map<std::int32_t, Eigen::Isometry3d>& graph) {
+  jobs_.hand_in([this, graph] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    apply(graph, missing(graph));
+  });
+}
+
+void SessionPlaces::leave_stored() {
+  jobs_.hand_in([this] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stored_current_ = 0;
+  });
+}
+
+void SessionPlaces::apply(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
+                          const std::vector<std::int32_t>& gone) {
+  for (const auto& [id, T_session_camera] : moved) current_.move(id, T_session_camera);
+  for (const std::int32_t id : gone) current_.drop(id);
+  correct_stored(moved, gone);
+  joiner_.move(moved);
+  tell_joint();
+}
+
+/// Keyframes of the current session that the graph has not; none where these are the most.
+std::vector<std::int32_t> SessionPlaces::missing(
+    const std::map<std::int32_t, Eigen::Isometry3d>& graph) const {
+  std::set<std::int32_t> known;
+  for (const std::int64_t key : current_.keys(0, index_key(1, 0)))
+    known.insert(static_cast<std::int32_t>(key));
+  if (T_map_session_.count(stored_current_) > 0)
+    for (const std::int64_t key : map_.keys(index_key(stored_current_, 0), index_key(stored_current_ + 1, 0)))
+      known.insert(static_cast<std::int32_t>(key - index_key(stored_current_, 0)));
+  std::vector<std::int32_t> gone;
+  std::copy_if(known.begin(), known.end(), std::back_inserter(gone),
+               [&](std::int32_t id) { return graph.count(id) == 0; });
+  if (2 * gone.size() > known.size()) gone.clear();
+  return gone;
 }
 
 /// Of a session that goes on, what the map has of it since an earlier run.

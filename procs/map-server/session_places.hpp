@@ -33,6 +33,12 @@ class SessionPlaces {
                 ColouredCloud cloud);
   /// The graph has moved these, and given those up.
   void correct(const std::map<std::int32_t, Eigen::Isometry3d>& moved, const std::vector<std::int32_t>& gone);
+  /// The whole graph has these: others have been given up, also while no server heard of it. One that lacks
+  /// the most of the session's keyframes takes none away.
+  void follow(const std::map<std::int32_t, Eigen::Isometry3d>& graph);
+  /// What the file has of the session since an earlier run stays there as it is, and the session goes on in
+  /// another one.
+  void leave_stored();
 
   /// A session whose place was found.
   struct Joined {
@@ -89,6 +95,8 @@ class SessionPlaces {
   void look_for(std::int32_t id, const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
                 const ColouredCloud& cloud);
   void tell_joint();
+  void apply(const std::map<std::int32_t, Eigen::Isometry3d>& moved, const std::vector<std::int32_t>& gone);
+  std::vector<std::int32_t> missing(const std::map<std::int32_t, Eigen::Isometry3d>& graph) const;
   void correct_stored(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
                       const std::vector<std::int32_t>& gone);
   void join_stored(MapFile& map, std::int64_t session);

@@ -2,6 +2,7 @@
 // Lives of a map server in the simulated kitchen, whose map is a file that stays.
 
 #include <gmock/gmock.h>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -82,19 +83,22 @@ class Life {
     graph.n_gone = static_cast<std::int32_t>(keyframes.size());
     send("ICP_GRAPH", graph);
   }
-  /// The graph says that the keyframes of drive(from, ...) lie there.
-  void correct(int from, const Eigen::Isometry3d& T_map_world) {
+  /// The graph says that the keyframes of drive(from, ...) lie there, but for those that it has given up.
+  void correct(int from, const Eigen::Isometry3d& T_map_world, const std::set<int>& without = {}) {
     graph_t graph{};
     for (int k = 0; k < views_of_room; ++k) {
+      if (without.count(k) > 0) continue;
       const SeenView& view = seen_view(from + frames_between * k);
       graph.nodes.push_back({k, view.features.utime, to_message(T_map_world * view.T_world_camera)});
     }
-    graph.n_nodes = views_of_room;
-    graph.map_revision = views_of_room;
+    graph.n_nodes = static_cast<std::int32_t>(graph.nodes.size());
+    graph.map_revision = graph.n_nodes;
     send("ICP_GRAPH", graph);
     bus_.work();
   }
   double value(const std::string& name) { return value_of(node_, name); }
+  /// Whether what is derived has the keyframe.
+  bool derives(int keyframe) const { return node_.shown().live->has(keyframe); }
   void work() { bus_.work(); }
   void finish() { bus_.finish(); }
 

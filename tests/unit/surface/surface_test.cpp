@@ -153,6 +153,59 @@ TEST(Surface, WhatWaitsIsFusedWhereTheGraphHasBentIt) {
   EXPECT_EQ(waiting.refuse(10), 0);
 }
 
+/// But for roundings of what was put in and taken out again; and no empty block is left.
+void expect_same_voxels(const VoxelBlocks& a, const VoxelBlocks& b) {
+  constexpr int roundings = 5;
+  std::size_t filled = 0;
+  for (const VoxelBlocks::Entry& entry : b.entries()) {
+    if (is_empty(*entry.block)) continue;
+    ++filled;
+    const std::int32_t found = a.find(entry.at);
+    ASSERT_GE(found, 0);
+    const VoxelBlock& other = *a.entries()[static_cast<std::size_t>(found)].block;
+    for (std::size_t i = 0; i < std::size(other.weight); ++i) {
+      ASSERT_EQ(other.weight[i], entry.block->weight[i]);
+      ASSERT_NEAR(other.distance[i], entry.block->distance[i], roundings);
+    }
+  }
+  EXPECT_EQ(a.size(), filled);
+}
+
+TEST(Surface, WhatIsForgottenIsTakenOut) {
+  const Eigen::Isometry3d elsewhere = pose(0, 0, -0.9);
+  Surface surface(camera_head(), settings()), without(camera_head(), settings());
+  for (const std::int64_t id : {0, 2, 1}) {  // the later sees into blocks that the earlier made
+    const Eigen::Isometry3d& T = id == 1 ? elsewhere : poses()[static_cast<std::size_t>(id)];
+    surface.fuse(id, frame_of(room(), T), T);
+    if (id != 1) without.fuse(id, frame_of(room(), T), T);
+  }
+  const std::size_t vertices = surface.mesh().vertices.size();
+  surface.hand_in(3, frame_of(room(), elsewhere), elsewhere);
+  surface.forget(3);  // while it waits
+  surface.forget(1);
+  surface.forget(77);
+  EXPECT_EQ(surface.mesh().vertices.size(), vertices) << "when there is time";
+  EXPECT_EQ(surface.refuse(0), 1);
+  EXPECT_EQ(surface.refuse(1), 0);
+  expect_same_voxels(surface.fine(), without.fine());
+  expect_same_voxels(surface.coarse(), without.coarse());
+  EXPECT_EQ(surface.cloud({0, 1, 2, 3}, 0.005).size(), without.cloud({0, 2}, 0.005).size());
+  surface.fuse(1, frame_of(room(), elsewhere), elsewhere);
+  EXPECT_GT(surface.fine().size(), without.fine().size()) << "its name is free";
+}
+
+TEST(Surface, WhatIsForgottenMakesRoomForImages) {
+  SurfaceSettings bounded = settings();
+  bounded.kept_memory = 0.2;  // of some keyframes
+  Surface surface(camera_head(), bounded);
+  surface.fuse(0, frame_of(room(), poses()[0]), poses()[0]);
+  for (int i = 1; i < 40; ++i) {
+    surface.fuse(i, frame_of(room(), poses()[1]), poses()[1]);
+    surface.forget(i);
+  }
+  EXPECT_GT(surface.cloud({0}, 0.005).size(), 0u);
+}
+
 TEST(Surface, FewKeyframesWait) {
   Surface surface(camera_head(), settings());
   for (int i = 0; i < 60; ++i) surface.hand_in(i, frame_of(room(), poses()[0]), poses()[0]);
