@@ -144,7 +144,7 @@ class FreenectCamera : public CameraDevice {
   }
 
   Utime stamp(std::uint32_t ticks) {
-    return clock_.to_host(unroll_(ticks) / ticks_a_microsecond, wall_clock());
+    return clock_.to_host(unroll_(ticks) / ticks_a_microsecond, host_time());
   }
 
   void on_colour(std::uint32_t ticks) {

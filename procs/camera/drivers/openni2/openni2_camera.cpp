@@ -211,7 +211,7 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
     CameraShot frame;
     const auto device_time = static_cast<Utime>(image.getTimestamp());
     frame.utime = frame.depth_utime =
-        recorded_ ? start_ + device_time : clock_.to_host(device_time, wall_clock());
+        recorded_ ? start_ + device_time : clock_.to_host(device_time, host_time());
     try {
       if (is_depth)
         frame.depth = depth_of(image);
