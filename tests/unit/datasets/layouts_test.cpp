@@ -168,8 +168,9 @@ TEST(Tum, IclNuim) {
   std::string truth;
   for (int i = 1; i <= 4; ++i) {
     const std::string n = std::to_string(i);
-    associations += n + " depth/" + n + ".png " + n + " rgb/" + n + ".png\n";
-    truth += n + " 0 0 " + n + " 0 0 0 1\n";
+    associations.append(n).append(" depth/").append(n).append(".png ");
+    associations.append(n).append(" rgb/").append(n).append(".png\n");
+    truth.append(n).append(" 0 0 ").append(n).append(" 0 0 0 1\n");
     folder.write("rgb/" + n + ".png", colour_image(i));
     folder.write("depth/" + n + ".png", depth_image(5000));
   }
