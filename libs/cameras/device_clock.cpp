@@ -7,7 +7,9 @@ namespace lcmslam {
 namespace {
 
 constexpr Utime window = 10'000'000;         // us
-constexpr Utime began_anew = 1'000'000;      // us back
+constexpr Utime began_anew = 1'000'000;      // us back, for all who read stamps (ImagePairs, WatchedCamera)
+constexpr Utime readings_differ = 1'000;     // us at most, from reading to reading, unless a clock is set
+constexpr Utime slowest_pace = 4;            // a quarter, of stamps that wait for a clock that was set back
 constexpr Utime largest_delay = 1'000'000;   // us
 constexpr int believed_in_a_row = 5;         // images; a process that slept finds fewer in its buffers
 constexpr Utime least_judged = 2'000'000;    // us of device time, after which delays are small beside it
@@ -15,43 +17,54 @@ constexpr double largest_rate_error = 0.02;  // crystals err by 1e-4, a wrong un
 
 }  // namespace
 
-Utime DeviceClock::to_host(Utime device, Utime arrival) {
-  if (!begun_ || device < last_device_ - began_anew) begin(device, arrival);
-  if (clock_was_set(arrival - device)) begin(device, arrival);
-  judge(device, arrival);
-  const bool later = device > last_device_;
+Utime DeviceClock::to_host(Utime device, const HostTime& arrival) {
+  if (!begun_ || device < last_device_ - began_anew || device_stood_still(arrival.steady - device))
+    begin(device, arrival.steady);
+  judge(device, arrival.steady);
+  if (const Utime wall = arrival.wall - arrival.steady; std::abs(wall - wall_) > readings_differ)
+    wall_ = wall;
+  const Utime offset = steady_offset(device, arrival.steady) + wall_;
+  if (believed_)
+    follow(offset, std::max<Utime>(device - last_device_, 0));
+  else
+    wall_offset_ = arrival.wall - device;
   last_device_ = std::max(last_device_, device);
-  if (!believed_) return arrival;
-
-  if (device - window_start_ > window) {
-    window_start_ = device;
-    least_before_ = least_;
-    least_ = none;
-  }
-  least_ = std::min(least_, arrival - device);
-  Utime host = device + std::min(least_, least_before_);
-  const bool clock_set_back = host < last_ - largest_delay;
-  if (later && !clock_set_back) host = std::max(host, last_ + 1);
-  if (later || clock_set_back) last_ = host;
-  return host;
+  return device + wall_offset_;
 }
 
 void DeviceClock::begin(Utime device, Utime arrival) {
   begun_ = true;
   first_device_ = window_start_ = last_device_ = device;
   first_arrival_ = arrival;
-  least_ = least_before_ = none;
+  least_ = least_before_ = wall_offset_ = none;
   last_offset_ = arrival - device;
   late_ = doubts_ = 0;
 }
 
 /// A jump that stays. (The other way the least offset follows by itself.)
-bool DeviceClock::clock_was_set(Utime offset) {
+bool DeviceClock::device_stood_still(Utime offset) {
   const bool jumps = offset - last_offset_ > largest_delay;
   const bool stays = late_ > 0 && offset - std::min(least_, least_before_) > largest_delay;
   late_ = jumps || stays ? late_ + 1 : 0;
   last_offset_ = offset;
   return late_ >= believed_in_a_row;
+}
+
+/// Added to a stamp it gives the steady clock.
+Utime DeviceClock::steady_offset(Utime device, Utime arrival) {
+  if (device - window_start_ > window) {
+    window_start_ = device;
+    least_before_ = least_;
+    least_ = none;
+  }
+  least_ = std::min(least_, arrival - device);
+  return std::min(least_, least_before_);
+}
+
+/// Takes `offset`, so that stamps stay in order unless time begins anew; `passed`: us since the last stamp.
+void DeviceClock::follow(Utime offset, Utime passed) {
+  const bool begins_anew = wall_offset_ == none || offset < wall_offset_ - passed - began_anew;
+  wall_offset_ = begins_anew ? offset : std::max(offset, wall_offset_ - passed + passed / slowest_pace);
 }
 
 /// Whether as much time passed by the device as by us, but for half a second of delays.

@@ -53,7 +53,7 @@ void ImagePairs::add_colour(CameraShot frame) {
 }
 
 void ImagePairs::add_depth(CameraShot frame) {
-  const Utime stamp = frame.depth_utime;
+  const Utime stamp = depth_time(frame);
   if (admit(depths_, stamp))
     depths_.waiting.emplace(stamp, std::move(frame));
   else

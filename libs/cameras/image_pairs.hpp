@@ -1,7 +1,8 @@
 #pragma once
 // Colour and depth images of two cameras become shots of one moment.
 //
-// Two images may be a pair when their stamps are at most the tolerance apart. Two of which each is the
+// Two images may be a pair when their times are at most the tolerance apart: colour's stamp, and depth's on
+// colour's clock (RgbdCalibration::depth_offset). Two of which each is the
 // other's nearest are one; then of what is left, and so on: each image is in one pair at most, and no two
 // images would both rather have had each other. A pair is made as soon as no image that may still come can be
 // nearer to either.
@@ -22,8 +23,8 @@ struct PairCounts {
 
 class ImagePairs {
  public:
-  /// Microseconds.
-  explicit ImagePairs(Utime tolerance) : tolerance_(tolerance) {}
+  /// Microseconds. `depth_offset`, added to depth's stamps, gives colour's clock.
+  ImagePairs(Utime tolerance, Utime depth_offset) : tolerance_(tolerance), depth_offset_(depth_offset) {}
 
   /// `utime` is the colour image's stamp, `depth_utime` the depth image's. Each camera's images come in the
   /// order of their stamps; one that is not later than the last is refused (unmatched), unless it is more
@@ -31,12 +32,15 @@ class ImagePairs {
   void add_colour(CameraShot frame);
   void add_depth(CameraShot frame);
 
-  /// The next pair, in the order of the colour images: of the other camera it has the depth image, its stamp
-  /// and its amplitude.
+  /// The next pair, in the order of the colour images: of the other camera it has the depth image, its own
+  /// stamp and its amplitude.
   std::optional<CameraShot> next();
 
   /// No image comes any more: all that wait can be decided.
   void finish();
+
+  /// When a depth image was taken, on colour's clock.
+  Utime depth_time(const CameraShot& frame) const { return frame.depth_utime + depth_offset_; }
 
   PairCounts counts() const { return counts_; }
   /// Of the last colour image that found none while depth images waited, how far the nearest of them was
@@ -45,7 +49,7 @@ class ImagePairs {
 
  private:
   struct Stream {
-    std::map<Utime, CameraShot> waiting;  // by stamp
+    std::map<Utime, CameraShot> waiting;  // by time, colour's clock
     Utime last = 0;
     bool begun = false;
     int intervals = 0;  // seen so far
@@ -61,7 +65,7 @@ class ImagePairs {
   bool is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest, bool more_may_come) const;
   void make_pair(Utime colour, Utime depth);
 
-  Utime tolerance_;
+  Utime tolerance_, depth_offset_;
   Stream colours_, depths_;
   std::deque<CameraShot> begun_before_;  // pairs of a time that has ended
   std::map<Utime, CameraShot> pairs_;    // by the colour image's stamp

@@ -16,7 +16,7 @@ std::optional<CameraShot> PairedRecording::read(std::chrono::milliseconds patien
     Recording& next = is_behind(colour_, depth_) ? colour_ : depth_;
     if (auto frame = next.device->read(patience)) {
       next.begun = true;
-      next.last = frame->utime;
+      next.last = &next == &colour_ ? frame->utime : pairs_.depth_time(*frame);
       if (&next == &colour_)
         pairs_.add_colour(std::move(*frame));
       else

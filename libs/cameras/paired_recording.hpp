@@ -8,9 +8,8 @@ namespace lcmslam {
 
 class PairedRecording : public CameraDevice {
  public:
-  /// `tolerance`: us between a pair's stamps (image_pairs.hpp).
-  PairedRecording(std::unique_ptr<CameraDevice> colour, std::unique_ptr<CameraDevice> depth, Utime tolerance)
-      : colour_{std::move(colour)}, depth_{std::move(depth)}, pairs_(tolerance) {}
+  PairedRecording(std::unique_ptr<CameraDevice> colour, std::unique_ptr<CameraDevice> depth, ImagePairs pairs)
+      : colour_{std::move(colour)}, depth_{std::move(depth)}, pairs_(std::move(pairs)) {}
 
   std::optional<CameraShot> read(std::chrono::milliseconds patience) override;
   bool ended() const override { return ended_; }
@@ -23,7 +22,7 @@ class PairedRecording : public CameraDevice {
   struct Recording {
     std::unique_ptr<CameraDevice> device;
     bool begun = false;
-    Utime last = 0;
+    Utime last = 0;  // colour's clock
   };
   bool is_behind(const Recording& recording, const Recording& other) const;
 

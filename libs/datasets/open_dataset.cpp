@@ -61,8 +61,9 @@ class FolderSource : public RgbdSource {
   std::set<std::size_t> reported_;
 };
 
-Recording read_recording(const fs::path& folder, const Description& description) {
-  if (description.format == "tum") return read_tum_folder(folder, description);
+Recording read_recording(const fs::path& folder, const Description& description,
+                         const CalibrationOf& calibration_of) {
+  if (description.format == "tum") return read_tum_folder(folder, description, calibration_of);
   if (description.format == "seven_scenes") return read_seven_scenes(folder, description);
   return read_numbered_files(folder, description);
 }
@@ -105,14 +106,18 @@ std::unique_ptr<RgbdSource> open_dataset(const fs::path& folder, const DatasetOp
   if (!fs::is_directory(folder)) throw DatasetError(folder.string() + ": no such folder");
   const fs::path config_folder = options.config_folder.empty() ? share_path("config") : options.config_folder;
   const Description description = find_description(folder, options, config_folder);
-  Recording recording = read_recording(folder, description);
+  std::optional<RgbdCalibration> calibration;
+  const CalibrationOf calibration_of = [&](Recording& of) -> const RgbdCalibration& {
+    if (!calibration) calibration = find_calibration(folder, options, description, of);
+    return *calibration;
+  };
+  Recording recording = read_recording(folder, description, calibration_of);
   if (recording.frames.empty()) {
     const std::string first = recording.problems.empty() ? "" : " (" + recording.problems.front() + ")";
     throw DatasetError(folder.string() + ": no frame with a colour and a depth image" + first);
   }
-  RgbdCalibration calibration = find_calibration(folder, options, description, recording);
-  std::string truth_frame = settle_truth(description.truth_of, calibration, recording);
-  return std::make_unique<FolderSource>(std::move(recording), std::move(calibration), std::move(truth_frame),
+  std::string truth_frame = settle_truth(description.truth_of, calibration_of(recording), recording);
+  return std::make_unique<FolderSource>(std::move(recording), *calibration, std::move(truth_frame),
                                         description.depth_scale, options.jpeg_quality);
 }
 

@@ -3,15 +3,20 @@
 // frame at all.
 
 #include <filesystem>
+#include <functional>
 
 #include <lcmslam/datasets/description.hpp>
 #include <lcmslam/datasets/recording.hpp>
 
 namespace lcmslam {
 
-/// rgb.txt and depth.txt, or associations.txt.
+/// The calibration of a recording; what it finds on the way is noted in there.
+using CalibrationOf = std::function<const RgbdCalibration&(Recording&)>;
+
+/// rgb.txt and depth.txt, whose stamps pair them on colour's clock, or associations.txt.
 bool is_tum(const std::filesystem::path& folder);
-Recording read_tum_folder(const std::filesystem::path& folder, const Description& description);
+Recording read_tum_folder(const std::filesystem::path& folder, const Description& description,
+                          const CalibrationOf& calibration_of);
 
 /// frame-000000.color.png|jpg here or in seq-01, seq-02, ...
 bool is_seven_scenes(const std::filesystem::path& folder);

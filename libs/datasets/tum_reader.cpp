@@ -36,15 +36,15 @@ std::vector<StampedFile> read_list(const fs::path& list, Recording& recording) {
   return files;
 }
 
-// One to one, nearest stamps first.
 void associate(const std::vector<StampedFile>& colour, const std::vector<StampedFile>& depth,
-               Utime max_difference, const fs::path& folder, Recording& recording) {
+               Utime depth_offset, Utime max_difference, const fs::path& folder, Recording& recording) {
   const auto stamps = [](const std::vector<StampedFile>& files) {
     std::vector<Utime> utimes;
+    utimes.reserve(files.size());
     for (const StampedFile& file : files) utimes.push_back(file.utime);
     return utimes;
   };
-  for (const auto& [i, j] : pair_by_stamps(stamps(colour), stamps(depth), max_difference))
+  for (const auto& [i, j] : pair_by_stamps(stamps(colour), stamps(depth), depth_offset, max_difference))
     recording.frames.push_back(
         {colour[i].utime, depth[j].utime, folder / colour[i].file, folder / depth[j].file});
   const std::size_t unpaired = colour.size() - recording.frames.size();
@@ -97,15 +97,18 @@ bool is_tum(const fs::path& folder) {
          (fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt"));
 }
 
-Recording read_tum_folder(const fs::path& folder, const Description& description) {
+Recording read_tum_folder(const fs::path& folder, const Description& description,
+                          const CalibrationOf& calibration_of) {
   Recording recording;
   std::vector<StampedFile> colour;
   if (fs::exists(folder / "rgb.txt")) colour = read_list(folder / "rgb.txt", recording);
-  if (fs::exists(folder / "associations.txt"))
+  if (fs::exists(folder / "associations.txt")) {
     read_associations(folder / "associations.txt", folder, recording);
-  else
-    associate(colour, read_list(folder / "depth.txt", recording),
+  } else {
+    const std::vector<StampedFile> depth = read_list(folder / "depth.txt", recording);
+    associate(colour, depth, calibration_of(recording).depth_offset(),
               std::llround(description.max_stamp_difference * 1e6), folder, recording);
+  }
 
   std::stable_sort(recording.frames.begin(), recording.frames.end(),
                    [](auto& a, auto& b) { return a.utime < b.utime; });

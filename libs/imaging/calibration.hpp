@@ -30,7 +30,7 @@ struct RgbdCalibration {
   bool has_mount = false;                             ///< false: hand-held, T_robot_camera is optical_axes()
   Eigen::Isometry3d T_robot_camera = optical_axes();  ///< colour camera
   double depth_clock_offset = 0;  ///< s, added to a depth stamp gives colour's clock; whoever compares
-                                  ///< the two stamps applies it (depth_time), images keep their own
+                                  ///< or pairs the two stamps applies it (depth_time), images keep their own
   double rolling_shutter = 0;     ///< s from an image's first row to its last; 0: all rows at once
   DepthNoise depth_noise;
   DepthError depth_error;    ///< of the images as they come; decoding takes it out (decode_images)
@@ -38,10 +38,9 @@ struct RgbdCalibration {
   double depth_max = 10;     ///< m
   double pixel_sigma = 1.0;  ///< standard deviation of a feature's position, pixels
 
+  Utime depth_offset() const { return static_cast<Utime>(std::llround(depth_clock_offset * 1e6)); }  ///< us
   /// Stamp of a depth image on the colour camera's clock.
-  Utime depth_time(Utime depth_utime) const {
-    return depth_utime + static_cast<Utime>(std::llround(depth_clock_offset * 1e6));
-  }
+  Utime depth_time(Utime depth_utime) const { return depth_utime + depth_offset(); }
 
   void check() const;  ///< throws std::invalid_argument naming the wrong value
 };

@@ -71,6 +71,12 @@ CdrWriter write_camera_info(const RosHeader& header, const CameraModel& camera) 
   return writer;
 }
 
+CdrWriter write_number(double number) {
+  CdrWriter writer;
+  writer.number(number);
+  return writer;
+}
+
 CdrWriter write_pose(const RosHeader& header, const Eigen::Isometry3d& pose) {
   CdrWriter writer;
   writer.header(header);

@@ -25,6 +25,7 @@ CdrWriter write_odometry(const RosHeader& header, const std::string& child_frame
                          const Eigen::Isometry3d& pose, const Matrix6d& covariance,
                          const Eigen::Vector3d& linear, const Eigen::Vector3d& angular,
                          const Matrix6d& velocity_covariance);
+CdrWriter write_number(double number);
 CdrWriter write_transforms(const std::vector<Transform>& transforms);
 
 struct ColouredPoint {

@@ -23,6 +23,9 @@ bool is_pose(const std::string& type) {
 bool is_transforms(const std::string& type) {
   return type == "tf2_msgs/TFMessage" || type == "tf/tfMessage";
 }
+bool is_number(const std::string& type) {
+  return type == "std_msgs/Float64";
+}
 
 Image read_image(ByteView message, const std::string& type, const std::string& encoding) {
   RosReader reader(message, encoding);
@@ -100,6 +103,13 @@ Transforms read_transforms(ByteView message, const std::string& encoding) {
   }
   reader.finish();
   return transforms;
+}
+
+double read_number(ByteView message, const std::string& encoding) {
+  RosReader reader(message, encoding);
+  const auto number = reader.number<double>();
+  reader.finish();
+  return number;
 }
 
 }  // namespace lcmslam::ros

@@ -63,11 +63,13 @@ bool is_camera_info(const std::string& type);
 bool is_odometry(const std::string& type);
 bool is_pose(const std::string& type);  ///< odometry too
 bool is_transforms(const std::string& type);
+bool is_number(const std::string& type);  ///< std_msgs/Float64
 
 /// Each throws RecordingError when the bytes are no message of that type.
 Image read_image(ByteView message, const std::string& type, const std::string& encoding);
 CameraInfo read_camera_info(ByteView message, const std::string& encoding);
 Pose read_pose(ByteView message, const std::string& type, const std::string& encoding);
 Transforms read_transforms(ByteView message, const std::string& encoding);
+double read_number(ByteView message, const std::string& encoding);
 
 }  // namespace lcmslam::ros

@@ -20,6 +20,20 @@ bool is_ros_file(const fs::path& path) {
   return path.extension() == ".bag" || path.extension() == ".mcap";
 }
 
+Utime microseconds(double seconds) {
+  return std::llround(seconds * 1e6);
+}
+
+bool is_clock_offset(const std::string& topic) {
+  return topic == clock_offset_beside(topic);
+}
+
+double read_clock_offset(ByteView message, const std::string& encoding) {
+  const double offset = read_number(message, encoding);
+  if (!(std::abs(offset) <= 10)) throw RecordingError("must be -10 to 10 s");
+  return offset;
+}
+
 void check_size(const EncodedImage& image, const CameraModel& camera) {
   if (image.width == camera.width && image.height == camera.height) return;
   throw CodecError("is " + std::to_string(image.width) + "x" + std::to_string(image.height) +
@@ -123,7 +137,13 @@ void RosRecording::look_at(const RecordedMessage& message, ByteView bytes, std::
       of.facts.frame = image.header.frame;
       if (of.facts.kind != ImageKind::unknown) of.facts.size = size_of(image);
     }
-    add_entry(of, image.header, message, file);
+    // As the camera stamped it: what a calibration says of its clock is said of that.
+    RosHeader header = image.header;
+    if (header.utime != 0) header.utime -= microseconds(clock_offset_of(recorded.name));
+    add_entry(of, header, message, file);
+  } else if (is_number(type)) {
+    if (is_clock_offset(recorded.name))
+      clock_offsets_[recorded.name] = read_clock_offset(bytes, recorded.encoding);
   } else if (is_pose(type)) {
     const Pose pose = read_pose(bytes, type, recorded.encoding);
     if (of.entries.empty()) of.facts.frame = pose.child_frame;
@@ -146,6 +166,12 @@ void RosRecording::add_entry(Topic& topic, const RosHeader& header, const Record
                              std::size_t file) {
   if (header.utime == 0) ++unstamped_;
   topic.entries.push_back({header.utime != 0 ? header.utime : message.log_time / 1000, file, message});
+}
+
+/// Seconds that stand in the stamps of these images, by what was read so far.
+double RosRecording::clock_offset_of(const std::string& images) const {
+  const auto known = clock_offsets_.find(clock_offset_beside(images));
+  return known == clock_offsets_.end() ? 0 : known->second;
 }
 
 /// One line for each: a robot may repeat it a hundred times a second.
@@ -186,6 +212,9 @@ void RosRecording::settle_calibration(const RosOptions& options, const Topics& c
     HeadCalibration head = make_calibration(camera(*colour_, chosen.colour_info),
                                             camera(*depth_, chosen.depth_info), transforms_, robot_frames);
     calibration_ = head.calibration;
+    calibration_.depth_clock_offset = clock_offset_of(depth_->facts.name);
+    if (calibration_.depth_clock_offset != 0)
+      notes_.push_back("depth's clock: by " + clock_offset_beside(depth_->facts.name));
     notes_.insert(notes_.end(), head.notes.begin(), head.notes.end());
     // An empty name is of no frame: without a mount both are empty.
     if (!odometry_frame.empty() && head.robot_frame == odometry_frame) return;
@@ -203,8 +232,8 @@ void RosRecording::pair_images(double max_stamp_difference) {
     for (const Entry& entry : topic.entries) utimes.push_back(entry.utime);
     return utimes;
   };
-  const auto pairs =
-      pair_by_stamps(stamps(*colour_), stamps(*depth_), std::llround(max_stamp_difference * 1e6));
+  const auto pairs = pair_by_stamps(stamps(*colour_), stamps(*depth_), calibration_.depth_offset(),
+                                    microseconds(max_stamp_difference));
   for (const auto& [colour, depth] : pairs)
     events_.push_back({colour_->entries[colour].utime, EventKind::frame, colour, depth});
   frames_ = pairs.size();

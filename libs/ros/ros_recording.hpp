@@ -83,6 +83,7 @@ class RosRecording {
   void look_through(std::size_t file);
   void look_at(const RecordedMessage& message, ByteView bytes, std::size_t file);
   void add_entry(Topic& topic, const RosHeader& header, const RecordedMessage& message, std::size_t file);
+  double clock_offset_of(const std::string& images) const;
   void list_unusable_transforms();
   void sort_entries(Topic& topic);
   void choose(const RosOptions& options);
@@ -100,6 +101,7 @@ class RosRecording {
   std::vector<Topic> topics_;
   TransformTree transforms_;
   std::map<std::string, std::size_t> unusable_transforms_;  // how often, by topic and frames
+  std::map<std::string, double> clock_offsets_;             // s, the last of each topic of that name
   RgbdCalibration calibration_;
   int jpeg_quality_ = 90;
   Topic *colour_ = nullptr, *depth_ = nullptr, *odometry_ = nullptr, *truth_ = nullptr;

@@ -112,9 +112,8 @@ void choose_info(Chooser& chooser, const std::string& what, const std::string& o
       what, option, fits, [&](const std::string& topic) { return topic == beside ? 1 : 0; }, name);
 }
 
-}  // namespace
-
-std::string camera_info_beside(const std::string& image_topic) {
+/// "/camera/color/image_raw/compressed" -> "/camera/color"
+std::string camera_of(const std::string& image_topic) {
   std::string parent = image_topic;
   const auto cut = [&] { parent.erase(std::min(parent.size(), parent.rfind('/'))); };
   for (const char* transport : {"/compressed", "/compressedDepth"})
@@ -125,7 +124,17 @@ std::string camera_info_beside(const std::string& image_topic) {
       break;
     }
   cut();
-  return parent + "/camera_info";
+  return parent;
+}
+
+}  // namespace
+
+std::string camera_info_beside(const std::string& image_topic) {
+  return camera_of(image_topic) + "/camera_info";
+}
+
+std::string clock_offset_beside(const std::string& image_topic) {
+  return camera_of(image_topic) + "/clock_offset";
 }
 
 TopicChoice choose_topics(const std::vector<TopicFacts>& topics, const Topics& wanted) {

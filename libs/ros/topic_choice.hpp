@@ -41,5 +41,8 @@ TopicChoice choose_topics(const std::vector<TopicFacts>& topics, const Topics& w
 
 /// "/camera/color/image_raw/compressed" -> "/camera/color/camera_info"
 std::string camera_info_beside(const std::string& image_topic);
+/// "/camera/depth/image" -> "/camera/depth/clock_offset": seconds that our export has added to depth's stamps
+/// (std_msgs/Float64), in force from its message on.
+std::string clock_offset_beside(const std::string& image_topic);
 
 }  // namespace lcmslam::ros

@@ -14,7 +14,9 @@ constexpr std::int64_t unpaired_trouble = 15;  // images in a row, of both camer
 
 LiveSource::LiveSource(const RgbdCalibration& calibration, std::vector<WatchedPart> parts, Utime tolerance,
                        const LiveSettings& settings)
-    : calibration_(calibration), jpeg_quality_(settings.jpeg_quality), pairs_(tolerance) {
+    : calibration_(calibration),
+      jpeg_quality_(settings.jpeg_quality),
+      pairs_(tolerance, calibration.depth_offset()) {
   for (WatchedPart& part : parts) {
     Camera& camera = cameras_.emplace_back();
     camera.name = part.name;

@@ -79,12 +79,21 @@ class McapExporter {
             ros::write_image({frame.colour.utime, colour_frame}, decode_colour(frame.colour)));
     const RosHeader header{calibration_.depth_time(frame.depth.utime),
                            calibration_.depth_registered ? colour_frame : depth_frame};
+    tell_clock_offset(topic + "/depth/clock_offset", header.utime);
     if (frame.depth.coding != ImageCoding::none)
       write(topic + "/depth/image", "sensor_msgs/msg/Image", header.utime,
             ros::write_image(header, decode_depth(frame.depth)));
     if (frame.amplitude.coding != ImageCoding::none)
       write(topic + "/amplitude/image", "sensor_msgs/msg/Image", header.utime,
             ros::write_image(header, decode_gray(frame.amplitude)));
+  }
+
+  /// ROS knows one clock, so depth's stamps are put on colour's; a reader that knows this topic has the
+  /// camera's own again, and does not add a calibration's offset twice.
+  void tell_clock_offset(const std::string& topic, Utime utime) {
+    const double offset = calibration_.depth_clock_offset;
+    if (offset == 0 && channels_.count(topic) == 0) return;
+    write(topic, "std_msgs/msg/Float64", utime, ros::write_number(offset));
   }
 
   void take(const camera_calibration_t& message) {

@@ -14,6 +14,7 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t fewest_keyframes = 5;
+constexpr std::size_t most_kept = 3;  // times as many as are taken
 
 constexpr Utime whole_recording = 100'000'000'000;  // us
 
@@ -84,12 +85,13 @@ void RecordedScene::add(const RgbdFrame& frame) {
   const Eigen::Isometry3d T = sample->T_odom_robot * features.T_robot_camera;
   path_.push_back({frame.utime, T});
   if (!is_keyframe(T)) return;
-  Keyframe keyframe{path_.size() - 1, std::move(features), {}};
+  last_keyframe_ = T;
+  if (!is_to_be_kept()) return;
+  Keyframe keyframe{path_.size() - 1, std::move(features), {}, filtered.depth};
   keyframe.observed.grey = smooth_grey(frame.colour);
   keyframe.observed.utime = frame.utime;
   keyframe.observed.T_world_camera = T;
   keyframe.observed.depth_lag = seconds(frame.utime, frame.depth_utime);
-  keyframe.observed.inverse_depth = inverse_of(filtered.depth, start_);
   keyframes_.push_back(std::move(keyframe));
 }
 
@@ -98,10 +100,20 @@ void RecordedScene::add(const MotionSample& odometry) {
 }
 
 bool RecordedScene::is_keyframe(const Eigen::Isometry3d& T) const {
-  if (keyframes_.empty()) return true;
-  const Eigen::Isometry3d& last = keyframes_.back().observed.T_world_camera;
-  return distance_between(last, T) > settings_.keyframe_translation ||
-         angle_between(last, T) > settings_.keyframe_rotation;
+  if (!last_keyframe_) return true;
+  return distance_between(*last_keyframe_, T) > settings_.keyframe_translation ||
+         angle_between(*last_keyframe_, T) > settings_.keyframe_rotation;
+}
+
+/// Makes room, so that those of a long recording stay few and spread evenly over all of it.
+bool RecordedScene::is_to_be_kept() {
+  const std::size_t number = keyframes_seen_++;
+  if (number % keep_each_ != 0) return false;
+  if (keyframes_.size() < most_kept * static_cast<std::size_t>(settings_.keyframes)) return true;
+  for (std::size_t i = 1; 2 * i < keyframes_.size(); ++i) keyframes_[i] = std::move(keyframes_[2 * i]);
+  keyframes_.resize((keyframes_.size() + 1) / 2);
+  keep_each_ *= 2;
+  return number % keep_each_ == 0;
 }
 
 // Over the same time before and after, so that an acceleration does no harm.
@@ -162,6 +174,7 @@ SceneObservations RecordedScene::observations() const {
                           : std::optional(motion_between(keyframes.back()->pose, keyframes_[i].pose));
     keyframes.push_back(&keyframes_[i]);
     observed.push_back(keyframes_[i].observed);
+    observed.back().inverse_depth = inverse_of(keyframes_[i].depth, start_);
     observed.back().twist = velocity->twist;
     observed.back().turn_noise = velocity->turn_noise;
     observed.back().motion = motion;

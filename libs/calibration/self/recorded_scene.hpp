@@ -35,7 +35,8 @@ struct RecordedSceneSettings {
 
   void describe(SettingsVisitor& s) {
     s.number("max_features", max_features, "", {50, 5000}, "keypoints of an image");
-    s.number("keyframes", keyframes, "", {5, 1000}, "at most: of more so many are taken, evenly");
+    s.number("keyframes", keyframes, "", {5, 1000},
+             "at most: of more so many are taken, evenly; while it reads three times as many are kept");
     s.number("keyframe_translation", keyframe_translation, "m", {1e-3, 10}, "from keyframe to keyframe");
     s.number("keyframe_rotation", keyframe_rotation, "rad", {1e-3, 3}, "from keyframe to keyframe");
     s.number("velocity_window", velocity_window, "s", {1e-3, 1},
@@ -67,6 +68,9 @@ class RecordedScene {
 
   int frames() const { return frames_; }
   int tracked() const { return static_cast<int>(path_.size()); }
+  /// With their images in memory, 1 MB each at 640x480: at most three times what observations() takes. A
+  /// longer recording lets go of every second one, and of what comes later keeps as few.
+  std::size_t kept_keyframes() const { return keyframes_.size(); }
   /// The camera's poses by visual odometry where it tracked, each with the colour image's stamp.
   struct PathPose {
     Utime utime;
@@ -84,9 +88,11 @@ class RecordedScene {
   struct Keyframe {
     std::size_t pose;  // in path_
     FeatureFrame features;
-    ObservedKeyframe observed;
+    ObservedKeyframe observed;  // but for what is computed when it is asked for
+    cv::Mat depth;              // mm: half the size of its inverse
   };
   bool is_keyframe(const Eigen::Isometry3d& T) const;
+  bool is_to_be_kept();
   struct Velocity {
     Vector6d twist;
     double turn_noise;
@@ -102,6 +108,8 @@ class RecordedScene {
   VisualOdometry odometry_;
   std::vector<PathPose> path_;
   std::vector<Keyframe> keyframes_;
+  std::optional<Eigen::Isometry3d> last_keyframe_;  // kept or not
+  std::size_t keyframes_seen_ = 0, keep_each_ = 1;
   MotionBuffer wheels_;
   CameraTurn turn_;
   std::vector<CameraTurn::Step> turns_;

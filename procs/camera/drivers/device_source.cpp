@@ -63,7 +63,7 @@ ExpectedImages expected_of(const DriverSettings& driver, const RgbdCalibration& 
 
 std::unique_ptr<CameraSource> make_single(const DriverSettings& driver, const RgbdCalibration& calibration,
                                           const LiveSettings& live) {
-  const WantedImages wanted{true, true, calibration.depth_registered};
+  const WantedImages wanted{true, true, calibration.depth_registered, calibration.depth_offset()};
   const ExpectedImages expected = expected_of(driver, calibration);
   if (driver.is_recording())
     return std::make_unique<RecordedSource>(calibration, expected, open_driver(driver, wanted),
@@ -80,14 +80,14 @@ std::unique_ptr<CameraSource> make_pair_source(const PairSourceSettings& pair,
   const DriverSettings colour = pair.colour, depth = pair.depth;
   if (colour.is_recording() != depth.is_recording())
     throw CameraError("camera.pair: must be two cameras or two recordings, not one of each");
-  const WantedImages colour_alone{true, false, false}, depth_alone{false, true, false};
+  const WantedImages colour_alone{true, false}, depth_alone{false, true};
   const ExpectedImages expected{size_of(calibration.colour), size_of(calibration.depth)};
   const auto tolerance = static_cast<Utime>(1e6 * pair.tolerance);
   if (colour.is_recording())
     return std::make_unique<RecordedSource>(
         calibration, expected,
         std::make_unique<PairedRecording>(open_driver(colour, colour_alone), open_driver(depth, depth_alone),
-                                          tolerance),
+                                          ImagePairs(tolerance, calibration.depth_offset())),
         live.jpeg_quality);
   std::vector<WatchedPart> parts = {
       {"colour", [=] { return open_driver(colour, colour_alone); }, {expected.colour, {}}},

@@ -12,7 +12,7 @@ inline void describe_recording(SettingsVisitor& s, double& start) {
            "stamp of a recording's first image, since 1970; 0: the time at which it is opened");
 }
 
-/// OpenCV's VideoCapture: V4L2 cameras, video files, image sequences.
+/// By OpenCV: V4L2 cameras, video files, image sequences.
 struct VideoSettings {
   std::string device = "/dev/video0", file, format, images = "colour";
   int width = 0, height = 0;

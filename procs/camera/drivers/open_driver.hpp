@@ -12,6 +12,7 @@ namespace lcmslam {
 struct WantedImages {
   bool colour = true, depth = true;
   bool registered = false;  ///< depth pixel (u, v) shall belong to colour pixel (u, v)
+  Utime depth_offset = 0;   ///< us, added to depth's stamps gives colour's clock: pairs are made by that
 };
 
 /// The driver is not part of this build; says what to install.

@@ -1,42 +1,20 @@
-// V4L2 cameras, video files and image sequences, by OpenCV's VideoCapture.
+// V4L2 cameras and video files, by OpenCV's VideoCapture.
 
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 #include <lcmslam/imaging/io/jpeg.hpp>
+#include "procs/camera/drivers/image_sequence.hpp"
 #include "procs/camera/drivers/open_driver.hpp"
+#include "procs/camera/drivers/video_shot.hpp"
 #include "procs/camera/drivers/wall_clock.hpp"
 
 namespace lcmslam {
 namespace {
 
-constexpr double sequence_rate = 30;                            // Hz, where nobody says
 constexpr double exposure_by_hand = 1, exposure_automatic = 3;  // V4L2_EXPOSURE_MANUAL, _APERTURE_PRIORITY
 constexpr double exposure_unit = 100e-6;                        // s, of V4L2_CID_EXPOSURE_ABSOLUTE
 constexpr Utime longest_delay = 1'000'000;                      // us, that a driver's stamp may be old
-
-/// Raw values of 16 bits, steps of `unit` metres, in millimetres.
-cv::Mat depth_in_millimetres(const cv::Mat& image, double unit, const std::string& name) {
-  if (image.type() != CV_16UC1)
-    throw CameraError(name + ": is not depth: images must have one channel of 16 bits");
-  cv::Mat depth;
-  image.convertTo(depth, CV_16UC1, unit * 1000);
-  return depth;
-}
-
-cv::Mat colour_in_bgr(const cv::Mat& image, const std::string& name) {
-  cv::Mat bgr;
-  if (image.type() == CV_8UC3)
-    bgr = image.clone();
-  else if (image.type() == CV_8UC1)
-    cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
-  else if (image.type() == CV_8UC4)
-    cv::cvtColor(image, bgr, cv::COLOR_BGRA2BGR);
-  else
-    throw CameraError(name + ": images must have 8 bits in 1, 3 or 4 channels; depth: `images: depth`");
-  return bgr;
-}
 
 class VideoCamera : public CameraDevice {
  public:
@@ -44,14 +22,10 @@ class VideoCamera : public CameraDevice {
 
  protected:
   CameraShot frame_of(const cv::Mat& image, Utime utime, const std::string& name) const {
+    if (!jpeg_) return video_shot(image, utime, settings_, name);
     CameraShot frame;
     frame.utime = frame.depth_utime = utime;
-    if (jpeg_)
-      keep(image, frame);
-    else if (settings_.images == "depth")
-      frame.depth = depth_in_millimetres(image, settings_.depth_unit, name);
-    else
-      frame.colour = colour_in_bgr(image, name);
+    keep(image, frame);
     return frame;
   }
 
@@ -93,17 +67,14 @@ class VideoCamera : public CameraDevice {
   }
 };
 
-/// A video or an image sequence.
+/// A video.
 class VideoFile : public VideoCamera {
  public:
   explicit VideoFile(const VideoSettings& settings)
       : VideoCamera(settings), start_(start_utime(settings.start)) {
-    sequence_ = settings.file.find('%') != std::string::npos;
-    const int backend = sequence_ ? cv::CAP_IMAGES : cv::CAP_FFMPEG;
-    if (!capture_.open(settings.file, backend) && (sequence_ || !capture_.open(settings.file)))
-      throw CameraError(settings.file + ": cannot be opened, or is " +
-                        (sequence_ ? "no sequence of images" : "no video that OpenCV reads"));
-    jpeg_ = !sequence_ && keeps_jpeg() &&
+    if (!capture_.open(settings.file, cv::CAP_FFMPEG) && !capture_.open(settings.file))
+      throw CameraError(settings.file + ": cannot be opened, or is no video that OpenCV reads");
+    jpeg_ = keeps_jpeg() &&
             bytes_.open(settings.file, cv::CAP_FFMPEG, {cv::CAP_PROP_FORMAT, -1});  // as they are in the file
   }
 
@@ -114,13 +85,12 @@ class VideoFile : public VideoCamera {
       ended_ = true;
       return std::nullopt;
     }
-    return frame_of(image, start_ + since_start(images_++), settings_.file);
+    return frame_of(image, start_ + since_start(), settings_.file);
   }
 
   bool ended() const override { return ended_; }
   std::string describe() const override {
-    return settings_.file + ": " + size_and_rate(sequence_ ? rate() : own_rate()) +
-           (jpeg_ ? ", MJPG as it is" : "");
+    return settings_.file + ": " + size_and_rate(own_rate()) + (jpeg_ ? ", MJPG as it is" : "");
   }
 
  private:
@@ -131,19 +101,13 @@ class VideoFile : public VideoCamera {
     return false;
   }
 
-  double rate() const { return settings_.rate > 0 ? settings_.rate : sequence_rate; }
-
-  /// us; images of a sequence have no stamps.
-  Utime since_start(std::int64_t image) const {
-    const double ms =
-        sequence_ ? 1000 / rate() * static_cast<double>(image) : capture_.get(cv::CAP_PROP_POS_MSEC);
-    return static_cast<Utime>(std::llround(ms * 1000));
+  Utime since_start() const {  // us
+    return static_cast<Utime>(std::llround(capture_.get(cv::CAP_PROP_POS_MSEC) * 1000));
   }
 
   cv::VideoCapture bytes_;  // the same file, undecoded: has no stamps, which capture_ knows
   Utime start_;
-  bool sequence_ = false, ended_ = false;
-  std::int64_t images_ = 0;
+  bool ended_ = false;
 };
 
 /// A V4L2 camera.
@@ -207,6 +171,7 @@ class VideoDevice : public VideoCamera {
 }  // namespace
 
 std::unique_ptr<CameraDevice> open_video(const VideoSettings& settings) {
+  if (settings.file.find('%') != std::string::npos) return open_sequence(settings);
   if (!settings.file.empty()) return std::make_unique<VideoFile>(settings);
   return std::make_unique<VideoDevice>(settings);
 }

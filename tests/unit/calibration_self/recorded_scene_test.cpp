@@ -24,6 +24,8 @@ constexpr Utime frame_period = 250'000;  // us
 
 struct Drive {
   RgbdCalibration truth, start;
+  std::vector<MotionSample> wheels;
+  std::vector<RgbdFrame> frames;
   std::unique_ptr<RecordedScene> recording;
 };
 
@@ -45,9 +47,11 @@ const Drive& drive() {
     WheelOdometry wheels;
     Utime next_frame = simulation.start() + 3'000'000;
     for (Utime t = simulation.start(); t < simulation.start() + 13'000'000; t += 20'000)
-      if (const auto sample = wheels.update(simulation.encoders(t))) d.recording->add(*sample);
+      if (const auto sample = wheels.update(simulation.encoders(t))) d.wheels.push_back(*sample);
     for (; next_frame < simulation.start() + 12'000'000; next_frame += frame_period)
-      d.recording->add(simulation.render(next_frame));
+      d.frames.push_back(simulation.render(next_frame));
+    for (const MotionSample& sample : d.wheels) d.recording->add(sample);
+    for (const RgbdFrame& frame : d.frames) d.recording->add(frame);
     return d;
   }();
   return once;
@@ -129,6 +133,31 @@ TEST(OdometryClock, FindsThatSimulatedWheelsAreLate) {
     RecordProperty("offset_us_" + std::to_string(seed), static_cast<int>(1e6 * found.offset));
     RecordProperty("sigma_us_" + std::to_string(seed), static_cast<int>(1e6 * found.sigma));
   }
+}
+
+TEST(RecordedScene, KeepsFewKeyframesSpreadOverALongRecording) {
+  const Drive& d = drive();
+  RecordedSceneSettings settings;
+  settings.keyframes = 5;
+  settings.keyframe_translation = settings.keyframe_rotation = 1e-3;  // each image is one
+  RecordedScene recording(d.start, settings);
+  for (const MotionSample& sample : d.wheels) recording.add(sample);
+  std::set<std::size_t> sizes;
+  for (const RgbdFrame& frame : d.frames) {
+    recording.add(frame);
+    sizes.insert(recording.kept_keyframes());
+  }
+  ASSERT_GT(recording.tracked(), 31) << "they are halved twice";
+  EXPECT_EQ(*sizes.rbegin(), 15U);
+  EXPECT_LT(recording.kept_keyframes(), 12U);
+  const SceneObservations scene = recording.observations();
+  ASSERT_EQ(scene.keyframes.size(), 5U);
+  const auto& path = recording.path();
+  const Utime whole = path.back().utime - path.front().utime;
+  for (std::size_t i = 1; i < 5; ++i)
+    EXPECT_NEAR(static_cast<double>(scene.keyframes[i].utime - scene.keyframes[i - 1].utime),
+                static_cast<double>(whole) / 5, static_cast<double>(whole) / 9)
+        << i;
 }
 
 TEST(RecordedScene, SaysWhatARecordingThatStandsStillLacks) {

@@ -1,6 +1,8 @@
 // Video files and image sequences that the test writes, read as a camera.
 
 #include <gmock/gmock.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <fstream>
 
@@ -98,6 +100,55 @@ TEST_F(VideoFiles, SequencesOfImagesAreReadBitForBit) {
     EXPECT_EQ(largest_difference(frame.colour, numbered_colour(size, i)), 0) << i;
     EXPECT_EQ(frame.utime, 7'000'000 + i * 50'000);
   }
+}
+
+/// What goes to the log while it lives.
+class HeardLog {
+ public:
+  HeardLog() : before_(spdlog::default_logger()) {
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("heard", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
+  }
+  ~HeardLog() { spdlog::set_default_logger(before_); }
+  std::string text() const { return text_.str(); }
+
+ private:
+  std::shared_ptr<spdlog::logger> before_;
+  std::ostringstream text_;
+};
+
+TEST_F(VideoFiles, ASequenceGoesOnAfterWhatIsMissingAndSaysSoOnce) {
+  write_sequence(20, false);
+  for (const char* name : {"0000.png", "0007.png", "0012.png", "0013.png"})
+    std::filesystem::remove(folder / name);
+  for (const char* name : {"0015.png", "0017.png"}) std::ofstream(folder / name) << "no image";
+  VideoSettings settings;
+  settings.file = (folder / "%04d.png").string();
+  settings.rate = 20;
+  settings.start = 7;
+  HeardLog log;
+  const auto frames = read_all(settings);
+  std::vector<int> numbers;
+  for (int i = 1; i < 20; ++i)
+    if (i != 7 && i != 12 && i != 13 && i != 15 && i != 17) numbers.push_back(i);
+  ASSERT_EQ(frames.size(), numbers.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(largest_difference(frames[i].colour, numbered_colour(size, numbers[i])), 0) << i;
+    EXPECT_EQ(frames[i].utime, 7'000'000 + (numbers[i] - 1) * 50'000) << "a number is an interval";
+  }
+  EXPECT_THAT(log.text(), HasSubstr("%04d.png: missing are 3 of 19 images, the first 0007.png"));
+  EXPECT_THAT(log.text(), HasSubstr("0015.png: is no image"));
+  EXPECT_THAT(log.text(), ::testing::Not(HasSubstr("0017.png")));
+}
+
+TEST_F(VideoFiles, AWholeSequenceEndsAndSaysNothing) {
+  write_sequence(3, false);
+  std::ofstream(folder / "later0009.png") << "of another sequence";
+  VideoSettings settings;
+  settings.file = (folder / "%04d.png").string();
+  HeardLog log;
+  EXPECT_EQ(read_all(settings).size(), 3U);
+  EXPECT_EQ(log.text(), "");
 }
 
 TEST_F(VideoFiles, DepthHasSixteenBitsInTheUnitThatIsSaid) {

@@ -46,7 +46,7 @@ struct Result {
 
 /// Images arrive in the order of their stamps.
 Result match(const Stamps& colours, const Stamps& depths, Utime tolerance) {
-  ImagePairs matcher(tolerance);
+  ImagePairs matcher(tolerance, 0);
   Result result;
   Utime now = 0;
   const auto take = [&](bool ended) {
@@ -140,7 +140,7 @@ TEST(ImagePairs, WaitForNoImageThatCannotComeNearer) {
 }
 
 TEST(ImagePairs, OfOneCameraThatFallsSilentAreNotWaitedForForEver) {
-  ImagePairs matcher(20'000);
+  ImagePairs matcher(20'000, 0);
   matcher.add_depth(image(1'000'000));
   for (int i = 0; i < 100; ++i) matcher.add_colour(image(1'000'000 + i * 33'000));
   int pairs = 0;
@@ -150,7 +150,7 @@ TEST(ImagePairs, OfOneCameraThatFallsSilentAreNotWaitedForForEver) {
 }
 
 TEST(ImagePairs, TakeTheDepthImageWithItsStampAndAmplitude) {
-  ImagePairs matcher(20'000);
+  ImagePairs matcher(20'000, 0);
   RgbdFrame colour = image(1'000'000), depth = image(1'003'000);
   colour.colour = cv::Mat(4, 4, CV_8UC3, cv::Scalar(1, 2, 3));
   depth.depth = cv::Mat(2, 2, CV_16UC1, cv::Scalar(777));
@@ -196,7 +196,7 @@ TEST(PairedRecording, GivesAllPairsOfTwoRecordingsToTheirEnd) {
     const Stamps colours = stream(random, 1'000'000, 33'333, 1000, 0.1);
     const Stamps depths = stream(random, 2'000'000, 33'400, 1000, 0.1);  // begins and ends a second later
     PairedRecording recording(std::make_unique<Recording>(colours, false),
-                              std::make_unique<Recording>(depths, true), 12'000);
+                              std::make_unique<Recording>(depths, true), ImagePairs(12'000, 0));
     Pairs pairs;
     while (true) {
       const auto frame = recording.read(std::chrono::milliseconds(0));
@@ -212,7 +212,7 @@ TEST(PairedRecording, GivesAllPairsOfTwoRecordingsToTheirEnd) {
 }
 
 TEST(ImagePairs, ATimeThatBeginsAnewIsFollowedAndSayHowFarTheNearestWas) {
-  ImagePairs matcher(20'000);
+  ImagePairs matcher(20'000, 0);
   for (int i = 0; i < 20; ++i) {
     matcher.add_colour(image(50'000'000 + i * 100'000));
     matcher.add_depth(image(50'040'000 + i * 100'000));
@@ -228,6 +228,42 @@ TEST(ImagePairs, ATimeThatBeginsAnewIsFollowedAndSayHowFarTheNearestWas) {
   const PairCounts counts = matcher.counts();
   EXPECT_EQ(counts.unmatched_colour, 21);
   EXPECT_EQ(counts.unmatched_depth, 20);
+}
+
+/// Depth stamps by a clock of its own.
+Pairs shifted(const Pairs& pairs, Utime offset) {
+  Pairs result;
+  for (const auto& [colour, depth] : pairs) result[colour] = depth + offset;
+  return result;
+}
+
+TEST(ImagePairs, AreTheSameByWhateverClockDepthIsStamped) {
+  for (const Utime offset : {-80'000, -20'000, 70'000, 1'500'000}) {
+    Random random(3);
+    const Stamps colours = stream(random, 9'000'000, 33'333, 1000, 0.1);
+    Stamps depths = stream(random, 9'000'000, 33'400, 1000, 0.1);
+    const Pairs wanted = shifted(best_pairs(colours, depths, 12'000), -offset);
+    ImagePairs matcher(12'000, offset);
+    Pairs found;
+    for (std::size_t c = 0, d = 0; c < colours.size() || d < depths.size();) {  // as they are taken
+      if (d == depths.size() || (c < colours.size() && colours[c] <= depths[d]))
+        matcher.add_colour(image(colours[c++]));
+      else
+        matcher.add_depth(image(depths[d++] - offset));
+      while (const auto pair = matcher.next()) found[pair->utime] = pair->depth_utime;
+    }
+    matcher.finish();
+    while (const auto pair = matcher.next()) found[pair->utime] = pair->depth_utime;
+    EXPECT_EQ(found, wanted) << offset;
+
+    for (Utime& stamp : depths) stamp -= offset;
+    PairedRecording recording(std::make_unique<Recording>(colours, false),
+                              std::make_unique<Recording>(depths, true), ImagePairs(12'000, offset));
+    found.clear();
+    while (const auto frame = recording.read(std::chrono::milliseconds(0)))
+      found[frame->utime] = frame->depth_utime;
+    EXPECT_EQ(found, wanted) << offset;
+  }
 }
 
 }  // namespace

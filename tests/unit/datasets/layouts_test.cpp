@@ -131,6 +131,21 @@ TEST(Tum, AssociationIsOneToOne) {
   EXPECT_EQ(source->entry(0).utime, 1'010'000);
 }
 
+// The clock decides which images belong together, not the stamps.
+TEST(Tum, PairsByTheDepthClockOfItsCalibration) {
+  const ScratchFolder folder;
+  write_tum(folder);
+  folder.write("calibration.yaml", std::string(calibration_text()) + "depth_clock_offset: -0.014\n");
+  folder.write("rgb.txt", "1.000 rgb/0.png\n1.010 rgb/1.png\n1.500 rgb/2.png\n1.600 rgb/3.png\n");
+  // Of 0.998, of 1.012, of 1.475 (which none is near), of 1.602.
+  folder.write("depth.txt", "1.012 depth/0.png\n1.026 depth/1.png\n1.489 depth/2.png\n1.616 depth/3.png\n");
+  const auto source = open_dataset(folder.path());
+  ASSERT_EQ(source->size(), 3u);
+  EXPECT_EQ(source->entry(0).depth_utime, 1'012'000);
+  EXPECT_EQ(source->entry(1).depth_utime, 1'026'000);
+  EXPECT_EQ(source->entry(2).depth_utime, 1'616'000);
+}
+
 TEST(Tum, IntrinsicsByTheSequencesNameOrTheDefault) {
   const ScratchFolder named;
   write_tum(named, "# color images\n# file: 'rgbd_dataset_freiburg2_desk.bag'\n");
@@ -153,8 +168,9 @@ TEST(Tum, IclNuim) {
   std::string truth;
   for (int i = 1; i <= 4; ++i) {
     const std::string n = std::to_string(i);
-    associations += n + " depth/" + n + ".png " + n + " rgb/" + n + ".png\n";
-    truth += n + " 0 0 " + n + " 0 0 0 1\n";
+    associations.append(n).append(" depth/").append(n).append(".png ");
+    associations.append(n).append(" rgb/").append(n).append(".png\n");
+    truth.append(n).append(" 0 0 ").append(n).append(" 0 0 0 1\n");
     folder.write("rgb/" + n + ".png", colour_image(i));
     folder.write("depth/" + n + ".png", depth_image(5000));
   }

@@ -140,15 +140,16 @@ TEST_F(CameraDevices, ImagesOfAnotherSizeInARecordingAreCountedAsMalformed) {
 /// Gives images at a pace by the real clock, until it is unplugged.
 class PacedCamera : public CameraDevice {
  public:
-  PacedCamera(bool depth, Utime period, const std::atomic<bool>& plugged, int& number)
-      : depth_(depth), period_(period), plugged_(plugged), number_(number) {
+  PacedCamera(bool depth, Utime period, const std::atomic<bool>& plugged, int& number,
+              Utime start = 1'000'000)
+      : depth_(depth), period_(period), start_(start), plugged_(plugged), number_(number) {
     if (!plugged) throw CameraError("nothing is plugged in");
   }
   std::optional<CameraShot> read(milliseconds) override {
     if (!plugged_) throw CameraError("pulled out");
     std::this_thread::sleep_for(std::chrono::microseconds(period_ / 4));
     RgbdFrame frame;
-    frame.utime = frame.depth_utime = 1'000'000 + ++number_ * period_;
+    frame.utime = frame.depth_utime = start_ + ++number_ * period_;
     (depth_ ? frame.depth : frame.colour) =
         depth_ ? numbered_depth(depth_size, number_) : numbered_colour(colour_size, number_);
     return frame;
@@ -157,7 +158,7 @@ class PacedCamera : public CameraDevice {
 
  private:
   bool depth_;
-  Utime period_;
+  Utime period_, start_;
   const std::atomic<bool>& plugged_;
   int& number_;  // goes on when it is opened again
 };
@@ -200,6 +201,47 @@ TEST_F(CameraDevices, OfAPairOneMayBeUnpluggedAndIsNamed) {
   while (source.next()) {
   }
   stopper.join();
+}
+
+TEST_F(CameraDevices, APairIsOfOneMomentByDepthsClock) {
+  constexpr Utime ahead = 250'000;  // us
+  const std::atomic<bool> plugged{true};
+  int colours = 0, depths = 0;
+  std::vector<WatchedPart> parts = {
+      {"colour",
+       [&] { return std::make_unique<PacedCamera>(false, 100'000, plugged, colours); },
+       {colour_size, {}}},
+      {"depth",
+       [&] { return std::make_unique<PacedCamera>(true, 100'000, plugged, depths, 1'004'000 + ahead); },
+       {{}, depth_size}}};
+  RgbdCalibration calibration = load_calibration(folder / "head.yaml");
+  calibration.depth_clock_offset = -1e-6 * static_cast<double>(ahead);
+  LiveSource source(calibration, std::move(parts), 15'000, {});
+  const auto pairs = [&] {
+    for (const auto& [name, value] : source.health().values)
+      if (name == "pairs") return value;
+    return -1.0;
+  };
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (source.health().trouble.empty() && pairs() < 2 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(milliseconds(2));
+  ASSERT_GE(pairs(), 2) << source.health().trouble;
+  for (int i = 0; i < 2; ++i) {
+    const auto event = source.next();
+    ASSERT_TRUE(event);
+    const auto& frame = std::get<EncodedFrame>(*event);
+    EXPECT_EQ(frame.depth.utime - frame.utime, 4'000 + ahead) << "images keep their own stamps";
+  }
+}
+
+TEST_F(PairOfRecordings, IsOfOneMomentByDepthsClock) {
+  std::ofstream(folder / "head.yaml", std::ios::app) << "depth_clock_offset: 0.2\n";
+  start(config("0.015"));
+  run_to_the_end();
+  const auto messages = publisher.on<images_t>("CAMERA");
+  ASSERT_EQ(messages.size(), 8U) << "depth's last two were taken when colour had ended";
+  for (const images_t& message : messages)
+    EXPECT_EQ(message.images[1].utime - message.images[0].utime, 6'000 - 200'000);
 }
 
 // ------------------------------------------------------------- another driver's channel

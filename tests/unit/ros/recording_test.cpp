@@ -129,6 +129,46 @@ TEST_F(RosDrive, BecomesFramesAndOdometryInOrderOfTime) {
   EXPECT_THAT(recording.problems(), IsEmpty());
 }
 
+/// As a calibration file says it.
+std::filesystem::path head_whose_depth_clock_is_off(const std::string& file, double seconds) {
+  const std::string model = "{width: 32, height: 24, fx: 30, fy: 31, cx: 15.5, cy: 11.5}\n";
+  std::ofstream(file) << "colour: " << model << "depth: " << model
+                      << "colour_depth: {translation: [0, 0, 0], quaternion: [1, 0, 0, 0]}\n"
+                      << "depth_clock_offset: " << seconds << "\n";
+  return file;
+}
+
+TEST_F(RosDrive, PairsByTheDepthClockOfItsCalibration) {
+  RosOptions options;
+  options.calibration = head_whose_depth_clock_is_off(file() + ".yaml", 1.5);
+  begin();
+  for (int i = 0; i < 6; ++i) {
+    write_colour(2'000'000 + 100'000 * i);
+    write_depth(2'005'000 - 1'500'000 + 100'000 * i);
+  }
+  RosRecording recording = open(options);
+  std::filesystem::remove(options.calibration);
+  EXPECT_EQ(recording.frames(), 6U);
+  while (const auto event = recording.next()) {
+    const auto& frame = std::get<EncodedFrame>(*event);
+    EXPECT_EQ(frame.depth.utime, frame.utime + 5'000 - 1'500'000) << "as the camera stamped it";
+  }
+}
+
+TEST_F(RosDrive, AnOffsetThatIsNoneIsLeftOut) {
+  begin();
+  write("/cam/depth/clock_offset", "std_msgs/msg/Float64", 1000, write_number(std::nan("")));
+  write("/cam/depth/clock_offset", "std_msgs/msg/Float64", 1000, write_number(11));
+  write("/elsewhere/clock_offset", "std_msgs/msg/Float64", 1000, write_number(1));
+  write_colour(100'000);
+  write_depth(100'000, "colour");
+  write_infos();
+  const RosRecording recording = open();
+  EXPECT_EQ(recording.frames(), 1U);
+  EXPECT_EQ(recording.calibration().depth_clock_offset, 0);
+  EXPECT_THAT(recording.problems(), ElementsAre(HasSubstr("/cam/depth/clock_offset"), HasSubstr("10 s")));
+}
+
 TEST_F(RosDrive, DepthOfColoursFrameIsRegistered) {
   begin();
   write_colour(100'000);

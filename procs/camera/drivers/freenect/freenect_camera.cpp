@@ -49,7 +49,9 @@ freenect_frame_mode find_mode(int count, freenect_frame_mode (*mode)(int), const
 class FreenectCamera : public CameraDevice {
  public:
   FreenectCamera(const FreenectSettings& settings, const WantedImages& wanted)
-      : wanted_(wanted), name_(settings.serial.empty() ? "Kinect" : "Kinect " + settings.serial) {
+      : wanted_(wanted),
+        name_(settings.serial.empty() ? "Kinect" : "Kinect " + settings.serial),
+        pairs_(pair_tolerance, wanted.depth_offset) {
     if (freenect_init(&context_, nullptr) < 0)
       throw CameraError(name_ + ": libfreenect does not start (USB)");
     try {
@@ -142,7 +144,7 @@ class FreenectCamera : public CameraDevice {
   }
 
   Utime stamp(std::uint32_t ticks) {
-    return clock_.to_host(unroll_(ticks) / ticks_a_microsecond, wall_clock());
+    return clock_.to_host(unroll_(ticks) / ticks_a_microsecond, host_time());
   }
 
   void on_colour(std::uint32_t ticks) {
@@ -186,7 +188,7 @@ class FreenectCamera : public CameraDevice {
   cv::Mat colour_, depth_;  // that libfreenect writes
   UnrolledCounter unroll_;  // both cameras have one clock
   DeviceClock clock_;
-  ImagePairs pairs_{pair_tolerance};
+  ImagePairs pairs_;
   std::deque<CameraShot> single_;
 };
 

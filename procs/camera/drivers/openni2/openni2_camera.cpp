@@ -111,7 +111,7 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
               : settings.device.empty() ? "OpenNI2"
                                         : settings.device),
         opened_(recorded_),
-        pairs_(static_cast<Utime>(0.5e6 / settings.rate)) {
+        pairs_(static_cast<Utime>(0.5e6 / settings.rate), wanted.depth_offset) {
     initialise();
     const char* uri = recorded_ ? settings.file.c_str() : settings.device.c_str();
     if (opened_.device().open(*uri == '\0' ? openni::ANY_DEVICE : uri) != openni::STATUS_OK)
@@ -211,7 +211,7 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
     CameraShot frame;
     const auto device_time = static_cast<Utime>(image.getTimestamp());
     frame.utime = frame.depth_utime =
-        recorded_ ? start_ + device_time : clock_.to_host(device_time, wall_clock());
+        recorded_ ? start_ + device_time : clock_.to_host(device_time, host_time());
     try {
       if (is_depth)
         frame.depth = depth_of(image);
