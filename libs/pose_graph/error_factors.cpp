@@ -1,5 +1,6 @@
 #include <lcmslam/pose_graph/error_factors.hpp>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include <lcmslam/pose_graph/graph_marginals.hpp>
@@ -19,6 +20,12 @@ bool is_odometrys(const GraphEdge& edge) {
   return edge.expected_share < 1;
 }
 
+int measured_directions(const GraphEdge& edge) {
+  constexpr double unknown = 1;  // m^2, rad^2
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(edge.T_from_to.covariance, Eigen::EigenvaluesOnly);
+  return static_cast<int>((axes.eigenvalues().array() < unknown).count());
+}
+
 void add_edge(const GraphEdge& e, const PoseGraph& graph, const GraphMarginals& marginals,
               const PoseGraphSettings& settings, Component& component) {
   const Eigen::Isometry3d& T_from = graph.poses[static_cast<std::size_t>(e.from)];
@@ -30,7 +37,7 @@ void add_edge(const GraphEdge& e, const PoseGraph& graph, const GraphMarginals& 
                             across.transpose() + marginals.block(e.to, e.to);
   const Vector6d v = se3_log(e.T_from_to.T.inverse() * T_from.inverse() * T_to);
   component.squares += v.dot(W * v);
-  component.redundancy += 6 - (W * adjusted).trace();
+  component.redundancy += measured_directions(e) - (W * adjusted).trace();
 }
 
 // Whoever has left the plane says nothing of how flat it is.

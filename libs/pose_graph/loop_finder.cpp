@@ -20,6 +20,14 @@ Matrix6d squares(double translation, double rotation) {
   return m;
 }
 
+// Along a bare wall or floor a cloud fits anywhere, and stays where it was thought to be.
+Matrix6d unmeasured(const RegistrationResult& result) {
+  constexpr double sigma = 30;  // m, rad
+  Matrix6d covariance = Matrix6d::Zero();
+  for (const Vector6d& twist : result.degenerate) covariance += sigma * sigma * twist * twist.transpose();
+  return covariance;
+}
+
 }  // namespace
 
 RegistrationSettings LoopFinderSettings::registration_defaults() {
@@ -144,13 +152,13 @@ std::optional<UncertainTransform> LoopFinder::verify(const KeyframeView& from, c
   const bool fits = result.ok() && result.overlap >= settings_.min_overlap &&
                     result.inliers >= settings_.min_inlier_share * result.pairs;
   if (!fits) return std::nullopt;
-  // What fits anywhere along a wall or on the floor stays where it was thought to be: that measures nothing.
-  if (!aligned.success && !result.degenerate.empty()) return std::nullopt;
   if (aligned.success &&
       distance_from_identity({aligned.T_a_b.inverse() * result.T_target_source,
                               aligned.covariance + noise_floor}) > settings_.max_disagreement)
     return std::nullopt;
-  return UncertainTransform{result.T_target_source, result.covariance + noise_floor};
+  Matrix6d covariance = result.covariance + noise_floor;
+  if (!aligned.success) covariance += unmeasured(result);
+  return UncertainTransform{result.T_target_source, covariance};
 }
 
 }  // namespace lcmslam

@@ -146,6 +146,19 @@ TEST(ErrorFactors, AreNothingToOdometry) {
   }
 }
 
+// What an edge does not measure is no measurement that agrees.
+TEST(ErrorFactors, CountWhatIsMeasuredOnly) {
+  PoseGraph graph = graph_erring(2, 20, 3, 1);
+  const double edges = error_factors(graph, plain_settings()).edges;
+  for (int i = 0; i < 19; ++i) {
+    GraphEdge blind{i, i + 1, EdgeKind::registration, {}, 0};
+    const auto from = static_cast<std::size_t>(i);
+    blind.T_from_to = {graph.poses[from].inverse() * graph.poses[from + 1], 900 * Matrix6d::Identity()};
+    graph.edges.push_back(blind);
+  }
+  EXPECT_NEAR(error_factors(graph, plain_settings()).edges, edges, 1e-3);
+}
+
 /// Back and forth along a gallery, with keyframes on the way there; the robot's frame is the camera's.
 struct Drive {
   explicit Drive(const KeyframeGraphSettings& graph_settings = {}) : settings(graph_settings) {}

@@ -50,8 +50,8 @@ TEST(LoopFinder, RefusesAnotherPlace) {
   EXPECT_FALSE(finder.verify(*view, shuffled, std::nullopt));
 }
 
-// Along a bare wall registration stays where it began.
-TEST(LoopFinder, ABareWallMeasuresNothing) {
+// Along a bare floor registration stays where it began: height and tilt are measured, and nothing else.
+TEST(LoopFinder, ABareFloorMeasuresHeightAndTilt) {
   LoopFinder finder({});
   const auto view_of = [](const Cloud& cloud) {
     KeyframeView view;
@@ -59,11 +59,18 @@ TEST(LoopFinder, ABareWallMeasuresNothing) {
     view.cloud.sigmas.assign(cloud.size(), 0.003f);
     return view;
   };
-  Cloud wall;
-  add_rectangle(wall, {1, -1.5, -1}, {2, 0, 0}, {0, 3, 0}, 0.03);
+  Cloud floor;
+  add_rectangle(floor, {1, -1.5, -1}, {2, 0, 0}, {0, 3, 0}, 0.03);
   const Eigen::Isometry3d guess = se3_exp(twist(0.02, 0.02, 0.01, 0, 0, 0.01));
-  EXPECT_FALSE(finder.verify(view_of(wall), view_of(wall), guess));
-  EXPECT_TRUE(finder.verify(view_of(room(0.03)), view_of(room(0.03)), guess));
+  const auto sigmas = [&](const Cloud& cloud) {
+    const auto measured = finder.verify(view_of(cloud), view_of(cloud), guess);
+    return measured ? Vector6d(measured->covariance.diagonal().cwiseSqrt()) : Vector6d::Zero();
+  };
+  const Vector6d of_floor = sigmas(floor), of_room = sigmas(room(0.03));
+  for (const int unmeasured : {0, 1, 5}) EXPECT_GT(of_floor[unmeasured], 10) << unmeasured;
+  for (const int measured : {3, 4}) EXPECT_LT(of_floor[measured], 0.02) << measured;
+  EXPECT_GT(of_room.minCoeff(), 0);
+  EXPECT_LT(of_room.maxCoeff(), 0.02);
 }
 
 // What features and points say is weighed by the noise that smoothing has left.
