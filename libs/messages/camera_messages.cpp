@@ -348,4 +348,14 @@ bool same_calibration(camera_calibration_t a, camera_calibration_t b) {
   return encode_message(a) == encode_message(b);
 }
 
+bool reads_alike(RgbdCalibration a, RgbdCalibration b) {
+  for (RgbdCalibration* c : {&a, &b}) {
+    c->sensor.clear();
+    c->has_mount = false;
+    c->T_robot_camera = optical_axes();
+    c->pixel_sigma = 1;
+  }
+  return same_calibration(to_message(a), to_message(b));
+}
+
 }  // namespace lcmslam

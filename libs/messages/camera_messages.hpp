@@ -38,5 +38,7 @@ RgbdCalibration from_message(const camera_calibration_t& message);
 bool tells_rolling_shutter(const camera_calibration_t& message);
 /// Whether both say the same of the head (stamps, numbers and senders may differ).
 bool same_calibration(camera_calibration_t a, camera_calibration_t b);
+/// Whether images of both heads mean the same in their cameras' frames: names and mounts may differ.
+bool reads_alike(RgbdCalibration a, RgbdCalibration b);
 
 }  // namespace lcmslam

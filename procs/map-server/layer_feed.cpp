@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -128,7 +131,7 @@ std::optional<StoredImages> LayerFeed::keyframe(const DenseKeyframe& keyframe, c
     if (keyframe.utime == frame->utime) pose = pose_at_colour(*frame, keyframe.T_world_camera);
     images = StoredImages{*frame, pose.T_colour_depth_time};
     images->frame.amplitude = {};
-  } else if (const auto before = kept ? kept() : std::nullopt) {
+  } else if (const auto before = kept ? kept() : std::nullopt; before && is_of_this_camera(*before)) {
     frame = std::make_shared<EncodedFrame>(before->frame);
     pose.T_colour_depth_time = before->T_colour_depth_time;
   }
@@ -137,9 +140,21 @@ std::optional<StoredImages> LayerFeed::keyframe(const DenseKeyframe& keyframe, c
   return images;
 }
 
+/// The derived maps know one calibration: by it another one's images are bent.
+bool LayerFeed::is_of_this_camera(const StoredImages& images) const {
+  if (!calibration_ || !images.calibration) return false;
+  const std::vector<std::uint8_t>& told = images.calibration->bytes;
+  try {
+    return reads_alike(from_message(decode_message<camera_calibration_t>(told.data(), told.size())),
+                       *calibration_);
+  } catch (const DecodeError&) {
+    return false;
+  }
+}
+
 void LayerFeed::adopt(int id, const Eigen::Isometry3d& T_map_camera,
                       const std::optional<StoredImages>& images, ColouredCloud cloud) {
-  if (!images) return worker_.adopt(id, std::move(cloud), T_map_camera);
+  if (!images || !is_of_this_camera(*images)) return worker_.adopt(id, std::move(cloud), T_map_camera);
   worker_.adopt(id, std::make_shared<EncodedFrame>(images->frame),
                 {T_map_camera, images->T_colour_depth_time});
 }

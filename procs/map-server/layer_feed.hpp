@@ -31,9 +31,10 @@ class LayerFeed {
   /// The robot at `utime`, measured against the map.
   void pose(Utime utime, const Eigen::Isometry3d& T_map_robot);
   /// Gives what is to be kept of it: its images. Where those have not come, or are gone, it is shown with
-  /// what `kept` gives, or else its cloud.
+  /// what `kept` gives, or else its cloud; so, too, where that was taken by another calibration.
   std::optional<StoredImages> keyframe(const DenseKeyframe& keyframe, const KeptImages& kept = {});
-  /// A keyframe of another map, which no graph moves: from its images, or its cloud where there are none.
+  /// A keyframe of another map, which no graph moves: from its images, or its cloud where there are none of
+  /// this calibration.
   void adopt(int id, const Eigen::Isometry3d& T_map_camera, const std::optional<StoredImages>& images,
              ColouredCloud cloud);
   /// After the graph has moved the map. What it has given up goes once it is known whole.
@@ -50,6 +51,7 @@ class LayerFeed {
 
  private:
   std::optional<Eigen::Isometry3d> motion(Utime from, Utime to) const;
+  bool is_of_this_camera(const StoredImages& images) const;
   LayerWorker::Frame frame_of(const DenseKeyframe& keyframe) const;
   LayerWorker::Frame frame_at(Utime depth_time) const;
   FramePose pose_at_colour(const EncodedFrame& frame, const Eigen::Isometry3d& T_map_camera) const;

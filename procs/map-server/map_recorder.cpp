@@ -48,6 +48,12 @@ void push_bounded(std::deque<Item>& items, Item item, std::size_t most) {
 
 }  // namespace
 
+StoredCalibration stored(const camera_calibration_t& message) {
+  camera_calibration_t lasting = message;
+  lasting.utime = lasting.seq = lasting.sender = 0;
+  return {message.sensor, camera_calibration_t::getTypeName(), encode_message(lasting)};
+}
+
 MapRecorder::MapRecorder(const std::filesystem::path& file, const std::string& configuration)
     : file_(file), writer_(file, {lcmslam_version, configuration}) {
   read_kept();
@@ -310,14 +316,12 @@ std::int64_t MapRecorder::stored(const std::string& mapper, const SessionKey& ke
 }
 
 void MapRecorder::calibration(const camera_calibration_t& message) {
-  camera_calibration_t lasting = message;  // what says the same each second is written once
-  lasting.utime = lasting.seq = lasting.sender = 0;
-  const std::vector<std::uint8_t> bytes = encode_message(lasting);
+  const StoredCalibration told = lcmslam::stored(message);
   if (calibrations_.size() >= most_sensors && calibrations_.count(message.sensor) == 0) return;
   std::vector<std::uint8_t>& known = calibrations_[message.sensor];
-  if (known == bytes) return;
-  known = bytes;
-  writer_.put_calibration({message.sensor, camera_calibration_t::getTypeName(), bytes});
+  if (known == told.bytes) return;  // what says the same each second is written once
+  known = told.bytes;
+  writer_.put_calibration(told);
 }
 
 }  // namespace lcmslam

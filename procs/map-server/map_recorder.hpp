@@ -29,6 +29,9 @@ struct KeptSession {
   Utime begin = 0, end = 0;  ///< us, of the first and the last keyframe; 0: not known
 };
 
+/// As the file keeps it: without what changes each second.
+StoredCalibration stored(const camera_calibration_t& message);
+
 class MapRecorder {
  public:
   /// A file that is there is gone on with; one that cannot be read stays as it is, and error() says why.

@@ -142,6 +142,7 @@ void MapServerNode::on_calibration(const camera_calibration_t& message) {
   }
   layers_->calibrate(from_message(message));
   calibration_message_ = message;
+  stored_calibration_ = std::make_shared<StoredCalibration>(stored(message));
 }
 
 void MapServerNode::on_camera(const images_t& message) {
@@ -206,6 +207,7 @@ void MapServerNode::begin_places(const SessionKey& key) {
 void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyframe) {
   auto images = layers_->keyframe(
       keyframe, [&] { return recorder_ ? recorder_->kept_images(key, keyframe.id) : std::nullopt; });
+  if (images) images->calibration = stored_calibration_;
   if (recorder_ && images) recorder_->images(key, keyframe.id, std::move(*images));
 }
 

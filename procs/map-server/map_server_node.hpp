@@ -167,6 +167,7 @@ class MapServerNode : public Node {
   std::unique_ptr<LandmarkSessions> landmark_places_;  // as places_
   std::map<std::string, std::int64_t> joined_;         // sessions whose place was found, by mapper
   camera_calibration_t calibration_message_;
+  std::shared_ptr<const StoredCalibration> stored_calibration_;  // the same
   const StampJudge* stamps_ = nullptr;
   std::optional<Eigen::Isometry3d> T_map_robot_;             // of the newest ICP_POSE
   std::optional<pose_estimate_t> icp_pose_, fastslam_pose_;  // the newest

@@ -63,7 +63,7 @@ class SessionPlaces {
   /// In the current session, or else in the map; in the current session's frame wherever that can be said.
   Answer locate(const FeatureFrame& features);
 
-  /// The next keyframe of the file's map, in the current session's frame, with its images or its cloud: once
+  /// The next keyframe of the file's map, in the current session's frame, with its images and its cloud: once
   /// the session was joined, one after the other. Not those of which later sessions have seen the same; where
   /// there are many of these in a row, none for now.
   struct KeptKeyframe {

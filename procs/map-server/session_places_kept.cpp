@@ -73,8 +73,8 @@ SessionPlaces::KeptKeyframe SessionPlaces::read_kept(std::size_t i) {
   KeptKeyframe keyframe{static_cast<int>(i), T_map_current_->inverse() * kept.T_map_camera, {}, {}};
   try {
     MapFile map(file_);
+    keyframe.cloud = map.cloud(kept.session, kept.keyframe);  // images may be another calibration's
     keyframe.images = map.images(kept.session, kept.keyframe);
-    if (!keyframe.images) keyframe.cloud = map.cloud(kept.session, kept.keyframe);
   } catch (const std::exception& error) {
     error_ = error.what();
   }

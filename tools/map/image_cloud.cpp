@@ -13,20 +13,40 @@ namespace {
 
 constexpr std::size_t worth_merging = 4'000'000;  // points (31 bytes each) that may wait
 
+/// Reads images, each by the calibration that it was taken by.
+class ImageReader {
+ public:
+  ColouredCloud points(const StoredImages& images) {
+    if (!head_ || head_->bytes != images.calibration->bytes) head_.emplace(*images.calibration);
+    RgbdFrame frame = decode_images(images.frame, head_->calibration);
+    head_->filter(frame.depth, frame.amplitude);
+    return usable_points(make_cloud(frame, head_->registration(frame, images.T_colour_depth_time)));
+  }
+
+ private:
+  struct Head {
+    explicit Head(const StoredCalibration& stored)
+        : bytes(stored.bytes),
+          calibration(from_stored(stored)),
+          registration(calibration),
+          filter(calibration) {}
+    std::vector<std::uint8_t> bytes;
+    RgbdCalibration calibration;
+    DepthRegistration registration;
+    DepthFilter filter;
+  };
+  std::optional<Head> head_;  // of the last images
+};
+
 }  // namespace
 
 ColouredCloud cloud_of_images(MapFile& map, std::int64_t session, double resolution) {
-  const auto keyframes = map.keyframes(session);
-  const RgbdCalibration calibration = calibration_of(map, session, keyframes);
-  const DepthRegistration registration(calibration);
-  DepthFilter filter(calibration);
+  ImageReader reader;
   ColouredCloud all;
-  for (const StoredKeyframe& keyframe : keyframes) {
+  for (const StoredKeyframe& keyframe : map.keyframes(session)) {
     ColouredCloud seen;
-    if (const auto images = map.images(session, keyframe.id)) {
-      RgbdFrame frame = decode_images(images->frame, calibration);
-      filter(frame.depth, frame.amplitude);
-      seen = usable_points(make_cloud(frame, registration(frame, images->T_colour_depth_time)));
+    if (const auto images = map.images(session, keyframe.id); images && images->calibration) {
+      seen = reader.points(*images);
     } else if (auto told = map.cloud(session, keyframe.id)) {
       seen = std::move(*told);
     }

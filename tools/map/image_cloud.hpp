@@ -8,8 +8,8 @@
 namespace lcmslam {
 
 /// Every depth pixel of every keyframe that a mapper would use, in the session's map frame; one point a voxel
-/// of `resolution` (m, above 0). Keyframes without images bring the cloud that was told of them. Throws
-/// StoreError as rebuild_layers().
+/// of `resolution` (m, above 0). Keyframes without images, or whose calibration nobody knows, bring the cloud
+/// that was told of them. Throws StoreError as rebuild_layers().
 ColouredCloud cloud_of_images(MapFile& map, std::int64_t session, double resolution);
 
 }  // namespace lcmslam

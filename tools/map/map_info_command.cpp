@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include <lcmslam/map_store/file/map_file.hpp>
@@ -59,8 +60,12 @@ void print_text(const std::string& file, MapFile& map) {
                            1e-6 * static_cast<double>(bytes_of(file)), runs.size());
   if (!runs.empty()) std::cout << ", the last of version " << runs.back().version;
   std::cout << "\n";
-  for (const StoredCalibration& calibration : map.calibrations())
-    std::cout << "calibration of " << calibration.sensor << "\n";
+  std::map<std::string, int> cameras;  // of each sensor
+  for (const StoredCalibration& calibration : map.calibrations()) cameras[calibration.sensor];
+  for (const StoredCalibration& camera : map.cameras()) ++cameras[camera.sensor];
+  for (const auto& [sensor, count] : cameras)
+    std::cout << (count > 1 ? fmt::format("{} calibrations", count) : "calibration") << " of " << sensor
+              << "\n";
   std::cout << fmt::format("{:20} {:>9} {:>10} {:>8} {:>7} {:>9} {:>7}  {}\n", "session", "keyframes",
                            "points", "features", "edges", "landmarks", "poses", "frame, place");
   const auto sessions = map.sessions();

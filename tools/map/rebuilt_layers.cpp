@@ -1,27 +1,26 @@
 #include "tools/map/rebuilt_layers.hpp"
 
-#include <algorithm>
-
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 
 namespace lcmslam {
 
+RgbdCalibration from_stored(const StoredCalibration& calibration) {
+  const std::vector<std::uint8_t>& bytes = calibration.bytes;
+  return from_message(decode_message<camera_calibration_t>(bytes.data(), bytes.size()));
+}
+
 RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
                                const std::vector<StoredKeyframe>& keyframes) {
-  std::vector<StoredCalibration> known = map.calibrations();
   for (const StoredKeyframe& keyframe : keyframes) {
     const auto images = map.images(session, keyframe.id);
-    if (!images) continue;
-    known.erase(std::remove_if(known.begin(), known.end(),
-                               [&](const auto& c) { return c.sensor != images->frame.sensor; }),
-                known.end());
-    break;
+    if (images && images->calibration) return from_stored(*images->calibration);
   }
+  const std::vector<StoredCalibration> known = map.calibrations();
   if (known.size() != 1)
     map.database().fail(std::to_string(known.size()) + " calibrations fit the keyframes of session " +
                         std::to_string(session) + ", and one is needed to derive anything from them");
-  return from_message(decode_message<camera_calibration_t>(known[0].bytes.data(), known[0].bytes.size()));
+  return from_stored(known[0]);
 }
 
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session) {
@@ -39,7 +38,8 @@ std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, const PlacedSessions& sess
   for (const auto& [session, T_map_session] : sessions)
     for (const StoredKeyframe& keyframe : map.keyframes(session)) {
       const Eigen::Isometry3d T_map_camera = T_map_session * keyframe.T_map_camera;
-      if (const auto images = map.images(session, keyframe.id))
+      const auto images = map.images(session, keyframe.id);
+      if (images && images->calibration && reads_alike(from_stored(*images->calibration), calibration))
         layers->keep(number++, decode_images(images->frame, calibration),
                      {T_map_camera, images->T_colour_depth_time});
       else if (const auto cloud = map.cloud(session, keyframe.id))

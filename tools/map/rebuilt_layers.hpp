@@ -9,13 +9,16 @@
 
 namespace lcmslam {
 
-/// Of the sensor that took the images of a session's keyframes; the file's only one where nothing says which.
-/// Throws StoreError where that is not one.
+/// By which the first images of a session's keyframes were taken; the file's only one where nothing says
+/// which. Throws StoreError where that is not one.
 RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
                                const std::vector<StoredKeyframe>& keyframes);
 
-/// Of a dense session: from its keyframes' images, or from the cloud of those without. Throws StoreError
-/// where something cannot be read, and where the file has no calibration of the camera.
+RgbdCalibration from_stored(const StoredCalibration& calibration);
+
+/// Of a dense session: from its keyframes' images, or from the cloud of those without, and of those that were
+/// taken by another calibration than calibration_of() says: layers know one. Throws StoreError where
+/// something cannot be read, and where the file has no calibration of the camera.
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session);
 
 /// Of several, each where it lies in the map (T_map_session by session), of one camera head.

@@ -17,6 +17,7 @@ class Checker {
     check_references();
     for (const StoredSession& session : sessions()) check_session(session.id);
     attempt([&] { file_.calibrations(); });
+    attempt([&] { file_.cameras(); });
     return result_;
   }
 

@@ -73,9 +73,19 @@ SessionCounts MapFile::counts(std::int64_t session) {
 }
 
 std::vector<StoredCalibration> MapFile::calibrations() {
-  std::vector<StoredCalibration> calibrations;
-  if (schema_ == 0) return calibrations;
+  if (schema_ == 0) return {};
   Statement rows(database_, "SELECT sensor, form, data FROM calibration ORDER BY sensor");
+  return read_calibrations(rows);
+}
+
+std::vector<StoredCalibration> MapFile::cameras() {
+  if (schema_ < 4) return calibrations();
+  Statement rows(database_, "SELECT sensor, form, data FROM camera ORDER BY id");
+  return read_calibrations(rows);
+}
+
+std::vector<StoredCalibration> MapFile::read_calibrations(Statement& rows) {
+  std::vector<StoredCalibration> calibrations;
   while (rows.step())
     calibrations.push_back({rows.text(0), rows.text(1),
                             decoded("calibration", 0, 0, [&] { return decode_bytes(rows.blob(2)); })});
@@ -133,9 +143,29 @@ std::optional<FeatureFrame> MapFile::features(std::int64_t session, std::int32_t
 
 std::optional<StoredImages> MapFile::images(std::int64_t session, std::int32_t keyframe) {
   if (schema_ < 3) return std::nullopt;
-  Statement row(database_, "SELECT data FROM images WHERE session = ? AND keyframe = ?");
+  const std::string camera_id = schema_ >= 4 ? "camera" : "0";
+  Statement row(database_, "SELECT data, " + camera_id + " FROM images WHERE session = ? AND keyframe = ?");
   if (!row(session, static_cast<std::int64_t>(keyframe)).step()) return std::nullopt;
-  return decoded("images of keyframe", session, keyframe, [&] { return decode_images(row.blob(0)); });
+  StoredImages images =
+      decoded("images of keyframe", session, keyframe, [&] { return decode_images(row.blob(0)); });
+  if (row.is_null(1)) return images;
+  images.calibration = row.integer(1) != 0 ? camera(row.integer(1)) : first_camera(images.frame.sensor);
+  return images;
+}
+
+std::shared_ptr<const StoredCalibration> MapFile::camera(std::int64_t id) {
+  Statement row(database_, "SELECT sensor, form, data FROM camera WHERE id = ?");
+  const auto found = read_calibrations(row(id));
+  if (found.empty()) database_.fail("there is no camera " + std::to_string(id));
+  return std::make_shared<StoredCalibration>(found.front());
+}
+
+/// Of images from before schema 4.
+std::shared_ptr<const StoredCalibration> MapFile::first_camera(const std::string& sensor) {
+  const std::string cameras = schema_ >= 4 ? "camera WHERE is_first AND" : "calibration WHERE";
+  Statement row(database_, "SELECT sensor, form, data FROM " + cameras + " " + is_of_sensor);
+  const auto found = read_calibrations(row(sensor));
+  return found.empty() ? nullptr : std::make_shared<StoredCalibration>(found.front());
 }
 
 DenseMap MapFile::dense_map(std::int64_t session) {

@@ -28,7 +28,10 @@ class MapFile {
   /// In the order in which they began.
   std::vector<StoredSession> sessions();
   SessionCounts counts(std::int64_t session);
+  /// Of each sensor as it was told last.
   std::vector<StoredCalibration> calibrations();
+  /// By which images were taken; images() gives each with its own.
+  std::vector<StoredCalibration> cameras();
 
   /// By id; those of a graph that has no clouds, too.
   std::vector<StoredKeyframe> keyframes(std::int64_t session);
@@ -47,6 +50,9 @@ class MapFile {
   Database& database() { return database_; }
 
  private:
+  std::vector<StoredCalibration> read_calibrations(Statement& rows);
+  std::shared_ptr<const StoredCalibration> camera(std::int64_t id);
+  std::shared_ptr<const StoredCalibration> first_camera(const std::string& sensor);
   template <class Decode>
   auto decoded(const char* what, std::int64_t session, std::int64_t id, const Decode& decode);
 

@@ -32,8 +32,12 @@ struct MapStore::Statements {
                  "INSERT OR REPLACE INTO features(session, keyframe, data) SELECT session, id, ?3 "
                  "FROM keyframe WHERE session = ?1 AND id = ?2"),
         images(d,
-               "INSERT OR REPLACE INTO images(session, keyframe, data) SELECT session, id, ?3 "
+               "INSERT OR REPLACE INTO images(session, keyframe, data, camera) SELECT session, id, ?3, "
+               "(SELECT id FROM camera WHERE sensor = ?4 AND form = ?5 AND data = ?6) "
                "FROM keyframe WHERE session = ?1 AND id = ?2"),
+        camera(d,
+               "INSERT INTO camera(sensor, form, data, is_first) SELECT ?1, ?2, ?3, 0 WHERE NOT EXISTS "
+               "(SELECT 1 FROM camera WHERE sensor = ?1 AND form = ?2 AND data = ?3)"),
         drop_keyframe(d, "DELETE FROM keyframe WHERE session = ? AND id = ?"),
         drop_cloud(d, "DELETE FROM cloud WHERE session = ? AND keyframe = ?"),
         drop_features(d, "DELETE FROM features WHERE session = ? AND keyframe = ?"),
@@ -52,7 +56,7 @@ struct MapStore::Statements {
                    "INSERT INTO trajectory(session, number, data) SELECT ?1, coalesce(max(number), 0) + 1, "
                    "?2 FROM trajectory WHERE session = ?1") {}
 
-  Statement run, session, place, calibration, keyframe, cloud, features, images;
+  Statement run, session, place, calibration, keyframe, cloud, features, images, camera;
   Statement drop_keyframe, drop_cloud, drop_features, drop_images, drop_edges_from, drop_edges_to;
   Statement clear_edges, drop_pair, edge, clear_landmarks, drop_landmark, landmark, trajectory;
 };
@@ -141,10 +145,24 @@ void MapStore::write_keyframe(std::int64_t session, std::int32_t id, const Keyfr
     const Blob features = encode_features(*change.features);
     statements_->features(session, keyframe, features).run();
   }
-  if (change.images) {
-    const Blob images = encode_images(*change.images);
-    statements_->images(session, keyframe, images).run();
-  }
+  if (change.images) write_images(session, keyframe, *change.images);
+}
+
+/// With their calibration, which the file has once.
+void MapStore::write_images(std::int64_t session, std::int64_t keyframe, const StoredImages& images) {
+  const Blob data = encode_images(images);
+  const std::optional<StoredCalibration> known = calibration_of(images);
+  const StoredCalibration by = known.value_or(StoredCalibration());
+  const Blob told = encode_bytes(by.bytes);
+  if (known) statements_->camera(by.sensor, by.form, told).run();
+  statements_->images(session, keyframe, data, by.sensor, by.form, told).run();
+}
+
+std::optional<StoredCalibration> MapStore::calibration_of(const StoredImages& images) {
+  if (images.calibration) return *images.calibration;
+  Statement row(database_, std::string("SELECT sensor, form, data FROM calibration WHERE ") + is_of_sensor);
+  if (!row(images.frame.sensor).step()) return std::nullopt;
+  return StoredCalibration{row.text(0), row.text(1), decode_bytes(row.blob(2))};
 }
 
 void MapStore::write_edges(std::int64_t session, const SessionChanges& changes) {

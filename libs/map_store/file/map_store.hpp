@@ -31,6 +31,8 @@ class MapStore {
 
  private:
   void write_keyframe(std::int64_t session, std::int32_t id, const KeyframeChange& change);
+  void write_images(std::int64_t session, std::int64_t keyframe, const StoredImages& images);
+  std::optional<StoredCalibration> calibration_of(const StoredImages& images);
   void drop_keyframe(std::int64_t session, std::int32_t id);
   void write_edges(std::int64_t session, const SessionChanges& changes);
   void write_landmarks(std::int64_t session, const SessionChanges& changes);

@@ -45,6 +45,14 @@ const char* const migrations[] = {
     R"(CREATE TABLE images(
          session INTEGER NOT NULL, keyframe INTEGER NOT NULL, data BLOB NOT NULL,
          PRIMARY KEY(session, keyframe), FOREIGN KEY(session, keyframe) REFERENCES keyframe(session, id));)",
+    // 4: by which calibration images were taken. Those that are there already have camera 0: the one that had
+    // been told of their sensor when the table was made. NULL: nobody knows.
+    R"(CREATE TABLE camera(
+         id INTEGER PRIMARY KEY, sensor TEXT NOT NULL, form TEXT NOT NULL, data BLOB NOT NULL,
+         is_first INTEGER NOT NULL);
+       INSERT INTO camera(sensor, form, data, is_first)
+         SELECT sensor, form, data, 1 FROM calibration ORDER BY rowid;
+       ALTER TABLE images ADD COLUMN camera INTEGER DEFAULT 0;)",
 };
 
 std::int64_t pragma(Database& database, const std::string& name) {
@@ -54,6 +62,7 @@ std::int64_t pragma(Database& database, const std::string& name) {
 
 }  // namespace
 
+const char* const is_of_sensor = "instr(sensor || ';', ? || ';') = 1 ORDER BY rowid DESC LIMIT 1";
 const int newest_schema = static_cast<int>(std::size(migrations));
 
 int schema_of(Database& database) {

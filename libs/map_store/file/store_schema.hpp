@@ -8,6 +8,7 @@
 //   cloud        of keyframes, points coloured, camera frame
 //   features     of keyframes, descriptors with their points
 //   images       of keyframes, colour and depth as they travelled
+//   camera       calibrations by which images were taken, each once
 //   edge         of the graph
 //   landmark     with covariance and descriptor
 //   trajectory   of the mapper, some poses a row
@@ -20,6 +21,10 @@ namespace lcmslam {
 
 /// Of files that are written today.
 extern const int newest_schema;
+
+/// Behind WHERE: the last row of a table of calibrations that is of the sensor which is the parameter. Its
+/// name there may say more behind a semicolon (to_message() of RgbdCalibration).
+extern const char* const is_of_sensor;
 
 /// The schema's version of a map file; 0 for one without any table, as a process leaves it that was killed
 /// when it had just begun. Throws StoreError for a file that is none, and for one of a newer version than

@@ -2,6 +2,7 @@
 // What a map file holds beside keyframes and landmarks.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,17 +58,20 @@ struct StoredKeyframe {
   std::optional<Matrix6d> covariance = std::nullopt;  ///< as pose_estimate_t's of ICP_POSE
 };
 
+struct StoredCalibration {
+  std::string sensor;
+  std::string form;                 ///< what the bytes are: "camera_calibration_t"
+  std::vector<std::uint8_t> bytes;  ///< as the writer's messages have them
+};
+
 /// The camera's images of a keyframe as they travelled, so that all that is derived can be made anew.
 struct StoredImages {
   EncodedFrame frame;  ///< without amplitude
   /// From where the colour camera was at the depth image's time to where it was at its own.
   Eigen::Isometry3d T_colour_depth_time = Eigen::Isometry3d::Identity();
-};
-
-struct StoredCalibration {
-  std::string sensor;
-  std::string form;                 ///< what the bytes are: "camera_calibration_t"
-  std::vector<std::uint8_t> bytes;  ///< as the writer's messages have them
+  /// What held when they were taken; a sensor's may be another one later. Null: nobody knows; when they are
+  /// written, what was told last of their sensor.
+  std::shared_ptr<const StoredCalibration> calibration = nullptr;
 };
 
 }  // namespace lcmslam

@@ -53,7 +53,8 @@ class Life {
     }
     for (int k = 0; k < 2 * views_of_room; ++k) bus_.work();
   }
-  /// The mapper has made so many keyframes before this server began.
+  void calibrate(const camera_calibration_t& calibration) { bus_.deliver("CAMERA_CALIBRATION", calibration); }
+  /// The mapper has made so many keyframes before those that follow.
   void goes_on_from(int keyframes) { first_keyframe_ = keyframes; }
   /// The mapper says where it is.
   void track(Utime utime, const Eigen::Isometry3d& T_map_camera) {

@@ -1,5 +1,6 @@
 // Mappers that begin anew, take a map away, or are not who they say: maps stay beside each other.
 
+#include <lcmslam/map_store/map_export.hpp>
 #include "tests/unit/nodes/map_server_fixture.hpp"
 
 namespace lcmslam {
