@@ -31,9 +31,8 @@ map-server: {page: {drive_channel: TELEOP, web: {port: ${port}}}}
       const echo = graph.run("lcmslam-tools", ["echo", "TELEOP", "--json"]);
       await page.keyboard.press("x");
       await page.keyboard.down("w");
-      await until(() => echo.lines.length > 2, "driving", slow);
       const speed = (line) => JSON.parse(line).fields.linear[0];
-      assert.ok(speed(echo.lines.at(-1)) > 0);
+      await until(() => echo.lines.length > 2 && speed(echo.lines.at(-1)) > 0, "driving", slow);
       assert.deepEqual(errors, [], "the page's console");
       await close(); // the key is still held
       await until(() => speed(echo.lines.at(-1)) === 0, "a stop as the link breaks");
