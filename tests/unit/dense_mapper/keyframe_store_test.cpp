@@ -15,7 +15,7 @@ Eigen::Isometry3d at(double x) {
 ColouredCloud line(std::size_t count, double y = 0) {
   ColouredCloud cloud;
   for (std::size_t i = 0; i < count; ++i) {
-    cloud.points.push_back(Eigen::Vector3d(0.05 * static_cast<double>(i), y, 1).cast<float>());
+    cloud.points.emplace_back(0.05f * static_cast<float>(i), static_cast<float>(y), 1.0f);
     cloud.normals.emplace_back(0, 0, -1);
     cloud.sigmas.push_back(0.003f);
     cloud.colours.emplace_back(1, 2, 3);
