@@ -168,14 +168,16 @@ void BundleProblem::solve() {
   // the strong ones would hold.
   options.initial_trust_region_radius = 1e6;
   options.logging_type = ceres::SILENT;
+  // A group for each kind: in a group Ceres goes by addresses, and which array lies before which differs from
+  // run to run.
   auto* order = new ceres::ParameterBlockOrdering;
-  const auto after_landmarks = [&](double* block) {
-    if (problem_.HasParameterBlock(block)) order->AddElementToGroup(block, 1);
+  const auto add = [&](double* block, int group) {
+    if (problem_.HasParameterBlock(block)) order->AddElementToGroup(block, group);
   };
-  for (double* landmark : used_landmarks()) order->AddElementToGroup(landmark, 0);
-  for (auto& keyframe : state_.moved) after_landmarks(keyframe.data());
-  for (const Block& block : head_blocks) after_landmarks(block.of(state_.model));
-  for (double& value : state_.curve.values) after_landmarks(&value);
+  for (double* landmark : used_landmarks()) add(landmark, 0);
+  for (auto& keyframe : state_.moved) add(keyframe.data(), 1);
+  for (const Block& block : head_blocks) add(block.of(state_.model), 2);
+  for (double& value : state_.curve.values) add(&value, 3);
   options.linear_solver_ordering.reset(order);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
