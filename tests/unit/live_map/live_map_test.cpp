@@ -7,48 +7,10 @@
 #include <lcmslam/live_map/answer.hpp>
 
 #include "tests/support/wiggling_camera.hpp"
+#include "tests/unit/live_map/seen_walls.hpp"
 
 namespace lcmslam {
 namespace {
-
-/// A camera that looks along x at a wall.
-RgbdCalibration some_camera() {
-  RgbdCalibration calibration;
-  calibration.colour = calibration.depth = CameraModel{160, 120, 140, 140, 79.5, 59.5, {}};
-  calibration.depth_registered = true;
-  return calibration;
-}
-
-RgbdFrame wall(double distance) {
-  RgbdFrame frame;
-  frame.depth = cv::Mat(120, 160, CV_16UC1, cv::Scalar(1000 * distance));
-  frame.colour = cv::Mat(120, 160, CV_8UC3, cv::Scalar(50, 100, 150));
-  return frame;
-}
-
-LiveMapSettings waiting() {
-  LiveMapSettings settings;
-  settings.background = false;
-  settings.surface.voxel_size = 0.04;
-  settings.surface.coarse_voxel_size = 0.16;
-  return settings;
-}
-
-FramePose at(double x) {
-  return {Eigen::Translation3d(x, 0, 1) * optical_axes(), Eigen::Isometry3d::Identity()};
-}
-
-CellState state(const LiveMap& map, double x) {
-  return map.space().ask_occupied([&](const OccupancyGrid& occupied) {
-    return occupied.state(Eigen::Vector3f(static_cast<float>(x), 0, 1));
-  });
-}
-
-double mean_x(const Mesh& mesh) {
-  double sum = 0;
-  for (const Eigen::Vector3f& v : mesh.vertices) sum += static_cast<double>(v.x());
-  return sum / static_cast<double>(mesh.vertices.size());
-}
 
 TEST(LiveMap, FramesBetweenKeyframesMoveWithThem) {
   LiveMap map(some_camera(), waiting());
@@ -311,106 +273,6 @@ TEST(LiveMap, ARobotThatStandsStillSeesTheGraphsLastCorrection) {
   EXPECT_NE(state(map, 2.42), CellState::occupied);
   ASSERT_FALSE(map.planes().empty());
   EXPECT_NEAR(map.planes().front().fit.centre.x(), 2.8, 0.02);
-}
-
-/// Three walls in a row, 5 m apart, each seen by a keyframe.
-std::map<int, Eigen::Isometry3d> three_walls() {
-  return {{1, at(0).T_map_camera}, {2, at(5).T_map_camera}, {3, at(10).T_map_camera}};
-}
-
-void keep_walls(LiveMap& map, const std::vector<int>& ids) {
-  for (const int id : ids) map.keep(id, wall(2), {three_walls().at(id), Eigen::Isometry3d::Identity()});
-}
-
-/// One look makes a plane.
-LiveMapSettings sure(bool background) {
-  LiveMapSettings settings = waiting();
-  settings.background = background;
-  settings.planes.min_looks = 1;
-  return settings;
-}
-
-void expect_same_layers(const LiveMap& map, const LiveMap& other) {
-  for (double x = 0.02; x < 13; x += 0.04) EXPECT_EQ(state(map, x), state(other, x)) << x;
-  std::vector<double> planes, others;
-  for (const PlanePatch& patch : map.planes()) planes.push_back(patch.fit.centre.x());
-  for (const PlanePatch& patch : other.planes()) others.push_back(patch.fit.centre.x());
-  ASSERT_FALSE(planes.empty());
-  EXPECT_THAT(planes, testing::Pointwise(testing::DoubleNear(1e-9), others));
-  const Mesh mesh = map.settled_mesh(), without = other.settled_mesh();
-  EXPECT_EQ(mesh.vertices.size(), without.vertices.size());
-  EXPECT_NEAR(mean_x(mesh), mean_x(without), 1e-3);
-  EXPECT_EQ(map.cloud(0.05).size(), other.cloud(0.05).size());
-}
-
-TEST(LiveMap, WhatIsGivenUpLeavesAllThatIsDerived) {
-  LiveMap map(some_camera(), sure(false)), without(some_camera(), sure(false));
-  keep_walls(map, {1, 2, 3});
-  keep_walls(without, {1, 3});
-  ASSERT_EQ(state(map, 7), CellState::occupied);
-  auto graph = three_walls();
-  graph.erase(2);
-  map.follow(graph);
-  EXPECT_FALSE(map.has(2));
-  expect_same_layers(map, without);
-  keep_walls(map, {2});
-  EXPECT_EQ(state(map, 7), CellState::occupied) << "it may come again";
-  EXPECT_GT(map.settled_mesh().vertices.size(), without.settled_mesh().vertices.size());
-}
-
-TEST(LiveMap, WhatIsGivenUpWhileItIsMadeBesideGoesToo) {
-  LiveMap map(some_camera(), sure(true)), without(some_camera(), sure(false));
-  auto graph = three_walls();
-  keep_walls(map, {1, 2, 3});
-  for (const int id : {1, 3}) without.keep(id, wall(2), at(5 * id - 4.6));
-  for (auto& [id, T] : graph) T = at(5 * id - 4.6).T_map_camera;
-  map.correct(graph);  // space and planes are made anew with all three
-  graph.erase(2);
-  map.follow(graph);
-  map.settle();
-  expect_same_layers(map, without);
-}
-
-TEST(LiveMap, FramesBetweenKeyframesHangOnThoseThatStay) {
-  LiveMap map(some_camera(), waiting());
-  map.keep(1, wall(2), at(0));
-  map.keep(2, wall(2), at(0.01));
-  map.add(wall(2), at(3));  // of keyframe 2
-  map.follow({{1, at(0.4).T_map_camera}});
-  map.add(wall(2), at(6.4));
-  map.follow({{1, at(0.8).T_map_camera}});
-  const auto vertices = map.settled_mesh().vertices;
-  double farthest = 0;
-  bool first = false;
-  for (const Eigen::Vector3f& v : vertices) {
-    farthest = std::max(farthest, static_cast<double>(v.x()));
-    first = first || std::abs(v.x() - 5.8F) < 0.05F;
-  }
-  EXPECT_TRUE(first);
-  EXPECT_NEAR(farthest, 8.8, 0.05);
-}
-
-TEST(LiveMap, AGraphThatLacksTheMostTakesNothing) {
-  LiveMap map(some_camera(), waiting());
-  keep_walls(map, {1, 2, 3});
-  map.follow({{2, three_walls().at(2)}});
-  map.follow({});
-  for (const double x : {2, 7, 12}) EXPECT_EQ(state(map, x), CellState::occupied) << x;
-}
-
-TEST(LiveMap, WhatIsAdoptedNoGraphTakesAway) {
-  LiveMap map(some_camera(), waiting());
-  keep_walls(map, {1, 2, 3});
-  map.adopt(1000, wall(2), at(15));
-  ColouredCloud cloud;
-  for (float y = -1; y <= 1; y += 0.02F)
-    for (float x = -1; x <= 1; x += 0.02F) cloud.points.emplace_back(x, y, 2.02F);
-  cloud.colours.resize(cloud.points.size());
-  map.adopt(1001, cloud, at(20).T_map_camera);
-  map.follow({{1, at(0.4).T_map_camera}, {2, at(5.4).T_map_camera}});
-  EXPECT_FALSE(map.has(3));
-  for (const int id : {1, 2, 1000, 1001}) EXPECT_TRUE(map.has(id)) << id;
-  for (const double x : {2.4, 7.4, 17.0, 22.02}) EXPECT_EQ(state(map, x), CellState::occupied) << x;
 }
 
 TEST(MovedKeyframes, WithoutOneThatIsGivenUpAllIsDueAnew) {
