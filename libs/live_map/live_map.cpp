@@ -1,5 +1,6 @@
 #include <lcmslam/live_map/live_map.hpp>
 
+#include <algorithm>
 #include <limits>
 
 #include <lcmslam/settings/check.hpp>
@@ -7,6 +8,7 @@
 namespace lcmslam {
 namespace {
 
+constexpr std::size_t most_cameras = 8;  // of which it is known what they err by
 constexpr std::size_t most_between =
     10'000;  // that move with their keyframes; older ones stay where they are
 
@@ -17,28 +19,53 @@ LiveMapSettings checked(const LiveMapSettings& settings) {
 
 }  // namespace
 
+LiveMap::Camera::Camera(Calibration of, const LiveMapSettings& settings)
+    : calibration(std::move(of)),
+      filter(*calibration, settings.depth_filter),
+      range_error(*calibration, settings.range_error) {}
+
 LiveMap::LiveMap(const RgbdCalibration& calibration, const LiveMapSettings& settings)
-    : calibration_(calibration),
-      settings_(checked(settings)),
-      filter_(calibration, settings.depth_filter),
-      range_error_(calibration, settings.range_error),
-      space_(calibration.depth, settings),
-      planes_(calibration, settings),
-      surface_(calibration, settings.surface),
-      unwatched_(settings.surface_rest + 1) {}
+    : LiveMap(std::make_shared<RgbdCalibration>(calibration), settings) {}
+
+LiveMap::LiveMap(Calibration calibration, const LiveMapSettings& settings)
+    : settings_(checked(settings)),
+      space_(settings),
+      planes_(*calibration, settings),
+      surface_(*calibration, settings.surface),
+      unwatched_(settings.surface_rest + 1) {
+  cameras_.emplace_front(std::move(calibration), settings);
+}
+
+void LiveMap::look_through(const Calibration& calibration) {
+  const auto is_it = [&](const Camera& camera) { return camera.calibration == calibration; };
+  const auto known = std::find_if(cameras_.begin(), cameras_.end(), is_it);
+  if (known == cameras_.begin()) return;
+  planes_.look_through(*calibration);
+  {
+    const std::lock_guard<std::mutex> lock(surface_mutex_);
+    surface_.look_through(*calibration);
+  }
+  if (known != cameras_.end())
+    cameras_.splice(cameras_.begin(), cameras_, known);
+  else
+    cameras_.emplace_front(calibration, settings_);
+  if (cameras_.size() > most_cameras) cameras_.pop_back();
+}
 
 void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
   clean(frame);
-  space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
+  space_.show(frame.depth, calibration().depth,
+              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth);
   frame_shown();
   const std::lock_guard<std::mutex> lock(mutex_);
   ++version_;
 }
 
 void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
-  check_frame(frame, calibration_);
+  check_frame(frame, calibration());
   clean(frame);
-  space_.show(frame.depth, pose.T_map_camera * pose.T_colour_depth_time * calibration_.T_colour_depth);
+  space_.show(frame.depth, calibration().depth,
+              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth);
   frame_shown();
   if (last_keyframe_ < 0) return;  // it would stand where it is whatever the graph says
   const std::int64_t id = between_.empty() ? -1 : between_.begin()->first - 1;
@@ -49,12 +76,13 @@ void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
 
 void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose) {
   if (has(keyframe)) return;
-  check_frame(frame, calibration_);
+  make_room();
+  check_frame(frame, calibration());
   clean(frame);
-  const Eigen::Isometry3d T_camera_depth = pose.T_colour_depth_time * calibration_.T_colour_depth;
+  const Eigen::Isometry3d T_camera_depth = pose.T_colour_depth_time * calibration().T_colour_depth;
   const Eigen::Isometry3d T_map_depth = pose.T_map_camera * T_camera_depth;
-  space_.show(frame.depth, T_map_depth);
-  space_.keep(keyframe, frame.depth, T_map_depth);
+  space_.show(frame.depth, calibration().depth, T_map_depth);
+  space_.keep(keyframe, frame.depth, calibration().depth, T_map_depth);
   planes_.keep(keyframe, frame.depth, T_map_depth);
   fuse(keyframe, frame, pose);
   kept(keyframe, pose.T_map_camera, T_camera_depth);
@@ -76,18 +104,20 @@ void LiveMap::adopt(int keyframe, const ColouredCloud& cloud, const Eigen::Isome
 
 void LiveMap::keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera) {
   if (has(keyframe)) return;
-  const cv::Mat depth = depth_of_cloud(cloud, calibration_.depth);
-  space_.show(depth, T_map_camera);
-  space_.keep(keyframe, depth, T_map_camera);
+  make_room();
+  const cv::Mat depth = depth_of_cloud(cloud, calibration().depth);
+  space_.show(depth, calibration().depth, T_map_camera);
+  space_.keep(keyframe, depth, calibration().depth, T_map_camera);
   planes_.keep(keyframe, depth, T_map_camera);
   kept(keyframe, T_map_camera, Eigen::Isometry3d::Identity());
 }
 
 /// Takes away what no surface gave, and what the camera errs by as far as it is known by now.
 void LiveMap::clean(RgbdFrame& frame) {
-  filter_(frame.depth, frame.amplitude);
-  range_error_.learn(frame.depth, frame.depth_utime);
-  range_error_.correct(frame.depth);
+  Camera& camera = cameras_.front();
+  camera.filter(frame.depth, frame.amplitude);
+  camera.range_error.learn(frame.depth, frame.depth_utime);
+  camera.range_error.correct(frame.depth);
 }
 
 void LiveMap::fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose) {
@@ -103,7 +133,14 @@ void LiveMap::kept(int keyframe, const Eigen::Isometry3d& T_map_camera,
   ++version_;
 }
 
-void LiveMap::correct(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
+void LiveMap::correct(std::map<int, Eigen::Isometry3d> T_map_camera) {
+  for (const auto& [id, T] : T_map_camera) given_up_.erase(id);
+  const auto move = [&](const Hanging& hanging, const auto& to) {
+    if (const auto moved = T_map_camera.find(hanging.keyframe); moved != T_map_camera.end())
+      to(moved->second * hanging.T_keyframe_camera);
+  };
+  for (const auto& [id, hanging] : given_up_)
+    move(hanging, [&, id = static_cast<int>(id)](const auto& T) { T_map_camera[id] = T; });
   std::map<int, Eigen::Isometry3d> T_map_depth;
   for (const auto& [id, T] : T_map_camera)
     if (const auto known = keyframes_.find(id); known != keyframes_.end()) {
@@ -115,9 +152,8 @@ void LiveMap::correct(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
   {
     const std::lock_guard<std::mutex> lock(surface_mutex_);
     for (const auto& [id, T] : T_map_camera) surface_.move(id, T);
-    for (const auto& [id, between] : between_)
-      if (const auto moved = T_map_camera.find(between.keyframe); moved != T_map_camera.end())
-        surface_.move(id, moved->second * between.T_keyframe_camera);
+    for (const auto& [id, hanging] : between_)
+      move(hanging, [&, id = id](const auto& T) { surface_.move(id, T); });
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   ++version_;
@@ -127,46 +163,66 @@ void LiveMap::follow(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
   std::vector<int> gone;
   std::size_t stay = 0;
   for (const auto& [id, keyframe] : keyframes_) {
-    if (keyframe.is_adopted) continue;
+    if (keyframe.is_adopted || given_up_.count(id) > 0) continue;
     if (T_map_camera.count(id) == 0)
       gone.push_back(id);
     else
       ++stay;
   }
-  if (!gone.empty() && gone.size() <= stay) forget(gone);
+  if (!gone.empty() && gone.size() <= stay) hang_up(gone);
   correct(T_map_camera);
 }
 
-/// Some of the map's own stay. The frames that hung on those that go hang on the nearest of these.
+/// Some of the map's own stay. What hung on those that go hangs as they do.
+void LiveMap::hang_up(const std::vector<int>& given_up) {
+  const auto hang = [this](Hanging& hanging) {
+    if (given_up_.count(hanging.keyframe) == 0) return;
+    const Eigen::Isometry3d T_map_camera =
+        keyframes_.at(hanging.keyframe).T_map_camera * hanging.T_keyframe_camera;
+    hanging.keyframe = nearest(T_map_camera);
+    hanging.T_keyframe_camera = keyframes_.at(hanging.keyframe).T_map_camera.inverse() * T_map_camera;
+  };
+  for (const int id : given_up) given_up_[id] = {id, Eigen::Isometry3d::Identity()};
+  for (auto& [id, hanging] : given_up_) hang(hanging);
+  for (auto& [id, hanging] : between_) hang(hanging);
+  if (given_up_.count(last_keyframe_) > 0) last_keyframe_ = given_up_.at(last_keyframe_).keyframe;
+}
+
+/// For one more keyframe. A tenth at a time: the layers are made anew without them.
+void LiveMap::make_room() {
+  const auto most = static_cast<std::size_t>(settings_.occupancy.max_keyframes);
+  if (keyframes_.size() < most) return;
+  std::vector<int> oldest;
+  for (const auto& [id, hanging] : given_up_) {
+    if (oldest.size() > most / 10) break;
+    oldest.push_back(static_cast<int>(id));
+  }
+  if (!oldest.empty()) forget(oldest);
+}
+
+/// That were given up: nothing hangs on them.
 void LiveMap::forget(const std::vector<int>& keyframes) {
   space_.forget(keyframes);
   planes_.forget(keyframes);
-  std::map<int, Keyframe> gone;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    for (const int id : keyframes) gone.insert(keyframes_.extract(id));
-    ++version_;
-  }
   {
     const std::lock_guard<std::mutex> lock(surface_mutex_);
     for (const int id : keyframes) surface_.forget(id);
   }
-  std::map<int, int> heirs;
-  for (const auto& [id, keyframe] : gone) heirs[id] = nearest(keyframe.T_map_camera);
-  for (auto& [id, between] : between_)
-    if (const auto heir = heirs.find(between.keyframe); heir != heirs.end())
-      between = {heir->second, keyframes_.at(heir->second).T_map_camera.inverse() *
-                                   gone.at(heir->first).T_map_camera * between.T_keyframe_camera};
-  if (const auto heir = heirs.find(last_keyframe_); heir != heirs.end()) last_keyframe_ = heir->second;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const int id : keyframes) {
+    given_up_.erase(id);
+    keyframes_.erase(id);
+  }
+  ++version_;
 }
 
-/// Of the map's own keyframes.
+/// Of the keyframes that the graph has.
 int LiveMap::nearest(const Eigen::Isometry3d& T_map_camera) const {
   int nearest = -1;
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [id, keyframe] : keyframes_) {
     const double away = distance_between(keyframe.T_map_camera, T_map_camera);
-    if (keyframe.is_adopted || away >= least) continue;
+    if (keyframe.is_adopted || given_up_.count(id) > 0 || away >= least) continue;
     least = away;
     nearest = id;
   }

@@ -5,12 +5,14 @@
 //   LiveMap map(calibration);
 //   map.show(frame, pose);            // at the rate that the machine bears
 //   map.keep(keyframe, frame, pose);  // each keyframe
-//   map.follow(poses);                // as often as the graph bends, or keyframes are given up
+//   map.follow(poses);                // as often as the graph bends, or thins itself out
 //   while (map.improve()) ...         // when nothing else is to be done
 //   map.space().ask(...);
 
 #include <atomic>
 #include <functional>
+#include <list>
+#include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
 
@@ -31,11 +33,17 @@ struct FramePose {
 
 class LiveMap {
  public:
+  using Calibration = std::shared_ptr<const RgbdCalibration>;
+
   /// Throws std::invalid_argument for a calibration or a setting that is wrong.
   explicit LiveMap(const RgbdCalibration& calibration, const LiveMapSettings& settings = {});
+  explicit LiveMap(Calibration calibration, const LiveMapSettings& settings = {});
 
   // One thread. Images of another size than the calibration's are std::invalid_argument.
 
+  /// Frames and keyframes that follow are of this camera; all others stay as they are. The same object is the
+  /// same camera: what was learned of it is still known. Throws std::invalid_argument for one that is wrong.
+  void look_through(const Calibration& calibration);
   /// What the frame sees through becomes free, what it sees is occupied. Colour is not asked for.
   void show(RgbdFrame frame, const FramePose& pose);
   /// The same, and the surface grows by it; it moves with the keyframe that was kept last.
@@ -50,10 +58,11 @@ class LiveMap {
   /// does not.
   void keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera);
   /// Where keyframes stand, T_map_camera by keyframe.
-  void correct(const std::map<int, Eigen::Isometry3d>& T_map_camera);
-  /// The same by a whole graph: keyframes that it does not name have been given up, and all layers become
-  /// what they are without them. Adopted ones stay; and a graph that lacks the most of the others is none of
-  /// this map's, nothing goes by it.
+  void correct(std::map<int, Eigen::Isometry3d> T_map_camera);
+  /// The same by a whole graph: keyframes that it does not name have been given up. What they saw is still
+  /// there, and each moves with the nearest keyframe that stays; when there are too many for
+  /// occupancy.max_keyframes the oldest of them make room. Adopted ones stay where they are; and a graph that
+  /// lacks the most of the others is none of this map's, nothing is given up by it.
   void follow(const std::map<int, Eigen::Isometry3d>& T_map_camera);
   /// A piece of the surface's work that was left; false: there is none.
   bool improve();
@@ -66,7 +75,6 @@ class LiveMap {
   // Any thread.
 
   const LiveMapSettings& settings() const { return settings_; }
-  const RgbdCalibration& calibration() const { return calibration_; }
   const LiveSpace& space() const { return space_; }
   std::vector<PlanePatch> planes() const { return planes_.patches(); }
   /// Takes its time (a second for a flat); only what changed since it was last asked for is meshed anew.
@@ -85,19 +93,26 @@ class LiveMap {
   std::size_t memory_bytes() const;
 
  private:
+  struct Camera {
+    Camera(Calibration calibration, const LiveMapSettings& settings);
+    Calibration calibration;
+    DepthFilter filter;
+    RangeError range_error;
+  };
+  const RgbdCalibration& calibration() const { return *cameras_.front().calibration; }
   void clean(RgbdFrame& frame);
   void kept(int keyframe, const Eigen::Isometry3d& T_map_camera, const Eigen::Isometry3d& T_camera_depth);
   void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose);
+  void hang_up(const std::vector<int>& given_up);
+  void make_room();
   void forget(const std::vector<int>& keyframes);
   int nearest(const Eigen::Isometry3d& T_map_camera) const;
   void frame_shown();
   void settle_surface() const;
   bool watch_surface() const;
 
-  RgbdCalibration calibration_;
   LiveMapSettings settings_;
-  DepthFilter filter_;
-  RangeError range_error_;
+  std::list<Camera> cameras_;  // that of the frames that come first, then those of before
   LiveSpace space_;
   LivePlanes planes_;
 
@@ -110,12 +125,13 @@ class LiveMap {
     Eigen::Isometry3d T_map_camera, T_camera_depth;  // depth camera at its own time
     bool is_adopted = false;
   };
-  struct Between {
+  struct Hanging {  // moves with a keyframe of the graph
     int keyframe;
     Eigen::Isometry3d T_keyframe_camera;
   };
   int last_keyframe_ = -1;
-  std::map<std::int64_t, Between> between_;  // frames of the surface that are no keyframes, by their id there
+  std::map<std::int64_t, Hanging> between_;  // frames of the surface that are no keyframes, by their id there
+  std::map<std::int64_t, Hanging> given_up_;  // keyframes that the graph has no more
 
   mutable std::mutex mutex_;
   std::map<int, Keyframe> keyframes_;

@@ -13,21 +13,25 @@ std::size_t bytes_of(const EncodedImage& labels, const std::vector<FramePlane>& 
 
 LivePlanes::LivePlanes(const RgbdCalibration& calibration, const LiveMapSettings& settings)
     : settings_(settings),
-      finder_(calibration, settings.frame_planes),
+      finder_(std::make_shared<FramePlaneFinder>(calibration, settings.frame_planes)),
       moved_(settings.moved_distance, settings.moved_angle),
       map_(settings.planes) {}
 
-void LivePlanes::insert(const Keyframe& keyframe, const CellMoments& cells, PlaneMap& map) {
-  map.insert({keyframe.planes, decode_gray(keyframe.labels)}, cells, keyframe.T_map_depth);
+void LivePlanes::look_through(const RgbdCalibration& calibration) {
+  finder_ = std::make_shared<FramePlaneFinder>(calibration, settings_.frame_planes);
+}
+
+void LivePlanes::insert(const Keyframe& keyframe, PlaneMap& map) {
+  map.insert({keyframe.planes, decode_gray(keyframe.labels)}, keyframe.finder->cells(), keyframe.T_map_depth);
 }
 
 void LivePlanes::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth) {
   frame();
-  FramePlanes found = finder_(depth);
-  Keyframe kept{found.planes, encode_amplitude(found.labels, 0), T_map_depth};
+  FramePlanes found = (*finder_)(depth);
+  Keyframe kept{finder_, found.planes, encode_amplitude(found.labels, 0), T_map_depth};
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    map_.insert(found, finder_.cells(), T_map_depth);
+    map_.insert(found, finder_->cells(), T_map_depth);
     kept_bytes_ += bytes_of(kept.labels, kept.planes);
     if (const auto before = keyframes_.find(keyframe); before != keyframes_.end())
       drop(before);
@@ -75,9 +79,9 @@ void LivePlanes::settle() {
 void LivePlanes::put_together_anew() {
   for (const auto& [id, T] : moved_.take()) keyframes_.at(id).T_map_depth = T;
   making_ = std::async(settings_.background ? std::launch::async : std::launch::deferred,
-                       [keyframes = keyframes_, cells = finder_.cells(), settings = settings_.planes] {
+                       [keyframes = keyframes_, settings = settings_.planes] {
                          PlaneMap map(settings);
-                         for (const auto& [id, keyframe] : keyframes) insert(keyframe, cells, map);
+                         for (const auto& [id, keyframe] : keyframes) insert(keyframe, map);
                          return map;
                        });
   if (!settings_.background) take_over(true);
@@ -88,8 +92,7 @@ void LivePlanes::take_over(bool wait) {
   if (!wait && making_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
   PlaneMap made = making_.get();
   for (const int id : meanwhile_)
-    if (const auto found = keyframes_.find(id); found != keyframes_.end())
-      insert(found->second, finder_.cells(), made);
+    if (const auto found = keyframes_.find(id); found != keyframes_.end()) insert(found->second, made);
   meanwhile_.clear();
   const std::lock_guard<std::mutex> lock(mutex_);
   map_ = std::move(made);

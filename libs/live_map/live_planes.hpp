@@ -6,6 +6,7 @@
 
 #include <future>
 #include <map>
+#include <memory>
 #include <mutex>
 
 #include <lcmslam/imaging/io/encoded_frame.hpp>
@@ -22,6 +23,8 @@ class LivePlanes {
 
   // One thread.
 
+  /// Keyframes that follow are another camera's. Throws as the constructor.
+  void look_through(const RgbdCalibration& calibration);
   /// `depth` CV_16UC1 mm, filtered, of the calibration's size.
   void keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth);
   /// A frame that is no keyframe came: time for what a correction left.
@@ -40,18 +43,19 @@ class LivePlanes {
 
  private:
   struct Keyframe {
+    std::shared_ptr<const FramePlaneFinder> finder;  // that found them
     std::vector<FramePlane> planes;
     EncodedImage labels;  // some kB
     Eigen::Isometry3d T_map_depth;
   };
   using Keyframes = std::map<int, Keyframe>;
-  static void insert(const Keyframe& keyframe, const CellMoments& cells, PlaneMap& map);
+  static void insert(const Keyframe& keyframe, PlaneMap& map);
   void drop(Keyframes::iterator keyframe);
   void put_together_anew();
   void take_over(bool wait);
 
   LiveMapSettings settings_;
-  FramePlaneFinder finder_;
+  std::shared_ptr<FramePlaneFinder> finder_;  // of the newest keyframe's camera
   Keyframes keyframes_;
   MovedKeyframes moved_;
   std::future<PlaneMap> making_;

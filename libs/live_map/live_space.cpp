@@ -10,9 +10,8 @@ constexpr double corners = 1.3;
 
 }  // namespace
 
-LiveSpace::LiveSpace(const CameraModel& depth_camera, const LiveMapSettings& settings)
-    : camera_(depth_camera),
-      cell_size_(settings.occupancy.cell_size),
+LiveSpace::LiveSpace(const LiveMapSettings& settings)
+    : cell_size_(settings.occupancy.cell_size),
       background_(settings.background),
       distance_every_(settings.distance_every),
       distance_rest_(settings.distance_rest),
@@ -23,13 +22,13 @@ LiveSpace::LiveSpace(const CameraModel& depth_camera, const LiveMapSettings& set
       near_(settings.occupancy.cell_size, settings.distance, corners * settings.occupancy.max_range),
       newest_(settings.occupancy.cell_size) {}
 
-void LiveSpace::show(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth) {
+void LiveSpace::show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth) {
   take_over(false);
   moved_.frame();
   if (!carving_.valid() && moved_.due()) carve_anew();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    carver_.carve(depth, camera_, T_map_depth, grid_);
+    carver_.carve(depth, camera, T_map_depth, grid_);
     grid_.make_room(T_map_depth.translation().cast<float>());
     hits_ = carver_.hits();
     place_ = T_map_depth.translation();
@@ -40,11 +39,12 @@ void LiveSpace::show(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth)
   follow(T_map_depth.translation());
 }
 
-void LiveSpace::keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth) {
-  keyframes_.add(keyframe, depth, camera_, T_map_depth);
+void LiveSpace::keep(int keyframe, const cv::Mat& depth, const CameraModel& camera,
+                     const Eigen::Isometry3d& T_map_depth) {
+  keyframes_.add(keyframe, depth, camera, T_map_depth);
   kept_bytes_ = keyframes_.memory_bytes();
   moved_.add(keyframe, T_map_depth);
-  if (carving_.valid()) meanwhile_.push_back({keyframe, depth.clone(), T_map_depth});
+  if (carving_.valid()) meanwhile_.push_back({keyframe, depth.clone(), camera, T_map_depth});
   const std::lock_guard<std::mutex> lock(mutex_);
   if (awake_) measure();
 }
@@ -119,8 +119,8 @@ void LiveSpace::take_over(bool wait) {
   keyframes_ = std::move(carved.keyframes);
   for (const int id : std::exchange(forgotten_, {})) keyframes_.forget(id);
   for (const Kept& kept : meanwhile_) {
-    keyframes_.add(kept.keyframe, kept.depth, camera_, kept.T_map_depth);
-    carver_.carve(kept.depth, camera_, kept.T_map_depth, carved.grid);
+    keyframes_.add(kept.keyframe, kept.depth, kept.camera, kept.T_map_depth);
+    carver_.carve(kept.depth, kept.camera, kept.T_map_depth, carved.grid);
   }
   meanwhile_.clear();
   const std::lock_guard<std::mutex> lock(mutex_);

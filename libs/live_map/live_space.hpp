@@ -24,14 +24,15 @@ namespace lcmslam {
 class LiveSpace {
  public:
   /// Throws std::invalid_argument that names the setting.
-  LiveSpace(const CameraModel& depth_camera, const LiveMapSettings& settings);
+  explicit LiveSpace(const LiveMapSettings& settings);
 
   // One thread.
 
-  /// `depth` as DepthCarver takes it, of the depth camera's size. T_map_depth must be finite.
-  void show(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth);
+  /// `depth` as DepthCarver takes it, of the camera's size. T_map_depth must be finite.
+  void show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth);
   /// Keeps what was shown last for corrections.
-  void keep(int keyframe, const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth);
+  void keep(int keyframe, const cv::Mat& depth, const CameraModel& camera,
+            const Eigen::Isometry3d& T_map_depth);
   /// Keyframes stand elsewhere: T_map_depth by keyframe.
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
   /// These have been given up: the next time that space is carved anew it is without them.
@@ -75,6 +76,7 @@ class LiveSpace {
   struct Kept {
     int keyframe;
     cv::Mat depth;
+    CameraModel camera;
     Eigen::Isometry3d T_map_depth;
   };
   void carve_anew();
@@ -83,7 +85,6 @@ class LiveSpace {
   void follow(const Eigen::Vector3d& place);
   void bring_up_to_date() const;
 
-  CameraModel camera_;
   double cell_size_;  // m
   bool background_;
   int distance_every_, distance_rest_;

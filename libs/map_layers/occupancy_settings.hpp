@@ -14,7 +14,7 @@ struct OccupancySettings {
   double most_free = 0.12;
   double depth_slack = 0.002;
   int max_blocks = 200'000;
-  int max_keyframes = 600;
+  int max_keyframes = 2000;
 
   void describe(SettingsVisitor& s) {
     s.number("cell_size", cell_size, "m", {0.005, 1}, "side of a cell");
@@ -32,7 +32,9 @@ struct OccupancySettings {
         "max_blocks", max_blocks, "", {100, 1e7},
         "of 8 x 8 x 8 cells that are kept (at most 0.7 kB each); a tenth, the farthest, gives way at a time");
     s.number("max_keyframes", max_keyframes, "", {1, 1e5},
-             "whose depth is kept for corrections of the graph (about 40 kB each); the oldest give way");
+             "whose depth is kept for corrections of the graph (about 40 kB each); those that the graph has "
+             "given up "
+             "make room first, then the oldest: what they alone saw goes with the next correction");
   }
 };
 

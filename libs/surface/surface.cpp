@@ -57,10 +57,14 @@ SurfaceSettings checked(const SurfaceSettings& settings) {
 
 Surface::Surface(const RgbdCalibration& calibration, const SurfaceSettings& settings)
     : settings_(checked(settings)),
-      maker_(calibration, settings_),
+      maker_(std::make_shared<SurfaceViewMaker>(calibration, settings_)),
       fine_(settings_.voxel_size, settings_.truncation),
       coarse_(settings_.coarse_voxel_size, settings_.truncation),
       mesh_(settings_) {}
+
+void Surface::look_through(const RgbdCalibration& calibration) {
+  maker_ = std::make_shared<SurfaceViewMaker>(calibration, settings_);
+}
 
 void Surface::hand_in(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
                       const Eigen::Isometry3d& T_colour_depth_time) {
@@ -69,9 +73,10 @@ void Surface::hand_in(std::int64_t keyframe, const RgbdFrame& frame, const Eigen
   if (keyframes_.count(keyframe) > 0)
     throw std::invalid_argument("surface: keyframe " + std::to_string(keyframe) +
                                 " is there already; move() tells a new pose");
-  SurfaceImage image = maker_.image(frame, T_colour_depth_time);
+  SurfaceImage image = maker_->image(frame, T_colour_depth_time);
   waiting_bytes_ += bytes_of(image);
   Keyframe& kept = keyframes_[keyframe];
+  kept.maker = maker_;
   kept.waiting = std::move(image);
   kept.T_wanted = T_map_camera;
   waiting_.push_back(keyframe);
@@ -90,7 +95,7 @@ void Surface::fuse_oldest() {
   waiting_.pop_front();
   const SurfaceImage image = *std::exchange(kept.waiting, std::nullopt);
   waiting_bytes_ -= bytes_of(image);
-  put_in(maker_.view(image), kept.T_wanted * image.T_camera_depth);
+  put_in(kept.maker->view(image), kept.T_wanted * image.T_camera_depth);
   kept.view.emplace(image);
   kept.T_map_camera = kept.T_wanted;
   kept.fused = fusion_;
@@ -123,7 +128,7 @@ void Surface::forget(std::int64_t keyframe) {
 void Surface::take_out_gone() {
   const Keyframe& keyframe = gone_.back();
   const SurfaceImage image = keyframe.view->unpacked();
-  take_out(maker_.view(image), keyframe.T_map_camera * image.T_camera_depth, keyframe.fused);
+  take_out(keyframe.maker->view(image), keyframe.T_map_camera * image.T_camera_depth, keyframe.fused);
   ++fusion_;
   kept_bytes_ -= keyframe.view->memory_bytes();
   gone_.pop_back();
@@ -141,7 +146,7 @@ int Surface::refuse(int keyframes) {
   for (std::size_t i = 0; i < now; ++i) {
     Keyframe& keyframe = keyframes_.at(moved[i].second);
     const SurfaceImage image = keyframe.view->unpacked();
-    const SurfaceView view = maker_.view(image);
+    const SurfaceView view = keyframe.maker->view(image);
     take_out(view, keyframe.T_map_camera * image.T_camera_depth, keyframe.fused);
     put_in(view, keyframe.T_wanted * image.T_camera_depth);
     keyframe.T_map_camera = keyframe.T_wanted;
@@ -191,7 +196,8 @@ ColouredCloud Surface::cloud(const std::vector<std::int64_t>& keyframes, double 
     if (found == keyframes_.end() || !(found->second.waiting || found->second.view)) continue;
     const SurfaceImage image =
         found->second.waiting ? *found->second.waiting : found->second.view->unpacked();
-    average.add(coloured_points(maker_.view(image)), found->second.T_wanted * image.T_camera_depth);
+    average.add(coloured_points(found->second.maker->view(image)),
+                found->second.T_wanted * image.T_camera_depth);
   }
   return average.result();
 }

@@ -17,6 +17,7 @@
 
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
@@ -31,6 +32,9 @@ class Surface {
  public:
   /// Throws std::invalid_argument for a calibration or a setting that is wrong.
   explicit Surface(const RgbdCalibration& calibration, const SurfaceSettings& settings = {});
+
+  /// Frames that are handed in from now on are another camera's. Throws as the constructor.
+  void look_through(const RgbdCalibration& calibration);
 
   /// Takes a frame whose depth has passed DepthFilter; `keyframe` is its name for move(). `T_map_camera` is
   /// that of the colour camera at the colour image's time, `T_colour_depth_time` as for DepthRegistration.
@@ -68,9 +72,10 @@ class Surface {
 
  private:
   struct Keyframe {
-    std::optional<SurfaceImage> waiting;  // until it is fused
-    std::optional<KeptView> view;         // then; absent: its images were too many
-    Eigen::Isometry3d T_map_camera;       // as it is fused
+    std::shared_ptr<const SurfaceViewMaker> maker;  // of its camera
+    std::optional<SurfaceImage> waiting;            // until it is fused
+    std::optional<KeptView> view;                   // then; absent: its images were too many
+    Eigen::Isometry3d T_map_camera;                 // as it is fused
     Eigen::Isometry3d T_wanted;
     std::int64_t fused = 0;  // number of the fusion
   };
@@ -85,7 +90,7 @@ class Surface {
   double shift(const Keyframe& keyframe) const;
 
   SurfaceSettings settings_;
-  SurfaceViewMaker maker_;
+  std::shared_ptr<const SurfaceViewMaker> maker_;  // of the newest
   VoxelBlocks fine_, coarse_;
   SurfaceMesh mesh_;
   std::map<std::int64_t, Keyframe> keyframes_;

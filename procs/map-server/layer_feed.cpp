@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include <lcmslam/messages/camera_messages.hpp>
-#include <lcmslam/messages/decode.hpp>
-
 namespace lcmslam {
 namespace {
 
@@ -37,15 +34,16 @@ LayerFeed::LayerFeed(const LayerSettings& settings)
 
 void LayerFeed::calibrate(const RgbdCalibration& calibration) {
   calibration_ = calibration;
+  newest_ = known_.same_as(calibration);
   frames_.clear();
   frame_bytes_ = 0;
-  begin_map();
+  if (!worker_.map()) begin_map();
 }
 
 void LayerFeed::begin_map() {
   poses_.clear();
   next_shown_ = next_fused_ = 0;
-  if (calibration_) worker_.begin_map(*calibration_);
+  if (calibration_) worker_.begin_map(newest_);
 }
 
 void LayerFeed::camera(EncodedFrame frame) {
@@ -72,10 +70,10 @@ void LayerFeed::pose(Utime utime, const Eigen::Isometry3d& T_map_robot) {
   const Eigen::Isometry3d T_map_camera = T_map_robot * calibration_->T_robot_camera;
   const auto until_colour = motion(utime, frame->utime);
   if (until_colour && due(utime, surface_period_, next_fused_))
-    worker_.show(frame, pose_at_colour(*frame, T_map_robot * *until_colour * calibration_->T_robot_camera),
-                 true);
+    worker_.show({frame, newest_},
+                 pose_at_colour(*frame, T_map_robot * *until_colour * calibration_->T_robot_camera), true);
   else
-    worker_.show(frame, {T_map_camera, Eigen::Isometry3d::Identity()}, false);
+    worker_.show({frame, newest_}, {T_map_camera, Eigen::Isometry3d::Identity()}, false);
 }
 
 /// The one whose depth image was taken then.
@@ -125,37 +123,27 @@ LayerWorker::Frame LayerFeed::frame_of(const DenseKeyframe& keyframe) const {
 std::optional<StoredImages> LayerFeed::keyframe(const DenseKeyframe& keyframe, const KeptImages& kept) {
   if (!calibration_) return std::nullopt;
   std::optional<StoredImages> images;
-  LayerWorker::Frame frame = frame_of(keyframe);
+  const LayerWorker::Frame frame = frame_of(keyframe);
+  LayerWorker::Images shown{frame, newest_};
   FramePose pose{keyframe.T_world_camera, Eigen::Isometry3d::Identity()};
   if (frame) {
     if (keyframe.utime == frame->utime) pose = pose_at_colour(*frame, keyframe.T_world_camera);
     images = StoredImages{*frame, pose.T_colour_depth_time};
     images->frame.amplitude = {};
-  } else if (const auto before = kept ? kept() : std::nullopt; before && is_of_this_camera(*before)) {
-    frame = std::make_shared<EncodedFrame>(before->frame);
+  } else if (const auto before = kept ? kept() : std::nullopt) {
+    shown = {std::make_shared<EncodedFrame>(before->frame), known_.of(*before)};
     pose.T_colour_depth_time = before->T_colour_depth_time;
   }
-  frame ? worker_.keep(keyframe.id, frame, pose)
-        : worker_.keep(keyframe.id, keyframe.cloud, keyframe.T_world_camera);
+  shown.frame&& shown.calibration ? worker_.keep(keyframe.id, shown, pose)
+                                  : worker_.keep(keyframe.id, keyframe.cloud, keyframe.T_world_camera);
   return images;
-}
-
-/// The derived maps know one calibration: by it another one's images are bent.
-bool LayerFeed::is_of_this_camera(const StoredImages& images) const {
-  if (!calibration_ || !images.calibration) return false;
-  const std::vector<std::uint8_t>& told = images.calibration->bytes;
-  try {
-    return reads_alike(from_message(decode_message<camera_calibration_t>(told.data(), told.size())),
-                       *calibration_);
-  } catch (const DecodeError&) {
-    return false;
-  }
 }
 
 void LayerFeed::adopt(int id, const Eigen::Isometry3d& T_map_camera,
                       const std::optional<StoredImages>& images, ColouredCloud cloud) {
-  if (!images || !is_of_this_camera(*images)) return worker_.adopt(id, std::move(cloud), T_map_camera);
-  worker_.adopt(id, std::make_shared<EncodedFrame>(images->frame),
+  const LayerWorker::Calibration calibration = images ? known_.of(*images) : nullptr;
+  if (!calibration) return worker_.adopt(id, std::move(cloud), T_map_camera);
+  worker_.adopt(id, {std::make_shared<EncodedFrame>(images->frame), calibration},
                 {T_map_camera, images->T_colour_depth_time});
 }
 

@@ -8,6 +8,7 @@
 
 #include <lcmslam/map_store/file/stored_map.hpp>
 #include <lcmslam/messages/followed_graph.hpp>
+#include <lcmslam/messages/stored_calibration.hpp>
 #include "procs/map-server/layer_settings.hpp"
 #include "procs/map-server/layer_worker.hpp"
 
@@ -18,7 +19,7 @@ class LayerFeed {
   /// Throws std::invalid_argument that names the setting.
   explicit LayerFeed(const LayerSettings& settings);
 
-  /// Of another camera: the layers begin anew.
+  /// The camera whose frames follow. What is there already stays.
   void calibrate(const RgbdCalibration& calibration);
   const std::optional<RgbdCalibration>& calibration() const { return calibration_; }
   /// Another map, in another frame: the layers begin anew.
@@ -31,10 +32,10 @@ class LayerFeed {
   /// The robot at `utime`, measured against the map.
   void pose(Utime utime, const Eigen::Isometry3d& T_map_robot);
   /// Gives what is to be kept of it: its images. Where those have not come, or are gone, it is shown with
-  /// what `kept` gives, or else its cloud; so, too, where that was taken by another calibration.
+  /// what `kept` gives, or else its cloud; so, too, where nobody knows by which calibration that was taken.
   std::optional<StoredImages> keyframe(const DenseKeyframe& keyframe, const KeptImages& kept = {});
   /// A keyframe of another map, which no graph moves: from its images, or its cloud where there are none of
-  /// this calibration.
+  /// which the calibration is known.
   void adopt(int id, const Eigen::Isometry3d& T_map_camera, const std::optional<StoredImages>& images,
              ColouredCloud cloud);
   /// After the graph has moved the map. What it has given up goes once it is known whole.
@@ -51,7 +52,6 @@ class LayerFeed {
 
  private:
   std::optional<Eigen::Isometry3d> motion(Utime from, Utime to) const;
-  bool is_of_this_camera(const StoredImages& images) const;
   LayerWorker::Frame frame_of(const DenseKeyframe& keyframe) const;
   LayerWorker::Frame frame_at(Utime depth_time) const;
   FramePose pose_at_colour(const EncodedFrame& frame, const Eigen::Isometry3d& T_map_camera) const;
@@ -60,6 +60,8 @@ class LayerFeed {
   Utime period_, surface_period_;
   LayerWorker worker_;
   std::optional<RgbdCalibration> calibration_;
+  KnownCalibrations known_;
+  LayerWorker::Calibration newest_;        // calibration_, as images read
   std::deque<LayerWorker::Frame> frames_;  // the last seconds'
   std::size_t frame_bytes_ = 0;
   std::deque<std::pair<Utime, Eigen::Isometry3d>> poses_;  // of the robot, the last seconds'

@@ -11,9 +11,10 @@ constexpr std::size_t most_jobs = 256;
 constexpr std::chrono::milliseconds quiet_time{500};  // without a job: there is time for all that is left
 
 /// Colour costs more than depth, and space does not ask for it.
-RgbdFrame decoded(EncodedFrame frame, const RgbdCalibration& calibration, bool with_colour) {
+RgbdFrame decoded(const LayerWorker::Images& images, bool with_colour) {
+  EncodedFrame frame = *images.frame;
   if (!with_colour) frame.colour = {};
-  return decode_images(frame, calibration);
+  return decode_images(frame, *images.calibration);
 }
 
 }  // namespace
@@ -32,7 +33,7 @@ LayerWorker::~LayerWorker() {
   thread_.join();
 }
 
-void LayerWorker::begin_map(const RgbdCalibration& calibration) {
+void LayerWorker::begin_map(const Calibration& calibration) {
   auto map = std::make_shared<LiveMap>(calibration, settings_);
   const std::lock_guard<std::mutex> lock(mutex_);
   state_.left_out += static_cast<std::int64_t>(jobs_.size()) + (newest_ ? 1 : 0);
@@ -42,20 +43,23 @@ void LayerWorker::begin_map(const RgbdCalibration& calibration) {
   unfinished_ = due_ = false;
 }
 
-void LayerWorker::show(Frame frame, const FramePose& pose, bool with_colour) {
+void LayerWorker::show(Images images, const FramePose& pose, bool with_colour) {
   hand_in(
-      [this, frame = std::move(frame), pose, with_colour](LiveMap& map) {
-        RgbdFrame images = decoded(*frame, map.calibration(), with_colour);
-        with_colour ? map.add(std::move(images), pose) : map.show(std::move(images), pose);
+      [this, images = std::move(images), pose, with_colour](LiveMap& map) {
+        RgbdFrame frame = decoded(images, with_colour);
+        map.look_through(images.calibration);
+        with_colour ? map.add(std::move(frame), pose) : map.show(std::move(frame), pose);
         count(&State::shown);
       },
       true);
 }
 
-void LayerWorker::keep(int keyframe, Frame frame, const FramePose& pose) {
-  hand_in([this, keyframe, frame = std::move(frame), pose](LiveMap& map) {
+void LayerWorker::keep(int keyframe, Images images, const FramePose& pose) {
+  hand_in([this, keyframe, images = std::move(images), pose](LiveMap& map) {
     if (map.has(keyframe)) return;
-    map.keep(keyframe, decoded(*frame, map.calibration(), true), pose);
+    RgbdFrame frame = decoded(images, true);
+    map.look_through(images.calibration);
+    map.keep(keyframe, std::move(frame), pose);
     count(&State::kept);
   });
 }
@@ -68,10 +72,12 @@ void LayerWorker::keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3
   });
 }
 
-void LayerWorker::adopt(int keyframe, Frame frame, const FramePose& pose) {
-  hand_in([this, keyframe, frame = std::move(frame), pose](LiveMap& map) {
+void LayerWorker::adopt(int keyframe, Images images, const FramePose& pose) {
+  hand_in([this, keyframe, images = std::move(images), pose](LiveMap& map) {
     if (map.has(keyframe)) return;
-    map.adopt(keyframe, decoded(*frame, map.calibration(), true), pose);
+    RgbdFrame frame = decoded(images, true);
+    map.look_through(images.calibration);
+    map.adopt(keyframe, std::move(frame), pose);
     count(&State::kept);
   });
 }

@@ -26,17 +26,23 @@ class LayerWorker {
   LayerWorker(const LayerWorker&) = delete;
   LayerWorker& operator=(const LayerWorker&) = delete;
 
-  /// An empty map; what waits for the old one is left out.
-  void begin_map(const RgbdCalibration& calibration);
-
+  using Calibration = LiveMap::Calibration;
   using Frame = std::shared_ptr<const EncodedFrame>;
+  struct Images {
+    Frame frame;
+    Calibration calibration;  ///< by which it was taken
+  };
+
+  /// An empty map; what waits for the old one is left out.
+  void begin_map(const Calibration& calibration);
+
   // Before begin_map() nothing happens.
   /// Of space alone, or `with_colour` of the surface too.
-  void show(Frame frame, const FramePose& pose, bool with_colour);
-  void keep(int keyframe, Frame frame, const FramePose& pose);
+  void show(Images images, const FramePose& pose, bool with_colour);
+  void keep(int keyframe, Images images, const FramePose& pose);
   void keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera);
   /// As keep(), of a map that no graph moves.
-  void adopt(int keyframe, Frame frame, const FramePose& pose);
+  void adopt(int keyframe, Images images, const FramePose& pose);
   void adopt(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera);
   void correct(std::map<int, Eigen::Isometry3d> T_map_camera);
   void follow(std::map<int, Eigen::Isometry3d> T_map_camera);

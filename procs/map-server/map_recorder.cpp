@@ -48,12 +48,6 @@ void push_bounded(std::deque<Item>& items, Item item, std::size_t most) {
 
 }  // namespace
 
-StoredCalibration stored(const camera_calibration_t& message) {
-  camera_calibration_t lasting = message;
-  lasting.utime = lasting.seq = lasting.sender = 0;
-  return {message.sensor, camera_calibration_t::getTypeName(), encode_message(lasting)};
-}
-
 MapRecorder::MapRecorder(const std::filesystem::path& file, const std::string& configuration)
     : file_(file), writer_(file, {lcmslam_version, configuration}) {
   read_kept();

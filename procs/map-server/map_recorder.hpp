@@ -13,6 +13,7 @@
 #include <lcmslam/map_store/file/map_file.hpp>
 #include <lcmslam/map_store/file/store_writer.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
+#include <lcmslam/messages/stored_calibration.hpp>
 #include <lcmslam/places/session_joiner.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include "procs/map-server/session_table.hpp"
@@ -28,9 +29,6 @@ struct KeptSession {
   std::int64_t landmarks = 0;
   Utime begin = 0, end = 0;  ///< us, of the first and the last keyframe; 0: not known
 };
-
-/// As the file keeps it: without what changes each second.
-StoredCalibration stored(const camera_calibration_t& message);
 
 class MapRecorder {
  public:

@@ -5,8 +5,8 @@
 #include <lcmslam/imaging/depth_filter.hpp>
 #include <lcmslam/imaging/depth_registration.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/stored_calibration.hpp>
 #include <lcmslam/rgbd/make_cloud.hpp>
-#include "tools/map/rebuilt_layers.hpp"
 
 namespace lcmslam {
 namespace {

@@ -1,14 +1,9 @@
 #include "tools/map/rebuilt_layers.hpp"
 
 #include <lcmslam/messages/camera_messages.hpp>
-#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/stored_calibration.hpp>
 
 namespace lcmslam {
-
-RgbdCalibration from_stored(const StoredCalibration& calibration) {
-  const std::vector<std::uint8_t>& bytes = calibration.bytes;
-  return from_message(decode_message<camera_calibration_t>(bytes.data(), bytes.size()));
-}
 
 RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
                                const std::vector<StoredKeyframe>& keyframes) {
@@ -33,17 +28,20 @@ std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, const PlacedSessions& sess
   LiveMapSettings settings;
   settings.background = false;
   settings.surface.min_looks = 0.02;  // most surfaces were seen by one keyframe alone
-  auto layers = std::make_unique<LiveMap>(calibration, settings);
+  KnownCalibrations known;
+  auto layers = std::make_unique<LiveMap>(known.same_as(calibration), settings);
   int number = 0;
   for (const auto& [session, T_map_session] : sessions)
     for (const StoredKeyframe& keyframe : map.keyframes(session)) {
       const Eigen::Isometry3d T_map_camera = T_map_session * keyframe.T_map_camera;
       const auto images = map.images(session, keyframe.id);
-      if (images && images->calibration && reads_alike(from_stored(*images->calibration), calibration))
-        layers->keep(number++, decode_images(images->frame, calibration),
+      if (const auto taken_by = images ? known.of(*images) : nullptr) {
+        layers->look_through(taken_by);
+        layers->keep(number++, decode_images(images->frame, *taken_by),
                      {T_map_camera, images->T_colour_depth_time});
-      else if (const auto cloud = map.cloud(session, keyframe.id))
+      } else if (const auto cloud = map.cloud(session, keyframe.id)) {
         layers->keep(number++, *cloud, T_map_camera);
+      }
     }
   layers->settle();
   return layers;

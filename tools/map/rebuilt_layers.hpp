@@ -14,14 +14,12 @@ namespace lcmslam {
 RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
                                const std::vector<StoredKeyframe>& keyframes);
 
-RgbdCalibration from_stored(const StoredCalibration& calibration);
-
-/// Of a dense session: from its keyframes' images, or from the cloud of those without, and of those that were
-/// taken by another calibration than calibration_of() says: layers know one. Throws StoreError where
-/// something cannot be read, and where the file has no calibration of the camera.
+/// Of a dense session: from its keyframes' images, or from the cloud of those without, and of those of which
+/// nobody knows by which calibration they were taken. Throws StoreError where something cannot be read, and
+/// where the file has no calibration of the camera.
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session);
 
-/// Of several, each where it lies in the map (T_map_session by session), of one camera head.
+/// Of several, each where it lies in the map (T_map_session by session).
 using PlacedSessions = std::map<std::int64_t, Eigen::Isometry3d>;
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, const PlacedSessions& sessions);
 

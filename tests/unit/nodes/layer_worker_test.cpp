@@ -7,20 +7,23 @@
 namespace lcmslam {
 namespace {
 
-RgbdCalibration some_camera() {
-  RgbdCalibration calibration;
-  calibration.colour = calibration.depth = CameraModel{160, 120, 140, 140, 79.5, 59.5, {}};
-  calibration.depth_registered = true;
-  return calibration;
+LayerWorker::Calibration some_camera() {
+  static const LayerWorker::Calibration camera = [] {
+    RgbdCalibration calibration;
+    calibration.colour = calibration.depth = CameraModel{160, 120, 140, 140, 79.5, 59.5, {}};
+    calibration.depth_registered = true;
+    return std::make_shared<RgbdCalibration>(calibration);
+  }();
+  return camera;
 }
 
 /// 2 m away.
-LayerWorker::Frame wall() {
+LayerWorker::Images wall() {
   RgbdFrame frame;
   frame.depth = cv::Mat(120, 160, CV_16UC1, cv::Scalar(2000));
   frame.depth.at<std::uint16_t>(0, 0) = 2001;  // one single value would be no depth at all
   frame.colour = cv::Mat(120, 160, CV_8UC3, cv::Scalar(50, 100, 150));
-  return std::make_shared<EncodedFrame>(encode(frame));
+  return {std::make_shared<EncodedFrame>(encode(frame)), some_camera()};
 }
 
 /// Looks along x.

@@ -76,8 +76,8 @@ TEST_F(MapServerCameras, ImagesKeepTheCalibrationOfTheirTime) {
   }
 }
 
-TEST_F(MapServerCameras, AnotherOnesImagesAreNoSightOfTheOldMap) {
-  EXPECT_EQ(kept_and_imageless(with_other_optics()), std::pair(1.0 * views_of_room, 1.0 * views_of_room));
+TEST_F(MapServerCameras, ImagesOfTheOldMapAreShownByTheirOwn) {
+  EXPECT_EQ(kept_and_imageless(with_other_optics()), std::pair(2.0 * views_of_room, 0.0));
   EXPECT_EQ(camera_of(1, 0), stored(SimulatedKitchen::instance().calibration()).bytes);
   EXPECT_EQ(camera_of(2, 0), stored(with_other_optics()).bytes);
 }
@@ -86,14 +86,41 @@ TEST_F(MapServerCameras, AnotherMountIsNoOtherCamera) {
   EXPECT_EQ(kept_and_imageless(with_other_mount()), std::pair(2.0 * views_of_room, 0.0));
 }
 
+// The map is what it was; frames by which it grows are read by what holds now.
+TEST(LayerFeedCameras, ACameraThatIsCalibratedAnewTakesNothingAway) {
+  LayerSettings settings;
+  settings.map.background = false;
+  LayerFeed feed(settings);
+  const RgbdCalibration calibration = SimulatedKitchen::instance().simulation().calibration();
+  feed.calibrate(calibration);
+  const auto show = [&](int id, const EncodedFrame& frame) {
+    feed.camera(frame);
+    DenseKeyframe keyframe;
+    keyframe.id = id;
+    keyframe.utime = frame.utime;
+    EXPECT_TRUE(feed.keyframe(keyframe));
+  };
+  show(0, from_message(SimulatedKitchen::instance().frame(first_number)));
+  RgbdCalibration anew = calibration;
+  anew.depth.fx *= 1.1;
+  feed.calibrate(anew);
+  EXPECT_EQ(feed.newest_image(), nullptr) << "taken by the other";
+  EXPECT_TRUE(feed.map()->has(0));
+  const std::size_t before = feed.map()->cloud(0.03).size();
+  show(1, from_message(SimulatedKitchen::instance().frame(first_number + 40)));
+  EXPECT_GT(feed.map()->cloud(0.03).size(), before * 11 / 10);
+  EXPECT_EQ(feed.state().failed, 0) << feed.state().error;
+}
+
 // Its mapper lived on while the server was restarted, and the camera was calibrated meanwhile.
-TEST(LayerFeedCameras, KeyframesWhoseImagesAreAnotherOnesAreClouds) {
+TEST(LayerFeedCameras, KeyframesAreReadByTheCalibrationOfTheirTime) {
   LayerSettings settings;
   settings.map.background = false;
   LayerFeed feed(settings);
   feed.calibrate(SimulatedKitchen::instance().simulation().calibration());
   StoredImages images;
   images.frame = from_message(SimulatedKitchen::instance().frame(first_number));
+  images.frame.amplitude = {};
   DenseKeyframe keyframe;
   keyframe.cloud.points = {{0, 0, 1}};
   keyframe.cloud.colours.resize(1);
@@ -107,12 +134,19 @@ TEST(LayerFeedCameras, KeyframesWhoseImagesAreAnotherOnesAreClouds) {
       std::make_shared<StoredCalibration>(stored(SimulatedKitchen::instance().calibration()));
   show(1);
   EXPECT_EQ(feed.state().kept, 1);
-  images.calibration = std::make_shared<StoredCalibration>(stored(with_other_optics()));
-  show(2);
   images.calibration = std::make_shared<StoredCalibration>(StoredCalibration{"tof", "form", {1, 2, 3}});
+  show(2);
+  EXPECT_EQ(feed.state().imageless, 2) << "nobody can read it";
+  RgbdCalibration of_its_time = SimulatedKitchen::instance().simulation().calibration();
+  const int columns = of_its_time.depth.width / 2;
+  const cv::Mat depth = decode_depth(images.frame.depth).colRange(0, columns);
+  of_its_time.depth.width = columns;
+  images.frame.depth = encode_depth(depth, images.frame.depth.utime);
+  images.calibration = std::make_shared<StoredCalibration>(stored(to_message(of_its_time)));
   show(3);
-  EXPECT_EQ(feed.state().kept, 1);
-  EXPECT_EQ(feed.state().imageless, 3);
+  feed.adopt(1003, Eigen::Isometry3d::Identity(), images, {});
+  EXPECT_EQ(feed.state().kept, 3);
+  EXPECT_EQ(feed.state().imageless, 2);
   EXPECT_EQ(feed.state().failed, 0) << feed.state().error;
 }
 

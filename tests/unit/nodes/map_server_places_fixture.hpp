@@ -98,8 +98,7 @@ class Life {
     bus_.work();
   }
   double value(const std::string& name) { return value_of(node_, name); }
-  /// Whether what is derived has the keyframe.
-  bool derives(int keyframe) const { return node_.shown().live->has(keyframe); }
+  std::shared_ptr<const LiveMap> derived() const { return node_.shown().live; }
   void work() { bus_.work(); }
   void finish() { bus_.finish(); }
 

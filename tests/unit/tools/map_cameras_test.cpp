@@ -98,7 +98,6 @@ TEST_F(MapCameras, ExportsReadEachImageByItsOwn) {
     EXPECT_LT(cloud.size(), 176U * 144 * 5 / 4);
     EXPECT_LT(median_error(cloud), 0.01);
 
-    // Layers know one calibration: of the other's view the cloud is taken.
     const auto derived = run({"export", map, out.string(), "--formats", "mesh,octomap", "--force"});
     ASSERT_EQ(derived.exit_code, 0) << derived.errors;
     const ColouredCloud mesh = load_ply(out / "icp-session1_mesh.ply");
