@@ -8,7 +8,7 @@
 namespace lcmslam {
 namespace {
 
-constexpr int most_columns = 160;
+constexpr int kept_columns = 160;
 constexpr double millimetres = 1000;
 
 // One pixel of each square of `factor`, the one in its middle: a mean of depths would lie where nothing is.
@@ -41,7 +41,7 @@ CarvedKeyframes::CarvedKeyframes(const OccupancySettings& settings) : settings_(
 
 void CarvedKeyframes::add(int id, const cv::Mat& depth, const CameraModel& camera,
                           const Eigen::Isometry3d& T_map_camera) {
-  const int factor = std::max(1, (camera.width + most_columns - 1) / most_columns);
+  const int factor = std::max(1, (camera.width + kept_columns / 2) / kept_columns);
   keyframes_[id] = {every(factor, depth), every(factor, camera), T_map_camera};
   while (keyframes_.size() > static_cast<std::size_t>(settings_.max_keyframes)) {
     keyframes_.erase(keyframes_.begin());

@@ -20,7 +20,8 @@ class CarvedKeyframes {
   /// Reads max_keyframes. Throws std::invalid_argument that names the setting.
   explicit CarvedKeyframes(const OccupancySettings& settings);
 
-  /// `depth` as DepthCarver::carve() takes it; kept at no more than 160 columns. Another of the same id
+  /// `depth` as DepthCarver::carve() takes it; kept at 107 to 239 columns where
+  /// it has more. Another of the same id
   /// replaces it.
   void add(int id, const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_camera);
   void forget(int id);  ///< does nothing where there is none

@@ -31,10 +31,11 @@ struct OccupancySettings {
     s.number(
         "max_blocks", max_blocks, "", {100, 1e7},
         "of 8 x 8 x 8 cells that are kept (at most 0.7 kB each); a tenth, the farthest, gives way at a time");
-    s.number("max_keyframes", max_keyframes, "", {1, 1e5},
-             "whose depth is kept for corrections of the graph (about 40 kB each); those that the graph has "
-             "given up "
-             "make room first, then the oldest: what they alone saw goes with the next correction");
+    s.number(
+        "max_keyframes", max_keyframes, "", {1, 1e5},
+        "whose depth is kept for corrections of the graph (up to 90 kB each, 50 of 176x144, 40 of 640x480); "
+        "those that the graph has given up make room first, then the oldest: what they alone saw goes with "
+        "the next correction");
   }
 };
 

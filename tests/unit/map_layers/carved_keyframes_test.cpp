@@ -63,6 +63,29 @@ TEST(CarvedKeyframes, WhatFramesBetweenThemSawThroughDoesNotComeBack) {
   EXPECT_NE(again.state(on_thing), CellState::occupied);
 }
 
+// A floor seen at a slant has far fewer pixels than cells.
+TEST(CarvedKeyframes, SmallImagesAreKeptWhole) {
+  CameraModel tof;
+  tof.width = 176, tof.height = 144;
+  tof.fx = tof.fy = 200;
+  tof.cx = 87.5, tof.cy = 71.5;
+  cv::Mat_<std::uint16_t> floor(144, 176, std::uint16_t{0});
+  for (int v = 90; v < 144; ++v) floor.row(v).setTo(1000 * 0.4 * tof.fy / (v - tof.cy));  // 0.4 m below
+  OccupancyGrid grid{OccupancySettings{}};
+  DepthCarver().carve(floor, tof, here, grid);
+  CarvedKeyframes keyframes{OccupancySettings{}};
+  keyframes.add(0, floor, tof, here);
+  const OccupancyGrid again = keyframes.carve_anew({}, grid);
+  int cells = 0;
+  for (float z = 1.1f; z < 4.2f; z += 0.04f)
+    for (float x = -0.4f; x < 0.4f; x += 0.04f) {
+      const Vector3f place(x, 0.4f, z);
+      cells += grid.state(place) == CellState::occupied ? 1 : 0;
+      EXPECT_EQ(again.state(place), grid.state(place)) << place.transpose();
+    }
+  EXPECT_GT(cells, 500);
+}
+
 TEST(CarvedKeyframes, AreBounded) {
   OccupancySettings settings;
   settings.max_keyframes = 2;
