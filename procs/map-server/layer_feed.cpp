@@ -11,6 +11,7 @@ constexpr Utime longest_step = 500'000;  // us between two poses of one motion
 constexpr std::size_t most_frames = 90;  // that wait for their pose or to become keyframes
 constexpr std::size_t most_bytes = 64'000'000;
 constexpr std::size_t most_poses = 200;
+constexpr std::int64_t many_waiting = 32;  // keyframes and corrections, a second's work
 
 std::size_t bytes_of(const EncodedFrame& frame) {
   return frame.colour.bytes.size() + frame.depth.bytes.size() + frame.amplitude.bytes.size();
@@ -118,6 +119,10 @@ LayerWorker::Frame LayerFeed::frame_of(const DenseKeyframe& keyframe) const {
     return frame->utime == keyframe.utime || calibration_->depth_time(frame->depth.utime) == keyframe.utime;
   });
   return found != frames_.end() ? *found : nullptr;
+}
+
+bool LayerFeed::has_time_for(const DenseKeyframe& keyframe) const {
+  return calibration_ && (worker_.state().waiting < many_waiting || frame_of(keyframe));
 }
 
 std::optional<StoredImages> LayerFeed::keyframe(const DenseKeyframe& keyframe, const KeptImages& kept) {

@@ -31,6 +31,9 @@ class LayerFeed {
   void camera(EncodedFrame frame);
   /// The robot at `utime`, measured against the map.
   void pose(Utime utime, const Eigen::Isometry3d& T_map_robot);
+  /// Before calibrate(), and while many others wait, a keyframe is better shown later; not where its images
+  /// are gone by then.
+  bool has_time_for(const DenseKeyframe& keyframe) const;
   /// Gives what is to be kept of it: its images. Where those have not come, or are gone, it is shown with
   /// what `kept` gives, or else its cloud; so, too, where nobody knows by which calibration that was taken.
   std::optional<StoredImages> keyframe(const DenseKeyframe& keyframe, const KeptImages& kept = {});

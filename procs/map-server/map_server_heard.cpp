@@ -80,7 +80,7 @@ void MapServerNode::hear_fastslam(const SessionKey& key) {
 void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
   if (dense_maps_.hear(key_of(message))) {
     icp_path_.clear();
-    if (layers_) layers_->begin_map();
+    begin_layers(key_of(message));
     begin_places(key_of(message));
   }
   add_to_path(icp_path_, message);
@@ -196,6 +196,15 @@ void MapServerNode::remember(const KeyframeFeatures::Found& found) {
     places_->keyframe(id, keyframe->second.T_world_camera, found.features, keyframe->second.cloud);
 }
 
+/// Keyframes may have come before the first pose of their map.
+void MapServerNode::begin_layers(const SessionKey& key) {
+  if (!layers_) return;
+  layers_->begin_map();
+  late_.clear();
+  if (const auto* session = dense_maps_.find(key))
+    for (const auto& [id, keyframe] : session->map.keyframes()) late_.insert(id);
+}
+
 void MapServerNode::begin_places(const SessionKey& key) {
   if (!places_) return;
   places_->begin_session(recorder_ ? recorder_->stored("icp", key) : 0);
@@ -205,6 +214,10 @@ void MapServerNode::begin_places(const SessionKey& key) {
 }
 
 void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyframe) {
+  if (!layers_->has_time_for(keyframe)) {
+    late_.insert(keyframe.id);
+    return;
+  }
   auto images = layers_->keyframe(
       keyframe, [&] { return recorder_ ? recorder_->kept_images(key, keyframe.id) : std::nullopt; });
   if (images) images->calibration = stored_calibration_;

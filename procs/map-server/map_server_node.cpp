@@ -94,7 +94,7 @@ std::optional<Node::Duration> MapServerNode::work() {
   note_joined();
   retire("icp", dense_maps_);
   retire("fastslam", landmark_maps_);
-  show_kept();
+  show_late();
   for (const QuestionDesk::Answered& answered : desk_.take()) {
     if (answered.error.empty()) ++answered_;
     replies_.add(answered);
@@ -149,9 +149,18 @@ void MapServerNode::retire(const std::string& mapper, SessionTable<Map>& session
   }
 }
 
-/// What the file's map has is shown to derived maps beside what is new, when those have nothing to do.
-void MapServerNode::show_kept() {
-  if (!places_ || !layers_ || !layers_->calibration() || layers_->state().waiting > 2) return;
+/// Keyframes for which there was no time, and what the file's map has, are shown to derived maps when those
+/// have nothing else to do.
+void MapServerNode::show_late() {
+  if (!layers_ || !layers_->calibration() || layers_->state().waiting > 2) return;
+  if (!late_.empty() && !dense_maps_.empty()) {
+    const auto& session = dense_maps_.all()[dense_maps_.current()];
+    const auto found = session.map.keyframes().find(*late_.begin());
+    late_.erase(late_.begin());
+    if (found != session.map.keyframes().end()) derive_from(session.key, found->second);
+    return;
+  }
+  if (!places_) return;
   if (auto kept = places_->next_kept())
     layers_->adopt(first_kept_id + kept->number, kept->T_session_camera, kept->images,
                    kept->cloud.value_or(ColouredCloud()));

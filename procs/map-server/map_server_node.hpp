@@ -88,6 +88,7 @@ class MapServerNode : public Node {
   void on_keyframe(const keyframe_t& message);
   void on_features(const features_t& message);
   void remember(const KeyframeFeatures::Found& found);
+  void begin_layers(const SessionKey& key);
   void begin_places(const SessionKey& key);
   void correct_places(const graph_t& message, const SessionTable<DenseMap>::Session& session,
                       bool takes_most);
@@ -99,7 +100,7 @@ class MapServerNode : public Node {
   template <class Map>
   std::optional<std::string> evidence(const std::string& mapper, const SessionTable<Map>& sessions,
                                       std::size_t index) const;
-  void show_kept();
+  void show_late();
   template <class Map>
   void retire(const std::string& mapper, SessionTable<Map>& sessions);
   void derive_from(const SessionKey& key, const DenseKeyframe& keyframe);
@@ -162,6 +163,7 @@ class MapServerNode : public Node {
   std::optional<MapRecorder> recorder_;  // none: no file was asked for
   std::string store_failure_;            // as it was last told; empty: none
   std::optional<LayerFeed> layers_;      // none: nothing is derived
+  std::set<std::int32_t> late_;          // keyframes of the current map that are to be shown to the layers
   KeyframeFeatures keyframe_features_;
   std::unique_ptr<SessionPlaces> places_;              // null: nothing is remembered
   std::unique_ptr<LandmarkSessions> landmark_places_;  // as places_

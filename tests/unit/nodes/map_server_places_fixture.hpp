@@ -24,11 +24,11 @@ inline constexpr int views_of_room = 6, first_number = 60, frames_between = 5;
 class Life {
  public:
   Life(const std::filesystem::path& folder, const std::string& mode, std::int64_t mapper,
-       const std::string& layers = "{make: false, background: false}")
+       const std::string& layers = "{make: false, background: false}", bool calibrated = true)
       : node_(bus_.add<MapServerNode>(ConfigNode::parse("{folder: " + folder.string() + ", mode: " + mode +
                                                         ", layers: " + layers + "}"))),
         mapper_(mapper) {
-    bus_.deliver("CAMERA_CALIBRATION", SimulatedKitchen::instance().calibration());
+    if (calibrated) calibrate(SimulatedKitchen::instance().calibration());
   }
   /// Keyframes of every frames_between-th frame from there; a mirror image of them is no place of the
   /// kitchen.
@@ -43,17 +43,20 @@ class Life {
       view.features.utime += later;
       const Eigen::Isometry3d T_map_camera = T_map_world * view.T_world_camera;
       if (later == 0) bus_.deliver("CAMERA", *view.images);
-      track(view.features.utime, T_map_camera);
+      if (!poses_come_late_) track(view.features.utime, T_map_camera);
       send("FEATURES", to_message(view.features));
       DenseKeyframe keyframe{first_keyframe_ + k, view.features.utime, T_map_camera, view.cloud, 0};
       for (const keyframe_t& tile :
            make_keyframe_tiles(keyframe, calibration.T_robot_camera, keyframe.id + 1))
         send("ICP_KEYFRAME", tile);
+      if (poses_come_late_) track(view.features.utime, T_map_camera);
       bus_.work();
     }
     for (int k = 0; k < 2 * views_of_room; ++k) bus_.work();
   }
   void calibrate(const camera_calibration_t& calibration) { bus_.deliver("CAMERA_CALIBRATION", calibration); }
+  /// A keyframe comes before the pose of its time.
+  void poses_come_late() { poses_come_late_ = true; }
   /// The mapper has made so many keyframes before those that follow.
   void goes_on_from(int keyframes) { first_keyframe_ = keyframes; }
   /// The mapper says where it is.
@@ -113,6 +116,7 @@ class Life {
   TestBus bus_;
   MapServerNode& node_;
   std::int64_t mapper_, seq_ = 0;
+  bool poses_come_late_ = false;
   int first_keyframe_ = 0;
   std::string frame_ = "map";
 };
