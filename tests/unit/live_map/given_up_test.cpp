@@ -97,6 +97,7 @@ TEST(LiveMap, WhatIsGivenUpMakesRoomFirst) {
     for (LiveMap* of : {&map, &without}) of->keep(4, wall(2), at(15.4));
     EXPECT_FALSE(map.has(2));
     map.settle();
+    expect_same_layers(map, without);
     for (LiveMap* of : {&map, &without})
       of->follow(moved_by(0.2, {{1, graph.at(1)}, {3, graph.at(3)}, {4, at(15.4).T_map_camera}}));
     map.settle();
@@ -105,13 +106,17 @@ TEST(LiveMap, WhatIsGivenUpMakesRoomFirst) {
 }
 
 TEST(LiveMap, FramesBetweenKeyframesHangOnThoseThatStay) {
-  LiveMap map(some_camera(), waiting());
+  LiveMapSettings settings = waiting();
+  settings.occupancy.max_keyframes = 3;
+  LiveMap map(some_camera(), settings);
   map.keep(1, wall(2), at(0));
   map.keep(2, wall(2), at(0.01));
   map.add(wall(2), at(3));  // of keyframe 2
   map.follow({{1, at(0.4).T_map_camera}});
   map.add(wall(2), at(6.4));
-  map.follow({{1, at(0.8).T_map_camera}});
+  for (const int id : {3, 4}) map.keep(id, wall(2), at(0.4));
+  EXPECT_FALSE(map.has(2));
+  map.follow({{1, at(0.8).T_map_camera}, {3, at(0.8).T_map_camera}, {4, at(0.8).T_map_camera}});
   const auto vertices = map.settled_mesh().vertices;
   double farthest = 0;
   bool first = false;
@@ -126,9 +131,9 @@ TEST(LiveMap, FramesBetweenKeyframesHangOnThoseThatStay) {
 TEST(LiveMap, AGraphThatLacksTheMostTakesNothing) {
   LiveMap map(some_camera(), waiting());
   keep_walls(map, {1, 2, 3});
-  map.follow({{2, three_walls().at(2)}});
+  map.follow({{2, at(5.4).T_map_camera}});
   map.follow({});
-  for (const double x : {2, 7, 12}) EXPECT_EQ(state(map, x), CellState::occupied) << x;
+  for (const double x : {2.0, 7.4, 12.0}) EXPECT_EQ(state(map, x), CellState::occupied) << x;
 }
 
 TEST(LiveMap, WhatIsAdoptedNoGraphTakesAway) {
