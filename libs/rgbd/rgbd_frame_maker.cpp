@@ -100,7 +100,7 @@ RgbdFrameMaker::Made RgbdFrameMaker::make(Prepared& prepared, const MotionBetwee
   if (frame.utime == images.utime && to_depth) made.T_frame_depth = to_depth->T_from_to;
 
   // The way of depth's points to it.
-  if (motion) way.T_colour_depth_time = camera_motion(*motion, c.T_robot_camera);
+  if (way.joined) way.T_colour_depth_time = camera_motion(*motion, c.T_robot_camera);
   way.row_motion = row_motion(motion_between, previous, images.utime);
 
   // What stands there.

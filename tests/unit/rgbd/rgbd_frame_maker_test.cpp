@@ -143,6 +143,26 @@ TEST_F(MovingHead, DepthsClockIsPutRight) {
   EXPECT_LT(off_the_walls(right.frame.cloud.points, colour_time), 1.5 * millimetre);
 }
 
+// Odometry that ends between where depth's stamp says that it was taken and where it was: no motion joins the
+// images, so depth stays where it is.
+TEST_F(MovingHead, DepthIsNotMovedByAWayThatIsHalfKnown) {
+  RgbdFrameMaker maker = this->maker();
+  for (int i = 0; i < 3000; ++i) {
+    Motion turn;
+    turn.T_from_to = planar_pose(0, 0, 0.1);
+    maker.observe(Eigen::Isometry3d::Identity(), planar_pose(0, 0, -0.005 - maker.depth_clock().offset()),
+                  turn, 0.1);
+  }
+  ASSERT_LT(maker.depth_clock().offset(), -0.004);
+  auto prepared = maker.prepare(images(40'000));
+  const auto until = [](Utime from, Utime to) {
+    return std::max(from, to) < colour_time + 38'000 ? odometry(from, to) : std::nullopt;
+  };
+  const auto made = maker.make(prepared, until, last_time);
+  EXPECT_EQ(made.frame.utime, colour_time + 40'000);
+  EXPECT_LT(off_the_walls(made.frame.cloud.points, made.frame.utime), millimetre);
+}
+
 // Rows are read within 30 ms around the image's time; pure turning shears the walls by centimetres.
 TEST_F(MovingHead, RowsReadOneAfterTheOtherAreStraightened) {
   calibration_ = testing_scene::registered_head();
