@@ -304,5 +304,17 @@ TEST(PlausibleMotion, AnotherScaleOfDepthIsFound) {
   }
 }
 
+// Beside the robot's middle a camera goes another way than that does: on the inside of a circle a shorter
+// one.
+TEST(PlausibleMotion, ACircleIsNoMatterOfDepthsScale) {
+  const Eigen::Isometry3d mount = Eigen::Translation3d(0, 0.45, 0.5) * optical_axes();
+  MountMotion check(mount);
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Isometry3d robot = planar_pose(0.075, 0, 0.075);  // of 1 m
+    check.add(mount.inverse() * robot * mount, robot);
+  }
+  EXPECT_EQ(check.finding(), "");
+}
+
 }  // namespace
 }  // namespace lcmslam
