@@ -36,6 +36,7 @@ Motion unknown_motion(Utime elapsed) {
 }
 
 bool MotionBuffer::add(const MotionSample& sample) {
+  if (!samples_.empty() && sample.utime == samples_.back().utime) return true;
   const bool in_order = samples_.empty() || sample.utime > samples_.back().utime;
   if (!in_order) samples_.clear();
   samples_.push_back(sample);

@@ -39,7 +39,7 @@ class MotionBuffer {
   explicit MotionBuffer(Utime span_us = 10'000'000) : span_us_(span_us) {}
 
   /// Appends; a sample older than the newest clears the buffer first (a log that loops or a driver
-  /// that restarted). Returns false when that happened.
+  /// that restarted). Returns false when that happened. One that comes twice is left out.
   bool add(const MotionSample& sample);
 
   bool covers(Utime utime) const;

@@ -1,6 +1,7 @@
 #include <lcmslam/pose_graph/error_factors.hpp>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include <lcmslam/pose_graph/graph_marginals.hpp>
@@ -37,7 +38,8 @@ void add_edge(const GraphEdge& e, const PoseGraph& graph, const GraphMarginals& 
                             across.transpose() + marginals.block(e.to, e.to);
   const Vector6d v = se3_log(e.T_from_to.T.inverse() * T_from.inverse() * T_to);
   component.squares += v.dot(W * v);
-  component.redundancy += measured_directions(e) - (W * adjusted).trace();
+  // What nothing else measures checks nothing, nor takes it away from what others check.
+  component.redundancy += std::max(0.0, measured_directions(e) - (W * adjusted).trace());
 }
 
 // Whoever has left the plane says nothing of how flat it is.

@@ -165,6 +165,7 @@ GraphEdge merged(const GraphEdge& a, const GraphEdge& b) {
   edge.T_from_to.T = a.T_from_to.T * se3_exp(information.ldlt().solve(information_b * step));
   edge.T_from_to.covariance = information.inverse();
   edge.error = std::max(a.error, b.error);
+  edge.expected_share = std::max(a.expected_share, b.expected_share);
   return edge;
 }
 

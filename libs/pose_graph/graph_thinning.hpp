@@ -44,7 +44,8 @@ void marginalise(int node, std::vector<GraphEdge>& edges, std::vector<GraphEdge>
 /// costs. In their order. `nodes`: how many there are.
 std::vector<GraphEdge> surest_edges(const std::vector<GraphEdge>& edges, std::size_t nodes, std::size_t most);
 
-/// One edge for two of the same nodes: the mean by their information (first order about a).
+/// One edge for two of the same nodes: the mean by their information (first order about a). It is expected as
+/// the more cautious of both is: what a registration has sharpened is no longer as sure as odometry alone.
 GraphEdge merged(const GraphEdge& a, const GraphEdge& b);
 
 }  // namespace lcmslam

@@ -29,7 +29,12 @@ void TrimmedRejector::reject(std::vector<Pair>& pairs, const Eigen::Isometry3d&)
   for (const Pair& p : pairs) distances.push_back(p.squared_distance());
   std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(kept), distances.end());
   const double limit = distances[kept];
-  erase(pairs, [&](const Pair& p) { return p.squared_distance() >= limit; });
+  // Of those just at the limit the first: in a cloud that lies on itself they are all.
+  auto at_limit = std::count(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(kept), limit);
+  erase(pairs, [&](const Pair& p) {
+    const double distance = p.squared_distance();
+    return distance > limit || (distance == limit && at_limit-- <= 0);
+  });
 }
 
 void MissingNormalRejector::reject(std::vector<Pair>& pairs, const Eigen::Isometry3d&) const {

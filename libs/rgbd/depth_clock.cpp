@@ -11,14 +11,14 @@ DepthClock::DepthClock(const DepthClockSettings& settings)
   check(settings_, "depth clock");
 }
 
-// The cloud is truly of offset + d: it was moved too little by omega d, and what is seen is
+// The cloud is truly of added + d: it was moved too little by omega d, and what is seen is
 // exp(omega d) = T_world_features^-1 T_world_cloud.
 void DepthClock::add(const Eigen::Isometry3d& T_world_features, const Eigen::Isometry3d& T_world_cloud,
-                     const Eigen::Vector3d& omega) {
+                     const Eigen::Vector3d& omega, double added) {
   if (!settings_.enabled) return;
   const Eigen::Vector3d seen = so3_log(T_world_features.linear().transpose() * T_world_cloud.linear());
   if (!(seen.norm() < settings_.outlier) || !omega.allFinite()) return;
-  const Eigen::Vector3d turn = seen + offset_ * omega;
+  const Eigen::Vector3d turn = seen + added * omega;
   ++frames_;
   omega_omega_ += omega.squaredNorm();
   omega_turn_ += omega.dot(turn);

@@ -36,10 +36,10 @@ class DepthClock {
  public:
   explicit DepthClock(const DepthClockSettings& settings);
 
-  /// One frame: where features and where the cloud, moved in time by offset(), place the robot; omega: its
-  /// angular velocity (rad/s, robot frame).
+  /// One frame: where features and where the cloud place the robot; omega: its angular velocity (rad/s, robot
+  /// frame); `added`: s, to the depth stamp, when the cloud was moved in time (offset() where it was moved).
   void add(const Eigen::Isometry3d& T_world_features, const Eigen::Isometry3d& T_world_cloud,
-           const Eigen::Vector3d& omega);
+           const Eigen::Vector3d& omega, double added);
 
   /// s, added to the depth stamp gives the colour camera's clock.
   double offset() const { return offset_; }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <lcmslam/features/rigid_ransac.hpp>
 
@@ -60,12 +61,13 @@ void MountMotion::add(const Eigen::Isometry3d& seen, const Eigen::Isometry3d& ro
     turns_.push_back(angle_between(turn, expected_turn));
     axis_ += turn.normalized() * (so3_log(robot.linear()).z() < 0 ? -1 : 1);
   }
-  // Where the robot turns much the camera's way hangs on its lever: straight ways alone are compared.
+  // Where the robot turns much the camera's way hangs on its lever: nearly straight ways alone are compared.
   const bool straight = expected_turn.norm() < 2 * least_turn;
   const Eigen::Vector3d way = seen.translation(), expected_way = expected.translation();
-  if (!straight || robot.translation().norm() < least_way || way.norm() < least_way / 10) return;
+  const double shorter = std::min(robot.translation().norm(), expected_way.norm());
+  if (!straight || shorter < least_way || way.norm() < least_way / 10) return;
   ways_.push_back(angle_between(way, expected_way));
-  scales_.push_back(way.norm() / robot.translation().norm());
+  scales_.push_back(way.norm() / expected_way.norm());
 }
 
 std::string MountMotion::finding() const {
@@ -88,8 +90,7 @@ std::string MountMotion::finding() const {
   const double scale = median_of(scales_);
   if (scale > 0 && (scale < least_scale || scale > largest_scale))
     return fmt::format(
-        "depth: by it the camera moves {:.2g} times as far as the robot does by its odometry: is the depth "
-        "scale "
+        "depth: by it the camera moves {:.2g} times as far as by the robot's odometry: is the depth scale "
         "wrong, or the wheels' radius?",
         scale);
   return "";

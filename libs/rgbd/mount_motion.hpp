@@ -37,7 +37,7 @@ class MountMotion {
   std::optional<FeatureFrame> last_;
   int motions_ = 0;
   std::vector<double> turns_, ways_;                // rad, between the axes and between the directions
-  std::vector<double> scales_;                      // of the way seen by that of odometry
+  std::vector<double> scales_;                      // of the way seen by the camera's by odometry
   Eigen::Vector3d axis_ = Eigen::Vector3d::Zero();  // in the camera's frame, of the robot's turns to the left
 };
 

@@ -181,10 +181,11 @@ void Plausibility::check_mount(std::vector<std::string>& found) const {
     const auto median = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
     std::nth_element(heights.begin(), median, heights.end());
     const double distance = t.z() - static_cast<double>(*median);
-    text += fmt::format(
-        "; the floor is seen {:.2f} m below the camera, the mount says {:.2f} m: is the depth scale "
-        "wrong by {:.2g}, or the mount's height?",
-        distance, t.z(), distance / t.z());
+    text += fmt::format("; the floor is seen {:.2f} m below the camera, the mount says {:.2f} m: ", distance,
+                        t.z());
+    text += t.z() > 0
+                ? fmt::format("is the depth scale wrong by {:.2g}, or the mount's height?", distance / t.z())
+                : "is the mount's height right, from the floor?";
   } else {
     text +=
         "; is rpy in radians (a head that looks down by 20 degrees: [0, 0.349, 0]), and x forward, y left, z "

@@ -98,9 +98,14 @@ RgbdFrameMaker::Made RgbdFrameMaker::make(Prepared& prepared, const MotionBetwee
   way.joined = motion && to_depth;
   frame.utime = together || way.joined ? images.utime : made.depth_utime;
   if (frame.utime == images.utime && to_depth) made.T_frame_depth = to_depth->T_from_to;
+  // Images of one moment are taken as they are, whatever is known of the clocks.
+  if (together)
+    made.added_to_depth = seconds_between(made.depth_utime, images.utime);
+  else if (way.joined)
+    made.added_to_depth = depth_clock_.offset();
 
   // The way of depth's points to it.
-  if (motion) way.T_colour_depth_time = camera_motion(*motion, c.T_robot_camera);
+  if (way.joined) way.T_colour_depth_time = camera_motion(*motion, c.T_robot_camera);
   way.row_motion = row_motion(motion_between, previous, images.utime);
 
   // What stands there.
@@ -158,9 +163,11 @@ std::optional<FeatureFrame> RgbdFrameMaker::features_at(const Prepared& prepared
 }
 
 void RgbdFrameMaker::observe(const Eigen::Isometry3d& T_world_features,
-                             const Eigen::Isometry3d& T_world_cloud, const Motion& motion, double seconds) {
-  if (!(seconds > 0)) return;
-  depth_clock_.add(T_world_features, T_world_cloud, so3_log(motion.T_from_to.linear()) / seconds);
+                             const Eigen::Isometry3d& T_world_cloud, const Motion& motion, double seconds,
+                             const std::optional<double>& added_to_depth) {
+  if (!(seconds > 0) || !added_to_depth) return;
+  depth_clock_.add(T_world_features, T_world_cloud, so3_log(motion.T_from_to.linear()) / seconds,
+                   *added_to_depth);
 }
 
 }  // namespace lcmslam

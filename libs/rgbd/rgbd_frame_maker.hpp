@@ -79,15 +79,18 @@ class RgbdFrameMaker {
     Utime depth_utime = 0;  ///< of the depth image, on colour's clock by the calibration
     Eigen::Isometry3d T_frame_depth =
         Eigen::Isometry3d::Identity();  ///< robot at frame.utime <- at depth_utime
+    /// s, added to depth_utime when the cloud was brought to the colour image's time; nothing where it was
+    /// not.
+    std::optional<double> added_to_depth;
   };
   /// `previous`: a time some frames ago at most; from there to the colour image the camera's velocity is
   /// taken.
   Made make(Prepared& prepared, const MotionBetween& motion_between, Utime previous) const;
 
   /// Where a keyframe's features and where the cloud of the frame placed the robot, which turned by `motion`
-  /// in `seconds` before: what depth's clock is learned from.
+  /// in `seconds` before: what depth's clock is learned from. `added_to_depth`: as made.
   void observe(const Eigen::Isometry3d& T_world_features, const Eigen::Isometry3d& T_world_cloud,
-               const Motion& motion, double seconds);
+               const Motion& motion, double seconds, const std::optional<double>& added_to_depth);
   /// What the calibration leaves of the difference between both clocks.
   const DepthClock& depth_clock() const { return depth_clock_; }
   /// What the depth camera errs by, as learned; nothing before calibrate().

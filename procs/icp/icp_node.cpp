@@ -164,7 +164,7 @@ void IcpNode::on_frame(Prepared& prepared) {
   last_ = mapper_->step(frame);
   const double seconds = 1e-6 * static_cast<double>(frame.utime - last_utime_);
   look_for_place(searched, seconds);
-  learn_clock(frame);
+  learn_clock(made);
   twist_ = Vector6d::Zero();
   if (frame.motion && seconds > 0) twist_ = se3_log(frame.motion->T_from_to) / seconds;
   last_utime_ = frame.utime;
@@ -210,10 +210,11 @@ void IcpNode::finish_map() {
   keyframe_teller_.tell_changed(map(), true);
 }
 
-void IcpNode::learn_clock(const DenseFrame& frame) {
+void IcpNode::learn_clock(const RgbdFrameMaker::Made& made) {
+  const DenseFrame& frame = made.frame;
   if (!last_.anchored || last_.status != MappingStatus::tracking || !frame.motion) return;
   maker_.observe(last_.T_world_anchor, last_.T_world_robot, *frame.motion,
-                 1e-6 * static_cast<double>(frame.utime - last_utime_));
+                 1e-6 * static_cast<double>(frame.utime - last_utime_), made.added_to_depth);
 }
 
 void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, double cpu_time) {

@@ -45,7 +45,7 @@ class IcpNode : public Node {
   void finish_map();
   KeyframeTeller::Map map() { return {*mapper_, map_frame(), maker_.calibration().T_robot_camera}; }
   std::string map_frame() const { return map_frame_of(first_map_frame_, session_); }
-  void learn_clock(const DenseFrame& frame);
+  void learn_clock(const RgbdFrameMaker::Made& made);
   void publish(Utime image_utime, const RgbdFrameMaker::Made& made, double cpu_time);
   void publish_graph(bool all);
 

@@ -27,5 +27,21 @@ TEST(CloudFilter, KeepsWhatIsWithinTheLimits) {
   EXPECT_EQ(usable_points(cloud).size(), 1u);
 }
 
+// A lidar's, say: they come without.
+TEST(CloudFilter, WithoutNormalsKeepsAllWhereNoneAreAskedFor) {
+  const Cloud cloud({{0, 0, 2}, {0, 0, 20}, {0.5f, 0, 3}});
+  ColouredCloud coloured;
+  coloured.points = cloud.points;
+  coloured.colours.resize(3);
+  EXPECT_EQ(usable_points(cloud).size(), 0U);
+  EXPECT_EQ(usable_points(coloured).size(), 0U);
+  CloudFilterSettings settings;
+  settings.normals = false;
+  const Cloud usable = usable_points(cloud, settings);
+  EXPECT_EQ(usable.points, (std::vector<Eigen::Vector3f>{{0, 0, 2}, {0.5f, 0, 3}}));  // one is too far
+  EXPECT_FALSE(usable.has_normals());
+  EXPECT_EQ(usable_points(coloured, settings).points, usable.points);
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -147,5 +147,15 @@ TEST(MotionBuffer, AJumpBackInTimeStartsAfresh) {
   EXPECT_FALSE(buffer.covers(1400));
 }
 
+TEST(MotionBuffer, ASampleThatComesTwiceCountsOnce) {
+  MotionBuffer buffer;
+  MotionSample s;
+  for (const Utime utime : {1000, 2000, 2000, 3000}) {
+    s.utime = utime;
+    EXPECT_TRUE(buffer.add(s));
+  }
+  EXPECT_TRUE(buffer.between(1000, 3000));
+}
+
 }  // namespace
 }  // namespace lcmslam

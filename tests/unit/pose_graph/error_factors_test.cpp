@@ -111,6 +111,17 @@ TEST(ErrorFactors, StayWhereNothingContradicts) {
   EXPECT_EQ(error_factors(untied, plain_settings()).edges, 1);
 }
 
+// Along a bare floor frames say where they are by nothing: nothing checks that either.
+TEST(ErrorFactors, StayWhereAWayIsNotMeasured) {
+  Matrix6d along = sigmas().cwiseAbs2().asDiagonal();
+  along(0, 0) = 900;
+  PoseGraph floor;
+  floor.poses.resize(60, Eigen::Isometry3d::Identity());
+  for (int i = 1; i < 60; ++i)
+    floor.edges.push_back({i - 1, i, EdgeKind::odometry, {Eigen::Isometry3d::Identity(), along}, 0});
+  EXPECT_NEAR(error_factors(floor, plain_settings()).edges, 1, 1e-3);
+}
+
 // Few measurements that contradict each other by chance do not make a graph sure of itself.
 TEST(ErrorFactors, CountWhatTheSettingsSay) {
   PoseGraphSettings settings = plain_settings();

@@ -66,6 +66,29 @@ TEST(Marginalise, WhatContinuesOverOdometryIsExpectedAsThatIs) {
   for (const GraphEdge& e : edges) EXPECT_EQ(e.expected_share, 0.1) << e.from << " to " << e.to;
 }
 
+// A registration beside odometry's edge makes that sure to a centimetre, which is told cautiously already.
+TEST(Marginalise, WhatRegistrationSharpensIsExpectedAsThatIs) {
+  const Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  GraphEdge led = edge(3, 4, EdgeKind::odometry, {T, diagonal(0.3, 0.2)});
+  led.expected_share = 0.1;
+  GraphEdge onwards = led;
+  onwards.from = 4;
+  onwards.to = 5;
+  const UncertainTransform seen{T, diagonal(0.01, 0.005)};
+  std::vector<GraphEdge> edges = {led, onwards, edge(3, 4, EdgeKind::registration, seen),
+                                  edge(4, 5, EdgeKind::registration, seen)};
+  std::vector<GraphEdge> waiting;
+  EXPECT_EQ(merged(led, edges[2]).expected_share, 1);
+  EXPECT_EQ(merged(edges[2], led).expected_share, 1);
+  marginalise(4, edges, waiting);
+  ASSERT_EQ(edges.size(), 2U);
+  const auto continued = std::find_if(edges.begin(), edges.end(),
+                                      [](const GraphEdge& e) { return e.kind == EdgeKind::registration; });
+  ASSERT_NE(continued, edges.end());
+  const double expected = continued->expected_share * std::sqrt(continued->T_from_to.covariance(0, 0));  // m
+  EXPECT_NEAR(expected, std::sqrt(2.0) * 0.01, 1e-4);
+}
+
 TEST(Marginalise, ParallelEdgesBecomeOne) {
   Random random(4);
   const Eigen::Isometry3d T = some_pose(random);

@@ -55,6 +55,19 @@ TEST(Rejection, TrimmedKeepsTheNearest) {
   EXPECT_EQ(pairs[2].moved.x(), 3);
 }
 
+// A cloud that lies on itself, or a sensor that measures in steps.
+TEST(Rejection, TrimmedKeepsOfEqualsTheFirst) {
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < 10; ++i) pairs.push_back(pair_of(i, {0, 0, 0}, {i % 2 == 0 ? 0.1 : 0, 0, 0}));
+  TrimmedRejector(0.7).reject(pairs, Eigen::Isometry3d::Identity());
+  std::vector<std::size_t> kept;
+  for (const Pair& p : pairs) kept.push_back(p.index);
+  EXPECT_EQ(kept, (std::vector<std::size_t>{0, 1, 2, 3, 5, 7, 9}));
+  TrimmedRejector(0.2).reject(pairs, Eigen::Isometry3d::Identity());
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_EQ(pairs[0].index, 1U);
+}
+
 TEST(Rejection, PlanesNeedNormals) {
   std::vector<Pair> pairs(2);
   pairs[0].target_normal = Eigen::Vector3d::UnitX();

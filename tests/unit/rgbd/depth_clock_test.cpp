@@ -25,7 +25,8 @@ DepthClock learned(double offset, double noise, std::uint64_t seed) {
     };
     const Eigen::Isometry3d T = se3_exp(twist(1, 2, 0, 0.4, 0.1 * i, 0));
     const double x = random.normal(0, noise), y = random.normal(0, noise), z = random.normal(0, noise);
-    clock.add(T * se3_exp(twist(0, 0, 0, x, y, z)), T * turned(offset - clock.offset()), omega);
+    clock.add(T * se3_exp(twist(0, 0, 0, x, y, z)), T * turned(offset - clock.offset()), omega,
+              clock.offset());
   }
   return clock;
 }
@@ -35,6 +36,21 @@ TEST(DepthClock, FindsTheOffsetFromTurns) {
     const DepthClock clock = learned(offset, 0.01, 3);
     EXPECT_NEAR(clock.offset(), offset, 3 * clock.sigma());
     EXPECT_LT(clock.sigma(), 0.0015);
+  }
+}
+
+// Clouds of images that are of one moment by their stamps are not moved in time, whatever was learned.
+TEST(DepthClock, LearnsFromCloudsThatWereNotMoved) {
+  for (const double offset : {0.0, 0.0003, -0.0008}) {
+    DepthClock clock({});
+    Random random(1);
+    for (int i = 0; i < 5000; ++i) {
+      const double omega = i / 200 % 2 == 0 ? 1 : -1;  // rad/s
+      const double noise = random.normal(0, 0.003);
+      clock.add(Eigen::Isometry3d::Identity(), planar_pose(0, 0, omega * offset + noise), {0, 0, omega}, 0);
+    }
+    EXPECT_NEAR(clock.offset(), offset, 2 * clock.sigma());
+    EXPECT_LT(clock.sigma(), 2e-4);
   }
 }
 
@@ -57,8 +73,8 @@ TEST(DepthClock, StaysWhereNothingTurnsAndIgnoresWhatIsNoClock) {
   DepthClock clock({});
   const Eigen::Isometry3d far = se3_exp(twist(0, 0, 0, 0, 0.5, 0));
   for (int i = 0; i < 100; ++i) {
-    clock.add(Eigen::Isometry3d::Identity(), se3_exp(twist(0, 0, 0, 0, 0.01, 0)), Eigen::Vector3d::Zero());
-    clock.add(Eigen::Isometry3d::Identity(), far, {0, 1, 0});
+    clock.add(Eigen::Isometry3d::Identity(), se3_exp(twist(0, 0, 0, 0, 0.01, 0)), Eigen::Vector3d::Zero(), 0);
+    clock.add(Eigen::Isometry3d::Identity(), far, {0, 1, 0}, 0);
   }
   EXPECT_EQ(clock.offset(), 0);
   EXPECT_DOUBLE_EQ(clock.sigma(), DepthClockSettings().prior);

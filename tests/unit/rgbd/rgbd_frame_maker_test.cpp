@@ -109,6 +109,7 @@ TEST_F(MovingHead, WithoutMotionTheMomentIsDepths) {
   EXPECT_TRUE(made.T_frame_depth.isApprox(Eigen::Isometry3d::Identity()));
   EXPECT_LT(off_the_walls(made.frame.cloud.points, colour_time + 40'000), millimetre);
   EXPECT_FALSE(made.frame.features) << "they stand at another moment";
+  EXPECT_FALSE(made.added_to_depth);
 }
 
 TEST_F(MovingHead, ImagesOfOneMomentNeedNoMotion) {
@@ -117,6 +118,9 @@ TEST_F(MovingHead, ImagesOfOneMomentNeedNoMotion) {
   const auto made = maker.make(prepared, silence, last_time);
   EXPECT_EQ(made.frame.utime, colour_time);
   EXPECT_LT(off_the_walls(made.frame.cloud.points, colour_time), millimetre);
+  EXPECT_EQ(made.added_to_depth, 0);
+  auto half_a_millisecond = maker.prepare(images(500));
+  EXPECT_EQ(maker.make(half_a_millisecond, odometry, last_time).added_to_depth, -0.0005);
 }
 
 // The calibration's offset first; what is left of it is learned from turns.
@@ -133,7 +137,8 @@ TEST_F(MovingHead, DepthsClockIsPutRight) {
     const double left = 0.01 - maker.depth_clock().offset();  // s
     Motion turn;
     turn.T_from_to = planar_pose(0, 0, 0.1);
-    maker.observe(Eigen::Isometry3d::Identity(), planar_pose(0, 0, left * 1.0), turn, 0.1);
+    maker.observe(Eigen::Isometry3d::Identity(), planar_pose(0, 0, left * 1.0), turn, 0.1,
+                  maker.depth_clock().offset());
   }
   EXPECT_NEAR(maker.depth_clock().offset(), 0.01, 2e-4);
   auto after = maker.prepare(images(late, 5'000));
@@ -141,6 +146,26 @@ TEST_F(MovingHead, DepthsClockIsPutRight) {
   const auto right = maker.make(after, odometry, last_time);
   EXPECT_EQ(right.depth_utime, colour_time + 25'000) << "poses are told by the calibration alone";
   EXPECT_LT(off_the_walls(right.frame.cloud.points, colour_time), 1.5 * millimetre);
+}
+
+// Odometry that ends between where depth's stamp says that it was taken and where it was: no motion joins the
+// images, so depth stays where it is.
+TEST_F(MovingHead, DepthIsNotMovedByAWayThatIsHalfKnown) {
+  RgbdFrameMaker maker = this->maker();
+  for (int i = 0; i < 3000; ++i) {
+    Motion turn;
+    turn.T_from_to = planar_pose(0, 0, 0.1);
+    maker.observe(Eigen::Isometry3d::Identity(), planar_pose(0, 0, -0.005 - maker.depth_clock().offset()),
+                  turn, 0.1, maker.depth_clock().offset());
+  }
+  ASSERT_LT(maker.depth_clock().offset(), -0.004);
+  auto prepared = maker.prepare(images(40'000));
+  const auto until = [](Utime from, Utime to) {
+    return std::max(from, to) < colour_time + 38'000 ? odometry(from, to) : std::nullopt;
+  };
+  const auto made = maker.make(prepared, until, last_time);
+  EXPECT_EQ(made.frame.utime, colour_time + 40'000);
+  EXPECT_LT(off_the_walls(made.frame.cloud.points, made.frame.utime), millimetre);
 }
 
 // Rows are read within 30 ms around the image's time; pure turning shears the walls by centimetres.

@@ -173,6 +173,9 @@ void pitch_in_degrees(Material& m) {
 void millimetres_for_metres(Material& m) {
   m.calibration.T_robot_camera.translation() *= 1000;
 }
+void from_the_camera_itself(Material& m) {
+  m.calibration.T_robot_camera.translation().setZero();
+}
 void without_optical_axes(Material& m) {
   m.calibration.T_robot_camera.linear() = Eigen::Matrix3d::Identity();
 }
@@ -226,6 +229,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"degrees_kitchen_rgbd", "kitchen rgbd", degrees_for_radians, "rpy in radians"},
         Fault{"pitch_in_degrees_kitchen", "kitchen rgbd", pitch_in_degrees, "mount"},
         Fault{"axes_kitchen", "kitchen rgbd", without_optical_axes, "mount"},
+        Fault{"no_height_kitchen", "kitchen tof", from_the_camera_itself,
+              "the mount says 0.00 m: is the mount's height right"},
         Fault{"millimetres_kitchen", "kitchen tof", millimetres_for_metres, "millimetres"},
         Fault{"other_camera_fr1", "tum_fr1_rpy", taken_by_the_other_camera, "not registered"},
         Fault{"other_camera_livingroom", "livingroom1", taken_by_the_other_camera, "not registered"},
@@ -302,6 +307,18 @@ TEST(PlausibleMotion, AnotherScaleOfDepthIsFound) {
     }
     EXPECT_EQ(check.finding().empty(), scale == 1.0) << check.finding();
   }
+}
+
+// Beside the robot's middle a camera goes another way than that does: on the inside of a circle a shorter
+// one.
+TEST(PlausibleMotion, ACircleIsNoMatterOfDepthsScale) {
+  const Eigen::Isometry3d mount = Eigen::Translation3d(0, 0.45, 0.5) * optical_axes();
+  MountMotion check(mount);
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Isometry3d robot = planar_pose(0.075, 0, 0.075);  // of 1 m
+    check.add(mount.inverse() * robot * mount, robot);
+  }
+  EXPECT_EQ(check.finding(), "");
 }
 
 }  // namespace
