@@ -162,6 +162,13 @@ void Outbox::connected() {
   decided_ = false;
   ++connections_;
   window_.reset();
+  forget_measurements();
+}
+
+/// An order that the robot got half a minute late would be obeyed then.
+void Outbox::forget_measurements() {
+  for (Channel& channel : channels_)
+    for (auto& [sender, slot] : channel.slots) slot.waiting.clear();
 }
 
 /// What was under way may have arrived or not. Measurements are out of date by now.
@@ -176,10 +183,8 @@ void Outbox::disconnected() {
   under_way_.clear();
   beside_ = 0;
   window_.reset();
-  for (Channel& channel : channels_) {
-    channel.under_way = 0;
-    for (auto& [sender, slot] : channel.slots) slot.waiting.clear();
-  }
+  for (Channel& channel : channels_) channel.under_way = 0;
+  forget_measurements();
 }
 
 bool Outbox::is_connected() const {

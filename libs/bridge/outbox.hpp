@@ -90,6 +90,7 @@ class Outbox {
   /// waits and nothing is under way.
   bool wants(const std::string& channel, Time now) const;
 
+  /// Measurements that were put without a connection never go.
   void connected();
   void disconnected();
   bool is_connected() const;
@@ -148,6 +149,7 @@ class Outbox {
   Slot& slot_of(Channel& channel, std::int64_t sender, Time now);
   void keep_one(std::size_t channel, const std::string& group, const std::string& name, Bytes bytes);
   void drop(const Kept& kept);
+  void forget_measurements();
   void make_room();
   bool affords(std::size_t bytes, Time now);
   Outgoing send_measurement(std::size_t channel, Slot& slot, Time now);

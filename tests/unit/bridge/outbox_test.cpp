@@ -222,6 +222,18 @@ TEST_F(OutboxTest, NothingGoesWithoutAConnectionAndMeasurementsOfThatTimeNeverGo
   EXPECT_THAT(send_all(), ElementsAre("MAP/1"));
 }
 
+TEST_F(OutboxTest, AnOrderThatWasGivenBetweenTwoConnectionsIsNotObeyedLater) {
+  connect();
+  outbox_.disconnected();
+  outbox_.put("ORDERS", 1, text("go there"), now_);
+  outbox_.put("POSE", 1, text("old"), now_);
+  now_ += seconds(40);  // an attempt that failed in vain, and the longest pause
+  connect();
+  EXPECT_THAT(send_all(), IsEmpty());
+  outbox_.put("ORDERS", 1, text("stop"), now_);
+  EXPECT_THAT(send_all(), ElementsAre("ORDERS"));
+}
+
 TEST_F(OutboxTest, WhatWasUnderWayWhenTheConnectionEndedGoesAgain) {
   connect();
   keep("1");
