@@ -262,6 +262,20 @@ TEST_F(OutboxTest, WhatABrokerForgotGoesAgainAndNothingElse) {
   EXPECT_THAT(send_all(), ElementsAre("MAP/3", "MAP/2", "MAP/1"));
 }
 
+TEST_F(OutboxTest, TheBrokerIsToldAnewBeforeItForgetsTheMapOfARobotThatIsThere) {
+  connect();
+  keep("1");
+  keep("2");
+  ASSERT_THAT(send_all(), ElementsAre("MAP/2", "MAP/1"));
+  now_ += seconds(300'000);
+  keep("2");
+  EXPECT_THAT(send_all(), ElementsAre("MAP/2"));
+  now_ += seconds(3'000);  // in all more than half of the week for which the broker keeps it
+  EXPECT_THAT(send_all(), ElementsAre("MAP/1"));
+  EXPECT_THAT(send_all(), IsEmpty());
+  EXPECT_EQ(outbox_.mark(), 4U);
+}
+
 TEST_F(OutboxTest, TheMarkIsBelowTheOldestThatTheBrokerHasNot) {
   connect();
   for (const char* group : {"1", "2", "3"}) keep(group);
