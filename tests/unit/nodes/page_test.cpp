@@ -213,6 +213,15 @@ TEST_F(LivePage, StopsTheRobotWhenTheDriverIsGone) {
   EXPECT_EQ(bus_.on<twist_t>("TELEOP")[1].angular[2], 0);
 }
 
+TEST_F(LivePage, StopsTheRobotWhenTheMapServerEnds) {
+  answer({{"id", 1}, {"do", "drive"}, {"linear", 1}, {"angular", 1}});
+  ASSERT_EQ(bus_.count("TELEOP"), 1u);
+  node_->finish();
+  bus_.work();
+  ASSERT_EQ(bus_.count("TELEOP"), 2u);
+  EXPECT_EQ(bus_.on<twist_t>("TELEOP")[1].linear[0], 0);
+}
+
 TEST_F(LivePage, SendsAGoal) {
   const json reply = answer({{"id", "a"}, {"do", "go_to"}, {"x", 1}, {"y", 2}, {"yaw", M_PI / 2}});
   EXPECT_EQ(reply["id"], "a");
