@@ -60,6 +60,22 @@ export const tests = {
     });
   },
 
+  async "the robot is where a mapper says it is now, and an old place looks old"(browser) {
+    await withPage(browser, { server: { story: false } }, async (page, server) => {
+      const put = (icp, fastslam) => server.put(encode({ channel: "poses", key: "", utime: 1, icp: { T: [0, 0, 0, 1, 0, 0, 0], status: icp }, fastslam: { T: [3, 0, 0, 1, 0, 0, 0], status: fastslam } }));
+      const robot = () => page.evaluate(() => [window.lcmslam.views.robot.main, window.lcmslam.views.robot.edge.opacity]);
+      server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
+      put("TRACKING", "TRACKING");
+      await until(async () => (await robot())[0] === "icp", "icp's robot");
+      await page.getByText("tracking").first().waitFor();
+      put("SILENT", "TRACKING");
+      await until(async () => (await robot())[0] === "fastslam", "fastslam's robot");
+      await page.locator(".state.bad", { hasText: "silent" }).waitFor();
+      put("SILENT", "SILENT");
+      await until(async () => (await robot()).join() === "icp,0.25", "a robot of once");
+    });
+  },
+
   async "a network that goes is said, though no socket closes, and found again"(browser) {
     await withPage(browser, {}, async (page, server) => {
       await page.getByText("All is well: both mappers track").waitFor();
