@@ -56,6 +56,9 @@ def calibration_text(calibration):
         text += camera("depth", calibration.depth)
         text += (f"colour_depth: {{translation: {numbers(m.T_colour_depth.trans)}, "
                  f"quaternion: {numbers(m.T_colour_depth.quat)}}}\n")
+    names = ("offset", "scale", "wiggle", "period", "phase", "tilt_x", "tilt_y")
+    error = zip(names, calibration.depth_error + calibration.depth_tilt)
+    text += "depth_error: {" + ", ".join(f"{name}: {value!r}" for name, value in error) + "}\n"
     return text + (f"rolling_shutter: {calibration.rolling_shutter}\n"
                    f"depth_noise: {{constant: {m.depth_noise_constant}, quadratic: {m.depth_noise_quadratic}, "
                    f"offset: {m.depth_noise_offset}, amplitude: {m.depth_noise_amplitude}}}\n"

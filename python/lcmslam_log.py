@@ -123,15 +123,16 @@ class Log:
         """The whole ones of the mapper that began last, where its last graph puts them; points (N, 3) in the camera's
         frame, colours (N, 3) RGB, normals (N, 3), NaN where unknown."""
         channels = [channel] + [graph] * (graph in self.channels or graph + "_PART" in self.channels)
-        done, tiles, senders, newest = {}, {}, set(), None
+        done, tiles, senders, newest, followed = {}, {}, set(), None, None
         for m in self._converted(channels, ("keyframe_t", "graph_t"), lcmslam_messages.tile_or_graph):
             if m.sender not in senders:  # a mapper never heard before has begun a map of its own
                 senders.add(m.sender)
-                newest, done, tiles = m.sender, {}, {}
+                newest, done, tiles, followed = m.sender, {}, {}, lcmslam_messages.FollowedGraph()
             if m.sender != newest:
                 continue
-            if isinstance(m, lcmslam_messages.Graph):  # whom it does not name has been given up
-                done = {i: k._replace(T_map_camera=m.T_map_camera[i]) for i, k in done.items() if i in m.T_map_camera}
+            if isinstance(m, lcmslam_messages.Graph):
+                followed.apply(m)
+                done = followed.follow(done, m)
                 continue
             key = (m.utime, m.revision, m.n_tiles)
             if m.id not in tiles or tiles[m.id][0] != key:

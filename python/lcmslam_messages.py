@@ -11,9 +11,9 @@ from lcmslam_types import DecodeError
 Pose = collections.namedtuple("Pose", "utime T covariance status frame child_frame")
 Camera = collections.namedtuple("Camera", "width height K distortion")
 Calibration = collections.namedtuple("Calibration", "sensor rolling_shutter colour depth T_colour_depth has_mount "
-                                                    "T_robot_camera message")
+                                                    "T_robot_camera message depth_error depth_tilt")
 Tile = collections.namedtuple("Tile", "sender id utime revision tile n_tiles T_map_camera points colours normals")
-Graph = collections.namedtuple("Graph", "sender T_map_camera")
+Graph = collections.namedtuple("Graph", "sender seq is_whole T_map_camera gone")
 Keyframe = collections.namedtuple("Keyframe", "id utime T_map_camera points colours normals")
 
 _LARGEST_SIDE = 8192       # pixels
@@ -96,15 +96,26 @@ def pose(message):
 
 
 def calibration(message):
-    """Of camera_calibration_t; K (3, 3) is the pinhole's matrix."""
-    sensor, _, shutter = message.sensor.partition(";rolling_shutter=")
-    try:
-        rolling_shutter = float(shutter or 0)
-    except ValueError:
-        raise DecodeError(f"sensor '{message.sensor}': rolling_shutter must be a number of seconds") from None
+    """Of camera_calibration_t; K (3, 3) is the pinhole's matrix. What depth images err by, which they carry as it was
+    measured: `depth_error` offset (m), scale, wiggle (m), period (m), phase (rad); `depth_tilt` (1/m)."""
+    sensor, (rolling_shutter,) = _numbers_behind(message.sensor, "rolling_shutter", (0.0,))
+    sensor, depth_error = _numbers_behind(sensor, "depth_error", (0.0, 0.0, 0.0, 1.0, 0.0))
+    sensor, depth_tilt = _numbers_behind(sensor, "depth_tilt", (0.0, 0.0))
     return Calibration(sensor, rolling_shutter, _camera(message.colour), _camera(message.depth),
                        transform(message.T_colour_depth, "T_colour_depth"), message.has_mount,
-                       transform(message.T_robot_camera, "T_robot_camera"), message)
+                       transform(message.T_robot_camera, "T_robot_camera"), message, depth_error, depth_tilt)
+
+
+def _numbers_behind(text, key, default):
+    """What the sensor's name carries besides (docs/LCM.md, "Types"): the text before ";KEY=", and the numbers behind."""
+    before, there, behind = text.partition(f";{key}=")
+    try:
+        numbers = tuple(map(float, behind.split(","))) if there else default
+    except ValueError:
+        numbers = ()
+    if len(numbers) != len(default):
+        raise DecodeError(f"sensor '{text}': {key} must be {len(default)} number{'s' * (len(default) > 1)}")
+    return before, numbers
 
 
 def _camera(m):
@@ -115,11 +126,11 @@ def _camera(m):
 
 
 def tile_or_graph(message):
-    """Of keyframe_t a Tile, of graph_t a Graph: node -> corrected T_map_camera."""
+    """Of keyframe_t a Tile, of graph_t a Graph: node -> corrected T_map_camera, of a change those that it names."""
     if hasattr(message, "nodes"):
         nodes = message.nodes
-        return Graph(message.sender, {int(node): transform(T, "T_map_camera")
-                                      for node, T in zip(nodes["keyframe"], nodes["T_map_camera"])})
+        poses = {int(node): transform(T, "T_map_camera") for node, T in zip(nodes["keyframe"], nodes["T_map_camera"])}
+        return Graph(message.sender, message.seq, message.change == 0, poses, message.gone.tolist())
     m = message
     if not 0 <= m.tile < m.n_tiles:
         raise DecodeError(f"tile {m.tile} of {m.n_tiles} cannot be")
@@ -131,6 +142,30 @@ def tile_or_graph(message):
     points = np.float32(m.resolution) * m.position.reshape(-1, 3).astype(np.float32)
     return Tile(m.sender, m.id, m.utime, m.map_revision, m.tile, m.n_tiles, transform(m.T_map_camera, "T_map_camera"),
                 points, m.colour.reshape(-1, 3), normals)
+
+
+class FollowedGraph:
+    """A mapper's graph, put together from what its messages tell of it (libs/messages/followed_graph.hpp)."""
+
+    def __init__(self):
+        self.T_map_camera, self.is_complete, self._seq = {}, True, None
+
+    def apply(self, graph):
+        """Takes over a Graph; a change that is older than what was heard is left out."""
+        heard = self._seq is not None
+        if heard and not graph.is_whole and graph.seq <= self._seq:
+            return
+        self.is_complete = graph.is_whole or (heard and self.is_complete and graph.seq == self._seq + 1)
+        self._seq = graph.seq
+        before = {} if graph.is_whole else {i: T for i, T in self.T_map_camera.items() if i not in graph.gone}
+        self.T_map_camera = {**before, **graph.T_map_camera}
+
+    def follow(self, keyframes, graph):
+        """Keyframes by their ids where the graph has them after this message; whom it has not has been given up. While
+        messages are missing only those go that are named as gone."""
+        stays = {i: k for i, k in keyframes.items()
+                 if i in self.T_map_camera or not (self.is_complete or i in graph.gone)}
+        return {i: k._replace(T_map_camera=self.T_map_camera.get(i, k.T_map_camera)) for i, k in stays.items()}
 
 
 def keyframe(tiles):

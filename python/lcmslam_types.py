@@ -12,8 +12,9 @@ _KINDS = {"int8_t": ">i1", "int16_t": ">i2", "int32_t": ">i4", "int64_t": ">i8",
           "boolean": ">i1", "byte": ">u1"}
 _INTEGERS = ("int8_t", "int16_t", "int32_t", "int64_t")
 _MOST_NESTED = 16
-# Members of graph_edge_t were renamed once, and nothing else: old logs have this fingerprint.
-_FORMER_FINGERPRINTS = {0x440EF967CE91C74A: "graph_t"}
+# Of old logs (libs/messages/schema.cpp): the type, and how many of today's members it had, some by other names; those
+# after them are numbers and arrays, and 0 means what their absence did.
+_FORMER_FINGERPRINTS = {0x440EF967CE91C74A: ("graph_t", 9), 0x3E49193E24115FDC: ("graph_t", 9)}
 
 
 class DecodeError(ValueError):
@@ -106,7 +107,7 @@ class Types:
                 field.dtype = None if kind is None else np.dtype(kind)
                 field.native = None if kind is None else field.dtype.newbyteorder("=")
         self._by_fingerprint = {t.fingerprint(): t for t in self.by_name.values()}
-        for fingerprint, name in _FORMER_FINGERPRINTS.items():
+        for fingerprint, (name, _) in _FORMER_FINGERPRINTS.items():
             if name in self.by_name:
                 self._by_fingerprint[fingerprint] = self.by_name[name]
 
@@ -128,7 +129,8 @@ class Types:
         if message_type is None:
             raise DecodeError(f"unknown type {bytes(data[:8]).hex()}")
         reader = _Reader(data)
-        message = reader.record(message_type, 0)
+        former = _FORMER_FINGERPRINTS.get(int.from_bytes(data[:8], "big"))
+        message = reader.record(message_type, 0, former[1] if former else None)
         if reader.at != len(data):
             raise DecodeError(f"{message_type.name}: {len(data) - reader.at} bytes too many")
         return message
@@ -185,11 +187,14 @@ class _Reader:
     def __init__(self, data):
         self.data, self.at = data, 8  # behind the fingerprint
 
-    def record(self, message_type, depth):
+    def record(self, message_type, depth, members=None):
+        """`members`: how many of them there are; the rest are 0 and empty."""
         if depth > _MOST_NESTED:
             raise DecodeError(f"{message_type.name}: nested too deeply")
         record = types.SimpleNamespace()
-        for field in message_type.fields:
+        for field in message_type.fields[members:] if members else ():
+            setattr(record, field.name, np.zeros(0, field.native) if field.dimensions else 0)
+        for field in message_type.fields[:members]:
             shape = [getattr(record, d) if isinstance(d, str) else d for d in field.dimensions]
             for length in shape:
                 # Every element takes at least one byte: a length beyond the rest of the message is a lie.

@@ -107,11 +107,21 @@ void Outbox::keep_one(std::size_t channel, const std::string& group, const std::
     drop(known->second);
   }
   Kept& kept = kept_[name];
-  kept = {channel, ++last_number_, group, std::make_shared<const Bytes>(std::move(bytes)), false};
+  kept = {channel, ++last_number_, group, std::make_shared<const Bytes>(std::move(bytes)), false, {}};
   counts_.kept_bytes += kept.bytes->size() + overhead;
   channels_[channel].waiting[kept.number] = name;
   unstored_.insert(kept.number);
   groups_[group].insert(name);
+}
+
+/// The broker lets go of what it has kept for `kept_for`, and shall only when this robot is silent.
+void Outbox::renew(Time now) {
+  while (!stored_.empty()) {
+    const std::string name = stored_.begin()->second;
+    const Kept kept = kept_.at(name);
+    if (now - kept.stored_at < seconds(limits_.kept_for / 2)) return;
+    keep_one(kept.channel, kept.group, name, *kept.bytes);
+  }
 }
 
 /// From all tables but kept_ and groups_.
@@ -162,6 +172,13 @@ void Outbox::connected() {
   decided_ = false;
   ++connections_;
   window_.reset();
+  forget_measurements();
+}
+
+/// An order that the robot got half a minute late would be obeyed then.
+void Outbox::forget_measurements() {
+  for (Channel& channel : channels_)
+    for (auto& [sender, slot] : channel.slots) slot.waiting.clear();
 }
 
 /// What was under way may have arrived or not. Measurements are out of date by now.
@@ -176,10 +193,8 @@ void Outbox::disconnected() {
   under_way_.clear();
   beside_ = 0;
   window_.reset();
-  for (Channel& channel : channels_) {
-    channel.under_way = 0;
-    for (auto& [sender, slot] : channel.slots) slot.waiting.clear();
-  }
+  for (Channel& channel : channels_) channel.under_way = 0;
+  forget_measurements();
 }
 
 bool Outbox::is_connected() const {
@@ -227,6 +242,7 @@ bool Outbox::affords(std::size_t bytes, Time now) {
 std::optional<Outgoing> Outbox::next(Time now) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!connected_) return std::nullopt;
+  renew(now);
   if (auto out = next_beside(now)) return out;
   std::size_t least = channels_.size();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
@@ -339,6 +355,7 @@ void Outbox::acknowledged(std::uint64_t ticket, Time now) {
   const auto kept = kept_.find(message.name);
   if (kept == kept_.end() || kept->second.number != message.number) return;  // replaced meanwhile
   kept->second.stored = true;
+  kept->second.stored_at = now;
   unstored_.erase(message.number);
   stored_[message.number] = message.name;
 }

@@ -42,7 +42,7 @@ struct OutboxLimits {
   double delay = 0.15;               ///< s that what is under way may queue on the link
   double bandwidth = 0;              ///< bytes a second, 0: what the link carries
   std::size_t memory = 256'000'000;  ///< bytes of kept messages
-  double kept_for = 604'800;         ///< s that the broker keeps them
+  double kept_for = 604'800;         ///< s that the broker keeps them; they go anew after half of it
 };
 
 /// What is to be published now.
@@ -90,6 +90,7 @@ class Outbox {
   /// waits and nothing is under way.
   bool wants(const std::string& channel, Time now) const;
 
+  /// Measurements that were put without a connection never go.
   void connected();
   void disconnected();
   bool is_connected() const;
@@ -127,6 +128,7 @@ class Outbox {
     std::string group;
     std::shared_ptr<const Bytes> bytes;
     bool stored = false;
+    Time stored_at{};
   };
   struct Channel {
     ChannelRule rule;
@@ -147,7 +149,9 @@ class Outbox {
   double period(const Channel& channel) const { return channel.rule.rate > 0 ? 1 / channel.rule.rate : 0; }
   Slot& slot_of(Channel& channel, std::int64_t sender, Time now);
   void keep_one(std::size_t channel, const std::string& group, const std::string& name, Bytes bytes);
+  void renew(Time now);
   void drop(const Kept& kept);
+  void forget_measurements();
   void make_room();
   bool affords(std::size_t bytes, Time now);
   Outgoing send_measurement(std::size_t channel, Slot& slot, Time now);

@@ -20,6 +20,18 @@ Complaint complaint_of(const MapperSaid& mapper) {
   return {};
 }
 
+/// Whose own process, or that of what it listens to, says why.
+Complaint silence_of(const MapperSaid& mapper, const std::vector<ProcessSaid>& processes) {
+  if (mapper.status != "SILENT") return {};
+  std::string why;
+  for (const ProcessSaid& p : processes) {
+    if (p.state == "finished") return {};  // a log is at its end
+    if (p.name == mapper.name && !p.detail.empty()) why = ": " + p.detail;
+  }
+  return {Level::bad, mapper.name + " tells no position any more" + why,
+          "see whether the camera is plugged in and its process runs"};
+}
+
 const Complaint& worse(const Complaint& a, const Complaint& b) {
   return b.level > a.level ? b : a;
 }
@@ -82,6 +94,7 @@ PageItem Health::item(const std::vector<ProcessSaid>& processes, const std::vect
                    {"latency", {rounded_for_page(p.latency_p50), rounded_for_page(p.latency_p95)}},
                    {"rate", rounded_for_page(p.rate)}});
   }
+  for (const MapperSaid& mapper : mappers) worst = worse(worst, silence_of(mapper, processes));
   if (worst.level == Level::good)
     worst.words = processes.empty() ? "no process has spoken yet" : "all is well";
   PageItem item{"health", ""};

@@ -27,7 +27,7 @@ struct ProcessSaid {
 /// What a mapper's newest pose says.
 struct MapperSaid {
   std::string name;    ///< "icp", "fastslam"
-  std::string status;  ///< "TRACKING", "DEGRADED", "LOST", ...
+  std::string status;  ///< "TRACKING", "DEGRADED", "LOST", ...; "SILENT": it comes from a while ago
   std::string detail;
 };
 

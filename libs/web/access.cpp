@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <sodium.h>
+#include <cctype>
 #include <stdexcept>
 
 namespace lcmslam {
@@ -44,14 +45,42 @@ std::string cookie_member(const std::string& cookies, const std::string& name) {
   return "";
 }
 
+constexpr char digits[] = "0123456789ABCDEF";
+
+/// Browsers write what means something in addresses as %2F.
+std::string decoded(const std::string& text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned char byte = 0;
+    std::size_t size = 0;
+    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
+                         sodium_hex2bin(&byte, 1, &text[i + 1], 2, nullptr, &size, nullptr) == 0 && size == 1;
+    plain += is_code ? static_cast<char>(byte) : text[i];
+    if (is_code) i += 2;
+  }
+  return plain;
+}
+
 }  // namespace
+
+std::string query_value(const std::string& text) {
+  std::string coded;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0 || std::string("-._~").find(c) != std::string::npos)
+      coded += c;
+    else
+      coded.append({'%', digits[byte >> 4], digits[byte & 15]});
+  }
+  return coded;
+}
 
 std::string query_member(const std::string& target, const std::string& name) {
   std::size_t at = target.find('?');
   while (at != std::string::npos) {
     const std::size_t end = std::min(target.find('&', at + 1), target.size());
     if (target.compare(at + 1, name.size() + 1, name + "=") == 0)
-      return target.substr(at + name.size() + 2, end - at - name.size() - 2);
+      return decoded(target.substr(at + name.size() + 2, end - at - name.size() - 2));
     at = end == target.size() ? std::string::npos : end;
   }
   return "";

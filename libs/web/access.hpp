@@ -34,7 +34,9 @@ class Access {
   std::string token_;
 };
 
-/// Of "/path?a=1&token=abc"; empty: there is none.
+/// As it stands in an address: "a/b" is "a%2Fb".
+std::string query_value(const std::string& text);
+/// Of "/path?a=1&token=a%2Fb", here "a/b"; empty: there is none.
 std::string query_member(const std::string& target, const std::string& name);
 
 }  // namespace lcmslam

@@ -122,7 +122,8 @@ std::string WebServer::address() const {
   const std::string& host = shared.settings.address;
   const std::string name = host.find(':') != std::string::npos ? "[" + host + "]" : host;
   const std::string& token = shared.access.token();
-  return "http://" + name + ":" + std::to_string(port()) + "/" + (token.empty() ? "" : "?token=" + token);
+  return "http://" + name + ":" + std::to_string(port()) + "/" +
+         (token.empty() ? "" : "?token=" + query_value(token));
 }
 
 WebCounts WebServer::counts() const {

@@ -27,6 +27,15 @@ std::string fault(const std::vector<std::string>& rules) {
   }
 }
 
+/// What came in on such a channel would go out again, and come back from the other end's bridge likewise.
+std::string both_ways(const std::vector<std::string>& send, const std::vector<std::string>& receive) {
+  for (const bridge::ChannelRule& in : bridge::parse_rules(receive))
+    for (const bridge::ChannelRule& out : bridge::parse_rules(send))
+      if (in.channel == out.channel)
+        return "must not have " + in.channel + ", which send has too: it would go round and round";
+  return {};
+}
+
 }  // namespace
 
 void TlsSettings::describe(SettingsVisitor& s) {
@@ -67,6 +76,9 @@ void BridgeSettings::describe(SettingsVisitor& s) {
   s.number("picture_quality", picture_quality, "", {1, 100}, "of their JPEG");
   s.require(fault(send).empty(), "send", fault(send).c_str());
   s.require(fault(receive).empty(), "receive", fault(receive).c_str());
+  if (!fault(send).empty() || !fault(receive).empty()) return;
+  const std::string circle = both_ways(send, receive);
+  s.require(circle.empty(), "receive", circle.c_str());
 }
 
 bridge::OutboxLimits BridgeSettings::limits() const {

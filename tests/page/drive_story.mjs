@@ -109,7 +109,7 @@ export class Story {
     };
     const header = { channel: "poses", key: "", utime: Date.now() * 1000, errors: {} };
     for (const [name, [x, y, yaw]] of Object.entries(found)) {
-      header[name] = { T: T(x, y, 0, yaw), status: 1, quality: 0.91, inliers: 4210, detail: "", sigma: [0.012, 0.009, 0.004, 0.002, 0.002, 0.006] };
+      header[name] = { T: T(x, y, 0, yaw), status: "TRACKING", quality: 0.91, inliers: 4210, detail: "", sigma: [0.012, 0.009, 0.004, 0.002, 0.002, 0.006] };
       if (name !== "truth") header.errors[name] = Math.hypot(x - truth.x, y - truth.y);
       this.path[name].push(x, y, 0.03);
       const piece = Math.floor((this.path[name].length / 3 - 1) / 512);

@@ -60,6 +60,44 @@ export const tests = {
     });
   },
 
+  async "the robot is where a mapper says it is now, and an old place looks old"(browser) {
+    await withPage(browser, { server: { story: false } }, async (page, server) => {
+      const put = (icp, fastslam) => server.put(encode({ channel: "poses", key: "", utime: 1, icp: { T: [0, 0, 0, 1, 0, 0, 0], status: icp }, fastslam: { T: [3, 0, 0, 1, 0, 0, 0], status: fastslam } }));
+      const robot = () => page.evaluate(() => [window.lcmslam.views.robot.main, window.lcmslam.views.robot.edge.opacity]);
+      server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
+      put("TRACKING", "TRACKING");
+      await until(async () => (await robot())[0] === "icp", "icp's robot");
+      await page.getByText("tracking").first().waitFor();
+      put("SILENT", "TRACKING");
+      await until(async () => (await robot())[0] === "fastslam", "fastslam's robot");
+      await page.locator(".state.bad", { hasText: "silent" }).waitFor();
+      put("SILENT", "SILENT");
+      await until(async () => (await robot()).join() === "icp,0.25", "a robot of once");
+    });
+  },
+
+  async "a network that goes is said, though no socket closes, and found again"(browser) {
+    await withPage(browser, {}, async (page, server) => {
+      await page.getByText("All is well: both mappers track").waitFor();
+      await until(() => server.heard.some((each) => each.do === "ping"), "a ping");
+      server.isCut = true;
+      await page.getByText("has not answered for some seconds; what is shown is old").waitFor({ timeout: 8000 });
+      await page.getByText("The connection to the map server is lost").waitFor({ timeout: 10_000 });
+      server.isCut = false;
+      await page.getByText("All is well: both mappers track").waitFor({ timeout: 12_000 });
+    });
+  },
+
+  async "commands go on when their socket alone breaks"(browser) {
+    await withPage(browser, {}, async (page, server) => {
+      await until(() => server.heard.some((each) => each.do === "ping"), "a ping");
+      for (const socket of server.commands) socket.terminate();
+      server.heard.length = 0;
+      await until(() => server.heard.some((each) => each.do === "ping"), "a ping again", 8000);
+      assert.ok(await page.evaluate(() => document.documentElement.dataset.connection === "open"));
+    });
+  },
+
   async "what is gone is taken away"(browser) {
     await withPage(browser, { server: { story: false } }, async (page, server) => {
       for (const message of pointsOf(0, onTheRound(0))) server.put(message);

@@ -27,6 +27,7 @@ export class MockServer {
     this.heard = []; // commands
     this.said = []; // what browsers said on /live
     this.refuse = new Map(); // do -> error
+    this.isCut = false; // as over a network that went: nothing comes through, no socket closes
   }
 
   put(message) {
@@ -50,6 +51,7 @@ export class MockServer {
     this.http = createServer((request, response) => this.#serve(request, response));
     const sockets = new WebSocketServer({ noServer: true, perMessageDeflate: false });
     this.http.on("upgrade", (request, socket, head) => {
+      if (this.isCut) return;
       if (!this.#mayEnter(request)) return socket.end("HTTP/1.1 401 Unauthorized\r\nConnection: close\r\n\r\n");
       sockets.handleUpgrade(request, socket, head, (one) => this.#meet(one, new URL(request.url, "http://here")));
     });
@@ -116,6 +118,7 @@ export class MockServer {
 
   /** Sends what each browser lacks, as long as no more than 256 kB are under way. */
   #flush() {
+    if (this.isCut) return;
     const bulk = ["points", "mesh", "landmarks", "image", "particles"];
     for (const client of this.live)
       for (const name of client.fresh) {
@@ -133,6 +136,7 @@ export class MockServer {
   }
 
   #answer(socket, command) {
+    if (this.isCut) return;
     const { id, do: what } = command;
     this.heard.push({ ...command, when: performance.now() });
     const reply = (members) => socket.send(JSON.stringify({ id, ...members }));

@@ -12,7 +12,7 @@ async function furnish(page, server, can = all) {
   server.put(encode({ channel: "about", key: "", title: "kitchen", source: "live", can, robot: { length: 0.6, width: 0.5, height: 0.9 } }));
   for (const { message } of surface(0.1)) server.put(message);
   for (const message of layers()) server.put(message);
-  server.put(encode({ channel: "poses", key: "", utime: 1, icp: { T: T(0, 0, 0, 0), status: 1 } }));
+  server.put(encode({ channel: "poses", key: "", utime: 1, icp: { T: T(0, 0, 0, 0), status: "TRACKING" } }));
   await until(async () => (await figures(page)).triangles > 10_000, "the kitchen");
 }
 

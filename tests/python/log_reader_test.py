@@ -95,6 +95,7 @@ class SameAsCpp(unittest.TestCase):
         for log, expected in self.each_log("CAMERA_CALIBRATION"):
             c, e = log.calibration(), expected[0]
             self.assertEqual((c.sensor, c.rolling_shutter, c.has_mount), (e["sensor"], e["rolling_shutter"], e["has_mount"]))
+            self.assertEqual((list(c.depth_error), list(c.depth_tilt)), (e["depth_error"], e["depth_tilt"]))
             for camera, ec in ((c.colour, e["colour"]), (c.depth, e["depth"])):
                 self.assertEqual((camera.width, camera.height), (ec["width"], ec["height"]))
                 self.assert_close(camera.K, [[ec["fx"], 0, ec["cx"]], [0, ec["fy"], ec["cy"]], [0, 0, 1]])
@@ -105,7 +106,7 @@ class SameAsCpp(unittest.TestCase):
 
     def test_cloud(self):
         log = lcmslam_log.Log(SAMPLES)
-        self.assertEqual([k.id for k in log.keyframes()], [0, 1, 3])
+        self.assertEqual([k.id for k in log.keyframes()], [1, 3, 5])
         points, colours = log.cloud()
         self.assert_close(points, EXPECTED[SAMPLES]["cloud"], 1e-5)
         self.assertEqual(colours.shape, points.shape)

@@ -55,6 +55,10 @@ json calibration_of(const RgbdCalibration& c) {
           {"colour", camera_of(c.colour)},
           {"depth", camera_of(c.depth)},
           {"T_colour_depth", rows(c.T_colour_depth)},
+          {"depth_error",
+           {c.depth_error.offset, c.depth_error.scale, c.depth_error.wiggle, c.depth_error.period,
+            c.depth_error.phase}},
+          {"depth_tilt", {c.depth_error.tilt_x, c.depth_error.tilt_y}},
           {"has_mount", c.has_mount},
           {"T_robot_camera", rows(c.T_robot_camera)},
           {"depth_max", c.depth_max}};
@@ -194,8 +198,18 @@ void write_poses(LogWriter& log, Random& random) {
   }
 }
 
+/// As a program of before changes were told wrote a whole graph: without the members of changes.
+std::vector<std::uint8_t> former_graph(const graph_t& graph) {
+  constexpr std::uint64_t fingerprint = 0x3e49193e24115fdc;
+  std::vector<std::uint8_t> bytes = encode_message(graph);
+  bytes.resize(bytes.size() - 9);  // change, n_gone, n_cut
+  for (std::size_t i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(fingerprint >> (56 - 8 * i));
+  return bytes;
+}
+
 /// Keyframes 0 to 2 of two tiles each, the second published again, the third given up by the graph; before
-/// them one of a mapper that ended.
+/// them one of a mapper that ended. Then changes of the graph: 3 has moved, 4 is new, 0 is given up; one that
+/// comes twice; and behind one that is missing 1 has moved, 4 is given up, and 5 is in none.
 void write_map(LogWriter& log, Random& random) {
   std::int64_t seq = 0;
   const auto publish = [&](int id, std::int64_t sender, std::int64_t revision) {
@@ -209,18 +223,31 @@ void write_map(LogWriter& log, Random& random) {
   };
   publish(7, 4, 1);
   for (const int id : {0, 1, 2, 1}) publish(id, 5, 1 + seq);
-  graph_t graph{};
-  graph.frame = "map";
-  for (const int id : {0, 1, 7}) {  // 7 was the ended mapper's
-    graph_node_t node{};
-    node.keyframe = id;
-    node.T_map_camera = to_message(testing::some_pose(random));
-    graph.nodes.push_back(node);
-  }
-  graph.n_nodes = static_cast<int32_t>(graph.nodes.size());
-  graph.n_edges = 0;
-  write(log, "ICP_GRAPH", graph, 1);
-  publish(3, 5, 1 + seq);
+  const auto graph = [&](const std::vector<int>& nodes, std::int8_t change, const std::vector<int>& gone) {
+    graph_t message{};
+    message.frame = "map";
+    message.change = change;
+    for (const int id : nodes) {
+      graph_node_t node{};
+      node.keyframe = id;
+      node.T_map_camera = to_message(testing::some_pose(random));
+      message.nodes.push_back(node);
+    }
+    message.n_nodes = static_cast<int32_t>(nodes.size());
+    message.gone.assign(gone.begin(), gone.end());
+    message.n_gone = static_cast<int32_t>(gone.size());
+    return message;
+  };
+  graph_t old = graph({0, 1, 7}, 0, {});  // 7 was the ended mapper's
+  old.seq = 1;
+  old.sender = 5;
+  log.write(1'000'000, "ICP_GRAPH", former_graph(old));
+  for (const int id : {3, 4}) publish(id, 5, 1 + seq);
+  const graph_t moved = graph({3, 4}, 1, {0});
+  write(log, "ICP_GRAPH", moved, 2);
+  write(log, "ICP_GRAPH", moved, 2);
+  publish(5, 5, 1 + seq);
+  write(log, "ICP_GRAPH", graph({1}, 1, {4}), 4);
 }
 
 json map_of(const std::string& file) {
@@ -263,6 +290,7 @@ int main(int argc, char** argv) {
   LogWriter log(samples);
   RgbdCalibration calibration = testing::some_calibration(random);
   calibration.rolling_shutter = 0.03;
+  calibration.depth_error = {0.01, -0.002, 0.006, 1.9, 0.5, 0.0128, -0.0042};
   write(log, "CAMERA_CALIBRATION", to_message(calibration), 1);
   write_images(log, random);
   for (std::int64_t i = 0; i < 3; ++i)

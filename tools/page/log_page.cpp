@@ -115,7 +115,10 @@ json LogPage::control(const json& request) {
 }
 
 void LogPage::play(double now) {
-  if (then_ >= 0 && playing_) due_ += 1e6 * speed_ * (now - then_);
+  if (then_ >= 0) {
+    if (playing_) due_ += 1e6 * speed_ * (now - then_);
+    feed_->stand((now - then_) * (playing_ ? 1 - std::min(speed_, 1.0) : 1));
+  }
   then_ = now;
   due_ = std::min(due_, static_cast<double>(last_));
   const double until = steady_now() + longest_turn;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include <lcmslam/pose_t.hpp>
 #include <lcmslam/twist_t.hpp>
@@ -61,6 +62,10 @@ void OperatorActions::offer(PageDesk& desk) {
 
 void OperatorActions::watch() {
   if (const auto stop = dead_man_.silent(steady_clock())) publish(*stop);
+}
+
+void OperatorActions::end() {
+  if (const auto stop = dead_man_.silent(std::numeric_limits<double>::infinity())) publish(*stop);
 }
 
 /// To each mapper that is alive, with the confirmation that such a command needs (runtime/confirmation.hpp).

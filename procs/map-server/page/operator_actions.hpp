@@ -17,6 +17,8 @@ class OperatorActions {
   void offer(PageDesk& desk);
   /// Stops the robot of an operator who fell silent; to be called often.
   void watch();
+  /// Stops the robot of whoever drives: nothing is heard from here on.
+  void end();
 
  private:
   nlohmann::json reset();

@@ -14,6 +14,7 @@ using nlohmann::json;
 constexpr double pose_period = 0.08;   // s
 constexpr double image_period = 0.1;   // s
 constexpr double health_period = 0.5;  // s
+constexpr double silent_after = 3;     // s without a pose
 constexpr std::size_t most_notices = 30;
 constexpr std::size_t most_associations = 10;
 constexpr Utime longest_without_tracks = 1'000'000;  // us; then images come without
@@ -117,14 +118,28 @@ void PageFeed::show_sessions(const MapServerNode& maps) {
   show_on(board_, std::move(item));
 }
 
+void PageFeed::stand(double time) {
+  for (auto& [who, newest] : newest_) newest.came += time;
+  for (auto& [name, heard] : processes_) heard.at += time;
+}
+
+/// A pose that stays on the page would look like one of now.
+bool PageFeed::is_silent(const std::string& who, Utime utime) {
+  Newest& newest = newest_[who];
+  if (newest.utime != utime) newest = {utime, now_};
+  return now_ - newest.came > silent_after;
+}
+
 void PageFeed::show_poses(const MapServerNode::Shown& shown) {
   Utime utime = 0;
+  std::set<std::string> silent;
   json poses = {{"icp", nullptr}, {"fastslam", nullptr}, {"odometry", nullptr}, {"truth", nullptr}};
   for (const auto& [name, pose] :
        {std::pair("icp", shown.icp_pose), std::pair("fastslam", shown.fastslam_pose)}) {
     if (pose == nullptr) continue;
     utime = std::max(utime, pose->utime);
     poses[name] = pose_member(*pose);
+    if (is_silent(name, pose->utime)) silent.insert(name);
     const Eigen::Isometry3d T = from_message(pose->T_map_robot, "T_map_robot");
     if (const auto error = truth_error_.error(name, pose->frame, pose->utime, T)) errors_[name] = *error;
     if (odometry_ && !odometry_placed_) {
@@ -135,6 +150,7 @@ void PageFeed::show_poses(const MapServerNode::Shown& shown) {
   if (odometry_) {
     const Eigen::Isometry3d T = T_map_odom_ * from_message(odometry_->T_odom_robot, "T_odom_robot");
     poses["odometry"] = pose_member(*odometry_, T);
+    if (is_silent("odometry", odometry_->utime)) silent.insert("odometry");
     utime = std::max(utime, odometry_->utime);
     add_to(odometry_path_, T.translation());
     if (const auto error = truth_error_.error("odometry", odometry_->frame, odometry_->utime, T))
@@ -148,8 +164,10 @@ void PageFeed::show_poses(const MapServerNode::Shown& shown) {
       add_to(truth_path_, T->translation());
     }
   }
-  if (utime == posed_) return;
+  if (utime == posed_ && silent == silent_) return;
   posed_ = utime;
+  silent_ = silent;
+  for (const std::string& who : silent) poses[who]["status"] = "SILENT";
   for (auto& [name, error] : errors_) poses["errors"][name] = rounded_for_page(error);
   poses["utime"] = utime;
   show_on(board_, {"poses", "", std::move(poses), ""});
@@ -177,7 +195,8 @@ void PageFeed::show_health(const MapServerNode::Shown& shown, double now) {
   std::vector<MapperSaid> mappers;
   for (const auto& [name, pose] :
        {std::pair("icp", shown.icp_pose), std::pair("fastslam", shown.fastslam_pose)})
-    if (pose != nullptr) mappers.push_back({name, page_status(pose->status), pose->detail});
+    if (pose != nullptr)
+      mappers.push_back({name, silent_.count(name) > 0 ? "SILENT" : page_status(pose->status), pose->detail});
   show_on(board_, health_.item(processes, mappers, now));
 }
 

@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 
 #include <lcmslam/ground_truth_t.hpp>
 #include <lcmslam/live_page/shown_map.hpp>
@@ -26,6 +27,10 @@ class PageFeed {
   /// followed: paths and errors count from the begin.
   void show(const MapServerNode& maps, double now, bool is_watched = true);
 
+  /// So much of the time, s, passed for who watches alone: a log that is shown stood still, and nobody was
+  /// silent.
+  void stand(double time);
+
   /// For the list of what happened.
   void notice(Level level, const std::string& words);
 
@@ -33,6 +38,7 @@ class PageFeed {
   void on_odometry(const odometry_t& message);
   void on_truth(const ground_truth_t& message);
   void on_status(const status_t& message);
+  bool is_silent(const std::string& who, Utime utime);
   void show_poses(const MapServerNode::Shown& shown);
   void on_associations(const associations_t& message);
   void show_image(const MapServerNode& maps);
@@ -49,7 +55,13 @@ class PageFeed {
   std::optional<odometry_t> odometry_;
   Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();  // where icp began
   bool odometry_placed_ = false;
-  Utime posed_ = 0;  // utimes of what was shown last
+  Utime posed_ = 0;  // of the poses that were shown last
+  struct Newest {
+    Utime utime = -1;
+    double came = 0;  // s
+  };
+  std::map<std::string, Newest> newest_;  // poses, by who tells them
+  std::set<std::string> silent_;          // who tells none any more
   TruthError truth_error_;
   std::optional<Eigen::Isometry3d> T_world_robot_;
   std::map<std::string, double> errors_;  // m

@@ -68,6 +68,7 @@ std::optional<Node::Duration> PageNode::work() {
 }
 
 void PageNode::finish() {
+  operator_.end();
   maps_.finish();
   server_.reset();
 }

@@ -222,6 +222,18 @@ TEST_F(OutboxTest, NothingGoesWithoutAConnectionAndMeasurementsOfThatTimeNeverGo
   EXPECT_THAT(send_all(), ElementsAre("MAP/1"));
 }
 
+TEST_F(OutboxTest, AnOrderThatWasGivenBetweenTwoConnectionsIsNotObeyedLater) {
+  connect();
+  outbox_.disconnected();
+  outbox_.put("ORDERS", 1, text("go there"), now_);
+  outbox_.put("POSE", 1, text("old"), now_);
+  now_ += seconds(40);  // an attempt that failed in vain, and the longest pause
+  connect();
+  EXPECT_THAT(send_all(), IsEmpty());
+  outbox_.put("ORDERS", 1, text("stop"), now_);
+  EXPECT_THAT(send_all(), ElementsAre("ORDERS"));
+}
+
 TEST_F(OutboxTest, WhatWasUnderWayWhenTheConnectionEndedGoesAgain) {
   connect();
   keep("1");
@@ -248,6 +260,20 @@ TEST_F(OutboxTest, WhatABrokerForgotGoesAgainAndNothingElse) {
   outbox_.disconnected();
   connect(0);  // it came back with nothing
   EXPECT_THAT(send_all(), ElementsAre("MAP/3", "MAP/2", "MAP/1"));
+}
+
+TEST_F(OutboxTest, TheBrokerIsToldAnewBeforeItForgetsTheMapOfARobotThatIsThere) {
+  connect();
+  keep("1");
+  keep("2");
+  ASSERT_THAT(send_all(), ElementsAre("MAP/2", "MAP/1"));
+  now_ += seconds(300'000);
+  keep("2");
+  EXPECT_THAT(send_all(), ElementsAre("MAP/2"));
+  now_ += seconds(3'000);  // in all more than half of the week for which the broker keeps it
+  EXPECT_THAT(send_all(), ElementsAre("MAP/1"));
+  EXPECT_THAT(send_all(), IsEmpty());
+  EXPECT_EQ(outbox_.mark(), 4U);
 }
 
 TEST_F(OutboxTest, TheMarkIsBelowTheOldestThatTheBrokerHasNot) {

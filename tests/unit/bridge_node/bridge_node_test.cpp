@@ -221,6 +221,9 @@ TEST_F(BridgeNodeTest, WrongSettingsAreSaid) {
   EXPECT_NO_THROW(make(settings));
   EXPECT_THROW(BridgeNode::read(ConfigNode::parse("{send: [A@x]}")), ConfigError);
   EXPECT_THROW(BridgeNode::read(ConfigNode::parse("{side: middle}")), ConfigError);
+  EXPECT_THROW(BridgeNode::read(ConfigNode::parse("{send: [A@5, B], receive: [C, A]}")), ConfigError)
+      << "two bridges would send it to each other for ever";
+  EXPECT_NO_THROW(BridgeNode::read(ConfigNode::parse("{send: [A@5, B], receive: [C, D]}")));
 }
 
 }  // namespace

@@ -48,6 +48,20 @@ TEST(Health, MappersThatAreLostOrUnsureAreTold) {
   EXPECT_NE(words(unsure).find("a bare wall"), std::string::npos);
 }
 
+TEST(Health, AMapperThatTellsNothingAnyMoreIsNotWell) {
+  ProcessSaid icp = running("icp"), camera = running("camera");
+  icp.detail = "CAMERA comes no more";
+  const std::vector<MapperSaid> silent = {{"icp", "SILENT", ""}};
+  const PageItem item = Health().item({camera, icp}, silent, 0);
+  EXPECT_EQ(level(item), "bad");
+  EXPECT_EQ(words(item), "icp tells no position any more: CAMERA comes no more");
+  camera.age = 5;
+  EXPECT_EQ(words(Health().item({camera, icp}, silent, 0)), "camera has been silent for 5 s") << "the cause";
+  camera.age = 0;
+  camera.state = "finished";
+  EXPECT_EQ(level(Health().item({camera, icp}, silent, 0)), "good") << "its log is at its end";
+}
+
 TEST(Health, LossesAreToldWhileTheyRiseAndForgivenLater) {
   Health health;
   ProcessSaid losing = running("icp");

@@ -191,6 +191,24 @@ TEST_F(LivePage, SaysInWordsWhenAMapperIsLost) {
   EXPECT_NE(board_["health "]["words"].get<std::string>().find("icp is lost"), std::string::npos);
 }
 
+TEST_F(LivePage, SaysThatAPoseIsOldAndThatNothingIsWell) {
+  pose("ICP_POSE", 0);
+  pose("FASTSLAM_POSE", 0);
+  ASSERT_TRUE(shown([&] { return has("poses ") && has("health "); }));
+  EXPECT_EQ(board_["health "]["level"], "good");
+  ASSERT_TRUE(shown([&] {
+    pose("FASTSLAM_POSE", 0.1);
+    return board_["poses "]["icp"]["status"] == "SILENT" && board_["health "]["level"] == "bad";
+  }));
+  EXPECT_EQ(board_["poses "]["fastslam"]["status"], "TRACKING");
+  EXPECT_EQ(board_["health "]["words"], "icp tells no position any more");
+  pose("ICP_POSE", 0.2);
+  EXPECT_TRUE(shown([&] {
+    pose("FASTSLAM_POSE", 0.2);
+    return board_["poses "]["icp"]["status"] == "TRACKING" && board_["health "]["level"] == "good";
+  }));
+}
+
 TEST_F(LivePage, DrivesAndStopsOnSilence) {
   EXPECT_EQ(answer({{"id", 1}, {"do", "drive"}, {"linear", 0.5}, {"angular", 0}})["ok"], true);
   ASSERT_EQ(bus_.count("TELEOP"), 1u);
@@ -211,6 +229,15 @@ TEST_F(LivePage, StopsTheRobotWhenTheDriverIsGone) {
     bus_.work();
   ASSERT_EQ(bus_.count("TELEOP"), 2u);
   EXPECT_EQ(bus_.on<twist_t>("TELEOP")[1].angular[2], 0);
+}
+
+TEST_F(LivePage, StopsTheRobotWhenTheMapServerEnds) {
+  answer({{"id", 1}, {"do", "drive"}, {"linear", 1}, {"angular", 1}});
+  ASSERT_EQ(bus_.count("TELEOP"), 1u);
+  node_->finish();
+  bus_.work();
+  ASSERT_EQ(bus_.count("TELEOP"), 2u);
+  EXPECT_EQ(bus_.on<twist_t>("TELEOP")[1].linear[0], 0);
 }
 
 TEST_F(LivePage, SendsAGoal) {

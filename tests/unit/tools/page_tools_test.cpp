@@ -143,6 +143,9 @@ TEST_F(LogPageTest, MapsALogWithRawDataWhileItPlays) {
   // Back: the map is again as it was then.
   const Utime begin = early.at("time ")["begin"].get<Utime>();
   EXPECT_EQ(ask(desk, page, {{"id", 1}, {"do", "play"}, {"playing", false}})["ok"], true);
+  play(page, 5);
+  EXPECT_NE(headers(board_).at("poses ")["icp"]["status"], "SILENT")
+      << "it stands because somebody stopped it";
   EXPECT_EQ(ask(desk, page, {{"id", 2}, {"do", "play"}, {"at", begin + 200'000}})["ok"], true);
   EXPECT_LT(headers(board_)["time "]["now"].get<Utime>(), begin + 1'000'000);
   EXPECT_EQ(ask(desk, page, {{"id", 3}, {"do", "play"}, {"speed", 1e6}})["ok"], false);

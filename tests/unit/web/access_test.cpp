@@ -51,6 +51,17 @@ TEST(Access, FromElsewhereTheTokenDecides) {
   EXPECT_EQ(judged("/", "xlcmslam_token=open-sesame"), Verdict::wrong_token);
 }
 
+TEST(Access, ATokenMayHaveWhatMeansSomethingInAddresses) {
+  const std::string token = "Zm9v/YmFy+#%41==";
+  const Access access(at("0.0.0.0", token));
+  for (const std::string& target :
+       {"/?token=" + query_value(token), std::string("/?token=Zm9v%2fYmFy%2B%23%2541%3D%3D&parts=1")})
+    EXPECT_EQ(access.judge({target, "robot:8642", "", ""}), Verdict::granted) << target;
+  EXPECT_EQ(query_value("a-B_1.~/ "), "a-B_1.~%2F%20");
+  EXPECT_EQ(query_member("/?a=%&b=%4", "a") + query_member("/?a=%&b=%4", "b"), "%%4");
+  EXPECT_EQ(query_member("/?a=%zz%+1", "a"), "%zz%+1");
+}
+
 TEST(Access, ATokenIsMadeWhereNoneIsGivenAndAnotherAtEachStart) {
   const Access first(at("0.0.0.0")), second(at("0.0.0.0"));
   EXPECT_EQ(first.token().size(), 32u);

@@ -2,13 +2,16 @@
 import { socketAddress } from "./stream.js";
 
 const patience = 10_000; // ms until a command without an answer has failed
+const again = 1000; // ms until a socket that broke by itself is opened anew
 
 export class CommandLine {
   #socket = null;
   #waiting = new Map();
   #next = 1;
+  #timer = 0;
 
   connect() {
+    this.close();
     const socket = new WebSocket(socketAddress("command"));
     this.#socket = socket;
     socket.onmessage = ({ data }) => {
@@ -21,11 +24,8 @@ export class CommandLine {
       else one.reject(new Error(reply.error ?? "refused without a word"));
     };
     socket.onclose = () => {
-      for (const one of this.#waiting.values()) {
-        clearTimeout(one.timer);
-        one.reject(new Error("the connection to the map server is lost"));
-      }
-      this.#waiting.clear();
+      this.close();
+      this.#timer = setTimeout(() => this.connect(), again);
     };
   }
 
@@ -34,7 +34,18 @@ export class CommandLine {
   }
 
   close() {
-    this.#socket?.close();
+    clearTimeout(this.#timer);
+    const socket = this.#socket;
+    this.#socket = null;
+    if (socket) {
+      socket.onmessage = socket.onclose = null;
+      socket.close();
+    }
+    for (const one of this.#waiting.values()) {
+      clearTimeout(one.timer);
+      one.reject(new Error("the connection to the map server is lost"));
+    }
+    this.#waiting.clear();
   }
 
   /**

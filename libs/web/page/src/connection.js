@@ -3,6 +3,8 @@ import { el } from "./dom.js";
 import { CommandLine } from "./command.js";
 import { Stream } from "./stream.js";
 
+const quiet = 3000; // ms without an answer or anything else, after which what is shown is old
+const silence = 8000; // ms after which the way is taken for cut: the system would try for a quarter of an hour
 const bulk = ["points", "mesh", "landmarks", "image", "particles"];
 
 export class Connection {
@@ -22,6 +24,7 @@ export class Connection {
     this.stream.addEventListener("lost", () => {
       strip.setConnection("lost");
       this.commands.close();
+      this.asked = null;
       board.hold();
       this.#lookForToken();
     });
@@ -31,19 +34,30 @@ export class Connection {
     const eye = () => this.stream.eye(stage.camera.position);
     view.addEventListener("moved", eye);
     eye();
+    this.asked = null; // ms, when the ping was sent that has no answer yet
     setInterval(() => this.#ping(strip), 2000);
+    setInterval(() => this.#listen(strip), 500);
     this.stream.connect();
   }
 
   async #ping(strip) {
-    if (!this.commands.open || document.hidden) return;
-    const begin = performance.now();
+    if (!this.commands.open || document.hidden || this.asked !== null) return;
+    const begin = (this.asked = performance.now());
     try {
       await this.commands.do("ping");
       strip.setPing((performance.now() - begin) / 1000);
     } catch {
       strip.setPing(null); // the strip says that the connection is lost
     }
+    if (this.asked === begin) this.asked = null;
+  }
+
+  /** A network that went takes no socket with it: only what does not come tells. */
+  #listen(strip) {
+    if (!this.stream.open || document.hidden) return;
+    const since = this.asked === null ? 0 : performance.now() - Math.max(this.asked, this.stream.heard);
+    if (since > silence) this.stream.drop();
+    else strip.setConnection(since > quiet ? "quiet" : "open");
   }
 
   /** A server that was started anew has a new token: it refuses the page as well as its sockets. */

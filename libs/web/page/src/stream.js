@@ -3,6 +3,7 @@ import { decode, Parts } from "./messages.js";
 
 const firstDelay = 250; // ms until the next attempt; doubles
 const longestDelay = 4000;
+const patience = 6000; // ms until an attempt to connect has failed; where packets vanish the browser waits for minutes
 
 /** The address of a socket beside this page. */
 export function socketAddress(name) {
@@ -22,6 +23,7 @@ export class Stream extends EventTarget {
   #eyeSent = null;
   #want = "";
   #everOpen = false;
+  #fresh = true; // nothing has come through this socket
 
   /** @param {(item: object, again: boolean) => void} take gets each message; `again`: the first one after a reconnection */
   constructor(take) {
@@ -29,22 +31,26 @@ export class Stream extends EventTarget {
     this.take = take;
     this.open = false;
     this.bytes = 0;
+    this.heard = 0; // ms, when something came last (performance.now())
     setInterval(() => this.#tellEye(), 500);
     for (const event of ["online", "focus"]) addEventListener(event, () => this.#hurry());
     document.addEventListener("visibilitychange", () => document.hidden || this.#hurry());
   }
 
   connect() {
-    clearTimeout(this.#timer);
-    this.#timer = 0;
+    this.#discard();
     const socket = new WebSocket(`${socketAddress("live")}?parts=1`);
     const parts = new Parts();
     socket.binaryType = "arraybuffer";
     this.#socket = socket;
-    let fresh = true;
+    this.#fresh = true;
     this.#received = 0;
+    this.#timer = setTimeout(() => this.drop(), patience);
     socket.onopen = () => {
+      clearTimeout(this.#timer);
+      this.#timer = 0;
       this.open = true;
+      this.heard = performance.now();
       this.#eyeSent = null;
       if (this.#want) socket.send(this.#want);
       this.#tellEye();
@@ -52,27 +58,42 @@ export class Stream extends EventTarget {
     };
     socket.onmessage = ({ data }) => {
       this.#delay = firstDelay;
+      this.heard = performance.now();
       this.#received += data.byteLength;
       this.bytes += data.byteLength;
       try {
         const item = parts.join(decode(data));
         if (item) {
-          this.take(item, fresh && this.#everOpen);
-          fresh = false;
+          this.take(item, this.#fresh && this.#everOpen);
+          this.#fresh = false;
         }
       } catch (error) {
         console.error(`live: ${error.message}`);
       }
       if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ got: this.#received }));
     };
-    socket.onclose = () => {
-      if (this.#socket !== socket) return;
-      this.#everOpen ||= !fresh;
-      this.open = false;
-      this.#say("lost", { delay: this.#delay / 1000 });
-      this.#timer = setTimeout(() => this.connect(), this.#delay);
-      this.#delay = Math.min(2 * this.#delay, longestDelay);
-    };
+    socket.onclose = () => this.drop();
+  }
+
+  /** The socket is at its end, or the way is cut and it does not know yet: another one is tried. */
+  drop() {
+    this.#discard();
+    this.#everOpen ||= !this.#fresh;
+    this.open = false;
+    this.#say("lost", { delay: this.#delay / 1000 });
+    this.#timer = setTimeout(() => this.connect(), this.#delay);
+    this.#delay = Math.min(2 * this.#delay, longestDelay);
+  }
+
+  /** Nothing is heard of the socket any more: it may take minutes to close. */
+  #discard() {
+    clearTimeout(this.#timer);
+    this.#timer = 0;
+    const socket = this.#socket;
+    this.#socket = null;
+    if (!socket) return;
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    socket.close();
   }
 
   /** Which bulk channels are shown. */

@@ -2,12 +2,11 @@
 import { el, setText } from "../dom.js";
 import { angle, fixed, length } from "../format.js";
 import { styles } from "../views/paths.js";
-import { yawOf } from "../views/robot.js";
+import { mapperOf, yawOf } from "../views/robot.js";
 import { line } from "./layers.js";
 import { Plot } from "./plot.js";
 
-const states = ["beginning", "tracking", "poor", "lost", "found again"];
-const levels = ["warn", "good", "warn", "bad", "good"];
+const levels = { INITIALISING: "warn", TRACKING: "good", DEGRADED: "warn", LOST: "bad", RELOCALISED: "good", SILENT: "bad" };
 const span = 120; // s of errors that are shown
 
 export function posesPanel(column, board) {
@@ -24,8 +23,7 @@ export function posesPanel(column, board) {
     const header = item?.header ?? {};
     empty.hidden = Object.keys(styles).some((name) => header[name]);
     for (const [name, { show }] of Object.entries(rows)) show(header[name], header.errors?.[name]);
-    const best = header.icp ?? header.fastslam;
-    setNote(best ? stateOf(best.status) : "");
+    setNote(stateOf(header[mapperOf(header)]?.status));
     if (!item) history = [];
     else if (header.errors) history = keep(history, header.utime / 1e6, header.errors);
     errors.hidden = history.length < 2;
@@ -34,7 +32,7 @@ export function posesPanel(column, board) {
 }
 
 function stateOf(status) {
-  return typeof status === "number" ? (states[status] ?? "unknown") : String(status ?? "").toLowerCase();
+  return String(status ?? "").toLowerCase();
 }
 
 function row(name) {
@@ -47,8 +45,8 @@ function row(name) {
     element.hidden = !pose?.T;
     if (element.hidden) return;
     const [x, y, z, qw, qx, qy, qz] = pose.T;
-    setText(level, pose.status === undefined || pose.status === null ? "" : stateOf(pose.status));
-    level.className = `state ${typeof pose.status === "number" ? levels[pose.status] : ""}`;
+    setText(level, stateOf(pose.status));
+    level.className = `state ${levels[pose.status] ?? ""}`;
     setText(error, off === null || off === undefined ? "" : `off by ${length(off)}`);
     const sure = pose.sigma ? ` ± ${length(Math.hypot(pose.sigma[0], pose.sigma[1]))}` : "";
     setText(where, `x ${fixed(x)}  y ${fixed(y)}  z ${fixed(z)} m${sure}  yaw ${angle(yawOf({ w: qw, x: qx, y: qy, z: qz }))}`);

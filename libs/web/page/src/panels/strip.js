@@ -4,7 +4,7 @@ import { seconds } from "../format.js";
 import { toggleTheme } from "../theme.js";
 
 export class Strip {
-  #connection = "connecting"; // or "open", "lost", "file"
+  #connection = "connecting"; // or "open", "quiet", "lost", "file"
   #poses = []; // when they came, s
 
   constructor(host, board, { help }) {
@@ -23,8 +23,9 @@ export class Strip {
     this.#draw();
   }
 
-  /** @param {"connecting"|"open"|"lost"|"file"} state */
+  /** @param {"connecting"|"open"|"quiet"|"lost"|"file"} state */
   setConnection(state) {
+    if (state === this.#connection) return;
     this.#connection = state;
     this.#draw();
   }
@@ -39,6 +40,7 @@ export class Strip {
     if (about) document.title = `${about.title} – lcmslam`;
     const health = this.board.get("health")?.header;
     if (this.#connection === "lost") return this.#say("bad", "The connection to the map server is lost. Trying again; what is shown is old.");
+    if (this.#connection === "quiet") return this.#say("warn", "The map server has not answered for some seconds; what is shown is old.");
     if (this.#connection === "connecting") return this.#say("warn", "Connecting to the map server…");
     if (health) return this.#say(health.level, health.mend ? `${health.words}: ${health.mend}` : health.words);
     if (about?.source === "file") return this.#say("good", "A kept map");

@@ -2,6 +2,7 @@
 import { BoxGeometry, BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineBasicMaterial, LineLoop, LineSegments, Mesh, MeshBasicMaterial, Quaternion, Vector3 } from "three";
 
 const order = ["icp", "fastslam", "odometry", "truth"];
+const mappers = ["icp", "fastslam"];
 const settle = 0.12; // s in which the robot glides to its newest pose
 
 export class RobotView {
@@ -45,7 +46,8 @@ export class RobotView {
   #take(header) {
     const last = this.main;
     this.#poses = Object.fromEntries(order.map((name) => [name, header[name] ?? null]));
-    this.main = order.find((name) => this.#poses[name] && this.#poses[name].T);
+    this.main = mapperOf(header) ?? order.find((name) => this.#poses[name]?.T);
+    this.edge.opacity = this.#poses[this.main]?.status === "SILENT" ? 0.25 : 0.9; // where it was once
     this.#show();
     for (const name of order) if (this.#poses[name]?.T) put(this.wedges[name], this.#poses[name].T);
     if (!this.main) return;
@@ -90,6 +92,12 @@ export class RobotView {
   get pose() {
     return this.main ? { position: this.body.position, yaw: yawOf(this.body.quaternion) } : null;
   }
+}
+
+/** @returns {string|undefined} whose pose the robot's is: the first mapper's that tells one, or told one */
+export function mapperOf(header) {
+  const told = mappers.filter((name) => header[name]?.T);
+  return told.find((name) => header[name].status !== "SILENT") ?? told[0];
 }
 
 export function yawOf({ x, y, z, w }) {
