@@ -254,6 +254,10 @@ int evaluate_command(int argc, char** argv) {
   if (const auto exit_code = parse(r, argc, argv)) return *exit_code;
   if (!r.map.empty() && r.scene.empty() && r.reference.empty())
     throw std::runtime_error("--map: needs --scene or --reference");
+  if (r.alignment == "sim3" && !(r.map.empty() && r.walls.empty()))
+    throw std::runtime_error(
+        "--map, --walls: --alignment sim3 scales the path and not the map, which lies elsewhere then; use "
+        "se3");
   if (!r.exported.empty()) return export_poses(r);
   EvaluationInputs inputs = read_inputs(r.inputs);
   r.settings.alignment = alignments.at(r.alignment);
