@@ -128,10 +128,10 @@ SurfaceError scene_error(const Request& r, const Eigen::Isometry3d& T_truth_map)
   return surface_error(load_ply(r.map).points, T_truth_map, TriangleSurface(std::move(triangles)));
 }
 
-SurfaceError reference_error(const Request& r, const Trajectory& truth,
+SurfaceError reference_error(const Request& r, const EvaluatedPath& truth,
                              const Eigen::Isometry3d& T_truth_map) {
   constexpr float reach = 0.3f;  // m
-  const ReferenceSurface surface(r.reference, truth);
+  const ReferenceSurface surface(r.reference, truth.trajectory, truth.body == "camera");
   return surface_error(
       load_ply(r.map).points, T_truth_map,
       [&](const Eigen::Vector3f& p) { return surface.distance(p, reach); }, reach);
@@ -198,7 +198,7 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
   const EvaluatedEstimate& placed = map_estimate("--map", evaluation);
   const Eigen::Isometry3d& T_truth_map = placed.report->alignment.T_truth_estimate;
   const SurfaceError e =
-      r.reference.empty() ? scene_error(r, T_truth_map) : reference_error(r, evaluation.truth.trajectory, T_truth_map);
+      r.reference.empty() ? scene_error(r, T_truth_map) : reference_error(r, evaluation.truth, T_truth_map);
   const std::string& surfaces = r.reference.empty() ? r.scene : r.reference;
   Figures figures;
   figures.text = fmt::format(

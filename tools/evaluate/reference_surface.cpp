@@ -27,7 +27,8 @@ VoxelMapSettings fine_map() {
 
 }  // namespace
 
-ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& robot) : map_(fine_map()) {
+ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& truth, bool of_camera)
+    : map_(fine_map()) {
   LogReader reader(log);
   std::optional<DepthRegistration> registration;
   while (const auto event = reader.next_view()) {
@@ -36,11 +37,12 @@ ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& rob
     if (event->channel != "CAMERA" || !registration) continue;
     const RgbdCalibration& calibration = registration->calibration();
     const RgbdFrame frame = decode_images(decode_message<images_t>(event->data, event->size), calibration);
-    const auto T_world_robot = pose_at(robot, calibration.depth_time(frame.depth_utime));
-    if (!T_world_robot) continue;
+    const auto T_world_body = pose_at(truth, calibration.depth_time(frame.depth_utime));
+    if (!T_world_body) continue;
     const DepthView view = DepthPoints(calibration).thinned(frame, pixel_step);
     Cloud cloud = usable_points(cloud_of(view, Eigen::Isometry3d::Identity(), Vector6d::Zero()));
-    const Eigen::Isometry3d T_world_camera = *T_world_robot * calibration.T_robot_camera;
+    const Eigen::Isometry3d T_world_camera =
+        of_camera ? *T_world_body : *T_world_body * calibration.T_robot_camera;
     move(cloud, T_world_camera);
     map_.insert(cloud, T_world_camera.translation());
     ++frames_;
