@@ -18,7 +18,7 @@ struct PoseChannel {
   std::string frame;             ///< in which they are given: "map", "odom" ...; empty: not said
   std::string source;            ///< odometry_t's: wheels, visual ...
   Trajectory trajectory;         ///< sorted; of the newest map where a mapper began again
-  int lost = 0, degraded = 0;    ///< poses with that status
+  int lost = 0, degraded = 0;    ///< poses of the trajectory with that status
   int restarts = 0;              ///< new maps (restart, reset, time jump)
   std::int64_t left_out = 0;     ///< poses of earlier maps
   std::int64_t undecodable = 0;  ///< messages that were no poses

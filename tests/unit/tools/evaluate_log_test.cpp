@@ -201,6 +201,23 @@ TEST_F(Evaluate, OnlyTheNewestMapOfARestartedMapperCounts) {
   EXPECT_THAT(output_, AllOf(HasSubstr(inputs.notes[0]), HasSubstr("120 poses")));
 }
 
+// What a path's figures say is of the poses that they are of.
+TEST_F(Evaluate, LostPosesOfAnEarlierMapAreNotThoseOfTheNewest) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      pose_estimate_t message = estimate_message(path_[i], i < 80 ? 5 : 6);
+      if (i < 80) message.status = pose_estimate_t::LOST;
+      if (i >= 197) message.status = i == 199 ? pose_estimate_t::LOST : pose_estimate_t::DEGRADED;
+      log.write("ICP_POSE", message);
+    }
+  }
+  const EvaluationInputs inputs = read("", {path("run.lcmlog")});
+  EXPECT_EQ(inputs.estimates.at(0).lost, 1);
+  EXPECT_EQ(inputs.estimates.at(0).degraded, 2);
+}
+
 TEST_F(Evaluate, OfSeveralRunsInALogOnlyTheNewestTruthCounts) {
   {
     MessageLog log(path("runs.lcmlog"));
