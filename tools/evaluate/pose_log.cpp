@@ -152,14 +152,12 @@ void PoseLog::add_final_paths() {
   for (const auto& [name, channel] : channels_) {
     const auto graph = graphs_.find(mappers_[name].sender);
     if (channel.relative_poses.empty() || graph == graphs_.end()) continue;
-    PoseChannel path;
-    path.type = channel.type;
-    path.body = channel.body;
-    path.frame = channel.frame;
-    path.lost = channel.lost;
+    PoseChannel path = channel;
+    path.trajectory.clear();
     for (const PoseChannel::RelativePose& relative : channel.relative_poses)
       if (const auto T_map_camera = final_pose(graph->first, relative.node))
         path.trajectory.push_back({relative.utime, *T_map_camera * relative.T_node_robot});
+    path.unplaced = static_cast<std::int64_t>(channel.trajectory.size() - path.trajectory.size());
     finals[name.substr(0, name.rfind("_POSE")) + "_FINAL"] = std::move(path);
   }
   channels_.merge(finals);

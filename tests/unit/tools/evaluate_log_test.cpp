@@ -218,6 +218,31 @@ TEST_F(Evaluate, LostPosesOfAnEarlierMapAreNotThoseOfTheNewest) {
   EXPECT_EQ(inputs.estimates.at(0).degraded, 2);
 }
 
+// The final path lacks what it cannot place, and says so.
+TEST_F(Evaluate, FinalPathSaysWhatItLeavesOut) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    GraphMessage graph(10);
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      if (i >= 50 && i % 10 == 0) {
+        graph.add(i, path_[i]);
+        log.write("ICP_GRAPH", graph.message());
+      }
+      pose_estimate_t message = estimate_message(path_[i]);
+      message.map_revision = i < 30 ? 7 : 1;  // begins again
+      if (i == 199) message.status = pose_estimate_t::DEGRADED;
+      log.write("ICP_POSE", message);
+    }
+  }
+  const EvaluationInputs inputs = read("", {path("run.lcmlog:ICP_FINAL")});
+  EXPECT_EQ(inputs.estimates.at(0).trajectory.size(), 150U);
+  EXPECT_EQ(inputs.estimates.at(0).degraded, 1);
+  ASSERT_EQ(inputs.notes.size(), 2U);
+  EXPECT_THAT(inputs.notes[0], HasSubstr("ICP_FINAL began again 1 time: only the newest map counts, 30"));
+  EXPECT_THAT(inputs.notes[1], HasSubstr("ICP_FINAL: 20 poses without a keyframe before them left out"));
+}
+
 TEST_F(Evaluate, OfSeveralRunsInALogOnlyTheNewestTruthCounts) {
   {
     MessageLog log(path("runs.lcmlog"));
