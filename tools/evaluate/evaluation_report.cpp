@@ -74,7 +74,7 @@ std::string consistency_text(const EvaluatedEstimate& e) {
       "{}: consistency of its covariances{}: NEES median {:.1f}, mean {:.1f} ({} when honest, more: "
       "overconfident); "
       "within 95 %: {:.0f} % of the poses, {:.0f} % of the positions",
-      e.path.name, judged == all ? "" : fmt::format(" (of {} poses; {} bring none)", judged, all - judged),
+      e.path.name, judged == all ? "" : fmt::format(" (of {} of {} poses, others bring none)", judged, all),
       c.nees.median, c.nees.mean, c.components, 100 * c.inside, 100 * c.position_inside);
   text += fmt::format("; errors over their sigmas, {}: {:.2f}",
                       c.components == 3 ? "x, y, yaw" : "x, y, z, roll, pitch, yaw",
