@@ -129,9 +129,10 @@ SurfaceError scene_error(const Request& r, const Eigen::Isometry3d& T_truth_map)
 }
 
 SurfaceError reference_error(const Request& r, const EvaluatedPath& truth,
-                             const Eigen::Isometry3d& T_truth_map) {
+                             const Eigen::Isometry3d& T_truth_map, int& refused) {
   constexpr float reach = 0.3f;  // m
   const ReferenceSurface surface(r.reference, truth.trajectory, truth.body == "camera");
+  refused = surface.refused();
   return surface_error(
       load_ply(r.map).points, T_truth_map,
       [&](const Eigen::Vector3f& p) { return surface.distance(p, reach); }, reach);
@@ -197,8 +198,9 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
 Figures map_figures(const Request& r, const Evaluation& evaluation) {
   const EvaluatedEstimate& placed = map_estimate("--map", evaluation);
   const Eigen::Isometry3d& T_truth_map = placed.report->alignment.T_truth_estimate;
-  const SurfaceError e =
-      r.reference.empty() ? scene_error(r, T_truth_map) : reference_error(r, evaluation.truth, T_truth_map);
+  int refused = 0;  // messages of the reference
+  const SurfaceError e = r.reference.empty() ? scene_error(r, T_truth_map)
+                                             : reference_error(r, evaluation.truth, T_truth_map, refused);
   const std::string& surfaces = r.reference.empty() ? r.scene : r.reference;
   Figures figures;
   figures.text = fmt::format(
@@ -206,9 +208,11 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
       "mean {} m, {} % beyond 0.3 m\n",
       r.map, e.points, placed.path.name, surfaces, metres(e.median), metres(e.p95), metres(e.mean),
       fixed_number(100 * e.beyond, 2));
+  if (refused > 0)
+    figures.text += fmt::format("{}: {} messages could not be decoded\n", r.reference, refused);
   figures.json = {{"file", r.map},      {"placed_by", placed.path.name}, {"surfaces", surfaces},
                   {"points", e.points}, {"median_m", e.median},          {"p95_m", e.p95},
-                  {"mean_m", e.mean},   {"beyond_share", e.beyond}};
+                  {"mean_m", e.mean},   {"beyond_share", e.beyond},      {"refused_messages", refused}};
   return figures;
 }
 

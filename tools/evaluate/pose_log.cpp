@@ -7,12 +7,12 @@
 #include <limits>
 
 #include <lcmslam/graph_t.hpp>
-#include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/pose_t.hpp>
+#include "tools/log/message_reader.hpp"
 
 namespace lcmslam {
 namespace {
@@ -182,9 +182,9 @@ const PoseChannel& PoseLog::channel(const std::string& name, const std::string& 
 }
 
 PoseLog read_pose_log(const std::string& file) {
-  LogReader log(file);
+  auto log = MessageReader::of_all(file);
   PoseLog poses;
-  while (const auto event = log.next_view()) poses.add(std::string(event->channel), event->data, event->size);
+  while (const auto event = log.next()) poses.add(std::string(event->channel), event->data, event->size);
   poses.finish(log.damages().size());
   return poses;
 }

@@ -20,11 +20,12 @@ class ReferenceSurface {
   float distance(const Eigen::Vector3f& point, float reach) const;
 
   int frames() const { return frames_; }
+  int refused() const { return refused_; }  ///< messages that could not be decoded
   std::size_t points() const { return map_.size(); }
 
  private:
   VoxelMap map_;
-  int frames_ = 0;
+  int frames_ = 0, refused_ = 0;
 };
 
 }  // namespace lcmslam

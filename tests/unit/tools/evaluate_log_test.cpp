@@ -88,6 +88,28 @@ TEST_F(Evaluate, FinalPathFollowsTheLastGraph) {
   EXPECT_GT(ate(results[0]), 3 * ate(results[1]));
 }
 
+// A graph that is larger than the recorder's buffer counts as any other.
+TEST_F(Evaluate, FinalPathFollowsAGraphInPieces) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    const Eigen::Isometry3d aside(Eigen::Translation3d(0, 0.5, 0));  // of the map, until the last graph
+    GraphMessage graph(5);
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      const StampedPose pose{path_[i].utime, aside * path_[i].T_world_body};
+      log.write("GROUND_TRUTH", truth_message(path_[i], "robot"));
+      if (i % 5 == 0) {
+        graph.add(i, pose);
+        log.write("ICP_GRAPH", graph.message());
+      }
+      log.write("ICP_POSE", estimate_message(pose));
+    }
+    log.write_in_pieces("ICP_GRAPH", graph.corrected(path_));
+  }
+  ASSERT_EQ(run({path("run.lcmlog:ICP_FINAL"), "--alignment", "none", "--json", path("out.json")}), 0)
+      << output_;
+  EXPECT_LT(ate(json("out.json").at("estimates").at(0)), 1e-6);
+}
+
 // Poses seen from nodes that the mapper has given up follow those that stayed.
 TEST_F(Evaluate, FinalPathOutlivesNodesThatAreGivenUp) {
   {
