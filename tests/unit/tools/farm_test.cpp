@@ -187,6 +187,18 @@ TEST_F(Farm, TheWorstComeFirst) {
   EXPECT_THAT(names, ElementsAre("without", "failed", "worse", "good"));
 }
 
+TEST_F(Farm, WhereNothingWasMappedIsWorseThanAnyError) {
+  std::vector<FarmResult> results = {result("good", 0.01, 0.01), result("bad", 0.3, 0.01),
+                                     result("unmapped", 0, 0.01), result("without truth", 0, 0)};
+  results[2].icp.reset();
+  results[3].icp.reset(), results[3].fastslam.reset();
+  for (std::size_t i = 0; i < 3; ++i) results[i].odometry = 0.2;
+  put_worst_first(results);
+  std::vector<std::string> names;
+  for (const FarmResult& r : results) names.push_back(r.name);
+  EXPECT_THAT(names, ElementsAre("unmapped", "bad", "good", "without truth"));
+}
+
 TEST_F(Farm, AComparisonSaysWhatChangedAndWhetherThatIsChance) {
   std::vector<FarmResult> before, after;
   for (int i = 0; i < 12; ++i) {
