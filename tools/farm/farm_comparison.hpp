@@ -22,6 +22,8 @@ struct PathChange {
   /// Geometric mean of the ratios, and where 95 % of its resamples over logs lie (paired bootstrap, Efron and
   /// Tibshirani 1993). NaN without a log.
   double ratio, low, high;
+  /// Logs whose error is known of one farm alone, as where nothing was mapped: in no ratio.
+  std::vector<std::string> only_before, only_after;
 
   /// "better", "worse", or "no difference shown" where the interval holds 1.
   std::string verdict() const;

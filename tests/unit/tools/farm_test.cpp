@@ -199,6 +199,25 @@ TEST_F(Farm, WhereNothingWasMappedIsWorseThanAnyError) {
   EXPECT_THAT(names, ElementsAre("unmapped", "bad", "good", "without truth"));
 }
 
+TEST_F(Farm, AComparisonNamesTheLogsThatAreInNoRatio) {
+  std::vector<FarmResult> before, after;
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = "log" + std::to_string(i);
+    before.push_back(result(name, 0.02, 0.02));
+    after.push_back(result(name, 0.01, 0.01));
+  }
+  after[1].icp.reset();  // nothing was mapped
+  before[2].fastslam.reset();
+  FarmComparison comparison = compare_farms(before, after);
+  EXPECT_THAT(comparison.paths[0].only_before, ElementsAre("log1"));
+  EXPECT_THAT(comparison.paths[1].only_after, ElementsAre("log2"));
+  EXPECT_THAT(comparison_text(comparison), HasSubstr("icp: an error before alone: log1\n"));
+  EXPECT_THAT(comparison_text(comparison), HasSubstr("fastslam: an error now alone: log2\n"));
+  for (FarmResult& r : after) r.icp.reset();
+  comparison = compare_farms(before, after);
+  EXPECT_THAT(comparison_text(comparison), HasSubstr("icp: an error before alone: log0, log1, log2"));
+}
+
 TEST_F(Farm, AComparisonSaysWhatChangedAndWhetherThatIsChance) {
   std::vector<FarmResult> before, after;
   for (int i = 0; i < 12; ++i) {
