@@ -11,6 +11,7 @@ namespace lcmslam {
 namespace {
 
 constexpr int resamples = 4000;
+constexpr std::size_t fewest_logs = 6;  // all to one side are chance in 2 of 64: below 5 %
 constexpr double least_error = 1e-9;    // m; a perfect run has a logarithm, too
 
 double log_ratio(const LogChange& change) {
@@ -50,6 +51,7 @@ PathChange change_of(const char* path, std::optional<double> FarmResult::*ate,
 }  // namespace
 
 std::string PathChange::verdict() const {
+  if (logs.size() < fewest_logs) return "no difference shown";
   if (high < 1) return "better";
   return low > 1 ? "worse" : "no difference shown";
 }

@@ -25,7 +25,8 @@ struct PathChange {
   /// Logs whose error is known of one farm alone, as where nothing was mapped: in no ratio.
   std::vector<std::string> only_before, only_after;
 
-  /// "better", "worse", or "no difference shown" where the interval holds 1.
+  /// "better", "worse", or "no difference shown" where the interval holds 1 or logs are too few for one: of
+  /// five that all became better chance makes one time in sixteen as much.
   std::string verdict() const;
 };
 

@@ -218,6 +218,16 @@ TEST_F(Farm, AComparisonNamesTheLogsThatAreInNoRatio) {
   EXPECT_THAT(comparison_text(comparison), HasSubstr("icp: an error before alone: log0, log1, log2"));
 }
 
+TEST_F(Farm, FewLogsShowNoDifference) {
+  std::vector<FarmResult> before, after;
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(compare_farms(before, after).paths[0].verdict(), "no difference shown") << i;
+    before.push_back(result("log" + std::to_string(i), 0.02, 0.02));
+    after.push_back(result("log" + std::to_string(i), 0.019 - 0.001 * i, 0.02));
+  }
+  EXPECT_EQ(compare_farms(before, after).paths[0].verdict(), "better");
+}
+
 TEST_F(Farm, AComparisonSaysWhatChangedAndWhetherThatIsChance) {
   std::vector<FarmResult> before, after;
   for (int i = 0; i < 12; ++i) {
