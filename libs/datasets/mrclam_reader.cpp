@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include <lcmslam/datasets/landmark_recording.hpp>
 #include <lcmslam/datasets/text_rows.hpp>
@@ -11,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int last_robot = 5;  // subjects 1 to 5 are robots, the others landmarks
+constexpr int last_robot = 5;          // subjects 1 to 5 are robots, the others landmarks
+constexpr double longest_run = 86400;  // s; the published ones last 15 to 70 minutes
 
 fs::path robot_file(const fs::path& folder, int robot, const std::string& what) {
   return folder / ("Robot" + std::to_string(robot) + "_" + what + ".dat");
@@ -104,6 +107,19 @@ void fill_gaps(Utime begin, Utime end, const MrclamSensor& sensor, LandmarkRecor
   recording.frames = std::move(filled);
 }
 
+/// What lies so far apart is a damaged stamp, and would be filled with as many frames.
+void check_duration(const fs::path& folder, int robot, const LandmarkRecording& recording) {
+  const Utime begin = std::min(recording.twists.front().utime, recording.frames.front().utime);
+  const Utime end = std::max(recording.twists.back().utime, recording.frames.back().utime);
+  const auto seconds = [](Utime utime) { return 1e-6 * static_cast<double>(utime); };
+  if (seconds(end - begin) <= longest_run) return;
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3) << (folder / ("Robot" + std::to_string(robot))).string()
+       << "_Odometry.dat and _Measurement.dat: stamps from " << seconds(begin) << " to " << seconds(end)
+       << " s, expected a run of at most " << std::setprecision(0) << longest_run << " s";
+  throw DatasetError(text.str());
+}
+
 void read_measurements(const fs::path& file, const std::map<int, int>& subject_of, const std::string& name,
                        const MrclamSensor& sensor, LandmarkRecording& recording) {
   std::map<Utime, std::vector<Feature>> seen;
@@ -120,6 +136,10 @@ void read_measurements(const fs::path& file, const std::map<int, int>& subject_o
     if (feature.point.x() > 0) seen[to_utime(row[0])].push_back(feature);
     return feature.point.x() > 0;
   });
+  if (seen.empty())
+    throw DatasetError(file.string() + ": sees no landmark: " + std::to_string(robots) +
+                       " observations of other robots, " + std::to_string(unknown) +
+                       " of barcodes that nobody wears");
   for (auto& [utime, features] : seen) {
     recording.frames.push_back(make_frame(utime, 0, name, sensor.bearing_sigma));
     recording.frames.back().features = std::move(features);
@@ -155,6 +175,7 @@ LandmarkRecording read_mrclam(const fs::path& folder, int robot, const MrclamSen
                    [](const Twist& a, const Twist& b) { return a.utime < b.utime; });
   read_measurements(robot_file(folder, robot, "Measurement"), subject_of,
                     "mrclam robot " + std::to_string(robot), sensor, recording);
+  check_duration(folder, robot, recording);
   fill_gaps(recording.twists.front().utime, recording.twists.back().utime, sensor, recording);
 
   if (const fs::path file = robot_file(folder, robot, "Groundtruth"); fs::exists(file))

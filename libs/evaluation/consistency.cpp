@@ -10,7 +10,8 @@ namespace {
 // 95 % quantiles of chi square with 2, 3 and 6 degrees of freedom.
 constexpr double inside_2 = 5.991, inside_3 = 7.815, inside_6 = 12.592;
 
-using Components = std::vector<int>;  // of a twist
+using Components = std::vector<int>;    // of a twist
+const Components in_plane = {0, 1, 5};  // x, y, heading
 
 Components components_of(const std::vector<MatchedPose>& matches) {
   const Eigen::Isometry3d T_first_world = matches.front().T_world_estimate.inverse();
@@ -18,7 +19,7 @@ Components components_of(const std::vector<MatchedPose>& matches) {
     const Eigen::Isometry3d T = T_first_world * match.T_world_estimate;
     return std::abs(T.translation().z()) < 1e-6 && T.linear()(2, 2) > 1 - 1e-9;
   });
-  return planar ? Components{0, 1, 5} : Components{0, 1, 2, 3, 4, 5};
+  return planar ? in_plane : Components{0, 1, 2, 3, 4, 5};
 }
 
 Eigen::VectorXd error_of(const MatchedPose& match, const Components& rows) {
@@ -29,22 +30,26 @@ double nees(const Eigen::VectorXd& e, const Eigen::MatrixXd& P) {
   return e.dot(P.llt().solve(e));
 }
 
-// Gauss-Newton on the sum of NEES over a motion xi of the estimate's world, expressed in the frame of its
-// first pose, and one eta of its body: T_i <- T_0 exp(xi) T_0^-1 T_i exp(eta),
-// e_i <- e_i - Ad((T_0^-1 T_i)^-1) xi - eta. What the way does not tell of them stays 0. Returns the truth's
-// body on the estimate's.
+// Gauss-Newton on the sum of NEES over a motion xi of the estimate's world, expressed in the frame T_0 of its
+// first pose (of worlds that share the ground: at that pose, upright), and one eta of its body:
+// T_i <- T_0 exp(xi) T_0^-1 T_i exp(eta), e_i <- e_i - Ad((T_0^-1 T_i)^-1) xi - eta. What the way does not
+// tell of them stays 0. Returns the truth's body on the estimate's.
 Eigen::Isometry3d fit_frames(std::vector<MatchedPose>& matches, const Components& rows,
                              const ConsistencyFit& fit) {
   const auto n = static_cast<Eigen::Index>(rows.size());
-  const Eigen::Index world = fit.world ? n : 0, body = fit.body ? n : 0;
+  const bool upright = fit.world == WorldFit::ground;
+  const Components columns = fit.world == WorldFit::none ? Components{} : upright ? in_plane : rows;
+  const auto world = static_cast<Eigen::Index>(columns.size());
+  const Eigen::Index body = fit.body ? n : 0;
   Eigen::Isometry3d T_estimate_truth = Eigen::Isometry3d::Identity();
   for (int iteration = 0; iteration < 5; ++iteration) {
-    const Eigen::Isometry3d T_first = matches.front().T_world_estimate;
+    Eigen::Isometry3d T_first = matches.front().T_world_estimate;
+    if (upright) T_first.linear().setIdentity();
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(world + body, world + body);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(world + body);
     for (const MatchedPose& match : matches) {
       Eigen::MatrixXd A(n, world + body);
-      if (fit.world) A.leftCols(n) = adjoint(match.T_world_estimate.inverse() * T_first)(rows, rows);
+      A.leftCols(world) = adjoint(match.T_world_estimate.inverse() * T_first)(rows, columns);
       if (fit.body) A.rightCols(n).setIdentity();
       const Eigen::MatrixXd P = (*match.covariance)(rows, rows);
       const Eigen::MatrixXd weighted = P.llt().solve(A);
@@ -53,7 +58,7 @@ Eigen::Isometry3d fit_frames(std::vector<MatchedPose>& matches, const Components
     }
     const Eigen::VectorXd step = information.completeOrthogonalDecomposition().solve(gradient);
     Vector6d xi = Vector6d::Zero(), eta = Vector6d::Zero();
-    xi(rows).head(world) = step.head(world);
+    xi(columns) = step.head(world);
     eta(rows).head(body) = step.tail(body);
     const Eigen::Isometry3d T_moved = T_first * se3_exp(xi) * T_first.inverse();
     for (MatchedPose& match : matches)
@@ -76,7 +81,7 @@ std::optional<Consistency> consistency(std::vector<MatchedPose> matches, const C
   if (matches.empty()) return std::nullopt;
 
   Consistency result;
-  if (fit.world || fit.body) result.T_estimate_truth = fit_frames(matches, rows, fit);
+  if (fit.world != WorldFit::none || fit.body) result.T_estimate_truth = fit_frames(matches, rows, fit);
   result.components = static_cast<int>(rows.size());
   const bool planar = rows.size() == 3;
   const Eigen::Index position = planar ? 2 : 3;

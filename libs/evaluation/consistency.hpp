@@ -14,11 +14,14 @@
 
 namespace lcmslam {
 
+/// What of the worlds is fitted: nothing, x, y and heading (they share the ground plane), or everything.
+enum class WorldFit { none, ground, space };
+
 /// What is not known between truth and estimate, and is fitted by the covariances (least sum of NEES).
 struct ConsistencyFit {
   /// Where the estimate's world lies in the truth's. A fit of the paths would not do: the first pose is known
   /// to a millimetre in its own world, and stands some centimetres beside the truth then.
-  bool world = false;
+  WorldFit world = WorldFit::none;
   bool body = false;  ///< where the truth's body sits on the estimate's
 };
 

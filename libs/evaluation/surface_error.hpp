@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <unordered_map>
 #include <vector>
 
@@ -32,10 +33,12 @@ class TriangleSurface {
   std::unordered_map<std::int64_t, std::vector<std::int32_t>> cells_;  // looked up, never iterated
 };
 
+/// NaN everywhere where there is no point: an empty map is not without error.
 struct SurfaceError {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   std::size_t points = 0;
-  double median = 0, p95 = 0, mean = 0;  ///< m
-  double beyond = 0;  ///< share of the points that are farther than the reach, counted as it
+  double median = unknown, p95 = unknown, mean = unknown;  ///< m
+  double beyond = unknown;  ///< share of the points that are farther than the reach, counted as it
 };
 
 /// Of points brought to the surface's frame, where `distance` tells how far they are from it (m, at most the

@@ -63,6 +63,12 @@ double tracked_fraction(const Trajectory& truth, const std::vector<MatchedPose>&
   return whole > 0 ? std::min(1.0, covered(matches) / whole) : 1;
 }
 
+/// As free as the alignment.
+WorldFit world_fit(Alignment alignment) {
+  if (alignment == Alignment::se2) return WorldFit::ground;
+  return alignment == Alignment::se3 ? WorldFit::space : WorldFit::none;
+}
+
 /// Fewer poses than the alignment has to fit agree with any truth.
 void check_enough(std::size_t matched, Alignment alignment) {
   const std::size_t fewest = alignment == Alignment::none ? 1 : alignment == Alignment::first_pose ? 2 : 3;
@@ -139,9 +145,7 @@ TrajectoryReport evaluate(const Trajectory& truth, const Trajectory& estimate,
   report.per_second = relative_errors(report.matches, 1, StepUnit::seconds);
   report.per_metre = relative_errors(report.matches, 1, StepUnit::metres);
   if (settings.alignment != Alignment::sim3)  // covariances know of no scale
-    report.consistency = consistency(
-        report.matches,
-        {settings.alignment == Alignment::se2 || settings.alignment == Alignment::se3, settings.fit_body});
+    report.consistency = consistency(report.matches, {world_fit(settings.alignment), settings.fit_body});
   return report;
 }
 

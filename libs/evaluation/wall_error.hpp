@@ -30,6 +30,7 @@ struct WallErrorSettings {
   double min_cosine = 0.8;  ///< between the point's and the wall's normal
 };
 
+/// NaN where there is no patch to tell it by.
 struct WallError {
   int patches = 0;                                 ///< with enough points
   double thickness_median = 0, thickness_p95 = 0;  ///< m, of a patch: from 2.5 to 97.5 % of its points

@@ -69,9 +69,13 @@ RosRecording::RosRecording(const std::vector<fs::path>& files, const RosOptions&
   } catch (const DatasetError& error) {
     // What is missing may be what could not be read, and nobody can ask for problems() now.
     const std::vector<std::string> all = problems();
-    if (all.empty()) throw;
-    throw DatasetError(std::string(error.what()) + "; of " + std::to_string(all.size()) +
-                       (all.size() == 1 ? " problem" : " problems") + " the first: " + all.front());
+    std::string text = names_.empty() ? "no file" : names_.front();
+    if (names_.size() > 1) text += " and " + std::to_string(names_.size() - 1) + " more";
+    text += ": " + std::string(error.what());
+    if (!all.empty())
+      text += "; of " + std::to_string(all.size()) + (all.size() == 1 ? " problem" : " problems") +
+              " the first: " + all.front();
+    throw DatasetError(text);
   }
   if (unstamped_ > 0)
     notes_.push_back(std::to_string(unstamped_) +

@@ -154,6 +154,10 @@ std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
   text += fmt::format("{:.0f} frames in {:.1f} s", frames(run, facts), facts.seconds);
   if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
   text += "\n\n" + path_table(run).text() + "\n";
+  for (const auto& [name, path, frame] : paths(run))
+    if (path.restarts > 0)
+      text += fmt::format("{} began again {} time{}: poses and errors are of its newest map\n", name,
+                          path.restarts, path.restarts == 1 ? "" : "s");
   text += load_table(run).text() + "\n";
   text += fmt::format("landmarks {:.0f}, keyframes {:.0f}, points in keyframes {:.0f}\n",
                       status_value(status_of(run, "map-server"), "landmarks"),

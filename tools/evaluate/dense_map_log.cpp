@@ -7,12 +7,12 @@
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
-#include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/map_store/dense_map.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/followed_graph.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/map_messages.hpp>
+#include "tools/log/message_reader.hpp"
 
 namespace lcmslam {
 namespace {
@@ -56,10 +56,10 @@ class NewestMap {
 }  // namespace
 
 LoggedDenseMap dense_map_of(const std::string& log, const Eigen::Isometry3d& T) {
-  LogReader reader(log);
+  auto reader = MessageReader::of_all(log);
   NewestMap newest;
   LoggedDenseMap result;
-  while (const auto event = reader.next_view()) {
+  while (const auto event = reader.next()) {
     try {
       newest.take(*event);
     } catch (const DecodeError&) {

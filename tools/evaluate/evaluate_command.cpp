@@ -5,6 +5,7 @@
 
 #include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/evaluation/surface_error.hpp>
+#include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/evaluation/wall_error.hpp>
 #include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/map_store/map_export.hpp>
@@ -127,10 +128,11 @@ SurfaceError scene_error(const Request& r, const Eigen::Isometry3d& T_truth_map)
   return surface_error(load_ply(r.map).points, T_truth_map, TriangleSurface(std::move(triangles)));
 }
 
-SurfaceError reference_error(const Request& r, const Trajectory& truth,
-                             const Eigen::Isometry3d& T_truth_map) {
+SurfaceError reference_error(const Request& r, const EvaluatedPath& truth,
+                             const Eigen::Isometry3d& T_truth_map, int& refused) {
   constexpr float reach = 0.3f;  // m
-  const ReferenceSurface surface(r.reference, truth);
+  const ReferenceSurface surface(r.reference, truth.trajectory, truth.body == "camera");
+  refused = surface.refused();
   return surface_error(
       load_ply(r.map).points, T_truth_map,
       [&](const Eigen::Vector3f& p) { return surface.distance(p, reach); }, reach);
@@ -143,6 +145,10 @@ const EvaluatedEstimate& map_estimate(const std::string& option, const Evaluatio
     if (e.report && e.path.channel != "ODOMETRY") placed = &e;
   if (placed == nullptr) throw std::runtime_error(option + ": no estimate says where the map lies");
   return *placed;
+}
+
+std::string metres(double value) {
+  return fixed_number(value, 4);
 }
 
 /// As text and for --json.
@@ -167,11 +173,10 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
   Figures figures;
   figures.text = fmt::format(
       "\n{}: walls of {} in patches of 0.25 m, placed by {}: {} seen again after 20 s or more, where first "
-      "and last visit lie apart by {:.4f} m (median), {:.4f} m (95 %), {:.4f} m (largest); {} patches, "
-      "thickness "
-      "{:.4f} m (median), {:.4f} m (95 %)\n",
-      placed.path.file, r.walls, placed.path.name, e.revisited, e.offset_median, e.offset_p95, e.offset_max,
-      e.patches, e.thickness_median, e.thickness_p95);
+      "and last visit lie apart by {} m (median), {} m (95 %), {} m (largest); {} patches, thickness {} m "
+      "(median), {} m (95 %)\n",
+      placed.path.file, r.walls, placed.path.name, e.revisited, metres(e.offset_median), metres(e.offset_p95),
+      metres(e.offset_max), e.patches, metres(e.thickness_median), metres(e.thickness_p95));
   if (map.refused > 0)
     figures.text += fmt::format("{}: {} messages of the map could not be decoded or were refused\n",
                                 placed.path.file, map.refused);
@@ -193,17 +198,21 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
 Figures map_figures(const Request& r, const Evaluation& evaluation) {
   const EvaluatedEstimate& placed = map_estimate("--map", evaluation);
   const Eigen::Isometry3d& T_truth_map = placed.report->alignment.T_truth_estimate;
+  int refused = 0;  // messages of the reference
   const SurfaceError e = r.reference.empty() ? scene_error(r, T_truth_map)
-                                             : reference_error(r, evaluation.truth.trajectory, T_truth_map);
+                                             : reference_error(r, evaluation.truth, T_truth_map, refused);
   const std::string& surfaces = r.reference.empty() ? r.scene : r.reference;
   Figures figures;
   figures.text = fmt::format(
-      "\n{}: {} points, placed by {}; distance to the surfaces of {}: median {:.4f} m, 95 % within {:.4f} m, "
-      "mean {:.4f} m, {:.2f} % beyond 0.3 m\n",
-      r.map, e.points, placed.path.name, surfaces, e.median, e.p95, e.mean, 100 * e.beyond);
+      "\n{}: {} points, placed by {}; distance to the surfaces of {}: median {} m, 95 % within {} m, "
+      "mean {} m, {} % beyond 0.3 m\n",
+      r.map, e.points, placed.path.name, surfaces, metres(e.median), metres(e.p95), metres(e.mean),
+      fixed_number(100 * e.beyond, 2));
+  if (refused > 0)
+    figures.text += fmt::format("{}: {} messages could not be decoded\n", r.reference, refused);
   figures.json = {{"file", r.map},      {"placed_by", placed.path.name}, {"surfaces", surfaces},
                   {"points", e.points}, {"median_m", e.median},          {"p95_m", e.p95},
-                  {"mean_m", e.mean},   {"beyond_share", e.beyond}};
+                  {"mean_m", e.mean},   {"beyond_share", e.beyond},      {"refused_messages", refused}};
   return figures;
 }
 
@@ -249,6 +258,10 @@ int evaluate_command(int argc, char** argv) {
   if (const auto exit_code = parse(r, argc, argv)) return *exit_code;
   if (!r.map.empty() && r.scene.empty() && r.reference.empty())
     throw std::runtime_error("--map: needs --scene or --reference");
+  if (r.alignment == "sim3" && !(r.map.empty() && r.walls.empty()))
+    throw std::runtime_error(
+        "--map, --walls: --alignment sim3 scales the path and not the map, which lies elsewhere then; use "
+        "se3");
   if (!r.exported.empty()) return export_poses(r);
   EvaluationInputs inputs = read_inputs(r.inputs);
   r.settings.alignment = alignments.at(r.alignment);

@@ -37,6 +37,7 @@ nlohmann::json report_json(const TrajectoryReport& r) {
                          {"rpe_per_metre", errors_json(r.per_metre)}};
   if (r.consistency)
     json["consistency"] = {{"components", r.consistency->components},
+                           {"poses", r.consistency->nees.count},
                            {"nees_mean", r.consistency->nees.mean},
                            {"nees_median", r.consistency->nees.median},
                            {"poses_within_95", r.consistency->inside},

@@ -69,11 +69,13 @@ std::string clock_text(const EvaluatedEstimate& e) {
 
 std::string consistency_text(const EvaluatedEstimate& e) {
   const Consistency& c = *e.report->consistency;
+  const std::size_t all = e.report->matched_poses, judged = c.nees.count;
   std::string text = fmt::format(
-      "{}: consistency of its covariances: NEES median {:.1f}, mean {:.1f} ({} when honest, more: "
+      "{}: consistency of its covariances{}: NEES median {:.1f}, mean {:.1f} ({} when honest, more: "
       "overconfident); "
       "within 95 %: {:.0f} % of the poses, {:.0f} % of the positions",
-      e.path.name, c.nees.median, c.nees.mean, c.components, 100 * c.inside, 100 * c.position_inside);
+      e.path.name, judged == all ? "" : fmt::format(" (of {} of {} poses, others bring none)", judged, all),
+      c.nees.median, c.nees.mean, c.components, 100 * c.inside, 100 * c.position_inside);
   text += fmt::format("; errors over their sigmas, {}: {:.2f}",
                       c.components == 3 ? "x, y, yaw" : "x, y, z, roll, pitch, yaw",
                       fmt::join(c.error_over_sigma, ", "));

@@ -7,12 +7,12 @@
 #include <limits>
 
 #include <lcmslam/graph_t.hpp>
-#include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include <lcmslam/pose_t.hpp>
+#include "tools/log/message_reader.hpp"
 
 namespace lcmslam {
 namespace {
@@ -100,6 +100,7 @@ void PoseLog::add_pose(const std::string& channel, const StampedPose& pose, std:
     path.left_out += static_cast<std::int64_t>(path.trajectory.size());
     path.trajectory.clear();
     path.relative_poses.clear();
+    path.lost = path.degraded = 0;
     ++path.restarts;
   }
   mapper = {sender, map_revision};
@@ -151,14 +152,12 @@ void PoseLog::add_final_paths() {
   for (const auto& [name, channel] : channels_) {
     const auto graph = graphs_.find(mappers_[name].sender);
     if (channel.relative_poses.empty() || graph == graphs_.end()) continue;
-    PoseChannel path;
-    path.type = channel.type;
-    path.body = channel.body;
-    path.frame = channel.frame;
-    path.lost = channel.lost;
+    PoseChannel path = channel;
+    path.trajectory.clear();
     for (const PoseChannel::RelativePose& relative : channel.relative_poses)
       if (const auto T_map_camera = final_pose(graph->first, relative.node))
         path.trajectory.push_back({relative.utime, *T_map_camera * relative.T_node_robot});
+    path.unplaced = static_cast<std::int64_t>(channel.trajectory.size() - path.trajectory.size());
     finals[name.substr(0, name.rfind("_POSE")) + "_FINAL"] = std::move(path);
   }
   channels_.merge(finals);
@@ -183,9 +182,9 @@ const PoseChannel& PoseLog::channel(const std::string& name, const std::string& 
 }
 
 PoseLog read_pose_log(const std::string& file) {
-  LogReader log(file);
+  auto log = MessageReader::of_all(file);
   PoseLog poses;
-  while (const auto event = log.next_view()) poses.add(std::string(event->channel), event->data, event->size);
+  while (const auto event = log.next()) poses.add(std::string(event->channel), event->data, event->size);
   poses.finish(log.damages().size());
   return poses;
 }

@@ -18,9 +18,10 @@ struct PoseChannel {
   std::string frame;             ///< in which they are given: "map", "odom" ...; empty: not said
   std::string source;            ///< odometry_t's: wheels, visual ...
   Trajectory trajectory;         ///< sorted; of the newest map where a mapper began again
-  int lost = 0, degraded = 0;    ///< poses with that status
+  int lost = 0, degraded = 0;    ///< poses of the trajectory with that status
   int restarts = 0;              ///< new maps (restart, reset, time jump)
   std::int64_t left_out = 0;     ///< poses of earlier maps
+  std::int64_t unplaced = 0;     ///< poses that the last graph does not place (X_FINAL)
   std::int64_t undecodable = 0;  ///< messages that were no poses
   /// Newest graph node before each pose, and the pose as seen from it (utime stands in the trajectory).
   struct RelativePose {

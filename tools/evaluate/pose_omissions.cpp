@@ -20,6 +20,9 @@ std::vector<std::string> omissions(const PoseChannel& channel, const std::string
   if (channel.restarts > 0)
     all.push_back(name + " began again " + plural(channel.restarts, "time") +
                   ": only the newest map counts, " + plural(channel.left_out, "earlier pose") + " left out");
+  if (channel.unplaced > 0)
+    all.push_back(name + ": " + plural(channel.unplaced, "pose") + " without a keyframe before " +
+                  (channel.unplaced == 1 ? "it" : "them") + " left out");
   if (channel.undecodable > 0)
     all.push_back(name + ": " + plural(channel.undecodable, "message") + " could not be decoded");
   return all;

@@ -7,10 +7,10 @@
 #include <lcmslam/camera_calibration_t.hpp>
 #include <lcmslam/cloud/cloud_filter.hpp>
 #include <lcmslam/images_t.hpp>
-#include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/rgbd/depth_view.hpp>
+#include "tools/log/message_reader.hpp"
 
 namespace lcmslam {
 namespace {
@@ -27,20 +27,28 @@ VoxelMapSettings fine_map() {
 
 }  // namespace
 
-ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& robot) : map_(fine_map()) {
-  LogReader reader(log);
+ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& truth, bool of_camera)
+    : map_(fine_map()) {
+  auto reader = MessageReader::of_all(log);
   std::optional<DepthRegistration> registration;
-  while (const auto event = reader.next_view()) {
-    if (event->channel == "CAMERA_CALIBRATION" && !registration)
-      registration.emplace(from_message(decode_message<camera_calibration_t>(event->data, event->size)));
-    if (event->channel != "CAMERA" || !registration) continue;
+  while (const auto event = reader.next()) {
+    RgbdFrame frame;
+    try {
+      if (event->channel == "CAMERA_CALIBRATION" && !registration)
+        registration.emplace(from_message(decode_message<camera_calibration_t>(event->data, event->size)));
+      if (event->channel != "CAMERA" || !registration) continue;
+      frame = decode_images(decode_message<images_t>(event->data, event->size), registration->calibration());
+    } catch (const DecodeError&) {
+      ++refused_;
+      continue;
+    }
     const RgbdCalibration& calibration = registration->calibration();
-    const RgbdFrame frame = decode_images(decode_message<images_t>(event->data, event->size), calibration);
-    const auto T_world_robot = pose_at(robot, calibration.depth_time(frame.depth_utime));
-    if (!T_world_robot) continue;
+    const auto T_world_body = pose_at(truth, calibration.depth_time(frame.depth_utime));
+    if (!T_world_body) continue;
     const DepthView view = DepthPoints(calibration).thinned(frame, pixel_step);
     Cloud cloud = usable_points(cloud_of(view, Eigen::Isometry3d::Identity(), Vector6d::Zero()));
-    const Eigen::Isometry3d T_world_camera = *T_world_robot * calibration.T_robot_camera;
+    const Eigen::Isometry3d T_world_camera =
+        of_camera ? *T_world_body : *T_world_body * calibration.T_robot_camera;
     move(cloud, T_world_camera);
     map_.insert(cloud, T_world_camera.translation());
     ++frames_;

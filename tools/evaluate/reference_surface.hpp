@@ -11,20 +11,21 @@ namespace lcmslam {
 
 class ReferenceSurface {
  public:
-  /// Fuses the images of `log` that lie on the path (of the robot). Throws std::runtime_error when there are
-  /// none, or no calibration.
-  ReferenceSurface(const std::string& log, const Trajectory& robot);
+  /// Fuses the images of `log` that lie on the path: of the robot, or of its colour camera. Throws
+  /// std::runtime_error when there are none, or no calibration.
+  ReferenceSurface(const std::string& log, const Trajectory& truth, bool of_camera);
 
   /// m from the tangent plane of the nearest fused point, or from that point where it lies farther beside;
   /// the reach where nothing is nearer.
   float distance(const Eigen::Vector3f& point, float reach) const;
 
   int frames() const { return frames_; }
+  int refused() const { return refused_; }  ///< messages that could not be decoded
   std::size_t points() const { return map_.size(); }
 
  private:
   VoxelMap map_;
-  int frames_ = 0;
+  int frames_ = 0, refused_ = 0;
 };
 
 }  // namespace lcmslam

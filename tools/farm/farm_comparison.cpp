@@ -11,7 +11,8 @@ namespace lcmslam {
 namespace {
 
 constexpr int resamples = 4000;
-constexpr double least_error = 1e-9;  // m; a perfect run has a logarithm, too
+constexpr std::size_t fewest_logs = 6;  // all to one side are chance in 2 of 64: below 5 %
+constexpr double least_error = 1e-9;    // m; a perfect run has a logarithm, too
 
 double log_ratio(const LogChange& change) {
   return std::log(std::max(change.after, least_error) / std::max(change.before, least_error));
@@ -20,9 +21,13 @@ double log_ratio(const LogChange& change) {
 PathChange change_of(const char* path, std::optional<double> FarmResult::*ate,
                      const std::vector<std::pair<const FarmResult*, const FarmResult*>>& pairs) {
   const double nothing = std::numeric_limits<double>::quiet_NaN();
-  PathChange change{path, {}, nothing, nothing, nothing};
-  for (const auto& [before, after] : pairs)
-    if (before->*ate && after->*ate) change.logs.push_back({before->name, *(before->*ate), *(after->*ate)});
+  PathChange change{path, {}, nothing, nothing, nothing, {}, {}};
+  for (const auto& [before, after] : pairs) {
+    if (before->*ate && after->*ate)
+      change.logs.push_back({before->name, *(before->*ate), *(after->*ate)});
+    else if (before->*ate || after->*ate)
+      (before->*ate ? change.only_before : change.only_after).push_back(before->name);
+  }
   if (change.logs.empty()) return change;
   const auto n = change.logs.size();
   double sum = 0;
@@ -46,6 +51,7 @@ PathChange change_of(const char* path, std::optional<double> FarmResult::*ate,
 }  // namespace
 
 std::string PathChange::verdict() const {
+  if (logs.size() < fewest_logs) return "no difference shown";
   if (high < 1) return "better";
   return low > 1 ? "worse" : "no difference shown";
 }

@@ -63,7 +63,7 @@ std::string totals(const std::vector<FarmResult>& results) {
       ate_text(median(results, &FarmResult::odometry)));
 }
 
-std::string list_text(const char* what, const std::vector<std::string>& names) {
+std::string list_text(const std::string& what, const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return names.empty() ? "" : fmt::format("{}: {}\n", what, text);
@@ -125,6 +125,8 @@ std::string comparison_text(const FarmComparison& comparison) {
   constexpr std::size_t most = 5;
   std::string text;
   for (const PathChange& path : comparison.paths) {
+    text += list_text(path.path + std::string(": an error before alone"), path.only_before) +
+            list_text(path.path + std::string(": an error now alone"), path.only_after);
     if (path.logs.empty()) continue;
     text += fmt::format("{}: errors x {:.3f} over {} logs (95 % from {:.3f} to {:.3f}): {}\n", path.path,
                         path.ratio, path.logs.size(), path.low, path.high, path.verdict());

@@ -72,8 +72,14 @@ std::vector<FarmResult> read_results(const fs::path& farm, const Expectations& e
 }
 
 void put_worst_first(std::vector<FarmResult>& results) {
-  const auto order = [](const FarmResult& r) {
-    return std::make_tuple(r.has_summary, r.passed(), -r.badness(), r.name);
+  const auto of_any = [&](std::optional<double> FarmResult::*ate) {
+    return std::any_of(results.begin(), results.end(),
+                       [&](const FarmResult& r) { return (r.*ate).has_value(); });
+  };
+  const bool icp = of_any(&FarmResult::icp), fastslam = of_any(&FarmResult::fastslam);
+  const auto order = [&](const FarmResult& r) {
+    const bool unmapped = r.odometry && ((icp && !r.icp) || (fastslam && !r.fastslam));
+    return std::make_tuple(r.has_summary, r.passed(), !unmapped, -r.badness(), r.name);
   };
   std::sort(results.begin(), results.end(),
             [&](const FarmResult& a, const FarmResult& b) { return order(a) < order(b); });

@@ -30,7 +30,8 @@ FarmResult read_result(const std::filesystem::path& folder, const Expectations& 
 /// Of all folders below that a run has begun in, by name. Throws std::runtime_error when there is none.
 std::vector<FarmResult> read_results(const std::filesystem::path& farm, const Expectations& expectations);
 
-/// Those without a summary first, then those that failed, the rest by badness.
+/// Those without a summary first, then those that failed; of either those first that lack the error of a
+/// mapper which others have, though the log has a truth, the rest by badness.
 void put_worst_first(std::vector<FarmResult>& results);
 
 }  // namespace lcmslam

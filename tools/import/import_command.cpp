@@ -162,7 +162,7 @@ int simulate_command(int argc, char** argv) {
   app.add_option("--seconds", simulation.seconds, "only the first so many seconds");
   app.add_option("--rate", simulation.frame_rate,
                  "frames a second (default: the head's own; 10 for tof, 30 for rgbd)")
-      ->check(CLI::Range(0, 1000));
+      ->check(CLI::Range(0.0, 200.0));
   CameraFaults& faults = simulation.faults;
   app.add_option("--rolling-shutter", faults.rolling_shutter,
                  "s from the colour image's first row to its last")

@@ -20,8 +20,8 @@ std::string prefix_of(const std::string& robot) {
 
 }  // namespace
 
-MessageReader::MessageReader(const std::string& file, const std::string& robot)
-    : reader_(file, check_message), prefix_(prefix_of(robot)) {}
+MessageReader::MessageReader(const std::string& file, const std::string& robot, bool whole)
+    : reader_(file, whole ? WholenessCheck(check_message) : nullptr), prefix_(prefix_of(robot)) {}
 
 std::optional<LogEventView> MessageReader::next() {
   while (auto event = reader_.next_view()) {

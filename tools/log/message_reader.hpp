@@ -1,5 +1,6 @@
 #pragma once
-// The messages of a log, whatever way they were logged: damaged ones left out, those in pieces joined.
+// The messages of a log, whatever way they were logged: those in pieces joined, damaged ones left out unless
+// the caller counts them himself.
 
 #include <string>
 
@@ -12,7 +13,10 @@ class MessageReader {
  public:
   /// Throws std::runtime_error when the file is no log.
   /// `robot`: of a log of several robots only this one's channels, without its name.
-  explicit MessageReader(const std::string& file, const std::string& robot = "");
+  explicit MessageReader(const std::string& file, const std::string& robot = "")
+      : MessageReader(file, robot, true) {}
+  /// Messages that do not decode come, too.
+  static MessageReader of_all(const std::string& file) { return {file, "", false}; }
 
   /// Valid until the next call.
   std::optional<LogEventView> next();
@@ -23,6 +27,8 @@ class MessageReader {
   std::vector<LogDamage> damages() const;          ///< found so far
 
  private:
+  MessageReader(const std::string& file, const std::string& robot, bool whole);
+
   LogReader reader_;
   std::string prefix_;  // "dora/"
   PartJoiner joiner_;

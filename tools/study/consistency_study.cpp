@@ -1,5 +1,6 @@
 #include "tools/study/consistency_study.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -106,11 +107,17 @@ ConsistencyRun consistency_run(const std::vector<MatchedPose>& matches) {
   const Eigen::Isometry3d T_map_world = first.T_world_estimate * first.T_world_truth.inverse();
   std::map<std::size_t, std::vector<double>> bins;
   for (auto match = matches.begin() + 1; match != matches.end(); ++match) {
-    if (!match->covariance) continue;
+    if (!match->covariance) {
+      ++run.left_out;
+      continue;
+    }
     const Vector6d e = se3_log(match->T_world_estimate.inverse() * T_map_world * match->T_world_truth);
     const Eigen::MatrixXd P = (*match->covariance)(rows, rows);
     const Eigen::LLT<Eigen::MatrixXd> root(P);
-    if (root.info() != Eigen::Success) continue;
+    if (root.info() != Eigen::Success) {
+      ++run.left_out;
+      continue;
+    }
     const Eigen::VectorXd seen = e(rows);
     const Eigen::VectorXd white = root.matrixL().solve(seen);
     run.all.push_back(white.squaredNorm());
@@ -148,12 +155,12 @@ std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRu
     score.scene = key.first;
     score.channel = key.second;
     score.runs = static_cast<int>(members.size());
-    std::size_t seconds = 0;
     std::vector<double> all;
     std::array<double, 6> having{};  // poses that have the component
     for (const ConsistencyRun* run : members) {
       score.components += run->components;
-      seconds = std::max(seconds, run->nees.size());
+      score.seconds = std::max(score.seconds, run->nees.size());
+      score.left_out += run->left_out;
       all.insert(all.end(), run->all.begin(), run->all.end());
       score.poses += run->all.size();
       const auto poses = static_cast<double>(run->all.size());
@@ -177,8 +184,7 @@ std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRu
     const double d = score.components, n = score.runs;
     score.low = chi_square_quantile(n * d, -1.96) / n;
     score.high = chi_square_quantile(n * d, 1.96) / n;
-    int counted = 0;
-    for (std::size_t second = 0; second < seconds; ++second) {
+    for (std::size_t second = 0; second < score.seconds; ++second) {
       double sum = 0, count = 0;
       for (const ConsistencyRun* run : members)
         if (second < run->nees.size() && std::isfinite(run->nees[second])) {
@@ -186,13 +192,14 @@ std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRu
           ++count;
         }
       if (count < n) continue;  // the band is that of all runs
-      ++counted;
+      ++score.judged;
       const double mean = sum / count;
       score.inside += mean >= score.low && mean <= score.high ? 1 : 0;
       score.above += mean > score.high ? 1 : 0;
       score.far_above += mean > far * d ? 1 : 0;
     }
-    for (double* share : {&score.inside, &score.above, &score.far_above}) *share /= std::max(1, counted);
+    for (double* share : {&score.inside, &score.above, &score.far_above})
+      *share /= static_cast<double>(std::max<std::size_t>(1, score.judged));
     for (const double value : all) score.mean += value / static_cast<double>(all.size());
     score.median = median(all);
     scores.push_back(score);
@@ -214,7 +221,7 @@ std::vector<ConsistencyRun> study_consistency(const std::vector<std::string>& lo
       run.scene = scene_of(log);
       run.log = stem;
       run.channel = channel;
-      run.left_out = own.left_out;
+      run.left_out += own.left_out;
       runs.push_back(std::move(run));
     }
     std::cout << stem << ": done" << std::endl;
@@ -223,8 +230,10 @@ std::vector<ConsistencyRun> study_consistency(const std::vector<std::string>& lo
 }
 
 std::string consistency_table(const std::vector<ConsistencyScore>& scores) {
-  Table table({"scene", "channel", "runs", "honest", "95 % band", "median", "mean", "inside %", "above %",
-               "> 3x %", "error/sigma x", "y", "z", "roll", "pitch", "yaw", "error mm", "mrad"});
+  Table table({"scene",         "channel",  "runs",     "honest",  "95 % band",
+               "median",        "mean",     "inside %", "above %", "> 3x %",
+               "error/sigma x", "y",        "z",        "roll",    "pitch",
+               "yaw",           "error mm", "mrad",     "seconds", "poses left out"});
   for (const ConsistencyScore& s : scores) {
     std::vector<std::string> row = {
         s.scene,
@@ -241,6 +250,8 @@ std::string consistency_table(const std::vector<ConsistencyScore>& scores) {
     const auto& e = s.error_rms;
     row.push_back(fixed_number(1e3 * std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]), 1));
     row.push_back(fixed_number(1e3 * std::sqrt(e[3] * e[3] + e[4] * e[4] + e[5] * e[5]), 1));
+    row.push_back(fmt::format("{} of {}", s.judged, s.seconds));
+    row.push_back(std::to_string(s.left_out));
     table.add(row);
   }
   return table.text();
@@ -282,6 +293,9 @@ nlohmann::json consistency_json(const std::vector<ConsistencyRun>& runs,
                               {"runs", s.runs},
                               {"components", s.components},
                               {"band", {s.low, s.high}},
+                              {"seconds", s.seconds},
+                              {"seconds_judged", s.judged},
+                              {"poses_left_out", s.left_out},
                               {"inside", s.inside},
                               {"above", s.above},
                               {"far_above", s.far_above},

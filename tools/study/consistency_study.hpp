@@ -33,7 +33,7 @@ struct ConsistencyRun {
   std::array<double, 6> error_rms{};  ///< m, rad
   std::array<double, 6> within{};     ///< share of each component's errors within three sigmas
   double within_whitened = 0;         ///< and of all whitened ones
-  std::size_t left_out = 0;           ///< poses that do not say TRACKING or DEGRADED
+  std::size_t left_out = 0;           ///< poses that do not say TRACKING or DEGRADED, or by how much they err
 };
 
 /// Several runs of one scene together.
@@ -42,13 +42,15 @@ struct ConsistencyScore {
   int runs = 0;
   double components = 0;         ///< NEES when honest: the runs' mean, as one may leave the plane
   double low = 0, high = 0;      ///< 95 % band of the mean of so many runs
-  double inside = 0, above = 0;  ///< share of the seconds
-  double far_above = 0;          ///< share of the seconds whose mean is more than three times its expectation
+  std::size_t seconds = 0;       ///< of the longest run
+  std::size_t judged = 0;        ///< seconds of which all runs have a pose
+  double inside = 0, above = 0;  ///< share of those
+  double far_above = 0;          ///< share of those whose mean is more than three times its expectation
   double mean = 0, median = 0;   ///< of all poses' NEES
   std::array<double, 6> ratio_rms{}, error_rms{};
   std::array<double, 6> within{};  ///< of all poses that have the component, likewise
   double within_whitened = 0;
-  std::size_t poses = 0;
+  std::size_t poses = 0, left_out = 0;
 };
 
 /// The poses' NEES against the truth; `matches` in the order of time, in their own worlds, the first one

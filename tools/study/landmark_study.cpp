@@ -102,15 +102,15 @@ LandmarkScore score(const LandmarkRecording& recording, const Trajectory& refere
   const TrajectoryReport smoothed = evaluate(reference, run.smoothed, settings);
   result.smoothed = smoothed.absolute.translation;
   double squares = 0;
-  int found = 0;
+  result.existing = recording.landmark_truth.size();
   for (const auto& [id, truth] : recording.landmark_truth) {
     const auto landmark = run.landmarks.find(id);
     if (landmark == run.landmarks.end()) continue;
     const Eigen::Vector3d mean = smoothed.alignment.T_truth_estimate * landmark->second;
     squares += (mean.head<2>() - truth).squaredNorm();
-    ++found;
+    ++result.found;
   }
-  if (found > 0) result.landmarks = std::sqrt(squares / found);
+  if (result.found > 0) result.landmarks = std::sqrt(squares / static_cast<double>(result.found));
   return result;
 }
 
@@ -126,11 +126,12 @@ LandmarkStudyResult study_landmarks(const LandmarkRecording& recording, const Co
 
 std::string landmark_table(const LandmarkStudyResult& result) {
   Table table({"seed", "online RMSE m", "max", "at s", "smoothed RMSE m", "max", "landmarks RMSE m",
-               "NEES (3)", "beyond 95 % bound, %"});
+               "NEES (3)", "beyond 95 % bound, %", "landmarks found"});
   for (const LandmarkScore& s : result.scores) {
     std::vector<std::string> row = {std::to_string(s.seed)};
     for (const auto value : columns) row.push_back(fixed_number(value(s), 3));
     row.insert(row.begin() + 3, fixed_number(s.worst_at, 0));
+    row.push_back(s.existing > 0 ? fmt::format("{} of {}", s.found, s.existing) : "-");
     table.add(row);
   }
   for (const bool worst : {false, true}) {
@@ -141,6 +142,7 @@ std::string landmark_table(const LandmarkStudyResult& result) {
           fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 3));
     }
     row.insert(row.begin() + 3, "");
+    row.emplace_back();
     table.add(row);
   }
   if (!result.batch) return table.text();
@@ -168,6 +170,8 @@ nlohmann::json landmark_json(const LandmarkStudyResult& result) {
                             {"smoothed", errors_json(s.smoothed)},
                             {"report", s.report}});
     if (std::isfinite(s.landmarks)) json["runs"].back()["landmarks_rmse_m"] = s.landmarks;
+    if (s.existing > 0)
+      json["runs"].back().update({{"landmarks_found", s.found}, {"landmarks_existing", s.existing}});
   }
   return json;
 }

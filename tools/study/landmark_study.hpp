@@ -31,6 +31,7 @@ struct LandmarkScore {
   std::optional<Consistency> consistency;  ///< of online
   double worst_at = 0;                     ///< s from the start, where online errs most
   double landmarks = 0;                    ///< m, RMSE, by the smoothed path's fit; NaN without a true map
+  std::size_t found = 0, existing = 0;     ///< landmarks of the true map that are in ours, and all of them
   std::map<std::string, double> report;
 };
 

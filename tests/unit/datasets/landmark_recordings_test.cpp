@@ -111,6 +111,22 @@ TEST_F(Mrclam, FileWithoutAGoodRowIsAnError) {
   EXPECT_THAT(error_of([&] { read_mrclam(folder.path(), 3, sensor); }), HasSubstr("Robot3_Odometry.dat"));
 }
 
+TEST_F(Mrclam, RobotThatSeesNoLandmarkIsAnError) {
+  folder.write("Robot2_Measurement.dat", "100.2 5 1.0 0\n101.2 5 1.0 0\n102.8 99 2.1 0\n");
+  EXPECT_THAT(error_of([&] { read_mrclam(folder.path(), 2, sensor); }),
+              AllOf(HasSubstr("Robot2_Measurement.dat: sees no landmark"),
+                    HasSubstr("2 observations of other"), HasSubstr("1 of barcodes")));
+}
+
+// 40 years in steps of frame_period would not fit into any memory.
+TEST_F(Mrclam, DamagedStampIsNotFilledUpTo) {
+  sensor.frame_period = 4;
+  folder.write("Robot2_Odometry.dat", "0.0 0.1 0\n100.5 0.1 0.2\n90000.0 0 0\n");
+  EXPECT_THAT(error_of([&] { read_mrclam(folder.path(), 2, sensor); }),
+              AllOf(HasSubstr("Robot2_Odometry.dat"), HasSubstr("from 0.000 to 90000.000 s"),
+                    HasSubstr("at most 86400 s")));
+}
+
 TEST_F(Mrclam, IsFoundAndTheRobotChosen) {
   EXPECT_EQ(mrclam_robots(folder.path()), std::vector<int>{2});
   EXPECT_TRUE(open_landmark_dataset(folder.path()).has_value());

@@ -114,6 +114,18 @@ TEST(Consistency, IsTheSameOfAnotherFrameOfTheBody) {
   EXPECT_NEAR(a.nees.mean, b.nees.mean, 1e-6);
 }
 
+// Of worlds that share the ground plane only place and heading in it are unknown: a tilt is an error.
+TEST(Consistency, TakesNoMoreAwayThanTheAlignmentSays) {
+  const Trajectory truth = testing::curved_path(2000);
+  const Trajectory estimate = estimate_of(truth, 6, 0.2 * typical_sigma);
+  const Eigen::Isometry3d beside = planar_pose(2, -1, 0.8);
+  EXPECT_NEAR(of(truth, testing::moved(estimate, beside), Alignment::se2).nees.mean, 6, 0.25);
+  const Eigen::Isometry3d tilted(Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitX()));
+  EXPECT_GT(of(truth, testing::moved(estimate, beside * tilted), Alignment::se2).nees.mean, 60);
+  const Eigen::Isometry3d above(Eigen::Translation3d(0, 0, 0.1));
+  EXPECT_GT(of(truth, testing::moved(estimate, beside * above), Alignment::se2).nees.mean, 60);
+}
+
 TEST(Consistency, IsUnknownWithoutCovariances) {
   const Trajectory truth = testing::curved_path(300);
   EXPECT_FALSE(evaluate(truth, truth).consistency);

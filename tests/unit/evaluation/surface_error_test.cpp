@@ -53,7 +53,14 @@ TEST(SurfaceError, TellsMedianTailAndWhatIsFarOff) {
   EXPECT_NEAR(error.median, 0.15, 1e-3);
   EXPECT_NEAR(error.p95, 0.195, 1e-3);
   EXPECT_NEAR(error.beyond, 1.0 / 101, 1e-6);
-  EXPECT_EQ(surface_error({}, Eigen::Isometry3d::Identity(), floor).points, 0U);
+}
+
+TEST(SurfaceError, OfNoPointIsUnknown) {
+  const TriangleSurface nothing(std::vector<Triangle>{});
+  const SurfaceError error = surface_error({}, Eigen::Isometry3d::Identity(), nothing);
+  EXPECT_EQ(error.points, 0U);
+  for (const double figure : {error.median, error.p95, error.mean, error.beyond})
+    EXPECT_TRUE(std::isnan(figure));
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST_F(Walls, OneVisitHasAThicknessAlone) {
   EXPECT_EQ(e.patches, 16 * 12);
   EXPECT_NEAR(e.thickness_median, 2 * 1.96 * 0.004, 0.002);
   EXPECT_EQ(e.revisited, 0);
-  EXPECT_EQ(e.offset_max, 0);
+  for (const double offset : {e.offset_median, e.offset_p95, e.offset_max}) EXPECT_TRUE(std::isnan(offset));
 }
 
 TEST_F(Walls, TheLastVisitIsComparedWithTheFirst) {
@@ -83,7 +83,8 @@ TEST_F(Walls, OtherThingsAreNoWall) {
 
 TEST_F(Walls, NoPoints) {
   EXPECT_EQ(error().patches, 0);
-  EXPECT_EQ(error().thickness_p95, 0);
+  for (const double thickness : {error().thickness_median, error().thickness_p95})
+    EXPECT_TRUE(std::isnan(thickness));
 }
 
 }  // namespace

@@ -249,7 +249,8 @@ TEST_F(RosDrive, CameraInfoOfNoFrameBelongsToNoOtherTopic) {
   write_colour(100'000, "");
   write_depth(100'000, "");
   write_info("/elsewhere/camera_info", "");
-  EXPECT_THAT(refusal(), HasSubstr("/cam/color/camera_info is not there"));
+  EXPECT_THAT(refusal(), ::testing::AllOf(::testing::StartsWith(file() + ": "),
+                                          HasSubstr("/cam/color/camera_info is not there")));
 }
 
 TEST_F(RosDrive, DepthWhoseTopicSaysSoIsRegisteredWithoutFrames) {

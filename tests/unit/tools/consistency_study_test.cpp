@@ -2,6 +2,7 @@
 
 #include "tools/study/consistency_study.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -97,6 +98,28 @@ TEST(ConsistencyStudy, OfHonestErrorsThoseOfTheTablesAreWithinThreeSigmas) {
   const ConsistencyScore boasting = score_of(2, 6);
   EXPECT_NEAR(boasting.within_whitened, 0.8664, 0.01);  // 2 Phi(1.5) - 1
   for (const double share : boasting.within) EXPECT_NEAR(share, 0.8664, 0.025);
+}
+
+// A mapper that gets lost in one drive is not judged by the seconds before alone without a word.
+TEST(ConsistencyStudy, SecondsAndPosesThatAreNotJudgedAreCounted) {
+  ConsistencyRun whole = simulated_drive(1, 1, 6), lost = simulated_drive(2, 1, 6);
+  const std::size_t seconds = whole.nees.size();
+  lost.nees.resize(seconds / 2);
+  lost.left_out = 7;
+  const std::vector<ConsistencyScore> scores = consistency_scores({whole, lost});
+  EXPECT_EQ(scores.at(0).judged, seconds / 2 - 1);  // the first pose lies on the truth
+  EXPECT_EQ(scores.at(0).seconds, seconds);
+  EXPECT_EQ(scores.at(0).left_out, 7U);
+  EXPECT_THAT(consistency_table(scores),
+              ::testing::HasSubstr(std::to_string(seconds / 2 - 1) + " of " + std::to_string(seconds)));
+
+  std::vector<MatchedPose> matches(5);
+  for (std::size_t i = 0; i < matches.size(); ++i) matches[i].utime = static_cast<Utime>(i) * 100'000;
+  matches[1].covariance = Matrix6d::Identity();
+  matches[2].covariance = Matrix6d::Zero();  // claims to err by nothing
+  const ConsistencyRun run = consistency_run(matches);
+  EXPECT_EQ(run.all.size(), 1U);
+  EXPECT_EQ(run.left_out, 3U);
 }
 
 TEST(ConsistencyStudy, WhoBoastsIsAboveItAndWhoIsTimidBelow) {

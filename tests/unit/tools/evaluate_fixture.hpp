@@ -10,6 +10,7 @@
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/messages/parts.hpp>
 #include "tests/unit/evaluation/path_samples.hpp"
 #include "tests/unit/tools/mounted_camera.hpp"
 #include "tests/unit/tools/scratch.hpp"
@@ -28,12 +29,22 @@ class MessageLog {
   void write(const std::string& channel, const M& message) {
     log_.write(message.utime, channel, encode_message(message));
   }
+  /// In pieces, as where the kernel grants small buffers.
+  template <class M>
+  void write_in_pieces(const std::string& channel, const M& message) {
+    for (part_t& part : split_message(channel, encode_message(message), message.utime, pieces_++, 500)) {
+      part.seq = 0;
+      part.sender = 5;
+      log_.write(message.utime, part_channel(channel), encode_message(part));
+    }
+  }
   void write_bytes(const std::string& channel, Utime utime, const std::vector<std::uint8_t>& bytes) {
     log_.write(utime, channel, bytes);
   }
 
  private:
   LogWriter log_;
+  std::int64_t pieces_ = 0;
 };
 
 inline ground_truth_t truth_message(const StampedPose& pose, const std::string& body) {

@@ -88,6 +88,28 @@ TEST_F(Evaluate, FinalPathFollowsTheLastGraph) {
   EXPECT_GT(ate(results[0]), 3 * ate(results[1]));
 }
 
+// A graph that is larger than the recorder's buffer counts as any other.
+TEST_F(Evaluate, FinalPathFollowsAGraphInPieces) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    const Eigen::Isometry3d aside(Eigen::Translation3d(0, 0.5, 0));  // of the map, until the last graph
+    GraphMessage graph(5);
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      const StampedPose pose{path_[i].utime, aside * path_[i].T_world_body};
+      log.write("GROUND_TRUTH", truth_message(path_[i], "robot"));
+      if (i % 5 == 0) {
+        graph.add(i, pose);
+        log.write("ICP_GRAPH", graph.message());
+      }
+      log.write("ICP_POSE", estimate_message(pose));
+    }
+    log.write_in_pieces("ICP_GRAPH", graph.corrected(path_));
+  }
+  ASSERT_EQ(run({path("run.lcmlog:ICP_FINAL"), "--alignment", "none", "--json", path("out.json")}), 0)
+      << output_;
+  EXPECT_LT(ate(json("out.json").at("estimates").at(0)), 1e-6);
+}
+
 // Poses seen from nodes that the mapper has given up follow those that stayed.
 TEST_F(Evaluate, FinalPathOutlivesNodesThatAreGivenUp) {
   {
@@ -199,6 +221,48 @@ TEST_F(Evaluate, OnlyTheNewestMapOfARestartedMapperCounts) {
   EXPECT_THAT(inputs.notes[0], HasSubstr("began again 1 time: only the newest map counts, 80 earlier poses"));
   ASSERT_EQ(run({path("run.lcmlog:ICP_POSE"), "--export", path("poses.txt")}), 0) << output_;
   EXPECT_THAT(output_, AllOf(HasSubstr(inputs.notes[0]), HasSubstr("120 poses")));
+}
+
+// What a path's figures say is of the poses that they are of.
+TEST_F(Evaluate, LostPosesOfAnEarlierMapAreNotThoseOfTheNewest) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      pose_estimate_t message = estimate_message(path_[i], i < 80 ? 5 : 6);
+      if (i < 80) message.status = pose_estimate_t::LOST;
+      if (i >= 197) message.status = i == 199 ? pose_estimate_t::LOST : pose_estimate_t::DEGRADED;
+      log.write("ICP_POSE", message);
+    }
+  }
+  const EvaluationInputs inputs = read("", {path("run.lcmlog")});
+  EXPECT_EQ(inputs.estimates.at(0).lost, 1);
+  EXPECT_EQ(inputs.estimates.at(0).degraded, 2);
+}
+
+// The final path lacks what it cannot place, and says so.
+TEST_F(Evaluate, FinalPathSaysWhatItLeavesOut) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", truth_message(pose, "robot"));
+    GraphMessage graph(10);
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      if (i >= 50 && i % 10 == 0) {
+        graph.add(i, path_[i]);
+        log.write("ICP_GRAPH", graph.message());
+      }
+      pose_estimate_t message = estimate_message(path_[i]);
+      message.map_revision = i < 30 ? 7 : 1;  // begins again
+      if (i == 199) message.status = pose_estimate_t::DEGRADED;
+      log.write("ICP_POSE", message);
+    }
+  }
+  const EvaluationInputs inputs = read("", {path("run.lcmlog:ICP_FINAL")});
+  EXPECT_EQ(inputs.estimates.at(0).trajectory.size(), 150U);
+  EXPECT_EQ(inputs.estimates.at(0).degraded, 1);
+  ASSERT_EQ(inputs.notes.size(), 2U);
+  EXPECT_THAT(inputs.notes[0], HasSubstr("ICP_FINAL began again 1 time: only the newest map counts, 30"));
+  EXPECT_THAT(inputs.notes[1], HasSubstr("ICP_FINAL: 20 poses without a keyframe before them left out"));
 }
 
 TEST_F(Evaluate, OfSeveralRunsInALogOnlyTheNewestTruthCounts) {

@@ -238,6 +238,23 @@ TEST_F(Evaluate, AlignmentsAndPlots) {
   }
 }
 
+// A filter that claims to err by nothing is not judged by the poses of which it claims less.
+TEST_F(Evaluate, PosesWithoutACovarianceAreCounted) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      log.write("GROUND_TRUTH", testing::truth_message(path_[i], "robot"));
+      pose_estimate_t message = testing::estimate_message(path_[i]);
+      if (i < 150) std::fill(std::begin(message.covariance), std::end(message.covariance), 0);
+      log.write("ICP_POSE", message);
+    }
+  }
+  ASSERT_EQ(run({path("run.lcmlog"), "--json", path("r.json")}), 0) << output_;
+  EXPECT_THAT(output_,
+              HasSubstr("consistency of its covariances (of 50 of 200 poses, others bring none): NEES"));
+  EXPECT_EQ(json("r.json").at("estimates").at(0).at("consistency").at("poses"), 50);
+}
+
 TEST_F(Evaluate, EstimatesOfSeveralLogsAreToldApart) {
   write_log("a.lcmlog");
   write_log("b.lcmlog");

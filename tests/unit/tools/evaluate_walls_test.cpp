@@ -94,7 +94,7 @@ TEST_F(EvaluateWalls, FirstAndLastVisitOfTheNewestMapAreCompared) {
     GraphTeller teller;  // of what changed
     log.write("ICP_GRAPH", teller.tell(graph(6, {0, 1, 9}), false));
     log.write("ICP_GRAPH", teller.tell(graph(6, {0}), false));
-    write(log, wall(6, 2, 31, 0.04));
+    for (const keyframe_t& tile : wall(6, 2, 31, 0.04)) log.write_in_pieces("ICP_KEYFRAME", tile);
     log.write("ICP_GRAPH", teller.tell(graph(6, {0, 2}, aside), false));  // put right by the last one
     write(log, wall(5, 0, 60, 0.12));
     log.write("ICP_GRAPH", graph(5, {0}));

@@ -187,6 +187,47 @@ TEST_F(Farm, TheWorstComeFirst) {
   EXPECT_THAT(names, ElementsAre("without", "failed", "worse", "good"));
 }
 
+TEST_F(Farm, WhereNothingWasMappedIsWorseThanAnyError) {
+  std::vector<FarmResult> results = {result("good", 0.01, 0.01), result("bad", 0.3, 0.01),
+                                     result("unmapped", 0, 0.01), result("without truth", 0, 0)};
+  results[2].icp.reset();
+  results[3].icp.reset(), results[3].fastslam.reset();
+  for (std::size_t i = 0; i < 3; ++i) results[i].odometry = 0.2;
+  put_worst_first(results);
+  std::vector<std::string> names;
+  for (const FarmResult& r : results) names.push_back(r.name);
+  EXPECT_THAT(names, ElementsAre("unmapped", "bad", "good", "without truth"));
+}
+
+TEST_F(Farm, AComparisonNamesTheLogsThatAreInNoRatio) {
+  std::vector<FarmResult> before, after;
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = "log" + std::to_string(i);
+    before.push_back(result(name, 0.02, 0.02));
+    after.push_back(result(name, 0.01, 0.01));
+  }
+  after[1].icp.reset();  // nothing was mapped
+  before[2].fastslam.reset();
+  FarmComparison comparison = compare_farms(before, after);
+  EXPECT_THAT(comparison.paths[0].only_before, ElementsAre("log1"));
+  EXPECT_THAT(comparison.paths[1].only_after, ElementsAre("log2"));
+  EXPECT_THAT(comparison_text(comparison), HasSubstr("icp: an error before alone: log1\n"));
+  EXPECT_THAT(comparison_text(comparison), HasSubstr("fastslam: an error now alone: log2\n"));
+  for (FarmResult& r : after) r.icp.reset();
+  comparison = compare_farms(before, after);
+  EXPECT_THAT(comparison_text(comparison), HasSubstr("icp: an error before alone: log0, log1, log2"));
+}
+
+TEST_F(Farm, FewLogsShowNoDifference) {
+  std::vector<FarmResult> before, after;
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(compare_farms(before, after).paths[0].verdict(), "no difference shown") << i;
+    before.push_back(result("log" + std::to_string(i), 0.02, 0.02));
+    after.push_back(result("log" + std::to_string(i), 0.019 - 0.001 * i, 0.02));
+  }
+  EXPECT_EQ(compare_farms(before, after).paths[0].verdict(), "better");
+}
+
 TEST_F(Farm, AComparisonSaysWhatChangedAndWhetherThatIsChance) {
   std::vector<FarmResult> before, after;
   for (int i = 0; i < 12; ++i) {

@@ -95,5 +95,16 @@ TEST_F(Import, SimulateReplacesNothingUnaskedEither) {
   EXPECT_EQ(scratch_.read("a.lcmlog"), "precious");
 }
 
+TEST_F(Import, SimulateTakesFractionsOfAFrameASecond) {
+  const auto simulated = [&](const std::string& rate) {
+    return run_command({"simulate", simulate_command}, {source_folder() / "config/scenes/kitchen.yaml", log(),
+                                                        "--force", "--seconds", "1", "--rate", rate});
+  };
+  const CommandRun run = simulated("2.5");
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.out, HasSubstr("2 frames"));
+  EXPECT_NE(simulated("300").exit_code, 0);
+}
+
 }  // namespace
 }  // namespace lcmslam

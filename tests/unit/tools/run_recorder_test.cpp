@@ -1,4 +1,5 @@
 #include "tools/demo/run_recorder.hpp"
+#include "tools/demo/run_summary.hpp"
 
 #include <gmock/gmock.h>
 
@@ -94,6 +95,16 @@ TEST_F(Recorder, RestartOfASenderClearsThePath) {
   EXPECT_EQ(recorder_.icp().trajectory.size(), 2U);
   EXPECT_EQ(recorder_.icp().restarts, 1);
   EXPECT_EQ(recorder_.fastslam().restarts, 0);
+}
+
+// Errors of the newest map alone look like those of the whole drive.
+TEST_F(Recorder, SummarySaysWhoBeganAgain) {
+  RunFacts facts;
+  for (Utime t = 0; t < 500'000; t += 100'000) pose("ICP_POSE", t, path(t), 5);
+  EXPECT_THAT(format_summary(recorder_, facts), ::testing::Not(::testing::HasSubstr("began again")));
+  for (Utime t = 500'000; t < 700'000; t += 100'000) pose("ICP_POSE", t, path(t), 6);
+  EXPECT_THAT(format_summary(recorder_, facts),
+              ::testing::HasSubstr("icp began again 1 time: poses and errors are of its newest map\n"));
 }
 
 TEST_F(Recorder, JumpBackInTimeClearsThePathButALatePoseDoesNot) {
