@@ -172,7 +172,8 @@ std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& c
   return samples;
 }
 
-RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples, const RangeErrorFitSettings& settings) {
+RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples,
+                              const RangeErrorFitSettings& settings) {
   if (samples.size() < fewest_samples)
     throw std::invalid_argument("the depth images show the board in " + std::to_string(samples.size()) +
                                 " ranges; at least ten are needed: hold it at more distances");

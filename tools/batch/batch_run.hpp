@@ -20,7 +20,7 @@ struct BatchOptions {
   double to = 0;                               ///< s from the log's start, 0: its end
   int threads = 1;
   std::function<void(std::int64_t frame)> progress;  ///< frames that are done
-  std::function<void(const BatchMessage&)> heard;  ///< all that goes in and comes out, in its order
+  std::function<void(const BatchMessage&)> heard;    ///< all that goes in and comes out, in its order
 };
 
 struct BatchResult {
