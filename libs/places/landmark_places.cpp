@@ -7,17 +7,24 @@
 #include <set>
 
 #include <lcmslam/cloud/voxel_index.hpp>
+#include <lcmslam/places/elsewhere.hpp>
 #include <lcmslam/settings/check.hpp>
 
 namespace lcmslam {
 namespace {
 
 constexpr int fewest_elsewhere = 4;
-constexpr int most_other_places = 4;  // looked at; the first ones may be the same place again
 
 bool has_descriptor(const Landmark& landmark) {
   const Descriptor& d = landmark.descriptor;
   return std::any_of(d.begin(), d.end(), [&](std::uint8_t byte) { return byte != d[0]; });
+}
+
+RigidRansacSettings ransac_settings(int min_inliers) {
+  RigidRansacSettings settings;
+  settings.min_inliers = min_inliers;
+  settings.max_iterations = 20'000;
+  return settings;
 }
 
 /// Between descriptors of landmarks that look alike.
@@ -152,32 +159,15 @@ LandmarkPlaces::Pairs LandmarkPlaces::alike(const std::vector<Landmark>& group,
   return pairs;
 }
 
-RigidRansacResult LandmarkPlaces::explain(const Pairs& pairs, int min_inliers) const {
-  RigidRansacSettings ransac;
-  ransac.min_inliers = min_inliers;
-  ransac.max_iterations = 20'000;
-  Random random(1);
-  return align_ransac(pairs.points, ransac, random);
-}
-
 /// How many the best pose elsewhere explains.
-int LandmarkPlaces::other_place(Pairs pairs, const Eigen::Isometry3d& T_map_group) const {
-  for (int i = 0; i < most_other_places; ++i) {
-    const RigidRansacResult other = explain(pairs, fewest_elsewhere);
-    if (!other.success) return 0;
-    if (distance_between(other.T_a_b, T_map_group) > settings_.same_place_distance ||
-        angle_between(other.T_a_b, T_map_group) > settings_.same_place_angle)
-      return static_cast<int>(once_each(other.inliers, pairs).size());
-    Pairs rest;
-    for (std::size_t k = 0; k < pairs.points.size(); ++k) {
-      if (std::binary_search(other.inliers.begin(), other.inliers.end(), static_cast<int>(k))) continue;
-      rest.points.push_back(pairs.points[k]);
-      rest.landmark.push_back(pairs.landmark[k]);
-      rest.asker.push_back(pairs.asker[k]);
-    }
-    pairs = std::move(rest);
-  }
-  return 0;
+int LandmarkPlaces::other_place(const Pairs& pairs, const Eigen::Isometry3d& T_map_group) const {
+  const auto is_here = [&](const Eigen::Isometry3d& T) {
+    return distance_between(T, T_map_group) <= settings_.same_place_distance &&
+           angle_between(T, T_map_group) <= settings_.same_place_angle;
+  };
+  const std::vector<int> other =
+      explained_elsewhere(pairs.points, ransac_settings(fewest_elsewhere), is_here);
+  return static_cast<int>(once_each(other, pairs).size());
 }
 
 /// What should be there and is not speaks against a place.
@@ -196,7 +186,8 @@ double LandmarkPlaces::share_found(const std::vector<Landmark>& group, const Eig
 
 std::string LandmarkPlaces::search(const std::vector<Landmark>& group, LocatedGroup& located) {
   const Pairs pairs = alike(group, located.T_session_group.translation());
-  const RigidRansacResult best = explain(pairs, settings_.min_inliers);
+  Random random(1);
+  const RigidRansacResult best = align_ransac(pairs.points, ransac_settings(settings_.min_inliers), random);
   const std::vector<int> once = once_each(best.inliers, pairs);
   located.inliers = static_cast<int>(once.size());
   Place place{best.T_a_b, best.covariance};

@@ -53,8 +53,7 @@ class LandmarkPlaces {
   void insert(const Landmark& landmark, std::int64_t session);
   std::size_t known(const Landmark& landmark, std::size_t before) const;
   Pairs alike(const std::vector<Landmark>& group, const Eigen::Vector3d& middle);
-  RigidRansacResult explain(const Pairs& pairs, int min_inliers) const;
-  int other_place(Pairs pairs, const Eigen::Isometry3d& T_map_group) const;
+  int other_place(const Pairs& pairs, const Eigen::Isometry3d& T_map_group) const;
   double share_found(const std::vector<Landmark>& group, const Eigen::Isometry3d& T_map_session,
                      int found) const;
   std::string search(const std::vector<Landmark>& group, LocatedGroup& located);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <lcmslam/features/strongest_features.hpp>
+#include <lcmslam/places/elsewhere.hpp>
 #include <lcmslam/places/view_agreement.hpp>
 #include <lcmslam/pose_graph/pose_graph.hpp>
 #include <lcmslam/registration/kd_tree_target.hpp>
@@ -280,12 +281,12 @@ std::string PlaceIndex::look_elsewhere(const FeatureFrame& asker, std::vector<st
   const Pairs pairs = match(asker, keys);
   RigidRansacSettings ransac;
   ransac.min_inliers = least_other_inliers;
-  Random random(1);
-  const RigidRansacResult other = align_ransac(pairs.points, ransac, random);
-  const bool elsewhere = distance_between(other.T_a_b, pose.T) > settings_.same_place_distance ||
-                         angle_between(other.T_a_b, pose.T) > settings_.same_place_angle;
-  if (!other.success || !elsewhere) return "";
-  evidence.other_inliers = static_cast<int>(one_a_feature(other.inliers, pairs.feature).size());
+  const auto is_here = [&](const Eigen::Isometry3d& T) {
+    return distance_between(T, pose.T) <= settings_.same_place_distance &&
+           angle_between(T, pose.T) <= settings_.same_place_angle;
+  };
+  const std::vector<int> other = explained_elsewhere(pairs.points, ransac, is_here);
+  evidence.other_inliers = static_cast<int>(one_a_feature(other, pairs.feature).size());
   if (evidence.inliers >= settings_.min_margin * evidence.other_inliers) return "";
   return "two places look alike: " + std::to_string(evidence.inliers) + " and " +
          std::to_string(evidence.other_inliers) + " points";

@@ -71,6 +71,20 @@ TEST_F(PlaceIndexTest, TwinRoomsAreToldApartByNobodyUntilOneIsDropped) {
   expect_at(ask(asker), far_away * asked_from);
 }
 
+// More of its keyframes than are matched at once look like the asker: those that are left say the same place
+// again.
+TEST_F(PlaceIndexTest, ATwinRoomIsSeenHoweverOftenTheFirstWasMapped) {
+  for (int i = 0; i < 16; ++i) {
+    const Seen seen = room.seen_from(Room::camera(2.7 + 0.2 * (i % 4), 2.5 + 0.2 * (i / 4), 0.75));
+    index.add(200 + i, seen.T_room_camera, seen.features, seen.cloud);
+  }
+  expect_at(ask(asker), asked_from);
+  room.map(index, far_away, 100);
+  const Located located = ask(asker);
+  EXPECT_FALSE(located.place);
+  EXPECT_THAT(located.why_not, HasSubstr("two places look alike"));
+}
+
 TEST_F(PlaceIndexTest, KeyframesMoveGoAndAreReplaced) {
   const auto poses = Room::tour();
   for (std::size_t i = 0; i < poses.size(); ++i)
