@@ -6,13 +6,22 @@
 
 namespace lcmslam {
 
-void ShownMap::clouds(const DenseMap& map) {
-  for (const auto& [id, keyframe] : map.keyframes()) {
+bool ShownMap::clouds(const DenseMap& map, std::size_t most_points) {
+  forget_gone(map);
+  std::size_t points = 0;
+  for (auto k = map.keyframes().rbegin(); k != map.keyframes().rend(); ++k) {
+    const auto& [id, keyframe] = *k;
     const auto known = clouds_.find(id);
     if (known != clouds_.end() && known->second == keyframe.revision) continue;
+    if (points > 0 && points + keyframe.cloud.size() > most_points) return false;
+    points += keyframe.cloud.size();
     clouds_[id] = keyframe.revision;
     for (PageItem& item : points_items(keyframe)) show_on(board_, std::move(item));
   }
+  return true;
+}
+
+void ShownMap::forget_gone(const DenseMap& map) {
   for (auto known = clouds_.begin(); known != clouds_.end();) {
     if (map.keyframes().count(known->first) > 0) {
       ++known;

@@ -13,28 +13,43 @@ std::string text(beast::string_view view) {
   return {view.data(), view.size()};
 }
 
-class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+class HttpConnection : public Reading, public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(WebSharedPointer shared, asio::ip::tcp::socket socket)
       : shared_(std::move(shared)), stream_(std::move(socket)) {
     ++shared_->plain;
   }
-  ~HttpConnection() { --shared_->plain; }
+  ~HttpConnection() override {
+    is_read();
+    --shared_->plain;
+  }
 
   void read() {
     parser_.emplace();
     parser_->header_limit(most_header);
     parser_->body_limit(most_body);
     stream_.expires_after(std::min(longest_silence, shared_->patience));
+    place_ = shared_->reading.insert(shared_->reading.end(), this);
     http::async_read(
         stream_, buffer_, *parser_,
         [self = shared_from_this()](beast::error_code error, std::size_t) { self->on_read(error); });
   }
 
+  void give_way() override {
+    is_read();
+    stream_.close();
+  }
+
  private:
   using Response = http::response<http::string_body>;
 
+  void is_read() {
+    if (place_) shared_->reading.erase(*place_);
+    place_.reset();
+  }
+
   void on_read(beast::error_code error) {
+    is_read();
     if (error) {
       const bool left = error == http::error::end_of_stream || error == beast::error::timeout ||
                         error == asio::error::operation_aborted || error == asio::error::connection_reset;
@@ -142,6 +157,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   beast::flat_buffer buffer_{2 * most_header};
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<Response> response_;
+  std::optional<std::list<Reading*>::iterator> place_;  // among those who are read
 };
 
 }  // namespace

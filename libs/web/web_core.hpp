@@ -8,6 +8,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <chrono>
+#include <list>
 #include <set>
 #include <thread>
 
@@ -34,6 +35,13 @@ class Connection {
   virtual void close() = 0;
 };
 
+/// Who has connected and not yet said a whole request.
+class Reading {
+ public:
+  virtual ~Reading() = default;
+  virtual void give_way() = 0;
+};
+
 struct WebShared {
   WebShared(const WebSettings& web, const std::filesystem::path& folder, const Board& items,
             WebServer::Handlers functions)
@@ -56,6 +64,7 @@ struct WebShared {
   // Of the server's thread.
   std::set<std::shared_ptr<Connection>> connections;
   int live = 0, command = 0, plain = 0;  // sockets of each kind
+  std::list<Reading*> reading;           // who has waited longest first
   std::uint64_t last_client = 0;
   bool stopping = false;
 

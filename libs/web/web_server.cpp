@@ -79,7 +79,9 @@ class WebServer::Core {
   void take(tcp::socket socket) {
     if (shared_->plain >= 4 * shared_->settings.most_clients) {
       ++shared_->counts.too_many;
-      return;  // which closes it
+      if (shared_->reading.empty()) return;  // which closes it
+      // Else strangers who say nothing would keep everybody out.
+      shared_->reading.front()->give_way();
     }
     beast::error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);

@@ -21,7 +21,7 @@ struct WebCounts {
   // Refused so far:
   std::int64_t strangers = 0;  ///< wrong host, origin or token
   std::int64_t bad = 0;        ///< requests and messages that are none, or too large
-  std::int64_t too_many = 0;   ///< beyond most_clients
+  std::int64_t too_many = 0;   ///< beyond most_clients; also silent connections that made room for new ones
   std::int64_t let_go = 0;     ///< browsers that took nothing
   std::int64_t refused() const { return strangers + bad + too_many + let_go; }
 };

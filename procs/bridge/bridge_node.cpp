@@ -204,19 +204,28 @@ void BridgeNode::ask_for_what_lacks() {
 void BridgeNode::take_incoming(const std::string& channel, const std::uint8_t* data, std::size_t size,
                                bool kept) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  auto message = incoming_.take(channel, data, size, kept, Clock::now());
-  if (!message) return;
+  const auto now = Clock::now();
+  take_what_waited(now);
+  if (auto message = incoming_.take(channel, data, size, kept, now)) into_inbox(std::move(*message));
+}
+
+void BridgeNode::take_what_waited(Clock::time_point now) {
+  for (Incoming::Message& message : incoming_.due(now)) into_inbox(std::move(message));
+}
+
+void BridgeNode::into_inbox(Incoming::Message message) {
   if (inbox_.size() >= most_waiting) {
     inbox_.pop_front();
     ++inbox_drops_;
   }
-  inbox_.push_back(std::move(*message));
+  inbox_.push_back(std::move(message));
 }
 
 void BridgeNode::hand_on() {
   std::deque<Incoming::Message> messages;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    take_what_waited(Clock::now());
     messages.swap(inbox_);
     handed_on_ += static_cast<std::int64_t>(messages.size());
   }

@@ -62,6 +62,8 @@ class BridgeNode : public Node {
                                                const std::vector<std::uint8_t>& bytes, Utime utime);
   void tell_maps();
   void take_incoming(const std::string& channel, const std::uint8_t* data, std::size_t size, bool kept);
+  void take_what_waited(Clock::time_point now);
+  void into_inbox(Incoming::Message message);
   void hand_on();
   void ask_for_what_lacks();
 

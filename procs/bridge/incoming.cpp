@@ -13,13 +13,15 @@ namespace {
 constexpr double usual_orders = 10;             // Hz
 constexpr std::size_t largest_order = 100'000;  // bytes
 constexpr std::size_t largest_other = 32 << 20;
+constexpr std::chrono::seconds longest_wait{
+    1};  // of an order: where the rate is below 1 Hz it is too old then
 
 }  // namespace
 
 Incoming::Incoming(const std::vector<bridge::ChannelRule>& allowed, bridge::Side side) : side_(side) {
   for (const bridge::ChannelRule& rule : allowed) {
     const double rate = rule.rate > 0 || side == bridge::Side::operating ? rule.rate : usual_orders;
-    allowed_.emplace(rule.channel, bridge::TokenBucket(rate, std::max(2.0, rate)));
+    allowed_.emplace(rule.channel, Allowed{bridge::TokenBucket(rate, std::max(2.0, rate))});
   }
 }
 
@@ -32,9 +34,15 @@ std::optional<Incoming::Message> Incoming::take(const std::string& channel, cons
   if (kept && side_ == bridge::Side::robot) return refuse(Refused::from_memory);
   if (size > (side_ == bridge::Side::robot ? largest_order : largest_other)) return refuse(Refused::too_big);
   if (size == 0 && side_ == bridge::Side::operating) return std::nullopt;  // what was kept there is no more
-  if (!rule->second.try_take(1, now)) return refuse(Refused::too_often);
+  const bool passes = rule->second.bucket.try_take(1, now);
+  if (piece && !passes) return refuse(Refused::too_often);  // what lacks a piece is none
   try {
-    if (!piece) return check(whole, {data, data + size});
+    if (!piece) {
+      auto message = check(whole, {data, data + size});
+      if (passes) return message;
+      if (message) wait(rule->second, std::move(message), now);
+      return std::nullopt;
+    }
     const auto part = decode_message<part_t>(data, size);
     if (part.channel != whole) throw DecodeError("part_t of another channel");
     if (static_cast<std::size_t>(std::max(part.total_size, 0)) > largest_other)
@@ -46,6 +54,27 @@ std::optional<Incoming::Message> Incoming::take(const std::string& channel, cons
     last_error_ = whole + ": " + error.what();
     return refuse(Refused::malformed);
   }
+}
+
+void Incoming::wait(Allowed& rule, std::optional<Message> message, Time now) {
+  if (rule.waiting) refuse(Refused::too_often);
+  rule.waiting = std::move(message);
+  rule.came = now;
+}
+
+std::vector<Incoming::Message> Incoming::due(Time now) {
+  std::vector<Message> messages;
+  for (auto& [channel, rule] : allowed_) {
+    if (!rule.waiting) continue;
+    if (side_ == bridge::Side::robot && now - rule.came > longest_wait)
+      refuse(Refused::too_often);
+    else if (rule.bucket.try_take(1, now))
+      messages.push_back(std::move(*rule.waiting));
+    else
+      continue;
+    rule.waiting.reset();
+  }
+  return messages;
 }
 
 std::optional<Incoming::Message> Incoming::check(const std::string& channel,

@@ -30,9 +30,12 @@ class Incoming {
     Utime utime = 0;
     std::vector<std::uint8_t> bytes;
   };
-  /// What is to go on the bus: nothing for what is refused, and for a piece of what is not yet whole.
+  /// What is to go on the bus: nothing for what is refused, and for a piece of what is not yet whole. Beyond
+  /// its rate the newest message of a channel waits for due(): the last word stands.
   std::optional<Message> take(const std::string& channel, const std::uint8_t* data, std::size_t size,
                               bool kept, Time now);
+  /// What has waited, and may go now. To be asked before take(), too: who waited longer goes first.
+  std::vector<Message> due(Time now);
 
   enum class Refused { not_allowed, from_memory, too_big, too_often, malformed };
   static constexpr std::size_t reasons = 5;
@@ -45,8 +48,15 @@ class Incoming {
   std::optional<Message> refuse(Refused why);
   std::optional<Message> check(const std::string& channel, std::vector<std::uint8_t> bytes);
 
+  struct Allowed {
+    bridge::TokenBucket bucket;
+    std::optional<Message> waiting = {};
+    Time came{};
+  };
+  void wait(Allowed& rule, std::optional<Message> message, Time now);
+
   bridge::Side side_;
-  std::map<std::string, bridge::TokenBucket> allowed_;  // by channel
+  std::map<std::string, Allowed> allowed_;  // by channel
   PartAssembler assembler_;
   std::array<std::int64_t, reasons> refused_{};
   std::string last_error_;

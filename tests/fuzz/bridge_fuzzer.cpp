@@ -37,13 +37,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (channel.empty()) continue;
     now += std::chrono::milliseconds(data[-1]);
     ++offered;
-    const auto message = (to_robot ? robot : other).take(channel, payload.data(), payload.size(), kept, now);
-    if (!message) continue;
-    ++passed;
-    require(!to_robot || !kept);
-    require(message->channel == "COMMAND" || message->channel == "MAP_REQUEST" ||
-            message->channel == "ICP_KEYFRAME" || message->channel == "CAMERA");
-    require(identify(message->bytes.data(), message->bytes.size()).utime == message->utime);
+    Incoming& incoming = to_robot ? robot : other;
+    std::vector<Incoming::Message> messages = incoming.due(now);
+    if (auto message = incoming.take(channel, payload.data(), payload.size(), kept, now)) {
+      require(!to_robot || !kept);
+      messages.push_back(std::move(*message));
+    }
+    for (const Incoming::Message& message : messages) {
+      ++passed;
+      require(message.channel == "COMMAND" || message.channel == "MAP_REQUEST" ||
+              message.channel == "ICP_KEYFRAME" || message.channel == "CAMERA");
+      require(identify(message.bytes.data(), message.bytes.size()).utime == message.utime);
+    }
   }
   require(passed + robot.refused() + other.refused() <= offered);
   return 0;

@@ -104,6 +104,12 @@ std::vector<std::string> Supervisor::lacking(const State& state) const {
   return names;
 }
 
+void Supervisor::note_ready(const std::string& name) {
+  ready_.insert(name);
+  for (State& state : processes_)
+    if (state.spec.name == name && state.pid != 0) state.was_ready = true;
+}
+
 bool Supervisor::restart(const std::string& name) {
   for (State& state : processes_) {
     if (state.spec.name != name) continue;
@@ -114,7 +120,7 @@ bool Supervisor::restart(const std::string& name) {
     } else if (!state.waits) {
       state.given_up = state.refused = false;
       state.in_a_row = 0;
-      spawn(state);
+      spawn_again(state);
     }
     return true;
   }
@@ -146,12 +152,39 @@ void Supervisor::spawn(State& state) {
   ++state.starts;
 }
 
+/// Gives what kept it from running, and when it is tried again; empty: it runs.
+std::string Supervisor::spawn_again(State& state) {
+  try {
+    spawn(state);
+    return {};
+  } catch (const std::runtime_error& error) {
+    state.failed = true;
+    state.last_exit = std::string("cannot be started: ") + error.what();
+    return state.last_exit + schedule(state);
+  }
+}
+
+/// Of what has ended: when it comes back, in words to append.
+std::string Supervisor::schedule(State& state) {
+  state.given_up = state.spec.restart_limit > 0 && state.in_a_row >= state.spec.restart_limit;
+  if (!comes_back(state))
+    return state.failed && state.given_up
+               ? ", stays away after " + std::to_string(state.in_a_row) + " restarts in a row"
+               : "";
+  const std::chrono::milliseconds pause = pause_after(state.in_a_row++);
+  state.restart_at = Clock::now() + pause;
+  return ", " + describe_pause(pause);
+}
+
 bool Supervisor::reap(State& state) {
   int status = 0;
   if (state.pid == 0 || waitpid(state.pid, &status, WNOHANG) != state.pid) return false;
   state.pid = 0;
   state.last_exit = describe_exit(status);
-  state.refused = WIFEXITED(status) && WEXITSTATUS(status) == wrong_configuration;
+  state.wrong = WIFEXITED(status) && WEXITSTATUS(status) == wrong_configuration;
+  // Who ran with it before lacks something else, a device say, or comes back to a file that somebody edits:
+  // that must not end the graph.
+  state.refused = state.wrong && !state.was_ready;
   state.failed = !WIFEXITED(status) || WEXITSTATUS(status) != 0;
   ready_.erase(state.spec.name);
   return true;
@@ -169,33 +202,26 @@ std::vector<std::string> Supervisor::poll() {
     const std::string& name = state.spec.name;
     if (state.waits && lacking(state).empty()) {
       state.waits = false;
-      spawn(state);
-      events.push_back(name + " starts");
+      const std::string obstacle = spawn_again(state);
+      events.push_back(name + " " + (obstacle.empty() ? "starts" : obstacle));
     }
     if (state.asked && state.pid != 0 && Clock::now() > state.restart_at) kill(state.pid, SIGKILL);
     if (reap(state)) {
       std::string event = name + " ended: " + state.last_exit;
       const bool ran_long = Clock::now() - state.started > state.spec.long_run;
       if (ran_long) state.in_a_row = 0;
-      state.given_up = state.spec.restart_limit > 0 && state.in_a_row >= state.spec.restart_limit;
-      if (state.asked) {
+      if (state.asked)
         state.restart_at = Clock::now();
-      } else if (state.refused) {
+      else
+        event += schedule(state);
+      if (!state.asked && (state.wrong || (state.failed && state.given_up)))
         event += ": " + last_words(state.spec.log);
-      } else if (comes_back(state)) {
-        const std::chrono::milliseconds pause = pause_after(state.in_a_row++);
-        state.restart_at = Clock::now() + pause;
-        event += ", " + describe_pause(pause);
-      } else if (state.failed && state.given_up) {
-        event += ", stays away after " + std::to_string(state.in_a_row) +
-                 " restarts in a row: " + last_words(state.spec.log);
-      }
       events.push_back(event);
     }
     if (state.pid == 0 && (state.asked || comes_back(state)) && Clock::now() >= state.restart_at) {
       state.asked = state.given_up = state.refused = false;
-      spawn(state);
-      events.push_back(name + " restarted");
+      const std::string obstacle = spawn_again(state);
+      events.push_back(name + " " + (obstacle.empty() ? "restarted" : obstacle));
     }
   }
   return events;

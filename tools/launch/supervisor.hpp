@@ -39,14 +39,16 @@ class Supervisor {
     ProcessSpec spec;
     pid_t pid = 0;  ///< 0: does not run
     int starts = 0;
-    bool refused = false;   ///< ended with exit 2: its configuration is wrong, starting it again is no use
-    bool failed = false;    ///< its last end was not that of a process that stops as asked
-    bool waits = false;     ///< for others to be ready: it was never started
-    bool asked = false;     ///< to restart
-    bool given_up = false;  ///< it ended too often in a row
-    int in_a_row = 0;       ///< restarts that came soon after the last
-    bool killed = false;    ///< by this supervisor, because it did not stop
-    std::string last_exit;  ///< "exit 1", "signal 9 (Killed)"; empty before the first
+    bool was_ready = false;  ///< since the supervisor began
+    bool wrong = false;      ///< ended with exit 2: it takes its configuration not, or not now
+    bool refused = false;    ///< so, and never was ready: starting it again is no use
+    bool failed = false;     ///< its last end was not that of a process that stops as asked
+    bool waits = false;      ///< for others to be ready: it was never started
+    bool asked = false;      ///< to restart
+    bool given_up = false;   ///< it ended too often in a row
+    int in_a_row = 0;        ///< restarts that came soon after the last
+    bool killed = false;     ///< by this supervisor, because it did not stop
+    std::string last_exit;   ///< "exit 1", "signal 9 (Killed)"; empty before the first
     Clock::time_point started{};
     Clock::time_point restart_at{};
   };
@@ -58,13 +60,14 @@ class Supervisor {
   void start(const ProcessSpec& spec);
 
   /// A process, here or on another host, says that it runs.
-  void note_ready(const std::string& name) { ready_.insert(name); }
+  void note_ready(const std::string& name);
 
   /// Ends a process as asked and starts it again; one that was given up too. False for a name that is not
   /// known here.
   bool restart(const std::string& name);
 
-  /// Collects what ended and restarts it in time; gives what happened, in words.
+  /// Collects what ended and restarts it in time; gives what happened, in words. What cannot be started now
+  /// (the machine is short of processes, say) is tried again as what ended: the others go on.
   std::vector<std::string> poll();
 
   /// INT, then TERM, then KILL, each after its patience. Gives what went wrong, in words, the first cause
@@ -85,6 +88,8 @@ class Supervisor {
 
  private:
   void spawn(State& state);
+  std::string spawn_again(State& state);
+  static std::string schedule(State& state);
   bool reap(State& state);
   void rotate_logs();
   static bool comes_back(const State& state);

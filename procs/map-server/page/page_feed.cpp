@@ -14,7 +14,10 @@ using nlohmann::json;
 constexpr double pose_period = 0.08;   // s
 constexpr double image_period = 0.1;   // s
 constexpr double health_period = 0.5;  // s
-constexpr double silent_after = 3;     // s without a pose
+constexpr double cloud_period = 0.02;  // s, while more clouds wait than one look may take
+// A look's, some 10 ms: commands and a driver's silence wait so long when the first browser comes.
+constexpr std::size_t most_points = 40'000;
+constexpr double silent_after = 3;  // s without a pose
 constexpr std::size_t most_notices = 30;
 constexpr std::size_t most_associations = 10;
 constexpr Utime longest_without_tracks = 1'000'000;  // us; then images come without
@@ -97,7 +100,10 @@ void PageFeed::show(const MapServerNode& maps, double now, bool is_watched) {
   if (!is_watched) return;
   if (due(next_image_, image_period)) show_image(maps);
   if (due(next_health_, health_period)) show_health(shown, now);
-  if (!due(next_map_, map_period_)) return;
+  if (!due(next_map_, map_period_)) {
+    if (clouds_wait_ && now >= next_clouds_ && shown.frame == frame_) show_clouds(shown);
+    return;
+  }
   show_maps(shown);
   show_sessions(maps);
 }
@@ -200,13 +206,18 @@ void PageFeed::show_health(const MapServerNode::Shown& shown, double now) {
   show_on(board_, health_.item(processes, mappers, now));
 }
 
+void PageFeed::show_clouds(const MapServerNode::Shown& shown) {
+  clouds_wait_ = shown.dense != nullptr && !map_.clouds(*shown.dense, most_points);
+  next_clouds_ = now_ + cloud_period;
+}
+
 void PageFeed::show_maps(const MapServerNode::Shown& shown) {
   if (shown.frame != frame_) {
     if (!frame_.empty()) notice(Level::warn, fmt::format("a new map begins: {}", shown.frame));
     forget_maps();
     frame_ = shown.frame;
   }
-  if (shown.dense != nullptr) map_.clouds(*shown.dense);
+  show_clouds(shown);
   if (shown.graph != nullptr && shown.dense != nullptr && shown.dense->revision() != graph_shown_) {
     graph_shown_ = shown.dense->revision();
     std::vector<PageEdge> edges;

@@ -43,13 +43,14 @@ class PageFeed {
   void on_associations(const associations_t& message);
   void show_image(const MapServerNode& maps);
   void show_maps(const MapServerNode::Shown& shown);
+  void show_clouds(const MapServerNode::Shown& shown);
   void show_sessions(const MapServerNode& maps);
   void show_health(const MapServerNode::Shown& shown, double now);
   void forget_maps();
 
   Board& board_;
   double map_period_;  // s
-  double now_ = 0, next_pose_ = 0, next_image_ = 0, next_map_ = 0, next_health_ = 0;
+  double now_ = 0, next_pose_ = 0, next_image_ = 0, next_map_ = 0, next_health_ = 0, next_clouds_ = 0;
   std::string frame_;  // of the dense map that is shown
 
   std::optional<odometry_t> odometry_;
@@ -77,6 +78,7 @@ class PageFeed {
   Health health_;
 
   ShownMap map_;
+  bool clouds_wait_ = false;  // beyond what one look takes
   std::int64_t graph_shown_ = -1, landmarks_shown_ = -1;
   std::size_t loops_ = 0;
   std::deque<nlohmann::json> notices_;

@@ -3,6 +3,8 @@
 #include "procs/bridge/bridge_node.hpp"
 
 #include <gmock/gmock.h>
+#include <chrono>
+#include <thread>
 
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
@@ -211,6 +213,24 @@ TEST_F(BridgeNodeTest, OrdersFromOutsideGoOnTheBusAsTheyAre) {
   const NodeReport report = node_->report();
   EXPECT_THAT(report.values, ::testing::Contains(std::make_pair(std::string("refused"), 1.0)));
   EXPECT_EQ(report.refused, 1) << "STATUS tells it soon";
+}
+
+TEST_F(BridgeNodeTest, TheLastWordOfABurstReachesTheBus) {
+  make();
+  command_t command{};
+  command.name = "smooth";
+  for (command.seq = 1; command.seq <= 30; ++command.seq) {
+    const auto bytes = encode_message(command);
+    ends_->take("COMMAND", bytes.data(), bytes.size(), false);
+  }
+  const auto last = [&] {
+    node_->work();
+    const auto commands = publisher_.on<command_t>("COMMAND");
+    return commands.empty() ? 0 : commands.back().seq;
+  };
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  while (last() != 30 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+  EXPECT_EQ(last(), 30);
 }
 
 TEST_F(BridgeNodeTest, WrongSettingsAreSaid) {

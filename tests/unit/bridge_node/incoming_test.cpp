@@ -55,7 +55,55 @@ TEST_F(IncomingTest, AFloodIsThinned) {
     taken += take(robot_, "COMMAND", order()) ? 1 : 0;
   EXPECT_LE(taken, 20);
   EXPECT_GE(taken, 10);
-  EXPECT_EQ(robot_.count(Refused::too_often), 1000 - taken);
+  EXPECT_EQ(robot_.count(Refused::too_often), 1000 - taken - 1);
+  now_ += std::chrono::milliseconds(101);
+  EXPECT_THAT(robot_.due(now_), ::testing::SizeIs(1)) << "the last";
+  EXPECT_THAT(robot_.due(now_ + std::chrono::seconds(1)), ::testing::IsEmpty());
+}
+
+TEST_F(IncomingTest, AStopAfterABurstComesAsSoonAsTheRateAllows) {
+  for (std::size_t length = 1; length <= 15; ++length) {  // 10 pass
+    EXPECT_THAT(robot_.due(now_), ::testing::IsEmpty());
+    EXPECT_EQ(take(robot_, "COMMAND", order(length)).has_value(), length <= 10);
+  }
+  EXPECT_EQ(robot_.count(Refused::too_often), 4);
+  now_ += std::chrono::milliseconds(50);
+  EXPECT_THAT(robot_.due(now_), ::testing::IsEmpty());
+  now_ += std::chrono::milliseconds(51);
+  const auto late = robot_.due(now_);
+  ASSERT_THAT(late, ::testing::SizeIs(1));
+  EXPECT_EQ(late[0].channel, "COMMAND");
+  EXPECT_EQ(late[0].bytes, order(15)) << "the last word";
+  EXPECT_FALSE(take(robot_, "COMMAND", order(16))) << "what waited counts";
+  EXPECT_EQ(robot_.count(Refused::too_often), 4);
+}
+
+TEST_F(IncomingTest, WhatWaitsGivesWayToSoundMessagesOnly) {
+  for (std::size_t length = 1; length <= 11; ++length) take(robot_, "COMMAND", order(length));
+  auto garbage = order(12);
+  garbage.pop_back();
+  EXPECT_FALSE(take(robot_, "COMMAND", garbage));
+  command_t all{};
+  all.name = "resend";
+  EXPECT_FALSE(take(robot_, "COMMAND", encode_message(all)));
+  EXPECT_FALSE(take(robot_, "COMMAND_PART", order(13)));
+  now_ += std::chrono::milliseconds(101);
+  const auto late = robot_.due(now_);
+  ASSERT_THAT(late, ::testing::SizeIs(1));
+  EXPECT_EQ(late[0].bytes, order(11));
+}
+
+TEST_F(IncomingTest, AnOrderIsNotCarriedOutSecondsLater) {
+  Incoming slow(bridge::parse_rules({"COMMAND@0.1"}), bridge::Side::robot);
+  Incoming shown(bridge::parse_rules({"STATUS@0.1"}), bridge::Side::operating);
+  for (std::size_t length = 1; length <= 3; ++length) {
+    take(slow, "COMMAND", order(length));
+    take(shown, "STATUS", order(length));
+  }
+  now_ += std::chrono::milliseconds(10'001);
+  EXPECT_THAT(slow.due(now_), ::testing::IsEmpty());
+  EXPECT_EQ(slow.count(Refused::too_often), 1);
+  EXPECT_THAT(shown.due(now_), ::testing::SizeIs(1)) << "the last state is not for now alone";
 }
 
 TEST_F(IncomingTest, GarbageIsCountedAndNamed) {

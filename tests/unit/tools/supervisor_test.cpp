@@ -132,6 +132,36 @@ TEST_F(SupervisorTest, WrongConfigurationIsNotTriedAgain) {
   EXPECT_THAT(supervisor.poll(), IsEmpty());
 }
 
+TEST_F(SupervisorTest, WhoRanBeforeComesBackWhenItIsRefusedSomething) {
+  Supervisor supervisor;
+  const std::string runs = (scratch_.path() / "runs").string();
+  // The second run finds a file that is being edited.
+  supervisor.start(shell("echo >> " + runs + "; test $(wc -l < " + runs +
+                             ") = 2 && echo 'icp: unknown key' && exit 2; echo ready; exec sleep 1000",
+                         true));
+  ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
+  supervisor.note_ready("worker");
+  EXPECT_TRUE(supervisor.restart("worker"));
+  EXPECT_THAT(events(supervisor, 4),
+              ElementsAre(HasSubstr("worker ended: signal 2"), "worker restarted",
+                          "worker ended: exit 2, restarts at once: icp: unknown key", "worker restarted"));
+  EXPECT_FALSE(supervisor.refused());
+}
+
+TEST_F(SupervisorTest, WhatCannotBeStartedNowIsTriedAgainAndTheOthersGoOn) {
+  Supervisor supervisor;
+  ProcessSpec spec = shell("rm -r " + (scratch_.path() / "logs").string() + "; exit 1", true);
+  spec.log = scratch_.path() / "logs" / "worker.txt";
+  std::filesystem::create_directories(spec.log.parent_path());
+  supervisor.start(spec);
+  EXPECT_THAT(events(supervisor, 2),
+              ElementsAre("worker ended: exit 1, restarts at once",
+                          AllOf(HasSubstr("worker cannot be started: "),
+                                HasSubstr("worker.txt: No such file"), HasSubstr(", restarts in 0.2 s"))));
+  std::filesystem::create_directories(spec.log.parent_path());
+  EXPECT_THAT(events(supervisor, 1), ElementsAre("worker restarted"));
+}
+
 TEST_F(SupervisorTest, StopsWithInterruptAlone) {
   Supervisor supervisor;
   supervisor.start(shell("trap 'echo bye; exit 0' INT; echo ready; while :; do sleep 0.02; done", true));

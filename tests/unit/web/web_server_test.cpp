@@ -225,6 +225,26 @@ TEST_F(WebServerTest, HalfARequestIsNotWaitedForLong) {
   EXPECT_TRUE(half.is_closed());
 }
 
+TEST_F(WebServerTest, StrangersWhoSayNothingKeepNobodyOut) {
+  settings_.most_clients = 1;  // four connections that are no sockets
+  settings_.token = "open-sesame";
+  settings_.patience = 600;
+  std::vector<std::unique_ptr<WebClient>> strangers;
+  for (int i = 0; i < 4; ++i) {
+    strangers.push_back(std::make_unique<WebClient>(server().port()));
+    strangers.back()->send("GET / HTTP/1.1\r\nHost:");
+  }
+  WebClient browser(server().port());
+  EXPECT_EQ(browser.get("/?token=open-sesame").rfind("HTTP/1.1 200", 0), 0u);
+  EXPECT_TRUE(strangers[0]->is_closed()) << "who has waited longest";
+  EXPECT_EQ(server().counts().too_many, 1);
+  EXPECT_TRUE(WebClient(server().port()).open_socket("/live?token=open-sesame"));
+  EXPECT_EQ(browser.get("/page.js?token=open-sesame").rfind("HTTP/1.1 200", 0), 0u)
+      << "whose request came last stays";
+  strangers[3]->send(" localhost\r\n\r\n");
+  EXPECT_EQ(strangers[3]->response().rfind("HTTP/1.1 401", 0), 0u);
+}
+
 TEST_F(WebServerTest, WhoAsksAndDoesNotListenIsLetGo) {
   WebClient client(server().port(), 4096);
   ASSERT_TRUE(client.open_socket("/command"));
