@@ -116,7 +116,7 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
   app.add_option(
       "--walls", r.walls,
       "FILE.yaml of the simulation: do its walls stand where they stood on the first visit, in the "
-      "dense map (ICP_KEYFRAME) of the last estimate's log?");
+      "dense map (ICP_KEYFRAME) of the last estimate's log? Walls more than 0.15 m off are only counted");
   app.add_option("--json", r.json, "file for all figures");
   return parse_command(app, argc, argv);
 }
@@ -169,14 +169,17 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
       others.push_back(corners);
   }
   const LoggedDenseMap map = dense_map_of(placed.path.file, placed.report->alignment.T_truth_estimate);
-  const WallError e = wall_error(map.points, walls, TriangleSurface(std::move(others)));
+  const WallErrorSettings settings;
+  const WallError e = wall_error(map.points, walls, TriangleSurface(std::move(others)), settings);
   Figures figures;
   figures.text = fmt::format(
       "\n{}: walls of {} in patches of 0.25 m, placed by {}: {} seen again after 20 s or more, where first "
       "and last visit lie apart by {} m (median), {} m (95 %), {} m (largest); {} patches, thickness {} m "
-      "(median), {} m (95 %)\n",
+      "(median), {} m (95 %); {} % of {} points are more than {} m from any surface: a wall that far off is "
+      "in no patch and no offset\n",
       placed.path.file, r.walls, placed.path.name, e.revisited, metres(e.offset_median), metres(e.offset_p95),
-      metres(e.offset_max), e.patches, metres(e.thickness_median), metres(e.thickness_p95));
+      metres(e.offset_max), e.patches, metres(e.thickness_median), metres(e.thickness_p95),
+      fixed_number(100 * e.beyond, 2), e.points, settings.reach);
   if (map.refused > 0)
     figures.text += fmt::format("{}: {} messages of the map could not be decoded or were refused\n",
                                 placed.path.file, map.refused);
@@ -185,6 +188,8 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
                   {"scene", r.walls},
                   {"points", map.points.size()},
                   {"refused_messages", map.refused},
+                  {"reach_m", settings.reach},
+                  {"beyond_share", e.beyond},
                   {"patches", e.patches},
                   {"thickness_median_m", e.thickness_median},
                   {"thickness_p95_m", e.thickness_p95},
