@@ -39,5 +39,22 @@ TEST_F(MapClaims, AFileWithoutAMapIsNotWhole) {
   }
 }
 
+// Keyframes at the same places may show other points.
+TEST_F(MapClaims, DiffSaysWhatItDidNotCompare) {
+  for (const char* name : {"first", "second"}) {
+    MapStore store(file(name));
+    Transaction transaction = store.begin();
+    SessionChanges changes;
+    changes.put_keyframe(some_keyframe(0, name == std::string("first") ? 50 : 20), std::nullopt);
+    store.write(store.add_session(store.add_run({"1.2", ""}), session_of("icp")), changes);
+    transaction.commit();
+  }
+  const auto diff = run({"diff", file("first"), file("second")});
+  EXPECT_EQ(diff.exit_code, 0);
+  EXPECT_THAT(diff.out,
+              AllOf(HasSubstr("the maps agree in their keyframes' poses and their landmarks' means"),
+                    HasSubstr("points, features, images, edges, covariances and paths were not")));
+}
+
 }  // namespace
 }  // namespace lcmslam
