@@ -74,7 +74,9 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
          "s, between matched stamps; the truth is interpolated over gaps up to 10 times as long (0.02)")
       ->check(CLI::Range(1e-6, 1e3));
   auto* offset =
-      app.add_option("--clock-offset", r.settings.clock_offset, "s, added to the estimates' stamps")
+      app.add_option("--clock-offset", r.settings.clock_offset,
+                     "s, added to the stamps of the estimates and of --reference's images, unless its log is "
+                     "the truth's and no estimate's")
           ->check(CLI::Range(-1e9, 1e9));
   app.add_flag("--estimate-clock-offset", r.find_clock_offset,
                "find the offset with the least ATE and show the errors without and with it")
@@ -128,10 +130,22 @@ SurfaceError scene_error(const Request& r, const Eigen::Isometry3d& T_truth_map)
   return surface_error(load_ply(r.map).points, T_truth_map, TriangleSurface(std::move(triangles)));
 }
 
-SurfaceError reference_error(const Request& r, const EvaluatedPath& truth,
+bool are_one_file(const std::string& a, const std::string& b) {
+  std::error_code none;
+  return a == b || std::filesystem::equivalent(a, b, none);
+}
+
+/// Of the images of --reference, s. They were taken by the clock of what was estimated from them; of a log
+/// that tells the truth alone nobody says so.
+double reference_clock_offset(const Request& r, const EvaluatedPath& truth, const EvaluatedPath& estimate) {
+  const bool of_truth = are_one_file(r.reference, truth.file) && !are_one_file(r.reference, estimate.file);
+  return of_truth ? 0 : r.settings.clock_offset;
+}
+
+SurfaceError reference_error(const Request& r, const EvaluatedPath& truth, double clock_offset,
                              const Eigen::Isometry3d& T_truth_map, int& refused) {
   constexpr float reach = 0.3f;  // m
-  const ReferenceSurface surface(r.reference, truth.trajectory, truth.body == "camera");
+  const ReferenceSurface surface(r.reference, truth.trajectory, truth.body == "camera", clock_offset);
   refused = surface.refused();
   return surface_error(
       load_ply(r.map).points, T_truth_map,
@@ -204,8 +218,10 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
   const EvaluatedEstimate& placed = map_estimate("--map", evaluation);
   const Eigen::Isometry3d& T_truth_map = placed.report->alignment.T_truth_estimate;
   int refused = 0;  // messages of the reference
-  const SurfaceError e = r.reference.empty() ? scene_error(r, T_truth_map)
-                                             : reference_error(r, evaluation.truth, T_truth_map, refused);
+  const double clock_offset = reference_clock_offset(r, evaluation.truth, placed.path);
+  const SurfaceError e = r.reference.empty()
+                             ? scene_error(r, T_truth_map)
+                             : reference_error(r, evaluation.truth, clock_offset, T_truth_map, refused);
   const std::string& surfaces = r.reference.empty() ? r.scene : r.reference;
   Figures figures;
   figures.text = fmt::format(
@@ -213,6 +229,11 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
       "mean {} m, {} % beyond 0.3 m\n",
       r.map, e.points, placed.path.name, surfaces, metres(e.median), metres(e.p95), metres(e.mean),
       fixed_number(100 * e.beyond, 2));
+  if (!r.reference.empty() && r.settings.clock_offset != 0)
+    figures.text +=
+        fmt::format("{}: its images' stamps are taken {}\n", r.reference,
+                    clock_offset != 0 ? fmt::format("{:+.4f} s, as the estimates'", clock_offset)
+                                      : "as they are, on the truth's clock: it is the truth's log");
   if (refused > 0)
     figures.text += fmt::format("{}: {} messages could not be decoded\n", r.reference, refused);
   figures.json = {{"file", r.map},      {"placed_by", placed.path.name}, {"surfaces", surfaces},
