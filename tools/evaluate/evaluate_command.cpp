@@ -3,7 +3,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/evaluation/surface_error.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/evaluation/wall_error.hpp>
@@ -13,7 +12,7 @@
 #include "tools/commands.hpp"
 #include "tools/evaluate/dense_map_log.hpp"
 #include "tools/evaluate/evaluation_report.hpp"
-#include "tools/evaluate/pose_omissions.hpp"
+#include "tools/evaluate/export_poses.hpp"
 #include "tools/evaluate/reference_surface.hpp"
 #include "tools/parse_command.hpp"
 
@@ -242,41 +241,6 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
   return figures;
 }
 
-/// --export: one channel of a log, or a text file in another format.
-int export_poses(const Request& r) {
-  if (r.inputs.estimates.size() != 1 || !r.inputs.truth.empty())
-    throw std::runtime_error(
-        "--export: give one FILE or LOG:CHANNEL whose poses are to be written, no --truth");
-  const auto [file, channel] = split_channel(r.inputs.estimates[0]);
-  PoseFrames frames{"", r.inputs.estimate_body};
-  Trajectory trajectory;
-  if (is_log(file)) {
-    if (channel.empty())
-      throw std::runtime_error("--export: name the channel, " + file + ":ICP_POSE for example");
-    const PoseLog log = read_pose_log(file);
-    const PoseChannel& path = log.channel(channel, file);
-    for (const std::string& omission : omissions(log, file)) std::cout << omission << "\n";
-    const std::string name = r.inputs.estimates[0];  // FILE:CHANNEL
-    for (const std::string& omission : omissions(path, name)) std::cout << omission << "\n";
-    trajectory = path.trajectory;
-    frames = {path.frame, path.body};
-  } else {
-    PoseText text = read_pose_text(file);
-    trajectory = std::move(text.trajectory);
-    frames.frame = text.frame;
-    if (!text.body.empty()) frames.body = text.body;
-  }
-  if (trajectory.empty()) throw std::runtime_error(r.inputs.estimates[0] + ": has no poses");
-  if (r.kitti)
-    save_kitti(r.exported, trajectory);
-  else
-    save_tum(r.exported, trajectory, frames);
-  const auto named = [](const std::string& name) { return name.empty() ? std::string("unknown") : name; };
-  std::cout << fmt::format("{}: {} poses, body: {}, frame: {}\n", r.exported, trajectory.size(),
-                           named(frames.body), named(frames.frame));
-  return 0;
-}
-
 }  // namespace
 
 int evaluate_command(int argc, char** argv) {
@@ -288,7 +252,10 @@ int evaluate_command(int argc, char** argv) {
     throw std::runtime_error(
         "--map, --walls: --alignment sim3 scales the path and not the map, which lies elsewhere then; use "
         "se3");
-  if (!r.exported.empty()) return export_poses(r);
+  if (!r.exported.empty()) {
+    export_poses(r.inputs, r.exported, r.kitti);
+    return 0;
+  }
   EvaluationInputs inputs = read_inputs(r.inputs);
   r.settings.alignment = alignments.at(r.alignment);
   r.settings.fit_body = r.align_bodies;
