@@ -109,6 +109,27 @@ TEST(DriveCalibration, StretchesEndWhereTheCameraWasLost) {
   for (const Stretch& stretch : with_gap) EXPECT_LT(stretch.T_from_to.translation().norm(), 0.8);
 }
 
+// One that comes once more, later: from it to the next the robot did not drive again.
+TEST(DriveCalibration, AWheelReadingThatComesLateIsLeftOut) {
+  const auto way_of_all = [](const std::vector<WheelStep>& steps) {
+    double way = 0;
+    for (const WheelStep& step : steps) way += step.way;
+    return way;
+  };
+  auto encoders = simulate_encoders(DrivenPath(testing::figure_of_eight(1)), "differential", start_time, 4);
+  std::vector<MotionSample> odometry(100);
+  for (int i = 0; i < 100; ++i) {
+    odometry[static_cast<std::size_t>(i)].utime = i * 100'000;
+    odometry[static_cast<std::size_t>(i)].T_odom_robot = planar_pose(0.1 * i, 0, 0);
+  }
+  const double by_encoders = way_of_all(wheel_steps(encoders)),
+               by_odometry = way_of_all(wheel_steps(odometry));
+  encoders.insert(encoders.begin() + 60, encoders[53]);
+  odometry.insert(odometry.begin() + 60, odometry[53]);
+  EXPECT_NEAR(way_of_all(wheel_steps(encoders)), by_encoders, 1e-9);
+  EXPECT_NEAR(way_of_all(wheel_steps(odometry)), by_odometry, 1e-9);
+}
+
 TEST(DriveCalibration, AShortDriveIsRefused) {
   EXPECT_THROW(calibrate_drive({}, std::nullopt, true_mount()), std::invalid_argument);
 }
