@@ -50,6 +50,8 @@ TEST(DriveCalibration, WithGoodWheelsTheMountIsFoundAndItsHeightIsNot) {
   EXPECT_LT(planar_distance(found.T_robot_camera, true_mount()), 0.001);
   EXPECT_LT(angle_between(found.T_robot_camera, true_mount()), 0.05 * degree);
   EXPECT_NEAR(found.T_robot_camera.translation().z(), rough_mount().translation().z(), 0.001);
+  EXPECT_NEAR(found.robot_sigmas()[2], 1, 0.01) << "nobody measured it";
+  EXPECT_LT(found.robot_sigmas().head<2>().maxCoeff(), 0.005);
   for (const double factor : found.radius_factors) EXPECT_NEAR(factor, 1, 0.002);
   EXPECT_NEAR(found.layout_factor, 1, 0.002);
   EXPECT_EQ(found.slips, 0);
