@@ -15,6 +15,22 @@ double way_of(const Eigen::MatrixXd& by_wheel) {
   return by_wheel.rowwise().sum().head<2>().norm();
 }
 
+/// Without what comes late: a step from it would tell the way since then once more. Much earlier than the one
+/// before is time that begins anew.
+template <class Reading>
+std::vector<std::pair<const Reading*, const Reading*>> neighbours_in_time(
+    const std::vector<Reading>& readings) {
+  std::vector<std::pair<const Reading*, const Reading*>> pairs;
+  const Reading* before = nullptr;
+  for (const Reading& after : readings) {
+    const Utime passed = before == nullptr ? longest_gap + 1 : after.utime - before->utime;
+    if (passed <= 0 && -passed <= longest_gap) continue;
+    if (passed > 0 && passed <= longest_gap) pairs.emplace_back(before, &after);
+    before = &after;
+  }
+  return pairs;
+}
+
 /// The part of a step that lies in [from, to].
 WheelStep part_of(const WheelStep& step, Utime from, Utime to) {
   WheelStep part = step;
@@ -43,11 +59,10 @@ std::vector<WheelStep> steps_between(const std::vector<WheelStep>& steps, Utime 
 
 std::vector<WheelStep> wheel_steps(const std::vector<Encoders>& encoders) {
   std::vector<WheelStep> steps;
-  for (std::size_t k = 1; k < encoders.size(); ++k) {
-    const Encoders &before = encoders[k - 1], &after = encoders[k];
+  for (const auto& [earlier, later] : neighbours_in_time(encoders)) {
+    const Encoders &before = *earlier, &after = *later;
     const std::size_t n = after.wheels.size();
-    if (before.wheels.size() != n || after.utime <= before.utime || after.utime - before.utime > longest_gap)
-      continue;
+    if (before.wheels.size() != n) continue;
     WheelStep step{before.utime, after.utime, Eigen::MatrixXd(3, n), 0};
     for (std::size_t i = 0; i < n; ++i) {
       std::vector<Wheel> alone = after.wheels;  // as if this wheel alone had turned
@@ -63,9 +78,8 @@ std::vector<WheelStep> wheel_steps(const std::vector<Encoders>& encoders) {
 
 std::vector<WheelStep> wheel_steps(const std::vector<MotionSample>& odometry) {
   std::vector<WheelStep> steps;
-  for (std::size_t k = 1; k < odometry.size(); ++k) {
-    const MotionSample &before = odometry[k - 1], &after = odometry[k];
-    if (after.utime <= before.utime || after.utime - before.utime > longest_gap) continue;
+  for (const auto& [earlier, later] : neighbours_in_time(odometry)) {
+    const MotionSample &before = *earlier, &after = *later;
     const Vector6d twist = se3_log(before.T_odom_robot.inverse() * after.T_odom_robot);
     WheelStep step{before.utime, after.utime, Eigen::Vector3d(twist[0], twist[1], twist[5]), 0};
     step.way = way_of(step.by_wheel);

@@ -239,6 +239,11 @@ void take_covariances(DriveProblem& p, DriveCalibration& result) {
   const double inflation = std::max(1.0, result.misfit * result.misfit);
   result.covariance *= inflation;
   result.factor_covariance *= inflation;
+  // What the solver held was measured by nobody: it is the start's, which may have none.
+  if (result.height_observed) return;
+  constexpr double unknown_height = 1;  // m
+  const Eigen::Vector3d up = unknown_height * result.T_robot_camera.linear().transpose().col(2);
+  result.covariance.topLeftCorner<3, 3>() += up * up.transpose();
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ struct DriveCalibrationSettings {
 struct DriveCalibration {
   Eigen::Isometry3d T_robot_camera = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< T exp(xi): translation (m), then rotation (rad), camera frame
-  bool height_observed = false;            ///< false: height is the start's
+  bool height_observed = false;            ///< false: height is the start's, to a metre by the covariance
   std::vector<double> radius_factors;      ///< true over stated radius, of each wheel
   double layout_factor = 1;                ///< true over stated places of the wheels: the track
   /// Of the radius factors, then the layout factor.

@@ -85,9 +85,20 @@ std::vector<std::array<std::size_t, 2>> visits(const std::vector<Height>& height
 
 WallError wall_error(const std::vector<SeenPoint>& points, const std::vector<WallTriangle>& walls,
                      const TriangleSurface& others, const WallErrorSettings& settings) {
+  std::vector<Triangle> corners;
+  corners.reserve(walls.size());
+  for (const WallTriangle& wall : walls) corners.push_back(wall.corners);
+  const TriangleSurface wall_surface(std::move(corners));
+  const auto reach = static_cast<float>(settings.reach);
   Patches patches;
-  for (const SeenPoint& seen : points)
-    if (seen.point.allFinite()) add(seen, walls, others, settings, patches);
+  std::size_t finite = 0, beyond = 0;
+  for (const SeenPoint& seen : points) {
+    if (!seen.point.allFinite()) continue;
+    ++finite;
+    // Whichever way it faces: near an edge normals say little.
+    if (std::min(wall_surface.distance(seen.point), others.distance(seen.point)) >= reach) ++beyond;
+    add(seen, walls, others, settings, patches);
+  }
 
   std::vector<double> thicknesses, offsets;
   for (auto& [key, heights] : patches) {
@@ -103,6 +114,9 @@ WallError wall_error(const std::vector<SeenPoint>& points, const std::vector<Wal
                                median_height(heights, seen.front()[0], seen.front()[1])));
   }
   WallError error;
+  error.points = finite;
+  error.beyond = finite > 0 ? static_cast<double>(beyond) / static_cast<double>(finite)
+                            : std::numeric_limits<double>::quiet_NaN();
   error.patches = static_cast<int>(thicknesses.size());
   error.thickness_median = quantile(thicknesses, 0.5);
   error.thickness_p95 = quantile(thicknesses, 0.95);

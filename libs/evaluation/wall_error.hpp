@@ -24,14 +24,17 @@ struct SeenPoint {
 
 struct WallErrorSettings {
   double patch = 0.25;      ///< m, side
-  double reach = 0.15;      ///< m from the wall: other points are none of it
+  double reach = 0.15;      ///< m from the wall: other points are none of it, at most 0.3
   double away = 20;         ///< s without a point of the patch end a visit
   int min_points = 20;      ///< of a visit; patches with fewer are not judged
   double min_cosine = 0.8;  ///< between the point's and the wall's normal
 };
 
-/// NaN where there is no patch to tell it by.
+/// NaN where there is no patch to tell it by. A wall that stands farther off than the reach is in no patch
+/// and has no offset: only `beyond` shows it.
 struct WallError {
+  std::size_t points = 0;                          ///< that are finite
+  double beyond = 0;                               ///< share of the points that have no surface in reach
   int patches = 0;                                 ///< with enough points
   double thickness_median = 0, thickness_p95 = 0;  ///< m, of a patch: from 2.5 to 97.5 % of its points
   int revisited = 0;                               ///< patches with at least two visits

@@ -1,7 +1,9 @@
 #include <lcmslam/pose_graph/loop_finder.hpp>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include <lcmslam/features/strongest_features.hpp>
@@ -109,12 +111,14 @@ std::vector<int> LoopFinder::candidates(const FeatureFrame& features, const std:
   const double limit = 127 * settings_.max_descriptor_distance;
   std::vector<int> votes(views_.size(), 0);
   for (const Neighbours& neighbours : search_.nearest(queries, index_)) {
-    int last = -1;
+    std::array<int, std::tuple_size_v<Neighbours>> voted_for{};  // a feature votes for a keyframe once
+    auto end = voted_for.begin();
     for (const Neighbour& n : neighbours) {
       if (n.id < 0 || n.distance2 > limit * limit) continue;
       const int node = node_of_descriptor_[static_cast<std::size_t>(n.id)];
-      if (node != last) ++votes[static_cast<std::size_t>(node)];
-      last = node;
+      if (std::find(voted_for.begin(), end, node) != end) continue;
+      ++votes[static_cast<std::size_t>(node)];
+      *end++ = node;
     }
   }
   for (const int node : without)

@@ -11,8 +11,6 @@
 namespace lcmslam::ros {
 namespace {
 
-constexpr double still_metres = 1e-3, still_radians = 2e-3;  // of transforms that are repeated
-
 template <class Numbers>
 std::string list(const Numbers& numbers) {
   std::string text = "[";
@@ -114,7 +112,7 @@ std::string place(const Eigen::Isometry3d& T) {
 }
 
 std::string moves(const TransformTree::Found& found) {
-  if (found.moved < still_metres && found.turned < still_radians) return "";
+  if (found.is_still()) return "";
   char text[160];
   std::snprintf(text, sizeof text,
                 "; it moves by %.3f m and %.1f degrees later, which is not followed: the first stands",

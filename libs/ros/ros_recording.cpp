@@ -94,7 +94,10 @@ void RosRecording::choose(const RosOptions& options) {
   depth_ = find(choice.topics.depth);
   odometry_ = find(choice.topics.odometry);
   truth_ = find(choice.topics.truth);
-  settle_calibration(options, choice.topics);
+  const std::string robot_frame = settle_calibration(options, choice.topics);
+  if (truth_ == nullptr) return;
+  truth_body_ = find_truth_body(truth_->facts.frame, robot_frame, colour_->facts.frame, transforms_);
+  if (!truth_body_.note.empty()) notes_.push_back(truth_->facts.name + ": " + truth_body_.note);
 }
 
 RosRecording::Topic* RosRecording::find(const std::string& name) {
@@ -197,12 +200,13 @@ void RosRecording::sort_entries(Topic& topic) {
   entries.erase(end, entries.end());
 }
 
-void RosRecording::settle_calibration(const RosOptions& options, const Topics& chosen) {
+std::string RosRecording::settle_calibration(const RosOptions& options, const Topics& chosen) {
   const std::string odometry_frame = odometry_ == nullptr ? "" : odometry_->facts.frame;
+  std::string robot_frame;
   if (!options.calibration.empty()) {
     calibration_ = load_calibration(options.calibration);
     notes_.push_back("calibration of " + options.calibration.string());
-    if (calibration_.has_mount) return;
+    if (calibration_.has_mount) return odometry_frame;
   } else {
     const auto camera = [&](const Topic& images, const std::string& info) {
       const Topic* of_info = find(info);
@@ -220,14 +224,16 @@ void RosRecording::settle_calibration(const RosOptions& options, const Topics& c
     if (calibration_.depth_clock_offset != 0)
       notes_.push_back("depth's clock: by " + clock_offset_beside(depth_->facts.name));
     notes_.insert(notes_.end(), head.notes.begin(), head.notes.end());
+    robot_frame = head.robot_frame;
     // An empty name is of no frame: without a mount both are empty.
-    if (!odometry_frame.empty() && head.robot_frame == odometry_frame) return;
+    if (!odometry_frame.empty() && robot_frame == odometry_frame) return robot_frame;
   }
-  if (odometry_ == nullptr) return;
+  if (odometry_ == nullptr) return robot_frame;
   notes_.push_back("odometry is left out: it is of " +
                    (odometry_frame.empty() ? "no frame" : odometry_frame) +
                    ", and where the camera sits on that nobody says; --calibration FILE gives a mount");
   odometry_ = nullptr;
+  return robot_frame;
 }
 
 void RosRecording::pair_images(double max_stamp_difference) {
@@ -297,7 +303,8 @@ std::optional<RosEvent> RosRecording::next() {
     try {
       if (event.kind == EventKind::frame) return read_frame(event);
       const Pose pose = read_pose_of(of, event.first);
-      if (event.kind == EventKind::truth) return TruthEvent{event.utime, pose.pose};
+      if (event.kind == EventKind::truth)
+        return TruthEvent{event.utime, truth_body_.body, pose.pose * truth_body_.T_told_body};
       return OdometryEvent{event.utime, pose.pose, {event.utime, pose.linear, pose.angular}};
     } catch (const std::runtime_error& error) {  // RecordingError, CodecError
       problems_.push_back(of.facts.name + ": the one of " + std::to_string(event.utime) +

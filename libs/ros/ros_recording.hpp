@@ -19,6 +19,7 @@
 #include <lcmslam/recordings/recording_file.hpp>
 #include <lcmslam/ros/topic_choice.hpp>
 #include <lcmslam/ros/transform_tree.hpp>
+#include <lcmslam/ros/truth_body.hpp>
 
 namespace lcmslam::ros {
 
@@ -38,7 +39,8 @@ struct OdometryEvent {
 
 struct TruthEvent {
   Utime utime = 0;
-  Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
+  std::string body;  ///< "robot", or "camera": the colour camera
+  Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();
 };
 
 using RosEvent = std::variant<EncodedFrame, OdometryEvent, TruthEvent>;
@@ -87,7 +89,8 @@ class RosRecording {
   void list_unusable_transforms();
   void sort_entries(Topic& topic);
   void choose(const RosOptions& options);
-  void settle_calibration(const RosOptions& options, const Topics& wanted);
+  /// Returns the frame of the robot that the mount is of, empty where nobody says it.
+  std::string settle_calibration(const RosOptions& options, const Topics& wanted);
   void list_events(double max_stamp_difference);
   void pair_images(double max_stamp_difference);
   Topic& topic(const std::string& name, const std::string& type, const std::string& encoding);
@@ -103,6 +106,7 @@ class RosRecording {
   std::map<std::string, std::size_t> unusable_transforms_;  // how often, by topic and frames
   std::map<std::string, double> clock_offsets_;             // s, the last of each topic of that name
   RgbdCalibration calibration_;
+  TruthBody truth_body_;
   int jpeg_quality_ = 90;
   Topic *colour_ = nullptr, *depth_ = nullptr, *odometry_ = nullptr, *truth_ = nullptr;
   std::vector<Event> events_;

@@ -18,7 +18,7 @@ struct TopicFacts {
   ImageKind kind = ImageKind::unknown;
   std::string encoding;
   PixelCount size;
-  std::string frame;  ///< in which it is measured; of odometry the robot's
+  std::string frame;  ///< in which it is measured; of Odometry its child's
 };
 
 /// Names; empty: to be chosen, or none there.

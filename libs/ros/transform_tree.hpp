@@ -19,6 +19,7 @@ class TransformTree {
   struct Found {
     Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
     double moved = 0, turned = 0;  ///< m and rad by which its parts changed at most, later
+    bool is_still() const { return moved < 1e-3 && turned < 2e-3; }  ///< but for rounding
   };
   /// Nothing where no way leads from one to the other.
   std::optional<Found> find(const std::string& a, const std::string& b) const;

@@ -36,6 +36,16 @@ void doubt_factors(const DriveCalibration& found, std::vector<std::string>& miss
   }
 }
 
+/// The misfit is of the stretches that agree: what a few of them agree on by chance looks as sure as the
+/// truth.
+void doubt_consensus(const DriveCalibration& found, std::vector<std::string>& missing) {
+  if (2 * found.slips <= found.stretches) return;
+  missing.push_back(
+      fmt::format("wheels and camera disagree in {} of {} stretches: their clocks differ, the wheels slip or "
+                  "the camera's calibration is wrong",
+                  found.slips, found.stretches));
+}
+
 }  // namespace
 
 std::string drive_report(const RecordedDrive& drive, const DriveCalibration& found) {
@@ -97,6 +107,7 @@ std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCal
     missing.emplace_back(
         "the camera was tracked in less than half of the images: drive slowly, before things with texture");
   doubt_factors(found, missing);
+  doubt_consensus(found, missing);
   if (std::max(sigma[0], sigma[1]) > 0.02)
     missing.emplace_back(fmt::format("x and y are known to {:.0f} mm only: turn more, to both sides",
                                      mm_per_m * std::max(sigma[0], sigma[1])));
@@ -116,6 +127,7 @@ std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCal
 std::vector<std::string> wheels_doubts(const DriveCalibration& found) {
   std::vector<std::string> missing;
   doubt_factors(found, missing);
+  doubt_consensus(found, missing);
   const Eigen::VectorXd sigma = found.factor_covariance.diagonal().cwiseSqrt();
   if (sigma.head(sigma.size() - 1).maxCoeff() > 0.01)
     missing.emplace_back(

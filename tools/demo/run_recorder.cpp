@@ -64,15 +64,26 @@ void RunRecorder::add(RecordedPath& path, Utime utime, std::int64_t sender, std:
   path.degraded += status == pose_estimate_t::DEGRADED ? 1 : 0;
 }
 
+// Another body's path taken for the robot's gives errors that nobody made.
+std::string RunRecorder::truth_problem() const {
+  if (truth_.empty() || truth_frame_ == "robot" || truth_frame_.empty()) return "";
+  if (truth_frame_ != "camera")
+    return "the truth is that of '" + truth_frame_ + "', which nobody places on the robot: not compared with";
+  return calibration_
+             ? ""
+             : "the truth is the camera's, and no CAMERA_CALIBRATION says where that is: not compared with";
+}
+
 Trajectory RunRecorder::truth() const {
+  if (!truth_problem().empty()) return {};
   Trajectory truth = truth_;
   sort_trajectory(truth);
-  if (truth_frame_ != "camera" || !calibration_) return truth;
+  if (truth_frame_ != "camera") return truth;
   return in_other_frame(truth, calibration_->T_robot_camera.inverse());
 }
 
 std::optional<TrajectoryReport> RunRecorder::evaluate_path(const RecordedPath& path) const {
-  if (truth_.size() < 2 || path.trajectory.size() < 3) return std::nullopt;
+  if (truth_.size() < 2 || path.trajectory.size() < 3 || !truth_problem().empty()) return std::nullopt;
   Trajectory estimate = path.trajectory;
   sort_trajectory(estimate);
   EvaluationSettings settings;

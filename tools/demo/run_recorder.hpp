@@ -33,8 +33,10 @@ class RunRecorder {
   const RecordedPath& odometry() const { return odometry_; }
   const RecordedPath& fastslam() const { return fastslam_; }
   const RecordedPath& icp() const { return icp_; }
-  /// T_world_robot; empty when the source has no truth.
+  /// T_world_robot; empty when the source has no truth, or one of a body that nobody places on the robot.
   Trajectory truth() const;
+  /// Why there is no truth() although some was heard; empty otherwise.
+  std::string truth_problem() const;
   /// The last one; empty when the source sends none.
   const std::optional<camera_calibration_t>& calibration_message() const { return calibration_message_; }
   const StatusBoard& board() const { return board_; }

@@ -154,6 +154,7 @@ std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
   text += fmt::format("{:.0f} frames in {:.1f} s", frames(run, facts), facts.seconds);
   if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
   text += "\n\n" + path_table(run).text() + "\n";
+  if (const std::string problem = run.truth_problem(); !problem.empty()) text += problem + "\n";
   for (const auto& [name, path, frame] : paths(run))
     if (path.restarts > 0)
       text += fmt::format("{} began again {} time{}: poses and errors are of its newest map\n", name,
@@ -187,6 +188,7 @@ void write_run_files(const std::filesystem::path& folder, const RunRecorder& run
                          {"association", "truth interpolated at the estimate's stamps"},
                          {"events", facts.events}};
   if (!facts.key.empty()) json["key"] = facts.key;
+  if (const std::string problem = run.truth_problem(); !problem.empty()) json["truth_problem"] = problem;
   const Trajectory truth = run.truth();
   std::vector<PlottedPath> plotted;
   if (!truth.empty()) {

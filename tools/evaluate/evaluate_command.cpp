@@ -3,7 +3,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/evaluation/surface_error.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/evaluation/wall_error.hpp>
@@ -13,7 +12,7 @@
 #include "tools/commands.hpp"
 #include "tools/evaluate/dense_map_log.hpp"
 #include "tools/evaluate/evaluation_report.hpp"
-#include "tools/evaluate/pose_omissions.hpp"
+#include "tools/evaluate/export_poses.hpp"
 #include "tools/evaluate/reference_surface.hpp"
 #include "tools/parse_command.hpp"
 
@@ -74,7 +73,9 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
          "s, between matched stamps; the truth is interpolated over gaps up to 10 times as long (0.02)")
       ->check(CLI::Range(1e-6, 1e3));
   auto* offset =
-      app.add_option("--clock-offset", r.settings.clock_offset, "s, added to the estimates' stamps")
+      app.add_option("--clock-offset", r.settings.clock_offset,
+                     "s, added to the stamps of the estimates and of --reference's images, unless its log is "
+                     "the truth's and no estimate's")
           ->check(CLI::Range(-1e9, 1e9));
   app.add_flag("--estimate-clock-offset", r.find_clock_offset,
                "find the offset with the least ATE and show the errors without and with it")
@@ -116,7 +117,7 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
   app.add_option(
       "--walls", r.walls,
       "FILE.yaml of the simulation: do its walls stand where they stood on the first visit, in the "
-      "dense map (ICP_KEYFRAME) of the last estimate's log?");
+      "dense map (ICP_KEYFRAME) of the last estimate's log? Walls more than 0.15 m off are only counted");
   app.add_option("--json", r.json, "file for all figures");
   return parse_command(app, argc, argv);
 }
@@ -128,10 +129,22 @@ SurfaceError scene_error(const Request& r, const Eigen::Isometry3d& T_truth_map)
   return surface_error(load_ply(r.map).points, T_truth_map, TriangleSurface(std::move(triangles)));
 }
 
-SurfaceError reference_error(const Request& r, const EvaluatedPath& truth,
+bool are_one_file(const std::string& a, const std::string& b) {
+  std::error_code none;
+  return a == b || std::filesystem::equivalent(a, b, none);
+}
+
+/// Of the images of --reference, s. They were taken by the clock of what was estimated from them; of a log
+/// that tells the truth alone nobody says so.
+double reference_clock_offset(const Request& r, const EvaluatedPath& truth, const EvaluatedPath& estimate) {
+  const bool of_truth = are_one_file(r.reference, truth.file) && !are_one_file(r.reference, estimate.file);
+  return of_truth ? 0 : r.settings.clock_offset;
+}
+
+SurfaceError reference_error(const Request& r, const EvaluatedPath& truth, double clock_offset,
                              const Eigen::Isometry3d& T_truth_map, int& refused) {
   constexpr float reach = 0.3f;  // m
-  const ReferenceSurface surface(r.reference, truth.trajectory, truth.body == "camera");
+  const ReferenceSurface surface(r.reference, truth.trajectory, truth.body == "camera", clock_offset);
   refused = surface.refused();
   return surface_error(
       load_ply(r.map).points, T_truth_map,
@@ -169,14 +182,17 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
       others.push_back(corners);
   }
   const LoggedDenseMap map = dense_map_of(placed.path.file, placed.report->alignment.T_truth_estimate);
-  const WallError e = wall_error(map.points, walls, TriangleSurface(std::move(others)));
+  const WallErrorSettings settings;
+  const WallError e = wall_error(map.points, walls, TriangleSurface(std::move(others)), settings);
   Figures figures;
   figures.text = fmt::format(
       "\n{}: walls of {} in patches of 0.25 m, placed by {}: {} seen again after 20 s or more, where first "
       "and last visit lie apart by {} m (median), {} m (95 %), {} m (largest); {} patches, thickness {} m "
-      "(median), {} m (95 %)\n",
+      "(median), {} m (95 %); {} % of {} points are more than {} m from any surface: a wall that far off is "
+      "in no patch and no offset\n",
       placed.path.file, r.walls, placed.path.name, e.revisited, metres(e.offset_median), metres(e.offset_p95),
-      metres(e.offset_max), e.patches, metres(e.thickness_median), metres(e.thickness_p95));
+      metres(e.offset_max), e.patches, metres(e.thickness_median), metres(e.thickness_p95),
+      fixed_number(100 * e.beyond, 2), e.points, settings.reach);
   if (map.refused > 0)
     figures.text += fmt::format("{}: {} messages of the map could not be decoded or were refused\n",
                                 placed.path.file, map.refused);
@@ -185,6 +201,8 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
                   {"scene", r.walls},
                   {"points", map.points.size()},
                   {"refused_messages", map.refused},
+                  {"reach_m", settings.reach},
+                  {"beyond_share", e.beyond},
                   {"patches", e.patches},
                   {"thickness_median_m", e.thickness_median},
                   {"thickness_p95_m", e.thickness_p95},
@@ -199,8 +217,10 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
   const EvaluatedEstimate& placed = map_estimate("--map", evaluation);
   const Eigen::Isometry3d& T_truth_map = placed.report->alignment.T_truth_estimate;
   int refused = 0;  // messages of the reference
-  const SurfaceError e = r.reference.empty() ? scene_error(r, T_truth_map)
-                                             : reference_error(r, evaluation.truth, T_truth_map, refused);
+  const double clock_offset = reference_clock_offset(r, evaluation.truth, placed.path);
+  const SurfaceError e = r.reference.empty()
+                             ? scene_error(r, T_truth_map)
+                             : reference_error(r, evaluation.truth, clock_offset, T_truth_map, refused);
   const std::string& surfaces = r.reference.empty() ? r.scene : r.reference;
   Figures figures;
   figures.text = fmt::format(
@@ -208,47 +228,17 @@ Figures map_figures(const Request& r, const Evaluation& evaluation) {
       "mean {} m, {} % beyond 0.3 m\n",
       r.map, e.points, placed.path.name, surfaces, metres(e.median), metres(e.p95), metres(e.mean),
       fixed_number(100 * e.beyond, 2));
+  if (!r.reference.empty() && r.settings.clock_offset != 0)
+    figures.text +=
+        fmt::format("{}: its images' stamps are taken {}\n", r.reference,
+                    clock_offset != 0 ? fmt::format("{:+.4f} s, as the estimates'", clock_offset)
+                                      : "as they are, on the truth's clock: it is the truth's log");
   if (refused > 0)
     figures.text += fmt::format("{}: {} messages could not be decoded\n", r.reference, refused);
   figures.json = {{"file", r.map},      {"placed_by", placed.path.name}, {"surfaces", surfaces},
                   {"points", e.points}, {"median_m", e.median},          {"p95_m", e.p95},
                   {"mean_m", e.mean},   {"beyond_share", e.beyond},      {"refused_messages", refused}};
   return figures;
-}
-
-/// --export: one channel of a log, or a text file in another format.
-int export_poses(const Request& r) {
-  if (r.inputs.estimates.size() != 1 || !r.inputs.truth.empty())
-    throw std::runtime_error(
-        "--export: give one FILE or LOG:CHANNEL whose poses are to be written, no --truth");
-  const auto [file, channel] = split_channel(r.inputs.estimates[0]);
-  PoseFrames frames{"", r.inputs.estimate_body};
-  Trajectory trajectory;
-  if (is_log(file)) {
-    if (channel.empty())
-      throw std::runtime_error("--export: name the channel, " + file + ":ICP_POSE for example");
-    const PoseLog log = read_pose_log(file);
-    const PoseChannel& path = log.channel(channel, file);
-    for (const std::string& omission : omissions(log, file)) std::cout << omission << "\n";
-    const std::string name = r.inputs.estimates[0];  // FILE:CHANNEL
-    for (const std::string& omission : omissions(path, name)) std::cout << omission << "\n";
-    trajectory = path.trajectory;
-    frames = {path.frame, path.body};
-  } else {
-    PoseText text = read_pose_text(file);
-    trajectory = std::move(text.trajectory);
-    frames.frame = text.frame;
-    if (!text.body.empty()) frames.body = text.body;
-  }
-  if (trajectory.empty()) throw std::runtime_error(r.inputs.estimates[0] + ": has no poses");
-  if (r.kitti)
-    save_kitti(r.exported, trajectory);
-  else
-    save_tum(r.exported, trajectory, frames);
-  const auto named = [](const std::string& name) { return name.empty() ? std::string("unknown") : name; };
-  std::cout << fmt::format("{}: {} poses, body: {}, frame: {}\n", r.exported, trajectory.size(),
-                           named(frames.body), named(frames.frame));
-  return 0;
 }
 
 }  // namespace
@@ -262,7 +252,10 @@ int evaluate_command(int argc, char** argv) {
     throw std::runtime_error(
         "--map, --walls: --alignment sim3 scales the path and not the map, which lies elsewhere then; use "
         "se3");
-  if (!r.exported.empty()) return export_poses(r);
+  if (!r.exported.empty()) {
+    export_poses(r.inputs, r.exported, r.kitti);
+    return 0;
+  }
   EvaluationInputs inputs = read_inputs(r.inputs);
   r.settings.alignment = alignments.at(r.alignment);
   r.settings.fit_body = r.align_bodies;

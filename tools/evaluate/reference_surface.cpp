@@ -27,8 +27,10 @@ VoxelMapSettings fine_map() {
 
 }  // namespace
 
-ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& truth, bool of_camera)
+ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& truth, bool of_camera,
+                                   double clock_offset)
     : map_(fine_map()) {
+  const Utime offset = std::llround(1e6 * clock_offset);
   auto reader = MessageReader::of_all(log);
   std::optional<DepthRegistration> registration;
   while (const auto event = reader.next()) {
@@ -43,7 +45,7 @@ ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& tru
       continue;
     }
     const RgbdCalibration& calibration = registration->calibration();
-    const auto T_world_body = pose_at(truth, calibration.depth_time(frame.depth_utime));
+    const auto T_world_body = pose_at(truth, calibration.depth_time(frame.depth_utime) + offset);
     if (!T_world_body) continue;
     const DepthView view = DepthPoints(calibration).thinned(frame, pixel_step);
     Cloud cloud = usable_points(cloud_of(view, Eigen::Isometry3d::Identity(), Vector6d::Zero()));

@@ -11,9 +11,10 @@ namespace lcmslam {
 
 class ReferenceSurface {
  public:
-  /// Fuses the images of `log` that lie on the path: of the robot, or of its colour camera. Throws
-  /// std::runtime_error when there are none, or no calibration.
-  ReferenceSurface(const std::string& log, const Trajectory& truth, bool of_camera);
+  /// Fuses the images of `log` that lie on the path: of the robot, or of its colour camera. `clock_offset`:
+  /// s, added to the images' stamps gives the truth's clock. Throws std::runtime_error when there are none,
+  /// or no calibration.
+  ReferenceSurface(const std::string& log, const Trajectory& truth, bool of_camera, double clock_offset);
 
   /// m from the tangent plane of the nearest fused point, or from that point where it lies farther beside;
   /// the reach where nothing is nearer.

@@ -28,8 +28,8 @@ ground_truth_t truth_message(const ros::TruthEvent& truth) {
   ground_truth_t message;
   message.utime = truth.utime;
   message.frame = "world";
-  message.child_frame = "robot";
-  message.T_frame_child = to_message(truth.T_world_robot);
+  message.child_frame = truth.body;
+  message.T_frame_child = to_message(truth.T_world_body);
   return message;
 }
 

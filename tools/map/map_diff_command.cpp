@@ -22,8 +22,11 @@ void print(const char* what, const DiffCount& n) {
 
 int map_diff_command(int argc, char** argv) {
   std::string first, second;
-  CLI::App app{"Compares two map files, session by session. Exit code 0 only when they agree.",
-               "lcmslam map diff"};
+  CLI::App app{
+      "Compares two map files, session by session, by the poses of their keyframes and the means of "
+      "their landmarks; points, features, images, edges, covariances and paths are not looked at. Exit "
+      "code 0 only when those agree.",
+      "lcmslam map diff"};
   app.add_option("first", first, "an .lcmslam file")->required();
   app.add_option("second", second, "an .lcmslam file")->required();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
@@ -31,13 +34,16 @@ int map_diff_command(int argc, char** argv) {
   bool same = true;
   for (const SessionDiff& diff : diff_maps(a, b)) {
     same = same && diff.same();
-    std::cout << diff.name << (diff.same() ? ": the same" : "")
+    std::cout << diff.name << (diff.same() ? ": the same places" : "")
               << (!diff.in_first ? ": only in the second" : (!diff.in_second ? ": only in the first" : ""))
               << "\n";
     print("keyframes", diff.keyframes);
     print("landmarks", diff.landmarks);
   }
-  std::cout << (same ? "the maps agree\n" : "the maps differ\n");
+  std::cout
+      << (same ? "the maps agree in their keyframes' poses and their landmarks' means; points, features, "
+                 "images, edges, covariances and paths were not compared\n"
+               : "the maps differ\n");
   return same ? 0 : 1;
 }
 

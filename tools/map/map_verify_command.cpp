@@ -11,7 +11,10 @@ namespace lcmslam {
 
 int map_verify_command(int argc, char** argv) {
   std::string file;
-  CLI::App app{"Looks at every page, reference and row of a map file.", "lcmslam map verify"};
+  CLI::App app{
+      "Looks at every page, reference and row of a map file. Exit code 0 only when it holds a map and all of "
+      "it is whole.",
+      "lcmslam map verify"};
   app.add_option("file", file, "an .lcmslam file")->required();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   const MapFileCheck check = check_map_file(file);
@@ -20,6 +23,11 @@ int map_verify_command(int argc, char** argv) {
   if (check.loose_edges > 0)
     std::cout << fmt::format("  {} edges lead to keyframes that are not there (messages were missed)\n",
                              check.loose_edges);
+  // SQLite takes a file of no bytes for a database: a map that a disk lost would be whole.
+  if (check.faults.empty() && check.sessions == 0) {
+    std::cout << fmt::format("{}: holds NO MAP: nothing has been written into it\n", file);
+    return 1;
+  }
   std::cout << fmt::format(
       "{}: {}: {} sessions, {} keyframes, {} clouds, features of {}, images of {}, {} edges, {} landmarks, "
       "{} poses\n",

@@ -96,7 +96,9 @@ void RecordedScene::add(const RgbdFrame& frame) {
 }
 
 void RecordedScene::add(const MotionSample& odometry) {
-  if (start_.has_mount) wheels_.add(odometry);
+  // A buffer forgets all when time goes back: one late message would take the wheels of all before it.
+  const bool is_late = !wheels_.empty() && odometry.utime <= wheels_.newest();
+  if (start_.has_mount && !is_late) wheels_.add(odometry);
 }
 
 bool RecordedScene::is_keyframe(const Eigen::Isometry3d& T) const {

@@ -63,7 +63,8 @@ class RecordedScene {
 
   /// In the order of their stamps; decoded, of the calibration's sizes.
   void add(const RgbdFrame& frame);
-  /// Wheels, say: the camera's velocity comes from them where they cover it and the camera is mounted.
+  /// Wheels, say: the camera's velocity comes from them where they cover it and the camera is mounted. What
+  /// is no later than the one before is left out, as frames are.
   void add(const MotionSample& odometry);
 
   int frames() const { return frames_; }

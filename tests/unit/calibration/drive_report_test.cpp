@@ -63,6 +63,17 @@ TEST(DriveDoubts, FactorsThatNoWheelHasAreRefused) {
   }
 }
 
+// Sigmas and misfit are of those that agree, however few.
+TEST(DriveDoubts, WhatMostStretchesContradictIsRefused) {
+  DriveCalibration found = found_wheels({1, 1}, 1);
+  found.stretches = 40, found.slips = 20;
+  EXPECT_THAT(mount_doubts(tracked_drive(), found), IsEmpty());
+  EXPECT_THAT(wheels_doubts(found), IsEmpty());
+  found.slips = 21;
+  EXPECT_THAT(mount_doubts(tracked_drive(), found), ElementsAre(HasSubstr("disagree in 21 of 40 stretches")));
+  EXPECT_THAT(wheels_doubts(found), ElementsAre(HasSubstr("disagree in 21 of 40 stretches")));
+}
+
 TEST(DriveDoubts, WheelsThatTurnBackwardsAreNoCameraThatLooksAhead) {
   const DrivenPath path(testing::figure_of_eight(4));
   const Eigen::Isometry3d backwards = Eigen::Translation3d(0.12, -0.03, 1.3) *

@@ -50,6 +50,8 @@ TEST(DriveCalibration, WithGoodWheelsTheMountIsFoundAndItsHeightIsNot) {
   EXPECT_LT(planar_distance(found.T_robot_camera, true_mount()), 0.001);
   EXPECT_LT(angle_between(found.T_robot_camera, true_mount()), 0.05 * degree);
   EXPECT_NEAR(found.T_robot_camera.translation().z(), rough_mount().translation().z(), 0.001);
+  EXPECT_NEAR(found.robot_sigmas()[2], 1, 0.01) << "nobody measured it";
+  EXPECT_LT(found.robot_sigmas().head<2>().maxCoeff(), 0.005);
   for (const double factor : found.radius_factors) EXPECT_NEAR(factor, 1, 0.002);
   EXPECT_NEAR(found.layout_factor, 1, 0.002);
   EXPECT_EQ(found.slips, 0);
@@ -107,6 +109,27 @@ TEST(DriveCalibration, StretchesEndWhereTheCameraWasLost) {
   const auto with_gap = cut_drive(seen, steps);
   EXPECT_LT(with_gap.size(), all);
   for (const Stretch& stretch : with_gap) EXPECT_LT(stretch.T_from_to.translation().norm(), 0.8);
+}
+
+// One that comes once more, later: from it to the next the robot did not drive again.
+TEST(DriveCalibration, AWheelReadingThatComesLateIsLeftOut) {
+  const auto way_of_all = [](const std::vector<WheelStep>& steps) {
+    double way = 0;
+    for (const WheelStep& step : steps) way += step.way;
+    return way;
+  };
+  auto encoders = simulate_encoders(DrivenPath(testing::figure_of_eight(1)), "differential", start_time, 4);
+  std::vector<MotionSample> odometry(100);
+  for (int i = 0; i < 100; ++i) {
+    odometry[static_cast<std::size_t>(i)].utime = i * 100'000;
+    odometry[static_cast<std::size_t>(i)].T_odom_robot = planar_pose(0.1 * i, 0, 0);
+  }
+  const double by_encoders = way_of_all(wheel_steps(encoders)),
+               by_odometry = way_of_all(wheel_steps(odometry));
+  encoders.insert(encoders.begin() + 60, encoders[53]);
+  odometry.insert(odometry.begin() + 60, odometry[53]);
+  EXPECT_NEAR(way_of_all(wheel_steps(encoders)), by_encoders, 1e-9);
+  EXPECT_NEAR(way_of_all(wheel_steps(odometry)), by_odometry, 1e-9);
 }
 
 TEST(DriveCalibration, AShortDriveIsRefused) {

@@ -160,6 +160,25 @@ TEST(RecordedScene, KeepsFewKeyframesSpreadOverALongRecording) {
         << i;
 }
 
+// Late by a tenth of a second, or of a log that begins anew.
+TEST(RecordedScene, WheelsThatComeLateTakeNothingFromThoseBefore) {
+  const Drive& d = drive();
+  const SceneObservations in_order = d.recording->observations();
+  for (const std::size_t late : {d.wheels.size() - 6, std::size_t{0}}) {
+    RecordedScene recording(d.start, RecordedSceneSettings{});
+    for (const MotionSample& sample : d.wheels) recording.add(sample);
+    recording.add(d.wheels[late]);
+    for (const RgbdFrame& frame : d.frames) recording.add(frame);
+    const SceneObservations scene = recording.observations();
+    ASSERT_EQ(scene.keyframes.size(), in_order.keyframes.size());
+    for (std::size_t i = 0; i < scene.keyframes.size(); ++i) {
+      EXPECT_EQ(scene.keyframes[i].turn_noise, in_order.keyframes[i].turn_noise) << i;
+      EXPECT_TRUE(scene.keyframes[i].twist == in_order.keyframes[i].twist) << i;
+    }
+    EXPECT_EQ(scene.keyframes[0].turn_noise, RecordedSceneSettings().wheel_turn_noise) << "by wheels";
+  }
+}
+
 TEST(RecordedScene, SaysWhatARecordingThatStandsStillLacks) {
   RecordedScene recording(drive().truth, {});
   try {

@@ -81,7 +81,27 @@ TEST_F(Walls, OtherThingsAreNoWall) {
   EXPECT_GT(patches, 0);
 }
 
+// The second picture is in no patch: offsets and thickness are those of the first one alone.
+TEST_F(Walls, ADoubledWallOutOfReachIsCounted) {
+  see(0, 0);
+  see(60, 0);
+  EXPECT_EQ(error().beyond, 0);
+  const int revisited = error().revisited;
+  see(120, 0.2);
+  const WallError doubled = error();
+  EXPECT_EQ(doubled.revisited, revisited);
+  EXPECT_LT(doubled.offset_max, 0.005);
+  EXPECT_EQ(doubled.points, 60'000U);
+  EXPECT_NEAR(doubled.beyond, 1 / 3.0, 0.01);
+  const Triangle lower = {Eigen::Vector3f(1.8f, -2, 0), Eigen::Vector3f(1.8f, 2, 0),
+                          Eigen::Vector3f(1.8f, 2, 3)};
+  const Triangle upper = {Eigen::Vector3f(1.8f, -2, 0), Eigen::Vector3f(1.8f, 2, 3),
+                          Eigen::Vector3f(1.8f, -2, 3)};
+  EXPECT_EQ(error({lower, upper}).beyond, 0) << "a cupboard's front stands there";
+}
+
 TEST_F(Walls, NoPoints) {
+  EXPECT_TRUE(std::isnan(error().beyond));
   EXPECT_EQ(error().patches, 0);
   for (const double thickness : {error().thickness_median, error().thickness_p95})
     EXPECT_TRUE(std::isnan(thickness));

@@ -50,6 +50,34 @@ TEST(LoopFinder, RefusesAnotherPlace) {
   EXPECT_FALSE(finder.verify(*view, shuffled, std::nullopt));
 }
 
+// Tiles of a wall: the nearest and the third nearest descriptor may be of one keyframe.
+TEST(LoopFinder, AFeatureVotesForAKeyframeOnce) {
+  LoopFinderSettings settings;
+  settings.min_votes = 15;
+  LoopFinder finder(settings);
+  Random random(5);
+  const auto feature = [](Descriptor descriptor, std::uint8_t away) {
+    Feature f;
+    descriptor[0] = away;
+    f.descriptor = descriptor;
+    return f;
+  };
+  auto tiles = std::make_shared<KeyframeView>(), other = std::make_shared<KeyframeView>();
+  tiles->node = 0, other->node = 1;
+  FeatureFrame seen;
+  for (int i = 0; i < 10; ++i) {
+    Descriptor descriptor;
+    for (auto& byte : descriptor) byte = static_cast<std::uint8_t>(256 * random.uniform());
+    seen.features.push_back(feature(descriptor, 0));
+    tiles->features.features.push_back(feature(descriptor, 1));
+    other->features.features.push_back(feature(descriptor, 2));
+    tiles->features.features.push_back(feature(descriptor, 3));
+  }
+  finder.add(tiles);
+  finder.add(other);
+  EXPECT_TRUE(finder.candidates(seen, {}).empty()) << "ten features are ten votes";
+}
+
 // Along a bare floor registration stays where it began: height and tilt are measured, and nothing else.
 TEST(LoopFinder, ABareFloorMeasuresHeightAndTilt) {
   LoopFinder finder({});

@@ -214,6 +214,22 @@ TEST_F(RosDrive, OdometryOfAFrameThatNobodyPlacesIsLeftOut) {
   while (const auto event = recording.next()) EXPECT_TRUE(std::holds_alternative<EncodedFrame>(*event));
 }
 
+TEST_F(RosDrive, TruthIsOfTheBodyThatItNames) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000, "colour");
+  write_infos();
+  write_tf("colour", "prism", moved(0, 0, 0.2));
+  write("/ground_truth", "nav_msgs/msg/Odometry", 100'000,
+        write_odometry({100'000, "world"}, "prism", moved(1, 2, 3), Matrix6d::Zero(), {0, 0, 0}, {0, 0, 0},
+                       Matrix6d::Zero()));
+  RosRecording recording = open();
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("/ground_truth: true poses are of prism")));
+  const auto truth = std::get<TruthEvent>(*recording.next());
+  EXPECT_EQ(truth.body, "camera");
+  EXPECT_TRUE(truth.T_world_body.isApprox(moved(1, 2, 2.8)));
+}
+
 TEST_F(RosDrive, OdometryOfNoFrameIsLeftOut) {
   begin();
   write_colour(100'000);

@@ -80,5 +80,56 @@ TEST_F(EvaluateMap, ReferenceStandsWhereTheTruthsCameraStood) {
                              HasSubstr("run.lcmlog: 1 messages could not be decoded")));
 }
 
+// The images were taken by the estimates' clock.
+TEST_F(EvaluateMap, ReferenceIsPlacedByTheClockOffsetToo) {
+  constexpr Utime late = 400'000;  // us
+  const RgbdCalibration calibration = testing::mounted_camera();
+  const StampedPose& taken_at = path_[path_.size() / 2];
+  const auto write_images = [&](MessageLog& log) {
+    camera_calibration_t c = to_message(calibration);
+    c.utime = c.seq = c.sender = 0;
+    log.write("CAMERA_CALIBRATION", c);
+    RgbdFrame frame;  // a wall 2 m ahead
+    frame.utime = frame.depth_utime = taken_at.utime + late;
+    frame.colour = cv::Mat(calibration.colour.height, calibration.colour.width, CV_8UC3, cv::Scalar::all(9));
+    frame.depth = cv::Mat(calibration.depth.height, calibration.depth.width, CV_16UC1, cv::Scalar(2000));
+    frame.depth.row(frame.depth.rows - 1).setTo(1900);
+    log.write_in_pieces("CAMERA", to_message(encode(frame)));
+  };
+  {
+    MessageLog log(path("images.lcmlog"));
+    write_images(log);
+  }
+  {
+    MessageLog log(path("with_truth.lcmlog"));
+    write_images(log);
+    for (const StampedPose& pose : path_) log.write("GROUND_TRUTH", testing::truth_message(pose, "robot"));
+  }
+  ColouredCloud cloud;
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Vector3d p(0.01 * (i % 20), 0.01 * (i / 20), 1.97);
+    cloud.points.emplace_back((taken_at.T_world_body * calibration.T_robot_camera * p).cast<float>());
+    cloud.colours.emplace_back(1, 2, 3);
+  }
+  save_ply(std::filesystem::path(path("map.ply")), cloud);
+  Trajectory estimate = testing::moved(path_, planar_pose(1e-7, 0, 0));
+  for (StampedPose& pose : estimate) pose.utime += late;
+  write_tum(path("truth.txt"), path_);
+  write_tum(path("estimate.txt"), estimate);
+  const auto with = [&](const std::string& truth, const std::string& reference) {
+    EXPECT_EQ(run({"--truth", path(truth), "--truth-frame", "robot", path("estimate.txt"), "--estimate-frame",
+                   "robot", "--clock-offset", "-0.4", "--map", path("map.ply"), "--reference",
+                   path(reference), "--json", path("r.json")}),
+              0)
+        << output_;
+    return json("r.json").at("map").at("median_m").get<double>();
+  };
+  EXPECT_NEAR(with("truth.txt", "images.lcmlog"), 0.03, 1e-3);
+  EXPECT_THAT(output_, HasSubstr("images.lcmlog: its images' stamps are taken -0.4000 s"));
+  // Of a log that is the truth's, and nothing was estimated from, the images are on the truth's clock.
+  EXPECT_GT(with("with_truth.lcmlog", "with_truth.lcmlog"), 0.05);
+  EXPECT_THAT(output_, HasSubstr("with_truth.lcmlog: its images' stamps are taken as they are"));
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -128,6 +128,24 @@ TEST_F(Evaluate, ExportWritesAChannelInEitherFormat) {
   EXPECT_LT(ate(json("r.json").at("estimates").at(0)), 1e-6);
 }
 
+// As where paths are compared: who says whose poses these are is believed, and told what the file says.
+TEST_F(Evaluate, ExportKnowsWhosePosesByTheOption) {
+  write_log("run.lcmlog");
+  const std::vector<std::string> of_camera = {"--estimate-frame", "camera", "--export", path("poses.txt")};
+  const auto exported = [&](const std::string& estimate) {
+    std::vector<std::string> arguments = {estimate};
+    arguments.insert(arguments.end(), of_camera.begin(), of_camera.end());
+    EXPECT_EQ(run(arguments), 0) << output_;
+    return read_pose_text(path("poses.txt")).body;
+  };
+  EXPECT_EQ(exported(path("run.lcmlog:ICP_POSE")), "camera");
+  EXPECT_THAT(output_,
+              HasSubstr("says that its poses are the robot's; by --estimate-frame they are the camera's"));
+  ASSERT_EQ(run({path("run.lcmlog:ICP_POSE"), "--export", path("robot.txt")}), 0) << output_;
+  EXPECT_EQ(exported(path("robot.txt")), "camera");
+  EXPECT_THAT(output_, HasSubstr("robot.txt says that its poses are the robot's"));
+}
+
 TEST_F(Evaluate, ExportSaysWhatItLacks) {
   write_log("run.lcmlog");
   EXPECT_EQ(run({path("run.lcmlog"), "--export", path("poses.txt")}), -1);

@@ -124,6 +124,22 @@ TEST_F(EvaluateWalls, FirstAndLastVisitOfTheNewestMapAreCompared) {
   EXPECT_FALSE(json("out.json").contains("map"));
 }
 
+TEST_F(EvaluateWalls, AWallThatIsDoubledFarOffIsSeen) {
+  {
+    MessageLog log(path("run.lcmlog"));
+    write_poses(log);
+    write(log, wall(6, 0, 1, 0));
+    write(log, wall(6, 1, 60, 0.2));
+    log.write("ICP_GRAPH", graph(6, {0, 1}));
+  }
+  ASSERT_EQ(run({path("run.lcmlog"), "--walls", path("room.yaml"), "--json", path("out.json")}), 0)
+      << output_;
+  const auto walls = json("out.json").at("walls");
+  EXPECT_EQ(walls.at("revisited_patches"), 0) << "none of the second wall's points is of a patch";
+  EXPECT_EQ(walls.at("beyond_share"), 0.5);
+  EXPECT_THAT(output_, HasSubstr("50.00 % of 19602 points are more than 0.15 m from any surface"));
+}
+
 TEST_F(EvaluateWalls, ALogWithoutAMapSaysSo) {
   {
     MessageLog log(path("run.lcmlog"));
