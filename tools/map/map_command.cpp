@@ -12,7 +12,8 @@ const std::vector<Command>& map_subcommands() {
       {"merge", map_merge_command, "two maps of one place in one file"},
       {"compact", map_compact_command, "gives the room of what is gone back to the disk"},
       {"verify", map_verify_command, "is a map in it, and all of it whole? Exit code 0 only then"},
-      {"diff", map_diff_command, "which keyframes and landmarks one map has and another has not, and how far they moved"}};
+      {"diff", map_diff_command,
+       "which keyframes and landmarks one map has and another has not, and how far they moved"}};
   return subcommands;
 }
 
