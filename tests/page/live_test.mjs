@@ -81,10 +81,11 @@ export const tests = {
       await page.getByText("All is well: both mappers track").waitFor();
       await until(() => server.heard.some((each) => each.do === "ping"), "a ping");
       server.isCut = true;
-      await page.getByText("has not answered for some seconds; what is shown is old").waitFor({ timeout: 8000 });
-      await page.getByText("The connection to the map server is lost").waitFor({ timeout: 10_000 });
+      await page.getByText("has not answered for some seconds; what is shown is old").waitFor({ timeout: 30_000 });
+      await page.getByText("The connection to the map server is lost").waitFor({ timeout: 30_000 });
+      await until(() => server.swallowed.length > 0, "another try", 30_000);
       server.isCut = false;
-      await page.getByText("All is well: both mappers track").waitFor({ timeout: 12_000 });
+      await page.getByText("All is well: both mappers track").waitFor({ timeout: 30_000 });
     });
   },
 

@@ -28,6 +28,7 @@ export class MockServer {
     this.said = []; // what browsers said on /live
     this.refuse = new Map(); // do -> error
     this.isCut = false; // as over a network that went: nothing comes through, no socket closes
+    this.swallowed = []; // sockets that were to be opened meanwhile
   }
 
   put(message) {
@@ -51,7 +52,7 @@ export class MockServer {
     this.http = createServer((request, response) => this.#serve(request, response));
     const sockets = new WebSocketServer({ noServer: true, perMessageDeflate: false });
     this.http.on("upgrade", (request, socket, head) => {
-      if (this.isCut) return;
+      if (this.isCut) return this.swallowed.push(socket);
       if (!this.#mayEnter(request)) return socket.end("HTTP/1.1 401 Unauthorized\r\nConnection: close\r\n\r\n");
       sockets.handleUpgrade(request, socket, head, (one) => this.#meet(one, new URL(request.url, "http://here")));
     });
@@ -71,6 +72,7 @@ export class MockServer {
     clearInterval(this.timer);
     for (const socket of [...this.live].map((client) => client.socket).concat([...(this.commands ?? [])])) socket.terminate();
     this.live.clear();
+    for (const socket of this.swallowed) socket.destroy(); // close() would wait for them for ever
     this.http.closeAllConnections();
     await new Promise((done) => this.http.close(done));
   }
