@@ -1,5 +1,7 @@
 #include "procs/map-server/job_thread.hpp"
 
+#include <algorithm>
+
 namespace lcmslam {
 
 JobThread::JobThread(bool background, std::size_t most) : most_(most) {
@@ -21,20 +23,30 @@ void JobThread::work() {
   while (true) {
     wake_.wait(lock, [&] { return stop_ || !jobs_.empty(); });
     if (stop_) return;
-    const auto job = std::move(jobs_.front());
+    const Job job = std::move(jobs_.front());
     jobs_.pop_front();
     lock.unlock();
-    job();
+    job.work();
     lock.lock();
   }
 }
 
 void JobThread::hand_in(std::function<void()> job) {
-  if (!thread_.joinable()) return job();
+  hand_in({std::move(job), false});
+}
+
+void JobThread::hand_in_missable(std::function<void()> job) {
+  hand_in({std::move(job), true});
+}
+
+void JobThread::hand_in(Job job) {
+  if (!thread_.joinable()) return job.work();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (jobs_.size() >= most_) jobs_.erase(jobs_.begin() + 1);
     jobs_.push_back(std::move(job));
+    const auto oldest =
+        std::find_if(jobs_.begin(), jobs_.end(), [](const Job& waiting) { return waiting.may_be_missed; });
+    if (jobs_.size() > most_ && oldest != jobs_.end()) jobs_.erase(oldest);
   }
   wake_.notify_all();
 }

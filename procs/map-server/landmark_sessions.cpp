@@ -99,7 +99,7 @@ void LandmarkSessions::follow(const LandmarkMap& map) {
   if (group.size() < 2 * size) return;
   group.resize(size);
   newest_ = group.back().id;
-  jobs_.hand_in([this, group = std::move(group)] {
+  jobs_.hand_in_missable([this, group = std::move(group)] {
     const std::lock_guard<std::mutex> lock(mutex_);
     look_for(group);
   });

@@ -126,10 +126,11 @@ void SessionPlaces::leave_current() {
 
 void SessionPlaces::keyframe(std::int32_t id, const Eigen::Isometry3d& T_session_camera,
                              FeatureFrame features, ColouredCloud cloud) {
-  jobs_.hand_in([this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    look_for(id, T_session_camera, features, cloud);
-  });
+  jobs_.hand_in_missable(
+      [this, id, T_session_camera, features = std::move(features), cloud = std::move(cloud)] {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        look_for(id, T_session_camera, features, cloud);
+      });
 }
 
 /// A keyframe of the current session.
