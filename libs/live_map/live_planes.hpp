@@ -31,7 +31,7 @@ class LivePlanes {
   void frame();
   /// Keyframes stand elsewhere: T_map_depth by keyframe.
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
-  /// These have been given up: the next time that planes are put together anew it is without them.
+  /// These make room: the next time that planes are put together anew it is without them.
   void forget(const std::vector<int>& keyframes);
   /// Waits for what is made beside the frames.
   void settle();

@@ -35,7 +35,7 @@ class LiveSpace {
             const Eigen::Isometry3d& T_map_depth);
   /// Keyframes stand elsewhere: T_map_depth by keyframe.
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
-  /// These have been given up: the next time that space is carved anew it is without them.
+  /// These make room: the next time that space is carved anew it is without them.
   void forget(const std::vector<int>& keyframes);
   /// Waits for what is made beside the frames.
   void settle();

@@ -139,8 +139,10 @@ std::optional<StoredImages> LayerFeed::keyframe(const DenseKeyframe& keyframe, c
     shown = {std::make_shared<EncodedFrame>(before->frame), known_.of(*before)};
     pose.T_colour_depth_time = before->T_colour_depth_time;
   }
-  shown.frame&& shown.calibration ? worker_.keep(keyframe.id, shown, pose)
-                                  : worker_.keep(keyframe.id, keyframe.cloud, keyframe.T_world_camera);
+  if (shown.frame && shown.calibration)
+    worker_.keep(keyframe.id, shown, pose);
+  else
+    worker_.keep(keyframe.id, keyframe.cloud, keyframe.T_world_camera);
   return images;
 }
 

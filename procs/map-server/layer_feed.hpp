@@ -41,7 +41,8 @@ class LayerFeed {
   /// which the calibration is known.
   void adopt(int id, const Eigen::Isometry3d& T_map_camera, const std::optional<StoredImages>& images,
              ColouredCloud cloud);
-  /// After the graph has moved the map. What it has given up goes once it is known whole.
+  /// After the graph has moved the map. What it has given up moves with its neighbours, once it is known
+  /// whole.
   void correct(const DenseMap& map, const FollowedGraph& graph);
   /// Waits until all is done that was handed in, at most so long.
   void settle(std::chrono::steady_clock::duration longest) { worker_.settle(longest); }
