@@ -213,16 +213,16 @@ void question_after_rest(benchmark::State& state) {
   settings.background = false;
   for (auto _ : state) {
     state.PauseTiming();
-    LiveSpace space(drive.camera, settings);
+    LiveSpace space(settings);
     const auto ask = [&] {
       return space.ask([](const LiveSpace::View& view) { return view.distances.memory_bytes(); });
     };
     std::size_t i = 0;
     for (; i < drive.depths.size() - rested; ++i) {
-      space.show(drive.depths[i], drive.T_map_camera[i]);
+      space.show(drive.depths[i], drive.camera, drive.T_map_camera[i]);
       ask();
     }
-    for (; i < drive.depths.size(); ++i) space.show(drive.depths[i], drive.T_map_camera[i]);
+    for (; i < drive.depths.size(); ++i) space.show(drive.depths[i], drive.camera, drive.T_map_camera[i]);
     state.ResumeTiming();
     benchmark::DoNotOptimize(ask());
   }
