@@ -134,12 +134,26 @@ void DescriptorSearch::compare(const Group& group, const DescriptorIndex::List& 
     for (std::size_t t = 0; t < count; ++t) {
       if (!any(distances[t] <= worst)) continue;
       for (int lane = 0; lane < group.count; ++lane) {
-        if (distances[t][lane] > worst[lane]) continue;
+        if (distances[t][lane] > worst[lane] || is_left_out(list.ids[first + t])) continue;
         offer(*found[lane], {list.ids[first + t], distances[t][lane]});
         worst[lane] = found[lane]->back().distance2;
       }
     }
   }
+}
+
+bool DescriptorSearch::is_left_out(int id) const {
+  const auto i = static_cast<std::size_t>(id);
+  return i < left_out_.size() && left_out_[i];
+}
+
+const std::vector<Neighbours>& DescriptorSearch::nearest_without(const std::vector<bool>& left_out,
+                                                                 const std::vector<Feature>& queries,
+                                                                 const DescriptorIndex& index) {
+  left_out_ = left_out;
+  nearest(queries, index);
+  left_out_.clear();
+  return neighbours_;
 }
 
 const std::vector<Neighbours>& DescriptorSearch::nearest(const std::vector<Feature>& queries,

@@ -47,6 +47,11 @@ class DescriptorSearch {
   /// One entry a query, among the descriptors of its Laplacian's sign. Valid until the next call.
   const std::vector<Neighbours>& nearest(const std::vector<Feature>& queries, const DescriptorIndex& index);
 
+  /// The same without the ids for which it says so; those beyond its end count.
+  const std::vector<Neighbours>& nearest_without(const std::vector<bool>& left_out,
+                                                 const std::vector<Feature>& queries,
+                                                 const DescriptorIndex& index);
+
   /// The same, exact, among these ids. Ids that are not in the index throw std::invalid_argument; one
   /// that stands twice counts once.
   const std::vector<Neighbours>& nearest(const std::vector<Feature>& queries, const DescriptorIndex& index,
@@ -75,6 +80,7 @@ class DescriptorSearch {
   void choose_lists(const DescriptorIndex::Lists& lists);
   void search_lists(const DescriptorIndex::Lists& lists);
   void compare(const Group& group, const DescriptorIndex::List& list);
+  bool is_left_out(int id) const;
   void clear_chosen();
   void choose(int id, const Descriptor& descriptor);
   void compare_all_with_chosen();
@@ -89,6 +95,7 @@ class DescriptorSearch {
   std::vector<Probe> probes_, probes_by_list_;
   std::vector<std::int32_t> list_begin_;
   DescriptorIndex::List chosen_;  // those that all queries are compared with
+  std::vector<bool> left_out_;    // by id
   std::vector<Neighbours> neighbours_;
   std::vector<Match> matches_;
 };

@@ -1,6 +1,7 @@
 #include <lcmslam/live_map/answer.hpp>
 
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <stdexcept>
 
 #include <lcmslam/cloud/voxel_average.hpp>
@@ -57,36 +58,45 @@ template <class Item, class Ask>
 void ask_of_space(const AskedMap& map, const std::vector<Item>& items, const Ask& ask) {
   constexpr double around = 3;  // m
   const LiveSpace& space = live(map).space();
-  std::vector<std::size_t> open;  // numbers of items, in their order
-  std::size_t wanted = items.size();
+  std::size_t wanted = items.size(), answered = 0;
+  const auto expect_in_time = [&] {
+    if (map.is_late && map.is_late())
+      throw std::runtime_error("its deadline was over when " + std::to_string(wanted - answered) +
+                               " of its " + std::to_string(items.size()) +
+                               " places had no answer yet; ask for fewer, for places nearer to the robot or "
+                               "to one another, or with a later deadline");
+  };
   const auto ask_where = [&](const std::vector<std::size_t>& numbers, const auto& covers,
                              const Fields& fields) {
     std::vector<std::size_t> left;
     for (const std::size_t i : numbers) {
       if (i >= wanted) break;
-      if (!covers(box_around(items[i])))
+      if (!covers(box_around(items[i]))) {
         left.push_back(i);
-      else if (!ask(i, items[i], fields))
-        wanted = i;
+        continue;
+      }
+      expect_in_time();
+      if (!ask(i, items[i], fields)) wanted = i;
+      ++answered;
     }
     return left;
   };
-  for (std::size_t i = 0; i < items.size(); ++i) open.push_back(i);
+  std::vector<std::size_t> open(items.size());  // numbers of items, in their order
+  std::iota(open.begin(), open.end(), std::size_t{0});
   open = space.ask([&](const LiveSpace::View& view) {
     return ask_where(open, [&](const Eigen::AlignedBox3d& box) { return view.distances.covers(box); },
                      {&view.distances.field(), &view.newest});
   });
   while (!open.empty() && open.front() < wanted) {
-    if (map.is_late && map.is_late())
-      throw std::runtime_error("its deadline was over when " + std::to_string(open.size()) + " of its " +
-                               std::to_string(items.size()) +
-                               " places, far from the robot, had no answer yet; ask for fewer, for places "
-                               "nearer to one another, or with a later deadline");
+    expect_in_time();
     Eigen::AlignedBox3d made_for = box_around(items[open.front()]);
     const Eigen::Vector3d reach = Eigen::Vector3d::Constant(around);
     made_for = {Eigen::Vector3d(made_for.min() - reach), Eigen::Vector3d(made_for.max() + reach)};
     const DistanceField made = space.distances_in(made_for);
-    open = ask_where(open, [&](const Eigen::AlignedBox3d& box) { return made_for.contains(box); }, {&made});
+    open = space.ask([&](const LiveSpace::View& view) {  // what the newest frame shows is far sometimes, too
+      return ask_where(open, [&](const Eigen::AlignedBox3d& box) { return made_for.contains(box); },
+                       {&made, &view.newest});
+    });
   }
 }
 

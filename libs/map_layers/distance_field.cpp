@@ -13,9 +13,9 @@ DistanceField::DistanceField(double cell_size, const DistanceSettings& settings)
       truncation_(settings.truncation),
       reach_(static_cast<int>(settings.truncation / cell_size + 1e-6)) {
   check(settings, "distance");
-  if (!(cell_size > 0) || reach_ > greatest_reach)
+  if (!(cell_size > 0) || reach_ < least_reach || reach_ > greatest_reach)
     throw std::invalid_argument("distance.truncation: " + number_text(truncation_) + " m of cells of " +
-                                number_text(cell_size) + " m; must be at most 100 cells");
+                                number_text(cell_size) + " m; must be 2 to 100 cells");
 }
 
 void DistanceField::update(const std::vector<OccupancyChange>& changes) {

@@ -19,7 +19,7 @@ struct DistanceSettings {
 
   void describe(SettingsVisitor& s) {
     s.number("truncation", truncation, "m", {0.05, 10},
-             "distance beyond which nothing is told apart; at most 100 cells");
+             "distance beyond which nothing is told apart; 2 to 100 cells");
     s.number("memory", memory, "MB", {1, 100'000},
              "of the distances that are kept, those around the robot; elsewhere they are made when they are "
              "asked for");

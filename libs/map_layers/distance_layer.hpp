@@ -19,6 +19,7 @@ using SquaredDistances = std::array<std::int16_t, block_cells>;
 constexpr std::int16_t far_squared = 20000;
 /// Cells: reach^2 + far_squared fits into 16 bits.
 constexpr int greatest_reach = 100;
+constexpr int least_reach = 2;  // below it collision questions could not tell a body that fits
 
 using DistanceLayer = BlockTable<std::unique_ptr<SquaredDistances>>;
 

@@ -179,12 +179,13 @@ std::size_t PlaceIndex::memory_bytes() const {
   return bytes;
 }
 
-/// Each feature votes for the keyframes of its nearest neighbours.
-std::vector<std::int64_t> PlaceIndex::most_voted(const FeatureFrame& asker) {
+/// Each feature votes for the keyframes of its nearest neighbours. `without`: slots that are left out.
+std::vector<std::int64_t> PlaceIndex::most_voted(const FeatureFrame& asker,
+                                                 const std::vector<bool>& without) {
   if (index_.size() == 0) return {};
   const double limit = 127 * settings_.max_descriptor_distance;
   std::map<std::int64_t, int> votes;
-  for (const Neighbours& neighbours : search_.nearest(asker.features, index_)) {
+  for (const Neighbours& neighbours : search_.nearest_without(without, asker.features, index_)) {
     std::set<std::int64_t> keys;
     for (const Neighbour& n : neighbours)
       if (n.id >= 0 && n.distance2 <= limit * limit)
@@ -197,6 +198,16 @@ std::vector<std::int64_t> PlaceIndex::most_voted(const FeatureFrame& asker) {
   std::stable_sort(keys.begin(), keys.end(),
                    [&](std::int64_t a, std::int64_t b) { return votes.at(a) > votes.at(b); });
   return keys;
+}
+
+/// By votes among those alone that stand elsewhere: where a place was mapped often it has all others.
+std::vector<std::int64_t> PlaceIndex::most_voted_elsewhere(const FeatureFrame& asker,
+                                                           const Eigen::Isometry3d& T_map_camera) {
+  std::vector<bool> here(key_of_slot_.size());
+  for (const auto& [key, view] : views_)
+    if (away(view.T_map_camera, T_map_camera) <= enough_views)
+      for (const int slot : view.slots) here[static_cast<std::size_t>(slot)] = true;
+  return most_voted(asker, here);
 }
 
 /// Points that the first of these keyframes and the asker share, the keyframes' in the map's frame.
@@ -268,25 +279,24 @@ std::string PlaceIndex::explain(const FeatureFrame& asker, const Pairs& pairs, P
                                                          : "";
 }
 
-/// Far more of them than another place does.
-std::string PlaceIndex::look_elsewhere(const FeatureFrame& asker, std::vector<std::int64_t> keys,
-                                       const UncertainTransform& pose, PlaceEvidence& evidence) {
-  const auto agrees = [&](std::int64_t key) {
-    return std::binary_search(evidence.keyframes.begin(), evidence.keyframes.end(), key);
-  };
-  keys.erase(std::remove_if(keys.begin(), keys.end(), agrees), keys.end());
-  std::stable_partition(keys.begin(), keys.end(), [&](std::int64_t key) {
-    return away(views_.at(key).T_map_camera, pose.T) > enough_views;
+/// Far more of them than another place does. `keys`: keyframes that look alike, wherever they stand.
+std::string PlaceIndex::look_elsewhere(const FeatureFrame& asker, const std::vector<std::int64_t>& keys,
+                                       const Eigen::Isometry3d& T_map_camera, PlaceEvidence& evidence) {
+  std::vector<std::int64_t> others = most_voted_elsewhere(asker, T_map_camera);
+  std::copy_if(keys.begin(), keys.end(), std::back_inserter(others), [&](std::int64_t key) {
+    const bool agrees = std::binary_search(evidence.keyframes.begin(), evidence.keyframes.end(), key);
+    return !agrees && away(views_.at(key).T_map_camera, T_map_camera) <= enough_views;
   });
-  const Pairs pairs = match(asker, keys);
+  const Pairs pairs = match(asker, others);
   RigidRansacSettings ransac;
   ransac.min_inliers = least_other_inliers;
   const auto is_here = [&](const Eigen::Isometry3d& T) {
-    return distance_between(T, pose.T) <= settings_.same_place_distance &&
-           angle_between(T, pose.T) <= settings_.same_place_angle;
+    return distance_between(T, T_map_camera) <= settings_.same_place_distance &&
+           angle_between(T, T_map_camera) <= settings_.same_place_angle;
   };
   const std::vector<int> other = explained_elsewhere(pairs.points, ransac, is_here);
-  evidence.other_inliers = static_cast<int>(one_a_feature(other, pairs.feature).size());
+  const auto explained = static_cast<int>(one_a_feature(other, pairs.feature).size());
+  evidence.other_inliers = std::max(evidence.other_inliers, explained);
   if (evidence.inliers >= settings_.min_margin * evidence.other_inliers) return "";
   return "two places look alike: " + std::to_string(evidence.inliers) + " and " +
          std::to_string(evidence.other_inliers) + " points";
@@ -331,7 +341,7 @@ std::string PlaceIndex::search(const FeatureFrame& asker, const ColouredCloud& c
   if (keys.empty()) return "no keyframe looks alike";
   UncertainTransform pose;
   std::string why_not = explain(asker, match(asker, keys), located.evidence, pose);
-  if (why_not.empty()) why_not = look_elsewhere(asker, keys, pose, located.evidence);
+  if (why_not.empty()) why_not = look_elsewhere(asker, keys, pose.T, located.evidence);
   if (why_not.empty())
     why_not = fit_surfaces(asker, cloud_of(cloud, asker, settings_.cloud_voxel), pose, located);
   return why_not;
@@ -341,6 +351,18 @@ Located PlaceIndex::locate(const FeatureFrame& features, const ColouredCloud& cl
   Located located;
   located.why_not = search(with_points(features, settings_.indexed_features), cloud, located);
   return located;
+}
+
+void PlaceIndex::look_for_twin(const FeatureFrame& features, const Eigen::Isometry3d& T_this_other,
+                               Located& located) {
+  if (!located.place) return;
+  const FeatureFrame asker = with_points(features, settings_.indexed_features);
+  PlaceEvidence& evidence = located.evidence;
+  const std::vector<std::int64_t> of_other = std::exchange(evidence.keyframes, {});
+  located.why_not =
+      look_elsewhere(asker, most_voted(asker), T_this_other * located.place->T_map_camera, evidence);
+  evidence.keyframes = of_other;
+  if (!located.why_not.empty()) located.place.reset();
 }
 
 }  // namespace lcmslam

@@ -73,6 +73,9 @@ class PlaceIndex {
 
   /// Where these were seen. Without a cloud the features' points must do.
   Located locate(const FeatureFrame& features, const ColouredCloud& cloud = {});
+  /// What another map, which lies there in this one, has found for these features: no place any more where
+  /// this one has another place that looks alike.
+  void look_for_twin(const FeatureFrame& features, const Eigen::Isometry3d& T_this_other, Located& located);
 
  private:
   struct View {
@@ -93,11 +96,13 @@ class PlaceIndex {
   std::string search(const FeatureFrame& asker, const ColouredCloud& cloud, Located& located);
   std::string explain(const FeatureFrame& asker, const Pairs& pairs, PlaceEvidence& evidence,
                       UncertainTransform& pose) const;
-  std::string look_elsewhere(const FeatureFrame& asker, std::vector<std::int64_t> keys,
-                             const UncertainTransform& pose, PlaceEvidence& evidence);
+  std::string look_elsewhere(const FeatureFrame& asker, const std::vector<std::int64_t>& keys,
+                             const Eigen::Isometry3d& T_map_camera, PlaceEvidence& evidence);
   std::string fit_surfaces(const FeatureFrame& asker, const Cloud& seen, const UncertainTransform& pose,
                            Located& located) const;
-  std::vector<std::int64_t> most_voted(const FeatureFrame& asker);
+  std::vector<std::int64_t> most_voted(const FeatureFrame& asker, const std::vector<bool>& without = {});
+  std::vector<std::int64_t> most_voted_elsewhere(const FeatureFrame& asker,
+                                                 const Eigen::Isometry3d& T_map_camera);
   Pairs match(const FeatureFrame& asker, const std::vector<std::int64_t>& keys);
   Cloud pool(const Eigen::Isometry3d& T_map_camera) const;
 

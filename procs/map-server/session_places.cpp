@@ -236,12 +236,17 @@ std::optional<Eigen::Isometry3d> SessionPlaces::T_map_session() const {
 SessionPlaces::Answer SessionPlaces::locate(const FeatureFrame& features) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Answer answer{current_.locate(features), true};
-  if (answer.located.place) return answer;
+  if (answer.located.place) {
+    if (T_map_current_) map_.look_for_twin(features, *T_map_current_, answer.located);
+    return answer;
+  }
   Located in_map = map_.locate(features);
   if (!in_map.place) return answer;
   answer = {std::move(in_map), T_map_current_.has_value()};
-  if (T_map_current_)
-    answer.located.place->T_map_camera = T_map_current_->inverse() * answer.located.place->T_map_camera;
+  if (!T_map_current_) return answer;
+  current_.look_for_twin(features, T_map_current_->inverse(), answer.located);
+  if (std::optional<Place>& place = answer.located.place)
+    place->T_map_camera = T_map_current_->inverse() * place->T_map_camera;
   return answer;
 }
 

@@ -214,6 +214,29 @@ TEST(DescriptorSearch, AmongChosenIdsIsExactAndIgnoresTheOthers) {
   for (const Neighbours& n : search.nearest(queries, index, {})) EXPECT_EQ(n[0].id, -1);
 }
 
+TEST(DescriptorSearch, WithoutSomeIdsIsExactAmongTheOthers) {
+  const auto landmarks = clustered_features(1, 3000), queries = clustered_features(2, 50);
+  DescriptorIndex index;
+  std::map<int, Feature> all, others;
+  std::vector<bool> left_out(2900);  // those beyond its end count
+  for (int i = 0; i < int(landmarks.size()); ++i) {
+    const Feature& f = landmarks[std::size_t(i)];
+    index.insert(i, f.descriptor, f.laplacian);
+    all[i] = f;
+    if (i < int(left_out.size()) && i % 3 > 0)
+      left_out[std::size_t(i)] = true;
+    else
+      others[i] = f;
+  }
+  DescriptorSearch search({1, 1});
+  const auto& found = search.nearest_without(left_out, queries, index);
+  for (std::size_t q = 0; q < queries.size(); ++q)
+    expect_same(found[q], exact_neighbours(queries[q], others), "query " + std::to_string(q));
+  const auto& again = search.nearest(queries, index);
+  for (std::size_t q = 0; q < queries.size(); ++q)
+    expect_same(again[q], exact_neighbours(queries[q], all), "of all, query " + std::to_string(q));
+}
+
 TEST(DescriptorSearch, MatchesAreThoseOfTheMatcher) {
   Random random(5);
   const auto landmarks = clustered_features(3, 900);

@@ -163,15 +163,35 @@ TEST(LiveMap, PlacesFarFromTheRobotAreMadeUntilTheDeadlineAndEachOnce) {
   const auto question = parse_question(
       R"({"ask": "distance", "points": [[1, 0, 1], [11, 0, 1], [1.5, 0, 1], [11.5, 0, 1], [41, 0, 1]]})");
   answer(question, asked);
-  EXPECT_EQ(looks, 2);
+  EXPECT_EQ(looks, 5 + 2);  // for each place, and before each time that distances are made
   looks = 0;
-  most = 1;
+  most = 4;
   try {
     answer(question, asked);
     ADD_FAILURE() << "answered after its deadline";
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("2 of its 5 places"));
   }
+}
+
+TEST(LiveMap, PlacesNearTheRobotAreAskedUntilTheDeadline) {
+  AskedMap asked;
+  asked.live = long_way();
+  int looks = 0;
+  asked.is_late = [&] { return ++looks > 2; };
+  const auto question =
+      parse_question(R"({"ask": "distance", "points": [[41, 0, 1], [41, 0, 1], [41, 0, 1], [41, 0, 1]]})");
+  EXPECT_THAT([&] { answer(question, asked); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("2 of its 4 places")));
+}
+
+// A body that is longer than what distances are kept for stands near the robot and far from it.
+TEST(LiveMap, WhoStepsInTheWayOfALongBodyCountsAtOnce) {
+  const auto map = long_way();
+  const std::string across = R"({"ask": "collision", "capsules": [[41.2, -14, 1, 41.2, 14, 1, 0.1]]})";
+  EXPECT_EQ(answered(map, across)["collides"][0], false);
+  map->show(wall(1.2), at(40));
+  EXPECT_EQ(answered(map, across)["collides"][0], true);
 }
 
 TEST(LiveMap, KeyframesAreWorkedInOnce) {

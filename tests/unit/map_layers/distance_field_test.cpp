@@ -129,9 +129,11 @@ TEST(DistanceField, PointsThatAreNoneAreFarFromEverything) {
   EXPECT_EQ(field.sample({1e12, 0, 0}).distance, 1);
 }
 
-TEST(DistanceField, RefusesMoreCellsThanItsNumbersHold) {
-  EXPECT_THAT([] { DistanceField field(0.01, {2}); },
-              testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("100 cells")));
+TEST(DistanceField, RefusesMoreCellsThanItsNumbersHoldAndFewerThanQuestionsNeed) {
+  for (const double cell_size : {0.01, 1.1})
+    EXPECT_THAT([&] { DistanceField field(cell_size, {2}); },
+                testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("2 to 100 cells")))
+        << cell_size;
 }
 
 }  // namespace

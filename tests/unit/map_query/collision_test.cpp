@@ -116,5 +116,15 @@ TEST(CollisionChecker, RefusesFieldsThatDoNotFit) {
   EXPECT_THROW(CollisionChecker({&a, &b}), std::invalid_argument);
 }
 
+TEST(Collision, ABodyInTheOpenFitsHoweverLargeTheCells) {
+  for (const double cell : {0.04, 0.3, 0.44, 1.0}) {
+    const NewestFrame empty(cell);
+    const DistanceField map(cell, {2});
+    const CollisionChecker checker({&map, &empty.field()});
+    EXPECT_FALSE(checker.collides(Sphere{{0.3, 0.2, 1}, 0.2})) << cell;
+    EXPECT_FALSE(checker.collides(Box{Eigen::Isometry3d::Identity(), {2, 0.3, 0.6}})) << cell;
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -87,5 +87,35 @@ TEST_F(MapServerRestartPlaces, WhatIsKeptLiesWhereTheFileHasItNow) {
   expect_near(*places.T_map_session() * first->T_session_camera, seen_view(first_number).T_world_camera);
 }
 
+// The file has the room, the session another part of the kitchen and, far from both, the room's twin: either
+// map alone is sure.
+TEST_F(MapServerRestartPlaces, WhoMayBeInTheFilesMapOrInItsTwinIsNotFound) {
+  {
+    Life server(scratch_.path(), "map", 3);
+    server.drive(first_number, Eigen::Isometry3d::Identity());
+    server.goes_on_from(testing::views_of_room);
+    server.drive(another_part, Eigen::Isometry3d::Identity());
+    server.finish();
+  }
+  SessionPlaces places(file(), false);
+  places.begin_session(0);
+  const auto drive = [&](int from, int id, const Eigen::Isometry3d& T_session_world) {
+    for (int k = 0; k < testing::views_of_room; ++k) {
+      const SeenView& view = seen_view(from + testing::frames_between * k);
+      places.keyframe(id + k, T_session_world * view.T_world_camera, view.features, view.cloud);
+    }
+  };
+  const FeatureFrame& asker = seen_view(first_number + 2).features;
+  drive(another_part, 0, elsewhere());
+  ASSERT_TRUE(places.T_map_session());
+  const auto in_map = places.locate(asker);
+  ASSERT_TRUE(in_map.located.place) << in_map.located.why_not;
+  expect_near(in_map.located.place->T_map_camera, elsewhere() * seen_view(first_number + 2).T_world_camera);
+  drive(first_number, 100, Eigen::Translation3d(30, 0, 0) * elsewhere());
+  const auto twin = places.locate(asker);
+  EXPECT_FALSE(twin.located.place);
+  EXPECT_THAT(twin.located.why_not, ::testing::HasSubstr("two places look alike"));
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -85,6 +85,36 @@ TEST_F(PlaceIndexTest, ATwinRoomIsSeenHoweverOftenTheFirstWasMapped) {
   EXPECT_THAT(located.why_not, HasSubstr("two places look alike"));
 }
 
+// All votes go to the keyframes of the first room: there are more than neighbours are asked for.
+TEST_F(PlaceIndexTest, ATwinRoomOfFewKeyframesIsSeenBesideOneOfMany) {
+  for (int i = 0; i < 49; ++i) {
+    const Seen seen = room.seen_from(Room::camera(2.4 + 0.3 * (i % 7), 2 + 0.3 * (i / 7), 0.75));
+    index.add(200 + i, seen.T_room_camera, seen.features, seen.cloud);
+  }
+  expect_at(ask(asker), asked_from);
+  for (int i = 0; i < 3; ++i) {
+    const Seen seen = room.seen_from(Room::camera(3.2 + 0.2 * i, 2.8, 0.75));
+    index.add(100 + i, far_away * seen.T_room_camera, seen.features, seen.cloud);
+  }
+  const Located located = ask(asker);
+  EXPECT_FALSE(located.place);
+  EXPECT_THAT(located.why_not, HasSubstr("two places look alike"));
+}
+
+TEST_F(PlaceIndexTest, WhatAnotherMapFoundIsNoPlaceWhereThisOneHasItsTwin) {
+  const Eigen::Isometry3d T_map_other = planar_pose(-3, 5, 1);
+  PlaceIndex other;
+  room.map(other);
+  Located located = other.locate(asker.features, asker.cloud);
+  index.look_for_twin(asker.features, Eigen::Isometry3d::Identity(), located);  // the same place
+  expect_at(located, asked_from);
+  index.look_for_twin(asker.features, T_map_other, located);
+  EXPECT_FALSE(located.place);
+  EXPECT_THAT(located.why_not, HasSubstr("two places look alike"));
+  index.look_for_twin(asker.features, T_map_other, located);  // it is none any more
+  EXPECT_FALSE(located.place);
+}
+
 TEST_F(PlaceIndexTest, KeyframesMoveGoAndAreReplaced) {
   const auto poses = Room::tour();
   for (std::size_t i = 0; i < poses.size(); ++i)
