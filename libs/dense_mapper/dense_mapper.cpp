@@ -169,7 +169,7 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
     step.status = MappingStatus::degraded;
     step.covariance = prior.information.inverse();
     bad_steps_ = misfits_ = 0;
-    if (!hanging_from_ && settings_.graph.enabled) hanging_from_ = graph_.nodes().back().id + 1;
+    if (settings_.graph.enabled) hanging_from_.push_back(graph_.nodes().back().id + 1);
   }
   return tracking || step.reseeded;
 }
@@ -177,16 +177,16 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
 // What grows from where odometry led fits itself; whether it lies where it should in the map, the graph tells
 // when it has compared both.
 bool DenseMapper::hangs_on_odometry() {
-  if (hanging_from_ && !map_.deforming() && graph_.ties(*hanging_from_)) hanging_from_.reset();
-  return hanging_from_.has_value();
+  if (!hanging_from_.empty() && !map_.deforming() && graph_.ties(hanging_from_)) hanging_from_.clear();
+  return !hanging_from_.empty();
 }
 
 // Of the part of the map whose place around the robot is known.
 int DenseMapper::first_node_here() const {
-  if (!hanging_from_) return 0;
+  if (hanging_from_.empty()) return 0;
   const auto& nodes = graph_.nodes();
   const auto first =
-      std::find_if(nodes.begin(), nodes.end(), [&](const auto& n) { return n.id >= *hanging_from_; });
+      std::find_if(nodes.begin(), nodes.end(), [&](const auto& n) { return n.id >= hanging_from_.back(); });
   return static_cast<int>(first - nodes.begin());
 }
 

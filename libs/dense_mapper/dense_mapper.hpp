@@ -115,10 +115,10 @@ class DenseMapper {
   ChangedSpace changed_space_;
   CarriedWatch carried_;
   KeyframeGraph graph_;
-  int bad_steps_ = 0;                                                   // in a row
-  int misfits_ = 0;                                                     // of them those that showed something
-  std::optional<int> hanging_from_;                                     // id of the first node of such a part
-  int placed_in_a_row_ = 0;                                             // frames, while adrift
+  int bad_steps_ = 0;              // in a row
+  int misfits_ = 0;                // of them those that showed something
+  std::vector<int> hanging_from_;  // ids of the first nodes of such parts
+  int placed_in_a_row_ = 0;        // frames, while adrift
   Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();  // robot, at the last insertion
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include <lcmslam/pose_graph/loop_admission.hpp>
@@ -318,15 +319,22 @@ std::size_t KeyframeGraph::memory_bytes() const {
   return bytes + (running_.valid() ? finder_bytes_ : finder_.memory_bytes());
 }
 
-bool KeyframeGraph::ties(int id) const {
+bool KeyframeGraph::ties(const std::vector<int>& first_ids) const {
   constexpr double known = 0.3;  // m, rad: more than that is where odometry led
-  const auto is_known = [](const GraphEdge& e) {
-    return e.T_from_to.covariance.diagonal().maxCoeff() < known * known;
+  const auto part_of = [&](int node) {
+    const int id = nodes_[static_cast<std::size_t>(node)].id;
+    return static_cast<std::size_t>(std::upper_bound(first_ids.begin(), first_ids.end(), id) -
+                                    first_ids.begin());
   };
-  const auto is_before = [&](int node) { return nodes_[static_cast<std::size_t>(node)].id < id; };
-  return std::any_of(edges_.begin(), edges_.end(), [&](const GraphEdge& e) {
-    return e.kind != EdgeKind::odometry && is_before(e.from) != is_before(e.to) && is_known(e);
-  });
+  std::vector<std::size_t> tied(first_ids.size() + 1);  // which parts are one, by part
+  std::iota(tied.begin(), tied.end(), std::size_t{0});
+  for (const GraphEdge& e : edges_) {
+    if (e.kind == EdgeKind::odometry || e.T_from_to.covariance.diagonal().maxCoeff() >= known * known)
+      continue;
+    const std::size_t from = tied[part_of(e.from)], to = tied[part_of(e.to)];
+    std::replace(tied.begin(), tied.end(), from, to);
+  }
+  return tied.front() == tied.back();
 }
 
 void KeyframeGraph::apply(const Correction& correction) {

@@ -128,8 +128,9 @@ class KeyframeGraph {
   /// Of all that is kept; what work under way touches, as it was when that began.
   std::size_t memory_bytes() const;
 
-  /// Whether more than odometry connects the nodes from this id on with those before.
-  bool ties(int id) const;
+  /// Parts of the graph begin at these ids, ascending: whether more than odometry connects the last of them,
+  /// perhaps over others, with what is before the first.
+  bool ties(const std::vector<int>& first_ids) const;
 
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<GraphEdge>& edges() const { return edges_; }

@@ -74,6 +74,8 @@ void MapRecorder::keep(MapFile& map, const StoredSession& session) {
   else
     stored_.insert(place, session);
 
+  if (const auto frame = map.frame_session(session.mapper)) frame_sessions_[session.mapper] = *frame;
+
   KeptSession kept{session.id, session.mapper, names_of(stored_)[index]};
   std::set<std::int32_t>& keyframes = stored_keyframes_[session.id] = {};
   for (const StoredKeyframe& keyframe : map.keyframes(session.id)) {
@@ -295,12 +297,11 @@ std::int64_t MapRecorder::goes_on(const std::string& mapper, const SessionKey& k
 }
 
 std::optional<std::string> MapRecorder::evidence(std::int64_t stored) const {
-  std::set<std::string> mappers;
   for (const StoredSession& old : stored_) {
-    const bool is_first = mappers.insert(old.mapper).second;
     if (old.id != stored) continue;
     if (old.T_map_session) return old.evidence;
-    return is_first ? std::optional<std::string>("") : std::nullopt;
+    const auto frame = frame_sessions_.find(old.mapper);
+    if (frame != frame_sessions_.end() && frame->second == stored) return "";
   }
   return std::nullopt;
 }

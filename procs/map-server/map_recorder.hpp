@@ -76,8 +76,8 @@ class MapRecorder {
   std::int64_t stored(const std::string& mapper, const SessionKey& key);
   /// The same, without beginning it.
   std::int64_t goes_on(const std::string& mapper, const SessionKey& key) const;
-  /// What says where that session of an earlier run lies in the map, "" for its mapper's first; nothing: it
-  /// lies apart.
+  /// What says where that session of an earlier run lies in the map, "" for the one whose frame that is;
+  /// nothing: it lies apart.
   std::optional<std::string> evidence(std::int64_t stored) const;
   /// Sessions of earlier runs and retired ones, whether they have a map or not: so many numbers are taken.
   std::size_t kept(const std::string& mapper) const;
@@ -103,6 +103,7 @@ class MapRecorder {
   std::vector<StoredSession> stored_;                                // that are not in memory
   std::map<std::int64_t, std::set<std::int32_t>> stored_keyframes_;  // by session
   std::vector<KeptSession> kept_;
+  std::map<std::string, std::int64_t> frame_sessions_;  // whose frame is the map's, by mapper
   std::map<std::pair<std::string, std::pair<std::int64_t, std::string>>, Session> sessions_;
   std::deque<std::pair<Utime, Matrix6d>> covariances_;  // of the last ICP_POSEs
   std::map<std::string, std::vector<std::uint8_t>> calibrations_;

@@ -21,36 +21,54 @@ SessionPlaces::SessionPlaces(const std::filesystem::path& file, bool background)
   jobs_.hand_in([this] { load(); });
 }
 
-void SessionPlaces::load() {
-  if (!std::filesystem::exists(file_)) return;
+template <class Work>
+void SessionPlaces::attempt(const Work& work) {
   try {
-    MapFile map(file_);
-    std::vector<StoredSession> unknown;
-    bool first = true;
-    for (const StoredSession& session : map.sessions()) {
-      if (session.mapper != "icp" || map.counts(session.id).features == 0) continue;
-      if (first) first_session_ = session.id;
-      if (first || session.T_map_session)
-        add_session(map, session.id, session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
-      else
-        unknown.push_back(session);
-      first = false;
-    }
-    for (const StoredSession& session : unknown) join_stored(map, session.id);
+    work();
   } catch (const std::exception& error) {
     const std::lock_guard<std::mutex> lock(mutex_);
     error_ = error.what();
   }
 }
 
+void SessionPlaces::load() {
+  if (!std::filesystem::exists(file_)) return;
+  attempt([this] {
+    MapFile map(file_);
+    const std::optional<std::int64_t> frame = map.frame_session("icp");
+    std::vector<std::int64_t> unknown;
+    for (const StoredSession& session : map.sessions()) {
+      if (session.mapper != "icp" || map.counts(session.id).features == 0) continue;
+      if (session.id == frame) first_session_ = session.id;
+      if (session.id == frame || session.T_map_session)
+        attempt([&] {
+          add_session(map, session.id, session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
+        });
+      else
+        unknown.push_back(session.id);
+    }
+    for (const std::int64_t session : unknown) attempt([&] { join_stored(map, session); });
+  });
+}
+
+std::optional<SessionPlaces::Look> SessionPlaces::look(MapFile& map, std::int64_t session,
+                                                       std::int32_t keyframe) {
+  std::optional<Look> look;
+  attempt([&] {
+    auto features = map.features(session, keyframe);
+    auto cloud = map.cloud(session, keyframe);
+    if (features && cloud) look = Look{std::move(*features), std::move(*cloud)};
+  });
+  return look;
+}
+
 void SessionPlaces::add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session) {
   for (const StoredKeyframe& keyframe : map.keyframes(session)) {
-    const auto features = map.features(session, keyframe.id);
-    const auto cloud = map.cloud(session, keyframe.id);
+    const auto seen = look(map, session, keyframe.id);
     const Eigen::Isometry3d T_map_camera = T_map_session * keyframe.T_map_camera;
     const std::lock_guard<std::mutex> lock(mutex_);
     kept_.push_back({session, keyframe.id, T_map_camera});
-    if (features && cloud) map_.add(index_key(session, keyframe.id), T_map_camera, *features, *cloud);
+    if (seen) map_.add(index_key(session, keyframe.id), T_map_camera, seen->features, seen->cloud);
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   T_map_session_[session] = T_map_session;
@@ -61,10 +79,9 @@ void SessionPlaces::join_stored(MapFile& map, std::int64_t session) {
   SessionJoiner joiner;
   for (const StoredKeyframe& keyframe : map.keyframes(session)) {
     if (joiner.done()) break;
-    const auto features = map.features(session, keyframe.id);
-    const auto cloud = map.cloud(session, keyframe.id);
+    const auto seen = look(map, session, keyframe.id);
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (features && cloud) joiner.add(keyframe.T_map_camera, *features, *cloud, map_);
+    if (seen) joiner.add(keyframe.T_map_camera, seen->features, seen->cloud, map_);
   }
   if (!joiner.joint()) return;
   {
@@ -96,7 +113,7 @@ void SessionPlaces::begin_session(std::int64_t stored) {
 /// What was joined in an earlier run goes on, and its graph moves it: it is taken out of the map, and asked
 /// for its place again.
 void SessionPlaces::go_on(std::int64_t session) {
-  try {
+  attempt([&] {
     MapFile map(file_);
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -105,15 +122,11 @@ void SessionPlaces::go_on(std::int64_t session) {
       T_map_session_.erase(session);
     }
     for (const StoredKeyframe& keyframe : map.keyframes(session)) {
-      const auto features = map.features(session, keyframe.id);
-      const auto cloud = map.cloud(session, keyframe.id);
+      const auto seen = look(map, session, keyframe.id);
       const std::lock_guard<std::mutex> lock(mutex_);
-      if (features && cloud) look_for(keyframe.id, keyframe.T_map_camera, *features, *cloud);
+      if (seen) look_for(keyframe.id, keyframe.T_map_camera, seen->features, seen->cloud);
     }
-  } catch (const std::exception& error) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    error_ = error.what();
-  }
+  });
 }
 
 /// A mapper that begins anew looks for its last map, too, where it is known how that lies.

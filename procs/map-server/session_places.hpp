@@ -2,8 +2,8 @@
 // Where the current session lies in the map that the file had when this server began, and where in both
 // something was seen. Works in a thread of its own.
 //
-// The map's frame is that of the file's first dense session. Sessions of earlier runs whose place is not
-// known are looked for in it first, then each new keyframe.
+// The map's frame is that of the file's first dense session that has features. Sessions of earlier runs whose
+// place is not known are looked for in it first, then each new keyframe.
 
 #include <filesystem>
 #include <map>
@@ -86,6 +86,15 @@ class SessionPlaces {
     Eigen::Isometry3d T_map_camera;
   };
   void load();
+  /// What cannot be read says error(), and takes nothing else away.
+  template <class Work>
+  void attempt(const Work& work);
+  /// What a keyframe is found by.
+  struct Look {
+    FeatureFrame features;
+    ColouredCloud cloud;
+  };
+  std::optional<Look> look(MapFile& map, std::int64_t session, std::int32_t keyframe);
   void keep(const Kept& keyframe);
   bool is_outdated(std::size_t kept) const;
   KeptKeyframe read_kept(std::size_t kept);

@@ -72,10 +72,10 @@ void write_all(int socket, const std::string& text) {
   }
 }
 
-/// -1 when nobody listens there.
-int connect_to(const fs::path& path) {
+/// -1 when nobody listens there. `kind`: further flags of socket().
+int connect_to(const fs::path& path, int kind = 0) {
   const sockaddr_un address = address_of(path);
-  const int client = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int client = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | kind, 0);
   if (client < 0) return -1;
   if (connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return client;
   const int error = errno;
@@ -116,8 +116,8 @@ ControlSocket::ControlSocket(const fs::path& folder, const std::string& name)
 }
 
 ControlSocket::~ControlSocket() {
+  unlink(path_.c_str());  // first: one that refuses and is there is a dead process's
   close(socket_);
-  unlink(path_.c_str());
 }
 
 void ControlSocket::poll(const Answer& answer) {
@@ -136,15 +136,19 @@ std::vector<fs::path> running_launches() {
       if (entry.path().extension() == ".sock") sockets.insert(entry.path());
   std::vector<fs::path> running;
   for (const fs::path& socket : sockets) {
-    const int client = connect_to(socket);
-    if (client >= 0) {
-      close(client);
+    if (is_listened_to(socket))
       running.push_back(socket);
-    } else if (errno == ECONNREFUSED) {
+    else if (errno == ECONNREFUSED)
       unlink(socket.c_str());
-    }
   }
   return running;
+}
+
+bool is_listened_to(const fs::path& socket) {
+  const int client = connect_to(socket, SOCK_NONBLOCK);
+  if (client < 0) return errno == EAGAIN;  // it has not come to those who asked before
+  close(client);
+  return true;
 }
 
 std::optional<std::string> ask_launch(const fs::path& socket, const std::string& request) {

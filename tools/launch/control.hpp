@@ -36,6 +36,9 @@ class ControlSocket {
 /// Sockets of launches that run, in all folders where they may be; those of dead ones are removed.
 std::vector<std::filesystem::path> running_launches();
 
+/// Whether its process lives, however busy it is.
+bool is_listened_to(const std::filesystem::path& socket);
+
 /// The answer of a launch; nothing when it does not answer.
 std::optional<std::string> ask_launch(const std::filesystem::path& socket, const std::string& request);
 

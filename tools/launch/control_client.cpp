@@ -36,10 +36,14 @@ int control_launch(const std::string& request, const std::string& robot) {
   (refused ? std::cerr : std::cout) << *answer << std::flush;
   if (request != "stop" || refused) return refused ? 1 : 0;
   // Until it has saved all and is gone.
-  while (std::filesystem::exists(launches.front()))
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  std::cout << "stopped\n";
-  return 0;
+  while (is_listened_to(launches.front())) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  if (!std::filesystem::exists(launches.front())) {
+    std::cout << "stopped\n";
+    return 0;
+  }
+  std::filesystem::remove(launches.front());
+  std::cerr << "lcmslam launch: was killed before it had stopped; its processes stop on their own\n";
+  return 1;
 }
 
 }  // namespace lcmslam

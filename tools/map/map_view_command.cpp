@@ -21,9 +21,10 @@ struct ViewOptions {
   bool force = false;
 };
 
-/// Sessions that lie in one frame: that of their mapper's first, or of one whose place nobody knows.
+/// Sessions that lie in one frame: the map's, or that of one whose place nobody knows.
 struct Picture {
   std::string name, mapper;
+  bool is_map = false;  // its frame is
   ColouredCloud cloud;
   std::vector<Landmark> landmarks;
   std::vector<PicturePath> paths;
@@ -70,11 +71,13 @@ class Viewer {
     const SessionCounts counts = map_.counts(session.id);
     if (counts.clouds + counts.landmarks == 0) return;
     const Eigen::Isometry3d T = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
-    const auto first = std::find_if(pictures_.begin(), pictures_.end(),
-                                    [&](const Picture& picture) { return picture.mapper == session.mapper; });
-    const bool joins = session.T_map_session && first != pictures_.end();
-    if (!joins) pictures_.push_back({name, session.mapper, {}, {}, {}});
-    Picture& picture = joins ? *first : pictures_.back();
+    const bool is_placed = session.T_map_session || map_.frame_session(session.mapper) == session.id;
+    const auto same = std::find_if(pictures_.begin(), pictures_.end(), [&](const Picture& picture) {
+      return is_placed && picture.is_map && picture.mapper == session.mapper;
+    });
+    Picture& picture = same != pictures_.end()
+                           ? *same
+                           : pictures_.emplace_back(Picture{name, session.mapper, is_placed, {}, {}, {}});
     append(picture.cloud, map_.dense_map(session.id).merge(options_.resolution), T);
     for (Landmark landmark : map_.landmarks(session.id)) {
       landmark.mean = T * landmark.mean;

@@ -54,8 +54,8 @@ KeptPage::KeptPage(const std::filesystem::path& file, const std::vector<std::str
   std::int32_t number = 0;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     const StoredSession& session = sessions[i];
-    const bool is_first = paths.count(session.mapper) == 0;
-    const bool is_placed = session.T_map_session || is_first;
+    const bool is_frame = map.frame_session(session.mapper) == session.id;
+    const bool is_placed = session.T_map_session || is_frame;
     const SessionCounts counts = map.counts(session.id);
     const auto trajectory = map.trajectory(session.id);
     told.push_back({{"name", names[i]},
@@ -64,7 +64,7 @@ KeptPage::KeptPage(const std::filesystem::path& file, const std::vector<std::str
                     {"end", trajectory.empty() ? 0 : trajectory.back().utime},
                     {"current", false},
                     {"joined", session.T_map_session ? json(session.evidence)
-                               : is_first            ? json("")
+                               : is_frame            ? json("")
                                                      : json()},
                     {"keyframes", counts.clouds},
                     {"landmarks", counts.landmarks}});

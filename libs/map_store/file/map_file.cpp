@@ -72,6 +72,17 @@ SessionCounts MapFile::counts(std::int64_t session) {
           count("count(*) FROM landmark")};
 }
 
+std::optional<std::int64_t> MapFile::frame_session(const std::string& mapper) {
+  std::optional<std::int64_t> first;
+  for (const StoredSession& session : sessions()) {
+    if (session.mapper != mapper) continue;
+    if (!first) first = session.id;
+    const SessionCounts has = counts(session.id);
+    if (has.features + has.landmarks > 0) return session.id;
+  }
+  return first;
+}
+
 std::vector<StoredCalibration> MapFile::calibrations() {
   if (schema_ == 0) return {};
   Statement rows(database_, "SELECT sensor, form, data FROM calibration ORDER BY sensor");

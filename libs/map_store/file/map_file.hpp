@@ -28,6 +28,9 @@ class MapFile {
   /// In the order in which they began.
   std::vector<StoredSession> sessions();
   SessionCounts counts(std::int64_t session);
+  /// Of this mapper's sessions the one whose frame is the map's, by id: the first in which others can be
+  /// found, so it has features or landmarks; where none has, the first. Nothing: there is no session.
+  std::optional<std::int64_t> frame_session(const std::string& mapper);
   /// Of each sensor as it was told last.
   std::vector<StoredCalibration> calibrations();
   /// By which images were taken; images() gives each with its own.

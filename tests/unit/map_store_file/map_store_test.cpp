@@ -42,6 +42,21 @@ class MapStoreFile : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(MapStoreFile, TheMapsFrameIsThatOfTheFirstSessionInWhichOthersCanBeFound) {
+  SessionChanges bare, with_features, with_landmarks;
+  for (SessionChanges* changes : {&bare, &with_features})
+    changes->put_keyframe(some_keyframe(3), Matrix6d::Identity());
+  with_features.put_features(3, some_frame_of_features(1, 5));
+  with_landmarks.put_landmark(some_landmark(1, 20));
+  const std::int64_t first = write(bare);
+  EXPECT_EQ(MapFile(file()).frame_session("icp"), first) << "there is no other";
+  EXPECT_EQ(MapFile(file()).frame_session("fastslam"), std::nullopt);
+  const std::int64_t of_landmarks = write(with_landmarks, "fastslam"), second = write(with_features);
+  write(with_features);
+  EXPECT_EQ(MapFile(file()).frame_session("icp"), second);
+  EXPECT_EQ(MapFile(file()).frame_session("fastslam"), of_landmarks);
+}
+
 TEST_F(MapStoreFile, GivesBackWhatWasPutIntoIt) {
   SessionChanges changes;
   changes.put_keyframe(some_keyframe(3), Matrix6d::Identity());

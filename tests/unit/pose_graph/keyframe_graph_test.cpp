@@ -101,15 +101,17 @@ TEST(KeyframeGraph, ALoopThatIsStillWorkedOnAtTheEndCounts) {
   EXPECT_FALSE(visit.graph.work(visit.now));         // takes what was done before
   EXPECT_FALSE(visit.graph.work(visit.now + 1000));  // begins
   ASSERT_FALSE(visit.graph.add_features(20, visit.last_features)) << "the work has begun";
-  EXPECT_FALSE(visit.graph.ties(20)) << "odometry alone";
+  EXPECT_FALSE(visit.graph.ties({20})) << "odometry alone";
+  EXPECT_FALSE(visit.graph.ties({5, 20})) << "what is tied is the part before";
   const auto correction = visit.graph.finish();
   ASSERT_TRUE(correction);
   visit.graph.apply(*correction);
   EXPECT_LT(visit.error_of_the_return(), 0.02);
   EXPECT_EQ(visit.graph.edges().back().kind, EdgeKind::loop);
-  EXPECT_TRUE(visit.graph.ties(20));
-  EXPECT_TRUE(visit.graph.ties(10)) << "over the loop";
-  EXPECT_FALSE(visit.graph.ties(21)) << "nobody is there";
+  EXPECT_TRUE(visit.graph.ties({20}));
+  EXPECT_TRUE(visit.graph.ties({10})) << "over the loop";
+  EXPECT_TRUE(visit.graph.ties({12, 15}));
+  EXPECT_FALSE(visit.graph.ties({21})) << "nobody is there";
 }
 
 /// Away along the gallery with tracking that says how badly it knows the way, and a last look back at where
@@ -206,9 +208,9 @@ TEST(KeyframeGraph, ThePathOfWhoIsFoundAgainGoesOnFromWhatItShows) {
 // An edge over a way that odometry alone knows is no tie, whichever kind it is of.
 TEST(KeyframeGraph, AnEdgeThatKnowsNothingTiesNothing) {
   KeyframeGraphSettings settings;
-  EXPECT_TRUE(Visit(settings).graph.ties(10));
+  EXPECT_TRUE(Visit(settings).graph.ties({10}));
   settings.loops.floor_translation = 1;
-  EXPECT_FALSE(Visit(settings).graph.ties(10));
+  EXPECT_FALSE(Visit(settings).graph.ties({10}));
 }
 
 TEST(KeyframeGraph, FeaturesMayComeLater) {

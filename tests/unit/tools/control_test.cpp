@@ -93,5 +93,38 @@ TEST_F(Control, SocketsOfTheDeadAreRemoved) {
   EXPECT_FALSE(ask_launch(folder / "nobody.sock", "status"));
 }
 
+/// Another process's launch that is told to stop, and ends.
+pid_t launch_that_ends(const std::filesystem::path& folder, bool cleanly) {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  auto* socket = new ControlSocket(folder, "ends");
+  bool asked = false;
+  while (!asked)
+    socket->poll([&](const std::string& request) {
+      asked = request == "stop";
+      return "stops\n";
+    });
+  usleep(300'000);  // it saves its maps, and hears nobody
+  if (cleanly) delete socket;
+  _exit(0);
+}
+
+TEST_F(Control, WhoStopsALaunchWaitsUntilItIsGoneHoweverItEnds) {
+  const auto folder = control_folder();
+  for (const bool cleanly : {true, false}) {
+    const pid_t child = launch_that_ends(folder, cleanly);
+    ASSERT_TRUE(testing::wait_for([&] { return running_launches().size() == 1; }));
+    EXPECT_EQ(control_launch("stop", ""), cleanly ? 0 : 1);
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+    waitpid(child, nullptr, 0);
+  }
+}
+
+// Who is busy does not come to those who ask.
+TEST_F(Control, ALaunchThatHearsNobodyLives) {
+  const ControlSocket socket(control_folder(), "busy");
+  for (int i = 0; i < 40; ++i) ASSERT_EQ(running_launches().size(), 1U) << i;
+}
+
 }  // namespace
 }  // namespace lcmslam

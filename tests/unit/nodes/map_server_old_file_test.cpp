@@ -1,0 +1,63 @@
+// What the file of earlier runs lacks, or has damaged, takes nothing else away.
+
+#include "tests/unit/nodes/map_server_places_fixture.hpp"
+
+namespace lcmslam {
+namespace {
+
+using testing::first_number;
+using testing::Life;
+using testing::seen_view;
+
+class MapServerOldFile : public testing::MapServerPlaces {
+ protected:
+  void execute(const std::string& sql) { Database(file(), Database::Access::write).execute(sql); }
+  void map_from(std::int64_t mapper, const Eigen::Isometry3d& T_session_world) {
+    Life server(scratch_.path(), "map", mapper);
+    server.drive(first_number + 2, T_session_world);
+    server.finish();
+  }
+};
+
+TEST_F(MapServerOldFile, ADamagedKeyframeIsTheOnlyOneThatIsNotFound) {
+  map_once();
+  execute("UPDATE features SET data = zeroblob(length(data)) WHERE keyframe = 1");
+  execute("UPDATE cloud SET data = zeroblob(length(data)) WHERE keyframe = 2");
+  const SessionPlaces places(file(), false);
+  EXPECT_EQ(places.kept_keyframes(), testing::views_of_room - 2U);
+  EXPECT_THAT(places.error(), ::testing::HasSubstr("keyframe 2"));
+  map_from(13, elsewhere());
+  const auto sessions = MapFile(file()).sessions();
+  ASSERT_EQ(sessions.size(), 2U);
+  ASSERT_TRUE(sessions[1].T_map_session);
+  expect_near(*sessions[1].T_map_session, elsewhere().inverse());
+}
+
+TEST_F(MapServerOldFile, OtherSessionsAreFoundBesideADamagedOne) {
+  map_once();
+  map_from(13, elsewhere());
+  execute("UPDATE keyframe SET pose = zeroblob(10) WHERE session = 1");
+  EXPECT_EQ(SessionPlaces(file(), false).kept_keyframes(), testing::views_of_room);
+}
+
+// Nothing can be found in it, so later sessions share the frame of the next one, and all say so.
+TEST_F(MapServerOldFile, ASessionWithoutFeaturesIsNotTheMapsFrame) {
+  map_once();
+  execute("DELETE FROM features");
+  map_from(13, Eigen::Isometry3d::Identity());
+  map_from(23, elsewhere());
+  const auto sessions = MapFile(file()).sessions();
+  ASSERT_EQ(sessions.size(), 3U);
+  EXPECT_FALSE(sessions[0].T_map_session);
+  EXPECT_FALSE(sessions[1].T_map_session);
+  ASSERT_TRUE(sessions[2].T_map_session);
+  expect_near(*sessions[2].T_map_session, elsewhere().inverse());
+  EXPECT_EQ(MapFile(file()).frame_session("icp"), sessions[1].id);
+  const MapRecorder recorder(file(), "");
+  EXPECT_EQ(recorder.evidence(sessions[0].id), std::nullopt) << "it lies apart";
+  EXPECT_EQ(recorder.evidence(sessions[1].id), "");
+  EXPECT_THAT(recorder.evidence(sessions[2].id).value_or(""), ::testing::HasSubstr("agree"));
+}
+
+}  // namespace
+}  // namespace lcmslam
