@@ -128,22 +128,30 @@ class MapFiles {
   std::vector<std::string> written_;
 };
 
-/// One at a time, so that no more of them than that is in memory.
+void save_kept(const KeptSession& kept, MapFile& file, double resolution, MapFiles& files) {
+  if (kept.mapper == "fastslam") {
+    const MapsToSave::Landmarks map{kept.name, file.landmarks(kept.id), {}};
+    files.save_points(map.name, map.landmarks);
+    files.save_pictures(map);
+  } else {
+    const MapsToSave::Dense map{kept.name, file.dense_map(kept.id), {}, false};
+    const ColouredCloud cloud = map.map.merge(resolution);
+    files.save_points(map.name, cloud);
+    files.save_pictures(map, cloud, resolution);
+  }
+}
+
+/// One at a time, so that no more of them than that is in memory. One that is damaged takes no other away.
 void save_kept(const MapsToSave& maps, MapFiles& files) {
   if (maps.kept.empty()) return;
   MapFile file(maps.store);
-  for (const KeptSession& kept : maps.kept) {
-    if (kept.mapper == "fastslam") {
-      const MapsToSave::Landmarks map{kept.name, file.landmarks(kept.id), {}};
-      files.save_points(map.name, map.landmarks);
-      files.save_pictures(map);
-    } else {
-      const MapsToSave::Dense map{kept.name, file.dense_map(kept.id), {}, false};
-      const ColouredCloud cloud = map.map.merge(maps.resolution);
-      files.save_points(map.name, cloud);
-      files.save_pictures(map, cloud, maps.resolution);
+  std::optional<StoreError> damage;
+  for (const KeptSession& kept : maps.kept) try {
+      save_kept(kept, file, maps.resolution, files);
+    } catch (const StoreError& error) {
+      if (!damage) damage = error;
     }
-  }
+  if (damage) throw StoreError(*damage);
 }
 
 }  // namespace

@@ -31,6 +31,9 @@ TEST_F(MapServerOldFile, ADamagedKeyframeIsTheOnlyOneThatIsNotFound) {
   ASSERT_EQ(sessions.size(), 2U);
   ASSERT_TRUE(sessions[1].T_map_session);
   expect_near(*sessions[1].T_map_session, elsewhere().inverse());
+  map_from(23, elsewhere());
+  EXPECT_FALSE(std::filesystem::exists(scratch_.path() / "icp-session1_map.ply"));
+  EXPECT_TRUE(std::filesystem::exists(scratch_.path() / "icp-session2_map.ply"));
 }
 
 TEST_F(MapServerOldFile, OtherSessionsAreFoundBesideADamagedOne) {
