@@ -7,7 +7,8 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t remembered = 15;
-constexpr std::size_t needed = 5;  // intervals that make a usual one
+constexpr std::size_t needed = 5;          // intervals that make a usual one
+constexpr Utime longest_gap = 10'000'000;  // us; more is a clock that was set, not a camera
 
 }  // namespace
 
@@ -24,7 +25,7 @@ std::int64_t FrameGaps::missing_before(Utime utime) {
   const bool first = !begun_;
   begun_ = true;
   last_ = utime;
-  if (first || interval <= 0) return 0;
+  if (first || interval <= 0 || interval > longest_gap) return 0;
   const Utime usual = usual_interval();
   intervals_.push_back(interval);
   if (intervals_.size() > remembered) intervals_.pop_front();

@@ -8,6 +8,8 @@
 namespace lcmslam {
 namespace {
 
+constexpr Utime longest_gap = 60'000'000;  // us: after it a robot may be anywhere, and nobody states more
+
 double squared(double x) {
   return x * x;
 }
@@ -68,7 +70,7 @@ bool UnknownMotion::knows(const Motion& odometry, Utime step) const {
 }
 
 Motion UnknownMotion::prior(const Motion& odometry, Utime utime) {
-  const Utime step = last_ ? std::max<Utime>(0, utime - *last_) : 0;
+  const Utime step = last_ ? std::clamp<Utime>(utime - *last_, 0, longest_gap) : 0;
   last_ = utime;
   if (knows(odometry, step)) return motion_prior(odometry, settings_);
   const Matrix6d before = unknown_motion(elapsed_).covariance;

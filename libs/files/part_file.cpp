@@ -41,10 +41,17 @@ std::string part_name(const std::string& name) {
   return name + ".part" + std::to_string(getpid()) + "-" + std::to_string(made++);
 }
 
+bool is_number(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// Whether part_name() makes such names: `split` makes run.lcmlog.part00, and that is the user's.
 bool is_part_of(const std::string& candidate, const std::string& name) {
   const std::string begin = name + ".part";
-  return candidate.size() > begin.size() && candidate.compare(0, begin.size(), begin) == 0 &&
-         candidate.find_first_not_of("0123456789-", begin.size()) == std::string::npos;
+  if (candidate.compare(0, begin.size(), begin) != 0) return false;
+  const std::string rest = candidate.substr(begin.size());
+  const std::size_t dash = rest.find('-');
+  return dash != std::string::npos && is_number(rest.substr(0, dash)) && is_number(rest.substr(dash + 1));
 }
 
 /// The names in a folder; none when it may not be read.

@@ -7,6 +7,8 @@
 namespace lcmslam {
 namespace {
 
+constexpr Utime shortest_step = 5'000;  // us that tell a speed
+
 // What another driver sends may not add up along its path, and rounding makes the difference of equals
 // negative: the nearest positive semidefinite matrix then (Higham 1988), which is the same one otherwise.
 Matrix6d nearest_covariance(const Matrix6d& Q) {
@@ -55,7 +57,10 @@ std::optional<MotionSample> MotionBuffer::at(Utime utime, Utime extrapolation) c
                                 [](const MotionSample& s, Utime t) { return s.utime < t; });
   if (beyond) after = std::prev(samples_.end());
   if (after->utime == utime) return *after;
-  const MotionSample& a = *std::prev(after);
+  auto before = std::prev(after);
+  if (beyond)  // samples that came together tell no speed
+    while (before != samples_.begin() && after->utime - before->utime < shortest_step) --before;
+  const MotionSample& a = *before;
   const MotionSample& b = *after;
   const double fraction = static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
 

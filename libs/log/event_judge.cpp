@@ -53,24 +53,33 @@ EventJudge::Verdict EventJudge::judge(const Header& header, std::optional<std::i
 /// payload: chance, or a log in a message.
 std::optional<std::uint64_t> EventJudge::next_event_inside(const Header& header, bool followed) const {
   const std::uint64_t end = header.end();
+  Walked walked(header.offset, end);
   bool first = true;
   for (std::uint64_t at = find_sync(bytes_, header.offset + 4, end); at < end;
        at = find_sync(bytes_, at + 4, end)) {
     const auto inner = header_at(bytes_, at);
     if (!inner) continue;
     if (first && is_after(header.number, inner->number, 1)) return at;
-    if (followed ? chain_joins(*inner, header) : chain_leaves(at, end)) return at;
+    if (followed ? chain_joins(*inner, header, walked) : chain_leaves(at, end, walked)) return at;
     first = false;
   }
   return std::nullopt;
 }
 
+bool EventJudge::Walked::insert(std::uint64_t offset) {
+  if (offsets_.empty()) offsets_.resize(end_ - begin_ + 1);
+  auto known = offsets_[offset - begin_];
+  const bool is_new = !known;
+  known = true;
+  return is_new;
+}
+
 /// Events follow one another from `from` and do not respect `end`.
-bool EventJudge::chain_leaves(std::uint64_t from, std::uint64_t end) const {
+bool EventJudge::chain_leaves(std::uint64_t from, std::uint64_t end, Walked& walked) const {
   constexpr int long_enough = 10'000;  // events
   for (int i = 0; i < long_enough; ++i) {
     const auto header = header_at(bytes_, from);
-    if (!header || header->end() > bytes_.size) return false;
+    if (!header || header->end() > bytes_.size || !walked.insert(from)) return false;
     from = header->end();
     if (from > end || from == bytes_.size) return follows_event(bytes_, from);
   }
@@ -78,9 +87,10 @@ bool EventJudge::chain_leaves(std::uint64_t from, std::uint64_t end) const {
 }
 
 /// Events follow one another from `inner` to the end of `outer` and are numbered like what comes after it.
-bool EventJudge::chain_joins(Header inner, const Header& outer) const {
+bool EventJudge::chain_joins(Header inner, const Header& outer, Walked& walked) const {
   if (inner.number <= outer.number) return false;
   while (inner.end() < outer.end()) {
+    if (!walked.insert(inner.offset)) return false;
     const auto next = header_at(bytes_, inner.end());
     if (!next) return false;
     inner = *next;

@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <lcmslam/log/channel_history.hpp>
 #include <lcmslam/log/log_format.hpp>
@@ -41,9 +42,21 @@ class EventJudge {
   void accepted(const LogEventView& event) { history_.add(event); }
 
  private:
+  /// Offsets in a range that were walked over, in vain: walking from each would take for ever in a file that
+  /// is made for it.
+  class Walked {
+   public:
+    Walked(std::uint64_t begin, std::uint64_t end) : begin_(begin), end_(end) {}
+    /// False: it was there already.
+    bool insert(std::uint64_t offset);
+
+   private:
+    std::uint64_t begin_, end_;
+    std::vector<bool> offsets_;
+  };
   std::optional<std::uint64_t> next_event_inside(const log_format::Header& header, bool followed) const;
-  bool chain_leaves(std::uint64_t from, std::uint64_t end) const;
-  bool chain_joins(log_format::Header inner, const log_format::Header& outer) const;
+  bool chain_leaves(std::uint64_t from, std::uint64_t end, Walked& walked) const;
+  bool chain_joins(log_format::Header inner, const log_format::Header& outer, Walked& walked) const;
   bool is_shortened(const LogEventView& event, std::uint64_t next) const;
   Wholeness check(std::string_view channel, const std::uint8_t* data, std::size_t size) const;
 

@@ -1,5 +1,7 @@
 #include <lcmslam/odometry/external_odometry.hpp>
 
+#include <algorithm>
+
 namespace lcmslam {
 namespace {
 
@@ -15,10 +17,11 @@ double way_of(const Eigen::Isometry3d& T) {
 // meanwhile.
 bool begins_anew(double way, double seconds, const Eigen::Isometry3d& T_driver_robot) {
   constexpr double fastest = 10;             // m/s
+  constexpr double shortest_step = 0.03;     // s: stamps of messages that came together tell no speed
   constexpr double shortest_silence = 0.3;   // s; a process starts no faster
   constexpr double away = 0.2, home = 0.02;  // m from the origin, and at it
   const bool restarts = seconds >= shortest_silence && way > away && way_of(T_driver_robot) < home;
-  return restarts || way > fastest * seconds;
+  return restarts || way > fastest * std::max(seconds, shortest_step);
 }
 
 }  // namespace

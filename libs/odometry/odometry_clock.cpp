@@ -52,6 +52,25 @@ void OdometryClock::add_odometry(const MotionSample& sample) {
   odometry_.emplace_back(sample.utime, sample.T_odom_robot.linear());
 }
 
+/// Without a gap.
+bool OdometryClock::is_covered(Utime from, Utime to) const {
+  const auto is_before = [](const auto& sample, Utime t) { return sample.first < t; };
+  if (odometry_.empty() || from < odometry_.front().first || to > odometry_.back().first) return false;
+  Utime last = from;
+  for (auto s = std::lower_bound(odometry_.begin(), odometry_.end(), from, is_before); last < to; ++s) {
+    const Utime begin = s == odometry_.begin() ? s->first : std::prev(s)->first;
+    if (s->first - begin > longest_gap) return false;
+    last = s->first;
+  }
+  return true;
+}
+
+/// Of odometry, in the mean.
+Utime OdometryClock::period() const {
+  return (odometry_.back().first - odometry_.front().first) /
+         static_cast<Utime>(std::max<std::size_t>(1, odometry_.size() - 1));
+}
+
 std::optional<Eigen::Quaterniond> OdometryClock::odometry_at(Utime utime) const {
   const auto after = std::lower_bound(odometry_.begin(), odometry_.end(), utime,
                                       [](const auto& sample, Utime t) { return sample.first < t; });
@@ -74,11 +93,9 @@ std::optional<Eigen::Vector3d> OdometryClock::odometry_turn(Utime from, Utime to
 // Between two samples odometry's noise averages: stamps that fall there would look better than they are. The
 // mean over two periods looks the same wherever stamps fall.
 std::optional<Eigen::Vector3d> OdometryClock::odometry_turn_around(Utime from, Utime to) const {
-  const Utime period = (odometry_.back().first - odometry_.front().first) /
-                       static_cast<Utime>(std::max<std::size_t>(1, odometry_.size() - 1));
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int i = 0; i < phases; ++i) {
-    const Utime shift = (2 * i + 1 - phases) * period / phases;
+    const Utime shift = (2 * i + 1 - phases) * period() / phases;
     const auto turn = odometry_turn(from + shift, to + shift);
     if (!turn) return std::nullopt;
     sum += *turn;
@@ -120,15 +137,13 @@ OdometryClock::Offset OdometryClock::estimate() const {
   Offset result;
   // Steps that odometry covers at every offset.
   std::vector<CameraStep> steps;
-  const Utime range = microseconds_of(settings_.range);
+  const Utime reach = microseconds_of(settings_.range) + (odometry_.empty() ? 0 : period());
   double turned = 0;
-  if (!odometry_.empty())
-    for (const CameraStep& step : steps_)
-      if (odometry_turn_around(step.from - range, step.to - range) &&
-          odometry_turn_around(step.from + range, step.to + range)) {
-        steps.push_back(step);
-        turned += step.turn.norm();
-      }
+  for (const CameraStep& step : steps_)
+    if (is_covered(step.from - reach, step.to + reach)) {
+      steps.push_back(step);
+      turned += step.turn.norm();
+    }
   const auto refuse = [&](const std::string& reason) {
     result.reason = reason;
     return result;
@@ -182,6 +197,7 @@ OdometryClock::Offset OdometryClock::estimate() const {
     return refuse("the clocks differ by more than is looked for, or the turns are not alike at any offset");
 
   const auto likeness = compare(best, steps);
+  if (!likeness) return refuse("the turns are not alike at any offset");
   const double h = 0.5 * settings_.step;
   const double curvature = (rest(best + h) - 2 * rest(best) + rest(best - h)) / (h * h);
   result.offset = best;

@@ -59,8 +59,10 @@ class OdometryClock {
     Eigen::Vector3d turn;
   };
   struct Likeness;
+  bool is_covered(Utime from, Utime to) const;
   std::optional<Eigen::Quaterniond> odometry_at(Utime utime) const;
   std::optional<Eigen::Vector3d> odometry_turn(Utime from, Utime to) const;
+  Utime period() const;
   std::optional<Eigen::Vector3d> odometry_turn_around(Utime from, Utime to) const;
   std::optional<Likeness> compare(double offset, const std::vector<CameraStep>& steps) const;
 

@@ -42,8 +42,10 @@ void TwistOdometry::integrate(double seconds) {
   Q.diagonal().head<2>().array() += settings_.curve_noise * settings_.curve_noise * turn / steps;
   const Matrix6d A = adjoint(se3_exp(-step));
   for (int i = 0; i < steps; ++i) sample_.covariance = (A * sample_.covariance * A.transpose() + Q).eval();
-  const double unknown = settings_.max_speed * (seconds - held);
-  sample_.covariance.diagonal().array() += unknown * unknown;
+  constexpr double any_turn = 3;  // rad
+  const double unknown = settings_.max_speed * (seconds - held), turned = std::min(unknown, any_turn);
+  sample_.covariance.diagonal().head<3>().array() += unknown * unknown;
+  sample_.covariance.diagonal().tail<3>().array() += turned * turned;
   sample_.covariance = (0.5 * (sample_.covariance + sample_.covariance.transpose())).eval();
   sample_.T_odom_robot = sample_.T_odom_robot * se3_exp(way);
 }

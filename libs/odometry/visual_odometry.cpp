@@ -213,10 +213,11 @@ bool VisualOdometry::has_enough_points(const FeatureFrame& frame) const {
   return static_cast<int>(frame.features.size()) >= 2 * settings_.ransac.min_inliers;
 }
 
-// Beyond 1 rad a rotation is unknown and a wider normal distribution says no more.
+// Beyond 1 rad a rotation is unknown and a wider normal distribution says no more. Nobody goes faster than
+// max_speed, and what grows with the square of an hour leaves no digits for what is known after it.
 Matrix6d VisualOdometry::prediction_covariance(double seconds) const {
   const double half_square = 0.5 * seconds * seconds;
-  return diagonal(settings_.prediction_acceleration * half_square,
+  return diagonal(std::min(settings_.max_speed * seconds, settings_.prediction_acceleration * half_square),
                   std::min(1.0, settings_.prediction_turn_acceleration * half_square));
 }
 

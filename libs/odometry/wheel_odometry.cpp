@@ -12,6 +12,9 @@
 namespace lcmslam {
 namespace {
 
+// Messages that wait for their reader are often stamped when they are read, all at once: over less time than
+// that no speed is told.
+constexpr double shortest_restart = 0.05, shortest_twist = 0.005;  // s
 constexpr double max_turn_per_step = 0.05;  // rad: an increment that turns more is cut for its covariance
 
 // Rows and columns x, y, heading of a 6x6 pose covariance.
@@ -64,7 +67,7 @@ std::optional<MotionSample> WheelOdometry::step(const Encoders& encoders) {
   if (first) {
     fit_motion(encoders.wheels, encoders.wheels, settings_.side_slip_weight);  // throws when singular
     sample_ = MotionSample{};
-    twist_ = {};
+    stand_still();
     residual_ = 0;
   } else {
     if (encoders.utime == sample_.utime) return std::nullopt;
@@ -75,14 +78,15 @@ std::optional<MotionSample> WheelOdometry::step(const Encoders& encoders) {
     }
     const double duration = 1e-6 * static_cast<double>(encoders.utime - sample_.utime);
     if (encoders.sender != sender_ ||
-        impossible(wheels_, encoders.wheels, settings_.max_wheel_speed * duration)) {
+        impossible(wheels_, encoders.wheels,
+                   settings_.max_wheel_speed * std::max(duration, shortest_restart))) {
       add_restart(encoders.utime - sample_.utime);
     } else {
       const WheelFit fit = fit_motion(wheels_, encoders.wheels, settings_.side_slip_weight);
       integrate({fit.motion.x(), fit.motion.y(), fit.motion.z(), fit.way_rolled, duration,
                  are_held_sideways(wheels_, encoders.wheels)},
                 fit.covariance);
-      twist_ = {fit.motion.x() / duration, fit.motion.y() / duration, fit.motion.z() / duration};
+      tell_twist(fit.motion, duration);
       residual_ = fit.residual;
     }
   }
@@ -90,6 +94,22 @@ std::optional<MotionSample> WheelOdometry::step(const Encoders& encoders) {
   sender_ = encoders.sender;
   sample_.utime = encoders.utime;
   return sample_;
+}
+
+void WheelOdometry::tell_twist(const Eigen::Vector3d& way, double seconds) {
+  untold_way_ += way;
+  untold_seconds_ += seconds;
+  if (untold_seconds_ < shortest_twist) return;
+  const Eigen::Vector3d twist = untold_way_ / untold_seconds_;
+  twist_ = {twist.x(), twist.y(), twist.z()};
+  untold_way_.setZero();
+  untold_seconds_ = 0;
+}
+
+void WheelOdometry::stand_still() {
+  twist_ = {};
+  untold_way_.setZero();
+  untold_seconds_ = 0;
 }
 
 void WheelOdometry::integrate(const PlanarIncrement& increment, const Eigen::Matrix3d& fit_covariance) {
@@ -114,7 +134,7 @@ void WheelOdometry::add_restart(Utime uncounted) {
   PlanarIncrement slip;
   slip.way_rolled = noise.slip_distance;
   sample_.covariance += increment_covariance(noise, slip) + in_plane(unknown_motion(uncounted).covariance);
-  twist_ = {};
+  stand_still();
   residual_ = 0;
 }
 

@@ -65,12 +65,16 @@ class WheelOdometry {
   std::optional<MotionSample> step(const Encoders& encoders);
   void integrate(const PlanarIncrement& increment, const Eigen::Matrix3d& fit_covariance);
   void add_restart(Utime uncounted);
+  void stand_still();
+  void tell_twist(const Eigen::Vector3d& way, double seconds);
 
   WheelOdometrySettings settings_;
   std::vector<Wheel> wheels_;  // of the newest message; empty before the first
   std::int64_t sender_ = 0;    // likewise
   MotionSample sample_;
   PlanarTwist twist_;
+  Eigen::Vector3d untold_way_ = Eigen::Vector3d::Zero();  // since it was told
+  double untold_seconds_ = 0;
   double residual_ = 0;
   int restarts_ = 0;
 };

@@ -43,7 +43,12 @@ Hash hash_of(const BusKey& key, const std::string& channel, const std::uint8_t* 
 }  // namespace
 
 void Sealer::seal(const std::string& channel, std::vector<std::uint8_t>& message, WallTime now) {
-  last_ = std::max(last_ + 1, microseconds_of(now));
+  const std::int64_t time = microseconds_of(now);
+  if (time < last_ - longest_way / 2) {  // the clock was set back: times of before are too late for anyone
+    randombytes_buf(&sender_, sizeof sender_);
+    last_ = 0;
+  }
+  last_ = std::max(last_ + 1, time);
   message.insert(message.end(), seal::mark.begin(), seal::mark.end());
   append_number(message, sender_);
   append_number(message, last_);

@@ -20,7 +20,8 @@ class Sealer {
   /// `sender` marks this process; a new one after each start.
   Sealer(const BusKey& key, std::int64_t sender) : key_(key), sender_(sender) {}
 
-  /// Appends the trailer. Times grow even where the clock does not.
+  /// Appends the trailer. Times grow even where the clock does not; where it is set back by more than 15 s
+  /// they begin anew, as those of another process.
   void seal(const std::string& channel, std::vector<std::uint8_t>& message, WallTime now);
 
  private:

@@ -16,6 +16,13 @@ constexpr double large_translation = 0.1, large_rotation = 0.05;  // m, rad
 // Random streams of association, apart from particles'.
 constexpr std::uint64_t association_stream = 0x6173736f63, ground_stream = 0x67726f756e64;
 
+/// Whether it was seen from about there the last time: what was seen from elsewhere may be hidden.
+bool was_seen_from(const Eigen::Vector3d& camera, const VisibleLandmark& landmark,
+                   const LandmarkRecord& record) {
+  const Eigen::Vector3d then = landmark.mean + record.seen_at * record.seen_from;
+  return (camera - then).norm() < std::max(0.5, 0.2 * record.seen_at);
+}
+
 std::vector<ObservedLandmark> pair_up(const std::vector<LandmarkMatch>& matches,
                                       const std::vector<FeaturePoint>& points, const ParticleMap& map) {
   std::vector<ObservedLandmark> pairs;
@@ -175,8 +182,10 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   keep(explained(pair_up(result.matches, points, map), T_predicted, prior.covariance, s), result);
   const bool enough = by_descriptor >= s.minimum_consensus;
   if (enough && result.known.empty()) ++steps_without_agreement_;
+  const Eigen::Vector3d camera = T_predicted * frame.T_robot_camera.translation();
   const auto established = std::count_if(result.visible.begin(), result.visible.end(), [&](const auto& v) {
-    return index.record(v.slot).observations >= s.minimum_observations;
+    const LandmarkRecord& record = index.record(v.slot);
+    return record.observations >= s.minimum_observations && was_seen_from(camera, v, record);
   });
   result.contradicted = enough && result.known.empty() && established >= 2 * s.minimum_consensus;
   if (steps_without_agreement_ > s.relocalise_after) {

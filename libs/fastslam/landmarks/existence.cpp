@@ -71,7 +71,7 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
     index.record(match.slot).seen_from = ray.normalized();
     index.record(match.slot).seen_at = ray.norm();
   }
-  if (!settings.remove_landmarks) return 0;
+  if (!settings.remove_landmarks) return index.age(settings);  // of those none is tentative
   int died = 0;
   for (const int slot : contradicted) died += index.miss(slot, settings);
 

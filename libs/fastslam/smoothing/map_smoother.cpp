@@ -56,23 +56,26 @@ bool MapSmoother::known_from(const Eigen::Isometry3d& T_world_robot) const {
 }
 
 // Fewer keyframes for the same way: those go that stand nearer to the one before than the wider spacing, or
-// where others stand already. Their motions stay.
+// where others stand already. Their motions stay, and that they closed a loop says the next one.
 void MapSmoother::thin() {
   spacing_ *= thinner;
   std::vector<Keyframe> all = std::exchange(keyframes_, {});
   std::optional<Motion> motion = Motion();  // since the last one that was kept
+  bool closed = false;                      // by one that went, since then
   for (Keyframe& k : all) {
     motion = motion && k.motion ? std::optional(chained(*motion, *k.motion)) : std::nullopt;
     const bool first = keyframes_.empty();
-    const bool useless =
-        !first && !k.loop_closed &&
-        (near(keyframes_.back().T_world_robot, k.T_world_robot, spacing_) || known_from(k.T_world_robot));
+    closed = closed || k.loop_closed;
+    const bool useless = !first && (near(keyframes_.back().T_world_robot, k.T_world_robot, spacing_) ||
+                                    (!closed && known_from(k.T_world_robot)));
     if (useless) continue;
     k.motion = motion;
+    k.loop_closed = std::exchange(closed, false);
     if (first) k.motion.reset();
     keyframes_.push_back(std::move(k));
     motion = Motion();
   }
+  loop_closed_ = loop_closed_ || closed;
   motion_ = motion && motion_ ? std::optional(chained(*motion, *motion_)) : std::nullopt;
 }
 

@@ -72,13 +72,30 @@ void UdpmReader::open(const MulticastAddress& address) {
   here.sin_port = htons(static_cast<std::uint16_t>(address.port));
   if (bind(socket_, reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0)
     throw std::system_error(errno, std::generic_category());
+  if (!change_membership(IP_ADD_MEMBERSHIP)) throw std::system_error(errno, std::generic_category());
+}
+
+/// On the network card that the group's route leads to.
+bool UdpmReader::change_membership(int option) const {
   ip_mreq membership{};
   membership.imr_multiaddr.s_addr = group_;
-  set_option(socket_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership);
+  return setsockopt(socket_, IPPROTO_IP, option, &membership, sizeof membership) == 0;
+}
+
+/// A card that went took the membership along, and senders follow the route by themselves. Who is a member is
+/// refused with EADDRINUSE.
+void UdpmReader::join_again() {
+  if (change_membership(IP_ADD_MEMBERSHIP) || errno != ENOBUFS) return;
+  change_membership(IP_DROP_MEMBERSHIP);  // those of cards that went count, too
+  change_membership(IP_ADD_MEMBERSHIP);
 }
 
 bool UdpmReader::read(BusMessage& message, std::chrono::milliseconds wait) {
-  const Clock::time_point end = Clock::now() + wait;
+  const Clock::time_point now = Clock::now(), end = now + wait;
+  if (now >= next_join_) {
+    join_again();
+    next_join_ = now + std::chrono::seconds(1);
+  }
   while (true) {
     Datagram datagram;
     if (receive(datagram)) {

@@ -29,6 +29,8 @@ class UdpmReader : public BusReader {
     std::size_t size = 0;
   };
   void open(const MulticastAddress& address);
+  bool change_membership(int option) const;
+  void join_again();
   bool receive(Datagram& datagram);
   std::optional<BusMessage> take(const Datagram& datagram);
   std::optional<BusMessage> refuse(Refusal why, const Datagram& datagram);
@@ -40,6 +42,7 @@ class UdpmReader : public BusReader {
   Reassembly reassembly_;
   std::vector<std::uint8_t> buffer_;
   int socket_ = -1;
+  std::chrono::steady_clock::time_point next_join_{};
   mutable std::mutex mutex_;  // for what follows
   Refusals refusals_;
 };

@@ -5,6 +5,7 @@
 #include <lcmslam/cameras/paired_recording.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
 #include "procs/camera/drivers/open_driver.hpp"
+#include "procs/camera/drivers/wall_clock.hpp"
 #include "procs/camera/encode_shot.hpp"
 #include "procs/camera/live_source.hpp"
 
@@ -72,23 +73,34 @@ std::unique_ptr<CameraSource> make_single(const DriverSettings& driver, const Rg
   return std::make_unique<LiveSource>(calibration, std::move(parts), 0, live);
 }
 
+/// Opened one after the other they are nevertheless of one moment.
+void begin_together(DriverSettings& colour, DriverSettings& depth) {
+  double &one = colour.start(), &other = depth.start();
+  if ((one > 0) != (other > 0))
+    throw CameraError(std::string("camera.pair: ") + (one > 0 ? "depth" : "colour") +
+                      ".start is missing; two recordings must both have one, or none");
+  if (!(one > 0)) one = other = 1e-6 * static_cast<double>(wall_clock());
+}
+
 std::unique_ptr<CameraSource> make_pair_source(const PairSourceSettings& pair,
                                                const RgbdCalibration& calibration, const LiveSettings& live) {
   if (calibration.depth_registered)
     throw CameraError(live.calibration.string() +
                       ": depth_registered must be false: nobody registers the images of two cameras");
-  const DriverSettings colour = pair.colour, depth = pair.depth;
+  DriverSettings colour = pair.colour, depth = pair.depth;
   if (colour.is_recording() != depth.is_recording())
     throw CameraError("camera.pair: must be two cameras or two recordings, not one of each");
   const WantedImages colour_alone{true, false}, depth_alone{false, true};
   const ExpectedImages expected{size_of(calibration.colour), size_of(calibration.depth)};
   const auto tolerance = static_cast<Utime>(1e6 * pair.tolerance);
-  if (colour.is_recording())
+  if (colour.is_recording()) {
+    begin_together(colour, depth);
     return std::make_unique<RecordedSource>(
         calibration, expected,
         std::make_unique<PairedRecording>(open_driver(colour, colour_alone), open_driver(depth, depth_alone),
                                           ImagePairs(tolerance, calibration.depth_offset())),
         live.jpeg_quality);
+  }
   std::vector<WatchedPart> parts = {
       {"colour", [=] { return open_driver(colour, colour_alone); }, {expected.colour, {}}},
       {"depth", [=] { return open_driver(depth, depth_alone); }, {{}, expected.depth}}};

@@ -8,8 +8,10 @@
 namespace lcmslam {
 
 inline void describe_recording(SettingsVisitor& s, double& start) {
-  s.number("start", start, "s", {0, 1e11},
-           "stamp of a recording's first image, since 1970; 0: the time at which it is opened");
+  s.number(
+      "start", start, "s", {0, 1e11},
+      "stamp of a recording's first image, since 1970; 0: the time at which it is opened (of a pair, for "
+      "both)");
 }
 
 /// By OpenCV: V4L2 cameras, video files, image sequences.
@@ -79,6 +81,8 @@ struct DriverSettings {
   bool is_recording() const {
     return (driver == "video" && !video.file.empty()) || (driver == "openni2" && !openni2.file.empty());
   }
+  /// Of a recording.
+  double& start() { return driver == "openni2" ? openni2.start : video.start; }
 };
 
 }  // namespace lcmslam

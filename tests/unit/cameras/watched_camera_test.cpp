@@ -183,6 +183,9 @@ TEST_F(Watched, ImagesThatTheCameraLeftOutAreCounted) {
   run(0.1);
   EXPECT_EQ(camera.health().dropped, 5);
   EXPECT_EQ(camera.health().trouble, "");
+  desk.utime += 3'600'000'000;  // NTP sets the clock
+  run(0.1);
+  EXPECT_EQ(camera.health().dropped, 5);
 }
 
 TEST_F(Watched, StampsThatGoBackAreRefusedButATimeThatBeganAnewIsNot) {

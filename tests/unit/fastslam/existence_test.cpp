@@ -60,5 +60,17 @@ TEST(NewLandmarks, LandmarksBehindWhatIsSeenTakeNoRoom) {
   EXPECT_EQ(place.births(30), first_visit);
 }
 
+TEST(Existence, TimePassesWhereLandmarksStay) {
+  KnownPlace place(1);
+  for (const bool remove : {true, false}) {
+    place.settings.remove_landmarks = remove;
+    const auto before = place.index.unseen_steps(0);
+    for (int i = 0; i < 3; ++i)
+      update_existence(place.index, place.map, place.frame, place.usable, {}, {}, {}, place.T_world_robot,
+                       place.settings);
+    EXPECT_EQ(place.index.unseen_steps(0), before + 3) << remove;
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -57,5 +57,30 @@ TEST(FrameAssociation, FindsALostRobotInTheWholeMap) {
   EXPECT_EQ(associator.steps_without_agreement(), 0);
 }
 
+// A wall that was never looked at hides a room that is known well.
+TEST(FrameAssociation, WhatWasSeenFromElsewhereContradictsNothing) {
+  for (const bool from_here : {true, false}) {
+    Scene scene(2);
+    Random random(7);
+    for (Feature& feature : scene.frame.features)
+      for (auto& byte : feature.descriptor) byte = static_cast<std::uint8_t>(random.below(200));
+    const Eigen::Vector3d aside(from_here ? 0.1 : 3, 0, 0);
+    const Eigen::Vector3d camera = scene.T_world_robot * scene.frame.T_robot_camera.translation() + aside;
+    for (int slot = 0; slot < scene.index.slots(); ++slot) {
+      LandmarkRecord& record = scene.index.record(slot);
+      const Eigen::Vector3d ray = camera - scene.map.find(static_cast<std::size_t>(slot))->mean;
+      record.observations = 50;
+      record.seen_from = ray.normalized();
+      record.seen_at = ray.norm();
+    }
+    FrameAssociator associator(scene.settings);
+    Motion prior;
+    prior.covariance.diagonal().setConstant(1e-4);
+    const auto result = associator.associate(scene.frame, usable_features(scene.frame, scene.settings),
+                                             scene.T_world_robot, prior, scene.map, scene.index);
+    EXPECT_EQ(result.contradicted, from_here);
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam

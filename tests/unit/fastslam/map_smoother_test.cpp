@@ -165,6 +165,28 @@ TEST(MapSmoother, ALongWayIsThinnedAndItsMotionsHold) {
   }
 }
 
+// A patrol whose laps close a loop each, somewhere else each time.
+TEST(MapSmoother, LoopsThatAreClosedAgainAndAgainLeaveRoomForTheWay) {
+  MapSmoother smoother(FastSlamSettings{});
+  PointObservation observation;
+  observation.measurement.value << 1, 0, 0;
+  observation.measurement.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+  constexpr int laps = 300, poses = 180;
+  Eigen::Isometry3d T_before = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < laps * poses; ++i) {
+    const double t = 2 * M_PI * i / poses;
+    const Eigen::Isometry3d T = planar_pose(25 * std::cos(t), 12 * std::sin(t), t);
+    Motion motion;
+    motion.T_from_to = T_before.inverse() * T;
+    motion.covariance = 1e-6 * Matrix6d::Identity();
+    const bool closes = i % poses == i / poses * 7 % poses;
+    smoother.add(i, T, motion, {observation}, closes);
+    T_before = T;
+    ASSERT_LE(smoother.keyframes(), MapSmoother::maximum_keyframes);
+  }
+  EXPECT_GT(smoother.keyframes(), MapSmoother::maximum_keyframes / 4);
+}
+
 // m, median distance of the map's landmarks from the nearest true point.
 double map_error(const FastSlam& slam, const synthetic::Drive& drive, const Eigen::Isometry3d& T_start) {
   std::vector<double> errors;

@@ -115,5 +115,15 @@ TEST(UnknownMotion, GoesOnUntilBothAreKnown) {
   EXPECT_TRUE(unknown.lost());
 }
 
+// Nobody states more than what a minute brings.
+TEST(UnknownMotion, WhoWasAwayForLongIsLost) {
+  for (const Utime minutes : {1, 2, 60}) {
+    UnknownMotion unknown(FastSlamSettings{});
+    unknown.prior(Motion(), 0);
+    unknown.prior(unknown_motion(60'000'000), minutes * 60'000'000);
+    EXPECT_TRUE(unknown.lost()) << minutes;
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam

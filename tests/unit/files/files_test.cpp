@@ -121,17 +121,18 @@ class Writer {
 
 TEST_F(Files, PartFilesOfTheDeadAreRemovedThoseOfTheLivingStay) {
   Writer living(place("run.lcmlog")), dead(place("run.lcmlog"));
-  scratch_.write("run.lcmlog.part", "the user's");
-  scratch_.write("run.lcmlog.part7.txt", "the user's");
-  scratch_.write("other.lcmlog.part7-0", "another file's");
+  // The user's, by `split` perhaps, and another file's.
+  const std::vector<std::string> others = {"run.lcmlog.part",      "run.lcmlog.part7",    "run.lcmlog.part00",
+                                           "run.lcmlog.part7.txt", "run.lcmlog.part7-",   "run.lcmlog.part-7",
+                                           "run.lcmlog.part7-1-2", "other.lcmlog.part7-0"};
+  for (const std::string& name : others) scratch_.write(name, "precious");
   dead.kill_it();
-  EXPECT_EQ(names().size(), 5U);
+  EXPECT_EQ(names().size(), others.size() + 2);
   { const PartFile part(place("run.lcmlog")); }
-  EXPECT_EQ(names().size(), 4U) << "the dead one's is gone, the living one's not";
+  EXPECT_EQ(names().size(), others.size() + 1) << "the dead one's is gone, the living one's not";
   living.kill_it();
   { const PartFile part(place("run.lcmlog")); }
-  EXPECT_THAT(names(),
-              UnorderedElementsAre("run.lcmlog.part", "run.lcmlog.part7.txt", "other.lcmlog.part7-0"));
+  EXPECT_THAT(names(), ::testing::UnorderedElementsAreArray(others));
 }
 
 TEST_F(Files, ThreadsWriteFilesOfOneNameSideBySide) {

@@ -157,5 +157,19 @@ TEST(MotionBuffer, ASampleThatComesTwiceCountsOnce) {
   EXPECT_TRUE(buffer.between(1000, 3000));
 }
 
+TEST(MotionBuffer, SamplesThatCameTogetherTellNoSpeed) {
+  MotionBuffer buffer;
+  MotionSample s;
+  for (const auto& [utime, x] :
+       {std::pair(0, 0.0), std::pair(80, 0.01), std::pair(40'000, 0.02), std::pair(40'080, 0.03)}) {
+    s.utime = utime;
+    s.T_odom_robot = Eigen::Translation3d(x, 0, 0);
+    buffer.add(s);
+  }
+  const auto later = buffer.at(140'080, 200'000);
+  ASSERT_TRUE(later);
+  EXPECT_NEAR(later->T_odom_robot.translation().x(), 0.03 + 0.5 * 0.1, 1e-6);
+}
+
 }  // namespace
 }  // namespace lcmslam

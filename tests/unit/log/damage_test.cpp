@@ -11,6 +11,7 @@
 namespace lcmslam {
 namespace {
 
+using testing::append_event;
 using testing::Bytes;
 using testing::draw;
 using testing::make_sample_log;
@@ -134,6 +135,23 @@ std::size_t count_recovered(const Damaged& damaged, const Read& result, std::vec
       others.push_back(event);
   }
   return recovered;
+}
+
+// A log in a message whose neighbours' numbers fit nothing: from each of its events the way to the end was
+// walked, a quarter of an hour here.
+TEST(CraftedLog, IsReadInTheTimeThatItsSizeTakes) {
+  constexpr int inside = 600'000;
+  LogEvent outer{1, 0, "A", {}};
+  for (int i = 0; i < inside; ++i) append_event(outer.data, {1000 + i, 0, "B", {}});
+  Bytes bytes;
+  for (const LogEvent& event :
+       {LogEvent{0, 0, "A", {}}, outer, LogEvent{5, 0, "A", {}}, LogEvent{6, 0, "A", {}}})
+    append_event(bytes, event);
+  const Read result = read(bytes, {});
+  ASSERT_EQ(result.events.size(), 4U);
+  EXPECT_EQ(result.events[1].data.size(), outer.data.size());
+  bytes.resize(bytes.size() - 200);  // nor where it has no end
+  EXPECT_FALSE(read(bytes, {}).events.empty());
 }
 
 class Damage : public ::testing::TestWithParam<Damager> {};

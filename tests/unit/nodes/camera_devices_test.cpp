@@ -40,10 +40,12 @@ class PairOfRecordings : public CameraDevices {
     std::snprintf(name, sizeof name, "%s%03d.png", kind.c_str(), number);
     cv::imwrite((folder / name).string(), image);
   }
-  std::string config(const std::string& tolerance) const {
-    return "{source: pair, pair: {tolerance: " + tolerance +
-           ", colour: {video: {start: 1000, rate: 30, file: " + (folder / "colour%03d.png").string() +
-           "}}, depth: {video: {start: 1000.006, rate: 10, file: " + (folder / "depth%03d.png").string() +
+  std::string config(const std::string& tolerance, const std::string& colour_start = "1000",
+                     const std::string& depth_start = "1000.006") const {
+    return "{source: pair, pair: {tolerance: " + tolerance + ", colour: {video: {start: " + colour_start +
+           ", rate: 30, file: " + (folder / "colour%03d.png").string() +
+           "}}, depth: {video: {start: " + depth_start +
+           ", rate: 10, file: " + (folder / "depth%03d.png").string() +
            "}}}, live: {calibration: head.yaml, jpeg_quality: 100}, speed: 5}";
   }
 };
@@ -62,6 +64,17 @@ TEST_F(PairOfRecordings, IsPlayedAsShotsOfOneMoment) {
     EXPECT_EQ(largest_difference(frame.depth, numbered_depth(depth_size, i)), 0) << i;
     EXPECT_LT(largest_difference(frame.colour, numbered_colour(colour_size, 3 * i)), 10) << i;
   }
+}
+
+TEST_F(PairOfRecordings, WithoutStartBeginTogether) {
+  start(config("0.015", "0", "0"));
+  run_to_the_end();
+  const auto messages = publisher.on<images_t>("CAMERA");
+  ASSERT_EQ(messages.size(), 10U);
+  for (const images_t& message : messages)
+    EXPECT_EQ(message.images[1].utime, message.images[0].utime);  // 3 ms of opening the second one before
+  EXPECT_THAT(refusal(config("0.015", "1000", "0")), HasSubstr("depth.start is missing"));
+  EXPECT_THAT(refusal(config("0.015", "0", "1000")), HasSubstr("colour.start is missing"));
 }
 
 TEST_F(PairOfRecordings, ThatAreTooFarApartGiveNothing) {

@@ -90,5 +90,15 @@ TEST(ExternalOdometry, ADriverThatWasSilentTellsTheWay) {
   EXPECT_EQ(odometry.restarts(), 0);
 }
 
+// Read in pairs and stamped when they are read, as a serial line gives them.
+TEST(ExternalOdometry, MessagesThatComeTogetherLoseNoWay) {
+  ExternalOdometry odometry;
+  MotionSample sample;
+  for (int i = 0; i <= 200; ++i)
+    sample = odometry.update(s + i / 2 * 40'000 + i % 2 * 80, pose(0.01 * i, 0, 0));
+  EXPECT_EQ(odometry.restarts(), 0);
+  EXPECT_NEAR(sample.T_odom_robot.translation().x(), 2, 1e-9);
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -25,6 +25,7 @@ struct Drive {
   double late = 0;  // s that odometry's stamps are later than the camera's clock
   double bends = 1, scale = 1, noise = 0;
   int jump_every = 1 << 30;  // images: one that visual odometry gets wrong
+  double gap = 0;            // s without odometry, in the middle
 };
 
 OdometryClock watched(const Drive& drive) {
@@ -34,6 +35,7 @@ OdometryClock watched(const Drive& drive) {
   T_robot_camera.linear() = so3_exp({0.1, 0.35, -0.2}) * T_robot_camera.linear();
   for (int i = 0; i <= 50 * seconds; ++i) {
     const double t = 0.02 * i;
+    if (t > 20 && t < 20 + drive.gap) continue;
     MotionSample sample;
     sample.utime = stamp(t + drive.late);
     sample.T_odom_robot = planar_pose(0.4 * t, 0, drive.scale * heading(t, drive.bends));
@@ -100,6 +102,19 @@ TEST(OdometryClock, IsNotLedAstrayByAJumpOfTheCamera) {
 
 TEST(OdometryClock, SaysWhatItLacks) {
   EXPECT_THAT(OdometryClock().estimate().reason, HasSubstr("steps"));
+}
+
+// Offsets at which a step falls into the gap are no better than others.
+TEST(OdometryClock, AGapInOdometryIsNoOffset) {
+  for (const double gap : {0.3, 0.45, 0.56, 0.6, 0.7, 0.9, 2.0}) {
+    Drive drive;
+    drive.late = 0.02;
+    drive.gap = gap;
+    const auto found = watched(drive).estimate();
+    ASSERT_TRUE(found.known) << found.reason;
+    EXPECT_NEAR(found.offset, -0.02, 1e-3) << gap;
+    EXPECT_GT(found.sigma, 1e-9) << gap;
+  }
 }
 
 }  // namespace

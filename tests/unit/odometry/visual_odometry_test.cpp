@@ -301,5 +301,32 @@ TEST(VisualOdometry, FollowsARecordedCamera) {
             << " rad per second\n";
 }
 
+// What an hour of darkness leaves open is no error of the steps after it.
+TEST(VisualOdometry, AfterALongDarknessItsStepsAreAsSureAsBefore) {
+  const Room room(1500);
+  VisualOdometry odometry({}, Random(1));
+  MotionBuffer buffer;
+  Utime later = 0;
+  for (int i = 0; i < 40; ++i) {
+    if (i == 20)  // twice a second
+      for (int k = 0; k < 7200; ++k) {
+        FeatureFrame dark = blind(i);
+        dark.utime += later += 500'000;
+        buffer.add(*odometry.update(dark));
+      }
+    FeatureFrame frame = room.see(pose_of(i), time_of(i), optical_axes());
+    frame.utime += later;
+    buffer.add(*odometry.update(frame));
+  }
+  const auto covariance = [&](int i, Utime shift) {
+    return buffer.between(time_of(i) + shift, time_of(i + 1) + shift)->covariance;
+  };
+  for (int i = 35; i < 39; ++i) {
+    const Matrix6d now = covariance(i, later);
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(now).eigenvalues()[0], 0) << i;
+    EXPECT_LT(now.diagonal().head<3>().maxCoeff(), 1e-4) << i;
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -332,5 +332,24 @@ TEST(WheelOdometry, SettingsAreChecked) {
   EXPECT_THROW(WheelOdometry{settings}, std::invalid_argument);
 }
 
+// Read in pairs and stamped when they are read, as a serial line gives them.
+TEST(WheelOdometry, MessagesThatComeTogetherLoseNoWay) {
+  Base base = testing::all_bases().front();
+  const PlanarTwist twist{0.5, 0, 0.1};
+  testing::steer(base, twist);
+  WheelOdometry odometry, even;
+  for (int i = 0; i <= 200; ++i) {
+    if (i > 0) testing::drive(base, twist, 0.02);
+    const Eigen::Isometry3d T_even = even.update(base.encoders)->T_odom_robot;
+    Encoders together = base.encoders;
+    together.utime = 1'000'000 + i / 2 * 40'000 + i % 2 * 80;
+    expect_near(odometry.update(together)->T_odom_robot, T_even, 1e-9, base.name);
+    if (i < 3) continue;
+    EXPECT_NEAR(odometry.twist().vx, 0.5, 1e-6) << i;
+    EXPECT_NEAR(odometry.twist().w, 0.1, 1e-6) << i;
+  }
+  EXPECT_EQ(odometry.restarts(), 0);
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -79,6 +79,18 @@ TEST_F(Sealed, AClockThatStandsOrGoesBackKeepsTheOrder) {
   EXPECT_EQ(open(sealed(sealer_, "COMMAND", {2}, now - std::chrono::seconds(5))), std::nullopt);
 }
 
+// Else nobody takes anything until the clock is where it was: stops neither.
+TEST_F(Sealed, AClockThatIsSetBackFarSilencesNobody) {
+  EXPECT_EQ(open(sealed(sealer_, "COMMAND", {1})), std::nullopt);
+  for (const int hours : {1, 5}) {
+    const auto earlier = now - std::chrono::hours(hours);
+    const BusMessage message = sealed(sealer_, "COMMAND", {2}, earlier);
+    EXPECT_EQ(open(message, earlier), std::nullopt) << hours;
+    EXPECT_EQ(open(message, earlier), Refusal::replayed) << hours;
+    EXPECT_EQ(open(sealed(sealer_, "COMMAND", {3}, earlier), earlier), std::nullopt) << hours;
+  }
+}
+
 command_t stop_command() {
   command_t command{};
   command.name = "stop";

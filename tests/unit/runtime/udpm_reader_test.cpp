@@ -75,6 +75,49 @@ TEST_F(UdpmReaderTest, TakesWhatLcmSendsByteForByte) {
   EXPECT_EQ(reader_->refusals().text(), "");
 }
 
+/// The card that multicast takes, put in and pulled out.
+class Card {
+ public:
+  static bool put_in() {
+    return run("ip link add card0 type veth peer name card1") && run("ip link set card1 up") &&
+           run("ip address add 10.76.68.1/24 dev card0") && run("ip link set card0 up") &&
+           run("ip route replace 224.0.0.0/4 dev card0");
+  }
+  static bool pull_out() { return run("ip link delete card0"); }
+  ~Card() { run("ip link delete card0; ip route replace 224.0.0.0/4 dev lo"); }
+
+ private:
+  static bool run(const std::string& command) {
+    return std::system(("(" + command + ") 2> /dev/null").c_str()) == 0;
+  }
+};
+
+// A WLAN stick loses its plug, a bridge is made anew. More often than a socket may be a member.
+TEST_F(UdpmReaderTest, ACardThatComesBackIsHeard) {
+  const std::string url = own_bus(default_lcm_url);
+  const Card card;
+  if (url != default_lcm_url || !Card::put_in())
+    GTEST_SKIP() << "no network cards of its own on this machine";
+  listen(url);
+  const auto hears_within = [&](seconds patience) {
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    BusMessage message;
+    while (std::chrono::steady_clock::now() < deadline) {
+      UdpSender().send(group, address_.port, whole_datagram("POSE", {1}));
+      if (reader_->read(message, milliseconds(100))) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(hears_within(seconds(5)));
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(Card::pull_out());
+    BusMessage message;
+    reader_->read(message, milliseconds(1100));  // while there is no route
+    ASSERT_TRUE(Card::put_in());
+    EXPECT_TRUE(hears_within(seconds(5))) << i;
+  }
+}
+
 TEST_F(UdpmReaderTest, OtherChannelsAreLeftOut) {
   const std::string url = own_bus(default_lcm_url);
   listen(url, "A|B.*|LAST");
