@@ -169,7 +169,9 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
     step.status = MappingStatus::degraded;
     step.covariance = prior.information.inverse();
     bad_steps_ = misfits_ = 0;
-    if (settings_.graph.enabled) hanging_from_.push_back(graph_.nodes().back().id + 1);
+    const int first = graph_.nodes().back().id + 1;
+    if (settings_.graph.enabled && (hanging_from_.empty() || hanging_from_.back() < first))
+      hanging_from_.push_back(first);
   }
   return tracking || step.reseeded;
 }

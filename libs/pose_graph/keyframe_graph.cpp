@@ -326,15 +326,18 @@ bool KeyframeGraph::ties(const std::vector<int>& first_ids) const {
     return static_cast<std::size_t>(std::upper_bound(first_ids.begin(), first_ids.end(), id) -
                                     first_ids.begin());
   };
-  std::vector<std::size_t> tied(first_ids.size() + 1);  // which parts are one, by part
-  std::iota(tied.begin(), tied.end(), std::size_t{0});
+  std::vector<std::size_t> tied_to(first_ids.size() + 1);  // by part: another of its group, or itself
+  std::iota(tied_to.begin(), tied_to.end(), std::size_t{0});
+  const auto group_of = [&](std::size_t part) {
+    while (tied_to[part] != part) part = tied_to[part] = tied_to[tied_to[part]];
+    return part;
+  };
   for (const GraphEdge& e : edges_) {
     if (e.kind == EdgeKind::odometry || e.T_from_to.covariance.diagonal().maxCoeff() >= known * known)
       continue;
-    const std::size_t from = tied[part_of(e.from)], to = tied[part_of(e.to)];
-    std::replace(tied.begin(), tied.end(), from, to);
+    tied_to[group_of(part_of(e.from))] = group_of(part_of(e.to));
   }
-  return tied.front() == tied.back();
+  return group_of(0) == group_of(first_ids.size());
 }
 
 void KeyframeGraph::apply(const Correction& correction) {
