@@ -189,7 +189,7 @@ TEST(LiveMap, PlacesNearTheRobotAreAskedUntilTheDeadline) {
 TEST(LiveMap, WhoStepsInTheWayOfALongBodyCountsAtOnce) {
   const auto map = long_way();
   for (int i = 0; i < 6; ++i) map->show(wall(2), at(40));  // so that one frame does not change the kept map
-  const std::string across = R"({"ask": "collision", "capsules": [[41.2, -14, 1, 41.2, 14, 1, 0.1]]})";
+  const std::string across = R"({"ask": "collision", "capsules": [[41.2, -1, 1, 41.2, 28, 1, 0.1]]})";
   EXPECT_EQ(answered(map, across)["collides"][0], false);
   map->show(wall(1.2), at(40));
   EXPECT_EQ(answered(map, across)["collides"][0], true);
