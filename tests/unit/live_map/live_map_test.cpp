@@ -191,7 +191,9 @@ TEST(LiveMap, WhoStepsInTheWayOfALongBodyCountsAtOnce) {
   for (int i = 0; i < 6; ++i) map->show(wall(2), at(40));  // so that one frame does not change the kept map
   const std::string across = R"({"ask": "collision", "capsules": [[41.2, -1, 1, 41.2, 28, 1, 0.1]]})";
   EXPECT_EQ(answered(map, across)["collides"][0], false);
-  map->show(wall(1.2), at(40));
+  RgbdFrame somebody = wall(2);
+  somebody.depth(cv::Rect(60, 40, 40, 40)).setTo(1200);  // where all has been seen to be free
+  map->show(somebody, at(40));
   EXPECT_EQ(answered(map, across)["collides"][0], true);
 }
 
