@@ -8,8 +8,12 @@
 namespace lcmslam {
 namespace {
 
+auto compared(const DiffCount& n) {
+  return n.only_first + n.only_second + n.both;
+}
+
 void print(const char* what, const DiffCount& n) {
-  if (n.only_first + n.only_second + n.both == 0) return;
+  if (compared(n) == 0) return;
   std::cout << fmt::format("  {}: {} in both, {} only in the first, {} only in the second", what, n.both,
                            n.only_first, n.only_second);
   if (n.farthest >= 0)
@@ -31,14 +35,19 @@ int map_diff_command(int argc, char** argv) {
   app.add_option("second", second, "an .lcmslam file")->required();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   MapFile a(first), b(second);
-  bool same = true;
+  bool same = true, any = false;
   for (const SessionDiff& diff : diff_maps(a, b)) {
     same = same && diff.same();
+    any = any || compared(diff.keyframes) + compared(diff.landmarks) > 0;
     std::cout << diff.name << (diff.same() ? ": the same places" : "")
               << (!diff.in_first ? ": only in the second" : (!diff.in_second ? ": only in the first" : ""))
               << "\n";
     print("keyframes", diff.keyframes);
     print("landmarks", diff.landmarks);
+  }
+  if (same && !any) {
+    std::cout << "neither file has a keyframe or a landmark: nothing was compared\n";
+    return 1;
   }
   std::cout
       << (same ? "the maps agree in their keyframes' poses and their landmarks' means; points, features, "

@@ -348,6 +348,12 @@ TEST_F(MapCommand, DiffSaysWhatMovedAndHowFar) {
   const auto same = run({"diff", file(), file()});
   EXPECT_EQ(same.exit_code, 0);
   EXPECT_THAT(same.out, AllOf(HasSubstr("the maps agree"), Not(HasSubstr("moved"))));
+  for (const auto& map : {file(), other})
+    Database(map, Database::Access::write)
+        .execute("DELETE FROM landmark; DELETE FROM cloud; DELETE FROM keyframe");
+  const auto nothing = run({"diff", file(), other});
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_THAT(nothing.out, HasSubstr("nothing was compared"));
 }
 
 TEST_F(MapCommand, FilesThatAreNoMapsAreNamed) {
