@@ -4,15 +4,12 @@
 
 #include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/map_store/file/map_file.hpp>
-#include <lcmslam/map_store/file/map_store.hpp>
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
 #include "tests/support/landmark_room.hpp"
 #include "tests/support/seen_kitchen.hpp"
-#include "tests/unit/map_store_file/sample_store.hpp"
-#include "tests/unit/tools/command_run.hpp"
-#include "tools/commands.hpp"
+#include "tests/unit/tools/map_command_fixture.hpp"
 
 namespace lcmslam {
 namespace {
@@ -20,48 +17,8 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using testing::MapCommand;
 using ::testing::Not;
-
-/// A map of a kitchen: two sessions of icp, one of fastslam.
-class MapCommand : public ::testing::Test {
- protected:
-  static void write(const std::filesystem::path& file, double shift = 0) {
-    MapStore store(file);
-    Transaction transaction = store.begin();
-    const std::int64_t run = store.add_run({"1.2", ""});
-    for (int session = 0; session < 2; ++session) {
-      SessionChanges dense;
-      for (int id = 0; id < 3 + session; ++id) {
-        DenseKeyframe keyframe = some_keyframe(id, 50);
-        keyframe.T_world_camera.translation().x() += shift * id;
-        dense.put_keyframe(keyframe, std::nullopt);
-      }
-      dense.append_pose({100, Eigen::Isometry3d::Identity()});
-      dense.append_pose({200, Eigen::Isometry3d::Identity()});
-      store.write(store.add_session(run, session_of("icp")), dense);
-    }
-    SessionChanges sparse;
-    for (int id = 0; id < 7; ++id) sparse.put_landmark(some_landmark(static_cast<std::uint64_t>(id), id));
-    store.write(store.add_session(run, session_of("fastslam")), sparse);
-    transaction.commit();
-  }
-  void SetUp() override { write(file()); }
-  /// A map whose writer was killed: its last changes stand in SQLite's log beside it.
-  void leave_with_log(const std::filesystem::path& killed) {
-    const auto alive = folder_ / "alive.lcmslam";
-    MapStore store(alive);
-    write(alive, 0.25);
-    for (const char* ending : {"", "-wal"})
-      std::filesystem::copy_file(alive.string() + ending, killed.string() + ending);
-    ASSERT_GT(std::filesystem::file_size(killed.string() + "-wal"), 1000U);
-  }
-  testing::CommandRun run(std::vector<std::string> arguments) {
-    return testing::run_command({"map", map_command}, std::move(arguments));
-  }
-  std::filesystem::path file() const { return folder_ / "kitchen.lcmslam"; }
-
-  TemporaryFolder folder_;
-};
 
 TEST_F(MapCommand, InfoIsOneScreen) {
   const auto info = run({"info", file()});
@@ -284,84 +241,6 @@ TEST_F(MapCommand, MergeKeepsLongTrajectoriesWhole) {
   const auto merged = run({"merge", monday, friday, "--into", both});
   ASSERT_EQ(merged.exit_code, 0) << merged.errors;
   EXPECT_EQ(MapFile(both).trajectory(2).size(), std::size_t{batches} * poses);
-}
-
-TEST_F(MapCommand, VerifySaysWhatIsDamagedAndByItsExitCode) {
-  EXPECT_EQ(run({"verify", file()}).exit_code, 0);
-  EXPECT_THAT(run({"verify", file()}).out, HasSubstr("whole: 3 sessions, 7 keyframes"));
-  Database(file(), Database::Access::write).execute("UPDATE landmark SET data = x'00' WHERE id = 4");
-  const auto damaged = run({"verify", file()});
-  EXPECT_EQ(damaged.exit_code, 1);
-  EXPECT_THAT(damaged.out, AllOf(HasSubstr("landmark 4"), HasSubstr("DAMAGED")));
-}
-
-TEST_F(MapCommand, CompactGivesRoomBack) {
-  Database(file(), Database::Access::write).execute("DELETE FROM cloud; DELETE FROM keyframe");
-  const auto before = std::filesystem::file_size(file());
-  const auto copy = folder_ / "copy.lcmslam";
-  EXPECT_EQ(run({"compact", file(), "--out", copy}).exit_code, 0);
-  EXPECT_EQ(std::filesystem::file_size(file()), before);
-  EXPECT_LT(std::filesystem::file_size(copy), before);
-  EXPECT_EQ(run({"verify", copy}).exit_code, 0);
-  EXPECT_EQ(run({"compact", file()}).exit_code, 0);
-  EXPECT_LT(std::filesystem::file_size(file()), before);
-  EXPECT_EQ(run({"diff", file(), copy}).exit_code, 0);
-}
-
-TEST_F(MapCommand, AMapThatIsWrittenIsNotCompactedInItsPlace) {
-  MapStore writer(file());
-  const auto refused = run({"compact", file()});
-  EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.errors, HasSubstr("database is locked"));
-}
-
-// SQLite would write the old file's log over the new one.
-TEST_F(MapCommand, WhatTakesTheNameOfAKilledWritersMapIsItselfOnly) {
-  const auto copy = folder_ / "copy.lcmslam";
-  leave_with_log(copy);
-  EXPECT_EQ(run({"compact", file(), "--out", copy, "--force"}).exit_code, 0);
-  const auto diff = run({"diff", file(), copy});
-  EXPECT_EQ(diff.exit_code, 0) << diff.out << diff.errors;
-}
-
-TEST_F(MapCommand, AMapThatIsOpenIsNotReplaced) {
-  const auto copy = folder_ / "copy.lcmslam";
-  write(copy, 0.25);
-  {
-    MapStore writer(copy);
-    const auto refused = run({"compact", file(), "--out", copy, "--force"});
-    EXPECT_EQ(refused.exit_code, 1);
-    EXPECT_THAT(refused.errors, AllOf(HasSubstr("copy.lcmslam"), HasSubstr("database is locked")));
-  }
-  EXPECT_EQ(run({"diff", file(), copy}).exit_code, 1) << "it stays as it was";
-  EXPECT_EQ(run({"compact", file(), "--out", file(), "--force"}).exit_code, 0) << "nobody else has it open";
-}
-
-TEST_F(MapCommand, DiffSaysWhatMovedAndHowFar) {
-  const auto other = folder_ / "other.lcmslam";
-  write(other, 0.5);
-  Database(other, Database::Access::write).execute("DELETE FROM landmark WHERE id < 2");
-  const auto diff = run({"diff", file(), other});
-  EXPECT_EQ(diff.exit_code, 1);
-  EXPECT_THAT(diff.out, AllOf(HasSubstr("moved by up to 1.5000 m (3)"),
-                              HasSubstr("landmarks: 5 in both, 2 only in the first, 0 only in the second")));
-  const auto same = run({"diff", file(), file()});
-  EXPECT_EQ(same.exit_code, 0);
-  EXPECT_THAT(same.out, AllOf(HasSubstr("the maps agree"), Not(HasSubstr("moved"))));
-  for (const auto& map : {file(), other})
-    Database(map, Database::Access::write)
-        .execute("DELETE FROM landmark; DELETE FROM cloud; DELETE FROM keyframe");
-  const auto nothing = run({"diff", file(), other});
-  EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_THAT(nothing.out, HasSubstr("nothing was compared"));
-}
-
-TEST_F(MapCommand, FilesThatAreNoMapsAreNamed) {
-  for (const std::string command : {"info", "verify", "compact"}) {
-    const auto run_of_it = run({command, folder_ / "none.lcmslam"});
-    EXPECT_EQ(run_of_it.exit_code, 1);
-    EXPECT_THAT(run_of_it.last_line(), AllOf(HasSubstr("none.lcmslam"), HasSubstr("no such file")));
-  }
 }
 
 }  // namespace

@@ -1,59 +1,91 @@
-// What lcmslam map verify and map diff claim of files.
+// Whether a map's file is whole, as small as it can be, and the same as another.
 
-#include <gmock/gmock.h>
-
-#include <fstream>
-
-#include <lcmslam/map_store/file/map_store.hpp>
-#include "tests/unit/map_store_file/sample_store.hpp"
-#include "tests/unit/tools/command_run.hpp"
-#include "tools/commands.hpp"
+#include "tests/unit/tools/map_command_fixture.hpp"
 
 namespace lcmslam {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using testing::MapCommand;
 using ::testing::Not;
 
-class MapClaims : public ::testing::Test {
- protected:
-  testing::CommandRun run(std::vector<std::string> arguments) {
-    return testing::run_command({"map", map_command}, std::move(arguments));
-  }
-  std::filesystem::path file(const std::string& name) const { return folder_ / (name + ".lcmslam"); }
-
-  TemporaryFolder folder_;
-};
-
-// A disk that was full or lost power leaves such files.
-TEST_F(MapClaims, AFileWithoutAMapIsNotWhole) {
-  std::ofstream(file("no_bytes")).close();
-  { MapStore store(file("no_session")); }
-  for (const char* name : {"no_bytes", "no_session"}) {
-    const auto verified = run({"verify", file(name)});
-    EXPECT_EQ(verified.exit_code, 1) << name;
-    EXPECT_THAT(verified.out, AllOf(HasSubstr("NO MAP"), HasSubstr("nothing has been written into it"),
-                                    Not(HasSubstr("whole"))))
-        << name;
-  }
+TEST_F(MapCommand, VerifySaysWhatIsDamagedAndByItsExitCode) {
+  EXPECT_EQ(run({"verify", file()}).exit_code, 0);
+  EXPECT_THAT(run({"verify", file()}).out, HasSubstr("whole: 3 sessions, 7 keyframes"));
+  Database(file(), Database::Access::write).execute("UPDATE landmark SET data = x'00' WHERE id = 4");
+  const auto damaged = run({"verify", file()});
+  EXPECT_EQ(damaged.exit_code, 1);
+  EXPECT_THAT(damaged.out, AllOf(HasSubstr("landmark 4"), HasSubstr("DAMAGED")));
 }
 
-// Keyframes at the same places may show other points.
-TEST_F(MapClaims, DiffSaysWhatItDidNotCompare) {
-  for (const char* name : {"first", "second"}) {
-    MapStore store(file(name));
-    Transaction transaction = store.begin();
-    SessionChanges changes;
-    changes.put_keyframe(some_keyframe(0, name == std::string("first") ? 50 : 20), std::nullopt);
-    store.write(store.add_session(store.add_run({"1.2", ""}), session_of("icp")), changes);
-    transaction.commit();
+TEST_F(MapCommand, CompactGivesRoomBack) {
+  Database(file(), Database::Access::write).execute("DELETE FROM cloud; DELETE FROM keyframe");
+  const auto before = std::filesystem::file_size(file());
+  const auto copy = folder_ / "copy.lcmslam";
+  EXPECT_EQ(run({"compact", file(), "--out", copy}).exit_code, 0);
+  EXPECT_EQ(std::filesystem::file_size(file()), before);
+  EXPECT_LT(std::filesystem::file_size(copy), before);
+  EXPECT_EQ(run({"verify", copy}).exit_code, 0);
+  EXPECT_EQ(run({"compact", file()}).exit_code, 0);
+  EXPECT_LT(std::filesystem::file_size(file()), before);
+  EXPECT_EQ(run({"diff", file(), copy}).exit_code, 0);
+}
+
+TEST_F(MapCommand, AMapThatIsWrittenIsNotCompactedInItsPlace) {
+  MapStore writer(file());
+  const auto refused = run({"compact", file()});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("database is locked"));
+}
+
+// SQLite would write the old file's log over the new one.
+TEST_F(MapCommand, WhatTakesTheNameOfAKilledWritersMapIsItselfOnly) {
+  const auto copy = folder_ / "copy.lcmslam";
+  leave_with_log(copy);
+  EXPECT_EQ(run({"compact", file(), "--out", copy, "--force"}).exit_code, 0);
+  const auto diff = run({"diff", file(), copy});
+  EXPECT_EQ(diff.exit_code, 0) << diff.out << diff.errors;
+}
+
+TEST_F(MapCommand, AMapThatIsOpenIsNotReplaced) {
+  const auto copy = folder_ / "copy.lcmslam";
+  write(copy, 0.25);
+  {
+    MapStore writer(copy);
+    const auto refused = run({"compact", file(), "--out", copy, "--force"});
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.errors, AllOf(HasSubstr("copy.lcmslam"), HasSubstr("database is locked")));
   }
-  const auto diff = run({"diff", file("first"), file("second")});
-  EXPECT_EQ(diff.exit_code, 0);
-  EXPECT_THAT(diff.out,
-              AllOf(HasSubstr("the maps agree in their keyframes' poses and their landmarks' means"),
-                    HasSubstr("points, features, images, edges, covariances and paths were not")));
+  EXPECT_EQ(run({"diff", file(), copy}).exit_code, 1) << "it stays as it was";
+  EXPECT_EQ(run({"compact", file(), "--out", file(), "--force"}).exit_code, 0) << "nobody else has it open";
+}
+
+TEST_F(MapCommand, DiffSaysWhatMovedAndHowFar) {
+  const auto other = folder_ / "other.lcmslam";
+  write(other, 0.5);
+  Database(other, Database::Access::write).execute("DELETE FROM landmark WHERE id < 2");
+  const auto diff = run({"diff", file(), other});
+  EXPECT_EQ(diff.exit_code, 1);
+  EXPECT_THAT(diff.out, AllOf(HasSubstr("moved by up to 1.5000 m (3)"),
+                              HasSubstr("landmarks: 5 in both, 2 only in the first, 0 only in the second")));
+  const auto same = run({"diff", file(), file()});
+  EXPECT_EQ(same.exit_code, 0);
+  EXPECT_THAT(same.out, AllOf(HasSubstr("the maps agree"), Not(HasSubstr("moved"))));
+  for (const auto& map : {file(), other})
+    Database(map, Database::Access::write)
+        .execute("DELETE FROM landmark; DELETE FROM cloud; DELETE FROM keyframe");
+  const auto nothing = run({"diff", file(), other});
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_THAT(nothing.out, HasSubstr("nothing was compared"));
+}
+
+TEST_F(MapCommand, FilesThatAreNoMapsAreNamed) {
+  for (const std::string command : {"info", "verify", "compact"}) {
+    const auto run_of_it = run({command, folder_ / "none.lcmslam"});
+    EXPECT_EQ(run_of_it.exit_code, 1);
+    EXPECT_THAT(run_of_it.last_line(), AllOf(HasSubstr("none.lcmslam"), HasSubstr("no such file")));
+  }
 }
 
 }  // namespace
