@@ -37,7 +37,7 @@ VisualOdometry::VisualOdometry(const VisualOdometrySettings& settings, Random ra
 std::optional<MotionSample> VisualOdometry::update(const FeatureFrame& all_features) {
   FeatureFrame frame = with_points_only(all_features);
   if (keyframes_.empty() || frame.utime < sample_.utime) {
-    start(std::move(frame));
+    start(frame);
     return keyframes_.empty() ? std::nullopt : std::optional(sample_);
   }
   if (frame.utime == sample_.utime) return std::nullopt;
@@ -68,7 +68,7 @@ std::optional<MotionSample> VisualOdometry::update(const FeatureFrame& all_featu
   return sample_;
 }
 
-void VisualOdometry::start(FeatureFrame frame) {
+void VisualOdometry::start(const FeatureFrame& frame) {
   keyframes_.clear();
   previous_.reset();
   report_ = {};

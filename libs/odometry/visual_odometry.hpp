@@ -126,7 +126,7 @@ class VisualOdometry {
     int newest_inliers = 0;  // with the newest keyframe
   };
 
-  void start(FeatureFrame frame);
+  void start(const FeatureFrame& frame);
   std::optional<Alignment> align(const std::vector<const Reference*>& references, const FeatureFrame& frame);
   Pairs match(const std::vector<const Reference*>& references, const FeatureFrame& frame);
   Eigen::Isometry3d expected(Utime utime) const;
