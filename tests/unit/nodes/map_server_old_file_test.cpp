@@ -7,7 +7,6 @@ namespace {
 
 using testing::first_number;
 using testing::Life;
-using testing::seen_view;
 
 class MapServerOldFile : public testing::MapServerPlaces {
  protected:
