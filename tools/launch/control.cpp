@@ -28,7 +28,7 @@ std::vector<fs::path> folders() {
   if (const std::string own = variable("RUNTIME_DIRECTORY"); !own.empty()) all.emplace_back(own);
   if (const std::string user = variable("XDG_RUNTIME_DIR"); !user.empty())
     all.push_back(fs::path(user) / "lcmslam");
-  all.push_back("/tmp/lcmslam-" + std::to_string(getuid()));
+  all.emplace_back("/tmp/lcmslam-" + std::to_string(getuid()));
   all.emplace_back("/run/lcmslam");
   return all;
 }

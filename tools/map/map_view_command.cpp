@@ -38,7 +38,7 @@ cv::Vec3b path_colour(std::size_t number) {
 void append(ColouredCloud& all, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_session) {
   const Eigen::Isometry3f T = T_map_session.cast<float>();
   for (const Eigen::Vector3f& point : cloud.points) all.points.push_back(T * point);
-  for (const Eigen::Vector3f& normal : cloud.normals) all.normals.push_back(T.linear() * normal);
+  for (const Eigen::Vector3f& normal : cloud.normals) all.normals.emplace_back(T.linear() * normal);
   all.colours.insert(all.colours.end(), cloud.colours.begin(), cloud.colours.end());
 }
 

@@ -75,7 +75,8 @@ TEST_F(PlaceIndexTest, TwinRoomsAreToldApartByNobodyUntilOneIsDropped) {
 // again.
 TEST_F(PlaceIndexTest, ATwinRoomIsSeenHoweverOftenTheFirstWasMapped) {
   for (int i = 0; i < 16; ++i) {
-    const Seen seen = room.seen_from(Room::camera(2.7 + 0.2 * (i % 4), 2.5 + 0.2 * (i / 4), 0.75));
+    const int column = i % 4, row = i / 4;
+    const Seen seen = room.seen_from(Room::camera(2.7 + 0.2 * column, 2.5 + 0.2 * row, 0.75));
     index.add(200 + i, seen.T_room_camera, seen.features, seen.cloud);
   }
   expect_at(ask(asker), asked_from);
@@ -88,7 +89,8 @@ TEST_F(PlaceIndexTest, ATwinRoomIsSeenHoweverOftenTheFirstWasMapped) {
 // All votes go to the keyframes of the first room: there are more than neighbours are asked for.
 TEST_F(PlaceIndexTest, ATwinRoomOfFewKeyframesIsSeenBesideOneOfMany) {
   for (int i = 0; i < 49; ++i) {
-    const Seen seen = room.seen_from(Room::camera(2.4 + 0.3 * (i % 7), 2 + 0.3 * (i / 7), 0.75));
+    const int column = i % 7, row = i / 7;
+    const Seen seen = room.seen_from(Room::camera(2.4 + 0.3 * column, 2 + 0.3 * row, 0.75));
     index.add(200 + i, seen.T_room_camera, seen.features, seen.cloud);
   }
   expect_at(ask(asker), asked_from);

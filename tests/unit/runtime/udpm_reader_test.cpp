@@ -203,7 +203,7 @@ TEST_F(UdpmReaderTest, WhatTheKernelDropsIsCounted) {
 TEST_F(UdpmReaderTest, ABusThatCannotBeJoinedIsSaid) {
   own_bus(default_lcm_url);
   try {
-    udpm::UdpmReader({"127.0.0.1", 7667, 0, 0}, ChannelSet({}), udpm::SourceFilter(0, {}));
+    const udpm::UdpmReader reader({"127.0.0.1", 7667, 0, 0}, ChannelSet({}), udpm::SourceFilter(0, {}));
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("cannot listen to 127.0.0.1:7667"));
