@@ -107,6 +107,25 @@ TEST(MapSmoother, StandingStillMakesNoKeyframes) {
   EXPECT_FALSE(smoother.solve());
 }
 
+Motion exact_motion(const Eigen::Isometry3d& T_before, const Eigen::Isometry3d& T) {
+  Motion motion;
+  motion.T_from_to = T_before.inverse() * T;
+  motion.covariance = 1e-6 * Matrix6d::Identity();
+  return motion;
+}
+
+/// Of these points, those ahead within `reach` m.
+std::vector<PointObservation> seen_from(const Eigen::Isometry3d& T, double reach,
+                                        const std::vector<Eigen::Vector3d>& points) {
+  std::vector<PointObservation> seen;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Eigen::Vector3d local = T.inverse() * points[p];
+    if (local.x() < 0.3 || local.norm() > reach) continue;
+    seen.push_back({static_cast<std::int64_t>(p), {local, 1e-4 * Eigen::Matrix3d::Identity()}});
+  }
+  return seen;
+}
+
 // A robot that drives its lap again and again, with an odometry that drifts and is put right by the filter.
 // `radius` m, `step` rad of the lap between poses; T_estimated = T exp(drift), which the observations
 // contradict.
@@ -121,16 +140,7 @@ MapSmoother lapping(double radius, double step, int poses, Eigen::Isometry3d* T_
     const double t = step * i;
     const Eigen::Isometry3d T = planar_pose(radius * std::sin(t), radius - radius * std::cos(t), t);
     const Eigen::Isometry3d T_estimated = i == 0 ? T : T * planar_pose(0.01 * random.normal(), 0, 0);
-    Motion motion;
-    motion.T_from_to = T_before.inverse() * T;
-    motion.covariance = 1e-6 * Matrix6d::Identity();
-    std::vector<PointObservation> seen;
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      const Eigen::Vector3d local = T.inverse() * points[p];
-      if (local.x() < 0.3 || local.norm() > 4) continue;
-      seen.push_back({static_cast<std::int64_t>(p), {local, 1e-4 * Eigen::Matrix3d::Identity()}});
-    }
-    smoother.add(1'000'000 + i, T_estimated, motion, seen);
+    smoother.add(1'000'000 + i, T_estimated, exact_motion(T_before, T), seen_from(T, 4, points));
     T_before = T;
     if (T_last) *T_last = T;
   }
@@ -179,16 +189,7 @@ TEST(MapSmoother, LoopsThatAreClosedAgainAndAgainLeaveRoomForTheWay) {
   Eigen::Isometry3d T_before = Eigen::Isometry3d::Identity();
   for (int i = 0; i < laps * poses; ++i) {
     const Eigen::Isometry3d T = at(i);
-    Motion motion;
-    motion.T_from_to = T_before.inverse() * T;
-    motion.covariance = 1e-6 * Matrix6d::Identity();
-    std::vector<PointObservation> seen;
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      const Eigen::Vector3d local = T.inverse() * points[p];
-      if (local.norm() < 6)
-        seen.push_back({static_cast<std::int64_t>(p), {local, 1e-4 * Eigen::Matrix3d::Identity()}});
-    }
-    smoother.add(i, T, motion, seen, i > 0 && i % poses == 0);
+    smoother.add(i, T, exact_motion(T_before, T), seen_from(T, 6, points), i > 0 && i % poses == 0);
     T_before = T;
     ASSERT_LE(smoother.keyframes(), MapSmoother::maximum_keyframes);
   }

@@ -27,6 +27,14 @@ class PlaceIndexTest : public testing::Test {
  protected:
   PlaceIndexTest() { room.map(index); }
   Located ask(const Seen& seen) { return index.locate(seen.features, seen.cloud); }
+  /// So many keyframes in rows of `side`, all looking the way that the asker does.
+  void map_well(int side, double apart, double x, double y) {
+    for (int row = 0; row < side; ++row)
+      for (int column = 0; column < side; ++column) {
+        const Seen seen = room.seen_from(Room::camera(x + apart * column, y + apart * row, 0.75));
+        index.add(200 + row * side + column, seen.T_room_camera, seen.features, seen.cloud);
+      }
+  }
 
   Room room{1};
   PlaceIndex index;
@@ -74,11 +82,7 @@ TEST_F(PlaceIndexTest, TwinRoomsAreToldApartByNobodyUntilOneIsDropped) {
 // More of its keyframes than are matched at once look like the asker: those that are left say the same place
 // again.
 TEST_F(PlaceIndexTest, ATwinRoomIsSeenHoweverOftenTheFirstWasMapped) {
-  for (int i = 0; i < 16; ++i) {
-    const int column = i % 4, row = i / 4;
-    const Seen seen = room.seen_from(Room::camera(2.7 + 0.2 * column, 2.5 + 0.2 * row, 0.75));
-    index.add(200 + i, seen.T_room_camera, seen.features, seen.cloud);
-  }
+  map_well(4, 0.2, 2.7, 2.5);
   expect_at(ask(asker), asked_from);
   room.map(index, far_away, 100);
   const Located located = ask(asker);
@@ -88,11 +92,7 @@ TEST_F(PlaceIndexTest, ATwinRoomIsSeenHoweverOftenTheFirstWasMapped) {
 
 // All votes go to the keyframes of the first room: there are more than neighbours are asked for.
 TEST_F(PlaceIndexTest, ATwinRoomOfFewKeyframesIsSeenBesideOneOfMany) {
-  for (int i = 0; i < 49; ++i) {
-    const int column = i % 7, row = i / 7;
-    const Seen seen = room.seen_from(Room::camera(2.4 + 0.3 * column, 2 + 0.3 * row, 0.75));
-    index.add(200 + i, seen.T_room_camera, seen.features, seen.cloud);
-  }
+  map_well(7, 0.3, 2.4, 2);
   expect_at(ask(asker), asked_from);
   for (int i = 0; i < 3; ++i) {
     const Seen seen = room.seen_from(Room::camera(3.2 + 0.2 * i, 2.8, 0.75));

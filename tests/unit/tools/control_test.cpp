@@ -104,7 +104,12 @@ pid_t launch_that_ends(const std::filesystem::path& folder, bool cleanly) {
       asked = request == "stop";
       return "stops\n";
     });
-  usleep(300'000);  // it saves its maps, and hears nobody
+  // Saves its maps until it has been looked for a few times: those who look ask nothing.
+  for (int looks = 0; looks < 3;)
+    socket->poll([&](const std::string&) {
+      ++looks;
+      return "";
+    });
   if (cleanly) delete socket;
   _exit(0);
 }
