@@ -55,7 +55,7 @@ void LiveMap::look_through(const Calibration& calibration) {
 void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
   clean(frame);
   space_.show(frame.depth, calibration().depth,
-              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth);
+              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth, last_place());
   frame_shown();
   const std::lock_guard<std::mutex> lock(mutex_);
   ++version_;
@@ -65,13 +65,20 @@ void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
   check_frame(frame, calibration());
   clean(frame);
   space_.show(frame.depth, calibration().depth,
-              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth);
+              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth, last_place());
   frame_shown();
   if (last_keyframe_ < 0) return;  // it would stand where it is whatever the graph says
   const std::int64_t id = between_.empty() ? -1 : between_.begin()->first - 1;
   between_[id] = {last_keyframe_, keyframes_.at(last_keyframe_).T_map_camera.inverse() * pose.T_map_camera};
   if (between_.size() > most_between) between_.erase(std::prev(between_.end()));
   fuse(id, frame, pose);
+}
+
+/// Of the keyframe that frames hang on: the last of this drive.
+std::optional<LiveSpace::Place> LiveMap::last_place() const {
+  if (last_keyframe_ < 0) return std::nullopt;
+  const Keyframe& last = keyframes_.at(last_keyframe_);
+  return LiveSpace::Place{last_keyframe_, last.T_map_camera * last.T_camera_depth};
 }
 
 void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose) {

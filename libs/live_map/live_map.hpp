@@ -104,6 +104,7 @@ class LiveMap {
   void kept(int keyframe, const Eigen::Isometry3d& T_map_camera, const Eigen::Isometry3d& T_camera_depth);
   void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose);
   void hang_up(const std::vector<int>& given_up);
+  std::optional<LiveSpace::Place> last_place() const;
   void make_room();
   void forget(const std::vector<int>& keyframes);
   int nearest(const Eigen::Isometry3d& T_map_camera) const;

@@ -22,21 +22,36 @@ LiveSpace::LiveSpace(const LiveMapSettings& settings)
       near_(settings.occupancy.cell_size, settings.distance, corners * settings.occupancy.max_range),
       newest_(settings.occupancy.cell_size) {}
 
-void LiveSpace::show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth) {
+void LiveSpace::show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth,
+                     const std::optional<Place>& hangs_on) {
   take_over(false);
   moved_.frame();
   if (!carving_.valid() && moved_.due()) carve_anew();
+  std::vector<OccupancyChange> hits;
+  bool is_asked = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     carver_.carve(depth, camera, T_map_depth, grid_);
     grid_.make_room(T_map_depth.translation().cast<float>());
-    hits_ = carver_.hits();
+    hits_ = hits = carver_.hits();
     place_ = T_map_depth.translation();
     if (++unmeasured_ >= distance_every_ && awake_) measure();
     if (++unasked_ > distance_rest_) awake_ = false;
-    if (!awake_) return;
+    is_asked = awake_;
   }
-  follow(T_map_depth.translation());
+  if (hangs_on) hang(hits, *hangs_on);
+  if (is_asked) follow(T_map_depth.translation());
+}
+
+/// What a frame hit moves with a keyframe.
+void LiveSpace::hang(const std::vector<OccupancyChange>& hits, const Place& on) {
+  keyframes_.follow(on.keyframe, on.T_map_depth, hits, grid_);
+  kept_bytes_ = keyframes_.memory_bytes();
+  if (!carving_.valid()) return;
+  meanwhile_.emplace_back([hits, on](Carved& carved) {
+    carved.keyframes.follow(on.keyframe, on.T_map_depth, hits, carved.grid);
+    hit(hits, carved.grid);
+  });
 }
 
 void LiveSpace::keep(int keyframe, const cv::Mat& depth, const CameraModel& camera,
@@ -44,7 +59,11 @@ void LiveSpace::keep(int keyframe, const cv::Mat& depth, const CameraModel& came
   keyframes_.add(keyframe, depth, camera, T_map_depth);
   kept_bytes_ = keyframes_.memory_bytes();
   moved_.add(keyframe, T_map_depth);
-  if (carving_.valid()) meanwhile_.push_back({keyframe, depth.clone(), camera, T_map_depth});
+  if (carving_.valid())
+    meanwhile_.emplace_back([=, depth = depth.clone()](Carved& carved) {
+      carved.keyframes.add(keyframe, depth, camera, T_map_depth);
+      carver_.carve(depth, camera, T_map_depth, carved.grid);
+    });
   const std::lock_guard<std::mutex> lock(mutex_);
   if (awake_) measure();
 }
@@ -89,9 +108,7 @@ void LiveSpace::forget(const std::vector<int>& keyframes) {
   for (const int id : keyframes) {
     keyframes_.forget(id);
     moved_.give_up(id);
-    const auto is_it = [&](const Kept& kept) { return kept.keyframe == id; };
-    meanwhile_.erase(std::remove_if(meanwhile_.begin(), meanwhile_.end(), is_it), meanwhile_.end());
-    if (carving_.valid()) forgotten_.push_back(id);
+    if (carving_.valid()) meanwhile_.emplace_back([id](Carved& carved) { carved.keyframes.forget(id); });
   }
   kept_bytes_ = keyframes_.memory_bytes();
 }
@@ -116,13 +133,8 @@ void LiveSpace::take_over(bool wait) {
   if (!carving_.valid()) return;
   if (!wait && carving_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
   Carved carved = carving_.get();
+  for (const auto& change : std::exchange(meanwhile_, {})) change(carved);
   keyframes_ = std::move(carved.keyframes);
-  for (const int id : std::exchange(forgotten_, {})) keyframes_.forget(id);
-  for (const Kept& kept : meanwhile_) {
-    keyframes_.add(kept.keyframe, kept.depth, kept.camera, kept.T_map_depth);
-    carver_.carve(kept.depth, kept.camera, kept.T_map_depth, carved.grid);
-  }
-  meanwhile_.clear();
   const std::lock_guard<std::mutex> lock(mutex_);
   grid_.adopt(std::move(carved.grid));
   if (awake_) measure();

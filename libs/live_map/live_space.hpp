@@ -8,6 +8,7 @@
 // one's place when it is done. Frames between keyframes that came meanwhile are seen again soon enough.
 
 #include <atomic>
+#include <functional>
 #include <future>
 #include <mutex>
 #include <optional>
@@ -28,8 +29,15 @@ class LiveSpace {
 
   // One thread.
 
-  /// `depth` as DepthCarver takes it, of the camera's size. T_map_depth must be finite.
-  void show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth);
+  /// Where a keyframe's depth camera stands.
+  struct Place {
+    int keyframe;
+    Eigen::Isometry3d T_map_depth;
+  };
+  /// `depth` as DepthCarver takes it, of the camera's size. T_map_depth must be finite. A frame between
+  /// keyframes hangs on one of them, with which it moves.
+  void show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth,
+            const std::optional<Place>& hangs_on = std::nullopt);
   /// Keeps what was shown last for corrections.
   void keep(int keyframe, const cv::Mat& depth, const CameraModel& camera,
             const Eigen::Isometry3d& T_map_depth);
@@ -73,12 +81,7 @@ class LiveSpace {
     CarvedKeyframes keyframes;
     OccupancyGrid grid;
   };
-  struct Kept {
-    int keyframe;
-    cv::Mat depth;
-    CameraModel camera;
-    Eigen::Isometry3d T_map_depth;
-  };
+  void hang(const std::vector<OccupancyChange>& hits, const Place& on);
   void carve_anew();
   void take_over(bool wait);
   void measure() const;
@@ -93,8 +96,7 @@ class LiveSpace {
   CarvedKeyframes keyframes_;
   MovedKeyframes moved_;
   std::future<Carved> carving_;
-  std::vector<Kept> meanwhile_;  // keyframes that came while it went on
-  std::vector<int> forgotten_;   // and those that went
+  std::vector<std::function<void(Carved&)>> meanwhile_;  // what came while it went on
   std::atomic<std::size_t> kept_bytes_{0};
 
   mutable std::mutex mutex_;  // guards what follows

@@ -11,10 +11,6 @@ namespace {
 
 constexpr float nearest_cell = 0.05f;  // m along the axis: what is nearer has no pixel to speak of
 
-LogOdds steps(double probability) {
-  return static_cast<LogOdds>(std::lround(20 * std::log(probability / (1 - probability))));
-}
-
 int floor_of(float x) {
   const int cut = static_cast<int>(x);
   return cut - (x < static_cast<float>(cut) ? 1 : 0);
@@ -103,7 +99,7 @@ void DepthCarver::carve(const cv::Mat& depth, const CameraModel& camera,
   const Seeing seeing(grid, T_map_camera);
   collect_hits(seeing);
   miss(seeing, grid);
-  hit(grid);
+  hits_.hit(grid);
   grid.make_room(seeing.T_map_camera.translation());
 }
 
@@ -117,8 +113,6 @@ void DepthCarver::collect_hits(const Seeing& seeing) {
   const auto fx = static_cast<float>(1 / camera.fx), fy = static_cast<float>(1 / camera.fy);
   const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
   hits_.clear();
-  hit_index_.clear();
-  HitBlock* last = nullptr;
   for (int v = 0; v < camera.height; v += stride) {
     const auto* row = view_.depth().ptr<float>(v);
     for (int u = 0; u < camera.width; u += stride) {
@@ -126,15 +120,7 @@ void DepthCarver::collect_hits(const Seeing& seeing) {
       if (!(z > nearest_cell && z <= max_range)) continue;
       const Eigen::Vector3f ray((static_cast<float>(u) - cx) * fx, (static_cast<float>(v) - cy) * fy, 1);
       const Eigen::Vector3f p = (seeing.T_map_camera * (z * ray)) * inverse_size;
-      const Eigen::Vector3i cell(floor_of(p.x()), floor_of(p.y()), floor_of(p.z()));
-      const Eigen::Vector3i block = block_of(cell);
-      if (last == nullptr || last->block != block) {
-        const auto next = static_cast<std::int32_t>(hits_.size());
-        const auto slot = hit_index_.insert(voxel_key(block), next);
-        if (slot == next) hits_.push_back({block, {}});
-        last = &hits_[static_cast<std::size_t>(slot)];
-      }
-      last->hit[static_cast<std::size_t>(place_in_block(cell))] = 1;
+      hits_.add({floor_of(p.x()), floor_of(p.y()), floor_of(p.z())});
     }
   }
 }
@@ -199,11 +185,6 @@ DepthCarver::Sight DepthCarver::look(const Seeing& seeing, const Eigen::Vector3i
   return Sight::mixed;
 }
 
-const DepthCarver::Flags* DepthCarver::hits_of(const Eigen::Vector3i& block) const {
-  const std::int32_t slot = hit_index_.find(voxel_key(block));
-  return slot == VoxelIndex::none ? nullptr : &hits_[static_cast<std::size_t>(slot)].hit;
-}
-
 // All blocks of the box around what the image sees.
 void DepthCarver::miss(const Seeing& seeing, OccupancyGrid& grid) const {
   const CameraModel& camera = view_.camera();
@@ -214,7 +195,7 @@ void DepthCarver::miss(const Seeing& seeing, OccupancyGrid& grid) const {
       box.extend(seeing.T_map_camera * (depth * camera.ray({u - 0.5, v - 0.5}).cast<float>()));
   const Eigen::Vector3i first = block_of(grid.cell_of(box.min())), last = block_of(grid.cell_of(box.max()));
 
-  const LogOdds step = steps(seeing.settings.miss), least = steps(seeing.settings.most_free);
+  const LogOdds step = log_odds(seeing.settings.miss), least = log_odds(seeing.settings.most_free);
   const Flags none{};
   Flags through{};
   BlockLogOdds cells;
@@ -224,7 +205,7 @@ void DepthCarver::miss(const Seeing& seeing, OccupancyGrid& grid) const {
         const Eigen::Vector3i block(x, y, z);
         const Sight sight = look(seeing, block, through);
         if (sight == Sight::hidden) continue;
-        const Flags* hit = hits_of(block);
+        const Flags* hit = hits_.find(block);
         if (sight == Sight::through && hit == nullptr) {
           const auto same = grid.uniform(block);
           if (same) {
@@ -241,31 +222,6 @@ void DepthCarver::miss(const Seeing& seeing, OccupancyGrid& grid) const {
         count_misses(cells.data(), through.data(), hit != nullptr ? hit->data() : none.data(), step, least);
         grid.store(block, cells);
       }
-}
-
-void DepthCarver::hit(OccupancyGrid& grid) const {
-  const LogOdds step = steps(grid.settings().hit), most = steps(grid.settings().most_occupied);
-  BlockLogOdds cells;
-  for (const HitBlock& seen : hits_) {
-    grid.load(seen.block, cells);
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (seen.hit[i] == 0) continue;
-      const int before = cells[i] == unknown_log_odds ? 0 : cells[i];
-      cells[i] = static_cast<LogOdds>(std::min<int>(before + step, most));
-    }
-    grid.store(seen.block, cells);
-  }
-}
-
-std::vector<OccupancyChange> DepthCarver::hits() const {
-  std::vector<OccupancyChange> all;
-  for (const HitBlock& seen : hits_) {
-    OccupancyChange change{seen.block, {}};
-    for (std::size_t i = 0; i < seen.hit.size(); ++i)
-      if (seen.hit[i] != 0) change.occupied[i / 64] |= std::uint64_t{1} << (i % 64);
-    all.push_back(change);
-  }
-  return all;
 }
 
 }  // namespace lcmslam

@@ -9,7 +9,7 @@
 
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/map_layers/carving_view.hpp>
-#include <lcmslam/map_layers/occupancy_grid.hpp>
+#include <lcmslam/map_layers/hit_cells.hpp>
 
 namespace lcmslam {
 
@@ -20,27 +20,20 @@ class DepthCarver {
   void carve(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_camera,
              OccupancyGrid& grid);
 
-  /// Blocks that the last image hit, a bit a cell, in the order of the pixels.
-  std::vector<OccupancyChange> hits() const;
+  /// What the last image hit, in the order of its pixels.
+  std::vector<OccupancyChange> hits() const { return hits_.bits(); }
 
  private:
-  using Flags = std::array<std::uint8_t, block_cells>;  // 1: yes
-  struct HitBlock {
-    Eigen::Vector3i block;
-    Flags hit{};
-  };
+  using Flags = HitCells::Flags;
   struct Seeing;  // one image's projection
   enum class Sight { hidden, mixed, through };
 
   void collect_hits(const Seeing& seeing);
   Sight look(const Seeing& seeing, const Eigen::Vector3i& block, Flags& through) const;
-  const Flags* hits_of(const Eigen::Vector3i& block) const;
   void miss(const Seeing& seeing, OccupancyGrid& grid) const;
-  void hit(OccupancyGrid& grid) const;
 
   CarvingView view_;
-  VoxelIndex hit_index_;
-  std::vector<HitBlock> hits_;
+  HitCells hits_;
 };
 
 }  // namespace lcmslam

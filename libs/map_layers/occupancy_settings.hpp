@@ -33,7 +33,8 @@ struct OccupancySettings {
         "of 8 x 8 x 8 cells that are kept (at most 0.7 kB each); a tenth, the farthest, gives way at a time");
     s.number(
         "max_keyframes", max_keyframes, "", {1, 1e5},
-        "whose depth is kept for corrections of the graph (up to 90 kB each, 50 of 176x144, 40 of 640x480); "
+        "whose depth is kept for corrections of the graph (up to 90 kB each, 50 of 176x144, 40 of 640x480, "
+        "and some 40 kB for what only frames saw beside them); "
         "those that the graph has given up make room first, then the oldest: what they alone saw goes with "
         "the next correction");
   }

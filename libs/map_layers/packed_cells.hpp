@@ -4,6 +4,7 @@
 // cells.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,6 +16,9 @@ namespace lcmslam {
 /// Log-odds of being occupied, in steps of 0.05; above 0: occupied.
 using LogOdds = std::int8_t;
 constexpr LogOdds unknown_log_odds = -128;
+inline LogOdds log_odds(double probability) {
+  return static_cast<LogOdds>(std::lround(20 * std::log(probability / (1 - probability))));
+}
 using BlockLogOdds = std::array<LogOdds, block_cells>;
 
 class PackedCells {

@@ -258,6 +258,36 @@ void frontier_list(benchmark::State& state) {
 }
 BENCHMARK(frontier_list)->Unit(benchmark::kMillisecond);
 
+/// What a frame between keyframes costs so that a correction of the graph keeps what it saw; each tenth of
+/// the drive's images is a keyframe.
+void frame_that_hangs_on_a_keyframe(benchmark::State& state) {
+  const Drive& drive = Drive::instance();
+  OccupancyGrid grid({});
+  DepthCarver carver;
+  std::vector<std::vector<OccupancyChange>> hits;
+  for (std::size_t i = 0; i < drive.depths.size(); ++i) {
+    carver.carve(drive.depths[i], drive.camera, drive.T_map_camera[i], grid);
+    hits.push_back(carver.hits());
+  }
+  std::size_t cells = 0, keyframes_kept = 0;
+  for (auto _ : state) {
+    CarvedKeyframes keyframes({});
+    for (std::size_t i = 0, last = 0; i < drive.depths.size(); ++i) {
+      if (i % 10 == 0) {
+        state.PauseTiming();
+        keyframes.add(static_cast<int>(last = i), drive.depths[i], drive.camera, drive.T_map_camera[i]);
+        state.ResumeTiming();
+      }
+      keyframes.follow(static_cast<int>(last), drive.T_map_camera[last], hits[i], grid);
+    }
+    cells = keyframes.cells_of_frames();
+    keyframes_kept = keyframes.size();
+  }
+  state.counters["frames"] = static_cast<double>(hits.size());
+  state.counters["cells_a_keyframe"] = static_cast<double>(cells) / static_cast<double>(keyframes_kept);
+}
+BENCHMARK(frame_that_hangs_on_a_keyframe)->Unit(benchmark::kMillisecond);
+
 /// After a correction of the graph: all of the drive's images as keyframes.
 void carve_anew(benchmark::State& state) {
   const Fields& fields = Fields::instance();

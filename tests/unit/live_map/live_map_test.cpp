@@ -34,6 +34,28 @@ TEST(LiveMap, ASmallCorrectionLeavesSpaceAsItIs) {
   EXPECT_NE(state(map, 2.02), CellState::occupied);
 }
 
+// A frame sees a wall that no keyframe saw, before a correction, and another while space is carved anew.
+TEST(LiveMap, WhatFramesSawMovesWithTheLastKeyframe) {
+  for (const bool background : {false, true}) {
+    LiveMapSettings settings = waiting();
+    settings.background = background;
+    LiveMap map(some_camera(), settings);
+    map.keep(4, wall(4), at(0));
+    map.adopt(1, wall(4), at(50));  // of another drive
+    map.show(wall(2), at(0));
+    map.correct({{4, at(0.4).T_map_camera}, {1, at(50).T_map_camera}});
+    map.show(wall(1.2), at(0.4));
+    map.settle();
+    EXPECT_EQ(state(map, 2.4), CellState::occupied) << background;
+    EXPECT_EQ(state(map, 1.6), CellState::occupied) << background;
+    map.correct({{4, at(0.8).T_map_camera}, {1, at(50).T_map_camera}});
+    map.settle();
+    EXPECT_EQ(state(map, 2.8), CellState::occupied) << background;
+    EXPECT_EQ(state(map, 2.0), CellState::occupied) << background;
+    EXPECT_NE(state(map, 2.4), CellState::occupied) << background;
+  }
+}
+
 double distance_at_1(const LiveMap& map) {
   return map.space().ask([](const LiveSpace::View& view) {
     return view.distances.field().sample({1, 0, 1}).distance;

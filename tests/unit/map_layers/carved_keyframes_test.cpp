@@ -86,6 +86,95 @@ TEST(CarvedKeyframes, SmallImagesAreKeptWhole) {
   EXPECT_GT(cells, 500);
 }
 
+/// Keyframe 0 sees the left half of a wall, a frame the whole wall.
+cv::Mat left_half() {
+  cv::Mat depth = wall(false);
+  depth(cv::Rect(160, 0, 160, 240)).setTo(0);
+  return depth;
+}
+const Vector3f on_right(0.9f, 0, 2.02f), on_left(-0.9f, 0, 2.02f);
+
+struct Hung {
+  OccupancyGrid grid{OccupancySettings{}};
+  CarvedKeyframes keyframes{OccupancySettings{}};
+  DepthCarver carver;
+  Hung() { keep(0, left_half()); }
+  void keep(int id, const cv::Mat& depth) {
+    carver.carve(depth, camera(), here, grid);
+    keyframes.add(id, depth, camera(), here);
+  }
+  void show(int hangs_on, const cv::Mat& depth, const Eigen::Isometry3d& T_map_keyframe = here) {
+    carver.carve(depth, camera(), T_map_keyframe, grid);
+    keyframes.follow(hangs_on, T_map_keyframe, carver.hits(), grid);
+  }
+};
+
+TEST(CarvedKeyframes, WhatAFrameSawMovesWithTheKeyframeThatItHangsOn) {
+  Hung hung;
+  hung.show(0, wall(true));
+  const Eigen::Isometry3d moved(Eigen::Translation3d(0.2, 0, 0.4));
+  const Vector3f d = moved.translation().cast<float>();
+  const OccupancyGrid grid = hung.keyframes.carve_anew({{0, moved}}, hung.grid);
+  for (const Vector3f& place : {on_left, on_right, on_thing})
+    EXPECT_EQ(grid.state(Vector3f(place + d)), CellState::occupied) << place.transpose();
+  EXPECT_NE(grid.state(on_right), CellState::occupied);
+  // And with the next correction, further.
+  const Eigen::Isometry3d on(Eigen::Translation3d(0.2, 0, 0.8));
+  const OccupancyGrid again = hung.keyframes.carve_anew({{0, on}}, grid);
+  EXPECT_EQ(again.state(Vector3f(on_right + Vector3f(0.2f, 0, 0.8f))), CellState::occupied);
+}
+
+// The keyframe looked past where something stands now.
+TEST(CarvedKeyframes, WhatCameAfterTheLastKeyframeStays) {
+  Hung hung;
+  hung.keep(1, wall(false));
+  for (int i = 0; i < 3; ++i) hung.show(1, wall(true));
+  ASSERT_EQ(hung.grid.state(on_thing), CellState::occupied);
+  EXPECT_EQ(hung.keyframes.carve_anew({}, hung.grid).state(on_thing), CellState::occupied);
+}
+
+TEST(CarvedKeyframes, WhatAFrameSawAndAnotherSawThroughDoesNotComeBack) {
+  Hung hung;
+  hung.show(0, wall(true));
+  for (int i = 0; i < 3; ++i) hung.show(0, wall(false));
+  ASSERT_EQ(hung.grid.state(on_thing), CellState::free);
+  const OccupancyGrid grid = hung.keyframes.carve_anew({}, hung.grid);
+  EXPECT_NE(grid.state(on_thing), CellState::occupied);
+  EXPECT_EQ(grid.state(on_right), CellState::occupied);
+}
+
+// The graph has moved the keyframe, and space is not carved anew yet.
+TEST(CarvedKeyframes, FramesAreKeptFromWhereTheKeyframeStandsByNow) {
+  Hung hung;
+  const Eigen::Isometry3d by_now(Eigen::Translation3d(0, 0, 0.4));
+  hung.show(0, wall(false), by_now);
+  const OccupancyGrid grid = hung.keyframes.carve_anew({{0, by_now}}, OccupancyGrid(OccupancySettings{}));
+  EXPECT_EQ(grid.state(Vector3f(on_right + Vector3f(0, 0, 0.4f))), CellState::occupied);
+  EXPECT_NE(grid.state(Vector3f(on_right + Vector3f(0, 0, 0.8f))), CellState::occupied);
+}
+
+TEST(CarvedKeyframes, ACellIsKeptOnceAndNotAtAllWhereAKeyframeSeesIt) {
+  Hung hung;
+  hung.show(0, left_half());
+  EXPECT_LT(hung.keyframes.cells_of_frames(), 50U);  // at the rim
+  hung.show(0, wall(false));
+  const std::size_t right = hung.keyframes.cells_of_frames();
+  EXPECT_GT(right, 1000U);
+  hung.show(0, wall(false));
+  EXPECT_EQ(hung.keyframes.cells_of_frames(), right);
+  hung.keep(1, wall(false));
+  hung.show(1, wall(false));
+  EXPECT_LT(hung.keyframes.cells_of_frames(), right / 10);
+}
+
+// Who stands still and looks at what moves does not remember it all.
+TEST(CarvedKeyframes, WhatMovesThroughAViewIsNotKept) {
+  Hung hung;
+  for (int i = 0; i < 60; ++i) hung.show(0, cv::Mat(240, 320, CV_16UC1, cv::Scalar(1000 + 40 * i)));
+  EXPECT_LT(hung.keyframes.cells_of_frames(), 70'000U);  // of 218,000
+  EXPECT_EQ(hung.grid.state(Vector3f(0.9f, 0, 3.36f)), CellState::occupied);
+}
+
 TEST(CarvedKeyframes, AreBounded) {
   OccupancySettings settings;
   settings.max_keyframes = 2;
