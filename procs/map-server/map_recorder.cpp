@@ -204,8 +204,9 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
     if (s.keyframes.count(id) > 0 && is_gone(id)) gone.insert(id);
   if (whole) std::copy_if(s.keyframes.begin(), s.keyframes.end(), std::inserter(gone, gone.end()), is_gone);
   if (s.kept_id != 0 && 2 * gone.size() > s.keyframes.size()) {
+    const std::size_t before = s.number;
     leave_beside("icp", key, s);
-    for (const auto& [id, keyframe] : map.keyframes()) put_keyframe(s, keyframe);
+    put_keyframes(s, map, before);
     gone.clear();
   }
   std::set<FollowedGraph::Pair> pairs;
@@ -240,9 +241,17 @@ void MapRecorder::leave_beside(const std::string& mapper, const SessionKey& key,
   s.number = writer_.begin_session({0, mapper, key.sender, key.frame});
 }
 
-void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map) {
-  Session& beside = session("icp", key);
-  for (const auto& [id, kept] : map.keyframes()) put_keyframe(beside, kept);
+void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map, const SessionKey& of) {
+  put_keyframes(session("icp", key), map, session("icp", of).number);
+}
+
+void MapRecorder::put_keyframes(Session& s, const DenseMap& map, std::size_t shared_with) {
+  std::vector<std::int32_t> ids;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    put_keyframe(s, keyframe);
+    ids.push_back(id);
+  }
+  writer_.share(shared_with, s.number, ids);
 }
 
 void MapRecorder::kept_beside(const SessionKey& key, const LandmarkMap& map) {

@@ -47,8 +47,9 @@ class MapRecorder {
   /// After graph and map have followed the message. A graph that takes the most of what the file has away
   /// leaves that beside: the map goes on in a session of its own.
   void graph(const SessionKey& key, const graph_t& message, const FollowedGraph& graph, const DenseMap& map);
-  /// Maps that nobody adds to any more: sessions of their own, whatever is in the file.
-  void kept_beside(const SessionKey& key, const DenseMap& map);
+  /// Maps that nobody adds to any more: sessions of their own, whatever is in the file. `of`: the session
+  /// whose keyframes those were, which has their features and images.
+  void kept_beside(const SessionKey& key, const DenseMap& map, const SessionKey& of);
   void kept_beside(const SessionKey& key, const LandmarkMap& map);
   /// A mapper's pose of the robot.
   void pose(const std::string& mapper, const SessionKey& key, const pose_estimate_t& message);
@@ -96,6 +97,7 @@ class MapRecorder {
   Session& begin_session(const std::string& mapper, const SessionKey& key, Session& session);
   void leave_beside(const std::string& mapper, const SessionKey& key, Session& session);
   void put_keyframe(Session& session, const DenseKeyframe& keyframe);
+  void put_keyframes(Session& session, const DenseMap& map, std::size_t shared_with);
   std::optional<Matrix6d> covariance_at(Utime utime) const;
 
   std::filesystem::path file_;

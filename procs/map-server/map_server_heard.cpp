@@ -232,7 +232,7 @@ void MapServerNode::on_graph(const graph_t& message) {
     if (!dense_maps_.keep_beside(key_of(message), session->map))
       refuse("it takes away the most of a map, and there is no room to keep that beside");
     const auto& kept = dense_maps_.all().back();
-    if (recorder_) recorder_->kept_beside(kept.key, kept.map);
+    if (recorder_) recorder_->kept_beside(kept.key, kept.map, key_of(message));
   }
   session = dense_maps_.find(key_of(message));
   session->graph.apply(message);

@@ -38,6 +38,18 @@ struct MapStore::Statements {
         camera(d,
                "INSERT INTO camera(sensor, form, data, is_first) SELECT ?1, ?2, ?3, 0 WHERE NOT EXISTS "
                "(SELECT 1 FROM camera WHERE sensor = ?1 AND form = ?2 AND data = ?3)"),
+        copy_features(
+            d,
+            "INSERT OR IGNORE INTO features(session, keyframe, data) SELECT k.session, k.id, f.data "
+            "FROM features f, keyframe k WHERE f.session = ?1 AND f.keyframe = ?3 AND k.session = ?2 "
+            "AND k.id = ?3"),
+        copy_images(d,
+                    "INSERT OR IGNORE INTO images(session, keyframe, data, camera) SELECT k.session, k.id, "
+                    "i.data, i.camera FROM images i, keyframe k WHERE i.session = ?1 AND i.keyframe = ?3 AND "
+                    "k.session = ?2 AND k.id = ?3"),
+        copy_covariance(d,
+                        "UPDATE keyframe SET covariance = (SELECT covariance FROM keyframe WHERE session = "
+                        "?1 AND id = ?3) WHERE session = ?2 AND id = ?3 AND covariance IS NULL"),
         drop_keyframe(d, "DELETE FROM keyframe WHERE session = ? AND id = ?"),
         drop_cloud(d, "DELETE FROM cloud WHERE session = ? AND keyframe = ?"),
         drop_features(d, "DELETE FROM features WHERE session = ? AND keyframe = ?"),
@@ -57,6 +69,7 @@ struct MapStore::Statements {
                    "?2 FROM trajectory WHERE session = ?1") {}
 
   Statement run, session, place, calibration, keyframe, cloud, features, images, camera;
+  Statement copy_features, copy_images, copy_covariance;
   Statement drop_keyframe, drop_cloud, drop_features, drop_images, drop_edges_from, drop_edges_to;
   Statement clear_edges, drop_pair, edge, clear_landmarks, drop_landmark, landmark, trajectory;
 };
@@ -115,6 +128,13 @@ void MapStore::write(std::int64_t session, const SessionChanges& changes) {
   if (changes.trajectory().empty()) return;
   const Blob data = encode_trajectory(changes.trajectory());
   statements_->trajectory(session, data).run();
+}
+
+void MapStore::copy_keyframe(std::int64_t from_session, std::int64_t to_session, std::int32_t id) {
+  const std::int64_t keyframe = id;
+  for (Statement* statement :
+       {&statements_->copy_features, &statements_->copy_images, &statements_->copy_covariance})
+    (*statement)(from_session, to_session, keyframe).run();
 }
 
 void MapStore::drop_keyframe(std::int64_t session, std::int32_t id) {

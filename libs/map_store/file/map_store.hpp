@@ -24,6 +24,9 @@ class MapStore {
   /// Gives its id; the one in `session` does not count.
   std::int64_t add_session(std::int64_t run, const StoredSession& session);
   void write(std::int64_t session, const SessionChanges& changes);
+  /// Features, images and covariance of a keyframe that both sessions have, where the second has none of its
+  /// own.
+  void copy_keyframe(std::int64_t from_session, std::int64_t to_session, std::int32_t id);
   /// The newest of its sensor counts.
   void put_calibration(const StoredCalibration& calibration);
   /// Says where a session lies: state, T_map_session and evidence of the session with this id.

@@ -26,6 +26,16 @@ void SessionChanges::put_images(std::int32_t keyframe, StoredImages images) {
   keyframes_[keyframe].images = std::move(images);
 }
 
+void SessionChanges::share(const SessionChanges& other, const std::vector<std::int32_t>& keyframes) {
+  for (const std::int32_t id : keyframes) {
+    const auto known = other.keyframes_.find(id);
+    if (known == other.keyframes_.end()) continue;
+    if (known->second.features) keyframes_[id].features = known->second.features;
+    if (known->second.images) keyframes_[id].images = known->second.images;
+    if (known->second.covariance) keyframes_[id].covariance = known->second.covariance;
+  }
+}
+
 void SessionChanges::move_keyframe(std::int32_t keyframe, Utime utime,
                                    const Eigen::Isometry3d& T_map_camera) {
   KeyframeChange& change = keyframes_[keyframe];

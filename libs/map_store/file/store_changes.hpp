@@ -30,6 +30,8 @@ class SessionChanges {
   void put_keyframe(const DenseKeyframe& keyframe, const std::optional<Matrix6d>& covariance);
   void put_features(std::int32_t keyframe, const FeatureFrame& features);
   void put_images(std::int32_t keyframe, StoredImages images);
+  /// What waits of another session's features, images and covariances belongs to this one, too.
+  void share(const SessionChanges& other, const std::vector<std::int32_t>& keyframes);
   void move_keyframe(std::int32_t keyframe, Utime utime, const Eigen::Isometry3d& T_map_camera);
   /// With its edges.
   void drop_keyframe(std::int32_t keyframe);

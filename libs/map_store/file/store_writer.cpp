@@ -1,6 +1,8 @@
 #include <lcmslam/map_store/file/store_writer.hpp>
 
+#include <algorithm>
 #include <chrono>
+#include <set>
 
 namespace lcmslam {
 namespace {
@@ -37,6 +39,17 @@ void StoreWriter::change(std::size_t session, const std::function<void(SessionCh
   wake_.notify_all();
 }
 
+// What waits is handed over here, what is in the file when it is written.
+void StoreWriter::share(std::size_t from, std::size_t to, const std::vector<std::int32_t>& keyframes) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto waiting = waiting_.sessions.find(from);
+    if (waiting != waiting_.sessions.end()) waiting_.sessions[to].share(waiting->second, keyframes);
+    waiting_.shared.push_back({from, to, keyframes});
+  }
+  wake_.notify_all();
+}
+
 void StoreWriter::place(std::size_t session, const StoredSession& place) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -69,10 +82,15 @@ StoreWriter::State StoreWriter::state() const {
 
 std::optional<std::int64_t> StoreWriter::written(std::size_t session) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const bool waits = waiting_.sessions.count(session) > 0 || waiting_.places.count(session) > 0;
   const auto id = ids_.find(session);
-  if (waits || writing_ || id == ids_.end()) return std::nullopt;
+  if (waiting_.touches(session) || writing_ || id == ids_.end()) return std::nullopt;
   return id->second;
+}
+
+bool StoreWriter::Waiting::touches(std::size_t session) const {
+  return sessions.count(session) > 0 || places.count(session) > 0 ||
+         std::any_of(shared.begin(), shared.end(),
+                     [&](const Shared& s) { return s.from == session || s.to == session; });
 }
 
 /// False: it is time to end, and nothing waits.
@@ -125,7 +143,18 @@ void StoreWriter::write(const Waiting& changes) {
   Transaction transaction = store_->begin();
   if (run == 0) run = store_->add_run(run_);
   for (const auto& [sensor, calibration] : changes.calibrations) store_->put_calibration(calibration);
-  for (const auto& [number, session] : changes.sessions) store_->write(id_of(number, run, ids), session);
+  std::set<std::size_t> written;
+  const auto write_session = [&](std::size_t number) {
+    const auto session = changes.sessions.find(number);
+    if (session == changes.sessions.end() || !written.insert(number).second) return;
+    store_->write(id_of(number, run, ids), session->second);
+  };
+  for (const Shared& s : changes.shared) {  // before they go in the session that they come from
+    write_session(s.to);
+    for (const std::int32_t keyframe : s.keyframes)
+      store_->copy_keyframe(id_of(s.from, run, ids), id_of(s.to, run, ids), keyframe);
+  }
+  for (const auto& [number, session] : changes.sessions) write_session(number);
   for (auto [number, place] : changes.places) {
     place.id = id_of(number, run, ids);
     store_->place_session(place);
@@ -150,6 +179,7 @@ std::int64_t StoreWriter::id_of(std::size_t session, std::int64_t run,
 void StoreWriter::put_back(Waiting&& failed) {
   Waiting newer = std::exchange(waiting_, std::move(failed));
   for (auto& [number, session] : newer.sessions) waiting_.sessions[number].follow(std::move(session));
+  waiting_.shared.insert(waiting_.shared.end(), newer.shared.begin(), newer.shared.end());
   for (auto& [number, place] : newer.places) waiting_.places[number] = std::move(place);
   for (auto& [sensor, calibration] : newer.calibrations)
     waiting_.calibrations[sensor] = std::move(calibration);

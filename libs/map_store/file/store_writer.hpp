@@ -35,6 +35,9 @@ class StoreWriter {
   std::size_t begin_session(const StoredSession& session);
   /// Calls `add` with what waits of this session.
   void change(std::size_t session, const std::function<void(SessionChanges&)>& add);
+  /// The keyframes are those of another session as well: what that one has of their features, images and
+  /// covariances by now belongs to this one, too, whatever becomes of it there.
+  void share(std::size_t from, std::size_t to, const std::vector<std::int32_t>& keyframes);
   /// Says where the session lies: state, T_map_session and evidence of `place`.
   void place(std::size_t session, const StoredSession& place);
   void put_calibration(const StoredCalibration& calibration);
@@ -46,11 +49,19 @@ class StoreWriter {
   std::optional<std::int64_t> written(std::size_t session) const;
 
  private:
+  struct Shared {
+    std::size_t from, to;
+    std::vector<std::int32_t> keyframes;
+  };
   struct Waiting {
     std::map<std::size_t, SessionChanges> sessions;
+    std::vector<Shared> shared;
     std::map<std::size_t, StoredSession> places;            // by change()'s number
     std::map<std::string, StoredCalibration> calibrations;  // by sensor
-    bool empty() const { return sessions.empty() && places.empty() && calibrations.empty(); }
+    bool empty() const {
+      return sessions.empty() && shared.empty() && places.empty() && calibrations.empty();
+    }
+    bool touches(std::size_t session) const;
   };
 
   void work();

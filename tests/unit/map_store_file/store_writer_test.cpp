@@ -57,6 +57,66 @@ TEST_F(MapStoreWriter, WritesTheRestAtItsEnd) {
   EXPECT_FALSE(std::filesystem::exists(file().string() + "-wal")) << "one file";
 }
 
+// Keyframe 0 is in the file, 1 waits, 2 comes when all is shared already; then they go where they come from.
+TEST_F(MapStoreWriter, WhatIsSharedStaysWhereItIsSharedWith) {
+  StoreWriter writer(file(), {});
+  const std::size_t from = writer.begin_session(session_of("icp"));
+  const std::size_t to = writer.begin_session(session_of("icp", 8));
+  const auto put_all = [&](int id) {
+    writer.change(from, [&](SessionChanges& changes) {
+      changes.put_keyframe(some_keyframe(id), Matrix6d(4 * Matrix6d::Identity()));
+      changes.put_features(id, some_frame_of_features(3, 5 + id));
+      changes.put_images(id, some_images(static_cast<std::uint64_t>(id)));
+    });
+  };
+  put_all(0);
+  ASSERT_TRUE(writer.flush());
+  put_all(1);
+  writer.change(to, [&](SessionChanges& changes) {
+    for (const int id : {0, 1, 2}) changes.put_keyframe(some_keyframe(id), {});
+  });
+  writer.share(from, to, {0, 1, 2});
+  EXPECT_FALSE(writer.written(from));
+  put_all(2);
+  writer.change(from, [&](SessionChanges& changes) {
+    for (const int id : {0, 1, 2}) changes.drop_keyframe(id);
+  });
+  ASSERT_TRUE(writer.flush());
+  MapFile read(file());
+  EXPECT_TRUE(read.keyframes(*writer.written(from)).empty());
+  const std::int64_t beside = *writer.written(to);
+  ASSERT_EQ(read.keyframes(beside).size(), 3U);
+  for (const int id : {0, 1}) {
+    ASSERT_TRUE(read.features(beside, id)) << id;
+    EXPECT_EQ(read.features(beside, id)->features.size(), static_cast<std::size_t>(5 + id));
+    ASSERT_TRUE(read.images(beside, id)) << id;
+    EXPECT_TRUE(
+        read.images(beside, id)
+            ->T_colour_depth_time.isApprox(some_images(static_cast<std::uint64_t>(id)).T_colour_depth_time));
+    EXPECT_TRUE(read.keyframes(beside)[static_cast<std::size_t>(id)].covariance) << id;
+  }
+  EXPECT_FALSE(read.features(beside, 2)) << "it came later";
+  EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
+}
+
+TEST_F(MapStoreWriter, WhatIsSharedMayHaveGoneThere) {
+  StoreWriter writer(file(), {});
+  const std::size_t from = writer.begin_session(session_of("icp"));
+  const std::size_t to = writer.begin_session(session_of("icp", 8));
+  writer.change(from, [&](SessionChanges& changes) {
+    changes.put_keyframe(some_keyframe(0), {});
+    changes.put_features(0, some_frame_of_features(3, 5));
+    changes.put_images(0, some_images(1));
+  });
+  ASSERT_TRUE(writer.flush());
+  writer.change(to, [&](SessionChanges& changes) { changes.put_keyframe(some_keyframe(0), {}); });
+  writer.share(from, to, {0});
+  writer.change(to, [&](SessionChanges& changes) { changes.drop_keyframe(0); });
+  EXPECT_TRUE(writer.flush()) << writer.state().error;
+  EXPECT_TRUE(MapFile(file()).keyframes(*writer.written(to)).empty());
+  EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
+}
+
 TEST_F(MapStoreWriter, AFolderThatCannotBeMadeIsSaidAndTriedAgain) {
   std::filesystem::remove(folder_ / "run");
   std::ofstream(folder_ / "run") << "a file where the folder should be";

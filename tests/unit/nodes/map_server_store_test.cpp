@@ -169,6 +169,50 @@ TEST_F(MapServerStore, AGraphThatTakesTheMostAwayLeavesTheFilesMapBeside) {
   EXPECT_THAT(faults(), IsEmpty());
 }
 
+/// How many of the session's keyframes have features.
+int with_features(MapFile& file, std::int64_t session) {
+  int count = 0;
+  for (const StoredKeyframe& keyframe : file.keyframes(session))
+    count += file.features(session, keyframe.id) ? 1 : 0;
+  return count;
+}
+
+// What is left beside is a map to be found in as any other: with the features of its keyframes.
+TEST_F(MapServerStore, AMapThatIsLeftBesideKeepsItsFeatures) {
+  StoringServer server(run());
+  for (int id = 0; id < 4; ++id) {
+    server.features((10 + id) * second, 5);
+    server.keyframe(id, (10 + id) * second);
+  }
+  server.graph(0, true, {0, 1, 2, 3});
+  server.graph(1, false, {}, {0, 1, 2});
+  server.finish();
+  MapFile read(file());
+  ASSERT_EQ(read.sessions().size(), 2U);
+  int whole = 0;
+  for (const StoredSession& session : read.sessions())
+    if (read.keyframes(session.id).size() == 4) whole += with_features(read, session.id);
+  EXPECT_EQ(whole, 4);
+  EXPECT_THAT(faults(), IsEmpty());
+}
+
+// The server began anew, and its map goes on in a session of its own.
+TEST_F(MapServerStore, WhatGoesOnBesideTheFilesMapKeepsItsFeatures) {
+  {
+    StoringServer server(run());
+    for (int id = 0; id < 5; ++id) server.keyframe(id, 0, 20);
+    server.finish();
+  }
+  StoringServer server(run());
+  server.features(10 * second, 5);
+  server.keyframe(5, 10 * second);
+  server.graph(7, true, {0, 5});
+  server.finish();
+  MapFile read(file());
+  ASSERT_EQ(read.sessions().size(), 2U);
+  EXPECT_EQ(with_features(read, 2), 1);
+}
+
 std::vector<std::int64_t> ids_to(std::int64_t end) {
   std::vector<std::int64_t> ids(static_cast<std::size_t>(end));
   std::iota(ids.begin(), ids.end(), 0);
