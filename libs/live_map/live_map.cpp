@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::size_t most_cameras = 8;  // of which it is known what they err by
 constexpr std::size_t most_between =
-    10'000;  // that move with their keyframes; older ones stay where they are
+    10'000;                            // that move with their keyframes; older ones stay where they are
+constexpr double metres_a_radian = 1;  // for how near two views are
 
 LiveMapSettings checked(const LiveMapSettings& settings) {
   check(settings, "live map");
@@ -55,7 +56,8 @@ void LiveMap::look_through(const Calibration& calibration) {
 void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
   clean(frame);
   space_.show(frame.depth, calibration().depth,
-              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth, last_place());
+              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth,
+              place_of_nearest(pose.T_map_camera));
   frame_shown();
   const std::lock_guard<std::mutex> lock(mutex_);
   ++version_;
@@ -65,20 +67,23 @@ void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
   check_frame(frame, calibration());
   clean(frame);
   space_.show(frame.depth, calibration().depth,
-              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth, last_place());
+              pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth,
+              place_of_nearest(pose.T_map_camera));
   frame_shown();
-  if (last_keyframe_ < 0) return;  // it would stand where it is whatever the graph says
+  const int keyframe = nearest(pose.T_map_camera);
+  if (keyframe < 0) return;  // it would stand where it is whatever the graph says
   const std::int64_t id = between_.empty() ? -1 : between_.begin()->first - 1;
-  between_[id] = {last_keyframe_, keyframes_.at(last_keyframe_).T_map_camera.inverse() * pose.T_map_camera};
+  between_[id] = {keyframe, keyframes_.at(keyframe).T_map_camera.inverse() * pose.T_map_camera};
   if (between_.size() > most_between) between_.erase(std::prev(between_.end()));
   fuse(id, frame, pose);
 }
 
-/// Of the keyframe that frames hang on: the last of this drive.
-std::optional<LiveSpace::Place> LiveMap::last_place() const {
-  if (last_keyframe_ < 0) return std::nullopt;
-  const Keyframe& last = keyframes_.at(last_keyframe_);
-  return LiveSpace::Place{last_keyframe_, last.T_map_camera * last.T_camera_depth};
+/// Of the keyframe that a frame hangs on.
+std::optional<LiveSpace::Place> LiveMap::place_of_nearest(const Eigen::Isometry3d& T_map_camera) const {
+  const int id = nearest(T_map_camera);
+  if (id < 0) return std::nullopt;
+  const Keyframe& keyframe = keyframes_.at(id);
+  return LiveSpace::Place{id, keyframe.T_map_camera * keyframe.T_camera_depth};
 }
 
 void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose) {
@@ -96,16 +101,12 @@ void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose) {
 }
 
 void LiveMap::adopt(int keyframe, RgbdFrame frame, const FramePose& pose) {
-  const int last = last_keyframe_;
   keep(keyframe, std::move(frame), pose);
-  last_keyframe_ = last;
   keyframes_.at(keyframe).is_adopted = true;
 }
 
 void LiveMap::adopt(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera) {
-  const int last = last_keyframe_;
   keep(keyframe, cloud, T_map_camera);
-  last_keyframe_ = last;
   keyframes_.at(keyframe).is_adopted = true;
 }
 
@@ -134,7 +135,6 @@ void LiveMap::fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pos
 
 void LiveMap::kept(int keyframe, const Eigen::Isometry3d& T_map_camera,
                    const Eigen::Isometry3d& T_camera_depth) {
-  last_keyframe_ = keyframe;
   const std::lock_guard<std::mutex> lock(mutex_);
   keyframes_[keyframe] = {T_map_camera, T_camera_depth, false};
   ++version_;
@@ -192,7 +192,6 @@ void LiveMap::hang_up(const std::vector<int>& given_up) {
   for (const int id : given_up) given_up_[id] = {id, Eigen::Isometry3d::Identity()};
   for (auto& [id, hanging] : given_up_) hang(hanging);
   for (auto& [id, hanging] : between_) hang(hanging);
-  if (given_up_.count(last_keyframe_) > 0) last_keyframe_ = given_up_.at(last_keyframe_).keyframe;
 }
 
 /// For one more keyframe. A tenth at a time: the layers are made anew without them.
@@ -224,12 +223,15 @@ void LiveMap::forget(const std::vector<int>& keyframes) {
 }
 
 /// Of the keyframes that the graph has.
+/// Of the map's own: it sees much of the same, and is moved by the graph as that is. -1: there is none.
 int LiveMap::nearest(const Eigen::Isometry3d& T_map_camera) const {
   int nearest = -1;
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [id, keyframe] : keyframes_) {
-    const double away = distance_between(keyframe.T_map_camera, T_map_camera);
-    if (keyframe.is_adopted || given_up_.count(id) > 0 || away >= least) continue;
+    if (keyframe.is_adopted || given_up_.count(id) > 0) continue;
+    const double away = distance_between(keyframe.T_map_camera, T_map_camera) +
+                        metres_a_radian * angle_between(keyframe.T_map_camera, T_map_camera);
+    if (away >= least) continue;
     least = away;
     nearest = id;
   }

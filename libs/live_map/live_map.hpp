@@ -104,7 +104,7 @@ class LiveMap {
   void kept(int keyframe, const Eigen::Isometry3d& T_map_camera, const Eigen::Isometry3d& T_camera_depth);
   void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose);
   void hang_up(const std::vector<int>& given_up);
-  std::optional<LiveSpace::Place> last_place() const;
+  std::optional<LiveSpace::Place> place_of_nearest(const Eigen::Isometry3d& T_map_camera) const;
   void make_room();
   void forget(const std::vector<int>& keyframes);
   int nearest(const Eigen::Isometry3d& T_map_camera) const;
@@ -130,7 +130,6 @@ class LiveMap {
     int keyframe;
     Eigen::Isometry3d T_keyframe_camera;
   };
-  int last_keyframe_ = -1;
   std::map<std::int64_t, Hanging> between_;  // frames of the surface that are no keyframes, by their id there
   std::map<std::int64_t, Hanging> given_up_;  // keyframes that the graph has no more
 

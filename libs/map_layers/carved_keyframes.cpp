@@ -116,12 +116,12 @@ OccupancyGrid CarvedKeyframes::carve_anew(const std::map<int, Eigen::Isometry3d>
     if (found != corrected.end()) keyframe.T_map_camera = found->second;
     carver.carve(keyframe.depth, keyframe.camera, keyframe.T_map_camera, anew);
   }
-  // After all images: none of them saw it, but some may have looked past it before it was there.
+  // After all images, which may have looked through it before it was there.
   for (const auto& [id, keyframe] : keyframes_) {
     HitCells hits;
     for (const Eigen::Vector3f& p : keyframe.also_seen)
       hits.add(anew.cell_of(keyframe.T_map_camera.cast<float>() * p));
-    hits.hit(anew);
+    hits.occupy(anew);
   }
   return anew;
 }

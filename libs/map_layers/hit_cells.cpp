@@ -25,13 +25,22 @@ const HitCells::Flags* HitCells::find(const Eigen::Vector3i& block) const {
 }
 
 void HitCells::hit(OccupancyGrid& grid) const {
+  raise(log_odds(grid.settings().most_free), grid);
+}
+
+void HitCells::occupy(OccupancyGrid& grid) const {
+  raise(0, grid);
+}
+
+/// From `least` at least.
+void HitCells::raise(LogOdds least, OccupancyGrid& grid) const {
   const LogOdds step = log_odds(grid.settings().hit), most = log_odds(grid.settings().most_occupied);
   BlockLogOdds cells;
   for (const Block& seen : blocks_) {
     grid.load(seen.block, cells);
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (seen.hit[i] == 0) continue;
-      const int before = cells[i] == unknown_log_odds ? 0 : cells[i];
+      const int before = cells[i] == unknown_log_odds ? 0 : std::max(cells[i], least);
       cells[i] = static_cast<LogOdds>(std::min<int>(before + step, most));
     }
     grid.store(seen.block, cells);

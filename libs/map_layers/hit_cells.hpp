@@ -16,11 +16,14 @@ class HitCells {
 
   /// Each cell is more likely occupied by one hit, see OccupancySettings.
   void hit(OccupancyGrid& grid) const;
+  /// Each cell is occupied, as by one hit of an unknown one, however often it was seen through.
+  void occupy(OccupancyGrid& grid) const;
 
   /// A bit a cell, blocks in the order in which they came.
   std::vector<OccupancyChange> bits() const;
 
  private:
+  void raise(LogOdds least, OccupancyGrid& grid) const;
   struct Block {
     Eigen::Vector3i block;
     Flags hit{};

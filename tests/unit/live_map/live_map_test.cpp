@@ -23,6 +23,19 @@ TEST(LiveMap, FramesBetweenKeyframesMoveWithThem) {
   EXPECT_NEAR(mean_x(map.mesh()), 2.4, 0.02);
 }
 
+TEST(LiveMap, FramesWhereTheRobotCameBackMoveWithWhatIsThere) {
+  LiveMap map(some_camera(), waiting());
+  map.keep(7, wall(2), at(0));
+  map.keep(8, wall(2), at(20));
+  map.add(wall(1.8), at(0.2));
+  map.correct({{7, at(0.4).T_map_camera}, {8, at(20).T_map_camera}});
+  const Mesh mesh = map.settled_mesh();
+  int beside = 0;
+  for (const Eigen::Vector3f& v : mesh.vertices)
+    beside += v.x() < 10 && std::abs(v.x() - 2.4f) > 0.1f ? 1 : 0;
+  EXPECT_EQ(beside, 0) << "of " << mesh.vertices.size();
+}
+
 TEST(LiveMap, ASmallCorrectionLeavesSpaceAsItIs) {
   LiveMap map(some_camera(), waiting());
   map.keep(1, wall(2.02), at(0));
@@ -34,21 +47,23 @@ TEST(LiveMap, ASmallCorrectionLeavesSpaceAsItIs) {
   EXPECT_NE(state(map, 2.02), CellState::occupied);
 }
 
-// A frame sees a wall that no keyframe saw, before a correction, and another while space is carved anew.
-TEST(LiveMap, WhatFramesSawMovesWithTheLastKeyframe) {
+// The robot has come back to where no new keyframe is made: a frame sees a wall that none saw, before a
+// correction, and another while space is carved anew.
+TEST(LiveMap, WhatFramesSawMovesWithTheNearestKeyframe) {
   for (const bool background : {false, true}) {
     LiveMapSettings settings = waiting();
     settings.background = background;
     LiveMap map(some_camera(), settings);
     map.keep(4, wall(4), at(0));
-    map.adopt(1, wall(4), at(50));  // of another drive
+    map.keep(5, wall(4), at(20));
+    map.adopt(1, wall(4), at(0));  // of another drive
     map.show(wall(2), at(0));
-    map.correct({{4, at(0.4).T_map_camera}, {1, at(50).T_map_camera}});
+    map.correct({{4, at(0.4).T_map_camera}, {5, at(20).T_map_camera}});
     map.show(wall(1.2), at(0.4));
     map.settle();
     EXPECT_EQ(state(map, 2.4), CellState::occupied) << background;
     EXPECT_EQ(state(map, 1.6), CellState::occupied) << background;
-    map.correct({{4, at(0.8).T_map_camera}, {1, at(50).T_map_camera}});
+    map.correct({{4, at(0.8).T_map_camera}, {5, at(20).T_map_camera}});
     map.settle();
     EXPECT_EQ(state(map, 2.8), CellState::occupied) << background;
     EXPECT_EQ(state(map, 2.0), CellState::occupied) << background;

@@ -124,11 +124,11 @@ TEST(CarvedKeyframes, WhatAFrameSawMovesWithTheKeyframeThatItHangsOn) {
   EXPECT_EQ(again.state(Vector3f(on_right + Vector3f(0.2f, 0, 0.8f))), CellState::occupied);
 }
 
-// The keyframe looked past where something stands now.
+// Keyframes looked through where something stands now.
 TEST(CarvedKeyframes, WhatCameAfterTheLastKeyframeStays) {
   Hung hung;
-  hung.keep(1, wall(false));
-  for (int i = 0; i < 3; ++i) hung.show(1, wall(true));
+  for (const int id : {1, 2, 3}) hung.keep(id, wall(false));
+  for (int i = 0; i < 5; ++i) hung.show(3, wall(true));
   ASSERT_EQ(hung.grid.state(on_thing), CellState::occupied);
   EXPECT_EQ(hung.keyframes.carve_anew({}, hung.grid).state(on_thing), CellState::occupied);
 }
