@@ -57,9 +57,9 @@ TEST(LiveMap, WhatFramesSawMovesWithTheNearestKeyframe) {
     map.keep(4, wall(4), at(0));
     map.keep(5, wall(4), at(20));
     map.adopt(1, wall(4), at(0));  // of another drive
-    map.show(wall(2), at(0));
+    for (int i = 0; i < 4; ++i) map.show(wall(2), at(0));
     map.correct({{4, at(0.4).T_map_camera}, {5, at(20).T_map_camera}});
-    map.show(wall(1.2), at(0.4));
+    for (int i = 0; i < 4; ++i) map.show(wall(1.2), at(0.4));
     map.settle();
     EXPECT_EQ(state(map, 2.4), CellState::occupied) << background;
     EXPECT_EQ(state(map, 1.6), CellState::occupied) << background;
