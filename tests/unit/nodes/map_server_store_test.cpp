@@ -149,6 +149,14 @@ TEST_F(MapServerStore, SessionsOfMappersThatLiveOnGoOn) {
   EXPECT_THAT(faults(), IsEmpty());
 }
 
+/// How many of the session's keyframes have features.
+int with_features(MapFile& file, std::int64_t session) {
+  int count = 0;
+  for (const StoredKeyframe& keyframe : file.keyframes(session))
+    count += file.features(session, keyframe.id) ? 1 : 0;
+  return count;
+}
+
 // What the new server has not in memory is in the file alone.
 TEST_F(MapServerStore, AGraphThatTakesTheMostAwayLeavesTheFilesMapBeside) {
   {
@@ -157,24 +165,18 @@ TEST_F(MapServerStore, AGraphThatTakesTheMostAwayLeavesTheFilesMapBeside) {
     server.finish();
   }
   StoringServer server(run());
-  server.keyframe(5);
+  server.features(10 * second, 5);
+  server.keyframe(5, 10 * second);
   server.graph(7, true, {0, 5});
   server.finish();
   MapFile read(file());
   ASSERT_EQ(read.sessions().size(), 2U);
   for (int id = 0; id < 5; ++id) EXPECT_EQ(read.dense_map(1).keyframes().count(id), 1U) << id;
   EXPECT_EQ(read.dense_map(2).keyframes().size(), 1U);
+  EXPECT_EQ(with_features(read, 2), 1) << "it goes on with what was known of them";
   EXPECT_EQ(value_of(server.node(), "kept_sessions"), 1);
   EXPECT_GE(load_ply(run() / "icp-session1_map.ply").size(), 100U);
   EXPECT_THAT(faults(), IsEmpty());
-}
-
-/// How many of the session's keyframes have features.
-int with_features(MapFile& file, std::int64_t session) {
-  int count = 0;
-  for (const StoredKeyframe& keyframe : file.keyframes(session))
-    count += file.features(session, keyframe.id) ? 1 : 0;
-  return count;
 }
 
 // What is left beside is a map to be found in as any other: with the features of its keyframes.
@@ -194,23 +196,6 @@ TEST_F(MapServerStore, AMapThatIsLeftBesideKeepsItsFeatures) {
     if (read.keyframes(session.id).size() == 4) whole += with_features(read, session.id);
   EXPECT_EQ(whole, 4);
   EXPECT_THAT(faults(), IsEmpty());
-}
-
-// The server began anew, and its map goes on in a session of its own.
-TEST_F(MapServerStore, WhatGoesOnBesideTheFilesMapKeepsItsFeatures) {
-  {
-    StoringServer server(run());
-    for (int id = 0; id < 5; ++id) server.keyframe(id, 0, 20);
-    server.finish();
-  }
-  StoringServer server(run());
-  server.features(10 * second, 5);
-  server.keyframe(5, 10 * second);
-  server.graph(7, true, {0, 5});
-  server.finish();
-  MapFile read(file());
-  ASSERT_EQ(read.sessions().size(), 2U);
-  EXPECT_EQ(with_features(read, 2), 1);
 }
 
 std::vector<std::int64_t> ids_to(std::int64_t end) {
