@@ -31,11 +31,12 @@ void CarriedWatch::observe(const PreparedFrame& prepared, const Tracked& tracked
   }
   const bool wheels = frame.motion && !frame.motion->visual;
   if (wheels) T_placed_robot_ = T_placed_robot_ * frame.motion->T_from_to;
+  if (frame.motion && !wheels) contradicted_ = 0;  // what cameras see tells nothing of who is carried
   if (blind || !wheels) return;
   // Once it was elsewhere, odometry goes on from a wrong place.
   const bool against = contradicted() || (!adrift && is_contradicted(prepared, tracked, map));
   contradicted_ = against ? contradicted_ + std::max(seconds, 1e-6) : 0;
-  carried_ = settings_.carried_after > 0 && contradicted_ >= settings_.carried_after;
+  carried_ = contradicted() && contradicted_ >= settings_.carried_after;
 }
 
 bool CarriedWatch::is_contradicted(const PreparedFrame& prepared, const Tracked& tracked,

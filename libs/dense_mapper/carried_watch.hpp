@@ -21,7 +21,7 @@ class CarriedWatch {
                const VoxelMap& map);
 
   /// Frames have contradicted the map since the robot was placed last.
-  bool contradicted() const { return contradicted_ > 0; }
+  bool contradicted() const { return settings_.carried_after > 0 && contradicted_ > 0; }
   bool carried() const { return carried_; }
   /// s of frames since then; 0 while the robot is where it is thought to be.
   double unplaced() const { return unplaced_; }

@@ -53,7 +53,7 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   const Tracked tracked = tracker_->track(prepared, expected);
 
   // Judge: what is believed of it, and whether the frame may join the map.
-  const bool joins = judge(tracked, prepared, step);
+  const bool joins = judge(tracked, expected, prepared, step);
   stand_on_ground(tracked, step);
   const bool registered = step.status == MappingStatus::tracking;
 
@@ -96,6 +96,7 @@ Expectation DenseMapper::expect(const DenseFrame& frame) const {
   expected.prior = motion_.predict(frame.utime, frame.motion, expected.floor);
   if (expected.floor != Floor::free)
     expected.off_ground = motion_.predict(frame.utime, frame.motion, Floor::free);
+  expected.step = motion_.predict_step(frame.utime, frame.motion, expected.floor);
   return expected;
 }
 
@@ -131,8 +132,8 @@ void DenseMapper::accept(const PreparedFrame& prepared, const Eigen::Isometry3d&
   if (tracker_->grows()) keyframes_.grow(tracker_->joined());
 }
 
-bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step) {
-  const Prior& prior = tracked.prior;
+bool DenseMapper::judge(const Tracked& tracked, const Expectation& expected, const PreparedFrame& prepared,
+                        Step& step) {
   const bool was_adrift = motion_.adrift();
   step.adrift = was_adrift && !is_found(tracked);
   const bool tracking = tracked.status == MappingStatus::tracking && !step.adrift;
@@ -142,22 +143,25 @@ bool DenseMapper::judge(const Tracked& tracked, const PreparedFrame& prepared, S
   step.quality = tracked.quality;
   step.anchored = tracked.anchored;
   step.T_world_anchor = tracked.T_world_anchor;
+  // What features say of who is adrift is believed where the cloud fits, too, or not at all.
+  const Prior& prior = step.adrift ? expected.prior : tracked.prior;
   step.T_world_robot = believed ? tracked.registration.T_target_source : prior.T_target_source;
   step.covariance = believed ? tracked.registration.covariance : uncertain(prior);
   step.blind = static_cast<int>(prepared.cloud.size()) < settings_.min_points;
   if (tracker_->searches_map()) carried_.observe(prepared, tracked, tracking, was_adrift, map_.voxels());
   if (carried_.carried()) {
     motion_.be_carried(settings_.carried_after);
-    step.adrift = true;
+    step.adrift = step.carried = true;
     step.status = MappingStatus::lost;
   }
   // Where it fits is a candidate then, no place that is known.
-  if (step.adrift) step.covariance = uncertain(prior);
+  if (step.adrift) step.covariance = uncertain(expected.prior);
   if (step.adrift && !was_adrift) step.covariance += motion_.drift();
   step.unplaced = carried_.unplaced();
+  const Eigen::Isometry3d& T_expected = expected.prior.T_target_source;
   step.relocalised = (bad_steps_ > 0 || was_adrift) && tracking &&
-                     (distance_between(step.T_world_robot, prior.T_target_source) > settings_.max_jump ||
-                      angle_between(step.T_world_robot, prior.T_target_source) > settings_.max_turn);
+                     (distance_between(step.T_world_robot, T_expected) > settings_.max_jump ||
+                      angle_between(step.T_world_robot, T_expected) > settings_.max_turn);
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
   // A camera that was covered has not seen that yet.
@@ -230,8 +234,8 @@ Matrix6d DenseMapper::node_covariance(const KeyframeGraph::Node& node,
 }
 
 void DenseMapper::tell_local_pose(const Expectation& expected, Step& step) {
-  const Eigen::Isometry3d T_last_now = expected.T_world_last.inverse() * expected.prior.T_target_source;
-  local_.advance(step.T_world_robot, {T_last_now, uncertain(expected.prior)});
+  const Eigen::Isometry3d T_last_now = expected.T_world_last.inverse() * expected.step.T_target_source;
+  local_.advance(step.T_world_robot, {T_last_now, uncertain(expected.step)});
   step.T_world_local = local_.T_map_local();
   step.T_local_robot = local_.T_local_robot();
 }

@@ -49,6 +49,7 @@ class DenseMapper {
     bool node = false;         ///< graph().nodes().back() is new
     bool relocalised = false;  ///< lost before, and found far from the prediction
     bool adrift = false;       ///< after a gap without odometry, or carried elsewhere: not found again yet
+    bool carried = false;      ///< it is adrift because what it sees contradicts its wheels
     double unplaced =
         0;  ///< s of usable frames since the robot was carried, none of which had a place in the map
     bool reseeded = false;           ///< odometry alone says where it is: the map goes on from there
@@ -90,7 +91,7 @@ class DenseMapper {
   void stand_on_ground(const Tracked& tracked, Step& step);
   void start_map(const PreparedFrame& prepared, Step& step);
   void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot, bool registered);
-  bool judge(const Tracked& tracked, const PreparedFrame& prepared, Step& step);
+  bool judge(const Tracked& tracked, const Expectation& expected, const PreparedFrame& prepared, Step& step);
   bool is_found(const Tracked& tracked);
   bool hangs_on_odometry();
   int first_node_here() const;

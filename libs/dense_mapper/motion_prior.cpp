@@ -82,9 +82,17 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
 }
 
 Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion, Floor floor) const {
-  const double seconds = std::clamp(static_cast<double>(utime - last_utime_) * 1e-6, 0.0, longest_velocity);
-  return lcmslam::predict(T_world_last_, motion, se3_exp(seconds * velocity_), settings_,
-                          std::max(unknown_, adrift_), floor, unseen_);
+  return lcmslam::predict(T_world_last_, motion, free_motion(utime), settings_, std::max(unknown_, adrift_),
+                          floor, unseen_);
+}
+
+Prior MotionModel::predict_step(Utime utime, const std::optional<Motion>& motion, Floor floor) const {
+  const double unknown = knows(motion) ? 0 : std::max(0.0, seconds_until(utime));
+  return lcmslam::predict(T_world_last_, motion, free_motion(utime), settings_, unknown, floor);
+}
+
+Eigen::Isometry3d MotionModel::free_motion(Utime utime) const {
+  return se3_exp(std::clamp(seconds_until(utime), 0.0, longest_velocity) * velocity_);
 }
 
 bool MotionModel::knows(const std::optional<Motion>& motion) const {
@@ -98,7 +106,7 @@ Matrix6d MotionModel::drift() const {
 }
 
 void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion) {
-  const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
+  const double seconds = seconds_until(utime);
   if (adrift())
     adrift_ += seconds;
   else if (!knows(motion) && unknown_ + seconds > longest_velocity)
@@ -111,12 +119,12 @@ void MotionModel::found() {
 }
 
 void MotionModel::lose(Utime utime, const std::optional<Motion>& motion, bool guided) {
-  if (!guided && !knows(motion)) unknown_ += static_cast<double>(utime - last_utime_) * 1e-6;
+  if (!guided && !knows(motion)) unknown_ += seconds_until(utime);
   if (is_usable(motion)) unseen_ = carried_along(unseen_, *motion) + motion->covariance;
 }
 
 void MotionModel::observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving) {
-  const double seconds = static_cast<double>(utime - last_utime_) * 1e-6;
+  const double seconds = seconds_until(utime);
   velocity_.setZero();
   if (moving && seconds > 0) velocity_ = se3_log(T_world_last_.inverse() * T_world_robot) / seconds;
   T_world_last_ = T_world_robot;

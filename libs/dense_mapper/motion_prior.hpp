@@ -50,6 +50,8 @@ class MotionModel {
   /// last step's velocity, which goes on for a second at most.
   /// `floor`: what a robot on wheels stands on.
   Prior predict(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane) const;
+  /// The same of this step alone, as if it were known where the robot was last.
+  Prior predict_step(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane) const;
 
   /// Whether odometry tells how the robot moved. A visual one that is lost guesses: where its step errs by
   /// more than a velocity that goes on, nobody knows.
@@ -77,6 +79,9 @@ class MotionModel {
   void deform(const Eigen::Isometry3d& T_new_old) { T_world_last_ = T_new_old * T_world_last_; }
 
  private:
+  double seconds_until(Utime utime) const { return static_cast<double>(utime - last_utime_) * 1e-6; }
+  Eigen::Isometry3d free_motion(Utime utime) const;
+
   MotionPriorSettings settings_;
   Utime last_utime_ = 0;
   Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();

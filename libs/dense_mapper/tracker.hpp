@@ -28,6 +28,7 @@ struct Expectation {
   Prior prior;  ///< of T_world_robot, by the motion and, on wheels, by the floor
   Floor floor = Floor::free;
   std::optional<Prior> off_ground;  ///< by the motion alone, where the floor is part of `prior`
+  Prior step;  ///< as `prior`, but of this step alone, whatever is not known of T_world_last
   Eigen::Isometry3d T_world_last = Eigen::Isometry3d::Identity();  ///< of the frame before
   int bad_steps = 0;    ///< frames in a row that were not tracked until now
   bool adrift = false;  ///< nobody knows how the robot moved since it was tracked: it may be anywhere

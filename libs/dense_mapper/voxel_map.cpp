@@ -42,6 +42,9 @@ VoxelMap::Block& VoxelMap::block_at(const Eigen::Vector3i& position) {
 void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor) {
   ++frame_;
   if (!cloud.has_normals()) return;
+  insertions_.push_back(frame_);
+  if (insertions_.size() > static_cast<std::size_t>(settings_.min_observations)) insertions_.pop_front();
+  recent_from_ = insertions_.front();
   intensities_ = intensities_ || !cloud.intensities.empty();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!voxel_exists(cloud.points[i], inverse_size_) || !cloud.normals[i].allFinite()) continue;
@@ -95,6 +98,8 @@ VoxelMap VoxelMap::deformed(const std::vector<Eigen::Isometry3d>& T_new_old) con
   map.frame_ = frame_ + 1;
   map.forgotten_ = forgotten_;
   map.intensities_ = intensities_;
+  map.insertions_ = insertions_;
+  map.recent_from_ = recent_from_;
   map.index_.clear(blocks_.size());
   map.blocks_.reserve(blocks_.size());
   std::vector<Eigen::Isometry3f> moves;
@@ -167,10 +172,16 @@ bool VoxelMap::find_nearest(const Eigen::Vector3f& point, float max_distance, Ta
                                     .min(side * (high.array() + 1).cast<float>() - point.array());
   others = std::min(std::sqrt(next), to_rim.minCoeff());
   if (!nearest) return false;
-  found = {nearest->point, nearest->normal,
-           nearest->sigma / std::sqrt(static_cast<float>(nearest->observations)), nearest->intensity};
+  found = {nearest->point, nearest->normal, sigma_of_mean(*nearest), nearest->intensity};
   if (!std::isnan(nearest->intensity)) found.gradient = gradient_at(*nearest, *home);
   return true;
+}
+
+// Once it remembers n = max_weight observations each new one has a share of a = 1 / (n + 1), and the variance
+// v of the mean settles where v = (1 - a)^2 v + a^2 sigma^2: at that of 2 n + 1 observations.
+float VoxelMap::sigma_of_mean(const Surfel& surfel) const {
+  const float most = 2 * static_cast<float>(settings_.max_weight) + 1;
+  return surfel.sigma / std::sqrt(std::min(static_cast<float>(surfel.observations), most));
 }
 
 // From the surface around it within its block.
@@ -241,7 +252,7 @@ void VoxelMap::forget(const Eigen::Vector3d& view_point) {
 void VoxelMap::append(const Surfel& s, Cloud& cloud) const {
   cloud.points.push_back(s.point);
   cloud.normals.push_back(s.normal);
-  cloud.sigmas.push_back(s.sigma / std::sqrt(static_cast<float>(s.observations)));
+  cloud.sigmas.push_back(sigma_of_mean(s));
   if (intensities_) cloud.intensities.push_back(s.intensity);
 }
 

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include <lcmslam/cloud/cloud.hpp>
@@ -35,7 +36,7 @@ struct VoxelMapSettings {
     s.number("max_weight", max_weight, "", {1, 1e6},
              "observations that a surfel remembers; then it is a running mean");
     s.number("min_observations", min_observations, "", {1, 30000},
-             "surfels seen less often are not found (one frame counts once)");
+             "frames that must have shown a surfel, once so many have joined the map since it was seen last");
     s.number("max_evidence", max_evidence, "", {1, 100},
              "that a surfel is still there; bounded, so that what has long been there can go, too");
     s.number("miss", miss, "", {1, 100}, "evidence that a view takes off what it sees through");
@@ -117,11 +118,12 @@ class VoxelMap : public Target {
   };
 
   bool is_partner(const Surfel& s) const {
-    return s.observations >= settings_.min_observations && s.evidence >= 0;
+    return (s.observations >= settings_.min_observations || s.frame >= recent_from_) && s.evidence >= 0;
   }
   void append(const Surfel& s, Cloud& cloud) const;
   Block& block_at(const Eigen::Vector3i& position);
   void merge(const Surfel& seen);
+  float sigma_of_mean(const Surfel& surfel) const;
   Eigen::Vector3f gradient_at(const Surfel& surfel, const Block& block) const;
   void look_at(Block& block, const FreeSpaceView& view, const Eigen::Isometry3f& T_camera_map, int first_node,
                std::vector<Gone>& gone) const;
@@ -134,6 +136,8 @@ class VoxelMap : public Target {
   std::size_t surfels_ = 0;
   bool forgotten_ = false, intensities_ = false;
   std::int32_t frame_ = 0;
+  std::deque<std::int32_t> insertions_;  // the last min_observations of them
+  std::int32_t recent_from_ = 0;         // what these touched had no time to be seen again
 };
 
 }  // namespace lcmslam

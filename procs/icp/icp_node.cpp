@@ -200,7 +200,7 @@ void IcpNode::look_for_place(bool searched, double seconds) {
 // After a gap, or where what it sees contradicts its wheels, the robot may have been carried out of its map.
 bool IcpNode::is_elsewhere() const {
   if (new_map_when_carried_ > 0 && last_.unplaced >= new_map_when_carried_) return true;
-  return new_map_after_ > 0 && last_.adrift && searched_ > new_map_after_;
+  return new_map_after_ > 0 && last_.adrift && !last_.carried && searched_ > new_map_after_;
 }
 
 void IcpNode::finish_map() {

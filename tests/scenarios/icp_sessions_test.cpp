@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <lcmslam/messages/motion_messages.hpp>
+#include <lcmslam/messages/origin.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
 #include "procs/icp/icp_node.hpp"
 #include "procs/odometry/odometry_node.hpp"
@@ -57,6 +59,41 @@ TEST_F(CameraWithGaps, LeavesTimeToBeFoundAfterTwo) {
     EXPECT_EQ(status(), pose_estimate_t::LOST) << back;
   }
   EXPECT_EQ(value_of(icp, "sessions"), 1);
+}
+
+// Wheels stand still, and the camera shows another part of the kitchen: whoever wants no new map for that
+// gets none, however soon one would begin after a gap.
+TEST(IcpSessions, NoneBeginsForACarriedRobotWhereThatIsAsked) {
+  SimulatedKitchen& kitchen = SimulatedKitchen::instance();
+  for (const bool asked : {true, false}) {
+    TestBus bus;
+    const IcpNode& icp =
+        bus.add<IcpNode>(ConfigNode::parse(asked ? "{new_map_when_carried: 0, new_map_after: 1}"
+                                                 : "{new_map_when_carried: 1, new_map_after: 1}"));
+    bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
+    MotionSample still;
+    still.covariance = 1e-6 * Matrix6d::Identity();
+    std::int64_t seq = 0;
+    const auto show = [&](int k) {
+      const images_t& frame = kitchen.frame(k);
+      const Utime until = frame.utime + 60'000;
+      for (Utime utime = still.utime == 0 ? frame.utime - 60'000 : still.utime + 50'000; utime <= until;
+           utime += 50'000) {
+        still.utime = utime;
+        odometry_t message = to_message(still, "wheels");
+        set_origin(message, Origin{seq++, 1});
+        bus.deliver("ODOMETRY", message);
+      }
+      bus.deliver("CAMERA", frame);
+    };
+    for (int k = 0; k <= 3; ++k) show(k);
+    ASSERT_EQ(bus.on<pose_estimate_t>("ICP_POSE").back().status, pose_estimate_t::TRACKING);
+    for (int k = 90; k < 125; ++k) show(k);
+    EXPECT_EQ(value_of(icp, "sessions"), asked ? 1 : 2);
+    if (asked) {
+      EXPECT_EQ(bus.on<pose_estimate_t>("ICP_POSE").back().status, pose_estimate_t::LOST);
+    }
+  }
 }
 
 // What stands on the old mount stays as it was.

@@ -214,6 +214,14 @@ TEST(LostAndFound, CarriedToAMappedPlace) {
   EXPECT_EQ(value_of(drive.fastslam, "sessions"), 1);
   EXPECT_EQ(value_of(drive.icp, "sessions"), 1);
   expect_no_nonsense(drive);
+  // A controller has not seen it jump: half a metre a second, and three sigmas of a step.
+  const auto local = drive.bus.on<pose_estimate_t>("ICP_LOCAL_POSE");
+  ASSERT_GT(local.size(), 50U);
+  for (std::size_t i = 1; i < local.size(); ++i)
+    EXPECT_LT(distance_between(from_message(local[i - 1].T_map_robot, "pose"),
+                               from_message(local[i].T_map_robot, "pose")),
+              0.5e-6 * static_cast<double>(local[i].utime - local[i - 1].utime) + 0.12)
+        << i;
 }
 
 // A gap in all that is heard, and then a place that it has not seen, with good wheels.

@@ -113,10 +113,12 @@ RegistrationResult ThesisTracker::register_by_turns(const PreparedFrame& prepare
   return result;
 }
 
-// S_sub: without images all points.
+// S_sub: without two images of one kind all points.
 Cloud ThesisTracker::seen_by_both(const PreparedFrame& prepared) const {
   const DenseFrame& frame = prepared.frame;
-  if (!frame.colour || !colour_) return prepared.cloud;
+  if (!frame.colour || !colour_ || frame.colour->image.size() != colour_->image.size() ||
+      frame.colour->image.type() != colour_->image.type())
+    return prepared.cloud;
   const ImageOverlap overlap = colour_overlap(frame.colour->image, colour_->image, settings_.overlap);
   return overlapping_points(prepared.cloud, overlap, frame.colour->camera, frame.T_robot_camera.inverse());
 }

@@ -181,6 +181,7 @@ TEST(BeyondTheMap, ARobotThatMayBeAnywhereSaysSo) {
   for (int i = 0; i < 3; ++i) {
     const DenseMapper::Step step = mapper.step(coloured_frame(begin + i * frame_time, seen, no_mount));
     ASSERT_TRUE(step.adrift);
+    EXPECT_FALSE(step.carried);
     EXPECT_EQ(to_string(step.status), "lost");
     EXPECT_GT(step.covariance(0, 0), 0.25 * gap * gap) << "half a metre a second";
     EXPECT_GE(step.map_covariance(0, 0), step.covariance(0, 0));
@@ -201,7 +202,42 @@ TEST(BeyondTheMap, ARobotThatWasCarriedSaysThatItMayBeAnywhere) {
   for (int i = 1; i < 50 && !step.adrift; ++i)
     step = mapper.step(coloured_frame(i * frame_time, there, no_mount, still));
   ASSERT_TRUE(step.adrift);
+  EXPECT_TRUE(step.carried);
   EXPECT_GT(step.covariance(0, 0), 0.25 * settings.carried_after * settings.carried_after);
+}
+
+// Who never takes a robot for carried must not wait for the day that it is carried back.
+TEST(BeyondTheMap, WithoutAWatchItGoesOnFromOdometry) {
+  DenseMapperSettings settings;
+  settings.carried_after = 0;
+  settings.reseed_after = 5;
+  DenseMapper mapper(settings);
+  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
+  Motion still;
+  still.covariance = 1e-6 * Matrix6d::Identity();
+  const ColouredCloud there = seen_from(transformed(room(0.03), planar_pose(0.3, 0.2, 3.0)), no_mount, 2);
+  for (int i = 1; i <= settings.reseed_after + 1; ++i) {
+    const DenseMapper::Step step = mapper.step(coloured_frame(i * frame_time, there, no_mount, still));
+    EXPECT_FALSE(step.adrift || step.carried);
+    EXPECT_EQ(step.reseeded, i == settings.reseed_after + 1) << i;
+  }
+}
+
+// Odometry by wheels gives way to that of a camera, which says nothing of who is carried.
+TEST(BeyondTheMap, WhatContradictedTheWheelsIsForgottenWithThem) {
+  DenseMapperSettings settings;
+  settings.reseed_after = 5;
+  DenseMapper mapper(settings);
+  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
+  Motion still;
+  still.covariance = 1e-6 * Matrix6d::Identity();
+  const ColouredCloud there = seen_from(transformed(room(0.03), planar_pose(0.3, 0.2, 3.0)), no_mount, 2);
+  mapper.step(coloured_frame(frame_time, there, no_mount, still));
+  still.visual = true;
+  bool reseeded = false;
+  for (int i = 2; i <= settings.reseed_after + 2; ++i)
+    reseeded |= mapper.step(coloured_frame(i * frame_time, there, no_mount, still)).reseeded;
+  EXPECT_TRUE(reseeded);
 }
 
 // Its wheels stand still, and a door opens: another room, deep and low, but the walls beside the door are

@@ -60,6 +60,23 @@ TEST_P(EveryCorrespondence, FollowsAKnownPathWithoutOdometry) {
   EXPECT_GT(mapper.keyframes().size(), 1u);
 }
 
+// What has not had the time to be seen again is found none the less: there would be nothing to begin with.
+TEST(DenseMapper, FollowsAPathByWhatWasSeenTwice) {
+  DenseMapperSettings settings;
+  settings.map.min_observations = 2;
+  DenseMapper mapper(settings);
+  const Cloud scene = room(0.03);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 15; ++i) {
+    SCOPED_TRACE(i);
+    const auto step = mapper.step(
+        coloured_frame(i * frame_time, seen_from(scene, T, static_cast<std::uint64_t>(i)), no_mount));
+    EXPECT_EQ(to_string(step.status), "tracking");
+    expect_pose(step.T_world_robot, T, 0.01, 0.005);
+    T = T * se3_exp(twist(0.02, 0.01, 0, 0, 0.005, 0.02));
+  }
+}
+
 // A slip that exceeds what odometry states: registration wins where the scene fixes the pose.
 TEST(DenseMapper, OvercomesAWheelSlip) {
   DenseMapperSettings settings;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
@@ -38,7 +39,7 @@ class Disagreement : public testing::Test {
     return cloud;
   }
 
-  FeatureFrame features_at(const Eigen::Isometry3d& T_world_robot) {
+  FeatureFrame features_at(const Eigen::Isometry3d& T_world_robot, std::size_t most = 1000) {
     FeatureFrame frame;
     frame.width = 640;
     frame.height = 480;
@@ -46,7 +47,7 @@ class Disagreement : public testing::Test {
     frame.cx = 319.5;
     frame.cy = 239.5;
     const Eigen::Isometry3d T = (T_world_robot * looks_ahead_).inverse();
-    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+    for (std::size_t i = 0; i < std::min(most, landmarks_.size()); ++i) {
       Feature feature;
       feature.kind = MeasurementKind::point;
       feature.point = (T * landmarks_[i]).cast<float>();
@@ -54,6 +55,20 @@ class Disagreement : public testing::Test {
       feature.descriptor = descriptors_[i];
       frame.features.push_back(feature);
     }
+    return frame;
+  }
+
+  static Motion still() {
+    Motion motion;
+    motion.covariance = 1e-6 * Matrix6d::Identity();
+    return motion;
+  }
+
+  /// Of a robot there, with so many features.
+  DenseFrame frame_at(Utime utime, const Eigen::Isometry3d& T_world_robot, std::size_t features,
+                      const std::optional<Motion>& motion = std::nullopt) {
+    DenseFrame frame = coloured_frame(utime, cloud_at(T_world_robot), looks_ahead_, motion);
+    if (features > 0) frame.features = features_at(T_world_robot, features);
     return frame;
   }
 
@@ -102,6 +117,73 @@ TEST_F(Disagreement, OdometryIsBelievedWhereFeaturesMovedAlong) {
   // The mean of both is no place at all.
   const auto fused = second_step(0.055, 0.45, 1e6);
   EXPECT_GT(std::abs(fused.T_world_robot.translation().x() - 0.05), 0.02);
+}
+
+// After a gap it may be anywhere: what twenty or thirty features say of it counts as soon as they place it,
+// and not before.
+TEST_F(Disagreement, FeaturesThatPlaceNobodyMakeNobodySure) {
+  DenseMapper mapper{DenseMapperSettings()};
+  mapper.step(frame_at(0, Eigen::Isometry3d::Identity(), 150));
+  const double gap = 5;  // s without frames and odometry
+  const auto step = mapper.step(frame_at(static_cast<Utime>(1e6 * gap), planar_pose(0.3, 0, 0), 30));
+  ASSERT_TRUE(step.adrift);
+  ASSERT_EQ(to_string(step.status), "lost");
+  EXPECT_GT(step.covariance(0, 0), 0.25 * gap * gap) << "half a metre a second";
+}
+
+// Three dark frames, nobody tells how it moves, and then features find it where it has gone. That is no
+// motion of a tenth of a second, which would go on.
+TEST_F(Disagreement, WhoIsFoundByFeaturesIsRelocalised) {
+  DenseMapper mapper{DenseMapperSettings()};
+  mapper.step(frame_at(0, Eigen::Isometry3d::Identity(), 150));
+  for (int i = 1; i <= 3; ++i)
+    EXPECT_TRUE(mapper.step(coloured_frame(100'000 * i, ColouredCloud(), looks_ahead_)).blind);
+  const Eigen::Isometry3d gone = planar_pose(0.6, 0, 0);
+  const auto step = mapper.step(frame_at(400'000, gone, 150));
+  EXPECT_EQ(to_string(step.status), "tracking");
+  EXPECT_NEAR(step.T_world_robot.translation().x(), 0.6, 0.02);
+  EXPECT_TRUE(step.relocalised);
+  // It stands there, and goes on from there.
+  const auto next = mapper.step(frame_at(500'000, gone, 0));
+  EXPECT_EQ(to_string(next.status), "tracking");
+  EXPECT_NEAR(next.T_world_robot.translation().x(), 0.6, 0.02);
+}
+
+// Carried while its wheels stand still, and found: news of the map, no motion. A controller sees no jump.
+TEST_F(Disagreement, ACarriedRobotThatIsFoundHasNotMovedForItsController) {
+  DenseMapperSettings settings;
+  DenseMapper mapper(settings);
+  mapper.step(frame_at(0, Eigen::Isometry3d::Identity(), 150));
+  Eigen::Isometry3d T_last = Eigen::Isometry3d::Identity();
+  double farthest = 0;
+  const auto look = [&](const DenseFrame& frame) {
+    const DenseMapper::Step step = mapper.step(frame);
+    farthest = std::max(farthest, distance_between(T_last, step.T_local_robot));
+    T_last = step.T_local_robot;
+    return step;
+  };
+  const Cloud elsewhere = transformed(room(0.03), planar_pose(0.3, 0.2, 3.0));
+  Utime utime = 0;
+  DenseMapper::Step step;
+  for (int i = 0; i < 40 && !step.carried; ++i) {
+    ColouredCloud seen;
+    for (std::size_t k = 0; k < elsewhere.size(); ++k) {
+      const Eigen::Isometry3f T = looks_ahead_.inverse().cast<float>();
+      seen.points.push_back(T * elsewhere.points[k]);
+      seen.normals.push_back(T.linear() * elsewhere.normals[k]);
+      seen.sigmas.push_back(0.003f);
+      seen.colours.emplace_back(10, 20, 30);
+    }
+    step = look(coloured_frame(utime += 100'000, seen, looks_ahead_, still()));
+  }
+  ASSERT_TRUE(step.carried);
+  const Eigen::Isometry3d there = planar_pose(0.5, 0.3, 0.2);
+  for (int i = 0; i < 5 && to_string(step.status) != "tracking"; ++i)
+    step = look(frame_at(utime += 100'000, there, 150, still()));
+  ASSERT_EQ(to_string(step.status), "tracking");
+  EXPECT_LT(distance_between(step.T_world_robot, there), 0.02);
+  EXPECT_LT(distance_between(step.T_world_local * step.T_local_robot, there), 0.02);
+  EXPECT_LT(farthest, 4 * settings.prior.floor_translation);
 }
 
 }  // namespace

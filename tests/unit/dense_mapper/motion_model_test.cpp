@@ -25,6 +25,27 @@ TEST(MotionModel, OdometryLeadsWhereItIsKnown) {
   EXPECT_NEAR(prior.information(5, 5), 1 / (1e-4 + s.floor_rotation * s.floor_rotation), 1e-6);
 }
 
+// Who is lost for a while does not move farther in one step for it.
+TEST(MotionModel, AStepAloneDoesNotKnowOfWhatCameBefore) {
+  MotionModel model({});
+  model.observe(0, start, true);
+  Motion still;
+  still.covariance = 1e-4 * Matrix6d::Identity();
+  const MotionPriorSettings s;
+  for (int i = 1; i <= 50; ++i) {
+    model.lose(100'000 * i, still);
+    model.observe(100'000 * i, start, false);
+  }
+  model.be_carried(3);
+  const Matrix6d all = model.predict(5'100'000, still).information.inverse();
+  const Matrix6d alone = model.predict_step(5'100'000, still).information.inverse();
+  EXPECT_GT(all(0, 0), 1);
+  EXPECT_NEAR(alone(0, 0), 1e-4 + s.floor_translation * s.floor_translation, 1e-9);
+  // Where nobody knows the step it may be any that a robot can do.
+  const Matrix6d unknown = model.predict_step(5'300'000, std::nullopt).information.inverse();
+  EXPECT_NEAR(unknown(0, 0), 0.15 * 0.15 + s.free_translation * s.free_translation, 1e-9) << "0.5 m/s";
+}
+
 // Wheels slip along their way, tyres hold a base sideways: what is added to odometry's covariance keeps its
 // shape.
 TEST(MotionModel, TheFloorOfAStepLiesAsOdometrysErrorDoes) {

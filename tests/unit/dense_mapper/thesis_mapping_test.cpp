@@ -101,6 +101,24 @@ TEST_P(EveryVariant, FollowsAKnownPath) {
   }
 }
 
+// Another driver, another size of its images: overlap of two such images is not known, and all points count.
+TEST(Alternating, GoesOnWhereImagesHaveAnotherSize) {
+  DenseMapperSettings settings;
+  settings.variant = VariantKind::alternating;
+  settings.thesis.icp.registration.max_distance = 0.3;
+  DenseMapper mapper(settings);
+  const Eigen::Isometry3d mount = optical_axes();
+  for (int i = 0; i < 4; ++i) {
+    const View view = view_from(mount, static_cast<std::uint64_t>(i));
+    DenseFrame frame = coloured_frame(100'000 * i, view.cloud, mount, Motion());
+    frame.features = view.features;
+    const cv::Mat image = i < 2 ? cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(90))
+                                : cv::Mat(240, 320, CV_8UC3, cv::Scalar::all(90));
+    frame.colour = ColourView{image, camera(), camera(), Eigen::Isometry3d::Identity()};
+    EXPECT_EQ(to_string(mapper.step(frame).status), "tracking") << i;
+  }
+}
+
 // No odometry at all, half a metre and 30 degrees a step: only the SURF pairs lead there.
 TEST(Alternating, TheMapperFollowsLargeStepsWithoutOdometry) {
   const Eigen::Isometry3d mount = optical_axes();

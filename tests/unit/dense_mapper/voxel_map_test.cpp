@@ -149,6 +149,58 @@ TEST(VoxelMap, AveragesWhatIsSeenOften) {
   EXPECT_NEAR(surfels.sigmas[0], 0.01 / std::sqrt(frames), 1e-5);
 }
 
+// A running mean goes on scattering, however long it has seen the same.
+TEST(VoxelMap, IsNoSurerThanWhatItRemembers) {
+  VoxelMapSettings settings;
+  settings.voxel_size = 0.1;
+  settings.max_weight = 10;
+  VoxelMap map(settings);
+  Random random(9);
+  double squares = 0;  // of errors over sigmas
+  for (int i = 0; i < 20'000; ++i) {
+    Cloud cloud;
+    cloud.points.emplace_back(0.05f, 0.05f, static_cast<float>(random.normal(0.05, 0.005)));
+    cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
+    cloud.sigmas.push_back(0.005f);
+    map.insert(cloud, Eigen::Vector3d::Zero());
+    if (i < 100) continue;
+    TargetPoint found;
+    ASSERT_TRUE(map.find({0.05f, 0.05f, 0.05f}, 0.1f, found));
+    EXPECT_EQ(found.sigma, map.cloud().sigmas[0]);
+    const double error = (found.point.z() - 0.05) / found.sigma;
+    squares += error * error;
+  }
+  EXPECT_NEAR(squares / 19'900, 1, 0.15);
+}
+
+// A stray point counts for as long as it takes to see it again, and then no more.
+TEST(VoxelMap, WhatWasSeenOnceIsFoundForAWhile) {
+  VoxelMapSettings settings;
+  settings.min_observations = 3;
+  VoxelMap map(settings);
+  const auto insert = [&](const std::vector<float>& heights) {
+    Cloud cloud;
+    for (const float z : heights) {
+      cloud.points.emplace_back(0.05f, 0.05f, z);
+      cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
+      cloud.sigmas.push_back(0.01f);
+    }
+    map.insert(cloud, Eigen::Vector3d::Zero());
+  };
+  TargetPoint found;
+  const auto finds = [&](float z) { return map.find({0.05f, 0.05f, z}, 0.02f, found); };
+  insert({0.05f, 1.05f});
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(finds(0.05f) && finds(1.05f)) << i;
+    insert({0.05f});
+  }
+  EXPECT_TRUE(finds(1.05f)) << "of the last three";
+  insert({0.05f});
+  EXPECT_TRUE(finds(0.05f));
+  EXPECT_FALSE(finds(1.05f));
+  EXPECT_FALSE(map.deformed({Eigen::Isometry3d::Identity()}).find({0.05f, 0.05f, 1.05f}, 0.02f, found));
+}
+
 TEST(VoxelMap, AnOldSurfaceThatMovedIsFollowed) {
   VoxelMapSettings settings;
   settings.voxel_size = 0.1;
