@@ -59,8 +59,7 @@ void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
               pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth,
               place_of_nearest(pose.T_map_camera));
   frame_shown();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  ++version_;
+  changed();
 }
 
 void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
@@ -70,12 +69,13 @@ void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
               pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth,
               place_of_nearest(pose.T_map_camera));
   frame_shown();
+  changed();
   const int keyframe = nearest(pose.T_map_camera);
   if (keyframe < 0) return;  // it would stand where it is whatever the graph says
   const std::int64_t id = between_.empty() ? -1 : between_.begin()->first - 1;
   between_[id] = {keyframe, keyframes_.at(keyframe).T_map_camera.inverse() * pose.T_map_camera};
   if (between_.size() > most_between) between_.erase(std::prev(between_.end()));
-  fuse(id, frame, pose);
+  fuse(id, frame, pose, When::now);
 }
 
 /// Of the keyframe that a frame hangs on.
@@ -86,35 +86,45 @@ std::optional<LiveSpace::Place> LiveMap::place_of_nearest(const Eigen::Isometry3
   return LiveSpace::Place{id, keyframe.T_map_camera * keyframe.T_camera_depth};
 }
 
-void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose) {
+void LiveMap::keep(int keyframe, RgbdFrame frame, const FramePose& pose, When when) {
   if (has(keyframe)) return;
   make_room();
   check_frame(frame, calibration());
   clean(frame);
   const Eigen::Isometry3d T_camera_depth = pose.T_colour_depth_time * calibration().T_colour_depth;
   const Eigen::Isometry3d T_map_depth = pose.T_map_camera * T_camera_depth;
-  space_.show(frame.depth, calibration().depth, T_map_depth);
+  show_depth(frame.depth, T_map_depth, when);
   space_.keep(keyframe, frame.depth, calibration().depth, T_map_depth);
   planes_.keep(keyframe, frame.depth, T_map_depth);
-  fuse(keyframe, frame, pose);
+  fuse(keyframe, frame, pose, when);
   kept(keyframe, pose.T_map_camera, T_camera_depth);
 }
 
 void LiveMap::adopt(int keyframe, RgbdFrame frame, const FramePose& pose) {
-  keep(keyframe, std::move(frame), pose);
+  if (has(keyframe) || !make_room()) return;
+  keep(keyframe, std::move(frame), pose, When::before);
   keyframes_.at(keyframe).is_adopted = true;
 }
 
 void LiveMap::adopt(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera) {
-  keep(keyframe, cloud, T_map_camera);
+  if (has(keyframe) || !make_room()) return;
+  keep(keyframe, cloud, T_map_camera, When::before);
   keyframes_.at(keyframe).is_adopted = true;
 }
 
-void LiveMap::keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera) {
+void LiveMap::show_depth(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth, When when) {
+  if (when == When::now)
+    space_.show(depth, calibration().depth, T_map_depth);
+  else
+    space_.show_before(depth, calibration().depth, T_map_depth);
+}
+
+void LiveMap::keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera,
+                   When when) {
   if (has(keyframe)) return;
   make_room();
   const cv::Mat depth = depth_of_cloud(cloud, calibration().depth);
-  space_.show(depth, calibration().depth, T_map_camera);
+  show_depth(depth, T_map_camera, when);
   space_.keep(keyframe, depth, calibration().depth, T_map_camera);
   planes_.keep(keyframe, depth, T_map_camera);
   kept(keyframe, T_map_camera, Eigen::Isometry3d::Identity());
@@ -128,9 +138,9 @@ void LiveMap::clean(RgbdFrame& frame) {
   camera.range_error.correct(frame.depth);
 }
 
-void LiveMap::fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose) {
+void LiveMap::fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose, When when) {
   const std::lock_guard<std::mutex> lock(surface_mutex_);
-  surface_.hand_in(id, frame, pose.T_map_camera, pose.T_colour_depth_time);
+  surface_.hand_in(id, frame, pose.T_map_camera, pose.T_colour_depth_time, when == When::before);
 }
 
 void LiveMap::kept(int keyframe, const Eigen::Isometry3d& T_map_camera,
@@ -162,8 +172,7 @@ void LiveMap::correct(std::map<int, Eigen::Isometry3d> T_map_camera) {
     for (const auto& [id, hanging] : between_)
       move(hanging, [&, id = id](const auto& T) { surface_.move(id, T); });
   }
-  const std::lock_guard<std::mutex> lock(mutex_);
-  ++version_;
+  changed();
 }
 
 void LiveMap::follow(const std::map<int, Eigen::Isometry3d>& T_map_camera) {
@@ -194,19 +203,21 @@ void LiveMap::hang_up(const std::vector<int>& given_up) {
   for (auto& [id, hanging] : between_) hang(hanging);
 }
 
-/// For one more keyframe. A tenth at a time: the layers are made anew without them.
-void LiveMap::make_room() {
+/// For one more keyframe. A tenth at a time: the layers are made anew without them. False: all are the map's
+/// own, and of them the oldest make room in each layer.
+bool LiveMap::make_room() {
   const auto most = static_cast<std::size_t>(settings_.occupancy.max_keyframes);
-  if (keyframes_.size() < most) return;
+  if (keyframes_.size() < most) return true;
   std::vector<int> oldest;
-  for (const auto& [id, hanging] : given_up_) {
-    if (oldest.size() > most / 10) break;
-    oldest.push_back(static_cast<int>(id));
-  }
+  for (const auto& [id, hanging] : given_up_)
+    if (oldest.size() <= most / 10) oldest.push_back(static_cast<int>(id));
+  for (const auto& [id, keyframe] : keyframes_)
+    if (keyframe.is_adopted && oldest.size() <= most / 10) oldest.push_back(id);
   if (!oldest.empty()) forget(oldest);
+  return keyframes_.size() < most;
 }
 
-/// That were given up: nothing hangs on them.
+/// That were given up or adopted: nothing hangs on them.
 void LiveMap::forget(const std::vector<int>& keyframes) {
   space_.forget(keyframes);
   planes_.forget(keyframes);
@@ -239,10 +250,24 @@ int LiveMap::nearest(const Eigen::Isometry3d& T_map_camera) const {
 }
 
 bool LiveMap::improve() {
+  changed();
   const std::lock_guard<std::mutex> lock(surface_mutex_);
   const bool is_left = surface_.refuse(1) > 0;
   if (!is_left) fell_behind_ = false;
   return is_left;
+}
+
+bool LiveMap::catch_up() {
+  if (!space_.is_behind() && !planes_.is_behind()) return false;
+  space_.catch_up();
+  planes_.catch_up();
+  changed();
+  return space_.is_behind() || planes_.is_behind();
+}
+
+void LiveMap::changed() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++version_;
 }
 
 LiveMap::Haste LiveMap::haste() const {

@@ -48,24 +48,30 @@ class LiveMap {
   void show(RgbdFrame frame, const FramePose& pose);
   /// The same, and the surface grows by it; it moves with the keyframe that was kept last.
   void add(RgbdFrame frame, const FramePose& pose);
+  /// What was seen before is no news of what stands in the way now, or of where the camera is.
+  enum class When { now, before };
   /// The same, and it is kept: the surface and planes grow by it. A keyframe that is there already is left as
   /// it is.
-  void keep(int keyframe, RgbdFrame frame, const FramePose& pose);
-  /// The same for a keyframe of another map: frames that follow do not hang on it.
-  void adopt(int keyframe, RgbdFrame frame, const FramePose& pose);
-  void adopt(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera);
+  void keep(int keyframe, RgbdFrame frame, const FramePose& pose, When when = When::now);
   /// A keyframe of which only the cloud (camera frame, m) is there: space and planes grow by it, the surface
   /// does not.
-  void keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera);
+  void keep(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera,
+            When when = When::now);
+  /// The same for a keyframe of another map, seen before: frames that follow do not hang on it, and it makes
+  /// room for the map's own. Left out where there is none.
+  void adopt(int keyframe, RgbdFrame frame, const FramePose& pose);
+  void adopt(int keyframe, const ColouredCloud& cloud, const Eigen::Isometry3d& T_map_camera);
   /// Where keyframes stand, T_map_camera by keyframe.
   void correct(std::map<int, Eigen::Isometry3d> T_map_camera);
   /// The same by a whole graph: keyframes that it does not name have been given up. What they saw is still
   /// there, and each moves with the nearest keyframe that stays; when there are too many for
-  /// occupancy.max_keyframes the oldest of them make room. Adopted ones stay where they are; and a graph that
-  /// lacks the most of the others is none of this map's, nothing is given up by it.
+  /// occupancy.max_keyframes the oldest of them make room, then adopted ones. Those stay where they are; and
+  /// a graph that lacks the most of the others is none of this map's, nothing is given up by it.
   void follow(const std::map<int, Eigen::Isometry3d>& T_map_camera);
   /// A piece of the surface's work that was left; false: there is none.
   bool improve();
+  /// Where no frame comes for now: space and planes make anew what waits for one. False: nothing is left.
+  bool catch_up();
   /// How soon improve() is worth its time: while nobody looks at the surface it need not follow the graph.
   enum class Haste { none, some, much };
   Haste haste() const;
@@ -101,14 +107,16 @@ class LiveMap {
   };
   const RgbdCalibration& calibration() const { return *cameras_.front().calibration; }
   void clean(RgbdFrame& frame);
+  void show_depth(const cv::Mat& depth, const Eigen::Isometry3d& T_map_depth, When when);
   void kept(int keyframe, const Eigen::Isometry3d& T_map_camera, const Eigen::Isometry3d& T_camera_depth);
-  void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose);
+  void fuse(std::int64_t id, const RgbdFrame& frame, const FramePose& pose, When when);
   void hang_up(const std::vector<int>& given_up);
   std::optional<LiveSpace::Place> place_of_nearest(const Eigen::Isometry3d& T_map_camera) const;
-  void make_room();
+  bool make_room();
   void forget(const std::vector<int>& keyframes);
   int nearest(const Eigen::Isometry3d& T_map_camera) const;
   void frame_shown();
+  void changed();
   void settle_surface() const;
   bool watch_surface() const;
 

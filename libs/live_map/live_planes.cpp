@@ -69,6 +69,11 @@ void LivePlanes::correct(const std::map<int, Eigen::Isometry3d>& T_map_depth) {
   if (!making_.valid() && moved_.due()) put_together_anew();
 }
 
+void LivePlanes::catch_up() {
+  take_over(false);
+  if (!making_.valid() && moved_.moved()) put_together_anew();
+}
+
 void LivePlanes::settle() {
   take_over(true);
   if (!moved_.moved()) return;

@@ -33,6 +33,10 @@ class LivePlanes {
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
   /// These make room: the next time that planes are put together anew it is without them.
   void forget(const std::vector<int>& keyframes);
+  /// Corrections have left something, or it is being made.
+  bool is_behind() const { return making_.valid() || moved_.moved(); }
+  /// No frame comes for now, for which that would wait.
+  void catch_up();
   /// Waits for what is made beside the frames.
   void settle();
 

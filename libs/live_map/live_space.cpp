@@ -22,11 +22,15 @@ LiveSpace::LiveSpace(const LiveMapSettings& settings)
       near_(settings.occupancy.cell_size, settings.distance, corners * settings.occupancy.max_range),
       newest_(settings.occupancy.cell_size) {}
 
-void LiveSpace::show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth,
-                     const std::optional<Place>& hangs_on) {
+void LiveSpace::begin_frame() {
   take_over(false);
   moved_.frame();
   if (!carving_.valid() && moved_.due()) carve_anew();
+}
+
+void LiveSpace::show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth,
+                     const std::optional<Place>& hangs_on) {
+  begin_frame();
   std::vector<OccupancyChange> hits;
   bool is_asked = false;
   {
@@ -41,6 +45,15 @@ void LiveSpace::show(const cv::Mat& depth, const CameraModel& camera, const Eige
   }
   if (hangs_on) hang(hits, *hangs_on);
   if (is_asked) follow(T_map_depth.translation());
+}
+
+void LiveSpace::show_before(const cv::Mat& depth, const CameraModel& camera,
+                            const Eigen::Isometry3d& T_map_depth) {
+  begin_frame();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  carver_.carve(depth, camera, T_map_depth, grid_);
+  grid_.make_room(place_.cast<float>());
+  if (++unmeasured_ >= distance_every_ && awake_) measure();
 }
 
 /// What a frame hit moves with a keyframe.
@@ -111,6 +124,11 @@ void LiveSpace::forget(const std::vector<int>& keyframes) {
     if (carving_.valid()) meanwhile_.emplace_back([id](Carved& carved) { carved.keyframes.forget(id); });
   }
   kept_bytes_ = keyframes_.memory_bytes();
+}
+
+void LiveSpace::catch_up() {
+  take_over(false);
+  if (!carving_.valid() && moved_.moved()) carve_anew();
 }
 
 void LiveSpace::settle() {

@@ -38,6 +38,9 @@ class LiveSpace {
   /// keyframes hangs on one of them, with which it moves.
   void show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth,
             const std::optional<Place>& hangs_on = std::nullopt);
+  /// A frame of before: what it sees is carved, but it is not what the newest frame shows, nor where the
+  /// camera is.
+  void show_before(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth);
   /// Keeps what was shown last for corrections.
   void keep(int keyframe, const cv::Mat& depth, const CameraModel& camera,
             const Eigen::Isometry3d& T_map_depth);
@@ -45,6 +48,10 @@ class LiveSpace {
   void correct(const std::map<int, Eigen::Isometry3d>& T_map_depth);
   /// These make room: the next time that space is carved anew it is without them.
   void forget(const std::vector<int>& keyframes);
+  /// Corrections have left something, or it is being made.
+  bool is_behind() const { return carving_.valid() || moved_.moved(); }
+  /// No frame comes for now, for which that would wait.
+  void catch_up();
   /// Waits for what is made beside the frames.
   void settle();
 
@@ -81,6 +88,7 @@ class LiveSpace {
     CarvedKeyframes keyframes;
     OccupancyGrid grid;
   };
+  void begin_frame();
   void hang(const std::vector<OccupancyChange>& hits, const Place& on);
   void carve_anew();
   void take_over(bool wait);

@@ -159,8 +159,13 @@ std::vector<MapClient::Distance> MapClient::distances(const Points& points) {
 }
 
 std::vector<bool> MapClient::collides(const std::vector<CollisionQuestion::Body>& bodies) {
-  return read_json(ask({CollisionQuestion{bodies}, deadline_}),
-                   [](const json& answer) { return answer.at("collides").get<std::vector<bool>>(); });
+  const std::vector<std::size_t> order = json_order(bodies);
+  return read_json(ask({CollisionQuestion{bodies}, deadline_}), [&](const json& answer) {
+    std::vector<bool> collides(bodies.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+      collides[order[i]] = answer.at("collides").at(i).get<bool>();
+    return collides;
+  });
 }
 
 std::optional<std::size_t> MapClient::first_collision(const Box& robot,

@@ -130,7 +130,9 @@ Eigen::Vector3f CarvedKeyframes::Keyframe::point(int u, int v, int millimetres_d
   return static_cast<float>(millimetres_deep / millimetres) * camera.ray({u, v}).cast<float>();
 }
 
+/// In an image of its own: copies of these keyframes, in other threads, share the old one.
 void CarvedKeyframes::Keyframe::mark_gone(const OccupancyGrid& carved) {
+  depth = depth.clone();
   const Eigen::Isometry3f T = T_map_camera.cast<float>();
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {

@@ -113,4 +113,7 @@ Question parse_question(const std::string& json);
 /// As parse_question() reads it.
 std::string to_json(const Question& question);
 
+/// Places of the bodies in the order that JSON has them in, question and answer: by kind.
+std::vector<std::size_t> json_order(const std::vector<CollisionQuestion::Body>& bodies);
+
 }  // namespace lcmslam

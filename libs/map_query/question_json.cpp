@@ -1,5 +1,8 @@
 #include <lcmslam/map_query/question.hpp>
 
+#include <algorithm>
+#include <numeric>
+
 #include <lcmslam/map_query/json_fields.hpp>
 
 namespace lcmslam {
@@ -67,14 +70,18 @@ void check_size(const std::string& key, double length) {
                                 " m (all lengths are in m)");
 }
 
-/// x y z, quaternion w x y z, and the box's whole sides.
-Box box(const std::string& key, const std::array<double, 10>& v) {
-  const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);
+Eigen::Quaterniond rotation(const std::string& key, const std::array<double, 4>& wxyz) {
+  const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
   if (std::abs(q.norm() - 1) > 1e-3)
     throw std::invalid_argument("'" + key + "' holds the quaternion (w, x, y, z) of norm " +
                                 std::to_string(q.norm()) + ", must be 1");
+  return q.normalized();
+}
+
+/// x y z, quaternion w x y z, and the box's whole sides.
+Box box(const std::string& key, const std::array<double, 10>& v) {
   Box box;
-  box.T_map_box = Eigen::Translation3d(v[0], v[1], v[2]) * q.normalized();
+  box.T_map_box = Eigen::Translation3d(v[0], v[1], v[2]) * rotation(key, {v[3], v[4], v[5], v[6]});
   box.half_size = 0.5 * Eigen::Vector3d(positive(key, v[7]), positive(key, v[8]), positive(key, v[9]));
   check_size(key, 2 * box.half_size.maxCoeff());
   return box;
@@ -130,18 +137,31 @@ json members(const CollisionQuestion& q) {
 
 void read(JsonFields& f, PathQuestion& q) {
   q.robot = box("robot", f.numbers<10>("robot"));
+  if (f.find("tilted_poses") != nullptr) {
+    for (const auto& p : f.rows<7>("tilted_poses", most_asked_points))
+      q.T_map_robot.push_back(Eigen::Translation3d(p[0], p[1], p[2]) *
+                              rotation("tilted_poses", {p[3], p[4], p[5], p[6]}));
+    if (f.find("poses") != nullptr) throw std::invalid_argument("a path has 'poses' or 'tilted_poses'");
+    return;
+  }
   for (const auto& p : f.rows<4>("poses", most_asked_points))
     q.T_map_robot.push_back(Eigen::Translation3d(p[0], p[1], p[2]) *
                             Eigen::Isometry3d(Eigen::AngleAxisd(p[3], Eigen::Vector3d::UnitZ())));
 }
 json members(const PathQuestion& q) {
+  const auto is_level = [](const Eigen::Isometry3d& T) { return T.linear()(2, 2) > 1 - 1e-12; };
+  const bool level = std::all_of(q.T_map_robot.begin(), q.T_map_robot.end(), is_level);
   json poses = json::array();
   for (const Eigen::Isometry3d& T : q.T_map_robot) {
     json pose = row(T.translation());
-    pose.push_back(yaw(T));
+    const Eigen::Quaterniond r(T.linear());
+    if (level)
+      pose.push_back(yaw(T));
+    else
+      pose.insert(pose.end(), {r.w(), r.x(), r.y(), r.z()});
     poses.push_back(pose);
   }
-  return {{"robot", box_row(q.robot)}, {"poses", poses}};
+  return {{"robot", box_row(q.robot)}, {level ? "poses" : "tilted_poses", poses}};
 }
 
 void read(JsonFields& f, CloudQuestion& q) {
@@ -269,6 +289,15 @@ std::string to_json(const Question& question) {
   object["ask"] = names[question.what.index()];
   object["deadline"] = question.deadline;
   return object.dump();
+}
+
+std::vector<std::size_t> json_order(const std::vector<CollisionQuestion::Body>& bodies) {
+  std::vector<std::size_t> order(bodies.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return bodies[a].index() < bodies[b].index();  // spheres, capsules, boxes
+  });
+  return order;
 }
 
 }  // namespace lcmslam

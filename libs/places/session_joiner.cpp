@@ -66,6 +66,16 @@ void SessionJoiner::move(const std::map<std::int32_t, Eigen::Isometry3d>& T_sess
   if (any) vote();
 }
 
+void SessionJoiner::drop(const std::vector<std::int32_t>& ids) {
+  const auto is_dropped = [&](const Saying& saying) {
+    return std::find(ids.begin(), ids.end(), saying.id) != ids.end();
+  };
+  const auto left = std::remove_if(sayings_.begin(), sayings_.end(), is_dropped);
+  if (left == sayings_.end()) return;
+  sayings_.erase(left, sayings_.end());
+  vote();
+}
+
 bool SessionJoiner::agree(const Saying& a, const Saying& b) const {
   return distance_from_identity({a.T_map_session.inverse() * b.T_map_session, a.covariance + b.covariance}) <=
          settings_.max_disagreement;

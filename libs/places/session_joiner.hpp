@@ -59,6 +59,8 @@ class SessionJoiner {
   void say(const Eigen::Isometry3d& T_session_part, const std::optional<Place>& found, std::int32_t id = 0);
   /// The session's own map has these elsewhere now; where they lie in the old one stays as it was seen.
   void move(const std::map<std::int32_t, Eigen::Isometry3d>& T_session_part);
+  /// The session has given these up: nothing moves them any more, and what they say goes with them.
+  void drop(const std::vector<std::int32_t>& ids);
 
   /// Once enough agree.
   const std::optional<Joint>& joint() const { return joint_; }

@@ -67,7 +67,7 @@ void Surface::look_through(const RgbdCalibration& calibration) {
 }
 
 void Surface::hand_in(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
-                      const Eigen::Isometry3d& T_colour_depth_time) {
+                      const Eigen::Isometry3d& T_colour_depth_time, bool of_before) {
   require_finite(T_map_camera, "T_map_camera");
   require_finite(T_colour_depth_time, "T_colour_depth_time");
   if (keyframes_.count(keyframe) > 0)
@@ -76,11 +76,13 @@ void Surface::hand_in(std::int64_t keyframe, const RgbdFrame& frame, const Eigen
   SurfaceImage image = maker_->image(frame, T_colour_depth_time);
   waiting_bytes_ += bytes_of(image);
   Keyframe& kept = keyframes_[keyframe];
+  kept.arrival = {!of_before, ++arrived_};
   kept.maker = maker_;
   kept.waiting = std::move(image);
   kept.T_wanted = T_map_camera;
+  arrivals_[kept.arrival] = keyframe;
   waiting_.push_back(keyframe);
-  camera_ = T_map_camera.translation();
+  if (!of_before) camera_ = T_map_camera.translation();
   if (waiting_.size() > most_waiting) fuse_oldest();
 }
 
@@ -121,6 +123,7 @@ void Surface::forget(std::int64_t keyframe) {
     waiting_bytes_ -= bytes_of(*found->second.waiting);
     waiting_.erase(std::find(waiting_.begin(), waiting_.end(), keyframe));
   }
+  arrivals_.erase(found->second.arrival);
   if (found->second.view) gone_.push_back(std::move(found->second));
   keyframes_.erase(found);
 }
@@ -177,10 +180,15 @@ void Surface::keep_bounds() {
   coarse_.keep_near(place, blocks_in((1 - fine_share) * settings_.memory));
   const auto most = static_cast<std::size_t>(settings_.kept_memory * 1e6);
   while (kept_bytes_ > most && !gone_.empty()) take_out_gone();
-  for (auto oldest = keyframes_.begin(); kept_bytes_ > most && oldest != keyframes_.end(); ++oldest) {
-    if (!oldest->second.view) continue;
-    kept_bytes_ -= oldest->second.view->memory_bytes();
-    oldest->second.view.reset();
+  for (auto first = arrivals_.begin(); kept_bytes_ > most && first != arrivals_.end();) {
+    const auto keyframe = keyframes_.find(first->second);
+    if (keyframe->second.waiting) {
+      ++first;
+      continue;
+    }
+    kept_bytes_ -= keyframe->second.view->memory_bytes();
+    keyframes_.erase(keyframe);
+    first = arrivals_.erase(first);
   }
 }
 

@@ -19,6 +19,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/surface/kept_view.hpp>
@@ -40,13 +41,17 @@ class Surface {
   /// that of the colour camera at the colour image's time, `T_colour_depth_time` as for DepthRegistration.
   /// Throws std::invalid_argument for images of another size, poses that are not finite, and a keyframe that
   /// is there already.
+  /// Where images are too many those go first that came first; before them those `of_before`, of an earlier
+  /// map, say, which do not tell where the camera is now, either.
   void hand_in(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
-               const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity());
+               const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity(),
+               bool of_before = false);
   /// The same, and nothing waits any more.
   void fuse(std::int64_t keyframe, const RgbdFrame& frame, const Eigen::Isometry3d& T_map_camera,
             const Eigen::Isometry3d& T_colour_depth_time = Eigen::Isometry3d::Identity());
 
-  /// Where a keyframe stands now. One whose images are not kept any more stays where it was fused.
+  /// Where a keyframe stands now. One whose images are not kept any more stays where it was fused; its name
+  /// is free again.
   void move(std::int64_t keyframe, const Eigen::Isometry3d& T_map_camera);
 
   /// A keyframe goes, and refuse() takes out what it has put in; its name is free at once. One whose images
@@ -71,10 +76,12 @@ class Surface {
   const VoxelBlocks& coarse() const { return coarse_; }
 
  private:
+  using Arrival = std::pair<bool, std::int64_t>;  // whether it is of now, and number
   struct Keyframe {
+    Arrival arrival;
     std::shared_ptr<const SurfaceViewMaker> maker;  // of its camera
     std::optional<SurfaceImage> waiting;            // until it is fused
-    std::optional<KeptView> view;                   // then; absent: its images were too many
+    std::optional<KeptView> view;                   // then
     Eigen::Isometry3d T_map_camera;                 // as it is fused
     Eigen::Isometry3d T_wanted;
     std::int64_t fused = 0;  // number of the fusion
@@ -94,6 +101,8 @@ class Surface {
   VoxelBlocks fine_, coarse_;
   SurfaceMesh mesh_;
   std::map<std::int64_t, Keyframe> keyframes_;
+  std::map<Arrival, std::int64_t> arrivals_;  // keyframes, the first to make room first
+  std::int64_t arrived_ = 0;
   std::vector<Keyframe> gone_;        // that are to be taken out
   std::deque<std::int64_t> waiting_;  // of those that are not fused yet, the oldest first
   std::size_t waiting_bytes_ = 0;

@@ -6,9 +6,10 @@
 namespace lcmslam {
 namespace {
 
-constexpr Utime nearest_frame = 17'000;  // us; half the time between two at 30 Hz
-constexpr Utime longest_step = 500'000;  // us between two poses of one motion
-constexpr std::size_t most_frames = 90;  // that wait for their pose or to become keyframes
+constexpr Utime nearest_frame = 17'000;   // us; half the time between two at 30 Hz
+constexpr Utime longest_step = 500'000;   // us between two poses of one motion
+constexpr Utime longest_way = 2'000'000;  // us that a keyframe may take to come here
+constexpr std::size_t most_frames = 90;   // that wait for their pose or to become keyframes
 constexpr std::size_t most_bytes = 64'000'000;
 constexpr std::size_t most_poses = 200;
 constexpr std::int64_t many_waiting = 32;  // keyframes and corrections, a second's work
@@ -139,10 +140,12 @@ std::optional<StoredImages> LayerFeed::keyframe(const DenseKeyframe& keyframe, c
     shown = {std::make_shared<EncodedFrame>(before->frame), known_.of(*before)};
     pose.T_colour_depth_time = before->T_colour_depth_time;
   }
+  const bool is_new = frame || (!poses_.empty() && keyframe.utime > poses_.back().first - longest_way);
+  const LiveMap::When when = is_new ? LiveMap::When::now : LiveMap::When::before;
   if (shown.frame && shown.calibration)
-    worker_.keep(keyframe.id, shown, pose);
+    worker_.keep(keyframe.id, shown, pose, when);
   else
-    worker_.keep(keyframe.id, keyframe.cloud, keyframe.T_world_camera);
+    worker_.keep(keyframe.id, keyframe.cloud, keyframe.T_world_camera, when);
   return images;
 }
 

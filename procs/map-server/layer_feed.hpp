@@ -41,6 +41,10 @@ class LayerFeed {
   /// which the calibration is known.
   void adopt(int id, const Eigen::Isometry3d& T_map_camera, const std::optional<StoredImages>& images,
              ColouredCloud cloud);
+  /// Where adopted ones lie, T_map_camera by id.
+  void move_adopted(std::map<int, Eigen::Isometry3d> T_map_camera) {
+    worker_.move_adopted(std::move(T_map_camera));
+  }
   /// After the graph has moved the map. What it has given up moves with its neighbours, once it is known
   /// whole.
   void correct(const DenseMap& map, const FollowedGraph& graph);

@@ -1,5 +1,7 @@
 #include "procs/map-server/layer_worker.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <lcmslam/messages/camera_messages.hpp>
@@ -36,9 +38,10 @@ LayerWorker::~LayerWorker() {
 void LayerWorker::begin_map(const Calibration& calibration) {
   auto map = std::make_shared<LiveMap>(calibration, settings_);
   const std::lock_guard<std::mutex> lock(mutex_);
-  state_.left_out += static_cast<std::int64_t>(jobs_.size()) + (newest_ ? 1 : 0);
+  state_.left_out += static_cast<std::int64_t>(jobs_.size() + before_.size()) + (newest_ ? 1 : 0);
   map_ = std::move(map);
   jobs_.clear();
+  before_.clear();
   newest_ = {};
   unfinished_ = due_ = false;
 }
@@ -51,43 +54,56 @@ void LayerWorker::show(Images images, const FramePose& pose, bool with_colour) {
         with_colour ? map.add(std::move(frame), pose) : map.show(std::move(frame), pose);
         count(&State::shown);
       },
-      true);
+      Turn::newest_frame);
 }
 
-void LayerWorker::keep(int keyframe, Images images, const FramePose& pose) {
-  hand_in([this, keyframe, images = std::move(images), pose](LiveMap& map) {
-    if (map.has(keyframe)) return;
-    RgbdFrame frame = decoded(images, true);
-    map.look_through(images.calibration);
-    map.keep(keyframe, std::move(frame), pose);
-    count(&State::kept);
-  });
+void LayerWorker::keep(int keyframe, Images images, const FramePose& pose, LiveMap::When when) {
+  hand_in(
+      [this, keyframe, images = std::move(images), pose, when](LiveMap& map) {
+        if (map.has(keyframe)) return;
+        RgbdFrame frame = decoded(images, true);
+        map.look_through(images.calibration);
+        map.keep(keyframe, std::move(frame), pose, when);
+        count(&State::kept);
+      },
+      turn_of(when));
 }
 
-void LayerWorker::keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera) {
-  hand_in([this, keyframe, cloud = std::move(cloud), T_map_camera](LiveMap& map) {
-    if (map.has(keyframe)) return;
-    map.keep(keyframe, cloud, T_map_camera);
-    count(&State::imageless);
-  });
+void LayerWorker::keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera,
+                       LiveMap::When when) {
+  hand_in(
+      [this, keyframe, cloud = std::move(cloud), T_map_camera, when](LiveMap& map) {
+        if (map.has(keyframe)) return;
+        map.keep(keyframe, cloud, T_map_camera, when);
+        count(&State::imageless);
+      },
+      turn_of(when));
 }
 
 void LayerWorker::adopt(int keyframe, Images images, const FramePose& pose) {
-  hand_in([this, keyframe, images = std::move(images), pose](LiveMap& map) {
-    if (map.has(keyframe)) return;
-    RgbdFrame frame = decoded(images, true);
-    map.look_through(images.calibration);
-    map.adopt(keyframe, std::move(frame), pose);
-    count(&State::kept);
-  });
+  hand_in(
+      [this, keyframe, images = std::move(images), pose](LiveMap& map) {
+        if (map.has(keyframe)) return;
+        RgbdFrame frame = decoded(images, true);
+        map.look_through(images.calibration);
+        map.adopt(keyframe, std::move(frame), pose);
+        count(map.has(keyframe) ? &State::kept : &State::left_out);
+      },
+      Turn::before);
 }
 
 void LayerWorker::adopt(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera) {
-  hand_in([this, keyframe, cloud = std::move(cloud), T_map_camera](LiveMap& map) {
-    if (map.has(keyframe)) return;
-    map.adopt(keyframe, cloud, T_map_camera);
-    count(&State::imageless);
-  });
+  hand_in(
+      [this, keyframe, cloud = std::move(cloud), T_map_camera](LiveMap& map) {
+        if (map.has(keyframe)) return;
+        map.adopt(keyframe, cloud, T_map_camera);
+        count(map.has(keyframe) ? &State::imageless : &State::left_out);
+      },
+      Turn::before);
+}
+
+void LayerWorker::move_adopted(std::map<int, Eigen::Isometry3d> T_map_camera) {
+  hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.correct(poses); }, Turn::before);
 }
 
 void LayerWorker::correct(std::map<int, Eigen::Isometry3d> T_map_camera) {
@@ -98,14 +114,23 @@ void LayerWorker::follow(std::map<int, Eigen::Isometry3d> T_map_camera) {
   hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.follow(poses); });
 }
 
-void LayerWorker::hand_in(Job job, bool newest_counts) {
+LayerWorker::Turn LayerWorker::turn_of(LiveMap::When when) {
+  return when == LiveMap::When::now ? Turn::in_order : Turn::before;
+}
+
+void LayerWorker::hand_in(Job job, Turn turn) {
   std::unique_lock<std::mutex> lock(mutex_);
   if (!map_) return;
   quiet_ = false;
-  if (newest_counts) {
+  if (turn == Turn::newest_frame) {
     if (newest_) ++state_.left_out;
     newest_ = std::move(job);
+  } else if (turn == Turn::before) {
+    before_.push_back(std::move(job));
   } else {
+    // What it corrects must be there: it does not overtake.
+    std::move(before_.begin(), before_.end(), std::back_inserter(jobs_));
+    before_.clear();
     jobs_.push_back(std::move(job));
     if (jobs_.size() > most_jobs) {
       ++state_.left_out;
@@ -124,8 +149,7 @@ void LayerWorker::work() {
     if (!unfinished_) {
       wake_.wait(lock, called);
     } else if (!wake_.wait_for(lock, quiet_time, called)) {
-      quiet_ = true;
-      due_ = is_due(map_->haste());
+      quiet_ = due_ = true;
     }
     while (!stop_ && step(lock)) {
     }
@@ -134,29 +158,39 @@ void LayerWorker::work() {
 }
 
 bool LayerWorker::has_work() const {
-  return !jobs_.empty() || newest_ || due_;
+  return !jobs_.empty() || newest_ || !before_.empty() || due_;
+}
+
+/// What must be done in order, then the newest frame and what was seen before by turns.
+LayerWorker::Job LayerWorker::next_job() {
+  const auto take_first = [](std::deque<Job>& jobs) {
+    Job job = std::move(jobs.front());
+    jobs.pop_front();
+    return job;
+  };
+  if (!jobs_.empty()) return take_first(jobs_);
+  frame_was_last_ = newest_ && !(frame_was_last_ && !before_.empty());
+  if (frame_was_last_) return std::exchange(newest_, {});
+  return before_.empty() ? Job() : take_first(before_);
 }
 
 /// One thing that is to be done, without the lock; false: there is nothing.
 bool LayerWorker::step(std::unique_lock<std::mutex>& lock) {
   if (!has_work()) return false;
-  Job job;
-  if (!jobs_.empty()) {
-    job = std::move(jobs_.front());
-    jobs_.pop_front();
-  } else {
-    job = std::exchange(newest_, {});
-  }
+  const Job job = next_job();
   const std::shared_ptr<LiveMap> map = map_;
   bool unfinished = true;  // a frame or a correction may leave something to do
   std::string error;
+  const bool quiet = quiet_, surface_is_due = is_due(map->haste());
   busy_ = true;
   lock.unlock();
   try {
-    if (job)
+    if (job) {
       job(*map);
-    else
-      unfinished = map->improve();
+    } else {
+      const bool is_behind = quiet && map->catch_up();
+      unfinished = (surface_is_due ? map->improve() : true) || is_behind;
+    }
   } catch (const std::exception& e) {
     error = e.what();
   }
@@ -200,7 +234,7 @@ std::shared_ptr<const LiveMap> LayerWorker::map() const {
 LayerWorker::State LayerWorker::state() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   State state = state_;
-  state.waiting = static_cast<std::int64_t>(jobs_.size());
+  state.waiting = static_cast<std::int64_t>(jobs_.size() + before_.size());
   return state;
 }
 

@@ -39,11 +39,14 @@ class LayerWorker {
   // Before begin_map() nothing happens.
   /// Of space alone, or `with_colour` of the surface too.
   void show(Images images, const FramePose& pose, bool with_colour);
-  void keep(int keyframe, Images images, const FramePose& pose);
-  void keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera);
-  /// As keep(), of a map that no graph moves.
+  /// What was seen before waits for the newest frame, every other time.
+  void keep(int keyframe, Images images, const FramePose& pose, LiveMap::When when = LiveMap::When::now);
+  void keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera,
+            LiveMap::When when = LiveMap::When::now);
+  /// As keep() of before, of a map that no graph moves; and where that lies, T_map_camera by keyframe.
   void adopt(int keyframe, Images images, const FramePose& pose);
   void adopt(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera);
+  void move_adopted(std::map<int, Eigen::Isometry3d> T_map_camera);
   void correct(std::map<int, Eigen::Isometry3d> T_map_camera);
   void follow(std::map<int, Eigen::Isometry3d> T_map_camera);
   /// Waits until all is done, at most so long; whoever works without a thread does all.
@@ -56,7 +59,7 @@ class LayerWorker {
     std::int64_t shown = 0;      ///< frames that were no keyframes
     std::int64_t kept = 0;       ///< keyframes
     std::int64_t waiting = 0;    ///< keyframes and corrections
-    std::int64_t left_out = 0;   ///< because others came
+    std::int64_t left_out = 0;   ///< because others came, or there was no room
     std::int64_t imageless = 0;  ///< keyframes of which only the cloud was there
     std::int64_t failed = 0;     ///< that could not be read
     std::string error;           ///< of the last of those
@@ -65,7 +68,10 @@ class LayerWorker {
 
  private:
   using Job = std::function<void(LiveMap&)>;
-  void hand_in(Job job, bool newest_counts = false);
+  enum class Turn { in_order, newest_frame, before };
+  static Turn turn_of(LiveMap::When when);
+  void hand_in(Job job, Turn turn = Turn::in_order);
+  Job next_job();
   void work();
   bool has_work() const;
   bool step(std::unique_lock<std::mutex>& lock);
@@ -76,8 +82,10 @@ class LayerWorker {
   mutable std::mutex mutex_;  // guards what follows; not held while a job is done
   std::condition_variable wake_, idle_;
   std::shared_ptr<LiveMap> map_;
-  std::deque<Job> jobs_;  // keyframes and corrections
-  Job newest_;            // frame
+  std::deque<Job> jobs_;    // keyframes and corrections
+  Job newest_;              // frame
+  std::deque<Job> before_;  // keyframes of before
+  bool frame_was_last_ = false;
   // The surface may have keyframes to fuse anew; it is time for one of them, or for all as no job comes.
   bool unfinished_ = false, due_ = false, quiet_ = false;
   int jobs_since_ = 0;  // that one was

@@ -161,6 +161,9 @@ void MapServerNode::show_late() {
     return;
   }
   if (!places_) return;
+  std::map<int, Eigen::Isometry3d> moved;
+  for (const auto& [number, T] : places_->moved_kept()) moved[first_kept_id + number] = T;
+  if (!moved.empty()) layers_->move_adopted(std::move(moved));
   if (auto kept = places_->next_kept())
     layers_->adopt(first_kept_id + kept->number, kept->T_session_camera, kept->images,
                    kept->cloud.value_or(ColouredCloud()));

@@ -8,8 +8,6 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t most_places = 200;
-constexpr double moved_distance = 0.001, moved_angle = 0.0005;  // m, rad: then a joint is told again
-
 std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
   return (session << 32) + keyframe;
 }
@@ -99,6 +97,7 @@ void SessionPlaces::begin_session(std::int64_t stored) {
     current_ = PlaceIndex();
     joiner_ = SessionJoiner();
     next_kept_ = 0;
+    given_.clear();
     stored_current_ = stored;
     const auto known = T_map_session_.find(stored);
     T_map_current_.reset();
@@ -167,10 +166,14 @@ void SessionPlaces::tell_joint() {
   told_ = joint;
 }
 
+bool SessionPlaces::is_elsewhere(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  constexpr double moved_distance = 0.001, moved_angle = 0.0005;  // m, rad
+  return distance_between(a, b) > moved_distance || angle_between(a, b) > moved_angle;
+}
+
 bool SessionPlaces::is_news(const Joint& joint, bool done, const std::optional<Joint>& told) {
   return !told || (done && joint.agreeing > told->agreeing) ||
-         distance_between(joint.T_map_session, told->T_map_session) > moved_distance ||
-         angle_between(joint.T_map_session, told->T_map_session) > moved_angle;
+         is_elsewhere(joint.T_map_session, told->T_map_session);
 }
 
 void SessionPlaces::correct(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
@@ -200,6 +203,7 @@ void SessionPlaces::apply(const std::map<std::int32_t, Eigen::Isometry3d>& moved
   for (const auto& [id, T_session_camera] : moved) current_.move(id, T_session_camera);
   for (const std::int32_t id : gone) current_.drop(id);
   correct_stored(moved, gone);
+  joiner_.drop(gone);
   joiner_.move(moved);
   tell_joint();
 }

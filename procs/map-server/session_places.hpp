@@ -73,6 +73,9 @@ class SessionPlaces {
     std::optional<ColouredCloud> cloud;
   };
   std::optional<KeptKeyframe> next_kept();
+  /// Where those that next_kept() has given lie now, T_session_camera by number, once that is elsewhere: more
+  /// keyframes may say where the session lies, or its graph has moved them.
+  std::map<int, Eigen::Isometry3d> moved_kept();
 
   /// Keyframes of the file's map that things can be found by, and of the current session.
   std::size_t kept_keyframes() const;
@@ -97,6 +100,7 @@ class SessionPlaces {
   std::optional<Look> look(MapFile& map, std::int64_t session, std::int32_t keyframe);
   void keep(const Kept& keyframe);
   bool is_outdated(std::size_t kept) const;
+  static bool is_elsewhere(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
   KeptKeyframe read_kept(std::size_t kept);
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
   void leave_current();
@@ -125,6 +129,7 @@ class SessionPlaces {
   std::int64_t left_ = 0;      // current sessions that the map took over
   std::vector<Kept> kept_;
   std::size_t next_kept_ = 0;
+  std::map<int, Eigen::Isometry3d> given_;  // of them, T_session_camera by number
   std::vector<Joined> joined_;
   std::string error_;
 

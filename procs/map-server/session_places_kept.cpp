@@ -63,9 +63,24 @@ std::optional<SessionPlaces::KeptKeyframe> SessionPlaces::next_kept() {
   if (!lock || !T_map_current_) return std::nullopt;
   for (int look = 0; look < most_looks && next_kept_ < kept_.size(); ++look) {
     const std::size_t i = next_kept_++;
-    if (kept_[i].session != stored_current_ && !is_outdated(i)) return read_kept(i);
+    if (kept_[i].session == stored_current_ || is_outdated(i)) continue;
+    KeptKeyframe keyframe = read_kept(i);
+    given_[keyframe.number] = keyframe.T_session_camera;
+    return keyframe;
   }
   return std::nullopt;
+}
+
+std::map<int, Eigen::Isometry3d> SessionPlaces::moved_kept() {
+  std::map<int, Eigen::Isometry3d> moved;
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);  // else the next time
+  if (!lock || !T_map_current_) return moved;
+  const Eigen::Isometry3d T_session_map = T_map_current_->inverse();
+  for (auto& [number, T_given] : given_) {
+    const Eigen::Isometry3d T = T_session_map * kept_[static_cast<std::size_t>(number)].T_map_camera;
+    if (is_elsewhere(T, T_given)) moved[number] = T_given = T;
+  }
+  return moved;
 }
 
 SessionPlaces::KeptKeyframe SessionPlaces::read_kept(std::size_t i) {

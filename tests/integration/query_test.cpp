@@ -51,6 +51,9 @@ TEST(Query, ARunningGraphAnswers) {
   ASSERT_TRUE(hit);
   EXPECT_GT(*hit, 5U);
   EXPECT_FALSE(map.first_collision(robot, {path[0]}));
+  Box there = robot;
+  there.T_map_box = path[*hit] * robot.T_map_box;
+  EXPECT_EQ(map.collides({there, Sphere{far[0], 0.1}}), (std::vector{true, false})) << "in the order asked";
 
   const Result mesh = run({"lcmslam", "query", "mesh", "--out", folder / "mesh.ply"}, 60);
   EXPECT_EQ(mesh.exit_code, 0) << mesh.output;

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
+#include <utility>
 
 #include <lcmslam/live_map/answer.hpp>
 
@@ -69,6 +72,83 @@ TEST(LiveMap, WhatFramesSawMovesWithTheNearestKeyframe) {
     EXPECT_EQ(state(map, 2.0), CellState::occupied) << background;
     EXPECT_NE(state(map, 2.4), CellState::occupied) << background;
   }
+}
+
+// Somebody steps in the way while the server shows what it has of yesterday, where nobody stood.
+TEST(LiveMap, WhatWasSeenBeforeIsNoNewsOfWhatStandsInTheWay) {
+  LiveMap map(some_camera(), waiting());
+  for (int i = 0; i < 6; ++i) map.show(wall(2), at(0));
+  map.show(wall(1.2), at(0));
+  map.adopt(1000, wall(2), at(0));
+  map.keep(5, wall(2), at(0), LiveMap::When::before);
+  const auto newest = [&] {
+    return map.space().ask([](const LiveSpace::View& view) {
+      return view.newest.sample({1, 0, 1}).distance;
+    });
+  };
+  EXPECT_NEAR(newest(), 0.2, 0.05);
+  map.keep(6, wall(2), at(0));
+  EXPECT_GT(newest(), 0.4) << "he has gone";
+}
+
+// A building that was mapped before has more keyframes than there is room for.
+TEST(LiveMap, AdoptedKeyframesMakeRoomForTheMapsOwn) {
+  LiveMapSettings settings = waiting();
+  settings.occupancy.max_keyframes = 10;
+  LiveMap map(some_camera(), settings);
+  map.keep(1, wall(2), at(0));
+  for (int i = 0; i < 30; ++i) map.adopt(1000 + i, wall(2), at(100));
+  EXPECT_TRUE(map.has(1));
+  EXPECT_TRUE(map.has(1029)) << "the newest of them";
+  for (int own = 2; own <= 10; ++own) map.keep(own, wall(2), at(10 * own));
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(map.has(1000 + i)) << i;
+  map.adopt(2000, wall(2), at(100));
+  EXPECT_FALSE(map.has(2000)) << "there is no room";
+  std::map<int, Eigen::Isometry3d> moved;
+  for (int own = 1; own <= 10; ++own) moved[own] = at((own > 1 ? 10 * own : 0) + 0.4).T_map_camera;
+  map.correct(moved);
+  map.settle();
+  EXPECT_EQ(state(map, 2.4), CellState::occupied) << "the first is still known";
+  EXPECT_EQ(state(map, 102.4), CellState::occupied);
+}
+
+// A log at its end, a camera that is off: what the graph says last is not left for the next frame.
+TEST(LiveMap, CatchesUpWhereNoFrameComes) {
+  for (const bool background : {false, true}) {
+    LiveMapSettings settings = waiting();
+    settings.background = background;
+    LiveMap map(some_camera(), settings);
+    for (int own = 0; own < 10; ++own) map.keep(own, wall(2), at(10 * own));
+    const auto bend = [&](double x) {
+      std::map<int, Eigen::Isometry3d> moved;
+      for (int own = 0; own < 10; ++own) moved[own] = at(10 * own + x).T_map_camera;
+      map.correct(moved);
+    };
+    bend(0.2);
+    map.settle();
+    bend(0.4);
+    EXPECT_NE(state(map, 2.4), CellState::occupied) << "no frame has come";
+    const std::int64_t version = map.version();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (map.catch_up() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    EXPECT_EQ(state(map, 2.4), CellState::occupied);
+    EXPECT_GT(map.version(), version) << "whoever draws it learns of it";
+    EXPECT_FALSE(map.catch_up());
+  }
+}
+
+// Whoever draws the surface asks whether anything is new.
+TEST(LiveMap, EveryChangeOfTheSurfaceCounts) {
+  LiveMap map(some_camera(), waiting());
+  map.keep(7, wall(2), at(0));
+  std::int64_t version = map.version();
+  map.add(wall(1.8), at(0.2));
+  EXPECT_GT(map.version(), std::exchange(version, map.version()));
+  map.mesh();
+  map.correct({{7, at(0.4).T_map_camera}});
+  version = map.version();
+  map.improve();
+  EXPECT_GT(map.version(), version);
 }
 
 double distance_at_1(const LiveMap& map) {

@@ -32,6 +32,13 @@ TEST(Question, ComesBackAsItWasWritten) {
   EXPECT_EQ(std::get<Box>(bodies[2]).half_size, box.half_size);
   const PathQuestion path = returned(PathQuestion{box, {planar_pose(1, 2, 0.25), planar_pose(3, 4, -0.5)}});
   EXPECT_TRUE(path.T_map_robot[1].isApprox(planar_pose(3, 4, -0.5), 1e-12));
+  const Eigen::Isometry3d on_a_ramp =
+      planar_pose(1, 2, 0.25) * Eigen::AngleAxisd(0.14, Eigen::Vector3d::UnitY());
+  const auto ramp = std::get<PathQuestion>(
+      parse_question(to_json({PathQuestion{box, {planar_pose(1, 2, 0.25), on_a_ramp}}, 1})).what);
+  ASSERT_EQ(ramp.T_map_robot.size(), 2U);
+  EXPECT_TRUE(ramp.T_map_robot[0].isApprox(planar_pose(1, 2, 0.25), 1e-12));
+  EXPECT_TRUE(ramp.T_map_robot[1].isApprox(on_a_ramp, 1e-12));
   CloudQuestion cloud;
   cloud.region.sphere = sphere;
   cloud.resolution = 0.125;
@@ -54,6 +61,21 @@ TEST(Question, ComesBackAsItWasWritten) {
   EXPECT_EQ(returned(frontiers).settings.min_cells, 7);
   returned(GridQuestion{});
   EXPECT_EQ(returned(LocaliseQuestion{1'700'000'000'000'000}).utime, 1'700'000'000'000'000);
+}
+
+// Who asks in C++ has one list; JSON has one a kind.
+TEST(Question, BodiesOfAllKindsAreAnsweredInAKnownOrder) {
+  const Sphere sphere{{1, 2, 3}, 0.5};
+  const Capsule capsule{{1, 2, 3}, {4, 5, 6}, 0.25};
+  Box box;
+  box.half_size = {0.5, 1, 2};
+  const std::vector<CollisionQuestion::Body> asked = {box, sphere, capsule, Sphere{{7, 8, 9}, 0.25}};
+  EXPECT_THAT(json_order(asked), ::testing::ElementsAre(1, 3, 2, 0));
+  const Question read = parse_question(to_json({CollisionQuestion{asked}, 1}));
+  const auto& bodies = std::get<CollisionQuestion>(read.what).bodies;
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    EXPECT_EQ(bodies[i].index(), asked[json_order(asked)[i]].index());
+  EXPECT_EQ(std::get<Sphere>(bodies[1]).centre.x(), 7);
 }
 
 TEST(Question, RegionsHoldWhatLiesInThem) {

@@ -114,5 +114,44 @@ TEST(LayerWorker, WhenNoMoreFramesComeAllOfItDoes) {
   EXPECT_NEAR(mean_x(worker), 2.4, 0.02);
 }
 
+CellState state(const LayerWorker& worker, double x) {
+  return worker.map()->space().ask_occupied([&](const OccupancyGrid& occupied) {
+    return occupied.state(Eigen::Vector3f(static_cast<float>(x), 0, 1));
+  });
+}
+
+TEST(LayerWorker, WhenNoMoreFramesComeSpaceFollowsTheGraph) {
+  LayerWorker worker(settings(true, 1000));
+  worker.begin_map(some_camera());
+  const auto stand_at = [](double x) {
+    std::map<int, Eigen::Isometry3d> poses;
+    for (int i = 0; i < 10; ++i) poses[i] = at(10 * i + x).T_map_camera;
+    return poses;
+  };
+  for (int i = 0; i < 10; ++i) worker.keep(i, wall(), at(10 * i));
+  worker.correct(stand_at(0.2));
+  worker.settle(std::chrono::seconds(60));
+  ASSERT_EQ(state(worker, 2.2), CellState::occupied);
+  worker.correct(stand_at(0.4));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (state(worker, 2.4) != CellState::occupied && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(state(worker, 2.4), CellState::occupied);
+}
+
+// What was seen before may wait; what moves it must not come before it.
+TEST(LayerWorker, CorrectionsFindWhatTheyMove) {
+  for (int round = 0; round < 20; ++round) {
+    LayerWorker worker(settings(true, 1000));
+    worker.begin_map(some_camera());
+    for (int i = 0; i < 3; ++i) worker.keep(i, wall(), at(10 * i), LiveMap::When::before);
+    worker.correct({{0, at(0.4).T_map_camera}, {1, at(10.4).T_map_camera}, {2, at(20.4).T_map_camera}});
+    worker.adopt(1000, wall(), at(50));
+    worker.move_adopted({{1000, at(50.4).T_map_camera}});
+    worker.settle(std::chrono::seconds(60));
+    for (const double x : {2.4, 12.4, 22.4, 52.4}) EXPECT_EQ(state(worker, x), CellState::occupied) << x;
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam

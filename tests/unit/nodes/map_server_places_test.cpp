@@ -46,6 +46,35 @@ TEST_F(MapServerPlaces, AJoinedSessionIsPlacedAnewWhenItsGraphMovesIt) {
   expect_near(sessions[1].T_map_session.value_or(Eigen::Isometry3d::Identity()), elsewhere().inverse());
 }
 
+// Neither are derived maps left with the old map where it seemed to lie at first.
+TEST_F(MapServerPlaces, DerivedMapsOfAJoinedSessionFollowWhereTheOldMapLies) {
+  map_once();
+  const Eigen::Isometry3d bent = planar_pose(0.1, 0.05, 0.03) * elsewhere();
+  /// Share of what the old map has that stands in space by this transform, in a session that began there and
+  /// was corrected.
+  const auto stands = [&](const Eigen::Isometry3d& begun, const Eigen::Isometry3d& T) {
+    Life server(scratch_.path(), "localise, map: " + file().string(), 13, "{background: false, rate: 0}");
+    server.drive(first_number + 2, begun);
+    server.correct(first_number + 2, elsewhere());
+    for (int i = 0; i < 5 * views_of_room; ++i) server.work();
+    server.finish();
+    int all = 0, standing = 0;
+    for (int k = 0; k < views_of_room; ++k) {
+      const SeenView& view = seen_view(first_number + testing::frames_between * k);
+      const Eigen::Isometry3d T_there = T * view.T_world_camera;
+      for (std::size_t i = 0; i < view.cloud.points.size(); i += 7, ++all)
+        standing += server.derived()->space().ask_occupied([&](const OccupancyGrid& occupied) {
+          return occupied.state(Eigen::Vector3f(
+                     (T_there * view.cloud.points[i].cast<double>()).cast<float>())) == CellState::occupied;
+        });
+    }
+    return static_cast<double>(standing) / all;
+  };
+  EXPECT_GT(stands(bent, elsewhere()), 0.7);
+  EXPECT_NEAR(stands(bent, bent), stands(elsewhere(), bent), 0.05)
+      << "as if it had been known from the first";
+}
+
 // The mapper lives on, and its graph learns more; a joint that the server's death froze would bend the map.
 TEST_F(MapServerPlaces, ASessionThatOutlivesTheServerIsPlacedAnewWhenItsGraphMovesIt) {
   map_once();

@@ -87,6 +87,22 @@ TEST_F(MapServerRestartPlaces, WhatIsKeptLiesWhereTheFileHasItNow) {
   expect_near(*places.T_map_session() * first->T_session_camera, seen_view(first_number).T_world_camera);
 }
 
+// Two keyframes that lay wrong outvote those that lie right, until the mapper gives them up.
+TEST_F(MapServerRestartPlaces, WhatWasGivenUpHasNoSayInWhereASessionLies) {
+  map_once();
+  SessionPlaces places(file(), false);
+  places.begin_session(0);
+  for (int k = 0; k < testing::views_of_room; ++k) {
+    const SeenView& view = seen_view(first_number + testing::frames_between * k);
+    const Eigen::Isometry3d slip = k < 2 ? planar_pose(2, 1, 0.5) : Eigen::Isometry3d::Identity();
+    places.keyframe(k, slip * elsewhere() * view.T_world_camera, view.features, view.cloud);
+  }
+  EXPECT_FALSE(places.T_map_session());
+  places.correct({}, {0, 1});
+  ASSERT_TRUE(places.T_map_session());
+  expect_near(*places.T_map_session(), elsewhere().inverse());
+}
+
 // The file has the room, the session another part of the kitchen and, far from both, the room's twin: either
 // map alone is sure.
 TEST_F(MapServerRestartPlaces, WhoMayBeInTheFilesMapOrInItsTwinIsNotFound) {

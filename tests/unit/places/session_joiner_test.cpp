@@ -108,6 +108,21 @@ TEST_F(SessionJoinerTest, FollowsTheSessionsOwnMap) {
   EXPECT_LT(angle_between(joiner.joint()->T_map_session, T_map_session), 0.01);
 }
 
+// Its last three keyframes, which were a slip away, are given up: they neither outvote the others nor count.
+TEST_F(SessionJoinerTest, WhatWasGivenUpSaysNothing) {
+  for (std::size_t i = 0; i < 4; ++i) add(i);
+  ASSERT_TRUE(joiner.joint());
+  for (std::size_t i = 4; i < 7; ++i) add(i, planar_pose(2, 1, 0.5));
+  EXPECT_FALSE(joiner.joint());
+  joiner.drop({4, 5, 6, 77});
+  ASSERT_TRUE(joiner.joint());
+  EXPECT_EQ(joiner.joint()->agreeing, 4);
+  EXPECT_EQ(joiner.joint()->disagreeing, 0);
+  EXPECT_LT(distance_between(joiner.joint()->T_map_session, T_map_session), 0.02);
+  joiner.drop({0, 1});
+  EXPECT_FALSE(joiner.joint());  // two are too few
+}
+
 TEST_F(SessionJoinerTest, ARobotThatWasCarriedUnseenIsNotJoined) {
   for (std::size_t i = 0; i < 4; ++i) add(i);
   for (std::size_t i = 4; i < 8; ++i) add(i, planar_pose(2, 1, 0.5));

@@ -206,6 +206,34 @@ TEST(Surface, WhatIsForgottenMakesRoomForImages) {
   EXPECT_GT(surface.cloud({0}, 0.005).size(), 0u);
 }
 
+// Names say nothing of age: frames between keyframes count downwards.
+TEST(Surface, ImagesOfWhatCameLastAreKept) {
+  SurfaceSettings bounded = settings();
+  bounded.kept_memory = 0.2;  // of some keyframes
+  Surface surface(camera_head(), bounded);
+  surface.fuse(7, frame_of(room(), poses()[0]), poses()[0]);
+  for (int i = 1; i <= 40; ++i) surface.fuse(-i, frame_of(room(), poses()[0]), poses()[0]);
+  EXPECT_GT(surface.cloud({-40}, 0.005).size(), 0U);
+  EXPECT_GT(surface.cloud({-39}, 0.005).size(), 0U);
+  EXPECT_EQ(surface.cloud({-1}, 0.005).size(), 0U);
+  EXPECT_EQ(surface.cloud({7}, 0.005).size(), 0U);
+  EXPECT_NO_THROW(surface.fuse(7, frame_of(room(), poses()[0]), poses()[0])) << "nothing is kept of its name";
+}
+
+TEST(Surface, ImagesOfAnEarlierMapGoFirst) {
+  SurfaceSettings bounded = settings();
+  bounded.kept_memory = 0.2;
+  Surface surface(camera_head(), bounded);
+  surface.fuse(1, frame_of(room(), poses()[0]), poses()[0]);
+  const auto kept = [&](std::int64_t id) { return !surface.cloud({id}, 0.005).points.empty(); };
+  surface.hand_in(1000, frame_of(room(), poses()[1]), poses()[1], Eigen::Isometry3d::Identity(), true);
+  surface.refuse(0);
+  ASSERT_TRUE(kept(1) && kept(1000));
+  for (int i = 2; i < 40 && kept(1000); ++i) surface.fuse(i, frame_of(room(), poses()[0]), poses()[0]);
+  EXPECT_FALSE(kept(1000));
+  EXPECT_TRUE(kept(1));
+}
+
 TEST(Surface, FewKeyframesWait) {
   Surface surface(camera_head(), settings());
   for (int i = 0; i < 60; ++i) surface.hand_in(i, frame_of(room(), poses()[0]), poses()[0]);
