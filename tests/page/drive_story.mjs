@@ -92,7 +92,7 @@ export class Story {
     const begin = now - this.time * 1e6;
     this.put(encode({ channel: "sessions", key: "", sessions: [
       { name: "map", mapper: "icp", begin, end: now, current: true, joined: "map", keyframes: this.keyframe + 1, landmarks: 0 },
-      { name: "map", mapper: "fastslam", begin: begin + 5e5, end: now, current: true, joined: "map", keyframes: 0, landmarks: 600 },
+      { name: "map", mapper: "fastslam", begin: 0, end: 0, current: true, joined: "map", keyframes: 0, landmarks: 600 },
       { name: "morning", mapper: "icp", begin: begin - 6e7, end: begin - 2e7, current: false, joined: null, keyframes: 41, landmarks: 0 },
     ] }));
   }

@@ -2,6 +2,8 @@
 import assert from "node:assert/strict";
 import { length, point } from "../../libs/web/page/src/format.js";
 import { decode, graphArrays, meshArrays, pointArrays, splitItems } from "../../libs/web/page/src/messages.js";
+import { extent } from "../../libs/web/page/src/panels/sessions.js";
+import { headroom } from "../../libs/web/page/src/tools/headroom.js";
 import { readAddress, writeAddress } from "../../libs/web/page/src/share.js";
 import { chooseLevels, coarsen } from "../../libs/web/page/src/views/mesh_levels.js";
 import { choose, surplus } from "../../libs/web/page/src/views/point_budget.js";
@@ -33,6 +35,21 @@ function area(packed, triangles) {
 }
 
 export const tests = {
+  async "headroom ends where nothing is known"() {
+    const column = (free, then) => [...Array(free).fill("free"), ...Array(25 - free).fill(then)];
+    assert.equal(headroom(column(25), 0.1), "2.5 m or more");
+    assert.equal(headroom(column(12, "unknown"), 0.1), `${length(1.2)}, then not known`);
+    assert.equal(headroom(column(12, "occupied"), 0.1), length(1.3));
+    assert.equal(headroom(column(0, "unknown"), 0.1), "not known");
+    assert.equal(headroom(["occupied", ...column(24, "free").slice(1)], 0.1), "2.5 m or more");
+  },
+
+  async "sessions without times do not begin in 1970"() {
+    const sessions = [{ begin: 7e6, end: 9e6 }, { begin: 0, end: 0 }, { begin: 5e6, end: 6e6 }];
+    assert.deepEqual(extent(sessions), { begin: 5e6, end: 9e6 });
+    assert.deepEqual(extent([{ begin: 0, end: 0 }]), { begin: 0, end: 1 });
+  },
+
   async "payloads begin where their header ends, whatever its length"() {
     for (const title of ["a", "ab", "abc", "abcd"]) {
       const item = received(encode({ channel: "path", key: "icp/0", title }, floats([1, 2, 3])));

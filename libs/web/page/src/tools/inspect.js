@@ -1,6 +1,7 @@
 // A click on the map: position, clearance, headroom, plane.
 import { Vector3 } from "three";
 import { length, point } from "../format.js";
+import { headroom } from "./headroom.js";
 
 const ceiling = 2.5; // m above the point up to which headroom is asked
 const step = 0.1;
@@ -57,9 +58,7 @@ export class Inspect {
       this.command.ask({ ask: "space", points: column }),
     ]);
     const rows = [[`Clearance, ${half.toFixed(2)} m above`, length(Math.max(0, distance.distances[0]))]];
-    const blocked = space.states.findIndex((state, i) => i > 0 && state === "occupied");
-    const known = space.states.filter((state) => state !== "unknown").length;
-    rows.push(["Free above", known === 0 ? "not known" : blocked < 0 ? `${ceiling.toFixed(1)} m or more` : length(step * (blocked + 1))]);
+    rows.push(["Free above", headroom(space.states, step)]);
     return rows;
   }
 }
