@@ -173,7 +173,7 @@ void BridgeNode::tell(const std::string& channel, Teller& teller, Snapshots& sna
   if (!message) return;
   const std::vector<std::uint8_t> bytes = encode_message(*message);
   if constexpr (std::is_same_v<Teller, GraphRelay>)
-    for (const std::int32_t gone : message->gone)
+    for (const std::int32_t gone : teller.gone())
       outbox_.forget("ICP_KEYFRAME", fmt::format("{}/{}/", map_key(teller.sender(), teller.frame()), gone));
   if (!whole) return outbox_.put(channel, 0, in_pieces(channel, "/change", bytes, message->utime), now);
   keep(channel, map_key(teller.sender(), teller.frame()), bytes, message->utime);

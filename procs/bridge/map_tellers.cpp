@@ -1,5 +1,8 @@
 #include "procs/bridge/map_tellers.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include <lcmslam/messages/map_messages.hpp>
 
 namespace lcmslam {
@@ -77,7 +80,15 @@ std::optional<graph_t> GraphRelay::tell(bool whole) {
   message.utime = utime_;
   message.frame = frame_;
   message.map_revision = graph_.map_revision();
-  for (const auto& [id, node] : graph_.nodes()) message.nodes.push_back(node);
+  std::set<std::int32_t> nodes;
+  for (const auto& [id, node] : graph_.nodes()) {
+    message.nodes.push_back(node);
+    nodes.insert(id);
+  }
+  gone_.clear();
+  std::set_difference(told_nodes_.begin(), told_nodes_.end(), nodes.begin(), nodes.end(),
+                      std::back_inserter(gone_));
+  told_nodes_ = std::move(nodes);
   for (const auto& [pair, edge] : graph_.edges()) message.edges.push_back(edge);
   message.n_nodes = static_cast<std::int32_t>(message.nodes.size());
   message.n_edges = static_cast<std::int32_t>(message.edges.size());

@@ -4,6 +4,8 @@
 
 #include <map>
 #include <optional>
+#include <set>
+#include <vector>
 
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
@@ -40,6 +42,8 @@ class GraphRelay {
   void hear(const graph_t& message);
   bool incomplete() const { return heard_ && !graph_.complete(); }
   std::optional<graph_t> tell(bool whole);
+  /// Nodes that were told once and that the last telling, whole or not, had no more.
+  const std::vector<std::int32_t>& gone() const { return gone_; }
   std::int64_t sender() const { return sender_; }
   const std::string& frame() const { return frame_; }
 
@@ -48,6 +52,8 @@ class GraphRelay {
   std::string frame_;
   Utime utime_ = 0;
   FollowedGraph graph_;
+  std::set<std::int32_t> told_nodes_;
+  std::vector<std::int32_t> gone_;
   GraphTeller teller_;
   bool heard_ = false, changed_ = false, told_ = false;
 };

@@ -123,6 +123,49 @@ TEST_F(BridgeNodeTest, AKeyframeThatIsToldAgainAsItWasDoesNotGoAgain) {
   EXPECT_THAT(take_all(), SizeIs(1)) << "it is there again";
 }
 
+// Ten minutes without a link, then the graph is told whole: what it has given up meanwhile goes from the
+// broker.
+TEST_F(BridgeNodeTest, KeyframesThatWentWhileThereWasNoLinkAreForgotten) {
+  BridgeSettings settings;
+  settings.send = {"ICP_KEYFRAME", "ICP_GRAPH"};
+  make(settings);
+  const auto graph_of = [](const std::vector<std::int32_t>& ids) {
+    graph_t graph{};
+    graph.frame = "map";
+    graph.sender = 1;
+    for (const std::int32_t id : ids) {
+      graph_node_t node{};
+      node.keyframe = id;
+      node.T_map_camera.quat[0] = 1;
+      graph.nodes.push_back(node);
+    }
+    graph.n_nodes = static_cast<std::int32_t>(graph.nodes.size());
+    return graph;
+  };
+  for (const std::int32_t id : {1, 2}) {
+    keyframe_t keyframe{};
+    keyframe.sender = 1;
+    keyframe.frame = "map";
+    keyframe.id = id;
+    keyframe.n_tiles = 1;
+    keyframe.map_revision = id;
+    deliver("ICP_KEYFRAME", keyframe);
+  }
+  deliver("ICP_GRAPH", graph_of({1, 2}));
+  node_->work();
+  take_all();
+  ends_->outbox.disconnected();
+  deliver("ICP_GRAPH", graph_of({1}));
+  node_->work();
+  ends_->outbox.connected();
+  ends_->outbox.broker_keeps(ends_->outbox.mark());
+  node_->work();
+  std::vector<std::string> cleared;
+  for (const auto& out : take_all())
+    if (out.bytes->empty()) cleared.push_back(out.name);
+  EXPECT_THAT(cleared, ElementsAre(HasSubstr("ICP_KEYFRAME/0000000000000001/map/2/")));
+}
+
 TEST_F(BridgeNodeTest, AnOperatorWhoMissesSomethingAsksTheBrokerAndNotTheRobot) {
   BridgeSettings settings;
   settings.side = bridge::Side::operating;

@@ -128,6 +128,21 @@ graph_t graph_of(const std::map<int, double>& nodes) {
   return graph;
 }
 
+// The broker keeps what was told of each until it is told otherwise, also where the whole graph says so.
+TEST(GraphRelay, KnowsWhatWasGivenUpHoweverItTells) {
+  for (const bool whole : {false, true}) {
+    GraphRelay relay;
+    relay.hear(graph_of({{1, 0}, {2, 1}, {3, 2}}));
+    relay.tell(false);
+    EXPECT_TRUE(relay.gone().empty());
+    relay.hear(graph_of({{1, 0}, {4, 3}}));
+    ASSERT_TRUE(relay.tell(whole));
+    EXPECT_EQ(relay.gone(), (std::vector<std::int32_t>{2, 3})) << whole;
+    ASSERT_TRUE(relay.tell(true));
+    EXPECT_TRUE(relay.gone().empty()) << "told once";
+  }
+}
+
 TEST(GraphRelay, TellsWhatChangedSinceItToldLast) {
   GraphRelay relay;
   FollowedGraph told;
