@@ -71,7 +71,7 @@ Description read_description(const fs::path& file) {
       config.choice("format", "tum", {"tum", "seven_scenes", "numbered", "mrclam", "victoria_park"});
   if (without_images(description)) return description;  // landmark_recording.hpp reads the rest
   description.depth_scale = config.get("depth_scale", description.depth_scale, Range{1, 1e6});
-  description.frame_rate = config.get("frame_rate", description.frame_rate, Range{1e-3, 1e4});
+  description.frame_rate = config.get("frame_rate", description.frame_rate, Range{1e-3, 1e9});
   description.truth_of = config.choice("truth_of", description.truth_of, {"colour", "depth", "robot"});
   if (config.has("calibration"))
     description.calibration = config.folder("calibration") / config.text("calibration");

@@ -15,7 +15,7 @@ struct Description {
   std::filesystem::path file;          ///< where it was read
   std::string format;                  ///< "tum", "seven_scenes" or "numbered"
   double depth_scale = 1000;           ///< value of a depth pixel at 1 m
-  double frame_rate = 30;              ///< Hz, where there are no stamps
+  double frame_rate = 30;              ///< Hz, where there are no stamps; names that are ns: 1e9
   double max_stamp_difference = 0.02;  ///< s between a colour and its depth image
   std::string truth_of = "colour";     ///< poses are of the "colour" or "depth" camera or the "robot"
   std::string colour, depth;           ///< numbered files, like image/%05d.jpg

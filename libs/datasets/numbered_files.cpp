@@ -9,6 +9,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t most_digits = 19;  // nanoseconds since 1970; what a long does not hold is left out
+
 // A name with one %d or %0Nd, cut in three. (std::regex would do it too, but g++ 12 warns inside it when
 // sanitizers are on.)
 struct Pattern {
@@ -23,8 +25,10 @@ std::optional<Pattern> parse(const std::string& name) {
   pattern.prefix = name.substr(0, percent);
   std::size_t at = percent + 1;
   if (at + 1 < name.size() && name[at] == '0' && name[at + 1] >= '1' && name[at + 1] <= '9') {
-    pattern.digits = static_cast<std::size_t>(name[at + 1] - '0');
-    at += 2;
+    char* end = nullptr;
+    pattern.digits = std::strtoul(name.c_str() + at + 1, &end, 10);
+    if (pattern.digits > most_digits) return std::nullopt;
+    at = static_cast<std::size_t>(end - name.c_str());
   }
   if (at >= name.size() || name[at] != 'd') return std::nullopt;
   pattern.suffix = name.substr(at + 1);
@@ -81,8 +85,8 @@ NumberedFiles::NumberedFiles(const fs::path& folder, const std::string& pattern)
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder_, error)) {
     const std::string file = entry.path().filename().string();
-    if (file.size() <= prefix_.size() + suffix_.size() || file.size() > prefix_.size() + suffix_.size() + 9)
-      continue;
+    const std::size_t around = prefix_.size() + suffix_.size();
+    if (file.size() <= around || file.size() > around + most_digits) continue;
     const long number = std::strtol(file.c_str() + prefix_.size(), nullptr, 10);
     if (number >= 0 && path(number).filename() == file) numbers_.push_back(number);
   }

@@ -9,7 +9,7 @@ namespace lcmslam {
 
 class NumberedFiles {
  public:
-  /// Whether the pattern holds exactly one %d or %0Nd, in the file's name.
+  /// Whether the pattern holds exactly one %d or %0Nd (N at most 19), in the file's name.
   static bool is_pattern(const std::string& pattern);
 
   /// `pattern` (see is_pattern) is relative to the folder, which is searched once.

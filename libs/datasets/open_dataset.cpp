@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <set>
 
 #include <lcmslam/configuration/share.hpp>
@@ -96,9 +97,18 @@ std::string settle_truth(const std::string& truth_of, const RgbdCalibration& cal
   return truth_of == "robot" ? "robot" : "camera";
 }
 
+bool is_ros2_in_sqlite(const fs::path& path) {
+  if (!fs::is_directory(path)) return path.extension() == ".db3";
+  return std::any_of(fs::directory_iterator(path), fs::directory_iterator(),
+                     [](const fs::directory_entry& entry) { return entry.path().extension() == ".db3"; });
+}
+
 }  // namespace
 
 std::unique_ptr<RgbdSource> open_dataset(const fs::path& folder, const DatasetOptions& options) {
+  if (is_ros2_in_sqlite(folder))
+    throw DatasetError(folder.string() +
+                       ": is a ROS 2 recording in SQLite; ros2 bag convert makes MCAP of it (docs/ROS.md)");
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw DatasetError(folder.string() + (folder.extension() == ".lcmlog"
                                               ? ": is an LCM log already, not a folder of images"

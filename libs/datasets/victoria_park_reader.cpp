@@ -1,6 +1,8 @@
 // Victoria Park (Nebot, Guivant; University of Sydney) in iSAM's text form: truck odometry and trees.
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
 
 #include <lcmslam/datasets/landmark_recording.hpp>
 #include <lcmslam/datasets/text_rows.hpp>
@@ -109,8 +111,17 @@ class Reader {
 
 bool is_victoria_park(const fs::path& file) {
   if (!fs::is_regular_file(file)) return false;
-  const auto rows = read_rows(file);
-  return !rows.empty() && (rows[0].words[0] == "ODOMETRY" || rows[0].words[0] == "LANDMARK");
+  std::string begin(std::size_t{1} << 16, ' ');  // it may be any file, of gigabytes
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(stream.gcount()));
+  std::istringstream lines(begin);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string first;
+    if (words >> first && first[0] != '#') return first == "ODOMETRY" || first == "LANDMARK";
+  }
+  return false;
 }
 
 LandmarkRecording read_victoria_park(const fs::path& file, const VictoriaParkSettings& settings) {

@@ -81,14 +81,17 @@ std::vector<MatchedPose> associate(const Trajectory& truth, const Trajectory& es
   check_sorted("truth", truth);
   check_sorted("estimate", estimate);
   const Utime offset = microseconds(settings.clock_offset);
-  const auto matches = settings.association == Association::nearest
-                           ? nearest(truth, estimate, microseconds(settings.max_time_difference), offset)
-                           : interpolated(truth, estimate, 10 * settings.max_time_difference, offset);
+  const double max_gap = 10 * settings.max_time_difference;
+  const bool between = settings.association != Association::nearest;
+  const auto matches = between ? interpolated(truth, estimate, max_gap, offset)
+                               : nearest(truth, estimate, microseconds(settings.max_time_difference), offset);
   if (matches.empty()) {
     std::ostringstream text;
-    text << "no pose of the " << describe("estimate", estimate) << " belongs to one of the "
-         << describe("truth", truth) << " within " << settings.max_time_difference << " s, clock offset "
-         << settings.clock_offset << " s; both must be stamped by the same clock";
+    text << "no pose of the " << describe("estimate", estimate)
+         << (between ? " lies between two of the " : " belongs to one of the ") << describe("truth", truth)
+         << (between ? " that are at most " : " within ")
+         << (between ? max_gap : settings.max_time_difference) << " s" << (between ? " apart" : "")
+         << ", clock offset " << settings.clock_offset << " s; both must be stamped by the same clock";
     throw std::invalid_argument(text.str());
   }
   return matches;

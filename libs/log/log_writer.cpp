@@ -43,6 +43,7 @@ void LogWriter::write(Utime timestamp, std::string_view channel, const std::uint
 void LogWriter::close() {
   if (std::fclose(std::exchange(stream_, nullptr)) != 0) fail();
   try {
+    part_->flush();
     part_->take_name();
   } catch (const std::exception& error) {
     throw std::runtime_error(file_ + ": cannot be written: " + error.what());

@@ -210,6 +210,7 @@ void McapWriter::close() {
   if (std::fclose(std::exchange(stream_, nullptr)) != 0)
     throw std::runtime_error(file_ + ": cannot be written: " + std::strerror(errno));
   try {
+    part_->flush();
     part_->take_name();
   } catch (const std::exception& error) {
     throw std::runtime_error(file_ + ": cannot be written: " + error.what());

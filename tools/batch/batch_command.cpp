@@ -5,6 +5,7 @@
 #include <iostream>
 #include <thread>
 
+#include <lcmslam/configuration/config_json.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/runtime/machine.hpp>
@@ -107,7 +108,6 @@ void write_files(const BatchResult& result, RunRecorder& recorder, Inputs& input
 
 struct BatchArguments {
   FarmArguments farm;  // the logs, and how several are run
-  bool force = false, kitti = false;
   std::string key;
 };
 
@@ -119,9 +119,14 @@ int run_one(const BatchArguments& arguments) {
   options.from = asked.from;
   options.to = asked.to;
   options.config = load_config(asked.config, asked.overrides);
+  facts.configuration = config_json(asked.config);
+  if (!arguments.key.empty() && arguments.key != farm_key(asked, asked.logs.front()))
+    throw std::runtime_error(
+        "the log, the configuration or this program is not what it was when the farm began: "
+        "run that again");
   options.log = asked.logs.front();
   const Expectations expectations = asked.expect.empty() ? Expectations() : Expectations(asked.expect);
-  check_run_folder(asked.out, arguments.force);
+  check_run_folder(asked.out, asked.force);
   if (!asked.calibration.empty()) {
     options.calibration = load_calibration(asked.calibration);
     std::cout << "calibration: " << asked.calibration << ": " << describe(*options.calibration) << "\n";
@@ -145,7 +150,7 @@ int run_one(const BatchArguments& arguments) {
   facts.overrides = asked.overrides;
   facts.frames = static_cast<double>(result.frames);
   facts.seconds = seconds_since(begin);
-  facts.kitti = arguments.kitti;
+  facts.kitti = asked.kitti;
   facts.key = arguments.key;
   const std::vector<std::string> problems = problems_of(result);
   facts.events = problems;
@@ -185,11 +190,11 @@ int batch_command(int argc, char** argv) {
   app.add_option("--out", asked.out,
                  "folder for batch.lcmlog, maps, trajectories, pictures and summary.json, default "
                  "out/batch-TIME; of several logs a folder each in it");
-  app.add_flag("--force", arguments.force, "overwrite another run's results in that folder");
+  app.add_flag("--force", asked.force, "overwrite another run's results in that folder");
   app.add_option("--from", asked.from, "s from the log's start")->check(CLI::NonNegativeNumber);
   app.add_option("--to", asked.to, "s from the log's start")->check(CLI::NonNegativeNumber);
   app.add_option("--threads", asked.threads, "does not change the result")->check(CLI::Range(1, 256));
-  app.add_flag("--kitti", arguments.kitti, "trajectories in KITTI's format too");
+  app.add_flag("--kitti", asked.kitti, "trajectories in KITTI's format too");
   app.add_option("--set", asked.overrides, "override: section.key=value");
   app.add_option("--expect", asked.expect, "bars that each log must reach (YAML): {icp: {ate: 0.02}, ...}")
       ->check(CLI::ExistingFile);
@@ -213,7 +218,6 @@ int batch_command(int argc, char** argv) {
     return 2;
   }
   if (!is_farm(asked)) return run_one(arguments);
-  asked.more = arguments.kitti ? std::vector<std::string>{"--kitti"} : std::vector<std::string>{};
   return batch_farm(asked, std::cout);
 }
 

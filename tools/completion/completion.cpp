@@ -9,7 +9,7 @@ namespace lcmslam {
 namespace {
 
 /// Commands of the script that builds and then calls this program.
-const char* const script_commands = "build fuzz help mutate test";
+const char* const script_commands = "bench build fuzz help mutate test";
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
@@ -63,9 +63,10 @@ void add_command(const std::string& name, const Command& command, std::string& o
 
 /// Shell functions that both shells read: they print what there is to choose from.
 std::string tables() {
-  std::string options, values, names, keys, choices, sections;
+  std::string options, values, names, keys, choices, sections, with_below;
   for (const Command& command : commands()) {
     names += std::string(command.name) + " ";
+    if (!command.below.empty()) with_below += (with_below.empty() ? "" : " | ") + std::string(command.name);
     add_command(command.name, command, options, values);
   }
   for (const SettingSection& section : setting_sections()) {
@@ -79,6 +80,7 @@ std::string tables() {
     }
   }
   return "_lcmslam_commands() { echo '" + names + script_commands + "'; }\n" +
+         "_lcmslam_has_below() { case $1 in " + with_below + ") true ;; *) false ;; esac }\n" +
          "_lcmslam_sections() { echo '" + sections + "'; }\n" + "_lcmslam_keys() { echo '" + keys + "'; }\n" +
          "_lcmslam_options() {  # COMMAND\n  case $1 in\n" + options + "  esac\n}\n" +
          "_lcmslam_values() {  # COMMAND OPTION\n  case \"$1 $2\" in\n" + values + "  esac\n}\n" +
@@ -94,7 +96,7 @@ _lcmslam() {
     COMPREPLY=($(compgen -W "$(_lcmslam_commands)" -- "$current"))
     return
   fi
-  case "$command" in log|map) if [ "$COMP_CWORD" -gt 2 ]; then command="$command ${COMP_WORDS[2]}"; fi;; esac
+  if [ "$COMP_CWORD" -gt 2 ] && _lcmslam_has_below "$command"; then command="$command ${COMP_WORDS[2]}"; fi
   if [ "$current" = = ] || [ "$before" = = ]; then
     local key=${COMP_WORDS[COMP_CWORD-2]}
     if [ "$current" = = ]; then key=$before current=; fi
@@ -129,7 +131,7 @@ _lcmslam() {
     compadd -- $(_lcmslam_commands)
     return
   fi
-  if [[ $command == (log|map) ]] && (( CURRENT > 3 )); then command="$command ${words[3]}"; fi
+  if (( CURRENT > 3 )) && _lcmslam_has_below "$command"; then command="$command ${words[3]}"; fi
   if [[ $before == -* ]]; then values=$(_lcmslam_values "$command" "$before"); fi
   if [[ -z $values ]]; then
     if [[ $current == -* ]]; then values=$(_lcmslam_options "$command"); else values=$(_lcmslam_values "$command" -); fi

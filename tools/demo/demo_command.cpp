@@ -2,6 +2,7 @@
 #include <unistd.h>
 #include <iostream>
 
+#include <lcmslam/configuration/config_json.hpp>
 #include <lcmslam/configuration/share.hpp>
 #include <lcmslam/configuration/yaml_text.hpp>
 #include <lcmslam/map_request_t.hpp>
@@ -110,6 +111,7 @@ class Demo {
   int run() {
     facts_.title = title();
     facts_.config = options_.config;
+    facts_.configuration = config_json(options_.config);
     facts_.overrides = options_.overrides;
     facts_.kitti = options_.kitti;
     GraphOptions graph{options_.config, options_.lcm_url, options_.log_level, options_.overrides,

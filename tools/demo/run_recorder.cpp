@@ -1,7 +1,5 @@
 #include "tools/demo/run_recorder.hpp"
 
-#include <algorithm>
-
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
@@ -9,15 +7,18 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t most_poses = 200'000;  // two hours at 30 Hz, some 90 MB a path
-
-/// Keeps every second pose.
-void thin(Trajectory& trajectory) {
-  for (std::size_t i = 0; 2 * i < trajectory.size(); ++i) trajectory[i] = trajectory[2 * i];
-  trajectory.resize((trajectory.size() + 1) / 2);
-}
+constexpr std::size_t most_poses = 200'000;          // two hours at 30 Hz, some 90 MB a path
+constexpr std::size_t most_truths = 4 * most_poses;  // they come more often
 
 }  // namespace
+
+void ThinnedPath::add(const StampedPose& pose, std::size_t most) {
+  if (heard++ % every == 0) trajectory.push_back(pose);
+  if (trajectory.size() < most) return;
+  for (std::size_t i = 0; 2 * i < trajectory.size(); ++i) trajectory[i] = trajectory[2 * i];
+  trajectory.resize((trajectory.size() + 1) / 2);
+  every *= 2;
+}
 
 RunRecorder::RunRecorder(Inputs& inputs) {
   inputs.subscribe<status_t>("STATUS", 1000, [this](const status_t& m) { board_[m.process] = m; });
@@ -27,8 +28,7 @@ RunRecorder::RunRecorder(Inputs& inputs) {
   });
   inputs.subscribe<ground_truth_t>("GROUND_TRUTH", 10000, [this](const ground_truth_t& m) {
     truth_frame_ = m.child_frame;
-    truth_.push_back({m.utime, from_message(m.T_frame_child, "T_frame_child")});
-    if (truth_.size() >= 4 * most_poses) thin(truth_);  // it comes more often than poses do
+    truth_.add({m.utime, from_message(m.T_frame_child, "T_frame_child")}, most_truths);
   });
   inputs.subscribe<odometry_t>("ODOMETRY", 10000, [this](const odometry_t& m) {
     add(odometry_, m.utime, m.sender, m.status, from_message(m).T_odom_robot);
@@ -55,18 +55,14 @@ void RunRecorder::add(RecordedPath& path, Utime utime, std::int64_t sender, std:
   path.sender = sender;
   path.map_revision = map_revision;
   ++messages_;
-  if (path.heard++ % path.every == 0) path.trajectory.push_back({utime, pose});
-  if (path.trajectory.size() >= most_poses) {
-    thin(path.trajectory);
-    path.every *= 2;
-  }
+  path.add({utime, pose}, most_poses);
   path.lost += status == pose_estimate_t::LOST ? 1 : 0;
   path.degraded += status == pose_estimate_t::DEGRADED ? 1 : 0;
 }
 
 // Another body's path taken for the robot's gives errors that nobody made.
 std::string RunRecorder::truth_problem() const {
-  if (truth_.empty() || truth_frame_ == "robot" || truth_frame_.empty()) return "";
+  if (truth_.trajectory.empty() || truth_frame_ == "robot" || truth_frame_.empty()) return "";
   if (truth_frame_ != "camera")
     return "the truth is that of '" + truth_frame_ + "', which nobody places on the robot: not compared with";
   return calibration_
@@ -76,21 +72,23 @@ std::string RunRecorder::truth_problem() const {
 
 Trajectory RunRecorder::truth() const {
   if (!truth_problem().empty()) return {};
-  Trajectory truth = truth_;
+  Trajectory truth = truth_.trajectory;
   sort_trajectory(truth);
   if (truth_frame_ != "camera") return truth;
   return in_other_frame(truth, calibration_->T_robot_camera.inverse());
 }
 
-std::optional<TrajectoryReport> RunRecorder::evaluate_path(const RecordedPath& path) const {
-  if (truth_.size() < 2 || path.trajectory.size() < 3 || !truth_problem().empty()) return std::nullopt;
+std::optional<TrajectoryReport> RunRecorder::evaluate_path(const RecordedPath& path, std::string* why) const {
+  if (truth_.trajectory.size() < 2 || path.trajectory.size() < 3 || !truth_problem().empty())
+    return std::nullopt;
   Trajectory estimate = path.trajectory;
   sort_trajectory(estimate);
   EvaluationSettings settings;
   settings.association = Association::interpolate_truth;
   try {
     return evaluate(truth(), estimate, settings);
-  } catch (const std::invalid_argument&) {  // nothing matches yet
+  } catch (const std::invalid_argument& problem) {  // nothing matches, or not yet
+    if (why != nullptr) *why = problem.what();
     return std::nullopt;
   }
 }

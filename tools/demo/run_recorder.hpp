@@ -14,11 +14,18 @@
 
 namespace lcmslam {
 
-/// One estimate of the robot's path and how its maker fared.
-struct RecordedPath {
-  Trajectory trajectory;   ///< T_x_robot, x: odom or map
-  int every = 1;           ///< only every so many-th pose is kept: a run of days must not fill the memory
-  std::int64_t heard = 0;  ///< poses, kept or not, of this map
+/// A path of which only every so many-th pose is kept: a run of days must not fill the memory.
+struct ThinnedPath {
+  Trajectory trajectory;
+  int every = 1;
+  std::int64_t heard = 0;  ///< poses, kept or not
+
+  /// Keeps every second pose, of those that follow too, whenever there are `most` of them.
+  void add(const StampedPose& pose, std::size_t most);
+};
+
+/// One estimate of the robot's path (T_x_robot, x: odom or map) and how its maker fared.
+struct RecordedPath : ThinnedPath {
   std::int64_t sender = 0;
   std::int64_t map_revision = 0;
   int lost = 0, degraded = 0;  ///< poses with that status
@@ -42,8 +49,9 @@ class RunRecorder {
   const StatusBoard& board() const { return board_; }
   const std::optional<map_reply_t>& reply() const { return reply_; }
 
-  /// Error against the truth so far; nothing without truth or matches.
-  std::optional<TrajectoryReport> evaluate_path(const RecordedPath& path) const;
+  /// Error against the truth so far; nothing without truth, or where the path cannot be compared with it:
+  /// `why` is told the reason then.
+  std::optional<TrajectoryReport> evaluate_path(const RecordedPath& path, std::string* why = nullptr) const;
 
   /// The source has published everything.
   bool source_finished() const;
@@ -56,7 +64,7 @@ class RunRecorder {
            const Eigen::Isometry3d& pose, std::int64_t map_revision = 0);
 
   RecordedPath odometry_, fastslam_, icp_;
-  Trajectory truth_;  // of truth_frame_
+  ThinnedPath truth_;  // of truth_frame_
   std::string truth_frame_ = "robot";
   std::optional<RgbdCalibration> calibration_;
   std::optional<camera_calibration_t> calibration_message_;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <lcmslam/configuration/config_json.hpp>
 #include <lcmslam/evaluation/pose_text.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/evaluation/trajectory_plot.hpp>
@@ -88,12 +87,14 @@ nlohmann::json error_json(const PoseErrors& errors) {
           {"pairs", errors.translation.count}};
 }
 
-nlohmann::json path_json(const RecordedPath& path, const std::optional<TrajectoryReport>& report) {
+nlohmann::json path_json(const RecordedPath& path, const std::optional<TrajectoryReport>& report,
+                         const std::string& problem) {
   nlohmann::json json = {{"poses", path.trajectory.size()},
                          {"lost", path.lost},
                          {"degraded", path.degraded},
                          {"restarts", path.restarts}};
   if (path.every > 1) json["kept_every"] = path.every;
+  if (!problem.empty()) json["truth_problem"] = problem;
   if (report) {
     json["matched"] = report->matched_poses;
     json["tracked_fraction"] = report->tracked_fraction;
@@ -155,6 +156,11 @@ std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
   if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
   text += "\n\n" + path_table(run).text() + "\n";
   if (const std::string problem = run.truth_problem(); !problem.empty()) text += problem + "\n";
+  for (const auto& [name, path, frame] : paths(run)) {
+    std::string problem;
+    run.evaluate_path(path, &problem);
+    if (!problem.empty()) text += fmt::format("{} was not compared with the truth: {}\n", name, problem);
+  }
   for (const auto& [name, path, frame] : paths(run))
     if (path.restarts > 0)
       text += fmt::format("{} began again {} time{}: poses and errors are of its newest map\n", name,
@@ -179,7 +185,7 @@ void write_run_files(const std::filesystem::path& folder, const RunRecorder& run
                          {"title", facts.title},
                          {"versions", versions_json()},
                          {"config", facts.config},
-                         {"configuration", nlohmann::json::parse(config_json(facts.config))},
+                         {"configuration", nlohmann::json::parse(facts.configuration)},
                          {"overrides", facts.overrides},
                          {"calibration", calibration_json(run)},
                          {"timing", {{"wall_seconds", facts.seconds}}},
@@ -197,8 +203,9 @@ void write_run_files(const std::filesystem::path& folder, const RunRecorder& run
   }
   std::size_t colour = 1;
   for (const auto& [name, path, frame] : paths(run)) {
-    const auto report = run.evaluate_path(path);
-    json["paths"][name] = path_json(path, report);
+    std::string problem;
+    const auto report = run.evaluate_path(path, &problem);
+    json["paths"][name] = path_json(path, report, problem);
     Trajectory trajectory = path.trajectory;
     sort_trajectory(trajectory);
     save_path(folder, name, trajectory, frame, facts.kitti);

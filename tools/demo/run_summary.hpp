@@ -12,6 +12,7 @@ namespace lcmslam {
 struct RunFacts {
   std::string title;                   ///< e.g. "kitchen, head tof, base differential, seed 1"
   std::string config;                  ///< file
+  std::string configuration = "null";  ///< what it said when the run began (config_json())
   std::vector<std::string> overrides;  ///< --set
   double frames = -1;                  ///< of the camera; -1: as its STATUS says
   bool kitti = false;                  ///< trajectories in KITTI's format too

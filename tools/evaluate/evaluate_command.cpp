@@ -273,7 +273,9 @@ int evaluate_command(int argc, char** argv) {
   if (!r.map.empty()) add("map", map_figures(r, evaluation));
   if (!r.walls.empty()) add("walls", wall_figures(r, evaluation));
   for (const std::string& file : r.plots) write_plot(file, evaluation_plot(evaluation));
-  if (!r.json.empty()) write_atomically(FilePlace(r.json), json.dump(2) + "\n");
+  if (!r.json.empty())
+    write_atomically(FilePlace(r.json),
+                     json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   const bool all = std::all_of(evaluation.estimates.begin(), evaluation.estimates.end(),
                                [](const EvaluatedEstimate& e) { return e.report.has_value(); });
   return all ? 0 : 1;

@@ -32,7 +32,8 @@ std::vector<FarmJob> jobs_of(const FarmArguments& arguments) {
 
 /// What every run is told alike. Overrides stand last: their option takes all that follows.
 std::vector<std::string> options_of(const FarmArguments& arguments) {
-  std::vector<std::string> words = arguments.more;
+  std::vector<std::string> words;
+  if (arguments.kitti) words.push_back("--kitti");
   if (!arguments.calibration.empty())
     words.insert(words.end(), {"--calibration", whole(arguments.calibration)});
   if (arguments.from > 0) words.insert(words.end(), {"--from", fmt::format("{}", arguments.from)});
@@ -61,6 +62,7 @@ int hand_over_to_slurm(const FarmArguments& arguments, const std::vector<FarmJob
                         folder.string(), "--jobs", jobs_at_a_time});
   if (!arguments.expect.empty())
     array.command.insert(array.command.end(), {"--expect", whole(arguments.expect)});
+  if (arguments.force) array.command.push_back("--force");
   // Before the options that take all that follows.
   const std::vector<std::string> options = options_of(arguments);
   array.command.insert(array.command.begin() + 3, options.begin(), options.end());
@@ -98,6 +100,11 @@ std::optional<std::string> farm_problem(const FarmArguments& arguments) {
   return std::nullopt;
 }
 
+std::string farm_key(const FarmArguments& arguments, const fs::path& log) {
+  return run_key({log, arguments.config, arguments.overrides, arguments.calibration, arguments.from,
+                  arguments.to, arguments.kitti});
+}
+
 int batch_farm(const FarmArguments& arguments, std::ostream& out) {
   load_config(arguments.config, arguments.overrides);  // what cannot be read is refused before any work
   FarmOptions farm;
@@ -112,10 +119,8 @@ int batch_farm(const FarmArguments& arguments, std::ostream& out) {
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   farm.at_a_time = arguments.jobs > 0 ? arguments.jobs : processors;
   const int threads = std::max(1, processors / farm.at_a_time);
-  farm.key = [&](const FarmJob& job) {
-    return run_key({job.log, arguments.config, arguments.overrides, arguments.calibration, arguments.from,
-                    arguments.to});
-  };
+  farm.force = arguments.force;
+  farm.key = [&](const FarmJob& job) { return farm_key(arguments, job.log); };
   farm.command = [&](const FarmJob& job, const fs::path& folder, const std::string& key) {
     std::vector<std::string> words = program();
     words.insert(words.end(), {arguments.config, job.log.string(), "--out", folder.string(), "--force",

@@ -1,6 +1,7 @@
 #pragma once
 // `lcmslam batch` over many logs, here or on Slurm.
 
+#include <filesystem>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -12,13 +13,18 @@ namespace lcmslam {
 struct FarmArguments {
   std::string config, calibration, out, expect, list, share;
   std::vector<std::string> logs, overrides;
-  std::vector<std::string> more;  ///< options that each run gets as they are
-  double from = 0, to = 0;        ///< s
+  double from = 0, to = 0;  ///< s
   int threads = 1;
   int jobs = 0;  ///< 0: as many as processors
   int pack = 1;
   bool slurm = false;
+  bool force = false;  ///< overwrite what is not of a farm, too
+  bool kitti = false;  ///< trajectories in KITTI's format too
 };
+
+/// By which a farm knows whether a result is of this log, these options and this program. Throws as
+/// run_key().
+std::string farm_key(const FarmArguments& arguments, const std::filesystem::path& log);
 
 /// Whether that is more than one run in this process.
 bool is_farm(const FarmArguments& arguments);

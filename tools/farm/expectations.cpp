@@ -39,7 +39,8 @@ void compare(const char* path_name, const nlohmann::json& path, const PathBars& 
     const auto value = number_at(path, b.pointer);
     if (!value)
       failures.push_back(
-          fmt::format("{}.{} is not known: the log has no truth, or nothing was mapped", path_name, b.what));
+          fmt::format("{}.{} is not known: {}", path_name, b.what,
+                      path.value("truth_problem", "the log has no truth, or nothing was mapped")));
     else if (b.at_least ? *value < b.bar : !(*value <= b.bar))
       failures.push_back(fmt::format("{}.{} is {:.4g}, expected {} {:.4g}", path_name, b.what, *value,
                                      b.at_least ? "at least" : "at most", b.bar));

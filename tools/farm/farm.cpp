@@ -9,6 +9,7 @@
 #include <lcmslam/evaluation/table.hpp>
 #include "tools/launch/supervisor.hpp"
 #include "tools/output_file.hpp"
+#include "tools/run_folder.hpp"
 
 namespace lcmslam {
 namespace {
@@ -17,6 +18,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds between_looks(20);
+constexpr const char* own_output = "batch.txt";  // of a run, beside its results
 
 std::string length_of(double seconds) {
   if (seconds < 90) return fmt::format("{:.0f} s", seconds);
@@ -57,6 +59,8 @@ class FarmRun {
       keys_[i] = options_.key(options_.jobs[i]);
       results_[i] = read_result(folder_of(i), options_.expectations);
       if (results_[i].has_summary && results_[i].key == keys_[i]) continue;
+      const bool is_of_a_farm = !results_[i].key.empty() || fs::exists(folder_of(i) / own_output);
+      if (!is_of_a_farm) check_run_folder(folder_of(i), options_.force);
       waiting_.push_back(i);
       bytes_left_ += options_.jobs[i].bytes;
     }
@@ -69,11 +73,11 @@ class FarmRun {
     const fs::path folder = folder_of(job);
     fs::create_directories(folder);
     fs::remove(folder / "summary.json");  // what stands there is another run's
-    fs::remove(folder / "batch.txt");
+    fs::remove(folder / own_output);
     ProcessSpec spec;
     spec.name = options_.jobs[job].name;
     spec.arguments = options_.command(options_.jobs[job], folder, keys_[job]);
-    spec.log = folder / "batch.txt";
+    spec.log = folder / own_output;
     spec.restart = false;
     supervisor_.start(spec);
     running_.push_back({job, supervisor_.processes().size() - 1, Clock::now()});

@@ -17,6 +17,7 @@ struct FarmOptions {
   std::filesystem::path folder;  ///< gets a folder a job
   std::vector<FarmJob> jobs;
   int at_a_time = 1;
+  bool force = false;  ///< overwrite results of runs that are not of a farm
   Expectations expectations;
   std::function<std::string(const FarmJob&)> key;
   /// Program first; it writes `folder`/summary.json last, with the key.
@@ -26,7 +27,8 @@ struct FarmOptions {
 };
 
 /// Runs what is not done, with a line for each job that ends. Gives the results of all jobs, in their order.
-/// Throws std::runtime_error when it is stopped (SIGINT, SIGTERM): the processes are stopped then.
+/// Throws std::runtime_error when it is stopped (SIGINT, SIGTERM): the processes are stopped then; and,
+/// before anything runs, where a job's folder holds the results of a run that is not of a farm.
 std::vector<FarmResult> run_farm(const FarmOptions& options, std::ostream& out);
 
 /// 0: all passed; 1: some did not reach what was expected; 2: some have no result.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 
+#include <lcmslam/evaluation/median.hpp>
 #include <lcmslam/evaluation/table.hpp>
 
 namespace lcmslam {
@@ -45,9 +46,7 @@ std::optional<double> median(const std::vector<FarmResult>& results, std::option
   for (const FarmResult& result : results)
     if (result.*ate) values.push_back(*(result.*ate));
   if (values.empty()) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return lcmslam::median(std::move(values));
 }
 
 std::string totals(const std::vector<FarmResult>& results) {

@@ -65,7 +65,8 @@ std::string run_key(const RunInputs& inputs) {
   Hash hash;
   hash.add(build_digits());
   hash.add(config_json(inputs.config));
-  hash.add(fmt::format("{} overrides, from {} to {}", inputs.overrides.size(), inputs.from, inputs.to));
+  hash.add(fmt::format("{} overrides, from {} to {}{}", inputs.overrides.size(), inputs.from, inputs.to,
+                       inputs.kitti ? ", kitti" : ""));
   for (const std::string& text : inputs.overrides) hash.add(text);
   if (!inputs.calibration.empty()) hash.add_file(inputs.calibration);
   hash.add_file(inputs.log);

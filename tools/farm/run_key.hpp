@@ -14,6 +14,7 @@ struct RunInputs {
   std::vector<std::string> overrides;
   std::filesystem::path calibration;  ///< empty: the log's own
   double from = 0, to = 0;            ///< s
+  bool kitti = false;                 ///< what is written besides
 };
 
 /// Hex digits of a BLAKE2b hash over the log's bytes, the configuration with what it includes, and this

@@ -9,15 +9,12 @@
 #include <lcmslam/files/atomic_file.hpp>
 
 namespace lcmslam {
-namespace {
 
 std::string shell_word(const std::string& word) {
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return text + "'";
 }
-
-}  // namespace
 
 std::string slurm_script(const SlurmArray& array) {
   std::string script = fmt::format(

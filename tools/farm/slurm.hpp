@@ -14,6 +14,9 @@ struct SlurmArray {
   int processors = 1;  ///< a task
 };
 
+/// Between apostrophes, as a shell takes it for one word.
+std::string shell_word(const std::string& word);
+
 /// The batch script.
 std::string slurm_script(const SlurmArray& array);
 

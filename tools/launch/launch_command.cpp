@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include <lcmslam/command_t.hpp>
+#include <lcmslam/configuration/config_json.hpp>
 #include <lcmslam/configuration/yaml_text.hpp>
 #include <lcmslam/runtime/bus_robot.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
@@ -198,6 +199,7 @@ int launch_command(int argc, char** argv) {
       options.overrides.begin(),
       "map-server.folder=" + yaml_quoted(std::filesystem::absolute(options.folder).string()));
   const Graph graph = read_graph(options);
+  facts.configuration = config_json(options.config);  // the file may be another when the run ends
   if (const std::string obstacle = obstacle_between_hosts(graph); !obstacle.empty()) {
     std::cerr << "lcmslam launch: " << obstacle << "\n";
     return 2;

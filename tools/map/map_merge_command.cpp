@@ -172,6 +172,7 @@ int map_merge_command(int argc, char** argv) {
       copy_compacted(first, FilePlace(part));
       append(b, joints, part);
     }
+    clear_beside(part);  // takes its log in, which a full disk lets nobody see when a database is closed
     clear_beside(into);
     fs::rename(part, into);
   } catch (...) {

@@ -9,9 +9,11 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include <lcmslam/evaluation/table.hpp>
+#include "tools/farm/slurm.hpp"
 #include "tools/launch/graph.hpp"
 #include "tools/run_folder.hpp"
 #include "tools/study/measures.hpp"
@@ -23,10 +25,10 @@ const char* const path_names[] = {"odometry", "fastslam", "icp"};
 
 /// One live run; its summary.json.
 nlohmann::json run_demo(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
-  std::string command =
-      (program_folder() / "lcmslam").string() + " demo --headless --out '" + folder.string() + "'";
-  for (const auto& argument : arguments) command += " '" + argument + "'";
-  command += " > '" + (folder.string() + ".txt") + "' 2>&1";
+  std::string command = shell_word((program_folder() / "lcmslam").string()) + " demo --headless --out " +
+                        shell_word(folder.string());
+  for (const auto& argument : arguments) command += " " + shell_word(argument);
+  command += " > " + shell_word(folder.string() + ".txt") + " 2>&1";
   const int status = std::system(command.c_str());
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw std::runtime_error("the run failed; see " + folder.string() + ".txt");
@@ -34,8 +36,11 @@ nlohmann::json run_demo(const std::vector<std::string>& arguments, const std::fi
   return nlohmann::json::parse(file);
 }
 
-double ate(const nlohmann::json& summary, const std::string& path) {
-  return summary.at("paths").at(path).at("ate").at("translation_rmse_m").get<double>();
+/// Nothing for a recording without truth, or where too little was mapped.
+std::optional<double> ate(const nlohmann::json& summary, const std::string& path) {
+  const nlohmann::json::json_pointer place("/paths/" + path + "/ate/translation_rmse_m");
+  if (!summary.contains(place)) return std::nullopt;
+  return summary.at(place).get<double>();
 }
 
 }  // namespace
@@ -55,8 +60,9 @@ int study_demo(const DemoStudySettings& settings) {
     std::vector<std::string> row = {std::to_string(seed),
                                     fmt::format("{:.0f}", summary.at("frames").get<double>())};
     for (const char* name : path_names) {
-      errors[name].push_back(ate(summary, name));
-      row.push_back(fixed_number(errors[name].back(), 4));
+      const std::optional<double> error = ate(summary, name);
+      if (error) errors[name].push_back(*error);
+      row.push_back(error ? fixed_number(*error, 4) : "-");
     }
     const auto& paths = summary.at("paths");
     row.push_back(std::to_string(paths.at("icp").at("poses").get<int>()));
@@ -70,7 +76,9 @@ int study_demo(const DemoStudySettings& settings) {
     for (const char* name : path_names) {
       const auto& values = errors[name];
       row.push_back(
-          fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 4));
+          values.empty()
+              ? "-"
+              : fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 4));
     }
     row.insert(row.end(), {"", ""});
     table.add(row);

@@ -162,6 +162,20 @@ TEST(VictoriaPark, PosesLandmarksAndCovariances) {
   EXPECT_NEAR(r.frames[2].features[1].depth_sigma, std::sqrt(0.4), 1e-6);
 }
 
+// Any file may be asked about, one of gigabytes too.
+TEST(VictoriaPark, IsKnownByWhereItBegins) {
+  const ScratchFolder folder;
+  const std::string row = "LANDMARK 0 0 1 1 1 0 1\n";
+  const auto is_one = [&](const std::string& text) {
+    folder.write("any.txt", text);
+    return is_victoria_park(folder / "any.txt");
+  };
+  EXPECT_TRUE(is_one("# a comment\n\n  " + row));
+  EXPECT_FALSE(is_one("trees\n" + row));
+  EXPECT_FALSE(is_one(std::string(100'000, '#') + "\n" + row));
+  EXPECT_FALSE(is_one(""));
+}
+
 TEST(VictoriaPark, ErrorsNameFileLineAndValue) {
   ScratchFolder folder;
   const std::string good = "ODOMETRY 0 1 1 0 0.1 0.0001 0 0 4e-06 0 4e-06\n";

@@ -10,6 +10,7 @@ namespace {
 
 using namespace testing_files;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(WhyNoFileFits, NamesThePathsTriedAndThePatternThatWouldFit) {
@@ -26,6 +27,35 @@ TEST(WhyNoFileFits, NamesThePathsTriedAndThePatternThatWouldFit) {
   folder.write("mixed/img_0040.jpg", "x");
   EXPECT_THAT(why_no_file_fits(folder.path(), "mixed/%d.jpg"),
               HasSubstr("which mixed/img_%04d.jpg would fit"));
+}
+
+// KITTI's names have ten digits, EuRoC's are nanoseconds since 1970.
+TEST(NumberedFiles, ReadsNamesOfManyDigits) {
+  const ScratchFolder folder;
+  folder.write("kitti/0000000000.png", "x");
+  folder.write("kitti/0000000012.png", "x");
+  EXPECT_THAT(why_no_file_fits(folder.path(), "kitti/%d.png"), HasSubstr("kitti/%010d.png would fit"));
+  ASSERT_TRUE(NumberedFiles::is_pattern("kitti/%010d.png"));
+  EXPECT_THAT(NumberedFiles(folder.path(), "kitti/%010d.png").numbers(), ElementsAre(0, 12));
+  folder.write("euroc/1403636579763555584.png", "x");
+  folder.write("euroc/9999999999999999999.png", "x");  // more than a number holds
+  EXPECT_THAT(NumberedFiles(folder.path(), "euroc/%d.png").numbers(), ElementsAre(1403636579763555584));
+  EXPECT_FALSE(NumberedFiles::is_pattern("%020d.png"));
+  EXPECT_FALSE(NumberedFiles::is_pattern("%099999999999999999999d.png"));
+}
+
+TEST(NumberedFiles, NanosecondsAreTimes) {
+  const ScratchFolder folder;
+  folder.write("calibration.yaml", calibration_text());
+  folder.write("lcmslam.yaml",
+               "format: numbered\ncolour: rgb/%d.png\ndepth: depth/%d.png\nframe_rate: 1e9\n");
+  for (const char* name : {"1403636579763555584.png", "1403636579813555456.png"}) {
+    folder.write(std::string("rgb/") + name, colour_image(1));
+    folder.write(std::string("depth/") + name, depth_image(1000));
+  }
+  const auto source = open_dataset(folder.path(), {});
+  ASSERT_EQ(source->size(), 2U);
+  EXPECT_EQ(source->entry(1).utime - source->entry(0).utime, 50'000);
 }
 
 TEST(WhyNoFileFits, NamesAFolderThatIsMissing) {

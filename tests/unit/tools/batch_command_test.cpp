@@ -85,6 +85,15 @@ TEST_F(BatchCommand, FramesThatAllAreRefusedFailWithTheCauseOnTheLastLine) {
   EXPECT_THAT(run.out, AllOf(Not(HasSubstr("maps beside it")), HasSubstr("no map was saved")));
 }
 
+// A farm hashes log and configuration when it begins; its runs read them hours later.
+TEST_F(BatchCommand, ARunOfAFarmRefusesWhatHasChangedSinceItBegan) {
+  const CommandRun run =
+      batch(kitchen({"CAMERA", "CAMERA_CALIBRATION", "ENCODERS"}), {"--key", "of yesterday"});
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_THAT(run.last_line(), HasSubstr("is not what it was when the farm began"));
+  EXPECT_FALSE(std::filesystem::exists(std::filesystem::path(out()) / "summary.json"));
+}
+
 TEST_F(BatchCommand, ACalibrationFromAFileMapsALogWithoutOne) {
   const std::string log = kitchen({"CAMERA", "ENCODERS"});
   // As simulated (libs/simulation): the head's size must fit, its numbers need not be exact here.

@@ -46,7 +46,7 @@ std::vector<std::string> replies(const std::vector<std::string>& words) {
 
 TEST(BashCompletion, OffersTheCommands) {
   EXPECT_THAT(replies({"lcmslam", "la"}), ElementsAre("launch"));
-  EXPECT_THAT(replies({"lcmslam", "b"}), UnorderedElementsAre("batch", "bridge", "build"));
+  EXPECT_THAT(replies({"lcmslam", "b"}), UnorderedElementsAre("batch", "bench", "bridge", "build"));
   const auto all = replies({"lcmslam", ""});
   for (const Command& command : commands()) EXPECT_THAT(all, Contains(command.name));
 }
@@ -61,6 +61,7 @@ TEST(BashCompletion, OffersTheOptionsOfACommand) {
 
 TEST(BashCompletion, OffersSubcommands) {
   EXPECT_THAT(replies({"lcmslam", "log", "re"}), ElementsAre("repair"));
+  EXPECT_THAT(replies({"lcmslam", "calibrate", "camera", "--pic"}), ElementsAre("--pictures"));
 }
 
 TEST(BashCompletion, OffersKeysAfterSet) {

@@ -48,6 +48,14 @@ TEST_F(Evaluate, LogAloneComparesItsPosesWithItsTruthInTheRobotsFrame) {
   EXPECT_EQ(estimates.at(2).at("matched_poses"), 200);
 }
 
+// Names of files come from other systems, too: \xe9 is an e with an accent in Latin-1.
+TEST_F(Evaluate, FiguresOfANameThatIsNotUtf8AreWritten) {
+  write_log("run.lcmlog");
+  std::filesystem::rename(path("run.lcmlog"), path("caf\xe9.lcmlog"));
+  ASSERT_EQ(run({path("caf\xe9.lcmlog"), "--json", path("r.json")}), 0) << output_;
+  EXPECT_EQ(json("r.json").at("estimates").size(), 3U);
+}
+
 TEST_F(Evaluate, AFullDiskKeepsTheOldFigures) {
   write_log("run.lcmlog");
   scratch_.write("r.json", "the old figures");

@@ -127,6 +127,28 @@ TEST_F(Farm, ARunThatEndsWithoutASummaryIsNoResultAndItsLastWordsAreToldAndTheOl
   EXPECT_THAT(out_.str(), HasSubstr("a: lcmslam batch: the log is bad"));
 }
 
+TEST_F(Farm, ARunThatIsNotOfAFarmKeepsItsResults) {
+  FarmOptions options = farm({log("a.lcmlog"), log("b.lcmlog")});
+  fs::create_directories(options.folder / "b");
+  json by_hand = summary(0.01, 0.01);
+  by_hand.erase("key");
+  scratch_.write("farm/b/summary.json", by_hand.dump());
+  EXPECT_THROW(run_farm(options, out_), std::runtime_error);
+  EXPECT_EQ(ran(), "") << "nothing runs before that is settled";
+  EXPECT_EQ(scratch_.read("farm/b/summary.json"), by_hand.dump());
+  options.force = true;
+  EXPECT_EQ(exit_code_of(run_farm(options, out_)), 0);
+  // A live run that was killed has no summary yet, a farm's own run then has what it said.
+  options.force = false;
+  fs::remove(options.folder / "a/summary.json");
+  scratch_.write("farm/a/icp_map.ply", "a map");
+  scratch_.write("farm/a/batch.txt", "");
+  EXPECT_EQ(exit_code_of(run_farm(options, out_)), 0);
+  fs::remove(options.folder / "a/summary.json");
+  fs::remove(options.folder / "a/batch.txt");
+  EXPECT_THROW(run_farm(options, out_), std::runtime_error);
+}
+
 TEST_F(Farm, BarsAreThoseOfTheLastPatternThatFits) {
   const Expectations bars(scratch_.write("expect.yaml",
                                          "icp: {ate: 0.02, tracked: 0.95, lost: 5}\n"
@@ -140,6 +162,10 @@ TEST_F(Farm, BarsAreThoseOfTheLastPatternThatFits) {
   late["paths"]["icp"]["tracked_fraction"] = 0.9;
   late["paths"]["icp"]["lost"] = 6;
   late["events"] = {"icp mapped nothing"};
+  json apart = summary(0.01, 0.01);
+  apart["paths"]["icp"].erase("ate");
+  apart["paths"]["icp"]["truth_problem"] = "the truth is 3 s apart";
+  EXPECT_THAT(bars.failures("kitchen_1", apart), ElementsAre("icp.ate is not known: the truth is 3 s apart"));
   EXPECT_THAT(bars.failures("kitchen_1", late),
               ElementsAre("icp mapped nothing", "icp.tracked is 0.9, expected at least 0.95",
                           "icp.lost is 6, expected at most 5"));
@@ -165,6 +191,9 @@ TEST_F(Farm, TheKeyIsOfLogConfigurationAndOptions) {
   EXPECT_NE(run_key(other), key);
   other = inputs;
   other.to = 3;
+  EXPECT_NE(run_key(other), key);
+  other = inputs;
+  other.kitti = true;
   EXPECT_NE(run_key(other), key);
   scratch_.write("base.yaml", "icp: {voxel_size: 0.05}\n");
   EXPECT_NE(run_key(inputs), key) << "what is included counts";
@@ -296,6 +325,9 @@ TEST_F(Farm, CollectWritesPageAndJUnitAndGivesTheVerdict) {
   EXPECT_THAT(passed.out,
               HasSubstr("2 logs: 2 passed, 0 failed, 0 without a result; median ATE: icp 0.0100 m"));
   EXPECT_TRUE(fs::exists(options.folder / "report.html"));
+  scratch_.write("farm/b/summary.json", summary(0.03, 0.02).dump());
+  EXPECT_THAT(testing::run_command({"collect", collect_command}, {folder}).out,
+              HasSubstr("median ATE: icp 0.0200 m"));
   scratch_.write("farm/expect.yaml", "icp: {ate: 0.001}\n");
   const testing::CommandRun failed = testing::run_command({"collect", collect_command}, {folder});
   EXPECT_EQ(failed.exit_code, 1);

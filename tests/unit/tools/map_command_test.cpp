@@ -7,6 +7,7 @@
 #include <lcmslam/map_store/map_export.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
+#include "tests/support/full_disk.hpp"
 #include "tests/support/landmark_room.hpp"
 #include "tests/support/seen_kitchen.hpp"
 #include "tests/unit/tools/map_command_fixture.hpp"
@@ -206,6 +207,28 @@ TEST_F(MapCommand, MergeKnowsMapsOfLandmarksAlone) {
   ASSERT_EQ(run({"view", both, out.string()}).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(out / "fastslam-session1_top.png"));
   EXPECT_FALSE(std::filesystem::exists(out / "fastslam-session2_top.png"));
+}
+
+// The disk takes the copy of the first map and the log of what is added, not both in one file.
+TEST_F(MapCommand, MergeOnAFullDiskKeepsTheOldMap) {
+  const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam",
+                    both = folder_ / "both.lcmslam";
+  write_room(monday, 60, Eigen::Isometry3d::Identity());
+  write_room(friday, 62, elsewhere());
+  ASSERT_EQ(run({"merge", monday, friday, "--into", both}).exit_code, 0);
+  const auto bytes = std::filesystem::file_size(both);
+  for (const double share : {0.3, 0.55, 0.7, 0.85, 0.95}) {
+    testing::CommandRun merged;
+    {
+      const testing::FullDisk full(static_cast<rlim_t>(share * static_cast<double>(bytes)));
+      merged = run({"merge", monday, friday, "--into", both, "--force"});
+    }
+    EXPECT_NE(merged.exit_code, 0) << share;
+    EXPECT_EQ(run({"verify", both}).exit_code, 0) << share;
+    EXPECT_EQ(MapFile(both).sessions().size(), 2U) << share;
+    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(monday).parent_path()))
+      EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr(".part"))) << share;
+  }
 }
 
 TEST_F(MapCommand, MergeOfStrangersWritesNothing) {

@@ -126,6 +126,8 @@ inline const std::vector<Mistake> mistakes = {
     {"ImportWithoutLog", {"import", "images"}, "log is required"},
     {"ImportOfOtherFiles", {"import", "images", "out.lcmlog"}, "images.*lcmslam.yaml"},
     {"ImportOfALog", {"import", "run.lcmlog", "out.lcmlog"}, "run.lcmlog.*is an LCM log"},
+    {"ImportOfRos2InSqlite", {"import", "run.db3", "out.lcmlog"}, "run.db3.*ros2 bag convert"},
+    {"ImportOfAFolderOfRos2", {"import", "rosbag2", "out.lcmlog"}, "rosbag2.*ros2 bag convert"},
     {"ImportCalibration",
      {"import", "tum", "out.lcmlog", "--calibration", "notes.txt"},
      "notes.txt.*(calibration|mapping|key)"},

@@ -39,6 +39,9 @@ void write_files(const testing::ScratchFolder& folder) {
   folder.write("unit.yaml", "icp:\n  voxel_size: 5 cm\n");
   std::filesystem::create_directory(folder.path() / "images");
   folder.write("images/holiday.jpg", "x");
+  folder.write("run.db3", "SQLite format 3");
+  std::filesystem::create_directory(folder.path() / "rosbag2");
+  folder.write("rosbag2/rosbag2_0.db3", "SQLite format 3");
   std::filesystem::create_directory(folder.path() / "tum");
   folder.write("tum/rgb.txt", "1000.0 rgb/1000.0.png\n");
   folder.write("tum/depth.txt", "1000.0 depth/1000.0.png\n");

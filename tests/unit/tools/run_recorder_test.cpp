@@ -2,11 +2,13 @@
 #include "tools/demo/run_summary.hpp"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/motion_messages.hpp>
 #include "tests/unit/tools/mounted_camera.hpp"
+#include "tests/unit/tools/scratch.hpp"
 
 namespace lcmslam {
 namespace {
@@ -72,6 +74,28 @@ TEST_F(Recorder, EvaluatesEachPathAgainstTheTruth) {
   EXPECT_LT(exact->absolute.translation.rmse, 2e-4);  // interpolation of the truth
   EXPECT_NEAR(noisy->absolute.translation.rmse, 0.01, 5e-4);
   EXPECT_FALSE(recorder_.evaluate_path(recorder_.odometry()));  // there was none
+}
+
+// A GPS of 4 Hz, say: its gaps are too long to interpolate, and whoever reads the summary learns that.
+TEST_F(Recorder, WhyAPathWasNotComparedIsSaid) {
+  for (Utime t = 0; t <= 10'000'000; t += 250'000) truth(t, "robot", path(t));
+  for (Utime t = 60'000; t < 10'000'000; t += 100'000) pose("ICP_POSE", t, path(t));
+  std::string why;
+  EXPECT_FALSE(recorder_.evaluate_path(recorder_.icp(), &why));
+  EXPECT_THAT(why, ::testing::HasSubstr("that are at most 0.2 s apart"));
+  EXPECT_THAT(format_summary(recorder_, RunFacts()),
+              ::testing::HasSubstr("icp was not compared with the truth: " + why + "\n"));
+}
+
+// The file may be another one, or gone, when a run of hours ends.
+TEST_F(Recorder, SummaryHasTheConfigurationThatTheRunBeganWith) {
+  const testing::ScratchFolder scratch;
+  RunFacts facts;
+  facts.config = scratch.path() / "gone.yaml";
+  facts.configuration = R"({"icp": {"voxel_size": 0.04}})";
+  write_run_files(scratch.path(), recorder_, facts);
+  const auto summary = nlohmann::json::parse(scratch.read("summary.json"));
+  EXPECT_EQ(summary.at("configuration").at("icp").at("voxel_size"), 0.04);
 }
 
 TEST_F(Recorder, TruthOfTheCameraIsToldOfTheRobot) {
@@ -157,6 +181,16 @@ TEST_F(Recorder, KnowsWhenTheSourceIsAtItsEndOrFailed) {
   camera_status(status_t::FAILED, "no such folder");
   EXPECT_TRUE(recorder_.source_failed(reason));
   EXPECT_EQ(reason, "no such folder");
+}
+
+// Some paths thinned more than others, or the beginning more than the end, would leave gaps.
+TEST(ThinnedPath, IsThinnedAlikeAllAlong) {
+  ThinnedPath path;
+  for (Utime i = 0; i < 3000; ++i) path.add({i, Eigen::Isometry3d::Identity()}, 100);
+  EXPECT_EQ(path.every, 32);
+  ASSERT_GT(path.trajectory.size(), 40U);
+  for (std::size_t i = 0; i < path.trajectory.size(); ++i)
+    EXPECT_EQ(path.trajectory[i].utime, 32 * static_cast<Utime>(i));
 }
 
 // A graph that runs for days must not fill the memory with its path.
