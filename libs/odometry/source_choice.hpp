@@ -13,9 +13,9 @@ namespace lcmslam {
 enum class OdometrySource { wheels, twist, external, visual };
 
 /// Chooses by what arrives. Wheels are taken at once, for nothing is better. Another source is taken when it
-/// has spoken for `patience` s of its own message time, unless a better one has spoken meanwhile: then that
-/// one. Once chosen it stays: two sources' paths begin in different frames. The same messages give the same
-/// choice.
+/// has spoken for `patience` s of its own message time, unless a better one has spoken meanwhile, more than
+/// once: then that one. Once chosen it stays: two sources' paths begin in different frames. The same messages
+/// give the same choice.
 class SourceChoice {
  public:
   explicit SourceChoice(double patience);
@@ -27,8 +27,12 @@ class SourceChoice {
   const std::optional<OdometrySource>& chosen() const { return chosen_; }
 
  private:
-  double patience_;                               // us
-  std::map<OdometrySource, Utime> spoken_since_;  // the best first
+  double patience_;  // us
+  struct Spoken {
+    Utime since;
+    int messages = 0;
+  };
+  std::map<OdometrySource, Spoken> spoken_;  // the best first
   std::optional<OdometrySource> chosen_;
 };
 

@@ -48,10 +48,16 @@ void check_wheels(const std::vector<Wheel>& wheels) {
   }
 }
 
-bool are_held_sideways(const std::vector<Wheel>& before, const std::vector<Wheel>& after) {
-  for (std::size_t i = 0; i < after.size(); ++i)
-    if (after[i].roller_angle == 0 && before[i].steering == 0 && after[i].steering == 0) return true;
-  return false;
+std::optional<Eigen::Vector2d> held_sideways_at(const std::vector<Wheel>& before,
+                                                const std::vector<Wheel>& after) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  int holding = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (after[i].roller_angle != 0 || before[i].steering != 0 || after[i].steering != 0) continue;
+    sum += Eigen::Vector2d(after[i].x, after[i].y);
+    ++holding;
+  }
+  return holding > 0 ? std::make_optional<Eigen::Vector2d>(sum / holding) : std::nullopt;
 }
 
 WheelFit fit_motion(const std::vector<Wheel>& before, const std::vector<Wheel>& after,
@@ -59,9 +65,11 @@ WheelFit fit_motion(const std::vector<Wheel>& before, const std::vector<Wheel>& 
   const auto max_rows = static_cast<Eigen::Index>(2 * after.size());
   Eigen::MatrixX3d A(max_rows, 3);
   Eigen::VectorXd b(max_rows);
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(max_rows);
   Eigen::Index rows = 0;
-  const auto add_row = [&](const Eigen::RowVector3d& row, double value) {
+  const auto add_row = [&](const Eigen::RowVector3d& row, double value, double weight = 1) {
     A.row(rows) = row;
+    weights[rows] = weight;
     b[rows++] = value;
   };
 
@@ -75,7 +83,7 @@ WheelFit fit_motion(const std::vector<Wheel>& before, const std::vector<Wheel>& 
     reach = std::max(reach, std::hypot(wheel.x, wheel.y));
     if (wheel.roller_angle == 0) {
       add_row(contact_row(wheel, rolling), rolled);
-      add_row(side_slip_weight * contact_row(wheel, axle), 0);
+      add_row(contact_row(wheel, axle), 0, side_slip_weight);
     } else {
       add_row(contact_row(wheel, rolling + std::tan(wheel.roller_angle) * axle), rolled);
     }
@@ -84,12 +92,17 @@ WheelFit fit_motion(const std::vector<Wheel>& before, const std::vector<Wheel>& 
   b.conservativeResize(rows);
 
   A.col(2) /= std::max(reach, 1e-9);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   if (rows < 3 || svd.singularValues()[2] < 1e-4 * svd.singularValues()[0]) {
     throw std::invalid_argument(
         "the wheels' places, steering and rollers do not determine the body's motion (vx, vy, w); "
         "check their x, y, steering and roller_angle");
   }
+
+  // Whether they determine it is a matter of their places alone.
+  A = weights.head(rows).asDiagonal() * A;
+  b = weights.head(rows).asDiagonal() * b;
+  if (side_slip_weight != 1) svd.compute(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
 
   WheelFit fit;
   const Eigen::Vector3d scaled = svd.solve(b);

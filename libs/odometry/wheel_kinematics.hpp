@@ -8,6 +8,7 @@
 //                does not slip; across it the roller turns
 // Differential, steered and mecanum bases differ only in their wheels.
 
+#include <optional>
 #include <vector>
 
 #include <lcmslam/odometry/encoders.hpp>
@@ -28,9 +29,10 @@ struct WheelFit {
 WheelFit fit_motion(const std::vector<Wheel>& before, const std::vector<Wheel>& after,
                     double side_slip_weight = 1.0);
 
-/// Whether a plain tyre that rolls along the body's x axis and did not steer keeps the base from moving
-/// sideways.
-bool are_held_sideways(const std::vector<Wheel>& before, const std::vector<Wheel>& after);
+/// Where plain tyres that roll along the body's x axis and did not steer keep the base from moving sideways:
+/// the middle of their contacts, m; nothing where there are none.
+std::optional<Eigen::Vector2d> held_sideways_at(const std::vector<Wheel>& before,
+                                                const std::vector<Wheel>& after);
 
 /// Throws std::invalid_argument that names the wheel and the value that is wrong.
 void check_wheels(const std::vector<Wheel>& wheels);

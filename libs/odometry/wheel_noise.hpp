@@ -7,6 +7,8 @@
 // that has the same size at `scale_length` (`scale_angle`): variance k^2 * scale_length * d. That
 // overstates it on shorter ways and understates it on longer ones, which a map corrects.
 
+#include <optional>
+
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/settings/settings.hpp>
 
@@ -61,11 +63,12 @@ struct WheelNoise {
 
 /// Motion of the body during one increment, in its own frame.
 struct PlanarIncrement {
-  double x = 0, y = 0;            ///< m along the arc
-  double heading = 0;             ///< rad
-  double way_rolled = 0;          ///< m, mean way of the wheels' contacts: not 0 when turning on the spot
-  double duration = 0;            ///< s
-  bool is_held_sideways = false;  ///< by tyres that do not steer
+  double x = 0, y = 0;    ///< m along the arc
+  double heading = 0;     ///< rad
+  double way_rolled = 0;  ///< m, mean way of the wheels' contacts: not 0 when turning on the spot
+  double duration = 0;    ///< s
+  /// m, in the body's frame: where tyres that do not steer hold the base from moving sideways.
+  std::optional<Eigen::Vector2d> held_at = std::nullopt;
 
   Vector6d twist() const { return (Vector6d() << x, y, 0, 0, 0, heading).finished(); }
 };

@@ -15,6 +15,7 @@ namespace {
 // Messages that wait for their reader are often stamped when they are read, all at once: over less time than
 // that no speed is told.
 constexpr double shortest_restart = 0.05, shortest_twist = 0.005;  // s
+constexpr double least_silence = 0.3;       // s, of a motor controller that starts anew
 constexpr double max_turn_per_step = 0.05;  // rad: an increment that turns more is cut for its covariance
 
 // Rows and columns x, y, heading of a 6x6 pose covariance.
@@ -37,6 +38,14 @@ bool impossible(const std::vector<Wheel>& before, const std::vector<Wheel>& afte
     if (after[i].radius * std::abs(after[i].angle - before[i].angle) > max_way) return true;
   }
   return false;
+}
+
+/// All wheels stand where counters begin, and one of them was far from there.
+bool came_home(const std::vector<Wheel>& before, const std::vector<Wheel>& after) {
+  constexpr double far = 0.2, home = 0.02;  // m at the rim
+  const auto way = [](const Wheel& wheel) { return wheel.radius * std::abs(wheel.angle); };
+  return std::any_of(before.begin(), before.end(), [&](const Wheel& w) { return way(w) > far; }) &&
+         std::all_of(after.begin(), after.end(), [&](const Wheel& w) { return way(w) < home; });
 }
 
 }  // namespace
@@ -77,14 +86,14 @@ std::optional<MotionSample> WheelOdometry::step(const Encoders& encoders) {
                                   "; a base keeps its wheels");
     }
     const double duration = 1e-6 * static_cast<double>(encoders.utime - sample_.utime);
-    if (encoders.sender != sender_ ||
+    if (encoders.sender != sender_ || (duration >= least_silence && came_home(wheels_, encoders.wheels)) ||
         impossible(wheels_, encoders.wheels,
                    settings_.max_wheel_speed * std::max(duration, shortest_restart))) {
       add_restart(encoders.utime - sample_.utime);
     } else {
       const WheelFit fit = fit_motion(wheels_, encoders.wheels, settings_.side_slip_weight);
       integrate({fit.motion.x(), fit.motion.y(), fit.motion.z(), fit.way_rolled, duration,
-                 are_held_sideways(wheels_, encoders.wheels)},
+                 held_sideways_at(wheels_, encoders.wheels)},
                 fit.covariance);
       tell_twist(fit.motion, duration);
       residual_ = fit.residual;
@@ -120,7 +129,7 @@ void WheelOdometry::integrate(const PlanarIncrement& increment, const Eigen::Mat
   const double fraction = 1.0 / steps;
   const PlanarIncrement step{increment.x * fraction,        increment.y * fraction,
                              increment.heading * fraction,  increment.way_rolled * fraction,
-                             increment.duration * fraction, increment.is_held_sideways};
+                             increment.duration * fraction, increment.held_at};
   const Matrix6d Q = increment_covariance(settings_.noise, step) + fraction * from_planar(fit_covariance);
   const Matrix6d A = adjoint(se3_exp(-step.twist()));
   for (int i = 0; i < steps; ++i) sample_.covariance = (A * sample_.covariance * A.transpose() + Q).eval();

@@ -47,9 +47,10 @@ class WheelOdometry {
   /// covariance S_b = Ad(T_b_a) S_a Ad(T_b_a)^T + Q (right perturbation). Angles are cumulative: after
   /// lost messages the next one catches up.
   /// - A stamp that goes back starts anew at the identity; a repeated stamp gives nothing.
-  /// - Another sender counts from another start, and wheels that turned impossibly far were reset: both give
-  ///   the old pose, its covariance with a slip and all that may have been driven meanwhile
-  ///   (unknown_motion), and counting goes on from there (`restarts`).
+  /// - Another sender counts from another start, and wheels that turned impossibly far were reset, or that
+  /// all
+  ///   stand near zero after a silence: they give the old pose, its covariance with a slip and all that may
+  ///   have been driven meanwhile (unknown_motion), and counting goes on from there (`restarts`).
   /// Throws std::invalid_argument, and stays as it was, when a wheel's value is wrong, when the number
   /// of wheels changed or when they do not determine the motion.
   std::optional<MotionSample> update(const Encoders& encoders);

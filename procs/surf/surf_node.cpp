@@ -142,13 +142,16 @@ void SurfNode::look_at(const RgbdFrame& frame) {
   if (plausibility_->frames() >= looked_at) plausibility_.reset();
 }
 
-// Images come with some jitter: three quarters of the period are enough.
+// Images come with some jitter: one a quarter of a period early is taken, the next one is due as if it had
+// not been.
 bool SurfNode::too_soon(Utime utime) {
-  const auto since = static_cast<double>(utime - last_utime_);
-  if (since >= 0 && since < 0.75 * period_) {
+  const auto period = static_cast<Utime>(period_);
+  const bool begins = due_ == 0 || utime < last_utime_;
+  if (!begins && utime < due_ - period / 4) {
     ++left_out_;
     return true;
   }
+  due_ = (begins ? utime : std::max(due_, utime - period)) + period;
   last_utime_ = utime;
   return false;
 }

@@ -56,7 +56,7 @@ class SurfNode : public Node {
   MotionBuffer motion_;                   // wheel odometry, for the time between the two images
   std::int64_t odometry_sender_ = 0;
   const StampJudge* stamps_ = nullptr;
-  Utime last_utime_ = 0;
+  Utime last_utime_ = 0, due_ = 0;
   std::int64_t frames_ = 0, left_out_ = 0, blurred_frames_ = 0;
   double keypoints_ = 0, with_depth_ = 0, last_sharpness_ = 0;  // of the newest frame
   int straddling_ = 0;                                          // likewise

@@ -236,6 +236,20 @@ TEST(SurfNode, LeavesImagesOutAboveItsRate) {
   EXPECT_EQ(testing::value_of(node, "left_out"), 6);
 }
 
+// Where the camera's rate is no multiple of it, too.
+TEST(SurfNode, IsNeverFasterThanItsRate) {
+  auto& kitchen = SimulatedKitchen::instance();
+  for (const double rate : {25., 12.}) {
+    testing::TestBus bus;
+    bus.add<SurfNode>(ConfigNode::parse("{max_features: 20, rate: " + std::to_string(rate) + "}", "test"));
+    bus.deliver("CAMERA_CALIBRATION", kitchen.calibration());
+    constexpr int images = 60;
+    for (int i = 0; i < images; ++i)
+      bus.deliver("CAMERA", later(kitchen.frame(0), 33'333 * i + (i % 3 - 1) * 2'000));
+    EXPECT_NEAR(static_cast<double>(bus.count("FEATURES")), images / 30. * rate, 2) << rate;
+  }
+}
+
 TEST(SurfNode, KeepsItsBudgetAndSaysWhichFeaturesHaveNoDepth) {
   auto& kitchen = SimulatedKitchen::instance();
   testing::TestBus bus;

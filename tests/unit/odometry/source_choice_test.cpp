@@ -28,6 +28,7 @@ TEST(SourceChoice, TheBestOfThoseThatSpokeIsTaken) {
   SourceChoice choice(2);
   choice.heard(OdometrySource::visual, 10 * second);
   choice.heard(OdometrySource::external, 11 * second);
+  choice.heard(OdometrySource::external, 11 * second + 1);
   choice.heard(OdometrySource::visual, 12 * second);
   EXPECT_EQ(choice.chosen(), OdometrySource::external);
 }
@@ -56,6 +57,15 @@ TEST(SourceChoice, StaysOnceMade) {
   choice.heard(OdometrySource::visual, 1);
   choice.heard(OdometrySource::wheels, 2);
   EXPECT_EQ(choice.chosen(), OdometrySource::visual);
+}
+
+// A joystick's driver says once, at its start, that nobody moves it.
+TEST(SourceChoice, WhoSpokeOnceIsNoBetterSource) {
+  SourceChoice choice(2);
+  choice.heard(OdometrySource::twist, 10 * second);
+  for (int i = 0; i <= 110 && !choice.chosen(); ++i)
+    choice.heard(OdometrySource::external, 10 * second + i * second / 50);
+  EXPECT_EQ(choice.chosen(), OdometrySource::external);
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ TEST(WheelNoise, TyresThatHoldABaseSidewaysCanButScrub) {
   noise.rest_translation = 1e-9;
   PlanarIncrement increment{0.5, 0, 0.2, 1, 1};
   const Matrix6d loose = increment_covariance(noise, increment);
-  increment.is_held_sideways = true;
+  increment.held_at = Eigen::Vector2d::Zero();
   Matrix6d held = increment_covariance(noise, increment);
   EXPECT_NEAR(std::sqrt(held(1, 1)), noise.side_drift, 1e-9);
   EXPECT_GT(loose(1, 1), 16 * held(1, 1));

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <limits>
 
 #include <lcmslam/geometry/random.hpp>
@@ -165,6 +167,81 @@ TEST(WheelOdometry, KnowsWhetherTyresHoldTheBaseSideways) {
     EXPECT_GT(aside, base.sideways ? noise.translation_drift : noise.side_drift) << base.name;
     EXPECT_LT(aside, base.sideways ? 0.02 : 0.006) << base.name;
     EXPECT_GT(S(0, 0), noise.translation_drift * noise.translation_drift) << base.name;
+  }
+}
+
+// The robot's frame half a metre ahead of the axle: what errs in heading swings it aside, and no tyre holds
+// it there.
+TEST(WheelOdometry, AWrongHeadingSwingsABodyAboutItsAxle) {
+  constexpr double ahead = 0.5;
+  Encoders encoders;
+  encoders.sender = 1;
+  for (const double y : {-0.3, 0.3}) {
+    Wheel wheel;
+    wheel.x = -ahead, wheel.y = y, wheel.radius = 0.1;
+    encoders.wheels.push_back(wheel);
+  }
+  for (const double turn : {0.2, M_PI / 2}) {
+    WheelOdometry odometry;
+    Encoders now = encoders;
+    now.utime = 1'000'000;
+    odometry.update(now);
+    MotionSample sample;
+    for (int i = 0; i < 20; ++i) {  // on the spot
+      now.utime += 50'000;
+      for (Wheel& wheel : now.wheels) wheel.angle -= turn / 20 * wheel.y / wheel.radius;
+      sample = *odometry.update(now);
+    }
+    EXPECT_NEAR(yaw(sample.T_odom_robot), turn, 1e-9);
+    const std::array<int, 3> free{0, 1, 5};
+    const Eigen::Matrix3d S = sample.covariance(free, free);
+    const double s = std::sqrt(S(2, 2));
+    // A sigma of heading too much, all of it about the axle, at the turn's end or on the way.
+    const Eigen::Vector3d e(0, ahead * s, s);
+    EXPECT_LT(e.dot(S.llt().solve(e)), 4) << turn;
+    EXPECT_GT(std::sqrt(S(1, 1)), 0.9 * ahead * s) << turn;
+  }
+}
+
+// How much a tyre's side counts is a matter of taste; what the wheels tell of the motion is not.
+TEST(WheelOdometry, AnyWeightOfSideSlipGivesTheMotionOfWheelsThatDoNotSlip) {
+  for (const double weight : {1e-6, 9e-5, 1., 2e4, 1e6}) {
+    WheelOdometrySettings settings;
+    settings.side_slip_weight = weight;
+    for (Base base : testing::all_bases()) {
+      WheelOdometry odometry(settings);
+      const PlanarTwist twist{0.5, 0, base.sideways ? 0 : 0.3};
+      testing::steer(base, twist);
+      odometry.update(base.encoders);
+      testing::drive(base, twist, 0.1);
+      const MotionSample sample = *odometry.update(base.encoders);
+      EXPECT_TRUE(sample.T_odom_robot.isApprox(
+          se3_exp((Vector6d() << 0.05, 0, 0, 0, 0, 0.1 * twist.w).finished()), 1e-6))
+          << base.name << ", weight " << weight;
+    }
+  }
+}
+
+// An emergency stop switches the motor controllers off and on; their driver lives on.
+TEST(WheelOdometry, CountersThatComeHomeAfterASilenceHaveBegunAnew) {
+  for (const double silence : {0.1, 1.5}) {
+    Base base = testing::all_bases().front();
+    WheelOdometry odometry;
+    odometry.update(base.encoders);
+    MotionSample before;
+    for (int i = 0; i < 60; ++i) {
+      testing::drive(base, {0.5, 0, 0}, 0.02);
+      before = *odometry.update(base.encoders);
+    }
+    Encoders anew = base.encoders;
+    anew.utime += static_cast<Utime>(1e6 * silence);
+    for (Wheel& wheel : anew.wheels) wheel.angle = 0.001;
+    const MotionSample sample = *odometry.update(anew);
+    const bool is_restart = silence > 0.3;
+    EXPECT_EQ(odometry.restarts(), is_restart ? 1 : 0) << silence;
+    if (!is_restart) continue;  // between two messages of a driver that speaks: it may have driven back
+    EXPECT_TRUE(sample.T_odom_robot.isApprox(before.T_odom_robot, 1e-12));
+    EXPECT_GT(sample.covariance(0, 0), before.covariance(0, 0) + 0.1);
   }
 }
 
