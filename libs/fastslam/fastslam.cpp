@@ -53,8 +53,9 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
       std::count_if(points.begin(), points.end(), [](const FeaturePoint& p) { return !p.is_bearing(); }));
   Motion odometry = with_ground(unknown_.prior(motion, frame.utime), settings_);
   StepObservations observations;
-  Motion own_motion;                         // of this step alone
-  Vector6d twist = Vector6d::Zero();         // m/s, rad/s
+  Motion own_motion;                            // of this step, with what was unknown before it
+  Matrix6d step_covariance = Matrix6d::Zero();  // and without
+  Vector6d twist = Vector6d::Zero();            // m/s, rad/s
   std::optional<Matrix6d> prior_covariance;  // of the pose before it looked; none: the landmarks alone tell
   bool mapping = true, blind = false;
 
@@ -78,6 +79,8 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     result.floor = ground_.floor();
     own_motion = {predicted.motion.T_from_to,
                   odometry.covariance + particles_.calibration().added_covariance()};
+    step_covariance =
+        with_ground(unknown_.step(), settings_).covariance + particles_.calibration().added_covariance();
     if (nothing_to_find_back(association, points)) return begin_anew(motion, frame);
     observations = select_observations(association, frame, points, particles_.best().map, settings_);
     widen_for_correlation(observations.observed, frame.utime, settings_.correlation_time, index_, points);
@@ -118,7 +121,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   covariance_.observe(observations.accepted,
                       {frame, points, particles_.best().map, index_, result.T_world_best, twist},
                       prior_covariance);
-  publish_estimate(estimate, weights, own_motion, frame.T_robot_camera, result);
+  publish_estimate(estimate, weights, {own_motion.T_from_to, step_covariance}, frame.T_robot_camera, result);
 
   // Deaths and births, alike in all particles. New landmarks last, so that 2.0 is possible: nobody was
   // weighed by a landmark that his own step had made.

@@ -50,6 +50,9 @@ class FastSlam {
   const SensorCalibration& sensor_calibration() const { return sensor_; }
   /// Of an observation in the newest smoothed path, robust; below 1 where the noise is as stated. 0: none
   /// yet.
+  /// In which T_local_robot is told; another filter may go on in it.
+  const LocalFrame& local_frame() const { return local_frame_; }
+  void go_on_in(const LocalFrame& local_frame) { local_frame_ = local_frame; }
   double smoothing_cost() const { return smoothing_cost_; }
   /// All landmarks of the best particle that were seen often enough, ordered by slot. Their covariances are
   /// of their places as seen from the robot's first pose.

@@ -72,10 +72,12 @@ bool UnknownMotion::knows(const Motion& odometry, Utime step) const {
 Motion UnknownMotion::prior(const Motion& odometry, Utime utime) {
   const Utime step = last_ ? std::clamp<Utime>(utime - *last_, 0, longest_gap) : 0;
   last_ = utime;
-  if (knows(odometry, step)) return motion_prior(odometry, settings_);
+  if (knows(odometry, step)) return step_ = motion_prior(odometry, settings_);
   const Matrix6d before = unknown_motion(elapsed_).covariance;
   elapsed_ += step;
   Motion standing = motion_prior(Motion(), settings_);
+  step_ = standing;
+  step_.covariance += unknown_motion(step).covariance;
   standing.covariance += unknown_motion(elapsed_).covariance - before;
   return standing;
 }

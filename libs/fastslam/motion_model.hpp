@@ -33,6 +33,8 @@ class UnknownMotion {
   /// Otherwise standing still: its error goes the same way from step to step, so that sigma and not the
   /// variance grows with the time that nothing is known.
   Motion prior(const Motion& odometry, Utime utime);
+  /// That of the last call, of its step alone: without what was unknown before.
+  const Motion& step() const { return step_; }
   /// Measurements have told where the robot is.
   void end() { elapsed_ = 0; }
   /// Long enough that it may be anywhere in its map.
@@ -43,6 +45,7 @@ class UnknownMotion {
 
   FastSlamSettings settings_;
   std::optional<Utime> last_;
+  Motion step_;
   Utime elapsed_ = 0;  // us, of unknown motion since end()
 };
 

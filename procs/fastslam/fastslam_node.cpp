@@ -119,10 +119,12 @@ void FastSlamNode::on_features(const FeatureFrame& frame) {
   if (slam_ && frame.utime <= last_utime_) return;
   if (slam_ && is_elsewhere()) begin_map_beside();
   // Nothing mapped, and no word on the motion since: the world may as well begin here.
-  const bool blank =
-      slam_ && revision_ == 0 && slam_->index().size() == 0 && !join_.motion().covers(last_utime_);
+  const bool blank = slam_ && revision_ == 0 && slam_->index().size() == 0 &&
+                     !join_.motion().between(last_utime_, frame.utime, longest_prediction);
   if (!slam_ || blank) {
+    const LocalFrame local_frame = slam_ ? slam_->local_frame() : LocalFrame();  // nobody has leapt
     start(frame);
+    slam_->go_on_in(local_frame);
     last_utime_ = frame.utime;
   }
   FeatureFrame straight = frame;  // what is published names pixels where they were seen
