@@ -134,7 +134,10 @@ MapRecorder::Session& MapRecorder::begin_session(const std::string& mapper, cons
     session.kept_id = begun.id;
     session.keyframes = stored_keyframes_[begun.id];
     for (const KeptSession& kept : kept_)
-      if (kept.id == begun.id) session.unheard_landmarks = static_cast<std::size_t>(kept.landmarks);
+      if (kept.id == begun.id) {
+        session.unheard_landmarks = static_cast<std::size_t>(kept.landmarks);
+        session.was_kept = kept;
+      }
     kept_.erase(std::remove_if(kept_.begin(), kept_.end(),
                                [&](const KeptSession& kept) { return kept.id == begun.id; }),
                 kept_.end());
@@ -235,14 +238,23 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
 
 /// What this server has not in memory would be lost: the file keeps it as it is.
 void MapRecorder::leave_beside(const std::string& mapper, const SessionKey& key, Session& s) {
-  for (std::size_t i = 0; i < stored_.size(); ++i)
-    if (stored_[i].id == s.kept_id) kept_.push_back({s.kept_id, mapper, names_of(stored_)[i]});
+  if (s.was_kept) {
+    const auto later = [&](const KeptSession& kept) { return kept.id > s.was_kept->id; };
+    kept_.insert(std::find_if(kept_.begin(), kept_.end(), later), *s.was_kept);
+  }
   s = {};
   s.number = writer_.begin_session({0, mapper, key.sender, key.frame});
 }
 
 void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map, const SessionKey& of) {
-  put_keyframes(session("icp", key), map, session("icp", of).number);
+  put_keyframes(new_session("icp", key), map, session("icp", of).number);
+}
+
+/// Of another map than one that an earlier server kept beside under this name.
+MapRecorder::Session& MapRecorder::new_session(const std::string& mapper, const SessionKey& key) {
+  Session& session = sessions_[{mapper, {key.sender, key.frame}}] = {};
+  session.number = writer_.begin_session({0, mapper, key.sender, key.frame});
+  return session;
 }
 
 void MapRecorder::put_keyframes(Session& s, const DenseMap& map, std::size_t shared_with) {
@@ -255,7 +267,7 @@ void MapRecorder::put_keyframes(Session& s, const DenseMap& map, std::size_t sha
 }
 
 void MapRecorder::kept_beside(const SessionKey& key, const LandmarkMap& map) {
-  writer_.change(session("fastslam", key).number, [&](SessionChanges& changes) {
+  writer_.change(new_session("fastslam", key).number, [&](SessionChanges& changes) {
     for (const Landmark& landmark : map.landmarks()) changes.put_landmark(landmark);
   });
 }

@@ -85,16 +85,18 @@ class MapRecorder {
 
  private:
   struct Session {
-    std::size_t number = 0;             // the writer's
-    std::int64_t kept_id = 0;           // in the file, of one that goes on from an earlier run; 0: none
-    std::set<std::int32_t> keyframes;   // that the file has
-    std::size_t unheard_landmarks = 0;  // that the file has of an earlier run, until all are heard again
+    std::size_t number = 0;                 // the writer's
+    std::int64_t kept_id = 0;               // in the file, of one that goes on from an earlier run; 0: none
+    std::set<std::int32_t> keyframes;       // that the file has
+    std::size_t unheard_landmarks = 0;      // that the file has of an earlier run, until all are heard again
+    std::optional<KeptSession> was_kept{};  // as it was told until its mapper was heard again
   };
 
   void read_kept();
   void keep(MapFile& map, const StoredSession& session);
   Session& session(const std::string& mapper, const SessionKey& key);
   Session& begin_session(const std::string& mapper, const SessionKey& key, Session& session);
+  Session& new_session(const std::string& mapper, const SessionKey& key);
   void leave_beside(const std::string& mapper, const SessionKey& key, Session& session);
   void put_keyframe(Session& session, const DenseKeyframe& keyframe);
   void put_keyframes(Session& session, const DenseMap& map, std::size_t shared_with);

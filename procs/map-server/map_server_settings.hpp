@@ -46,7 +46,7 @@ struct MapServerSettings {
     s.number("export_folders", export_folders, "", {0, 10'000},
              "below the folder of the maps that requests may make");
     s.number(
-        "max_sessions", max_sessions, "", {1, 1000},
+        "max_sessions", max_sessions, "", {2, 1000},
         "maps of each mapper in memory: it begins another when it restarts, is reset, or time begins anew. "
         "Those that it has left go from here once the map's file has them");
     s.number("max_landmarks", max_landmarks, "", {1, 1e8}, "of a map");

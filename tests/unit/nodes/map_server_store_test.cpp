@@ -250,8 +250,29 @@ TEST_F(MapServerStore, LandmarksThatAreTakenAwayAfterARestartStayBeside) {
     EXPECT_EQ(read.landmarks(1).size(), 300U) << whole;
     EXPECT_EQ(read.landmarks(2).size(), 1U) << whole;
     EXPECT_EQ(value_of(server.node(), "kept_sessions"), 1) << whole;
+    ASSERT_FALSE(server.node().told_sessions().empty());
+    EXPECT_EQ(server.node().told_sessions().front().landmarks, 300U) << "as it was told before";
     EXPECT_THAT(faults(), IsEmpty());
   }
+}
+
+// Each server counts the maps that it keeps beside from one on, and their mapper may outlive it.
+TEST_F(MapServerStore, WhatTwoServersKeptBesideIsNotMixed) {
+  {
+    StoringServer server(run());
+    server.landmarks(1, 0, {10, 11, 12, 13, 14});
+    server.landmarks(2, 1, {}, {10, 11, 12, 13});
+    server.finish();
+  }
+  StoringServer server(run());
+  server.landmarks(3, 0, {20, 21, 22, 23, 24, 25, 26, 27, 28, 29});
+  server.landmarks(4, 3, {}, {20, 21, 22, 23, 24, 25, 26, 27, 28});
+  server.finish();
+  std::multiset<std::int64_t> kept;
+  MapFile read(file());
+  for (const StoredSession& s : read.sessions())
+    if (s.frame == "map-kept-1") kept.insert(read.counts(s.id).landmarks);
+  EXPECT_THAT(kept, ::testing::ElementsAre(5, 10));
 }
 
 TEST_F(MapServerStore, WhatIsTakenAwayIsKeptBesideInTheFile) {
