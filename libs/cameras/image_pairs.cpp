@@ -7,15 +7,17 @@ namespace lcmslam {
 namespace {
 
 constexpr Utime time_began_anew = 1'000'000;  // us back
-constexpr int known_pace = 8;                 // intervals
+constexpr std::size_t known_pace = 8, most_intervals = 15;
 constexpr std::size_t longest_wait = 8;  // images of one camera: one whose partner is silent must not pile up
 
 }  // namespace
 
 bool ImagePairs::Stream::may_give(Utime latest) const {
-  // The next one follows after the shortest interval so far, less a tenth: a camera's pace does not double at
-  // once.
-  const Utime soonest = intervals < known_pace ? 0 : least_interval - least_interval / 10;
+  // The next one follows after the shortest of the last intervals, less a tenth: a camera's pace does not
+  // double at once.
+  const Utime least =
+      intervals.size() < known_pace ? 0 : *std::min_element(intervals.begin(), intervals.end());
+  const Utime soonest = least - least / 10;
   return !begun || last + std::max<Utime>(soonest, 1) <= latest;
 }
 
@@ -36,9 +38,8 @@ bool ImagePairs::admit(Stream& stream, Utime stamp) {
     pairs_.clear();
     colours_ = depths_ = Stream();
   }
-  const Utime interval = stamp - stream.last;
-  if (stream.begun && (stream.intervals++ == 0 || interval < stream.least_interval))
-    stream.least_interval = interval;
+  if (stream.begun) stream.intervals.push_back(stamp - stream.last);
+  if (stream.intervals.size() > most_intervals) stream.intervals.pop_front();
   stream.begun = true;
   stream.last = stamp;
   return true;

@@ -52,8 +52,7 @@ class ImagePairs {
     std::map<Utime, CameraShot> waiting;  // by time, colour's clock
     Utime last = 0;
     bool begun = false;
-    int intervals = 0;  // seen so far
-    Utime least_interval = 0;
+    std::deque<Utime> intervals;  // us, the last ones: a hiccup is not remembered for good
 
     /// Whether an image that has not come yet may have a stamp up to `latest`.
     bool may_give(Utime latest) const;

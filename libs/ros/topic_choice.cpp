@@ -1,6 +1,7 @@
 #include <lcmslam/ros/topic_choice.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <tuple>
 
@@ -32,10 +33,18 @@ int depth_score(const std::string& name) {
 bool names_truth(const std::string& name) {
   return has_word(name, {"ground_truth", "groundtruth", "/gt", "_gt", "mocap", "vicon"});
 }
-// Others' maps correct their poses, which jump: no odometry.
+// Others' maps correct their poses, which jump: no odometry. (rtabmap's odometry is one: no word of its name
+// begins so.)
+bool speaks_of_maps(const std::string& name) {
+  const auto begins = [&](const std::string& word) {
+    for (std::size_t at = name.find(word); at != std::string::npos; at = name.find(word, at + 1))
+      if (at == 0 || std::isalpha(static_cast<unsigned char>(name[at - 1])) == 0) return true;
+    return false;
+  };
+  return begins("map") || begins("slam") || begins("amcl") || begins("global") || begins("gps");
+}
 int odometry_score(const std::string& name) {
-  return (has_word(name, {"odom"}) ? 4 : 0) + (has_word(name, {"wheel"}) ? 1 : 0) -
-         (has_word(name, {"map", "slam", "amcl", "global", "gps"}) ? 6 : 0);
+  return (has_word(name, {"odom"}) ? 4 : 0) + (has_word(name, {"wheel"}) ? 1 : 0);
 }
 
 std::string line(const std::string& what, const TopicFacts& topic) {
@@ -158,7 +167,8 @@ TopicChoice choose_topics(const std::vector<TopicFacts>& topics, const Topics& w
   chooser.choose(
       "odometry", "odometry-topic",
       [&](const TopicFacts& topic) {
-        return is_odometry(topic.type) && (!wanted.odometry.empty() || !names_truth(topic.name));
+        return is_odometry(topic.type) &&
+               (!wanted.odometry.empty() || (!names_truth(topic.name) && !speaks_of_maps(topic.name)));
       },
       odometry_score, chosen.odometry);
   chooser.choose(

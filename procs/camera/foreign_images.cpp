@@ -11,12 +11,15 @@
 namespace lcmslam {
 namespace {
 
+constexpr Utime time_began_anew = 1'000'000;  // us back
+
 /// JPEG, whatever it was. A JPEG's own header must agree with the message's.
 void compress_colour(EncodedImage& image, int quality) {
   if (image.coding != ImageCoding::jpeg) {
     image = encode_colour(decode_colour(image), image.utime, quality);
     return;
   }
+  image.bytes.resize(jpeg_bytes(image.bytes.data(), image.bytes.size()));
   const ImageSize size = jpeg_size(image.bytes);
   if (size.width != image.width || size.height != image.height)
     throw CodecError("the colour image says that it is " + std::to_string(image.width) + "x" +
@@ -46,6 +49,10 @@ std::optional<EncodedFrame> ForeignImages::relay(const images_t& message) {
       if (image->utime == 0) image->utime = frame.utime;
     compress_colour(frame.colour, settings_.jpeg_quality);
     compress_depth(frame.depth);
+    if (frame.utime <= last_utime_ && frame.utime > last_utime_ - time_began_anew)
+      throw CodecError("an image of " + std::to_string(last_utime_ - frame.utime) +
+                       " us before the last one: stamps must rise");
+    last_utime_ = frame.utime;
     frame.sensor = calibration_.sensor;
     dropped_ += gaps_.missing_before(frame.utime);
     last_ = clock_();

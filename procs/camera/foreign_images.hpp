@@ -32,6 +32,7 @@ class ForeignImages {
   LiveSettings settings_;
   Clock clock_;
   Time last_;  // good images; at first the start
+  Utime last_utime_ = 0;
   FrameGaps gaps_;
   std::string misfit_;
   std::int64_t relayed_ = 0, refused_ = 0, dropped_ = 0;

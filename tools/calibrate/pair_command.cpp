@@ -94,9 +94,10 @@ int calibrate_pair_command(int argc, char** argv) {
     if (shot.colour.empty() || shot.amplitude.empty()) return true;
     ++of_both;
     auto depth = find_board(shot.amplitude, board);
-    if (!depth || !choice.takes(*depth, shot.amplitude.cols)) return true;
+    if (!depth) return true;
+    // A place counts as looked at once both have seen the board there.
     auto colour = find_board(shot.colour, board);
-    if (!colour) return true;
+    if (!colour || !choice.takes(*depth, shot.amplitude.cols)) return true;
     colour->name = depth->name = shot.name;
     if (input.live) tell_views(views.size() + 1);
     views.push_back({std::move(*colour), std::move(*depth)});

@@ -3,10 +3,15 @@
 #include <gmock/gmock.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <lcmslam/configuration/config.hpp>
 #include <lcmslam/imaging/io/calibration_file.hpp>
 #include <lcmslam/imaging/io/calibration_text.hpp>
+#include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/log/log_writer.hpp>
+#include <lcmslam/messages/camera_messages.hpp>
+#include <lcmslam/messages/decode.hpp>
 #include "tests/support/board_shots.hpp"
 #include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
@@ -153,6 +158,36 @@ TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
   EXPECT_TRUE(of_pair.colour == c.colour) << "other values stay";
   for (double r = 1; r < 2.4; r += 0.1)
     EXPECT_NEAR(of_pair.depth_error.at(r), c.depth_error.at(r), 0.003) << r;
+}
+
+// Somebody's hand is before the board when it stands still for the first time: the next shots of that place
+// count.
+TEST(CalibrateCommand, APlaceThatColourDidNotSeeIsLookedAtAgain) {
+  const testing::ScratchFolder scratch;
+  const testing::RgbdTruth truth = testing::drawn_head(3);
+  const RgbdCalibration& c = truth.calibration;
+  const Board board = testing::large_board();
+  const testing::BoardRenderer colour(board, c.colour, {0.6, 2.5, 2}), amplitude(board, c.depth, {0.5, 3, 4});
+  Random random(3);
+  testing::BoardPlaces places;
+  places.near = 0.5, places.far = 0.46, places.middle = 0.5, places.tilt = 0.2;
+  const Eigen::Isometry3d T = places(0, board, c.depth, random);
+  const std::string log = (scratch.path() / "board.lcmlog").string();
+  LogWriter writer(log);
+  for (int i = 0; i < 6; ++i) {
+    RgbdFrame frame;
+    frame.utime = frame.depth_utime = 1'000'000 * (i + 1);
+    cv::cvtColor(colour(c.T_colour_depth * T, random), frame.colour, cv::COLOR_GRAY2BGR);
+    if (i == 1) frame.colour.setTo(cv::Scalar::all(90));
+    frame.amplitude = amplitude(T, random);
+    frame.depth = testing::board_depth(board, truth, T, random);
+    writer.write(frame.utime, "CAMERA", encode_message(to_message(encode(frame, 95))));
+  }
+  writer.close();
+  const std::string head = scratch.write("head.yaml", calibration_text(c)).string();
+  const auto run =
+      with_large_board({"pair", log, "--into", head, "-o", (scratch.path() / "o.yaml").string()});
+  EXPECT_THAT(run.out, HasSubstr("6 shots, 1 with the board in both images")) << run.errors;
 }
 
 // The order in which docs/CALIBRATION.md has a new user do it.

@@ -86,6 +86,26 @@ TEST_F(ForeignDriver, ItsImagesBecomeCameraWhateverTheirCoding) {
   EXPECT_EQ(reported(node->report(), "relayed"), 8);
 }
 
+// Whoever reads CAMERA is told neither half an image nor one twice.
+TEST_F(ForeignDriver, CutOffImagesAndOldStampsAreRefused) {
+  start_relay();
+  node->work();
+  images_t cut = foreign(1, ImageCoding::jpeg, false);
+  cut.images[0].data.resize(cut.images[0].data.size() / 2);
+  cut.images[0].size = static_cast<std::int32_t>(cut.images[0].data.size());
+  deliver(cut);
+  EXPECT_EQ(publisher.on<images_t>("CAMERA").size(), 0U);
+  EXPECT_THAT(node->report().detail, HasSubstr("cut off"));
+  for (const int number : {3, 3, 2}) deliver(foreign(number, ImageCoding::jpeg, false));
+  EXPECT_EQ(publisher.on<images_t>("CAMERA").size(), 1U);
+  EXPECT_EQ(reported(node->report(), "refused"), 3);
+  images_t anew = foreign(0, ImageCoding::jpeg, false);  // time has begun anew
+  for (image_t& image : anew.images) image.utime -= 3'000'000;
+  anew.utime -= 3'000'000;
+  deliver(anew);
+  EXPECT_EQ(publisher.on<images_t>("CAMERA").size(), 2U);
+}
+
 TEST_F(ForeignDriver, RowsThatAreLongerThanTheirPixelsAreTakenApart) {
   start_relay();
   images_t message = foreign(1, ImageCoding::raw_bgr, true);

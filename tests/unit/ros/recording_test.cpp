@@ -367,6 +367,22 @@ TEST(TopicChoice, TakesTheCamerasOwnImagesAndRegisteredDepth) {
   EXPECT_THROW(choose_topics(topics, wanted), DatasetError);
 }
 
+// Not even where they are all there is: such poses jump whenever their map is corrected.
+TEST(TopicChoice, PosesOfMapsAreNoOdometry) {
+  std::vector<TopicFacts> topics = {
+      {"/camera/color/image_raw", "sensor_msgs/Image", 10, ImageKind::colour, "", {640, 480}, "f"},
+      {"/camera/depth/image_raw", "sensor_msgs/Image", 10, ImageKind::depth, "", {640, 480}, "f"}};
+  for (const char* name :
+       {"/slam/odom", "/odometry/global", "/lio_sam/mapping/odometry", "/orb_slam3/wheel_odom"})
+    topics.push_back({name, "nav_msgs/Odometry", 10, {}, "", {}, "base_link"});
+  EXPECT_EQ(choose_topics(topics, {}).topics.odometry, "");
+  Topics wanted;
+  wanted.odometry = "/slam/odom";
+  EXPECT_EQ(choose_topics(topics, wanted).topics.odometry, "/slam/odom");
+  topics.push_back({"/rtabmap/odom", "nav_msgs/Odometry", 10, {}, "", {}, "base_link"});
+  EXPECT_EQ(choose_topics(topics, {}).topics.odometry, "/rtabmap/odom");
+}
+
 TEST(TopicChoice, KnowsWhereCameraInfoStands) {
   EXPECT_EQ(camera_info_beside("/camera/color/image_raw"), "/camera/color/camera_info");
   EXPECT_EQ(camera_info_beside("/camera/color/image_raw/compressed"), "/camera/color/camera_info");

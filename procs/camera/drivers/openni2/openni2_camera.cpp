@@ -132,9 +132,12 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
   std::optional<CameraShot> read(std::chrono::milliseconds patience) override {
     if (opened_.streams.size() == 1) return read_image(patience);
     if (auto pair = pairs_.next()) return pair;
+    // Where one stream has died the other goes on, and no pair ever comes.
+    const auto end = std::chrono::steady_clock::now() + patience;
     while (const auto image = read_image(patience)) {
       image->colour.empty() ? pairs_.add_depth(*image) : pairs_.add_colour(*image);
       if (auto pair = pairs_.next()) return pair;
+      if (!recorded_ && std::chrono::steady_clock::now() > end) break;
     }
     if (ended_) pairs_.finish();
     return pairs_.next();
