@@ -125,7 +125,7 @@ TEST_F(Disagreement, FeaturesThatPlaceNobodyMakeNobodySure) {
   DenseMapper mapper{DenseMapperSettings()};
   mapper.step(frame_at(0, Eigen::Isometry3d::Identity(), 150));
   const double gap = 5;  // s without frames and odometry
-  const auto step = mapper.step(frame_at(static_cast<Utime>(1e6 * gap), planar_pose(0.3, 0, 0), 30));
+  const auto step = mapper.step(frame_at(static_cast<Utime>(1e6 * gap), planar_pose(0.1, 0, 0), 30));
   ASSERT_TRUE(step.adrift);
   ASSERT_EQ(to_string(step.status), "lost");
   EXPECT_GT(step.covariance(0, 0), 0.25 * gap * gap) << "half a metre a second";
