@@ -2,8 +2,8 @@
 
     python3 export_images.py run.lcmlog images
 
-rgb/00000.jpg, depth/00000.png (16 bit, mm), stamps.txt (s), calibration.yaml, and lcmslam.yaml, which says how they lie, so
-that `lcmslam import images again.lcmlog` reads them.
+rgb/00000.jpg, depth/00000.png (16 bit, mm), stamps.txt (s, colour's and depth's), calibration.yaml, and lcmslam.yaml, which
+says how they lie, so that `lcmslam import images again.lcmlog` reads them.
 """
 import argparse
 import os
@@ -20,7 +20,7 @@ format: numbered
 colour: rgb/%05d.jpg
 depth: depth/%05d.png
 depth_scale: 1000         # value of a depth pixel at 1 m
-stamps: stamps.txt        # s
+stamps: stamps.txt        # s, of colour and of depth
 calibration: calibration.yaml
 """
 
@@ -59,6 +59,8 @@ def calibration_text(calibration):
     names = ("offset", "scale", "wiggle", "period", "phase", "tilt_x", "tilt_y")
     error = zip(names, calibration.depth_error + calibration.depth_tilt)
     text += "depth_error: {" + ", ".join(f"{name}: {value!r}" for name, value in error) + "}\n"
+    if m.depth_clock_offset != 0:
+        text += f"depth_clock_offset: {m.depth_clock_offset!r}\n"
     return text + (f"rolling_shutter: {calibration.rolling_shutter}\n"
                    f"depth_noise: {{constant: {m.depth_noise_constant}, quadratic: {m.depth_noise_quadratic}, "
                    f"offset: {m.depth_noise_offset}, amplitude: {m.depth_noise_amplitude}}}\n"
@@ -77,7 +79,7 @@ def export(log, folder):
         for name, data in ((f"rgb/{len(stamps):05d}.jpg", frame.jpeg), (f"depth/{len(stamps):05d}.png", png(frame.depth))):
             with open(os.path.join(folder, name), "wb") as file:
                 file.write(data)
-        stamps.append(f"{frame.utime / 1e6:.6f}\n")
+        stamps.append(f"{frame.utime / 1e6:.6f} {frame.depth_utime / 1e6:.6f}\n")
     for name, content in (("stamps.txt", "".join(stamps)), ("calibration.yaml", text), ("lcmslam.yaml", DESCRIPTION)):
         with open(os.path.join(folder, name), "w") as file:
             file.write(content)

@@ -19,7 +19,7 @@ struct Description {
   double max_stamp_difference = 0.02;  ///< s between a colour and its depth image
   std::string truth_of = "colour";     ///< poses are of the "colour" or "depth" camera or the "robot"
   std::string colour, depth;           ///< numbered files, like image/%05d.jpg
-  std::string stamps;                  ///< file with one stamp (s) a frame, or empty
+  std::string stamps;                  ///< file with one stamp (s) a frame, or colour's and depth's; or empty
   std::string poses;                   ///< file, or empty
   std::string pose_format;             ///< see pose_files.hpp
   std::filesystem::path calibration;   ///< or empty

@@ -16,6 +16,10 @@ namespace fs = std::filesystem;
 
 constexpr Utime first_stamp = 1'000'000;  // stamps of recordings without any begin at 1 s: 0 means unset
 
+struct ShotTime {
+  Utime colour, depth;
+};
+
 // Frames for which both files are there; a missing partner is reported. Numbers keep their time where a
 // frame was lost. Returns the numbers of recording.frames from `begin` on.
 template <class TimeOf>
@@ -30,8 +34,8 @@ std::vector<long> add_frames(const NumberedFiles& colour, const NumberedFiles& d
     if (!colour.has(number)) recording.problems.push_back(colour.path(number).string() + ": is missing");
     if (!depth.has(number)) recording.problems.push_back(depth.path(number).string() + ": is missing");
     if (!colour.has(number) || !depth.has(number)) continue;
-    const Utime utime = time_of(number - numbers.front());
-    recording.frames.push_back({utime, utime, colour.path(number), depth.path(number)});
+    const ShotTime time = time_of(number - numbers.front());
+    recording.frames.push_back({time.colour, time.depth, colour.path(number), depth.path(number)});
     complete.push_back(number);
   }
   return complete;
@@ -41,14 +45,19 @@ Utime frame_time(const Description& description, long count) {
   return std::llround(static_cast<double>(count) * 1e6 / description.frame_rate);
 }
 
-std::vector<Utime> read_stamps(const fs::path& file) {
-  std::vector<Utime> stamps;
+/// Of both images, or colour's and then depth's.
+std::vector<ShotTime> read_stamps(const fs::path& file) {
+  std::vector<ShotTime> stamps;
   for (const TextRow& row : read_rows(file)) {
-    const auto stamp = parse_stamp(row.words[0]);
-    if (!stamp) throw DatasetError(at_line(file, row.line, "'" + row.words[0] + "', expected seconds"));
-    if (!stamps.empty() && *stamp <= stamps.back())
+    const auto stamp_of = [&](const std::string& word) {
+      const auto stamp = parse_stamp(word);
+      if (!stamp) throw DatasetError(at_line(file, row.line, "'" + word + "', expected seconds"));
+      return *stamp;
+    };
+    const ShotTime time{stamp_of(row.words[0]), stamp_of(row.words[row.words.size() > 1 ? 1 : 0])};
+    if (!stamps.empty() && time.colour <= stamps.back().colour)
       throw DatasetError(at_line(file, row.line, "stamps must grow from frame to frame"));
-    stamps.push_back(*stamp);
+    stamps.push_back(time);
   }
   return stamps;
 }
@@ -98,7 +107,11 @@ Recording read_seven_scenes(const fs::path& folder, const Description& descripti
     const std::size_t begin = recording.frames.size();
     const std::vector<long> numbers = add_frames(
         NumberedFiles(sequence, colour_pattern(sequence)), NumberedFiles(sequence, "frame-%06d.depth.png"),
-        [&](long count) { return start + frame_time(description, count); }, recording);
+        [&](long count) {
+          const Utime utime = start + frame_time(description, count);
+          return ShotTime{utime, utime};
+        },
+        recording);
     const NumberedFiles poses(sequence, "frame-%06d.pose.txt");
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (poses.has(numbers[i]))
@@ -113,7 +126,7 @@ Recording read_seven_scenes(const fs::path& folder, const Description& descripti
 
 Recording read_numbered_files(const fs::path& folder, const Description& description) {
   Recording recording;
-  std::vector<Utime> stamps;
+  std::vector<ShotTime> stamps;
   if (description.stamps.empty())
     recording.notes.push_back(frame_rate_note(description));
   else
@@ -125,8 +138,8 @@ Recording read_numbered_files(const fs::path& folder, const Description& descrip
     if (!has_time(count))
       throw DatasetError((folder / description.stamps).string() + ": has " + std::to_string(stamps.size()) +
                          " stamps, but frame " + std::to_string(count + 1) + " is there");
-    return description.stamps.empty() ? first_stamp + frame_time(description, count)
-                                      : stamps[static_cast<std::size_t>(count)];
+    const Utime counted = first_stamp + frame_time(description, count);
+    return description.stamps.empty() ? ShotTime{counted, counted} : stamps[static_cast<std::size_t>(count)];
   };
   const NumberedFiles colour(folder, description.colour);
   const NumberedFiles depth(folder, description.depth);
@@ -138,7 +151,9 @@ Recording read_numbered_files(const fs::path& folder, const Description& descrip
   else
     read_counted_poses(
         poses, description.pose_format,
-        [&](long count) { return has_time(count) ? std::optional<Utime>(time_of(count)) : std::nullopt; },
+        [&](long count) {
+          return has_time(count) ? std::optional<Utime>(time_of(count).colour) : std::nullopt;
+        },
         recording);
   return recording;
 }

@@ -100,7 +100,9 @@ class Example(unittest.TestCase):
             rows = rows.reshape(frame.depth.shape[0], -1)[:, 1:]
             np.testing.assert_array_equal(rows.copy().view(">u2"), frame.depth)
             self.assertEqual(pathlib.Path(folder, "rgb/00000.jpg").read_bytes(), frame.jpeg)
-            self.assertEqual(pathlib.Path(folder, "stamps.txt").read_text().split()[0], f"{frame.utime / 1e6:.6f}")
+            stamps = pathlib.Path(folder, "stamps.txt").read_text().split("\n")
+            self.assertEqual(stamps[0], f"{frame.utime / 1e6:.6f} {frame.depth_utime / 1e6:.6f}")
+            self.assertNotEqual(frame.utime, frame.depth_utime)
             again = subprocess.run(command, capture_output=True, text=True)
             self.assertEqual((again.returncode, again.stderr), (1, f"{folder}: is there already; name a folder that is not\n"))
 

@@ -216,6 +216,26 @@ TEST(Numbered, StampsMatricesAndGaps) {
   EXPECT_THAT(source->problems()[0], HasSubstr("range12.pgm: is missing"));
 }
 
+// Each camera has seen its image at a time of its own.
+TEST(Numbered, StampsOfBothCameras) {
+  const ScratchFolder folder;
+  for (int i : {0, 1}) {
+    folder.write("rgb" + std::to_string(i) + ".png", colour_image(i));
+    folder.write("depth" + std::to_string(i) + ".png", depth_image(1000));
+  }
+  folder.write("times.txt", "5.0 5.0064\n5.1 5.0976\n");
+  folder.write("calibration.yaml", calibration_text());
+  folder.write("lcmslam.yaml",
+               "format: numbered\ncolour: rgb%d.png\ndepth: depth%d.png\nstamps: times.txt\n");
+  const auto source = open_dataset(folder.path());
+  ASSERT_EQ(source->size(), 2U);
+  EXPECT_EQ(source->entry(0).utime, 5'000'000);
+  EXPECT_EQ(source->frame(0)->depth.utime, 5'006'400);
+  EXPECT_EQ(source->frame(1)->depth.utime, 5'097'600);
+  folder.write("times.txt", "5.0 soon\n5.1 5.0976\n");
+  EXPECT_THROW(open_dataset(folder.path()), DatasetError);
+}
+
 TEST(Numbered, DescriptionByOption) {
   const ScratchFolder folder;
   const ScratchFolder elsewhere;
