@@ -45,6 +45,7 @@ class MapClient {
   };
   std::vector<Distance> distances(const Points& points);
 
+  /// Whether each of the bodies touches something, in their order. The newest frame counts at once.
   std::vector<bool> collides(const std::vector<CollisionQuestion::Body>& bodies);
   /// The first pose at which the robot collides; nothing: the way is free. The newest frame counts at once.
   std::optional<std::size_t> first_collision(const Box& robot,

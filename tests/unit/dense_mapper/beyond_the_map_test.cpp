@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include <lcmslam/dense_mapper/dense_mapper.hpp>
 #include "tests/support/cloud_scenes.hpp"
@@ -190,53 +191,60 @@ TEST(BeyondTheMap, ARobotThatMayBeAnywhereSaysSo) {
   }
 }
 
-// Its wheels stand still, and another room is there.
-TEST(BeyondTheMap, ARobotThatWasCarriedSaysThatItMayBeAnywhere) {
-  DenseMapperSettings settings;
-  DenseMapper mapper(settings);
-  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
-  Motion still;
-  still.covariance = 1e-6 * Matrix6d::Identity();
-  const ColouredCloud there = seen_from(transformed(room(0.03), planar_pose(0.3, 0.2, 3.0)), no_mount, 2);
+/// Its wheels stand still, and another room is there.
+class CarriedRobot : public ::testing::Test {
+ protected:
+  CarriedRobot() { still_.covariance = 1e-6 * Matrix6d::Identity(); }
+
+  /// It has seen the first room once.
+  void map_first_room(const DenseMapperSettings& settings) {
+    mapper_.emplace(settings);
+    mapper_->step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
+  }
+  DenseMapper::Step look() {
+    return mapper_->step(coloured_frame(++frames_ * frame_time, there_, no_mount, still_));
+  }
+
+  Motion still_;
+
+ private:
+  std::optional<DenseMapper> mapper_;
+  const ColouredCloud there_ = seen_from(transformed(room(0.03), planar_pose(0.3, 0.2, 3.0)), no_mount, 2);
+  int frames_ = 0;
+};
+
+TEST_F(CarriedRobot, SaysThatItMayBeAnywhere) {
+  const DenseMapperSettings settings;
+  map_first_room(settings);
   DenseMapper::Step step;
-  for (int i = 1; i < 50 && !step.adrift; ++i)
-    step = mapper.step(coloured_frame(i * frame_time, there, no_mount, still));
+  for (int i = 1; i < 50 && !step.adrift; ++i) step = look();
   ASSERT_TRUE(step.adrift);
   EXPECT_TRUE(step.carried);
   EXPECT_GT(step.covariance(0, 0), 0.25 * settings.carried_after * settings.carried_after);
 }
 
 // Who never takes a robot for carried must not wait for the day that it is carried back.
-TEST(BeyondTheMap, WithoutAWatchItGoesOnFromOdometry) {
+TEST_F(CarriedRobot, GoesOnFromOdometryWhereNobodyWatches) {
   DenseMapperSettings settings;
   settings.carried_after = 0;
   settings.reseed_after = 5;
-  DenseMapper mapper(settings);
-  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
-  Motion still;
-  still.covariance = 1e-6 * Matrix6d::Identity();
-  const ColouredCloud there = seen_from(transformed(room(0.03), planar_pose(0.3, 0.2, 3.0)), no_mount, 2);
+  map_first_room(settings);
   for (int i = 1; i <= settings.reseed_after + 1; ++i) {
-    const DenseMapper::Step step = mapper.step(coloured_frame(i * frame_time, there, no_mount, still));
+    const DenseMapper::Step step = look();
     EXPECT_FALSE(step.adrift || step.carried);
     EXPECT_EQ(step.reseeded, i == settings.reseed_after + 1) << i;
   }
 }
 
 // Odometry by wheels gives way to that of a camera, which says nothing of who is carried.
-TEST(BeyondTheMap, WhatContradictedTheWheelsIsForgottenWithThem) {
+TEST_F(CarriedRobot, IsNotContradictedByWheelsThatAreSilent) {
   DenseMapperSettings settings;
   settings.reseed_after = 5;
-  DenseMapper mapper(settings);
-  mapper.step(coloured_frame(0, seen_from(room(0.03), no_mount, 1), no_mount));
-  Motion still;
-  still.covariance = 1e-6 * Matrix6d::Identity();
-  const ColouredCloud there = seen_from(transformed(room(0.03), planar_pose(0.3, 0.2, 3.0)), no_mount, 2);
-  mapper.step(coloured_frame(frame_time, there, no_mount, still));
-  still.visual = true;
+  map_first_room(settings);
+  look();
+  still_.visual = true;
   bool reseeded = false;
-  for (int i = 2; i <= settings.reseed_after + 2; ++i)
-    reseeded |= mapper.step(coloured_frame(i * frame_time, there, no_mount, still)).reseeded;
+  for (int i = 0; i <= settings.reseed_after; ++i) reseeded |= look().reseeded;
   EXPECT_TRUE(reseeded);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // Exact wheel motions of the three kinds of base, from the constraint equations (wheel_kinematics.hpp).
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <string>
 #include <vector>
@@ -72,6 +74,11 @@ inline void drive(Base& base, const PlanarTwist& twist, double about_seconds) {
   }
   base.encoders.utime += std::llround(seconds * 1e6);
   ++base.encoders.seq;
+}
+
+inline void expect_near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double tolerance,
+                        const std::string& what) {
+  EXPECT_LT((a.matrix() - b.matrix()).cwiseAbs().maxCoeff(), tolerance) << what;
 }
 
 inline Eigen::Isometry3d arc(const PlanarTwist& twist, double seconds) {
