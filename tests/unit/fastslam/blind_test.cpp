@@ -108,24 +108,26 @@ TEST(CoveredCamera, StandsLostMapsNothingAndFindsBack) {
 // Found back while odometry still knows nothing: that is news of the map. A controller, who follows the local
 // pose, sees no more than a robot can do in one step.
 TEST(CoveredCamera, BeingFoundIsNoMotion) {
-  constexpr std::size_t covered = 120, uncovered = 170;
-  constexpr double dt = 0.1;  // s between frames
-  Drive drive = hand_held_drive(lap + 50, 1);
+  constexpr std::size_t covered = 120, uncovered = 135, elsewhere = 60;  // where it is carried meanwhile
+  constexpr double dt = 0.1;                                             // s between frames
+  const Drive drive = hand_held_drive(lap + 50, 1);
   FastSlam slam(hand_held());
   Eigen::Isometry3d T_last, T_local_last;
   double leap = 0, local_leap = 0;
   bool found = false;
-  for (std::size_t i = 0; i < drive.steps.size(); ++i) {
-    synthetic::Step& step = drive.steps[i];
-    if (i >= covered && i < uncovered) step.frame.features.clear();
-    const bool unknown = i >= covered && !found;
+  for (std::size_t i = 0; i < drive.steps.size() && !found; ++i) {
+    const synthetic::Step& step = drive.steps[i];
+    FeatureFrame frame = i < uncovered ? step.frame : drive.steps[elsewhere + i - uncovered].frame;
+    frame.utime = step.frame.utime;
+    if (i >= covered && i < uncovered) frame.features.clear();
+    const bool unknown = i >= covered;
     const double dark_for = unknown ? dt * static_cast<double>(i - covered) : 0;
-    const StepResult r = slam.step(unknown ? in_the_dark(dark_for, dt) : step.motion, step.frame);
+    const StepResult r = slam.step(unknown ? in_the_dark(dark_for, dt) : step.motion, frame);
     if (unknown) {
       leap = std::max(leap, distance_between(T_last, r.T_world_robot));
       local_leap = std::max(local_leap, distance_between(T_local_last, r.T_local_robot));
     }
-    found = found || (i >= uncovered && r.status == TrackStatus::relocalised);
+    found = i >= uncovered && r.status == TrackStatus::relocalised;
     T_last = r.T_world_robot;
     T_local_last = r.T_local_robot;
   }
