@@ -10,6 +10,15 @@
 namespace lcmslam {
 using Eigen::Vector3f;
 
+namespace {
+
+// A phase tells a range but for whole turns.
+double folded(double range, double turn) {
+  return range - turn * std::floor(range / turn);
+}
+
+}  // namespace
+
 TofCamera::TofCamera(const Scene& scene, const RayCaster& caster, const CameraModel& camera,
                      const TofSensor& sensor)
     : scene_(scene), caster_(caster), camera_(camera), sensor_(sensor) {
@@ -106,17 +115,18 @@ void TofCamera::measure_row(int row, const cv::Mat& seen, const PixelNoise& nois
     image.depth.at<std::uint16_t>(row, column) = 0;
     image.grey.at<std::uint8_t>(row, column) = 0;
     if (amplitude < sensor_.minimum_amplitude || !is_lit(row, column)) continue;
-    const double corrected = amplitude * range * range;  // reflectivity x cos
-    const double sigma = sensor_.noise * range * range / std::sqrt(corrected);
+    const double reflected = amplitude * range * range;  // reflectivity x cos
+    const double sigma = sensor_.noise * range * range / std::sqrt(reflected);
     const std::uint64_t bits = noise.bits(static_cast<std::uint64_t>(row * camera_.width + column));
     const double wiggle =
         sensor_.wiggle * std::sin(2 * M_PI * range / sensor_.wiggle_period + sensor_.wiggle_phase);
-    const double measured = range + wiggle + sigma * static_cast<double>(PixelNoise::smooth_normal(bits));
-    if (measured < sensor_.minimum_range || measured > sensor_.unambiguous_range) continue;
+    const double noisy = range + wiggle + sigma * static_cast<double>(PixelNoise::smooth_normal(bits));
+    const double measured = folded(noisy, sensor_.unambiguous_range);
+    if (measured < sensor_.minimum_range) continue;
     const double depth = 1000 * measured * static_cast<double>(cosine_.at<float>(row, column));
     image.depth.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(depth + 0.5);
     image.grey.at<std::uint8_t>(row, column) =
-        static_cast<std::uint8_t>(std::clamp(255 * corrected + 0.5, 1.0, 255.0));
+        static_cast<std::uint8_t>(std::clamp(255 * amplitude * measured * measured + 0.5, 1.0, 255.0));
   }
 }
 
