@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
 namespace lcmslam {
 namespace {
@@ -9,6 +10,7 @@ namespace {
 constexpr Utime time_began_anew = 1'000'000;  // us back
 constexpr std::size_t known_pace = 8, most_intervals = 15;
 constexpr std::size_t longest_wait = 8;  // images of one camera: one whose partner is silent must not pile up
+constexpr Utime none = std::numeric_limits<Utime>::min(), all = std::numeric_limits<Utime>::max();
 
 }  // namespace
 
@@ -62,9 +64,9 @@ void ImagePairs::add_depth(CameraShot frame) {
 }
 
 std::optional<CameraShot> ImagePairs::next() {
-  while (decide(true)) {
+  while (decide(none)) {
   }
-  if (std::max(colours_.waiting.size(), depths_.waiting.size()) > longest_wait) finish();
+  bound_waiting();
   std::optional<CameraShot> pair;
   if (!begun_before_.empty()) {
     pair = std::move(begun_before_.front());
@@ -78,24 +80,34 @@ std::optional<CameraShot> ImagePairs::next() {
 }
 
 void ImagePairs::finish() {
-  while (decide(false)) {
+  while (decide(all)) {
+  }
+}
+
+/// The oldest wait no longer where too many do; the others, whose partners may only be late, go on.
+void ImagePairs::bound_waiting() {
+  for (const Stream* stream : {&colours_, &depths_}) {
+    if (stream->waiting.size() <= longest_wait) continue;
+    Utime given_up = stream->waiting.begin()->first;
+    while (stream->waiting.size() > longest_wait)
+      if (!decide(given_up)) given_up += 1 + tolerance_;
   }
 }
 
 /// Whether no image of `other` that comes later can be nearer to `utime` than `nearest`, or, where nothing is
-/// near, be near at all.
+/// near, be near at all. Who lies up to `given_up` waits for none.
 bool ImagePairs::is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest,
-                            bool more_may_come) const {
-  if (!more_may_come) return true;
+                            Utime given_up) const {
+  if (utime <= given_up) return true;
   const bool near = nearest && std::abs(*nearest - utime) <= tolerance_;
   return !other.may_give(utime + (near ? std::abs(*nearest - utime) - 1 : tolerance_));
 }
 
 /// Makes one pair, or finds one image to be without; false when nothing can be decided.
-bool ImagePairs::decide(bool more_may_come) {
+bool ImagePairs::decide(Utime given_up) {
   for (const auto& [colour, frame] : colours_.waiting) {
     const auto depth = depths_.nearest(colour);
-    if (!is_settled(depths_, colour, depth, more_may_come)) continue;
+    if (!is_settled(depths_, colour, depth, given_up)) continue;
     if (!depth || std::abs(*depth - colour) > tolerance_) {
       if (depth) last_miss_ = std::abs(*depth - colour);
       ++counts_.unmatched_colour;
@@ -103,7 +115,7 @@ bool ImagePairs::decide(bool more_may_come) {
       return true;
     }
     const auto back = colours_.nearest(*depth);
-    if (back == colour && is_settled(colours_, *depth, back, more_may_come)) {
+    if (back == colour && is_settled(colours_, *depth, back, given_up)) {
       make_pair(colour, *depth);
       return true;
     }
@@ -111,7 +123,7 @@ bool ImagePairs::decide(bool more_may_come) {
   for (const auto& [depth, frame] : depths_.waiting) {
     const auto colour = colours_.nearest(depth);
     const bool near = colour && std::abs(*colour - depth) <= tolerance_;
-    if (near || !is_settled(colours_, depth, colour, more_may_come)) continue;
+    if (near || !is_settled(colours_, depth, colour, given_up)) continue;
     ++counts_.unmatched_depth;
     depths_.waiting.erase(depth);
     return true;

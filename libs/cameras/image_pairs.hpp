@@ -60,8 +60,9 @@ class ImagePairs {
     std::optional<Utime> nearest(Utime utime) const;
   };
   bool admit(Stream& stream, Utime stamp);
-  bool decide(bool more_may_come);
-  bool is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest, bool more_may_come) const;
+  void bound_waiting();
+  bool decide(Utime given_up);
+  bool is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest, Utime given_up) const;
   void make_pair(Utime colour, Utime depth);
 
   Utime tolerance_, depth_offset_;

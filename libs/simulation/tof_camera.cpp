@@ -121,8 +121,8 @@ void TofCamera::measure_row(int row, const cv::Mat& seen, const PixelNoise& nois
     const double wiggle =
         sensor_.wiggle * std::sin(2 * M_PI * range / sensor_.wiggle_period + sensor_.wiggle_phase);
     const double noisy = range + wiggle + sigma * static_cast<double>(PixelNoise::smooth_normal(bits));
-    const double measured = folded(noisy, sensor_.unambiguous_range);
-    if (measured < sensor_.minimum_range) continue;
+    const double measured = sensor_.folds ? folded(noisy, sensor_.unambiguous_range) : noisy;
+    if (measured < sensor_.minimum_range || measured > sensor_.unambiguous_range) continue;
     const double depth = 1000 * measured * static_cast<double>(cosine_.at<float>(row, column));
     image.depth.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(depth + 0.5);
     image.grey.at<std::uint8_t>(row, column) =

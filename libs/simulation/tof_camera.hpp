@@ -4,7 +4,7 @@
 // Each pixel receives 3x3 sub-rays; sub-ray i returns the phasor a_i exp(2 pi j r_i / 7.5 m) with
 // a_i = reflectivity cos(incidence) / r_i^2. Their sum gives range and amplitude, so a pixel on a
 // depth edge measures something in between (mixed or flying pixel). What is farther than 7.5 m and bright
-// enough is measured 7.5 m too near, as such cameras do, and grey is corrected by that range: a folded
+// enough is measured 7.5 m too near, as one frequency does, and grey is corrected by that range: a folded
 // surface is dark.
 
 #include <cmath>
@@ -19,7 +19,8 @@
 namespace lcmslam {
 
 struct TofSensor {
-  double unambiguous_range = 7.5;    ///< m, half the modulation's wavelength: ranges fold there
+  double unambiguous_range = 7.5;    ///< m, half the modulation's wavelength
+  bool folds = true;                 ///< one frequency: a turn farther is measured a turn too near
   double minimum_range = 0.3;        ///< m
   double noise = 0.001;              ///< 1/m: sigma = noise r^2 / sqrt(reflectivity cos)
   double wiggle = 0.006;             ///< m, systematic error wiggle sin(2 pi r / period + phase)
@@ -30,8 +31,9 @@ struct TofSensor {
   double valid_angle = M_PI / 2;     ///< rad from the optical axis: pixels farther out are invalid
 
   void describe(SettingsVisitor& s) {
-    s.number("unambiguous_range", unambiguous_range, "m", {0.5, 100},
-             "half the modulation's wavelength: what is farther is measured too near by it");
+    s.number("unambiguous_range", unambiguous_range, "m", {0.5, 100}, "half the modulation's wavelength");
+    s.flag("folds", folds,
+           "one frequency: what is farther is measured too near by unambiguous_range (false: it is invalid)");
     s.number("minimum_range", minimum_range, "m", {0, 10}, "nearest range");
     s.number("noise", noise, "1/m", {0, 1}, "sigma = noise r^2 / sqrt(reflectivity cos(incidence))");
     s.number("wiggle", wiggle, "m", {0, 0.1},

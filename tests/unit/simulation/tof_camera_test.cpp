@@ -86,6 +86,13 @@ TEST(TofCamera, WhatIsTooFarIsMeasuredOneTurnTooNearAndDark) {
   const cv::Scalar depth = cv::mean(image.depth(middle)), grey = cv::mean(image.grey(middle));
   EXPECT_NEAR(depth[0], 1500, 40);  // sigma 0.09 m a pixel
   EXPECT_NEAR(grey[0], 255 * 0.8 * std::pow(1.5 / 9, 2), 2);
+  TofSensor several_frequencies;
+  several_frequencies.folds = false;
+  const Scene scene = box_room(9, "", 0.8);
+  const RayCaster caster(scene);
+  const TofImage told = TofCamera(scene, caster, tof_model(), several_frequencies)
+                            .render(level_camera(), PixelNoise(1, 2, 0), 1);
+  EXPECT_EQ(cv::countNonZero(told.depth(middle)), 0);
 }
 
 TEST(TofCamera, TooNearAndTooDarkAreInvalid) {
