@@ -9,7 +9,10 @@ namespace {
 
 constexpr Utime time_began_anew = 1'000'000;  // us back
 constexpr std::size_t known_pace = 8, most_intervals = 15;
-constexpr std::size_t longest_wait = 8;  // images of one camera: one whose partner is silent must not pile up
+// Of images that find no partner so many of a camera wait, and so long (us) by its stamps, whichever is more:
+// a partner may come late, and may be silent.
+constexpr std::size_t most_waiting = 8;
+constexpr Utime longest_wait = 300'000;
 constexpr Utime none = std::numeric_limits<Utime>::min(), all = std::numeric_limits<Utime>::max();
 
 }  // namespace
@@ -66,7 +69,7 @@ void ImagePairs::add_depth(CameraShot frame) {
 std::optional<CameraShot> ImagePairs::next() {
   while (decide(none)) {
   }
-  bound_waiting();
+  give_up_overdue();
   std::optional<CameraShot> pair;
   if (!begun_before_.empty()) {
     pair = std::move(begun_before_.front());
@@ -84,12 +87,16 @@ void ImagePairs::finish() {
   }
 }
 
-/// The oldest wait no longer where too many do; the others, whose partners may only be late, go on.
-void ImagePairs::bound_waiting() {
+bool ImagePairs::Stream::is_overdue() const {
+  return waiting.size() > most_waiting && last - waiting.begin()->first > longest_wait;
+}
+
+/// Gives up waiting for the partners of the oldest alone: those of the others may only be late.
+void ImagePairs::give_up_overdue() {
   for (const Stream* stream : {&colours_, &depths_}) {
-    if (stream->waiting.size() <= longest_wait) continue;
+    if (!stream->is_overdue()) continue;
     Utime given_up = stream->waiting.begin()->first;
-    while (stream->waiting.size() > longest_wait)
+    while (stream->is_overdue())
       if (!decide(given_up)) given_up += 1 + tolerance_;
   }
 }

@@ -54,13 +54,14 @@ class ImagePairs {
     bool begun = false;
     std::deque<Utime> intervals;  // us, the last ones: a hiccup is not remembered for good
 
+    bool is_overdue() const;
     /// Whether an image that has not come yet may have a stamp up to `latest`.
     bool may_give(Utime latest) const;
     /// The stamp of the waiting image that is nearest to `utime`; of two, the earlier.
     std::optional<Utime> nearest(Utime utime) const;
   };
   bool admit(Stream& stream, Utime stamp);
-  void bound_waiting();
+  void give_up_overdue();
   bool decide(Utime given_up);
   bool is_settled(const Stream& other, Utime utime, std::optional<Utime> nearest, Utime given_up) const;
   void make_pair(Utime colour, Utime depth);

@@ -184,6 +184,18 @@ TEST(ImagePairs, OfOneCameraThatFallsSilentAreNotWaitedForForEver) {
   EXPECT_GE(matcher.counts().unmatched_colour, 90);
 }
 
+TEST(ImagePairs, OfPartnersThatComeLateAreAllMadeWhileThePaceIsNotKnown) {
+  ImagePairs matcher(5'000, 0);
+  int pairs = 0;
+  for (int i = 0; i < 500; ++i) {  // 100 Hz, depth 0.2 s late and without a pace to rely on
+    matcher.add_colour(image(1'000'000 + i * 10'000));
+    if (i >= 20) matcher.add_depth(image(1'000'000 + (i - 20) * 10'000 - 1'000 * (i % 3)));
+    while (matcher.next()) ++pairs;
+  }
+  EXPECT_GE(pairs, 475);
+  EXPECT_EQ(matcher.counts().unmatched_colour, 0);
+}
+
 TEST(ImagePairs, TakeTheDepthImageWithItsStampAndAmplitude) {
   ImagePairs matcher(20'000, 0);
   RgbdFrame colour = image(1'000'000), depth = image(1'003'000);
