@@ -184,16 +184,20 @@ TEST(ImagePairs, OfOneCameraThatFallsSilentAreNotWaitedForForEver) {
   EXPECT_EQ(matcher.counts().unmatched_colour, 89) << "all but the pair and the last 0.3 s";
 }
 
-TEST(ImagePairs, OfPartnersThatComeLateAreAllMadeWhileThePaceIsNotKnown) {
+// 100 Hz, depth 0.2 s late and without a pace to rely on; once it stalls for another 0.2 s.
+TEST(ImagePairs, OfPartnersThatComeLateAreMadeButForThoseThatAreTooLate) {
   ImagePairs matcher(5'000, 0);
   int pairs = 0;
-  for (int i = 0; i < 500; ++i) {  // 100 Hz, depth 0.2 s late and without a pace to rely on
+  int next_depth = 0;
+  for (int i = 0; i < 500; ++i) {
     matcher.add_colour(image(1'000'000 + i * 10'000));
-    if (i >= 20) matcher.add_depth(image(1'000'000 + (i - 20) * 10'000 - 1'000 * (i % 3)));
+    const bool stalls = i >= 250 && i < 270;
+    for (; next_depth <= i - 20 && !stalls; ++next_depth)
+      matcher.add_depth(image(1'000'000 + next_depth * 10'000 - 1'000 * (next_depth % 3)));
     while (matcher.next()) ++pairs;
   }
-  EXPECT_GE(pairs, 475);
-  EXPECT_EQ(matcher.counts().unmatched_colour, 0);
+  EXPECT_NEAR(static_cast<double>(matcher.counts().unmatched_colour), 10, 2);
+  EXPECT_GE(pairs, 465);
 }
 
 TEST(ImagePairs, TakeTheDepthImageWithItsStampAndAmplitude) {
