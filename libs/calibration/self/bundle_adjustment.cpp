@@ -4,6 +4,7 @@
 
 #include <lcmslam/calibration/self/bundle_problem.hpp>
 #include <lcmslam/calibration/self/observability.hpp>
+#include <lcmslam/calibration/self/rolling_shutter.hpp>
 
 namespace lcmslam {
 namespace {
@@ -69,6 +70,8 @@ HeadModel observed_head(const HeadModel& model, const BundleResult& result, cons
   for (int i = 0; i < head::count; ++i)
     if (!is_observed(result, static_cast<head::Parameter>(i), settings))
       head.values[static_cast<std::size_t>(i)] = start.values[static_cast<std::size_t>(i)];
+  head.values[head::colour_rows] = head.values[head::depth_rows] =
+      rolling_shutter_of(model, result, settings).seconds;
   return head;
 }
 

@@ -61,7 +61,8 @@ inline bool is_observed(const BundleResult& result, head::Parameter p, const Bun
   return !result.held(p) && result.sigmas[p] < settings.unobserved * result.priors[p];
 }
 
-/// The head with what the recording does not tell as it was at the start.
+/// The head with what the recording does not tell as it was at the start, and one rolling shutter for both
+/// images (rolling_shutter.hpp).
 HeadModel observed_head(const HeadModel& model, const BundleResult& result, const BundleSettings& settings);
 
 }  // namespace lcmslam

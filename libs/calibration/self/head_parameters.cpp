@@ -1,7 +1,6 @@
 #include <lcmslam/calibration/self/head_parameters.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 namespace lcmslam {
 namespace {
@@ -103,7 +102,7 @@ CameraModel HeadModel::colour() const {
   return c;
 }
 
-RgbdCalibration HeadModel::calibration(double rows_differ) const {
+RgbdCalibration HeadModel::calibration() const {
   RgbdCalibration c = start;
   c.colour = colour();
   c.depth = depth();
@@ -116,8 +115,7 @@ RgbdCalibration HeadModel::calibration(double rows_differ) const {
   c.depth_error.tilt_x = start.depth_error.tilt_x + scale * values[head::depth_tilt_x];
   c.depth_error.tilt_y = start.depth_error.tilt_y + scale * values[head::depth_tilt_y];
   c.depth_clock_offset = values[head::depth_clock];
-  if (std::abs(values[head::depth_rows] - values[head::colour_rows]) < rows_differ)
-    c.rolling_shutter = std::clamp(values[head::colour_rows], 0.0, 0.1);
+  c.rolling_shutter = std::clamp(values[head::colour_rows], 0.0, 0.1);
   return c;
 }
 

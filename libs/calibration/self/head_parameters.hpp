@@ -102,9 +102,8 @@ struct HeadModel {
   Eigen::Isometry3d T_colour_depth() const;
   CameraModel colour() const;
   CameraModel depth() const { return registered() ? colour() : start.depth; }
-  /// As a calibration file holds it. Both images' rows are one number there: colour's, where depth's agrees
-  /// within `rows_differ`, else the start's.
-  RgbdCalibration calibration(double rows_differ = 0.006) const;
+  /// As a calibration file holds it. Both images' rows are one number there: colour's.
+  RgbdCalibration calibration() const;
 };
 
 }  // namespace lcmslam

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include <lcmslam/calibration/covariance_text.hpp>
+#include <lcmslam/calibration/self/rolling_shutter.hpp>
 
 namespace lcmslam {
 namespace {
@@ -65,6 +66,8 @@ std::string report_text(const HeadModel& model, const BundleResult& result, cons
   }
   for (const std::string& direction : result.unobserved_directions)
     text += "  not observed together: " + direction + "\n";
+  const RollingShutter rows = rolling_shutter_of(model, result, settings);
+  if (!rows.doubt.empty()) text += "  note: " + rows.doubt + "\n";
   return text;
 }
 

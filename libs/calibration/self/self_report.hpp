@@ -7,7 +7,8 @@
 
 namespace lcmslam {
 
-/// A table: each parameter before and after, its change and sigma, and what was not observed.
+/// A table: each parameter before and after, its change and sigma, what was not observed, and what was and a
+/// calibration cannot say.
 std::string report_text(const HeadModel& model, const BundleResult& result, const BundleSettings& settings);
 
 /// For the file beside the calibration: of what was free.
