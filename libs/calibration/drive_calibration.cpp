@@ -32,10 +32,12 @@ Eigen::Matrix<T, 3, 1> body_motion(const std::vector<WheelStep>& steps, const T*
   return {x, y, heading};
 }
 
-/// A^-1 X B X^-1 should be the identity; whitened.
+/// A^-1 X B X^-1 should be the identity; whitened. The camera's height is taken as given: what turns about
+/// the vertical says of it is noise alone, which adds up and looks like knowledge.
 struct StretchError {
   const Stretch& stretch;
   Eigen::Isometry3d start;
+  double height;  // m
   Matrix6d whitening;
 
   template <class T>
@@ -44,9 +46,10 @@ struct StretchError {
     const MovedPose<T> X(start, p[0]);
     const Eigen::Matrix<T, 3, 3> RB = stretch.T_from_to.linear().cast<T>();
     const Eigen::Matrix<T, 3, 1> tB = stretch.T_from_to.translation().cast<T>();
+    const Eigen::Matrix<T, 3, 1> place(X.t.x(), X.t.y(), T(height));
     // X B X^-1
     const Eigen::Matrix<T, 3, 3> R = X.R * RB * X.R.transpose();
-    const Eigen::Matrix<T, 3, 1> t = X.R * tB + X.t - R * X.t;
+    const Eigen::Matrix<T, 3, 1> t = X.R * tB + place - R * place;
     // A^-1 of it
     using std::cos;
     using std::sin;
@@ -124,6 +127,7 @@ class DriveProblem {
                const Eigen::Isometry3d& start, const DriveCalibrationSettings& settings)
       : wheels_(static_cast<std::size_t>(stretches.front().steps.front().by_wheel.cols())),
         start_(start),
+        height_(floor ? floor->height : start.translation().z()),
         settings_(settings),
         radii(wheels_, 1.0) {
     for (const Stretch& stretch : stretches) add(stretch);
@@ -173,8 +177,8 @@ class DriveProblem {
     const Eigen::LLT<Matrix6d> root(covariance);
     if (root.info() != Eigen::Success) return;  // the camera's pose jumped: it says nothing
     const Matrix6d whitening = root.matrixL().solve(Matrix6d::Identity());
-    auto* error =
-        new ceres::DynamicAutoDiffCostFunction<StretchError, 8>(new StretchError{stretch, start_, whitening});
+    auto* error = new ceres::DynamicAutoDiffCostFunction<StretchError, 8>(
+        new StretchError{stretch, start_, height_, whitening});
     error->AddParameterBlock(6);
     error->AddParameterBlock(static_cast<int>(wheels_));
     error->AddParameterBlock(1);
@@ -204,6 +208,7 @@ class DriveProblem {
 
   std::size_t wheels_;
   Eigen::Isometry3d start_;
+  double height_;
   DriveCalibrationSettings settings_;
   std::vector<ceres::ResidualBlockId> blocks_;
 

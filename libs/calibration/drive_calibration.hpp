@@ -6,7 +6,7 @@
 // A stretch of the drive must be the same whether the wheels or the camera tell it: A X = X B, A of the
 // wheels, B of the camera, X = T_robot_camera. Turns tell roll, pitch, x and y, straight ways yaw, both
 // together radii and track. A robot that stays in its plane does not tell the camera's height: that comes
-// from the floor.
+// from the floor alone.
 
 #include <optional>
 

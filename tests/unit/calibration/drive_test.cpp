@@ -70,6 +70,29 @@ TEST(DriveCalibration, TheFloorTellsTheHeight) {
   EXPECT_LT(xi.dot(found.covariance.ldlt().solve(xi)), 25);
 }
 
+// Hundreds of stretches add their noise up, and none of them knows the height: the start's is 0, as a
+// calibration without a mount has it.
+TEST(DriveCalibration, ManyStretchesDoNotPullTheHeightToTheStarts) {
+  FloorSight floor = true_floor();
+  floor.height_sigma = 0.018;
+  Eigen::Isometry3d start = true_mount();
+  start.translation().z() = 0;
+  const DrivenPath path(testing::figure_of_eight(16));
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const auto stretches =
+        cut_drive(testing::seen_motion(path, true_mount(), start_time, seed, {0.002, 0.002}),
+                  wheel_steps(simulate_encoders(path, "differential", start_time, seed)));
+    ASSERT_GT(stretches.size(), 300U);
+    floor.height = true_floor().height + floor.height_sigma * Random(seed).normal();
+    const DriveCalibration found = calibrate_drive(stretches, floor, start);
+    EXPECT_NEAR(found.T_robot_camera.translation().z(), floor.height, 1e-4) << "seed " << seed;
+    EXPECT_GE(found.robot_sigmas()[2], 0.999 * floor.height_sigma) << "seed " << seed;
+    EXPECT_LT(std::abs(found.T_robot_camera.translation().z() - true_mount().translation().z()),
+              3 * found.robot_sigmas()[2])
+        << "seed " << seed;
+  }
+}
+
 TEST(DriveCalibration, WheelsAreAsLargeAsTheyCount) {
   // What wheels measure too much: the true radius is so much smaller, and so is the track for what turns
   // measure less.
