@@ -269,10 +269,15 @@ DriveCalibration calibrate_drive(const std::vector<Stretch>& stretches,
         "the drive has " + std::to_string(stretches.size()) +
         " stretches in which the camera was tracked and wheels were heard; at least ten are "
         "needed: drive a figure of eight, slowly, before things that are rich in texture");
-  DriveProblem problem(stretches, floor, start, settings);
+  DriveProblem rough(stretches, floor, start, settings);
+  rough.solve();
+  // Once more from there: the camera's noise is turned into the robot's frame by where the problem begins,
+  // and a step's covariance is the pose's where the step is small.
+  const Eigen::Isometry3d near = moved(start, rough.mount);
+  DriveProblem problem(stretches, floor, near, settings);
   problem.solve();
   DriveCalibration result;
-  result.T_robot_camera = moved(start, problem.mount);
+  result.T_robot_camera = moved(near, problem.mount);
   result.height_observed = floor.has_value();
   result.radius_factors = problem.radii;
   result.layout_factor = problem.layout;

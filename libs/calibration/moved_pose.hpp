@@ -1,6 +1,7 @@
 #pragma once
-// A pose as Ceres refines it: a start, moved by a small step that begins at zero. The step's covariance is
-// that of the pose, T exp(xi), since exp is the identity there but for what is of second order.
+// A pose as Ceres refines it: a start, moved by a step that begins at zero. The step's axes are the start's:
+// its covariance is that of the pose, T exp(xi), where the step stays so small that both poses have the same
+// ones.
 
 #include <ceres/rotation.h>
 

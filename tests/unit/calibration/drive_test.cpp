@@ -93,6 +93,22 @@ TEST(DriveCalibration, ManyStretchesDoNotPullTheHeightToTheStarts) {
   }
 }
 
+// The pitch that is corrected must not turn what the floor leaves open of the height into x.
+TEST(DriveCalibration, IsAsSureFromARoughStartAsFromTheTruth) {
+  FloorSight floor = true_floor();
+  floor.height_sigma = 0.02;
+  const DrivenPath path(testing::figure_of_eight(4));
+  const auto stretches = cut_drive(testing::seen_motion(path, true_mount(), start_time, 5),
+                                   wheel_steps(simulate_encoders(path, "differential", start_time, 5)));
+  const Eigen::Isometry3d pitched =
+      true_mount() * Eigen::Isometry3d(Eigen::AngleAxisd(17 * degree, Eigen::Vector3d::UnitX()));
+  const DriveCalibration near = calibrate_drive(stretches, floor, true_mount()),
+                         far = calibrate_drive(stretches, floor, pitched);
+  EXPECT_LT(angle_between(near.T_robot_camera, far.T_robot_camera), 0.02 * degree);
+  const Vector6d ratio = far.robot_sigmas().cwiseQuotient(near.robot_sigmas());
+  EXPECT_LT((ratio - Vector6d::Ones()).cwiseAbs().maxCoeff(), 0.02) << ratio.transpose();
+}
+
 TEST(DriveCalibration, WheelsAreAsLargeAsTheyCount) {
   // What wheels measure too much: the true radius is so much smaller, and so is the track for what turns
   // measure less.
