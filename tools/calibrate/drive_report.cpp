@@ -46,6 +46,21 @@ void doubt_consensus(const DriveCalibration& found, std::vector<std::string>& mi
                   found.slips, found.stretches));
 }
 
+void doubt_tracking(const RecordedDrive& drive, std::vector<std::string>& missing) {
+  if (2 * drive.tracked < drive.images)
+    missing.emplace_back(
+        "the camera was tracked in less than half of the images: drive slowly, before things with texture");
+}
+
+/// What a drive lacks whatever it is for.
+std::vector<std::string> drive_doubts(const RecordedDrive& drive, const DriveCalibration& found) {
+  std::vector<std::string> missing;
+  doubt_tracking(drive, missing);
+  doubt_factors(found, missing);
+  doubt_consensus(found, missing);
+  return missing;
+}
+
 }  // namespace
 
 std::string drive_report(const RecordedDrive& drive, const DriveCalibration& found) {
@@ -101,13 +116,8 @@ std::string wheels_report(const RecordedDrive& drive, const DriveCalibration& fo
 }
 
 std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCalibration& found) {
-  std::vector<std::string> missing;
+  std::vector<std::string> missing = drive_doubts(drive, found);
   const Vector6d sigma = found.robot_sigmas();
-  if (2 * drive.tracked < drive.images)
-    missing.emplace_back(
-        "the camera was tracked in less than half of the images: drive slowly, before things with texture");
-  doubt_factors(found, missing);
-  doubt_consensus(found, missing);
   if (std::max(sigma[0], sigma[1]) > 0.02)
     missing.emplace_back(fmt::format("x and y are known to {:.0f} mm only: turn more, to both sides",
                                      mm_per_m * std::max(sigma[0], sigma[1])));
@@ -124,10 +134,8 @@ std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCal
   return missing;
 }
 
-std::vector<std::string> wheels_doubts(const DriveCalibration& found) {
-  std::vector<std::string> missing;
-  doubt_factors(found, missing);
-  doubt_consensus(found, missing);
+std::vector<std::string> wheels_doubts(const RecordedDrive& drive, const DriveCalibration& found) {
+  std::vector<std::string> missing = drive_doubts(drive, found);
   const Eigen::VectorXd sigma = found.factor_covariance.diagonal().cwiseSqrt();
   if (sigma.head(sigma.size() - 1).maxCoeff() > 0.01)
     missing.emplace_back(

@@ -10,6 +10,6 @@ std::string mount_report(const RecordedDrive& drive, const DriveCalibration& fou
 std::string wheels_report(const RecordedDrive& drive, const DriveCalibration& found);
 /// Why the drive is refused, and what to drive; none: it is good.
 std::vector<std::string> mount_doubts(const RecordedDrive& drive, const DriveCalibration& found);
-std::vector<std::string> wheels_doubts(const DriveCalibration& found);
+std::vector<std::string> wheels_doubts(const RecordedDrive& drive, const DriveCalibration& found);
 
 }  // namespace lcmslam

@@ -44,7 +44,7 @@ int calibrate_wheels_command(int argc, char** argv) {
   if (drive.wheels.empty())
     throw std::runtime_error(
         "the log has no ENCODERS: a scale of ODOMETRY is its driver's to set, nothing is written");
-  if (const int refused = refuse(wheels_doubts(found), output.accept)) return refused;
+  if (const int refused = refuse(wheels_doubts(drive, found), output.accept)) return refused;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < found.radius_factors.size(); ++i) names.push_back(fmt::format("radius_{}", i));
   names.emplace_back("layout");

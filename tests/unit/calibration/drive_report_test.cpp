@@ -55,12 +55,22 @@ DriveCalibration found_wheels(std::vector<double> radius_factors, double layout_
 }
 
 TEST(DriveDoubts, FactorsThatNoWheelHasAreRefused) {
-  EXPECT_THAT(wheels_doubts(found_wheels({0.55, 1.9}, 1.9)), IsEmpty());
+  EXPECT_THAT(wheels_doubts(tracked_drive(), found_wheels({0.55, 1.9}, 1.9)), IsEmpty());
   for (const auto& found : {found_wheels({0.98, 0.4}, 1), found_wheels({2.1, 1}, 1),
                             found_wheels({1, 1}, 0.4), found_wheels({1, 1}, 2.1)}) {
-    EXPECT_THAT(wheels_doubts(found), ElementsAre(HasSubstr("rough mount")));
+    EXPECT_THAT(wheels_doubts(tracked_drive(), found), ElementsAre(HasSubstr("rough mount")));
     EXPECT_THAT(mount_doubts(tracked_drive(), found), ElementsAre(HasSubstr("rough mount")));
   }
+}
+
+TEST(DriveDoubts, ACameraThatIsLostMostOfTheTimeIsRefused) {
+  RecordedDrive drive = tracked_drive();
+  drive.tracked = drive.images / 2;
+  EXPECT_THAT(mount_doubts(drive, found_wheels({1, 1}, 1)), IsEmpty());
+  EXPECT_THAT(wheels_doubts(drive, found_wheels({1, 1}, 1)), IsEmpty());
+  --drive.tracked;
+  EXPECT_THAT(mount_doubts(drive, found_wheels({1, 1}, 1)), ElementsAre(HasSubstr("less than half")));
+  EXPECT_THAT(wheels_doubts(drive, found_wheels({1, 1}, 1)), ElementsAre(HasSubstr("less than half")));
 }
 
 // Sigmas and misfit are of those that agree, however few.
@@ -68,10 +78,11 @@ TEST(DriveDoubts, WhatMostStretchesContradictIsRefused) {
   DriveCalibration found = found_wheels({1, 1}, 1);
   found.stretches = 40, found.slips = 20;
   EXPECT_THAT(mount_doubts(tracked_drive(), found), IsEmpty());
-  EXPECT_THAT(wheels_doubts(found), IsEmpty());
+  EXPECT_THAT(wheels_doubts(tracked_drive(), found), IsEmpty());
   found.slips = 21;
   EXPECT_THAT(mount_doubts(tracked_drive(), found), ElementsAre(HasSubstr("disagree in 21 of 40 stretches")));
-  EXPECT_THAT(wheels_doubts(found), ElementsAre(HasSubstr("disagree in 21 of 40 stretches")));
+  EXPECT_THAT(wheels_doubts(tracked_drive(), found),
+              ElementsAre(HasSubstr("disagree in 21 of 40 stretches")));
 }
 
 TEST(DriveDoubts, WheelsThatTurnBackwardsAreNoCameraThatLooksAhead) {
@@ -85,7 +96,7 @@ TEST(DriveDoubts, WheelsThatTurnBackwardsAreNoCameraThatLooksAhead) {
                       std::nullopt, optical_axes());
   if (angle_between(found.T_robot_camera, backwards) < 0.02) return;  // the truth was found all the same
   EXPECT_THAT(mount_doubts(tracked_drive(), found), Not(IsEmpty()));
-  EXPECT_THAT(wheels_doubts(found), Not(IsEmpty()));
+  EXPECT_THAT(wheels_doubts(tracked_drive(), found), Not(IsEmpty()));
 }
 
 }  // namespace
