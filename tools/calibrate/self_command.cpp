@@ -21,19 +21,28 @@ int calibrate_self_command(int argc, char** argv) {
       "place, "
       "scale, offset and clock, and the rolling shutter. Says what the recording does not tell.",
       "lcmslam calibrate self"};
-  app.add_option("log", log, "an .lcmlog with CAMERA; ENCODERS or ODOMETRY help")
+  app.add_option("log", log,
+                 "an .lcmlog with CAMERA; ENCODERS or ODOMETRY help where the calibration has a mount")
       ->required()
       ->check(CLI::ExistingFile);
   output.add_to(app, "calibration (YAML) to write");
-  app.add_option("--rate", options.rate, "Hz of the images that are used, at most; 0 (the default): all")
+  app.add_option("--rate", options.rate,
+                 "Hz of the images that are used, at most, 4 or more; 0 (the default): all")
       ->check(CLI::Range(0.0, 1000.0));
   app.add_option("--seconds", options.seconds, "of the log, from its start; 0 (the default): all")
       ->check(CLI::Range(0.0, 1e6));
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
+  if (options.rate > 0 && options.rate < RecordedScene::slowest_images)
+    throw std::invalid_argument(
+        fmt::format("--rate {:g}: so few images do not tell how fast the camera moves; give {:g} Hz or more, "
+                    "or 0 for all",
+                    options.rate, RecordedScene::slowest_images));
   output.check();
   install_stop_signals(0);
 
   const RecordedHead recorded = read_head(log, output.base(std::nullopt), options);
+  if (recorded.scene->wheels_lack_mount())
+    advise({"wheels are not used: the calibration has no mount, which calibrate mount finds"});
   SceneObservations scene = recorded.scene->observations();
   std::cout << fmt::format("{}: {} of {} images tracked, {} keyframes, {} landmarks\n", log,
                            recorded.scene->tracked(), recorded.scene->frames(), scene.keyframes.size(),

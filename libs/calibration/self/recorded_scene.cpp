@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
@@ -96,6 +97,7 @@ void RecordedScene::add(const RgbdFrame& frame) {
 }
 
 void RecordedScene::add(const MotionSample& odometry) {
+  wheels_came_ = true;
   // A buffer forgets all when time goes back: one late message would take the wheels of all before it.
   const bool is_late = !wheels_.empty() && odometry.utime <= wheels_.newest();
   if (start_.has_mount && !is_late) wheels_.add(odometry);
@@ -120,7 +122,7 @@ bool RecordedScene::is_to_be_kept() {
 
 // Over the same time before and after, so that an acceleration does no harm.
 std::optional<RecordedScene::Velocity> RecordedScene::velocity_at(std::size_t pose) const {
-  constexpr double longest = 0.25;  // s, to each side
+  constexpr double longest = 1.1 / slowest_images;  // s, to each side: a camera's period is not exact
   std::size_t before = pose, after = pose;
   const Utime now = path_[pose].utime, window = static_cast<Utime>(1e6 * settings_.velocity_window);
   if (const auto motion = wheels_.between(now - window, now + window))
@@ -163,14 +165,44 @@ std::vector<std::size_t> RecordedScene::views_of(const std::vector<const Keyfram
   return views;
 }
 
+/// Hz, of the images on the path: the median, as a path has gaps.
+double RecordedScene::image_rate() const {
+  std::vector<double> periods;
+  for (std::size_t i = 1; i < path_.size(); ++i)
+    periods.push_back(seconds(path_[i - 1].utime, path_[i].utime));
+  if (periods.empty()) return 0;
+  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
+  std::nth_element(periods.begin(), middle, periods.end());
+  return 1 / *middle;
+}
+
+std::string RecordedScene::why_too_few(std::size_t keyframes, int without_velocity) const {
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "self calibration: %d frames gave %zu keyframes on a tracked path; at least %zu are needed: ",
+                frames_, keyframes, fewest_keyframes);
+  if (without_velocity == 0) return std::string(text) + "the camera must move, see texture and have depth";
+  char reason[300];
+  std::snprintf(
+      reason, sizeof reason,
+      "%d more have no velocity, as images come %.1f times a second: record %.0f a second or more, or "
+      "wheels and the camera's mount",
+      without_velocity, image_rate(), slowest_images);
+  return std::string(text) + reason;
+}
+
 SceneObservations RecordedScene::observations() const {
   std::vector<const Keyframe*> keyframes;
   std::vector<ObservedKeyframe> observed;
+  int without_velocity = 0;
   const std::size_t most = std::min(keyframes_.size(), static_cast<std::size_t>(settings_.keyframes));
   for (std::size_t n = 0; n < most; ++n) {
     const std::size_t i = n * keyframes_.size() / most;
     const auto velocity = velocity_at(keyframes_[i].pose);
-    if (!velocity) continue;
+    if (!velocity) {
+      ++without_velocity;
+      continue;
+    }
     const std::optional<Vector6d> motion =
         keyframes.empty() ? std::nullopt
                           : std::optional(motion_between(keyframes.back()->pose, keyframes_[i].pose));
@@ -182,11 +214,7 @@ SceneObservations RecordedScene::observations() const {
     observed.back().motion = motion;
   }
   if (keyframes.size() < fewest_keyframes)
-    throw std::runtime_error("self calibration: " + std::to_string(frames_) + " frames gave " +
-                             std::to_string(keyframes.size()) + " keyframes on a tracked path; at least " +
-                             std::to_string(fewest_keyframes) +
-                             " are needed: the camera must move, see texture and "
-                             "have depth");
+    throw std::runtime_error(why_too_few(keyframes.size(), without_velocity));
 
   LandmarkTracks tracks(start_, settings_.match_gate, settings_.seed);
   for (std::size_t b = 0; b < keyframes.size(); ++b) {

@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <lcmslam/calibration/self/scene_observations.hpp>
@@ -66,6 +67,11 @@ class RecordedScene {
   /// Wheels, say: the camera's velocity comes from them where they cover it and the camera is mounted. What
   /// is no later than the one before is left out, as frames are.
   void add(const MotionSample& odometry);
+  /// Wheels came, and the calibration does not say where on the robot the camera sits.
+  bool wheels_lack_mount() const { return wheels_came_ && !start_.has_mount; }
+
+  /// Hz, least rate of images that tell a camera's velocity where wheels do not.
+  static constexpr double slowest_images = 4;
 
   int frames() const { return frames_; }
   int tracked() const { return static_cast<int>(path_.size()); }
@@ -100,6 +106,8 @@ class RecordedScene {
   };
   std::optional<Velocity> velocity_at(std::size_t pose) const;
   Vector6d motion_between(std::size_t pose, std::size_t later) const;
+  double image_rate() const;
+  std::string why_too_few(std::size_t keyframes, int without_velocity) const;
   std::vector<std::size_t> views_of(const std::vector<const Keyframe*>& keyframes, std::size_t of) const;
 
   RgbdCalibration start_;
@@ -112,6 +120,7 @@ class RecordedScene {
   std::optional<Eigen::Isometry3d> last_keyframe_;  // kept or not
   std::size_t keyframes_seen_ = 0, keep_each_ = 1;
   MotionBuffer wheels_;
+  bool wheels_came_ = false;
   CameraTurn turn_;
   std::vector<CameraTurn::Step> turns_;
   int frames_ = 0;

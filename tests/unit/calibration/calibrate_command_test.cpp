@@ -16,6 +16,7 @@
 #include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/scratch.hpp"
+#include "tools/calibrate/recorded_drive.hpp"
 #include "tools/commands.hpp"
 
 namespace lcmslam {
@@ -23,6 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 testing::CommandRun calibrate(std::vector<std::string> arguments) {
   return testing::run_command({"calibrate", calibrate_command}, std::move(arguments));
@@ -264,6 +266,24 @@ TEST(CalibrateCommand, SaysWhyNoImageOfALogFitsTheCalibration) {
     EXPECT_THAT(run.errors, HasSubstr("by this calibration: "));
     EXPECT_THAT(run.errors, HasSubstr("176x144"));
   }
+}
+
+TEST(CalibrateCommand, SelfSaysWhyItUsesNoWheelsAndHowManyImagesItNeeds) {
+  const testing::ScratchFolder scratch;
+  const std::string log = source_folder() / "logs/kitchen_drive.lcmlog";
+  RgbdCalibration unmounted = *calibration_in(log);
+  unmounted.has_mount = false;
+  const std::string head = scratch.write("head.yaml", calibration_text(unmounted)).string(),
+                    out = (scratch.path() / "o.yaml").string();
+  const std::vector<std::string> start = {"self", log, "-o", out, "--seconds", "0.5"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), start.begin(), start.end());
+    return calibrate(std::move(more));
+  };
+  EXPECT_THAT(with({"--into", head}).out, HasSubstr("note: wheels are not used"));
+  EXPECT_THAT(with({}).out, Not(HasSubstr("wheels are not used")));
+  EXPECT_THAT(with({"--rate", "2"}).errors, HasSubstr("--rate 2: "));
+  EXPECT_THAT(with({"--rate", "4"}).errors, Not(HasSubstr("--rate 4: ")));
 }
 
 TEST(CalibrateCommand, ALogWithoutImagesIsNoDrive) {

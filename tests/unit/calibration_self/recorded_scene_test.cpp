@@ -19,6 +19,7 @@ namespace lcmslam {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr Utime frame_period = 250'000;  // us
 
@@ -177,6 +178,41 @@ TEST(RecordedScene, WheelsThatComeLateTakeNothingFromThoseBefore) {
     }
     EXPECT_EQ(scene.keyframes[0].turn_noise, RecordedSceneSettings().wheel_turn_noise) << "by wheels";
   }
+}
+
+// Two a second, of a camera that moves, sees texture and has depth.
+TEST(RecordedScene, SaysThatImagesComeTooSeldomToTellVelocities) {
+  const Drive& d = drive();
+  RecordedScene recording(d.start, RecordedSceneSettings{});
+  for (std::size_t i = 0; i < d.frames.size(); i += 2) recording.add(d.frames[i]);
+  ASSERT_GT(recording.kept_keyframes(), 5U);
+  try {
+    recording.observations();
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("images come 2.0 times a second"));
+    EXPECT_THAT(error.what(), Not(HasSubstr("the camera must move")));
+  }
+}
+
+// The rate that the command allows.
+TEST(RecordedScene, FourImagesASecondTellVelocities) {
+  const Drive& d = drive();
+  RecordedScene recording(d.start, RecordedSceneSettings{});
+  for (const RgbdFrame& frame : d.frames) recording.add(frame);
+  EXPECT_GT(recording.observations().keyframes.size(), 15U);
+  EXPECT_EQ(recording.observations().keyframes[3].turn_noise, RecordedSceneSettings().image_turn_noise);
+}
+
+TEST(RecordedScene, WheelsWithoutAMountAreNotUsed) {
+  const Drive& d = drive();
+  EXPECT_FALSE(d.recording->wheels_lack_mount());
+  RgbdCalibration unmounted = d.start;
+  unmounted.has_mount = false;
+  RecordedScene recording(unmounted, {});
+  EXPECT_FALSE(recording.wheels_lack_mount()) << "none came";
+  recording.add(d.wheels.front());
+  EXPECT_TRUE(recording.wheels_lack_mount());
 }
 
 TEST(RecordedScene, SaysWhatARecordingThatStandsStillLacks) {
