@@ -24,13 +24,13 @@ double median_of(std::vector<double>& values) {
 }
 
 /// The median of a bin, and how sure it is: 1.2533 sigma / sqrt(n), sigma from the median of the deviations.
-RangeSample sample_of(double range, double pose_sigma, std::vector<double>& errors) {
+RangeSample sample_of(double range, double shared_sigma, std::vector<double>& errors) {
   RangeSample sample;
   sample.range = range;
   sample.error = median_of(errors);
   for (double& e : errors) e = std::abs(e - sample.error);
   const double sigma = std::max(1.4826 * median_of(errors), 3e-4);
-  sample.sigma = std::hypot(1.2533 * sigma / std::sqrt(static_cast<double>(errors.size())), pose_sigma);
+  sample.sigma = std::hypot(1.2533 * sigma / std::sqrt(static_cast<double>(errors.size())), shared_sigma);
   return sample;
 }
 
@@ -165,10 +165,15 @@ std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& c
       errors.push_back(measured - range);
     }
   std::vector<RangeSample> samples;
-  for (auto& [index, bin] : bins)
-    if (bin.second.size() >= fewest_pixels)
-      samples.push_back(
-          sample_of(bin.first / static_cast<double>(bin.second.size()), pose_sigma, bin.second));
+  const auto is_sample = [](const auto& bin) { return bin.second.second.size() >= fewest_pixels; };
+  // What is wrong with the distance is in each of them, and fits take them for independent.
+  const double shared_sigma =
+      pose_sigma * std::sqrt(static_cast<double>(std::count_if(bins.begin(), bins.end(), is_sample)));
+  for (auto& bin : bins) {
+    auto& [sum, errors] = bin.second;
+    if (is_sample(bin))
+      samples.push_back(sample_of(sum / static_cast<double>(errors.size()), shared_sigma, errors));
+  }
   return samples;
 }
 
@@ -206,7 +211,6 @@ RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples,
     fit.error.scale = plain.solution[1];
     fit.covariance.topLeftCorner<2, 2>() = plain.covariance;
   }
-  fit.rms_after = rms(samples, fit.error);
   const double freedom = std::max(1.0, static_cast<double>(samples.size()) - 5);
   fit.covariance *= std::max(1.0, weighted_squares(samples, fit.error) / freedom);
   fit.apparent_scale = fit.error.scale;
@@ -215,6 +219,7 @@ RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples,
     fit.covariance.row(1).setZero();
     fit.covariance.col(1).setZero();
   }
+  fit.rms_after = rms(samples, fit.error);
   return fit;
 }
 

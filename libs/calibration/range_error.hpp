@@ -11,7 +11,7 @@ namespace lcmslam {
 struct RangeSample {
   double range = 0;  ///< m, true, along the ray
   double error = 0;  ///< m, measured less true: the median of its pixels
-  double sigma = 0;  ///< m, of the median
+  double sigma = 0;  ///< m, of the median, and of its share in the board's distance
 };
 
 /// How sure the distance (m) of a board is that `camera` places by its corners, which are a tenth of a pixel
@@ -20,7 +20,8 @@ double board_distance_sigma(const CameraModel& camera, const Board& board, doubl
 
 /// The depth image's pixels on the board against its plane. `depth` CV_16UC1 mm along the optical axis;
 /// pixels within two of the board's rim are left out, they see beside it too. `pose_sigma` (m) of the board's
-/// distance, which all pixels share. Throws std::invalid_argument for another image.
+/// distance, which all pixels share: all samples together tell the mean error no better than that. Throws
+/// std::invalid_argument for another image.
 std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& camera, const Board& board,
                                       const Eigen::Isometry3d& T_camera_board, double pose_sigma);
 
@@ -40,7 +41,7 @@ struct RangeErrorFit {
   Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
   double apparent_scale = 0;             ///< as estimated, kept or not
   double nearest = 0, farthest = 0;      ///< m, of the samples
-  double rms_before = 0, rms_after = 0;  ///< m, of the samples
+  double rms_before = 0, rms_after = 0;  ///< m, of the samples, as measured and corrected by `error`
   std::vector<std::string> notes;        ///< what could not be observed, and why
 };
 

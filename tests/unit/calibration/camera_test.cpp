@@ -128,7 +128,14 @@ TEST(RangeError, OffsetAndWiggleComeOut) {
   double worst = 0;
   for (double r = 0.6; r < 3; r += 0.05) worst = std::max(worst, std::abs(fit.error.at(r) - truth.at(r)));
   EXPECT_LT(worst, 0.002);
-  EXPECT_LT(fit.rms_after, 0.2 * fit.rms_before);
+  const auto rms_left = [&](double scale) {
+    double squares = 0;
+    for (const RangeSample& s : samples)
+      squares += std::pow(s.error - fit.error.at(s.range) - scale * s.range, 2);
+    return std::sqrt(squares / static_cast<double>(samples.size()));
+  };
+  EXPECT_LT(rms_left(fit.apparent_scale), 0.2 * fit.rms_before);
+  EXPECT_NEAR(fit.rms_after, rms_left(0), 1e-9) << "what is written corrects no scale";
   EXPECT_NEAR(fit.error.wiggle, truth.wiggle, 4 * std::sqrt(fit.covariance(2, 2)));
 }
 
@@ -140,6 +147,57 @@ TEST(RangeError, FromOneDistanceThereIsAnOffsetAndNothingMore) {
   EXPECT_NEAR(fit.error.offset, 0.015, 0.001);
   EXPECT_EQ(fit.error.wiggle, 0);
   EXPECT_THAT(fit.notes, ElementsAre(HasSubstr("hold the board from 0.5 to 3 m")));
+}
+
+// However many ranges a tilted board has in one view: what errs is one distance.
+TEST(RangeError, AViewTellsNoMoreThanItsBoardsDistance) {
+  const testing::RgbdTruth truth = testing::drawn_head(2);
+  const Board board = testing::large_board();
+  Random random(4);
+  constexpr double pose_sigma = 0.004;
+  for (const double tilt : {0.0, 0.3, 0.7}) {
+    const Eigen::Isometry3d T =
+        testing::held_board(board, truth.calibration.depth, {88, 72}, 1.5, tilt, 0.1, 0);
+    const auto samples = board_ranges(testing::board_depth(board, truth, T, random), truth.calibration.depth,
+                                      board, T, pose_sigma);
+    ASSERT_FALSE(samples.empty());
+    double information = 0;
+    for (const RangeSample& s : samples) information += 1 / (s.sigma * s.sigma);
+    EXPECT_GE(1 / std::sqrt(information), pose_sigma) << samples.size() << " ranges";
+    EXPECT_LT(1 / std::sqrt(information), 1.1 * pose_sigma) << samples.size() << " ranges";
+  }
+}
+
+// Boards as far off as their distance's sigma says: what is told of the offset holds, and no wiggle comes of
+// it.
+TEST(RangeError, BoardsThatAreFartherThanTheyLookMakeNoWiggle) {
+  const testing::RgbdTruth head = testing::drawn_head(2);
+  testing::RgbdTruth truth = head;
+  truth.calibration.depth_error = {0.01, 0, 0, 1, 0};
+  const CameraModel& camera = truth.calibration.depth;
+  const Board board = testing::large_board();
+  constexpr int runs = 20, views = 20;
+  int wiggles = 0;
+  double squares = 0;
+  for (int run = 0; run < runs; ++run) {
+    Random random(static_cast<std::uint64_t>(run), 9);
+    std::vector<RangeSample> samples;
+    for (int i = 0; i < views; ++i) {
+      const Eigen::Isometry3d T =
+          testing::held_board(board, camera, {88, 72}, 0.8 + 2.0 * i / views, 0.5, 0.3, 0);
+      const double sigma = board_distance_sigma(camera, board, T.translation().z());
+      Eigen::Isometry3d seen = T;
+      seen.translation() *= 1 + random.normal(0, sigma) / T.translation().z();
+      const auto ranges =
+          board_ranges(testing::board_depth(board, truth, T, random), camera, board, seen, sigma);
+      samples.insert(samples.end(), ranges.begin(), ranges.end());
+    }
+    const RangeErrorFit fit = fit_range_error(samples);
+    wiggles += fit.error.wiggle != 0 ? 1 : 0;
+    squares += std::pow(fit.error.offset - 0.01, 2) / fit.covariance(0, 0);
+  }
+  EXPECT_LE(wiggles, 1);
+  EXPECT_LT(std::sqrt(squares / runs), 1.5) << "standard deviations";
 }
 
 TEST(TofCalibration, IntrinsicsAndRangesOfADrawnCamera) {
