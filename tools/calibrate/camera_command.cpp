@@ -23,22 +23,18 @@ class ColourViews {
   bool take(const Shot& shot) {
     if (shot.colour.empty()) return true;
     ++images;
-    if (size.empty()) size = shot.colour.size();
-    if (shot.colour.size() != size)
-      throw std::runtime_error(
-          fmt::format("{} is {}x{}, the images before it are {}x{}: one camera at a time", shot.name,
-                      shot.colour.cols, shot.colour.rows, size.width, size.height));
+    camera.check(shot.name, shot.colour.size());
     auto view = find_board(shot.colour, board_);
     if (!view) return true;
     ++with_board;
     view->name = shot.name;
-    if (!choice_.takes(*view, size.width)) return true;
+    if (!choice_.takes(*view, shot.colour.cols)) return true;
     views.push_back(std::move(*view));
-    return !live_ || !tell_whether_enough(views, board_, size, settings_);
+    return !live_ || !tell_whether_enough(views, board_, camera.size(), settings_);
   }
 
   std::vector<BoardView> views;
-  cv::Size size;
+  OneCamera camera;
   int images = 0, with_board = 0;
 
  private:
@@ -92,7 +88,7 @@ int calibrate_camera_command(int argc, char** argv) {
     throw std::runtime_error(
         "too few views of the board: is it whole, flat and lit, and are --board, --columns and --rows its "
         "own?");
-  const CameraCalibration calibration = calibrate_camera(seen.views, board, seen.size, settings);
+  const CameraCalibration calibration = calibrate_camera(seen.views, board, seen.camera.size(), settings);
   const ViewCoverage coverage = coverage_of(calibration, board);
   std::cout << camera_report(calibration, coverage);
   write_pictures(calibration, board, pictures);

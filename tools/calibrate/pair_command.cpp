@@ -88,11 +88,14 @@ int calibrate_pair_command(int argc, char** argv) {
   ViewChoice choice(input.is_sequence());
   std::vector<PairView> views;
   std::vector<cv::Mat> depths;
+  OneCamera colour_camera, depth_camera;
   int images = 0, of_both = 0;
   const auto of_input = read_shots(input, [&](const Shot& shot) {
     ++images;
     if (shot.colour.empty() || shot.amplitude.empty()) return true;
     ++of_both;
+    colour_camera.check(shot.name, shot.colour.size());
+    depth_camera.check(shot.name, shot.amplitude.size());
     auto depth = find_board(shot.amplitude, board);
     if (!depth) return true;
     // A place counts as looked at once both have seen the board there.

@@ -95,16 +95,19 @@ class MessageShots {
  public:
   MessageShots(double every, const ShotHandler& use) : period_(static_cast<Utime>(1e6 * every)), use_(use) {}
 
-  /// False: enough.
+  /// False: enough. Throws what the handler throws.
   bool take(std::string_view channel, const std::uint8_t* data, std::size_t size) {
+    std::optional<Shot> shot;
     try {
       if (channel == "CAMERA_CALIBRATION" && !calibration)
         calibration = from_message(decode_message<camera_calibration_t>(data, size));
-      if (channel == "CAMERA") return take(decode_message<images_t>(data, size));
+      if (channel == "CAMERA") shot = decoded(decode_message<images_t>(data, size));
     } catch (const std::runtime_error& error) {
       if (damaged++ == 0) first_damage = error.what();  // what cannot be read is no view
     }
-    return true;
+    if (!shot) return true;
+    ++images;
+    return use_(*shot);
   }
 
   std::optional<RgbdCalibration> calibration;
@@ -117,8 +120,9 @@ class MessageShots {
   std::string first_damage;
 
  private:
-  bool take(const images_t& message) {
-    if (message.utime < next_ && message.utime > next_ - 10 * period_) return true;
+  /// Nothing where the one before it was taken a moment ago.
+  std::optional<Shot> decoded(const images_t& message) {
+    if (message.utime < next_ && message.utime > next_ - 10 * period_) return std::nullopt;
     next_ = message.utime + period_;
     const EncodedFrame encoded = from_message(message);
     Shot shot;
@@ -126,8 +130,7 @@ class MessageShots {
     shot.colour = decode_gray(encoded.colour);
     if (encoded.amplitude.coding != ImageCoding::none) shot.amplitude = decode_gray(encoded.amplitude);
     shot.depth = decode_depth(encoded.depth);
-    ++images;
-    return use_(shot);
+    return shot;
   }
 
   Utime period_, next_ = 0;
@@ -187,6 +190,13 @@ void ShotInput::add_to(CLI::App& app) {
 
 bool ShotInput::is_sequence() const {
   return live || !fs::is_directory(path);
+}
+
+void OneCamera::check(const std::string& name, const cv::Size& size) {
+  if (size_.empty()) size_ = size;
+  if (size == size_) return;
+  throw std::runtime_error(fmt::format("{} is {}x{}, the images before it are {}x{}: one camera at a time",
+                                       name, size.width, size.height, size_.width, size_.height));
 }
 
 void tell_views(std::size_t views) {

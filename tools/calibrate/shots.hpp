@@ -32,9 +32,21 @@ struct ShotInput {
 
 /// Hands over one shot after the other, until `use` gives false. Gives the calibration that the log or the
 /// bus tells of the camera, if any. A folder holds images, or the folders colour, amplitude and depth with
-/// files of the same names. Throws std::runtime_error when there are no images.
+/// files of the same names. Throws std::runtime_error when there are no images, and what `use` throws.
 std::optional<RgbdCalibration> read_shots(const ShotInput& input,
                                           const std::function<bool(const Shot&)>& use);
+
+/// Images of two sizes are of two cameras.
+class OneCamera {
+ public:
+  /// Throws std::runtime_error for an image of another size than the first.
+  void check(const std::string& name, const cv::Size& size);
+  /// Empty before the first.
+  const cv::Size& size() const { return size_; }
+
+ private:
+  cv::Size size_;
+};
 
 /// "3 views", for whoever holds the board before a camera that runs.
 void tell_views(std::size_t views);

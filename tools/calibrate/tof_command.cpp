@@ -20,7 +20,7 @@ namespace {
 struct TofViews {
   std::vector<BoardView> views;
   std::vector<cv::Mat> depths;
-  cv::Size size;
+  OneCamera camera;
   int images = 0;
 };
 
@@ -91,17 +91,17 @@ int calibrate_tof_command(int argc, char** argv) {
   const auto of_input = read_shots(input, [&](const Shot& shot) {
     if (shot.amplitude.empty()) return true;
     ++seen.images;
-    seen.size = shot.amplitude.size();
+    seen.camera.check(shot.name, shot.amplitude.size());
     auto view = find_board(shot.amplitude, board);
     if (!view || !choice.takes(*view, shot.amplitude.cols)) return true;
     view->name = shot.name;
     seen.views.push_back(std::move(*view));
     seen.depths.push_back(shot.depth);
-    return !input.live || !tell_whether_enough(seen.views, board, seen.size, {}, whole_period);
+    return !input.live || !tell_whether_enough(seen.views, board, seen.camera.size(), {}, whole_period);
   });
   std::cout << fmt::format("{} amplitude images, {} views taken\n", seen.images, seen.views.size());
   const auto base = output.base(of_input);
-  if (base && base->depth_registered && !is_of_another_camera(*base, seen.size))
+  if (base && base->depth_registered && !is_of_another_camera(*base, seen.camera.size()))
     throw std::runtime_error(
         "the calibration says depth_registered, and its images have the amplitude's size: depth images that "
         "a "
@@ -117,7 +117,7 @@ int calibrate_tof_command(int argc, char** argv) {
     throw std::runtime_error(
         "too few views of the board in amplitude images: its squares must be large, some 8 pixels "
         "at least (--square, --columns, --rows), and its paper not glossy");
-  const CameraCalibration camera = calibrate_camera(seen.views, board, seen.size);
+  const CameraCalibration camera = calibrate_camera(seen.views, board, seen.camera.size());
   const ViewCoverage coverage = coverage_of(camera, board);
   std::cout << camera_report(camera, coverage);
   write_pictures(camera, board, pictures);

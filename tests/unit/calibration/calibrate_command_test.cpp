@@ -268,6 +268,33 @@ TEST(CalibrateCommand, SaysWhyNoImageOfALogFitsTheCalibration) {
   }
 }
 
+/// A log of two heads on one channel: colour and amplitude images of two sizes each.
+void write_two_heads(const std::string& file) {
+  LogWriter writer(file);
+  for (int i = 0; i < 6; ++i) {
+    const int scale = i < 3 ? 1 : 2;
+    RgbdFrame frame;
+    frame.utime = frame.depth_utime = 1'000'000 * (i + 1);
+    frame.colour = cv::Mat(scale * 120, scale * 160, CV_8UC3, cv::Scalar::all(90));
+    frame.amplitude = cv::Mat(scale * 60, scale * 80, CV_8UC1, cv::Scalar(90));
+    frame.depth = cv::Mat(scale * 60, scale * 80, CV_16UC1, cv::Scalar(1500));
+    writer.write(frame.utime, "CAMERA", encode_message(to_message(encode(frame, 95))));
+  }
+  writer.close();
+}
+
+TEST(CalibrateCommand, ImagesOfTwoCamerasInALogAreRefused) {
+  const testing::ScratchFolder scratch;
+  const std::string log = (scratch.path() / "two.lcmlog").string(),
+                    out = (scratch.path() / "o.yaml").string();
+  write_two_heads(log);
+  EXPECT_THAT(calibrate({"camera", log, "-o", out}).errors,
+              HasSubstr("is 320x240, the images before it are 160x120: one camera at a time"));
+  EXPECT_THAT(calibrate({"tof", log, "-o", out}).errors,
+              HasSubstr("is 160x120, the images before it are 80x60: one camera at a time"));
+  EXPECT_THAT(calibrate({"pair", log, "-o", out}).errors, HasSubstr("one camera at a time"));
+}
+
 TEST(CalibrateCommand, SelfSaysWhyItUsesNoWheelsAndHowManyImagesItNeeds) {
   const testing::ScratchFolder scratch;
   const std::string log = source_folder() / "logs/kitchen_drive.lcmlog";
