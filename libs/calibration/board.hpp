@@ -15,6 +15,8 @@
 
 namespace lcmslam {
 
+constexpr int fewest_corners = 12;  ///< that an image must show of a board
+
 struct BoardSettings {
   std::string kind = "charuco";
   int columns = 10, rows = 7;
@@ -33,6 +35,12 @@ struct BoardSettings {
         (columns + rows) % 2 == 1, "rows",
         "must be odd where columns is even, and even where it is odd: a board that looks the same when it "
         "is turned does not tell which way up it is");
+    s.require((columns - 1) * (rows - 1) >= fewest_corners, "rows",
+              "must be more: a view needs a dozen inner corners, (columns - 1) x (rows - 1), as 4 x 5 "
+              "squares have");
+    // What detectors of checkerboards know.
+    s.require(kind != "checkerboard" || (columns >= 4 && rows >= 4), "rows",
+              "and columns must be 4 or more of a checkerboard");
   }
 };
 

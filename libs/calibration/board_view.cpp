@@ -13,7 +13,6 @@
 namespace lcmslam {
 namespace {
 
-constexpr int fewest_corners = 12;
 constexpr double widest_window = 42;    // pixels: behind a lens no edge is straight farther out
 constexpr double widest_fit = 12;       // pixels, of the image as it is
 constexpr int comfortable_width = 500;  // pixels: detectors are made for larger images than a ToF camera's

@@ -107,6 +107,35 @@ TEST(BoardTest, ABoardThatLooksTheSameWhenTurnedIsRefused) {
   EXPECT_THROW(Board{settings}, std::invalid_argument);
 }
 
+BoardSettings of_size(const char* kind, int columns, int rows) {
+  BoardSettings settings;
+  settings.kind = kind, settings.columns = columns, settings.rows = rows;
+  return settings;
+}
+
+TEST(BoardTest, ABoardThatNoViewCouldShowIsRefused) {
+  for (const BoardSettings& settings :
+       {of_size("charuco", 3, 4), of_size("charuco", 6, 3), of_size("checkerboard", 3, 4)})
+    EXPECT_THAT([&] { Board{settings}; },
+                ::testing::ThrowsMessage<std::invalid_argument>(::testing::HasSubstr("4 x 5 squares")));
+  for (const BoardSettings& settings : {of_size("checkerboard", 3, 8), of_size("checkerboard", 8, 3)})
+    EXPECT_THAT([&] { Board{settings}; },
+                ::testing::ThrowsMessage<std::invalid_argument>(::testing::HasSubstr("4 or more")));
+}
+
+TEST(BoardTest, TheSmallestBoardsAreFound) {
+  const CameraModel c = camera();
+  Random random(6);
+  for (const BoardSettings& settings : {of_size("charuco", 4, 5), of_size("charuco", 3, 8),
+                                        of_size("checkerboard", 4, 5), of_size("checkerboard", 5, 4)}) {
+    const Board b{settings};
+    const Eigen::Isometry3d T = testing::held_board(b, c, {330, 230}, 0.25, 0.2, -0.2, 0);
+    const auto view = find_board(testing::BoardRenderer(b, c)(T, random), b);
+    ASSERT_TRUE(view) << settings.kind << ' ' << settings.columns;
+    EXPECT_EQ(static_cast<int>(view->ids.size()), b.corners());
+  }
+}
+
 TEST(BoardTest, ThePrintHasItsTrueSize) {
   const std::string svg = board("checkerboard").svg();
   EXPECT_THAT(svg, ::testing::HasSubstr("width=\"275mm\""));  // ten squares of 25 mm and the margin
