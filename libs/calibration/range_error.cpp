@@ -15,7 +15,6 @@ constexpr double bin_width = 0.02;       // m
 constexpr double rim = 2;                // pixels
 constexpr double shortest_period = 0.5;  // m
 constexpr std::size_t fewest_pixels = 20, fewest_samples = 10;
-constexpr double gross_error = 0.3;  // m: no board's range, but something in front of it
 
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -159,7 +158,7 @@ std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& c
           p.y() > board.height() - margin)
         continue;
       const double range = z * ray.norm(), measured = 1e-3 * depth.at<std::uint16_t>(v, u) * ray.norm();
-      if (std::abs(measured - range) > gross_error) continue;
+      if (std::abs(measured - range) > gross_range_error) continue;
       auto& [sum, errors] = bins[static_cast<int>(range / bin_width)];
       sum += range;
       errors.push_back(measured - range);
@@ -181,7 +180,10 @@ RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples,
                               const RangeErrorFitSettings& settings) {
   if (samples.size() < fewest_samples)
     throw std::invalid_argument("the depth images show the board in " + std::to_string(samples.size()) +
-                                " ranges; at least ten are needed: hold it at more distances");
+                                " ranges within " + metres(gross_range_error) +
+                                " of where it is; at least ten are needed: hold it at more distances, or, "
+                                "where ranges are further off "
+                                "than that, give by hand what they err by (depth_error: offset)");
   RangeErrorFit fit;
   const auto [near, far] = std::minmax_element(
       samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.range < b.range; });

@@ -18,10 +18,13 @@ struct RangeSample {
 /// beside where they should be, all alike (blur, light): z = f W / w.
 double board_distance_sigma(const CameraModel& camera, const Board& board, double distance);
 
-/// The depth image's pixels on the board against its plane. `depth` CV_16UC1 mm along the optical axis;
-/// pixels within two of the board's rim are left out, they see beside it too. `pose_sigma` (m) of the board's
-/// distance, which all pixels share: all samples together tell the mean error no better than that. Throws
-/// std::invalid_argument for another image.
+/// m: farther off is something before the board, not its range.
+constexpr double gross_range_error = 0.3;
+
+/// The depth image's pixels on the board against its plane, but for gross errors. `depth` CV_16UC1 mm along
+/// the optical axis; pixels within two of the board's rim are left out, they see beside it too. `pose_sigma`
+/// (m) of the board's distance, which all pixels share: all samples together tell the mean error no better
+/// than that. Throws std::invalid_argument for another image.
 std::vector<RangeSample> board_ranges(const cv::Mat& depth, const CameraModel& camera, const Board& board,
                                       const Eigen::Isometry3d& T_camera_board, double pose_sigma);
 
@@ -45,7 +48,7 @@ struct RangeErrorFit {
   std::vector<std::string> notes;        ///< what could not be observed, and why
 };
 
-/// Throws std::invalid_argument for less than ten samples.
+/// Throws std::invalid_argument for less than ten samples; it says why there may be so few.
 RangeErrorFit fit_range_error(const std::vector<RangeSample>& samples,
                               const RangeErrorFitSettings& settings = {});
 

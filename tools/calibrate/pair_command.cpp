@@ -34,9 +34,9 @@ std::string pair_report(const PairCalibration& pair) {
 }
 
 /// Ranges against the board where the colour camera sees it: of the depth camera's few pixels its own
-/// distance would be less sure. Nothing where there are too few.
-std::optional<RangeErrorFit> ranges_of(const PairCalibration& pair, const std::vector<cv::Mat>& depths,
-                                       const Board& board, const CameraModel& colour) {
+/// distance would be less sure.
+std::vector<RangeSample> ranges_of(const PairCalibration& pair, const std::vector<cv::Mat>& depths,
+                                   const Board& board, const CameraModel& colour) {
   std::vector<RangeSample> samples;
   for (std::size_t i = 0; i < depths.size(); ++i) {
     if (!pair.T_depth_board[i] || depths[i].empty()) continue;
@@ -45,11 +45,27 @@ std::optional<RangeErrorFit> ranges_of(const PairCalibration& pair, const std::v
                      board_distance_sigma(colour, board, pair.T_depth_board[i]->translation().z()));
     samples.insert(samples.end(), ranges.begin(), ranges.end());
   }
+  return samples;
+}
+
+/// Takes over what ranges err by, where enough of them tell it.
+void take_ranges(const PairCalibration& pair, const std::vector<RangeSample>& ranges,
+                 RgbdCalibration& calibration) {
   constexpr std::size_t enough = 30;
-  if (samples.size() < enough) return std::nullopt;
+  if (ranges.size() < enough) {
+    advise({fmt::format(
+        "what ranges err by (depth_error) stays as it was: the depth images show the board in {} "
+        "ranges within {} m of where it is, and {} are needed",
+        ranges.size(), gross_range_error, enough)});
+    return;
+  }
   RangeErrorFitSettings settings;
   settings.scale_sigma = std::max(5e-4, std::sqrt(pair.depth_covariance(0, 0)) / pair.depth.fx);
-  return fit_range_error(samples, settings);
+  const RangeErrorFit fit = fit_range_error(ranges, settings);
+  std::cout << range_report(fit);
+  const RangeChoice chosen = choose_range_error(calibration.depth_error, fit);
+  calibration.depth_error = chosen.error;
+  advise(chosen.kept);
 }
 
 std::vector<std::string> doubts(const PairCalibration& pair) {
@@ -125,13 +141,7 @@ int calibrate_pair_command(int argc, char** argv) {
   const PairCalibration pair =
       calibrate_pair(views, board, calibration->colour, calibration->depth, settings);
   std::cout << pair_report(pair);
-  const auto ranges = ranges_of(pair, depths, board, calibration->colour);
-  if (ranges) {
-    std::cout << range_report(*ranges);
-    const RangeChoice chosen = choose_range_error(calibration->depth_error, *ranges);
-    calibration->depth_error = chosen.error;
-    advise(chosen.kept);
-  }
+  take_ranges(pair, ranges_of(pair, depths, board, calibration->colour), *calibration);
   if (const int refused = refuse(doubts(pair), output.accept)) return refused;
   calibration->T_colour_depth = pair.T_colour_depth;
   calibration->depth = pair.depth;

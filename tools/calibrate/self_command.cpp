@@ -57,6 +57,8 @@ int calibrate_self_command(int argc, char** argv) {
             << report_text(model, result, settings);
   advise(drive_advice(model, result, scene.keyframes.size(),
                       static_cast<std::size_t>(RecordedSceneSettings().keyframes)));
+  if (const int refused = refuse(self_doubts(result, settings, scene.keyframes.size()), output.accept))
+    return refused;
   output.write(observed_head(model, result, settings).calibration(),
                "Refined from " + log + " by lcmslam calibrate self.", self_covariance_text(result));
   return 0;

@@ -71,4 +71,21 @@ std::vector<std::string> drive_advice(const HeadModel& model, const BundleResult
   return advice;
 }
 
+std::vector<std::string> self_doubts(const BundleResult& result, const BundleSettings& settings,
+                                     std::size_t keyframes) {
+  // A sixth of what is asked for: of fewer, what a few of them err by alike looks like the head.
+  constexpr std::size_t fewest = 20, good = 120;
+  std::vector<std::string> doubts;
+  if (keyframes < fewest)
+    doubts.push_back("only " + std::to_string(keyframes) + " keyframes: drive until there are some " +
+                     std::to_string(good) + ", " + std::to_string(fewest) + " at least");
+  bool tells = false;
+  for (int p = 0; p < head::count; ++p)
+    tells = tells || is_observed(result, static_cast<head::Parameter>(p), settings);
+  if (!tells)
+    doubts.emplace_back(
+        "the recording tells nothing of the head that the start does not say: move and turn more");
+  return doubts;
+}
+
 }  // namespace lcmslam

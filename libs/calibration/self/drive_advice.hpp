@@ -20,4 +20,8 @@ std::vector<std::string> drive_advice(const HeadModel& model, const BundleResult
                                       std::size_t keyframes, std::size_t most,
                                       const WantedAccuracy& wanted = {});
 
+/// Why what was found is no calibration; none: it is one.
+std::vector<std::string> self_doubts(const BundleResult& result, const BundleSettings& settings,
+                                     std::size_t keyframes);
+
 }  // namespace lcmslam

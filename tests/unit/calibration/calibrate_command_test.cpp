@@ -158,6 +158,7 @@ TEST(CalibrateCommand, TofAndPairFromAFolderOfShots) {
   EXPECT_LT(distance_between(of_pair.T_colour_depth, c.T_colour_depth), 0.003);
   EXPECT_LT(angle_between(of_pair.T_colour_depth, c.T_colour_depth), 0.2 * M_PI / 180);
   EXPECT_TRUE(of_pair.colour == c.colour) << "other values stay";
+  EXPECT_THAT(second.out, Not(HasSubstr("(depth_error) stays")));
   for (double r = 1; r < 2.4; r += 0.1)
     EXPECT_NEAR(of_pair.depth_error.at(r), c.depth_error.at(r), 0.003) << r;
 }
@@ -217,8 +218,11 @@ TEST(CalibrateCommand, TofAndPairGoOnFromWhatCameraFound) {
   EXPECT_TRUE(of_tof.colour == c.colour);
   EXPECT_NEAR(of_tof.depth.fx, c.depth.fx, 0.003 * c.depth.fx);
 
+  fs::remove_all(fs::path(shots) / "depth");
   const auto second = with_large_board({"pair", shots, "--into", tof, "-o", both});
   ASSERT_EQ(second.exit_code, 0) << second.out << second.errors;
+  EXPECT_THAT(second.out, HasSubstr("note: what ranges err by (depth_error) stays as it was"));
+  EXPECT_TRUE(load_calibration(both).depth_error == of_tof.depth_error);
   const RgbdCalibration of_pair = load_calibration(both);
   EXPECT_LT(distance_between(of_pair.T_colour_depth, c.T_colour_depth), 0.003);
   EXPECT_LT(angle_between(of_pair.T_colour_depth, c.T_colour_depth), 0.2 * M_PI / 180);
@@ -266,6 +270,18 @@ TEST(CalibrateCommand, SaysWhyNoImageOfALogFitsTheCalibration) {
     EXPECT_THAT(run.errors, HasSubstr("by this calibration: "));
     EXPECT_THAT(run.errors, HasSubstr("176x144"));
   }
+}
+
+TEST(CalibrateCommand, SelfRefusesAFewKeyframes) {
+  const testing::ScratchFolder scratch;
+  const std::string log = source_folder() / "logs/kitchen_drive.lcmlog",
+                    out = (scratch.path() / "o.yaml").string();
+  const auto run = calibrate({"self", log, "-o", out, "--seconds", "4"});
+  EXPECT_EQ(run.exit_code, 1) << run.errors;
+  EXPECT_THAT(run.out, HasSubstr("missing: only "));
+  EXPECT_FALSE(fs::exists(out));
+  EXPECT_EQ(calibrate({"self", log, "-o", out, "--seconds", "4", "--accept"}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(out));
 }
 
 /// A log of two heads on one channel: colour and amplitude images of two sizes each.

@@ -149,6 +149,11 @@ TEST(RangeError, FromOneDistanceThereIsAnOffsetAndNothingMore) {
   EXPECT_THAT(fit.notes, ElementsAre(HasSubstr("hold the board from 0.5 to 3 m")));
 }
 
+TEST(RangeError, OfTooFewRangesSaysThatTheyMayBeFurtherOff) {
+  EXPECT_THAT([] { fit_range_error({}); }, ::testing::ThrowsMessage<std::invalid_argument>(
+                                               HasSubstr("in 0 ranges within 0.30 m of where it is")));
+}
+
 // However many ranges a tilted board has in one view: what errs is one distance.
 TEST(RangeError, AViewTellsNoMoreThanItsBoardsDistance) {
   const testing::RgbdTruth truth = testing::drawn_head(2);

@@ -58,5 +58,21 @@ TEST(DriveAdvice, WhatNoDriveTellsIsForTheBoard) {
               ElementsAre(AllOf(HasSubstr("place is within 2 mm"), HasSubstr("calibrate pair does"))));
 }
 
+TEST(SelfDoubts, WhatTellsAHeadIsNone) {
+  const Known k(1.2, 0.078);
+  EXPECT_THAT(self_doubts(k.result, {}, 20), IsEmpty());
+}
+
+TEST(SelfDoubts, AFewKeyframesAreNoCalibration) {
+  const Known k(1.2, 0.078);
+  EXPECT_THAT(self_doubts(k.result, {}, 19), ElementsAre(HasSubstr("only 19 keyframes")));
+}
+
+TEST(SelfDoubts, ARecordingThatTellsNothingIsNone) {
+  Known k(1.2, 0.078);
+  k.result.sigmas = k.result.priors;
+  EXPECT_THAT(self_doubts(k.result, {}, 150), ElementsAre(HasSubstr("tells nothing of the head")));
+}
+
 }  // namespace
 }  // namespace lcmslam
