@@ -106,6 +106,49 @@ TEST_F(MapCommand, ExportsWhatIsDerivedFromImages) {
   EXPECT_LT(median_error(cloud), 0.01);
 }
 
+// Keyframe 0 was told with normals, 1 without, 2 is there as images, and all in the other order.
+TEST_F(MapCommand, ExportsKeyframesWithImagesBesideThoseWithout) {
+  testing::SimulatedKitchen& kitchen = testing::SimulatedKitchen::instance();
+  const RgbdCalibration calibration = kitchen.simulation().calibration();
+  const EncodedFrame frame = from_message(kitchen.frame(60));
+  for (const bool images_first : {false, true}) {
+    SessionChanges changes;
+    const int with_images = images_first ? 0 : 2;
+    for (int id = 0; id < 3; ++id) {
+      if (id == with_images) {
+        changes.move_keyframe(id, frame.utime, Eigen::Isometry3d::Identity());
+        changes.put_images(id, {frame, Eigen::Isometry3d::Identity()});
+        continue;
+      }
+      DenseKeyframe told = some_keyframe(id, 2000);
+      if (id == 1) told.cloud.normals.clear();
+      if (id != 1) told.cloud.normals.assign(2000, Eigen::Vector3f(0, 0, -1));
+      told.cloud.sigmas.clear();
+      told.T_world_camera = Eigen::Translation3d(100 * (id + 1), 0, 0);
+      changes.put_keyframe(told, std::nullopt);
+    }
+    const auto map = folder_ / (images_first ? "first.lcmslam" : "last.lcmslam");
+    {
+      MapStore store(map);
+      Transaction transaction = store.begin();
+      store.put_calibration(
+          {calibration.sensor, camera_calibration_t::getTypeName(), encode_message(kitchen.calibration())});
+      store.write(store.add_session(store.add_run({"1.2", ""}), session_of("icp")), changes);
+      transaction.commit();
+    }
+    const auto out = folder_ / (images_first ? "first" : "last");
+    const auto exported =
+        run({"export", map.string(), out.string(), "--formats", "ply", "--images", "--resolution", "0.005"});
+    ASSERT_EQ(exported.exit_code, 0) << exported.errors;
+    const ColouredCloud cloud = load_ply(out / "icp-session1_map.ply");
+    const auto far = std::count_if(cloud.points.begin(), cloud.points.end(),
+                                   [](const Eigen::Vector3f& point) { return point.x() > 50; });
+    EXPECT_GT(far, 1000) << "of what was told";
+    EXPECT_GT(cloud.size(), static_cast<std::size_t>(far) + 10'000U) << "and of the images";
+    EXPECT_EQ(cloud.normals.size(), cloud.size());
+  }
+}
+
 TEST_F(MapCommand, ViewDrawsEachFrameAlone) {
   const auto out = folder_ / "view";
   EXPECT_EQ(run({"view", file().string(), out.string()}).exit_code, 0);
