@@ -285,6 +285,29 @@ TEST_F(MapCommand, MergeOfStrangersWritesNothing) {
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("both")));
 }
 
+// What a user called as a merge once called its file is the user's.
+TEST_F(MapCommand, MergeLeavesTheFilesOfOthersAlone) {
+  const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam",
+                    strange = folder_ / "strange.lcmslam", both = folder_ / "both.lcmslam";
+  const testing_scene::LandmarkRoom room(1);
+  write_landmarks(monday, room.mapped(Eigen::Isometry3d::Identity(), 1));
+  write_landmarks(friday, room.mapped(elsewhere(), 2));
+  write_landmarks(strange, testing_scene::LandmarkRoom(2).mapped(elsewhere(), 2));
+  std::ofstream(both + ".part") << "notes";
+  EXPECT_NE(run({"merge", monday, strange, "--into", both}).exit_code, 0);
+  EXPECT_EQ(std::filesystem::file_size(both + ".part"), 5U);
+  const auto merged = run({"merge", monday, friday, "--into", both});
+  ASSERT_EQ(merged.exit_code, 0) << merged.errors;
+  EXPECT_EQ(std::filesystem::file_size(both + ".part"), 5U);
+  EXPECT_EQ(run({"verify", both}).exit_code, 0);
+  ASSERT_EQ(run({"merge", both, friday, "--into", both, "--force"}).exit_code, 0) << "in its own place";
+  EXPECT_EQ(MapFile(both).sessions().size(), 3U);
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(both).parent_path()))
+    files += entry.path().filename().string().rfind("both", 0) == 0;
+  EXPECT_EQ(files, 2) << "the map and the notes";
+}
+
 // Twelve hours of poses.
 TEST_F(MapCommand, MergeKeepsLongTrajectoriesWhole) {
   const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam",
