@@ -56,6 +56,16 @@ TEST_F(MapCommand, ExportsWhatIsAskedForAndReplacesNothingUnasked) {
   EXPECT_THAT(unknown.errors, AllOf(HasSubstr("icp-session9"), HasSubstr("fastslam-session1")));
 }
 
+TEST_F(MapCommand, AnExportThatWritesNothingSaysSo) {
+  const auto out = folder_ / "out";
+  const auto nothing = run({"export", file(), out, "--sessions", "icp-session1", "--formats", "csv,octomap"});
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_THAT(nothing.errors, AllOf(HasSubstr("nothing was written"), HasSubstr("csv, octomap")));
+  EXPECT_EQ(run({"export", file(), out, "--formats", "csv"}).exit_code, 0) << "of fastslam's session";
+  std::ofstream(folder_ / "empty.lcmslam").close();
+  EXPECT_EQ(run({"export", folder_ / "empty.lcmslam", out}).exit_code, 1);
+}
+
 // From the images of two keyframes: what is derived stands where the kitchen's surfaces are.
 TEST_F(MapCommand, ExportsWhatIsDerivedFromImages) {
   testing::SimulatedKitchen& kitchen = testing::SimulatedKitchen::instance();
