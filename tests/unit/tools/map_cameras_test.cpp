@@ -108,7 +108,7 @@ TEST_F(MapCameras, ExportsReadEachImageByItsOwn) {
 
 // A live map keeps what is near in a bound that a robot bears; what is exported is all there.
 TEST_F(MapCameras, TheMeshOfAWideMapIsWhole) {
-  constexpr int places = 24;
+  constexpr int places = 32;
   constexpr double apart = 32;  // m, of so many blocks of voxels: the places are seen alike
   const EncodedFrame frame = from_message(kitchen().frame(60));
   SessionChanges changes;
