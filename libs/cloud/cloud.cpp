@@ -1,6 +1,7 @@
 #include <lcmslam/cloud/cloud.hpp>
 
 #include <limits>
+#include <stdexcept>
 #include <string>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
@@ -92,6 +93,10 @@ ColouredCloud transformed(const ColouredCloud& cloud, const Eigen::Isometry3d& T
 }
 
 void append(const ColouredCloud& more, ColouredCloud& cloud) {
+  if (more.size() == 0) return;
+  if (cloud.size() > 0 &&
+      (more.normals.empty() != cloud.normals.empty() || more.sigmas.empty() != cloud.sigmas.empty()))
+    throw std::invalid_argument("clouds that are joined must both have normals, and sigmas, or neither");
   cloud.points.insert(cloud.points.end(), more.points.begin(), more.points.end());
   cloud.colours.insert(cloud.colours.end(), more.colours.begin(), more.colours.end());
   cloud.normals.insert(cloud.normals.end(), more.normals.begin(), more.normals.end());

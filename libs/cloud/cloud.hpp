@@ -43,7 +43,8 @@ void move(Cloud& cloud, const Eigen::Isometry3d& T);
 Cloud transformed(const Cloud& cloud, const Eigen::Isometry3d& T);
 
 ColouredCloud transformed(const ColouredCloud& cloud, const Eigen::Isometry3d& T);
-/// Adds the points of `more`, which brings what `cloud` has of normals and sigmas.
+/// Adds the points of `more`. Throws std::invalid_argument where one of them has normals or sigmas and the
+/// other has points without.
 void append(const ColouredCloud& more, ColouredCloud& cloud);
 
 /// The points whose index `keep` accepts, in their order.

@@ -358,6 +358,11 @@ std::size_t LiveMap::memory_bytes() const {
   return space_.memory_bytes() + planes_.memory_bytes() + surface_.memory_bytes();
 }
 
+bool LiveMap::surface_gave_way() const {
+  const std::lock_guard<std::mutex> lock(surface_mutex_);
+  return surface_.given_way() > 0;
+}
+
 cv::Mat depth_of_cloud(const ColouredCloud& cloud, const CameraModel& camera) {
   constexpr double spacing =
       0.01;  // rad between a keyframe's points: about 12,000 in a view of 60 x 45 degrees

@@ -97,6 +97,8 @@ class LiveMap {
   /// Counts every change.
   std::int64_t version() const;
   std::size_t memory_bytes() const;
+  /// Whether a part of the surface went because all of it was too much (`surface.memory`).
+  bool surface_gave_way() const;
 
  private:
   struct Camera {

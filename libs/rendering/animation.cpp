@@ -22,9 +22,13 @@ std::string frame_control(std::uint32_t number, const cv::Mat& picture, double s
 
 }  // namespace
 
+bool may_stay(double seconds) {
+  return seconds >= 0.001 && seconds <= 60;
+}
+
 void save_animation(const FilePlace& file, const std::vector<cv::Mat>& pictures, double seconds_a_picture) {
   if (pictures.empty()) throw std::invalid_argument("animation: there are no pictures");
-  if (!(seconds_a_picture >= 0.001 && seconds_a_picture <= 60))
+  if (!may_stay(seconds_a_picture))
     throw std::invalid_argument("animation: a picture must stay for 0.001 to 60 s");
   std::string bytes;
   std::uint32_t number = 0;  // of fcTL and fdAT chunks

@@ -42,8 +42,10 @@ double automatic_cut(const PictureRequest& request) {
   return std::isfinite(highest) ? highest + head_room : std::numeric_limits<double>::infinity();
 }
 
+/// Files have 0 0 0 where a normal is unknown (save_ply()).
 bool has_normal(const ColouredCloud& cloud, std::size_t i) {
-  return cloud.normals.size() == cloud.size() && cloud.normals[i].allFinite();
+  return cloud.normals.size() == cloud.size() && cloud.normals[i].allFinite() &&
+         cloud.normals[i].squaredNorm() > 0;
 }
 
 }  // namespace

@@ -85,10 +85,7 @@ void DepthCamera::measure_row(int row, const cv::Mat& exact, const PixelNoise& n
          {std::pair{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}})
       edge = edge || z - static_cast<double>(at(column + dx, row + dy)[0]) > sensor_.edge_ratio * z;
     if (edge) continue;
-    const double spread = z - sensor_.offset;
-    const double sigma = sensor_.constant + sensor_.quadratic * spread * spread +
-                         sensor_.disparity_sigma * z * z / disparity_metres;
-    const double noisy = z + sigma * noise_at(noise, column, row);
+    const double noisy = z + sensor_.sigma(z, camera_.fx) * noise_at(noise, column, row);
     const double steps = std::round(disparity_metres / noisy / sensor_.disparity_step);
     const double measured = disparity_metres / (steps * sensor_.disparity_step);
     if (measured >= sensor_.minimum && measured <= sensor_.maximum)

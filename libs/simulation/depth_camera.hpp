@@ -25,6 +25,12 @@ struct StructuredLightSensor {
   double disparity_sigma = 0;         ///< pixels: adds disparity_sigma z^2 / (fx baseline) to sigma
   int correlation = 1;                ///< pixels between which the noise is interpolated; 1: each its own
 
+  /// m, at a depth z (m) with a focal length fx (pixels).
+  double sigma(double z, double fx) const {
+    const double spread = z - offset;
+    return constant + quadratic * spread * spread + disparity_sigma * z * z / (fx * baseline);
+  }
+
   void describe(SettingsVisitor& s) {
     s.number("minimum", minimum, "m", {0.01, 20}, "nearest depth");
     s.number("maximum", maximum, "m", {0.01, 50}, "farthest depth");

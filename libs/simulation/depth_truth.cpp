@@ -42,9 +42,7 @@ DepthTolerance noise_tolerance(const TofSensor& sensor) {
 
 DepthTolerance noise_tolerance(const StructuredLightSensor& sensor, double fx) {
   return [sensor, fx](double z, double) {
-    const double spread = z - sensor.offset;
-    return 3 * (sensor.constant + sensor.quadratic * spread * spread) +
-           0.5 * sensor.disparity_step * z * z / (fx * sensor.baseline);
+    return 3 * sensor.sigma(z, fx) + 0.5 * sensor.disparity_step * z * z / (fx * sensor.baseline);
   };
 }
 

@@ -1,5 +1,6 @@
 #include <lcmslam/simulation/sensor_head.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -70,6 +71,27 @@ class StructuredLightSource : public DepthSource {
   DepthCamera camera_;
 };
 
+constexpr double least_constant = 1e-4;  // m; a calibration's must be above 0
+
+/// What a user would measure: the noise's mean course, and the wiggle's root mean square, which is systematic
+/// but unknown.
+DepthNoise told_noise(const TofSensor& sensor) {
+  return {std::max(sensor.wiggle / std::sqrt(2.0), least_constant), 0, 0, sensor.noise};
+}
+
+/// c + q (z - o)^2 + d z^2 = c + q d / (q + d) o^2 + (q + d) (z - q / (q + d) o)^2.
+DepthNoise told_noise(const StructuredLightSensor& sensor, double fx) {
+  DepthNoise noise = {sensor.constant, sensor.quadratic, sensor.offset, 0};
+  const double disparity = sensor.disparity_sigma / (fx * sensor.baseline);
+  if (disparity > 0) {
+    noise.quadratic += disparity;
+    noise.offset *= sensor.quadratic / noise.quadratic;
+    noise.constant += disparity * noise.offset * sensor.offset;
+  }
+  noise.constant = std::max(noise.constant, least_constant);
+  return noise;
+}
+
 /// The rest of a head whose calibration is told.
 void build(SensorHead& head, const HeadPiece& piece) {
   head.calibration.check();
@@ -88,8 +110,7 @@ SensorHead tof_head(const Scene& scene, const RayCaster& caster, cv::Size size, 
   calibration.T_colour_depth.translation() << 0.08, 0, 0;
   calibration.T_colour_depth.rotate(Eigen::AngleAxisd(-2 * degree, Eigen::Vector3d::UnitY()));  // inwards
   const TofSensor sensor = piece.sensor({});
-  // The wiggle is systematic, but unknown to who uses the camera: its root mean square.
-  calibration.depth_noise = {sensor.wiggle / std::sqrt(2.0), 0, 0, sensor.noise};
+  calibration.depth_noise = told_noise(sensor);
   calibration.depth_min = sensor.minimum_range;
   calibration.depth_max = sensor.unambiguous_range;
   head.frame_rate = 10;
@@ -106,7 +127,7 @@ SensorHead rgbd_head(const Scene& scene, const RayCaster& caster, cv::Size size,
   calibration.T_colour_depth.translation() << -0.025, 0, 0;
   StructuredLightSensor sensor;
   sensor.disparity_step *= size.width / 640.0;  // the same step in metres
-  calibration.depth_noise = {sensor.constant, sensor.quadratic, sensor.offset, 0};
+  calibration.depth_noise = told_noise(sensor, calibration.depth.fx);
   calibration.depth_min = sensor.minimum;
   calibration.depth_max = sensor.maximum;
   head.frame_rate = 30;
@@ -132,7 +153,6 @@ SensorHead make_head(const std::string& name, const Scene& scene, const RayCaste
   return head;
 }
 
-// What a user of the head would measure of it: the noise's mean course, the wiggle's root mean square.
 SensorHead make_head(const HeadSettings& settings, const Scene& scene, const RayCaster& caster,
                      std::uint64_t unit) {
   const HeadPiece piece(unit);
@@ -156,15 +176,14 @@ SensorHead make_head(const HeadSettings& settings, const Scene& scene, const Ray
     calibration.rolling_shutter = head.depth_rolling_shutter = settings.rolling_shutter;
   if (settings.kind == "time_of_flight") {
     const TofSensor sensor = piece.sensor(settings.time_of_flight);
-    calibration.depth_noise = {sensor.wiggle / std::sqrt(2.0), 0, 0, sensor.noise};
+    calibration.depth_noise = told_noise(sensor);
     calibration.depth_min = sensor.minimum_range;
     calibration.depth_max = sensor.unambiguous_range;
     head.depth = std::make_unique<TofSource>(scene, caster, piece.depth(calibration.depth), sensor);
     head.tolerance = noise_tolerance(sensor);
   } else {
     const StructuredLightSensor& sensor = settings.triangulation;
-    const double disparity = sensor.disparity_sigma / (calibration.depth.fx * sensor.baseline);
-    calibration.depth_noise = {sensor.constant, sensor.quadratic + disparity, sensor.offset, 0};
+    calibration.depth_noise = told_noise(sensor, calibration.depth.fx);
     calibration.depth_min = sensor.minimum;
     calibration.depth_max = sensor.maximum;
     head.depth =

@@ -31,10 +31,11 @@ struct TofSensor {
   double valid_angle = M_PI / 2;     ///< rad from the optical axis: pixels farther out are invalid
 
   void describe(SettingsVisitor& s) {
-    s.number("unambiguous_range", unambiguous_range, "m", {0.5, 100}, "half the modulation's wavelength");
+    s.number("unambiguous_range", unambiguous_range, "m", {0.5, 65.5}, "half the modulation's wavelength");
     s.flag("folds", folds,
            "one frequency: what is farther is measured too near by unambiguous_range (false: it is invalid)");
     s.number("minimum_range", minimum_range, "m", {0, 10}, "nearest range");
+    s.require(minimum_range < unambiguous_range, "minimum_range", "must be below unambiguous_range");
     s.number("noise", noise, "1/m", {0, 1}, "sigma = noise r^2 / sqrt(reflectivity cos(incidence))");
     s.number("wiggle", wiggle, "m", {0, 0.1},
              "systematic error: wiggle sin(2 pi r / wiggle_period + wiggle_phase)");

@@ -176,8 +176,8 @@ void Surface::take_out(const SurfaceView& view, const Eigen::Isometry3d& T_map_d
 
 void Surface::keep_bounds() {
   const Eigen::Vector3f place = camera_.cast<float>();
-  fine_.keep_near(place, blocks_in(fine_share * settings_.memory));
-  coarse_.keep_near(place, blocks_in((1 - fine_share) * settings_.memory));
+  given_way_ += fine_.keep_near(place, blocks_in(fine_share * settings_.memory));
+  given_way_ += coarse_.keep_near(place, blocks_in((1 - fine_share) * settings_.memory));
   const auto most = static_cast<std::size_t>(settings_.kept_memory * 1e6);
   while (kept_bytes_ > most && !gone_.empty()) take_out_gone();
   for (auto first = arrivals_.begin(); kept_bytes_ > most && first != arrivals_.end();) {

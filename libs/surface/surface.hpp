@@ -72,6 +72,8 @@ class Surface {
   ColouredCloud cloud(const std::vector<std::int64_t>& keyframes, double resolution) const;
 
   std::size_t memory_bytes() const;
+  /// Blocks that went because all were too many (`memory`): the surface lacks what was in them.
+  std::size_t given_way() const { return given_way_; }
   const VoxelBlocks& fine() const { return fine_; }
   const VoxelBlocks& coarse() const { return coarse_; }
 
@@ -109,6 +111,7 @@ class Surface {
   Eigen::Vector3d camera_ = Eigen::Vector3d::Zero();  // newest place, m
   std::int64_t fusion_ = 0;
   std::size_t kept_bytes_ = 0;
+  std::size_t given_way_ = 0;
 };
 
 }  // namespace lcmslam

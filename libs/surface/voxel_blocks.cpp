@@ -20,8 +20,9 @@ void VoxelBlocks::remove(const std::function<bool(const Entry&)>& gone) {
     index_.insert(voxel_key(entries_[i].at), static_cast<std::int32_t>(i));
 }
 
-void VoxelBlocks::keep_near(const Eigen::Vector3f& point, std::size_t most) {
-  if (entries_.size() <= most) return;
+std::size_t VoxelBlocks::keep_near(const Eigen::Vector3f& point, std::size_t most) {
+  const std::size_t before = entries_.size();
+  if (before <= most) return 0;
   std::vector<float> distances;
   distances.reserve(entries_.size());
   for (const Entry& entry : entries_) distances.push_back((centre(entry) - point).squaredNorm());
@@ -29,6 +30,7 @@ void VoxelBlocks::keep_near(const Eigen::Vector3f& point, std::size_t most) {
   std::nth_element(distances.begin(), last, distances.end());
   const float limit = *last;
   remove([&](const Entry& entry) { return (centre(entry) - point).squaredNorm() >= limit; });
+  return before - entries_.size();
 }
 
 std::size_t VoxelBlocks::memory_bytes() const {

@@ -65,8 +65,9 @@ class VoxelBlocks {
 
   /// Removes those for which `gone` says so; the others keep their order and get new numbers.
   void remove(const std::function<bool(const Entry&)>& gone);
-  /// When there are more than `most`, removes the farthest from a point (m) until a tenth is free.
-  void keep_near(const Eigen::Vector3f& point, std::size_t most);
+  /// When there are more than `most`, removes the farthest from a point (m) until a tenth is free. Returns
+  /// how many.
+  std::size_t keep_near(const Eigen::Vector3f& point, std::size_t most);
 
   std::size_t memory_bytes() const;
 

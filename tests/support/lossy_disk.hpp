@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -61,6 +62,7 @@ class LossyDisk {
 
   const char* vfs() const { return name_.c_str(); }
   bool full = false;
+  std::function<void()> when_full;  ///< called by who writes then, at each write
   /// Writes, syncs, truncations and deletions so far.
   std::int64_t operations() const { return operations_; }
   /// Keeps the disk as it is before operation `number`, for lose_power().
@@ -129,7 +131,10 @@ class LossyDisk {
   static int write(sqlite3_file* file, const void* bytes, int size, sqlite3_int64 offset) {
     LossyDisk* disk = of(file)->disk;
     disk->count();
-    if (disk->full) return SQLITE_FULL;
+    if (disk->full) {
+      if (disk->when_full) disk->when_full();
+      return SQLITE_FULL;
+    }
     if (of(file)->path != nullptr) {
       const char* begin = static_cast<const char*>(bytes);
       disk->files_[of(file)->path].since.push_back({offset, Bytes(begin, begin + size), false});

@@ -9,6 +9,7 @@
 #include <lcmslam/imaging/io/foreign_calibration.hpp>
 #include <lcmslam/runtime/launch_settings.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include <lcmslam/simulation/head_settings.hpp>
 #include <lcmslam/simulation/scene.hpp>
 #include "procs/camera/camera_source.hpp"
 #include "tools/config/setting_sections.hpp"
@@ -20,6 +21,13 @@ void check_description(const std::filesystem::path& file) {
   const std::string format = read_description(file).format;
   if (format == "mrclam") load_mrclam_sensor(file);
   if (format == "victoria_park") load_victoria_park_settings(file);
+}
+
+/// What only a head of the simulation has.
+bool is_head(const ConfigNode& config) {
+  for (const char* key : {"kind", "faults", "triangulation", "time_of_flight", "frame_rate"})
+    if (config.has(key)) return true;
+  return false;
 }
 
 void check_graph(const std::string& file, const std::vector<std::string>& overrides) {
@@ -44,6 +52,10 @@ std::string check_file(const std::filesystem::path& file, const std::vector<std:
   if (config.has("format")) {
     check_description(file);
     return "a data set's description";
+  }
+  if (is_head(config)) {
+    load_head(file);
+    return "a sensor head";
   }
   if (config.has("colour") || config.has("depth") || config.has("depth_registered")) {
     load_calibration(file);

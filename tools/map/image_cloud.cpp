@@ -1,5 +1,7 @@
 #include "tools/map/image_cloud.hpp"
 
+#include <limits>
+
 #include <lcmslam/cloud/cloud.hpp>
 #include <lcmslam/cloud/cloud_filter.hpp>
 #include <lcmslam/imaging/depth_filter.hpp>
@@ -38,6 +40,19 @@ class ImageReader {
   std::optional<Head> head_;  // of the last images
 };
 
+/// What was told of a keyframe has no sigmas and may have no normals: such normals become unknown (NaN), and
+/// where some points have no sigma all count alike.
+void append_any(ColouredCloud more, ColouredCloud& cloud) {
+  if (cloud.size() > 0 && more.size() > 0) {
+    const Eigen::Vector3f unknown = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+    if (!more.normals.empty() || !cloud.normals.empty())
+      for (ColouredCloud* either : {&more, &cloud}) either->normals.resize(either->size(), unknown);
+    if (more.sigmas.empty() || cloud.sigmas.empty())
+      for (ColouredCloud* either : {&more, &cloud}) either->sigmas.clear();
+  }
+  append(more, cloud);
+}
+
 }  // namespace
 
 ColouredCloud cloud_of_images(MapFile& map, std::int64_t session, double resolution) {
@@ -51,7 +66,7 @@ ColouredCloud cloud_of_images(MapFile& map, std::int64_t session, double resolut
       seen = std::move(*told);
     }
     if (seen.size() == 0) continue;
-    append(transformed(seen, keyframe.T_map_camera), all);
+    append_any(transformed(seen, keyframe.T_map_camera), all);
     if (all.size() > worth_merging) all = voxel_filtered(all, resolution);
   }
   return voxel_filtered(all, resolution);

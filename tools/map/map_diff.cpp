@@ -48,6 +48,15 @@ std::map<std::string, std::int64_t> ids_by_name(MapFile& map) {
   return ids;
 }
 
+/// Of a session. A map without it may be a file without any table, which must not be asked.
+struct Places {
+  Places() = default;
+  Places(MapFile& map, std::int64_t session)
+      : keyframes(map.keyframes(session)), landmarks(map.landmarks(session)) {}
+  std::vector<StoredKeyframe> keyframes;
+  std::vector<Landmark> landmarks;
+};
+
 }  // namespace
 
 std::vector<SessionDiff> diff_maps(MapFile& first, MapFile& second) {
@@ -58,10 +67,10 @@ std::vector<SessionDiff> diff_maps(MapFile& first, MapFile& second) {
   std::vector<SessionDiff> result;
   for (auto& [name, diff] : diffs) {
     diff.name = name;
-    // No session has the id 0: what a map has not is empty.
-    const std::int64_t a = diff.in_first ? in_first.at(name) : 0, b = diff.in_second ? in_second.at(name) : 0;
-    diff.keyframes = count(first.keyframes(a), second.keyframes(b));
-    diff.landmarks = count(first.landmarks(a), second.landmarks(b));
+    const Places a = diff.in_first ? Places(first, in_first.at(name)) : Places();
+    const Places b = diff.in_second ? Places(second, in_second.at(name)) : Places();
+    diff.keyframes = count(a.keyframes, b.keyframes);
+    diff.landmarks = count(a.landmarks, b.landmarks);
     result.push_back(diff);
   }
   return result;

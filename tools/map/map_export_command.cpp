@@ -73,6 +73,11 @@ class Exporter {
     fs::create_directories(options_.folder);
     for (std::size_t i = 0; i < sessions.size(); ++i)
       if (is_wanted(names[i])) save(sessions[i], names[i]);
+    if (!wrote_)
+      throw std::runtime_error(
+          fmt::format("{}: nothing was written: what was asked for has nothing for {}; "
+                      "`lcmslam map info` says what is in it",
+                      options_.file, fmt::join(options_.formats, ", ")));
   }
 
  private:
@@ -137,16 +142,18 @@ class Exporter {
 
   bool wants(const std::string& format) const { return formats_.count(format) > 0; }
 
-  fs::path file(const std::string& name) const {
+  fs::path file(const std::string& name) {
     const fs::path path = fs::path(options_.folder) / name;
     check_output_file(path, options_.force);
     std::cout << path.string() << "\n";
+    wrote_ = true;
     return path;
   }
 
   ExportOptions options_;
   std::set<std::string> formats_;
   MapFile map_;
+  bool wrote_ = false;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/map_store/file/clear_beside.hpp>
 #include <lcmslam/map_store/file/compact_map_file.hpp>
 #include <lcmslam/map_store/file/map_file.hpp>
@@ -141,6 +142,23 @@ void append(MapFile& second, const Joints& joints, const fs::path& file) {
   transaction.commit();
 }
 
+/// Both in one file, which takes its name when it is whole.
+void save_merged(const fs::path& first, const fs::path& second, const Joints& joints, const fs::path& into) {
+  write_atomically(FilePlace(into), [&](const fs::path& link) {
+    const fs::path part = fs::canonical(link);  // SQLite follows no links (Database)
+    try {
+      compact_into(first, part);
+      MapFile added(second);
+      append(added, joints, part);
+      clear_beside(part);  // takes its log in, which a full disk lets nobody see when a database is closed
+    } catch (...) {
+      for (const char* ending : {"-wal", "-shm"}) fs::remove(part.string() + ending);
+      throw;
+    }
+    clear_beside(into);
+  });
+}
+
 std::string told(const std::string& mapper, const Joint& joint) {
   const Eigen::Vector3d at = joint.T_map_session.translation();
   return fmt::format("{}: the second lies at {:.3f} {:.3f} {:.3f} m, {:.2f} deg in the first: {}\n", mapper,
@@ -163,22 +181,12 @@ int map_merge_command(int argc, char** argv) {
   app.add_flag("--force", force, "overwrite that if it exists");
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   check_output_file(into, force);
-  const fs::path part = into + ".part";
   Joints joints;
-  try {
-    {
-      MapFile a(first), b(second);  // closed before one of them is replaced
-      joints = find_joints(a, b);
-      copy_compacted(first, FilePlace(part));
-      append(b, joints, part);
-    }
-    clear_beside(part);  // takes its log in, which a full disk lets nobody see when a database is closed
-    clear_beside(into);
-    fs::rename(part, into);
-  } catch (...) {
-    for (const char* ending : {"", "-wal", "-shm"}) fs::remove(part.string() + ending);
-    throw;
+  {
+    MapFile a(first), b(second);  // closed before one of them is replaced
+    joints = find_joints(a, b);
   }
+  save_merged(first, second, joints, into);
   std::cout << into << "\n";
   for (const auto& [mapper, joint] : joints) std::cout << told(mapper, joint);
   return 0;

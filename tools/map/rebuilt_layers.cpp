@@ -1,5 +1,9 @@
 #include "tools/map/rebuilt_layers.hpp"
 
+#include <unistd.h>
+#include <algorithm>
+#include <iostream>
+
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/stored_calibration.hpp>
 
@@ -18,6 +22,15 @@ RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
   return from_stored(known[0]);
 }
 
+namespace {
+
+/// MB. A robot shares its memory with much else and keeps what is near; who asks for a map wants all of it.
+double half_of_memory() {
+  return 0.5e-6 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+}
+
+}  // namespace
+
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session) {
   return rebuild_layers(map, PlacedSessions{{session, Eigen::Isometry3d::Identity()}});
 }
@@ -28,6 +41,7 @@ std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, const PlacedSessions& sess
   LiveMapSettings settings;
   settings.background = false;
   settings.surface.min_looks = 0.02;  // most surfaces were seen by one keyframe alone
+  settings.surface.memory = std::max(settings.surface.memory, half_of_memory());
   KnownCalibrations known;
   auto layers = std::make_unique<LiveMap>(known.same_as(calibration), settings);
   int number = 0;
@@ -44,6 +58,10 @@ std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, const PlacedSessions& sess
       }
     }
   layers->settle();
+  if (layers->surface_gave_way())
+    std::cerr
+        << "the surface takes more than half of this machine's memory: what lies farthest from the last "
+           "keyframe is not in it\n";
   return layers;
 }
 

@@ -16,7 +16,8 @@ RgbdCalibration calibration_of(MapFile& map, std::int64_t session,
 
 /// Of a dense session: from its keyframes' images, or from the cloud of those without, and of those of which
 /// nobody knows by which calibration they were taken. Throws StoreError where something cannot be read, and
-/// where the file has no calibration of the camera.
+/// where the file has no calibration of the camera. A surface that takes more than half of the machine's
+/// memory is not whole, which is said on standard error.
 std::unique_ptr<LiveMap> rebuild_layers(MapFile& map, std::int64_t session);
 
 /// Of several, each where it lies in the map (T_map_session by session).

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <iostream>
 
@@ -58,6 +59,10 @@ std::optional<int> parse(RenderOptions& o, int argc, char** argv) {
   app.add_option("--pictures", o.pictures, "orbit: how many a turn (36)")->check(CLI::Range(2, 360));
   app.add_option("--seconds", o.seconds, "orbit: for a turn (6)")->check(CLI::Range(0.1, 3600.0));
   if (const auto exit_code = parse_command(app, argc, argv)) return exit_code;
+  if (o.view == "orbit" && !may_stay(o.seconds / o.pictures))
+    throw std::runtime_error(fmt::format(
+        "--seconds {:g} with --pictures {} shows each for {:g} s, and a picture stays for 0.001 to 60 s",
+        o.seconds, o.pictures, o.seconds / o.pictures));
   if (o.view == "orbit" && !*width && !*height) {
     o.request.width = 480;
     o.request.height = 360;

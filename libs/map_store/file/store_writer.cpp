@@ -178,6 +178,11 @@ std::int64_t StoreWriter::id_of(std::size_t session, std::int64_t run,
 
 void StoreWriter::put_back(Waiting&& failed) {
   Waiting newer = std::exchange(waiting_, std::move(failed));
+  // What did not wait when it was shared, nor came into the file.
+  for (const Shared& s : newer.shared) {
+    const auto source = waiting_.sessions.find(s.from);
+    if (source != waiting_.sessions.end()) waiting_.sessions[s.to].share(source->second, s.keyframes);
+  }
   for (auto& [number, session] : newer.sessions) waiting_.sessions[number].follow(std::move(session));
   waiting_.shared.insert(waiting_.shared.end(), newer.shared.begin(), newer.shared.end());
   for (auto& [number, place] : newer.places) waiting_.places[number] = std::move(place);

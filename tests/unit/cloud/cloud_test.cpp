@@ -16,5 +16,30 @@ TEST(VoxelFilter, AveragesAndRefusesBadSizes) {
   EXPECT_THROW(voxel_filtered(cloud, 0), std::invalid_argument);
 }
 
+TEST(Clouds, ThatKnowUnlikeThingsAreNotJoined) {
+  ColouredCloud plain, weighed;
+  plain.points = weighed.points = {{1, 0, 0}};
+  plain.colours = weighed.colours = {{1, 2, 3}};
+  weighed.sigmas = {0.01f};
+  ColouredCloud with_normals = plain;
+  with_normals.normals = {{0, 0, 1}};
+  for (const ColouredCloud* a : {&plain, &weighed, &with_normals})
+    for (const ColouredCloud* b : {&plain, &weighed, &with_normals}) {
+      ColouredCloud joined = *b;
+      if (a != b) {
+        EXPECT_THROW(append(*a, joined), std::invalid_argument);
+        EXPECT_EQ(joined.size(), 1u) << "it stays as it was";
+      } else {
+        append(*a, joined);
+        EXPECT_EQ(joined.size(), 2u);
+        EXPECT_EQ(joined.sigmas.size(), 2 * a->sigmas.size());
+      }
+    }
+  ColouredCloud empty;
+  append(weighed, empty);
+  append({}, empty);
+  EXPECT_EQ(empty.sigmas.size(), 1u);
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -164,6 +164,38 @@ TEST_F(MapStoreWriter, AFullDiskLosesNothingOldAndNothingNew) {
   EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
 }
 
+// Shared while a write is under way that fails; then it goes where it comes from.
+TEST_F(MapStoreWriter, WhatAFailedWriteHadIsSharedToo) {
+  testing::LossyDisk disk("small");
+  StoreWriter writer(file(), {}, disk.vfs());
+  const std::size_t from = writer.begin_session(session_of("icp"));
+  const std::size_t to = writer.begin_session(session_of("icp", 8));
+  put(writer, from, 1);
+  ASSERT_TRUE(writer.flush());
+  bool shared = false;
+  disk.when_full = [&] {
+    if (std::exchange(shared, true)) return;
+    writer.change(to, [](SessionChanges& changes) { changes.put_keyframe(some_keyframe(0), {}); });
+    writer.share(from, to, {0});
+    writer.change(from, [](SessionChanges& changes) { changes.drop_keyframe(0); });
+  };
+  disk.full = true;
+  writer.change(from, [](SessionChanges& changes) {
+    changes.put_keyframe(some_keyframe(0), {});
+    changes.put_features(0, some_frame_of_features(3, 5));
+    changes.put_images(0, some_images(1));
+  });
+  EXPECT_FALSE(writer.flush());
+  ASSERT_TRUE(shared);
+  disk.full = false;
+  ASSERT_TRUE(writer.flush()) << writer.state().error;
+  MapFile read(file());
+  EXPECT_TRUE(read.keyframes(*writer.written(from)).empty());
+  EXPECT_TRUE(read.features(*writer.written(to), 0));
+  EXPECT_TRUE(read.images(*writer.written(to), 0));
+  EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
+}
+
 TEST_F(MapStoreWriter, AFileThatIsNoMapStaysAndIsNamed) {
   std::ofstream(file()) << "a letter to my mother, which is long enough to be looked at as a database";
   StoreWriter writer(file(), {});

@@ -148,6 +148,14 @@ TEST(MapPicture, TheTopViewShowsTheFloorAndNotTheCeiling) {
   EXPECT_LT(share_of(without, green), 0.001);
 }
 
+TEST(MapPicture, NormalsOfZeroAreUnknown) {
+  ColouredCloud zero = room(), none = zero;
+  for (Eigen::Vector3f& normal : zero.normals) normal.setZero();
+  none.normals.clear();
+  for (const MapView view : {MapView::top, MapView::front})
+    EXPECT_EQ(cv::norm(draw_map(request_of(zero, view)), draw_map(request_of(none, view)), cv::NORM_INF), 0);
+}
+
 TEST(MapPicture, TheFrontViewLooksIntoTheRoom) {
   ColouredCloud cloud = room();
   for (const bool normals : {true, false}) {

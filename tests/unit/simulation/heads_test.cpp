@@ -154,6 +154,52 @@ TEST(Heads, UnknownNamesAreRefused) {
   std::filesystem::remove(file);
 }
 
+std::string written(const std::string& kind, const std::string& sensor) {
+  const auto file = std::filesystem::temp_directory_path() / ("lcmslam_head_of_" + kind + ".yaml");
+  std::ofstream(file) << "kind: " << kind << "\n" << kind << ": {" << sensor << "}\n";
+  return file;
+}
+
+TEST(Heads, TellTheNoiseThatTheyHave) {
+  for (const std::string sensor : {"disparity_sigma: 0.5", "disparity_sigma: 0.1, offset: 2, quadratic: 0.01",
+                                   "disparity_sigma: 0.3, quadratic: 0", "quadratic: 0.004"}) {
+    const std::string file = written("triangulation", sensor);
+    const RgbdCalibration c = Simulation(with_head(file)).calibration();
+    const StructuredLightSensor truth = load_head(file).triangulation;
+    for (double z = truth.minimum; z <= truth.maximum; z += 0.2) {
+      EXPECT_NEAR(c.depth_noise.sigma(z) / truth.sigma(z, c.depth.fx), 1, 1e-9) << sensor << ", " << z;
+      EXPECT_GE(noise_tolerance(truth, c.depth.fx)(z, 0), 3 * truth.sigma(z, c.depth.fx)) << sensor;
+    }
+    std::filesystem::remove(file);
+  }
+  const DepthNoise d435 = Simulation(with_head("realsense_d435")).calibration().depth_noise;
+  EXPECT_EQ(d435.constant, 0.0005);
+  EXPECT_EQ(d435.offset, 0);
+}
+
+TEST(Heads, WhatAFileMaySayMakesADrive) {
+  for (const auto& [kind, sensor] : {std::pair<std::string, std::string>{"time_of_flight", "wiggle: 0"},
+                                     {"triangulation", "constant: 0"},
+                                     {"time_of_flight", "unambiguous_range: 65.5"}}) {
+    const std::string file = written(kind, sensor);
+    const RgbdCalibration told = Simulation(with_head(file)).calibration();
+    EXPECT_GE(told.depth_noise.constant, 1e-4) << sensor;
+    std::filesystem::remove(file);
+  }
+  for (const auto& [sensor, key] :
+       {std::pair<std::string, std::string>{"unambiguous_range: 100", "unambiguous_range"},
+        {"minimum_range: 8", "minimum_range"}}) {
+    const std::string file = written("time_of_flight", sensor);
+    try {
+      load_head(file);
+      ADD_FAILURE() << sensor << " is taken";
+    } catch (const ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find("'" + key + "' must be"), std::string::npos) << error.what();
+    }
+    std::filesystem::remove(file);
+  }
+}
+
 // A rolling shutter's first and last row are those of global shutters half a readout earlier and later.
 TEST(Faults, ARollingShutterReadsItsRowsOneAfterTheOther) {
   SimulationSettings s = with_head("tof");

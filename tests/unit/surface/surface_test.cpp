@@ -280,6 +280,16 @@ TEST(Surface, KeepsItsBounds) {
   EXPECT_EQ(surface.refuse(10), 0);
 }
 
+TEST(Surface, SaysWhatGaveWay) {
+  SurfaceSettings bounded = settings();
+  for (const bool enough : {true, false}) {
+    if (!enough) bounded.memory = 1;
+    Surface surface(camera_head(), bounded);
+    surface.fuse(1, frame_of(room(), poses()[0]), poses()[0]);
+    EXPECT_EQ(surface.given_way() == 0, enough);
+  }
+}
+
 TEST(Surface, FarSurfacesAreCoarse) {
   SurfaceSettings near_only = settings();
   near_only.fine_range = 1.2;

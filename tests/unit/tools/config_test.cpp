@@ -167,6 +167,7 @@ TEST(ListKeys, ShowsASectionOrAll) {
 TEST(CheckFile, WhatIsShippedIsRight) {
   for (const auto& [folder, kind] : {std::pair{"config/scenes", "a scene"},
                                      {"config/datasets", "a data set's description"},
+                                     {"config/heads", "a sensor head"},
                                      {"config/calibration", "a calibration"}})
     for (const auto& file : std::filesystem::directory_iterator(source / folder))
       EXPECT_EQ(check_file(file.path()), kind) << file.path();
@@ -221,6 +222,8 @@ TEST(CheckFile, NamesWhatIsWrong) {
   EXPECT_THAT(error("format: mrclam\nsensor: {range_sigma: -1}\n"),
               HasSubstr("a.yaml:2: 'range_sigma' must be"));
   EXPECT_THAT(error("format: tum\ndepth_scal: 1\n"), HasSubstr("'depth_scale'"));
+  EXPECT_THAT(error("kind: sonar\n"), HasSubstr("a.yaml:1: 'kind'"));
+  EXPECT_THAT(error("faults: {stamp_jiter: 1}\n"), HasSubstr("'stamp_jitter'"));
   EXPECT_THAT(error("colour: {width: 640}\n"), HasSubstr("'height' is missing"));
   EXPECT_THAT(error_of([&] { check_file(scratch.path() / "none.yaml"); }), HasSubstr("none.yaml"));
 }

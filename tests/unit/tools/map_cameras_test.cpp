@@ -106,6 +106,42 @@ TEST_F(MapCameras, ExportsReadEachImageByItsOwn) {
   }
 }
 
+// A live map keeps what is near in a bound that a robot bears; what is exported is all there.
+TEST_F(MapCameras, TheMeshOfAWideMapIsWhole) {
+  constexpr int places = 32;
+  constexpr double apart = 32;  // m, of so many blocks of voxels: the places are seen alike
+  const EncodedFrame frame = from_message(kitchen().frame(60));
+  SessionChanges changes;
+  for (int id = 0; id < places; ++id) {
+    changes.move_keyframe(id, frame.utime + id,
+                          Eigen::Isometry3d(Eigen::Translation3d(apart * id, 0, 0) * optical_axes()));
+    StoredImages images{frame, Eigen::Isometry3d::Identity()};
+    images.calibration = stored(head());
+    changes.put_images(id, images);
+  }
+  {
+    MapStore store(file("wide"));
+    Transaction transaction = store.begin();
+    store.put_calibration(*stored(head()));
+    store.write(store.add_session(store.add_run({"1.2", ""}), session_of("icp")), changes);
+    transaction.commit();
+  }
+  const TemporaryFolder out;
+  const auto exported = run({"export", file("wide"), out / "mesh", "--formats", "mesh"});
+  ASSERT_EQ(exported.exit_code, 0) << exported.errors;
+  const ColouredCloud mesh = load_ply(out / "mesh/icp-session1_mesh.ply");
+  const auto vertices_at = [&](int place) {
+    return std::count_if(mesh.points.begin(), mesh.points.end(), [&](const Eigen::Vector3f& point) {
+      return std::abs(static_cast<double>(point.x()) - apart * place) < apart / 2;
+    });
+  };
+  EXPECT_GT(vertices_at(places - 1), 3000);
+  for (int place = 0; place < places; ++place)
+    EXPECT_NEAR(static_cast<double>(vertices_at(place)) / static_cast<double>(vertices_at(places - 1)), 1,
+                0.05)
+        << place;
+}
+
 TEST_F(MapCameras, MergedMapsKeepTheirOwn) {
   const testing_scene::LandmarkRoom room(1);
   const auto write = [&](const std::string& name, const std::vector<Landmark>& landmarks,

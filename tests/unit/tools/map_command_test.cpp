@@ -56,6 +56,16 @@ TEST_F(MapCommand, ExportsWhatIsAskedForAndReplacesNothingUnasked) {
   EXPECT_THAT(unknown.errors, AllOf(HasSubstr("icp-session9"), HasSubstr("fastslam-session1")));
 }
 
+TEST_F(MapCommand, AnExportThatWritesNothingSaysSo) {
+  const auto out = folder_ / "out";
+  const auto nothing = run({"export", file(), out, "--sessions", "icp-session1", "--formats", "csv,octomap"});
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_THAT(nothing.errors, AllOf(HasSubstr("nothing was written"), HasSubstr("csv, octomap")));
+  EXPECT_EQ(run({"export", file(), out, "--formats", "csv"}).exit_code, 0) << "of fastslam's session";
+  std::ofstream(folder_ / "empty.lcmslam").close();
+  EXPECT_EQ(run({"export", folder_ / "empty.lcmslam", out}).exit_code, 1);
+}
+
 // From the images of two keyframes: what is derived stands where the kitchen's surfaces are.
 TEST_F(MapCommand, ExportsWhatIsDerivedFromImages) {
   testing::SimulatedKitchen& kitchen = testing::SimulatedKitchen::instance();
@@ -104,6 +114,49 @@ TEST_F(MapCommand, ExportsWhatIsDerivedFromImages) {
   EXPECT_GT(cloud.size(), 20'000U);
   EXPECT_LT(cloud.size(), 2U * 176 * 144);
   EXPECT_LT(median_error(cloud), 0.01);
+}
+
+// Keyframe 0 was told with normals, 1 without, 2 is there as images, and all in the other order.
+TEST_F(MapCommand, ExportsKeyframesWithImagesBesideThoseWithout) {
+  testing::SimulatedKitchen& kitchen = testing::SimulatedKitchen::instance();
+  const RgbdCalibration calibration = kitchen.simulation().calibration();
+  const EncodedFrame frame = from_message(kitchen.frame(60));
+  for (const bool images_first : {false, true}) {
+    SessionChanges changes;
+    const int with_images = images_first ? 0 : 2;
+    for (int id = 0; id < 3; ++id) {
+      if (id == with_images) {
+        changes.move_keyframe(id, frame.utime, Eigen::Isometry3d::Identity());
+        changes.put_images(id, {frame, Eigen::Isometry3d::Identity()});
+        continue;
+      }
+      DenseKeyframe told = some_keyframe(id, 2000);
+      if (id == 1) told.cloud.normals.clear();
+      if (id != 1) told.cloud.normals.assign(2000, Eigen::Vector3f(0, 0, -1));
+      told.cloud.sigmas.clear();
+      told.T_world_camera = Eigen::Translation3d(100 * (id + 1), 0, 0);
+      changes.put_keyframe(told, std::nullopt);
+    }
+    const auto map = folder_ / (images_first ? "first.lcmslam" : "last.lcmslam");
+    {
+      MapStore store(map);
+      Transaction transaction = store.begin();
+      store.put_calibration(
+          {calibration.sensor, camera_calibration_t::getTypeName(), encode_message(kitchen.calibration())});
+      store.write(store.add_session(store.add_run({"1.2", ""}), session_of("icp")), changes);
+      transaction.commit();
+    }
+    const auto out = folder_ / (images_first ? "first" : "last");
+    const auto exported =
+        run({"export", map.string(), out.string(), "--formats", "ply", "--images", "--resolution", "0.005"});
+    ASSERT_EQ(exported.exit_code, 0) << exported.errors;
+    const ColouredCloud cloud = load_ply(out / "icp-session1_map.ply");
+    const auto far = std::count_if(cloud.points.begin(), cloud.points.end(),
+                                   [](const Eigen::Vector3f& point) { return point.x() > 50; });
+    EXPECT_GT(far, 1000) << "of what was told";
+    EXPECT_GT(cloud.size(), static_cast<std::size_t>(far) + 10'000U) << "and of the images";
+    EXPECT_EQ(cloud.normals.size(), cloud.size());
+  }
 }
 
 TEST_F(MapCommand, ViewDrawsEachFrameAlone) {
@@ -240,6 +293,29 @@ TEST_F(MapCommand, MergeOfStrangersWritesNothing) {
   EXPECT_THAT(merged.errors, HasSubstr("no place in common"));
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(monday).parent_path()))
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("both")));
+}
+
+// What a user called as a merge once called its file is the user's.
+TEST_F(MapCommand, MergeLeavesTheFilesOfOthersAlone) {
+  const std::string monday = folder_ / "monday.lcmslam", friday = folder_ / "friday.lcmslam",
+                    strange = folder_ / "strange.lcmslam", both = folder_ / "both.lcmslam";
+  const testing_scene::LandmarkRoom room(1);
+  write_landmarks(monday, room.mapped(Eigen::Isometry3d::Identity(), 1));
+  write_landmarks(friday, room.mapped(elsewhere(), 2));
+  write_landmarks(strange, testing_scene::LandmarkRoom(2).mapped(elsewhere(), 2));
+  std::ofstream(both + ".part") << "notes";
+  EXPECT_NE(run({"merge", monday, strange, "--into", both}).exit_code, 0);
+  EXPECT_EQ(std::filesystem::file_size(both + ".part"), 5U);
+  const auto merged = run({"merge", monday, friday, "--into", both});
+  ASSERT_EQ(merged.exit_code, 0) << merged.errors;
+  EXPECT_EQ(std::filesystem::file_size(both + ".part"), 5U);
+  EXPECT_EQ(run({"verify", both}).exit_code, 0);
+  ASSERT_EQ(run({"merge", both, friday, "--into", both, "--force"}).exit_code, 0) << "in its own place";
+  EXPECT_EQ(MapFile(both).sessions().size(), 3U);
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(both).parent_path()))
+    files += entry.path().filename().string().rfind("both", 0) == 0;
+  EXPECT_EQ(files, 2) << "the map and the notes";
 }
 
 // Twelve hours of poses.

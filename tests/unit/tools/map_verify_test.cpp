@@ -80,6 +80,26 @@ TEST_F(MapCommand, DiffSaysWhatMovedAndHowFar) {
   EXPECT_THAT(nothing.out, HasSubstr("nothing was compared"));
 }
 
+// As a process leaves them that was killed when it had just begun.
+TEST_F(MapCommand, FilesWithoutTablesStayEmptyMaps) {
+  const auto empty = folder_ / "empty.lcmslam", copy = folder_ / "copy.lcmslam";
+  Database(empty, Database::Access::create).execute("PRAGMA journal_mode = WAL; BEGIN IMMEDIATE; COMMIT");
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(run({"compact", empty}).exit_code, 0);
+  const auto copied = run({"compact", empty, "--out", copy});
+  EXPECT_EQ(copied.exit_code, 0) << copied.errors;
+  for (const auto& map : {empty, copy}) {
+    const auto info = run({"info", map});
+    EXPECT_EQ(info.exit_code, 0) << info.errors;
+    for (const auto& diff : {run({"diff", map, file()}), run({"diff", file(), map})}) {
+      EXPECT_EQ(diff.exit_code, 1);
+      EXPECT_THAT(diff.out, AllOf(HasSubstr("fastslam-session1: only in the "), HasSubstr("the maps differ")))
+          << diff.errors;
+    }
+    write(map);
+    EXPECT_EQ(run({"diff", map, file()}).exit_code, 0) << "a map goes on in it";
+  }
+}
+
 TEST_F(MapCommand, FilesThatAreNoMapsAreNamed) {
   for (const std::string command : {"info", "verify", "compact"}) {
     const auto run_of_it = run({command, folder_ / "none.lcmslam"});

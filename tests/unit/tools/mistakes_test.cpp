@@ -32,6 +32,9 @@ void write_files(const testing::ScratchFolder& folder) {
   folder.write("later.txt", tum_path(5000));
   folder.write("short.txt", "1000.0 0 0 0 0 0 0 1\n1000.1 0 0 0\n");
   folder.write("degrees.txt", "1000.0 0 0 0 0 0 90 0\n");
+  folder.write("point.ply",
+               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+               "property float z\nend_header\n1 2 3\n");
   folder.write("typo.yaml", "lunch:\n  processes: [surf]\n");
   folder.write("process.yaml", "launch:\n  processes: [surff, icp]\n");
   folder.write("tabs.yaml", "icp:\n\tvoxel_size: 0.1\n");
