@@ -62,6 +62,19 @@ TEST(ConfigSyntax, AByteOfValueZeroIsNoEndOfFile) {
             "demo.yaml:3: a byte of value 0: must be text in UTF-8");
 }
 
+/// Latin-1, a character cut short, a surrogate, an overlong '/', and what lies behind the last character.
+TEST(ConfigSyntax, WhatIsNoUtf8IsRefused) {
+  EXPECT_EQ(parse_error("a: 1\nscene: K\xfc"
+                        "che\n"),
+            "demo.yaml:2: a byte of value 252: must be text in UTF-8");
+  for (const char* bytes : {"\xc3", "\xed\xa0\x80", "\xc0\xaf", "\xf4\x90\x80\x80", "\x80"})
+    EXPECT_THAT(parse_error(std::string("# ") + bytes + "\n"), HasSubstr("must be text in UTF-8")) << bytes;
+  EXPECT_EQ(parse_error("a: \"K\u00fcche \U0001f916\"\n"), "no error");
+  ConfigNode config;
+  EXPECT_EQ(error_of([&] { config.set("a", "\xff"); }),
+            "--set a=\xff:1: a byte of value 255: must be text in UTF-8");
+}
+
 TEST(ConfigSyntax, QuotedTextReadsBackAsItWas) {
   std::string all;
   for (char c = 1; c < 127; ++c) all += c;
