@@ -271,6 +271,10 @@ void ConfigNode::set(const std::string& dotted_key, const std::string& value) {
     auto found = std::find_if(target->entries.begin(), target->entries.end(),
                               [&](const Data::Entry& entry) { return entry.key == key; });
     if (dot == std::string::npos) {
+      const bool is_section =
+          found != target->entries.end() &&
+          (found->value->kind == YamlValue::Kind::mapping || found->value->kind == YamlValue::Kind::null);
+      if (is_section && parsed->kind == YamlValue::Kind::null) return;  // an empty section says nothing
       target->children.erase(key);
       if (found == target->entries.end()) found = target->entries.insert(found, Data::Entry{});
       *found = {key, nowhere(name), parsed, target->folder};

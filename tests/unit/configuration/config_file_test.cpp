@@ -147,6 +147,20 @@ TEST_F(ConfigFile, IncludedMappingsMergeUnderTheirIncluder) {
   EXPECT_THAT(error_of([&] { config.finish(); }), StartsWith(path("base.yaml") + ":1: unknown key 'seed'"));
 }
 
+/// Every key has a default, so an empty section is a good one: it sets nothing and takes nothing away.
+TEST_F(ConfigFile, AnEmptySectionKeepsWhatIsIncluded) {
+  write("base.yaml", "icp:\n  iterations: 10\nlist: [1]\nrate: 5\n");
+  ConfigNode config = ConfigNode::load(write("top.yaml", "include: base.yaml\nicp:\nlist:\nrate:\n"));
+  EXPECT_EQ(config.section("icp").get("iterations", 0), 10);
+  config.set("icp", "");
+  EXPECT_EQ(config.section("icp").get("iterations", 0), 10);
+  config.set("icp", "{}");
+  EXPECT_EQ(config.section("icp").get("iterations", 0), 0);
+  const std::string top = path("top.yaml");
+  EXPECT_THAT(error_of([&] { config.get("list", std::vector<double>{}); }), StartsWith(top + ":3: 'list'"));
+  EXPECT_THAT(error_of([&] { config.get("rate", 0); }), StartsWith(top + ":4: 'rate' must be"));
+}
+
 TEST_F(ConfigFile, ListsOfIncludesAndIncludesOfIncludes) {
   write("parts/deep.yaml", "a: 1\nb: 1\nc: 1\nd: 1\n");
   write("parts/one.yaml", "include: deep.yaml\nb: 2\nc: 2\nd: 2\n");
