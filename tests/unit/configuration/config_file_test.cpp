@@ -184,13 +184,24 @@ TEST_F(ConfigFile, SectionsKnowTheFolderOfTheirFile) {
 /// One key of a section that is included may be said anew: the paths beside it stay where they were.
 TEST_F(ConfigFile, KeysKnowTheFolderOfTheirFile) {
   write("parts/sensor.yaml", "calibration: {file: k.yaml, sigma: 1}\n");
-  ConfigNode config =
+  const ConfigNode config =
       ConfigNode::load(write("top.yaml", "include: parts/sensor.yaml\ncalibration: {sigma: 2}\n"));
   EXPECT_EQ(config.section("calibration").folder("file"), folder_ / "parts");
   EXPECT_EQ(config.section("calibration").folder("sigma"), folder_);
   EXPECT_EQ(config.section("calibration").folder("none"), folder_);
-  config.set("calibration.file", "mine.yaml");  // --set has no file of its own
-  EXPECT_EQ(config.section("calibration").folder("file"), folder_);
+}
+
+/// Whoever writes a path on a command line does not know which file said it before.
+TEST_F(ConfigFile, PathsOfOverridesAreRelativeToTheCurrentFolder) {
+  write("parts/sensor.yaml", "calibration: {file: k.yaml, sigma: 1}\n");
+  ConfigNode config = ConfigNode::load(write("top.yaml", "include: parts/sensor.yaml\n"));
+  config.set("calibration.file", "mine.yaml");
+  EXPECT_EQ(config.section("calibration").folder("file"), "");
+  EXPECT_EQ(config.section("calibration").folder("sigma"), folder_ / "parts");
+  config.set("live.driver.calibration", "mine.yaml");  // sections that no file has
+  EXPECT_EQ(config.section("live").section("driver").folder("calibration"), "");
+  config.set("scene", "{of: {walls: a/b.yaml}}");
+  EXPECT_EQ(config.section("scene").section("of").folder("walls"), "");
 }
 
 TEST_F(ConfigFile, CirclesAndBadIncludesAreErrors) {
