@@ -15,6 +15,14 @@ YamlPlace nowhere(const std::string& name) {
   return {std::make_shared<const std::string>(name), 0};
 }
 
+const std::string of_command_line = "--set ";
+
+/// Of a path that stands there. Who writes one on a command line means the current folder.
+std::filesystem::path folder_of(const YamlPlace& place) {
+  if (place.file->compare(0, of_command_line.size(), of_command_line) == 0) return {};
+  return std::filesystem::path(*place.file).parent_path();
+}
+
 }  // namespace
 
 struct ConfigNode::Data {
@@ -37,12 +45,9 @@ struct ConfigNode::Data {
 
   Data() : place(nowhere("<defaults>")) {}
   Data(const YamlValue& mapping, std::string dotted)
-      : path(std::move(dotted)),
-        place(mapping.place),
-        folder(std::filesystem::path(*mapping.place.file).parent_path()) {
+      : path(std::move(dotted)), place(mapping.place), folder(folder_of(mapping.place)) {
     for (const YamlEntry& entry : mapping.entries)  // what was included keeps the folder of its own file
-      entries.push_back(
-          {entry.key, entry.place, entry.value, std::filesystem::path(*entry.place.file).parent_path()});
+      entries.push_back({entry.key, entry.place, entry.value, folder_of(entry.place)});
   }
 
   const Entry* find(const std::string& key) const {
@@ -260,7 +265,7 @@ std::vector<ConfigNode> ConfigNode::sections(const std::string& key) const {
 }
 
 void ConfigNode::set(const std::string& dotted_key, const std::string& value) {
-  const std::string name = "--set " + dotted_key + "=" + value;
+  const std::string name = of_command_line + dotted_key + "=" + value;
   const YamlPointer parsed = parse_yaml(value, name);
   std::shared_ptr<Data> target = data_;
   std::string rest = dotted_key;
@@ -271,9 +276,13 @@ void ConfigNode::set(const std::string& dotted_key, const std::string& value) {
     auto found = std::find_if(target->entries.begin(), target->entries.end(),
                               [&](const Data::Entry& entry) { return entry.key == key; });
     if (dot == std::string::npos) {
+      const bool is_section =
+          found != target->entries.end() &&
+          (found->value->kind == YamlValue::Kind::mapping || found->value->kind == YamlValue::Kind::null);
+      if (is_section && parsed->kind == YamlValue::Kind::null) return;  // an empty section says nothing
       target->children.erase(key);
       if (found == target->entries.end()) found = target->entries.insert(found, Data::Entry{});
-      *found = {key, nowhere(name), parsed, target->folder};
+      *found = {key, nowhere(name), parsed, {}};
       return;
     }
     if (found == target->entries.end()) {

@@ -67,7 +67,8 @@ class ConfigNode {
   /// Throws ConfigError naming the first key, here or in a section that was asked for, that nobody read.
   void finish() const;
 
-  /// Folder of the file that says this key, or this mapping: what a path in it is relative to.
+  /// Folder of the file that says this key, or this mapping: what a path in it is relative to. Empty, the
+  /// current folder, for what set() says.
   std::filesystem::path folder(const std::string& key = "") const;
   /// "file:line" of this mapping or of one of its keys, for messages of the caller.
   std::string where(const std::string& key = "") const;

@@ -22,7 +22,9 @@ constexpr int max_files = 200;
 }
 
 YamlPointer merge(const YamlPointer& base, const YamlPointer& own) {
-  if (base->kind != YamlValue::Kind::mapping || own->kind != YamlValue::Kind::mapping) return own;
+  if (base->kind != YamlValue::Kind::mapping) return own;
+  if (own->kind == YamlValue::Kind::null) return base;  // an empty section says nothing
+  if (own->kind != YamlValue::Kind::mapping) return own;
   auto merged = std::make_shared<YamlValue>(*own);
   merged->entries = base->entries;
   for (const YamlEntry& entry : own->entries) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <lcmslam/configuration/config.hpp>
+#include <lcmslam/configuration/utf8.hpp>
 
 namespace lcmslam {
 namespace {
@@ -129,6 +130,19 @@ class TreeBuilder : public YAML::EventHandler {
   YamlPointer root_;
 };
 
+/// The parser would take a byte of value 0 for the end, and hand on what is no UTF-8 to those who write JSON.
+void require_text(const std::string& text, const std::shared_ptr<const std::string>& file) {
+  int line = 1;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto size = utf8_character_size(text, i);
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (byte == 0 || !size)
+      fail({file, line}, "a byte of value " + std::to_string(byte) + ": must be text in UTF-8");
+    if (text[i] == '\n') ++line;
+    i += *size;
+  }
+}
+
 }  // namespace
 
 std::string YamlPlace::text() const {
@@ -159,12 +173,7 @@ std::string YamlValue::phrase() const {
 YamlPointer parse_yaml(const std::string& text, const std::string& name) {
   const auto file = std::make_shared<const std::string>(name);
   TreeBuilder builder(file);
-  const std::size_t zero = text.find('\0');  // the parser would take it for the end
-  if (zero != std::string::npos)
-    fail({file,
-          static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n')) +
-              1},
-         "a byte of value 0: must be text in UTF-8");
+  require_text(text, file);
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);

@@ -44,8 +44,8 @@ struct YamlValue {
   std::string phrase() const;
 };
 
-/// Reads one YAML document. Throws ConfigError "name:line: ..." for syntax errors, duplicate keys,
-/// keys that are no scalars, a second document, and more than 64 levels or 100000 values.
+/// Reads one YAML document. Throws ConfigError "name:line: ..." for bytes that are no UTF-8, syntax errors,
+/// duplicate keys, keys that are no scalars, a second document, and more than 64 levels or 100000 values.
 YamlPointer parse_yaml(const std::string& text, const std::string& name);
 
 /// Parses a whole file and merges the files named by its top-level key `include` under it. The

@@ -1,7 +1,6 @@
 #include <lcmslam/files/atomic_file.hpp>
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
 #include <cstring>
@@ -12,18 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void check_target(const FilePlace& file) {
-  struct stat target {};
-  if (fstatat(file.folder.descriptor(), file.name.c_str(), &target, AT_SYMLINK_NOFOLLOW) != 0) return;
-  if (S_ISDIR(target.st_mode)) throw std::runtime_error("is a folder");
-  if (S_ISLNK(target.st_mode)) throw std::runtime_error("is a symbolic link, which is not followed");
-  // Renaming would replace a device such as /dev/full by a file.
-  if (!S_ISREG(target.st_mode)) throw std::runtime_error("is not a regular file");
-}
-
 void write_part(const FilePlace& file, const std::function<void(PartFile&)>& write) {
   try {
-    check_target(file);
     PartFile part(file);
     write(part);
     part.flush();

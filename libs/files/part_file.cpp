@@ -54,6 +54,15 @@ bool is_part_of(const std::string& candidate, const std::string& name) {
   return dash != std::string::npos && is_number(rest.substr(0, dash)) && is_number(rest.substr(dash + 1));
 }
 
+/// Taking the name would replace a link, or a device such as /dev/full, by a file.
+void check_target(const FilePlace& file) {
+  struct stat target {};
+  if (fstatat(file.folder.descriptor(), file.name.c_str(), &target, AT_SYMLINK_NOFOLLOW) != 0) return;
+  if (S_ISDIR(target.st_mode)) throw std::runtime_error("is a folder");
+  if (S_ISLNK(target.st_mode)) throw std::runtime_error("is a symbolic link, which is not followed");
+  if (!S_ISREG(target.st_mode)) throw std::runtime_error("is not a regular file");
+}
+
 /// The names in a folder; none when it may not be read.
 std::vector<std::string> names_in(const HeldFolder& folder) {
   std::vector<std::string> names;
@@ -73,6 +82,7 @@ std::vector<std::string> names_in(const HeldFolder& folder) {
 FilePlace::FilePlace(const fs::path& file) : folder(folder_of(file)), name(file_name(file)) {}
 
 PartFile::PartFile(const FilePlace& place) : place_(place), part_(part_name(place.name)) {
+  check_target(place);
   remove_stale();
   descriptor_ = openat(place_.folder.descriptor(), part_.c_str(),
                        O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);

@@ -20,7 +20,8 @@ struct FilePlace {
 class PartFile {
  public:
   /// Makes NAME.partPID-N, new and locked for as long as this object lives, and takes away the part files of
-  /// NAME that nobody locks: their writers are dead. Throws std::runtime_error with the system's reason.
+  /// NAME that nobody locks: their writers are dead. Throws std::runtime_error with the system's reason, and
+  /// where NAME is there and no regular file: a link is not followed and not replaced.
   explicit PartFile(const FilePlace& place);
   /// Removes the part file unless it has its name.
   ~PartFile();

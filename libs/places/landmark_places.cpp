@@ -191,9 +191,11 @@ std::string LandmarkPlaces::search(const std::vector<Landmark>& group, LocatedGr
   const std::vector<int> once = once_each(best.inliers, pairs);
   located.inliers = static_cast<int>(once.size());
   Place place{best.T_a_b, best.covariance};
-  if (!best.success || located.inliers < settings_.min_inliers ||
-      !refine_rigid(pairs.points, once, place.T_map_camera, place.covariance))
+  if (located.inliers < settings_.min_inliers)
     return "only " + std::to_string(located.inliers) + " landmarks that look alike lie alike";
+  if (!best.success) return "of landmarks that look alike " + best.reason;
+  if (!refine_rigid(pairs.points, once, place.T_map_camera, place.covariance))
+    return "landmarks that look alike do not fix the motion";
   if (spread(pairs.points, once) < settings_.min_spread) return "what looks alike is in one spot";
   located.other_inliers = other_place(pairs, place.T_map_camera);
   if (located.inliers < settings_.min_margin * located.other_inliers)

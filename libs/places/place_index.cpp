@@ -196,9 +196,11 @@ std::string PlaceIndex::explain(const FeatureFrame& asker, const Pairs& pairs, P
   const std::vector<int> once = one_a_feature(best.inliers, pairs.feature);
   evidence.inliers = static_cast<int>(once.size());
   pose.T = best.T_a_b;
-  if (!best.success || evidence.inliers < settings_.min_inliers ||
-      !refine_rigid(pairs.points, once, pose.T, pose.covariance))
+  if (evidence.inliers < settings_.min_inliers)
     return "keyframes look alike, but only " + std::to_string(evidence.inliers) + " points lie alike";
+  if (!best.success) return "keyframes look alike, but " + best.reason;
+  if (!refine_rigid(pairs.points, once, pose.T, pose.covariance))
+    return "keyframes look alike, but their points do not fix the motion";
   std::set<std::int64_t> keys;
   for (const int i : best.inliers) keys.insert(pairs.view[static_cast<std::size_t>(i)]);
   evidence.keyframes.assign(keys.begin(), keys.end());

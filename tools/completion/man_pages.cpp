@@ -113,6 +113,8 @@ std::map<std::string, std::string> man_pages() {
       entry("\\fBLCMSLAM_BUS_KEY\\fR",
             "file with the key of the bus: 64 hexadecimal digits; only messages sealed by it are taken") +
       entry("\\fBLCMSLAM_BUS_MEMORY\\fR", "MiB that half messages of the bus may take; 32 without it") +
+      entry("\\fBLCMSLAM_ROBOT\\fR",
+            "whose channels a tool or process takes and sends, where several robots share a bus") +
       entry("\\fBLCMSLAM_SHARE\\fR", "folder of config, logs and so on, in the place of the installed one") +
       entry("\\fBNO_COLOR\\fR", "no colours, also in a terminal");
   pages["lcmslam.1"] = text;

@@ -15,8 +15,9 @@ Every key has a default: an empty section is a good section. A key that does not
 are errors that name the file, the line and what would be right.
 
 - `include: other.yaml` (a file, or a list of files, relative to this one) takes over what another file says; this
-  file's own keys win. A path beside a driver or a scene is relative to the file that says it. `config/modern.yaml` and `config/thesis.yaml` are the presets that others include.
-- `--set section.key=value` on the command line wins over the file.
+  file's own keys win. A path beside a driver or a scene is relative to the file that says it. An empty
+  section sets nothing and takes nothing away. `config/modern.yaml` and `config/thesis.yaml` are the presets that others include.
+- `--set section.key=value` on the command line wins over the file; a path in it is relative to the current folder.
 - `./lcmslam config --list SECTION` prints one of the tables below, `--explain KEY` everything about one key,
   `--check FILE` reads a file as the processes do. `source <(./lcmslam completion bash)` completes keys.
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
 #include <lcmslam/runtime/udpm/source_filter.hpp>
 #include <lcmslam/status_t.hpp>
@@ -161,6 +162,7 @@ Finding check_loop_back(const DoctorOptions& options) {
   message.detail.assign(options.traffic.largest, 'x');
   Clock::time_point next = Clock::now();
   for (std::size_t i = 0; i < count; ++i, next += period) {
+    if (stop_requested()) return {Level::note, finding.subject, "was stopped", ""};
     message.utime = microseconds_now();
     publisher.publish(channel, message);
     take_until(next + period);

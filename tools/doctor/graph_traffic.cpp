@@ -1,8 +1,10 @@
 #include "tools/doctor/graph_traffic.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include <lcmslam/configuration/read_settings.hpp>
+#include <lcmslam/evaluation/median.hpp>
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/messages/decode.hpp>
@@ -16,6 +18,7 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t images = 4;
+constexpr double slowest = 1, fastest = 200;  // Hz
 
 /// Sends nothing: the base class counts the bytes, and the images are looked at.
 class Scales : public Publisher {
@@ -34,6 +37,18 @@ class Scales : public Publisher {
   const RgbdCalibration& calibration_;
   Plausibility plausibility_;
 };
+
+/// By the median of the intervals: a recording may have a gap, or stamps that leap. None where they do not go
+/// on.
+std::optional<double> rate_of(const std::vector<Utime>& times) {
+  std::vector<double> intervals;  // us
+  for (std::size_t i = 1; i < times.size(); ++i)
+    intervals.push_back(static_cast<double>(times[i] - times[i - 1]));
+  if (intervals.empty()) return std::nullopt;
+  const double interval = median(std::move(intervals));
+  if (interval <= 0) return std::nullopt;
+  return 1e6 / interval;
+}
 
 bool has_camera(const ConfigNode& config) {
   const auto processes = read_settings<LaunchSettings>(config.section("launch")).processes;
@@ -65,9 +80,7 @@ GraphTraffic graph_traffic(const std::string& config_file, const std::vector<std
   traffic.doubts = scales.plausibility().findings();
   const auto largest = static_cast<std::size_t>(scales.counts().at("CAMERA").largest);
   traffic.largest = largest + largest / 2;
-  if (times.back() > times.front())
-    traffic.rate = 1e6 * static_cast<double>(times.size() - 1) /
-                   static_cast<double>(times.back() - times.front()) * camera.speed;
+  if (const auto rate = rate_of(times)) traffic.rate = std::clamp(*rate * camera.speed, slowest, fastest);
   traffic.origin = "measured: images of " + std::to_string(largest / 1000) + " kB, and half as much again";
   return traffic;
 }

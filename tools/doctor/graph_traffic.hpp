@@ -10,7 +10,7 @@ namespace lcmslam {
 /// A graph's images: far larger than all of its other messages, which stay under 100 kB.
 struct GraphTraffic {
   std::size_t largest = 300'000;  ///< bytes: VGA colour with depth
-  double rate = 30;               ///< Hz
+  double rate = 30;               ///< Hz; measured ones between 1 and 200, whatever the stamps say
   std::string origin = "assumed: VGA with depth";
   std::string depths;               ///< the depth images in words; empty where none were seen
   std::vector<std::string> doubts;  ///< what looks wrong with images and calibration (rgbd/plausibility.hpp)

@@ -108,11 +108,7 @@ class RunningGraph {
   std::string table() const {
     std::string text = format_status(board_, supervisor_.processes());
     for (const auto& process : supervisor_.processes())
-      if (process.waits) {
-        text += "  " + process.spec.name + " waits for";
-        for (const std::string& name : supervisor_.lacking(process)) text += " " + name;
-        text += "\n";
-      }
+      if (process.waits) text += "  " + supervisor_.wait_of(process) + "\n";
     return text + elsewhere_.format(wall_clock());
   }
 
@@ -126,10 +122,8 @@ class RunningGraph {
     }
     if (request.rfind(restart, 0) != 0) return "refused: no such request\n";
     const std::string name = request.substr(restart.size());
-    if (supervisor_.restart(name)) return name + " starts again\n";
-    std::string names;
-    for (const auto& process : supervisor_.processes()) names += " " + process.spec.name;
-    return "refused: '" + name + "' is none of the processes here:" + names + "\n";
+    const std::string obstacle = supervisor_.restart(name);
+    return obstacle.empty() ? name + " starts again\n" : "refused: " + obstacle + "\n";
   }
 
   Supervisor& supervisor() { return supervisor_; }

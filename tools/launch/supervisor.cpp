@@ -104,27 +104,36 @@ std::vector<std::string> Supervisor::lacking(const State& state) const {
   return names;
 }
 
+std::string Supervisor::wait_of(const State& state) const {
+  std::string text = state.spec.name + " waits for";
+  for (const std::string& name : lacking(state)) text += " " + name;
+  return text;
+}
+
 void Supervisor::note_ready(const std::string& name) {
   ready_.insert(name);
   for (State& state : processes_)
     if (state.spec.name == name && state.pid != 0) state.was_ready = true;
 }
 
-bool Supervisor::restart(const std::string& name) {
+std::string Supervisor::restart(const std::string& name) {
+  std::string names;
   for (State& state : processes_) {
+    names += " " + state.spec.name;
     if (state.spec.name != name) continue;
+    if (state.waits) return wait_of(state);
     if (state.pid != 0) {
       state.asked = true;
       state.restart_at = Clock::now() + longest_end;
       kill(state.pid, SIGINT);
-    } else if (!state.waits) {
-      state.given_up = state.refused = false;
-      state.in_a_row = 0;
-      spawn_again(state);
+      return "";
     }
-    return true;
+    state.given_up = state.refused = false;
+    state.in_a_row = 0;
+    const std::string obstacle = spawn_again(state);
+    return obstacle.empty() ? "" : name + " " + obstacle;
   }
-  return false;
+  return "'" + name + "' is none of the processes here:" + names;
 }
 
 void Supervisor::spawn(State& state) {

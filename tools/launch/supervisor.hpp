@@ -62,9 +62,9 @@ class Supervisor {
   /// A process, here or on another host, says that it runs.
   void note_ready(const std::string& name);
 
-  /// Ends a process as asked and starts it again; one that was given up too. False for a name that is not
-  /// known here.
-  bool restart(const std::string& name);
+  /// Ends a process as asked and starts it again; one that was given up too. Gives why not, in words: the
+  /// name is not known here, it waits for others, it cannot be started. Empty: it starts again.
+  std::string restart(const std::string& name);
 
   /// Collects what ended and restarts it in time; gives what happened, in words. What cannot be started now
   /// (the machine is short of processes, say) is tried again as what ended: the others go on.
@@ -79,6 +79,8 @@ class Supervisor {
 
   /// Names that a process still waits for.
   std::vector<std::string> lacking(const State& state) const;
+  /// "odometry waits for surf"
+  std::string wait_of(const State& state) const;
 
   /// True when none runs and none will come back.
   bool all_stopped() const;

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
@@ -92,8 +93,9 @@ class McapExporter {
   /// camera's own again, and does not add a calibration's offset twice.
   void tell_clock_offset(const std::string& topic, Utime utime) {
     const double offset = calibration_.depth_clock_offset;
-    if (offset == 0 && channels_.count(topic) == 0) return;
-    write(topic, "std_msgs/msg/Float64", utime, ros::write_number(offset));
+    const std::string type = "std_msgs/msg/Float64";
+    if (offset == 0 && channels_.count({topic, type}) == 0) return;
+    write(topic, type, utime, ros::write_number(offset));
   }
 
   void take(const camera_calibration_t& message) {
@@ -176,20 +178,17 @@ class McapExporter {
 
   void write(const std::string& topic, const std::string& type, Utime utime, const CdrWriter& message) {
     check_range(static_cast<double>(utime), 0, latest, "utime");
-    const auto known = channels_.find(topic);
-    const std::uint16_t channel = known != channels_.end()
-                                      ? known->second
-                                      : writer_.add_channel(topic, type, ros::message_definition(type));
-    channels_[topic] = channel;
+    const auto [known, is_new] = channels_.try_emplace({topic, type});
+    if (is_new) known->second = writer_.add_channel(topic, type, ros::message_definition(type));
     const bool is_sane = log_time_ >= 0 && static_cast<double>(log_time_) <= latest;
-    writer_.write(channel, (is_sane ? log_time_ : utime) * 1000, utime * 1000, message.view());
+    writer_.write(known->second, (is_sane ? log_time_ : utime) * 1000, utime * 1000, message.view());
     ++result_.topics[topic];
   }
 
   McapWriter& writer_;
   std::string tf_channel_;
   McapExport& result_;
-  std::map<std::string, std::uint16_t> channels_;
+  std::map<std::pair<std::string, std::string>, std::uint16_t> channels_;  // by topic and type
   RgbdCalibration calibration_;
   std::string channel_;  // of the message that is taken
   Utime log_time_ = 0;
@@ -220,7 +219,8 @@ class MergedLogs {
   void for_each(const Take& take) {
     while (const auto log = earliest()) {
       const LogEventView event = *ahead_[*log];
-      if (channels_.at(std::string(event.channel)) == *log) take(event);
+      // What a damaged event hides comes to light when it is left out: the scan did not see it.
+      if (channels_.emplace(event.channel, *log).first->second == *log) take(event);
       ahead_[*log] = readers_[*log]->next();
     }
   }

@@ -1,5 +1,6 @@
 #include "tools/log/message_reader.hpp"
 
+#include <lcmslam/messages/decode.hpp>
 #include "tools/log/message_facts.hpp"
 
 namespace lcmslam {
@@ -16,6 +17,15 @@ bool strip(Text& channel, const std::string& prefix) {
 
 std::string prefix_of(const std::string& robot) {
   return robot.empty() ? "" : robot + "/";
+}
+
+/// None where the piece is damaged.
+std::optional<std::string> channel_of_piece(const LogEventView& piece) {
+  try {
+    return decode_message<part_t>(piece.data, piece.size).channel;
+  } catch (const DecodeError&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -65,8 +75,13 @@ LogContents scan_log(const std::string& file, const std::string& robot) {
     first = false;
     std::string channel(event->channel);
     if (!strip(channel, prefix)) continue;
-    const bool piece = PartJoiner::is_piece(*event);
-    contents.channels.insert(piece ? channel.substr(0, channel.size() - part_channel("").size()) : channel);
+    if (PartJoiner::is_piece(*event)) {
+      const auto whole = channel_of_piece(*event);
+      if (!whole) continue;
+      channel = *whole;
+      strip(channel, prefix);
+    }
+    contents.channels.insert(channel);
   }
   if (first) throw std::runtime_error(file + ": no event in it is whole");
   return contents;

@@ -37,7 +37,7 @@ class MessageReader {
   std::vector<LogDamage> bad_pieces_;
 };
 
-/// What a log holds, by its headers alone.
+/// What a log holds, without a look into its messages but for pieces.
 struct LogContents {
   Utime first = 0;                 ///< log time of the first event
   std::set<std::string> channels;  ///< of whole messages; pieces count as the channel that they belong to

@@ -62,6 +62,19 @@ TEST(ConfigSyntax, AByteOfValueZeroIsNoEndOfFile) {
             "demo.yaml:3: a byte of value 0: must be text in UTF-8");
 }
 
+/// Latin-1, a character cut short, a surrogate, an overlong '/', and what lies behind the last character.
+TEST(ConfigSyntax, WhatIsNoUtf8IsRefused) {
+  EXPECT_EQ(parse_error("a: 1\nscene: K\xfc"
+                        "che\n"),
+            "demo.yaml:2: a byte of value 252: must be text in UTF-8");
+  for (const char* bytes : {"\xc3", "\xed\xa0\x80", "\xc0\xaf", "\xf4\x90\x80\x80", "\x80"})
+    EXPECT_THAT(parse_error(std::string("# ") + bytes + "\n"), HasSubstr("must be text in UTF-8")) << bytes;
+  EXPECT_EQ(parse_error("a: \"K\u00fcche \U0001f916\"\n"), "no error");
+  ConfigNode config;
+  EXPECT_EQ(error_of([&] { config.set("a", "\xff"); }),
+            "--set a=\xff:1: a byte of value 255: must be text in UTF-8");
+}
+
 TEST(ConfigSyntax, QuotedTextReadsBackAsItWas) {
   std::string all;
   for (char c = 1; c < 127; ++c) all += c;
@@ -134,6 +147,20 @@ TEST_F(ConfigFile, IncludedMappingsMergeUnderTheirIncluder) {
   EXPECT_THAT(error_of([&] { config.finish(); }), StartsWith(path("base.yaml") + ":1: unknown key 'seed'"));
 }
 
+/// Every key has a default, so an empty section is a good one: it sets nothing and takes nothing away.
+TEST_F(ConfigFile, AnEmptySectionKeepsWhatIsIncluded) {
+  write("base.yaml", "icp:\n  iterations: 10\nlist: [1]\nrate: 5\n");
+  ConfigNode config = ConfigNode::load(write("top.yaml", "include: base.yaml\nicp:\nlist:\nrate:\n"));
+  EXPECT_EQ(config.section("icp").get("iterations", 0), 10);
+  config.set("icp", "");
+  EXPECT_EQ(config.section("icp").get("iterations", 0), 10);
+  config.set("icp", "{}");
+  EXPECT_EQ(config.section("icp").get("iterations", 0), 0);
+  const std::string top = path("top.yaml");
+  EXPECT_THAT(error_of([&] { config.get("list", std::vector<double>{}); }), StartsWith(top + ":3: 'list'"));
+  EXPECT_THAT(error_of([&] { config.get("rate", 0); }), StartsWith(top + ":4: 'rate' must be"));
+}
+
 TEST_F(ConfigFile, ListsOfIncludesAndIncludesOfIncludes) {
   write("parts/deep.yaml", "a: 1\nb: 1\nc: 1\nd: 1\n");
   write("parts/one.yaml", "include: deep.yaml\nb: 2\nc: 2\nd: 2\n");
@@ -157,13 +184,24 @@ TEST_F(ConfigFile, SectionsKnowTheFolderOfTheirFile) {
 /// One key of a section that is included may be said anew: the paths beside it stay where they were.
 TEST_F(ConfigFile, KeysKnowTheFolderOfTheirFile) {
   write("parts/sensor.yaml", "calibration: {file: k.yaml, sigma: 1}\n");
-  ConfigNode config =
+  const ConfigNode config =
       ConfigNode::load(write("top.yaml", "include: parts/sensor.yaml\ncalibration: {sigma: 2}\n"));
   EXPECT_EQ(config.section("calibration").folder("file"), folder_ / "parts");
   EXPECT_EQ(config.section("calibration").folder("sigma"), folder_);
   EXPECT_EQ(config.section("calibration").folder("none"), folder_);
-  config.set("calibration.file", "mine.yaml");  // --set has no file of its own
-  EXPECT_EQ(config.section("calibration").folder("file"), folder_);
+}
+
+/// Whoever writes a path on a command line does not know which file said it before.
+TEST_F(ConfigFile, PathsOfOverridesAreRelativeToTheCurrentFolder) {
+  write("parts/sensor.yaml", "calibration: {file: k.yaml, sigma: 1}\n");
+  ConfigNode config = ConfigNode::load(write("top.yaml", "include: parts/sensor.yaml\n"));
+  config.set("calibration.file", "mine.yaml");
+  EXPECT_EQ(config.section("calibration").folder("file"), "");
+  EXPECT_EQ(config.section("calibration").folder("sigma"), folder_ / "parts");
+  config.set("live.driver.calibration", "mine.yaml");  // sections that no file has
+  EXPECT_EQ(config.section("live").section("driver").folder("calibration"), "");
+  config.set("scene", "{of: {walls: a/b.yaml}}");
+  EXPECT_EQ(config.section("scene").section("of").folder("walls"), "");
 }
 
 TEST_F(ConfigFile, CirclesAndBadIncludesAreErrors) {

@@ -186,6 +186,16 @@ TEST(LogFile, WhatIsNoLogIsNamedSo) {
               AllOf(HasSubstr(file.path()), HasSubstr("is no LCM log")));
 }
 
+TEST(LogWriter, ALinkIsNeitherFollowedNorReplaced) {
+  const ScratchFile file;
+  const std::string link = file.path() + ".link";
+  std::filesystem::create_symlink(file.path(), link);
+  EXPECT_THAT(error_of([&] { LogWriter writer(link); }),
+              HasSubstr(link + ": cannot be written: is a symbolic link"));
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_FALSE(std::filesystem::exists(file.path()));
+}
+
 TEST(LogWriter, LeavesNothingWhenItIsNotClosed) {
   const ScratchFile file;
   {

@@ -118,6 +118,22 @@ TEST_F(LandmarkPlacesTest, OnePosterIsNoPlace) {
   EXPECT_THAT(map.locate(there).why_not, HasSubstr("in one spot"));
 }
 
+TEST_F(LandmarkPlacesTest, ALineOfThemIsToldToBeOneAndNotToBeTooFew) {
+  Random random(5);
+  std::vector<Landmark> here, there;
+  for (int i = 0; i < 40; ++i) {
+    const Descriptor look = LandmarkRoom::any_look(random);
+    const Eigen::Vector3d at(0, 0, 2 * random.uniform());
+    here.push_back(LandmarkRoom::landmark(at, look, random));
+    there.push_back(LandmarkRoom::landmark(T_session_room * at, look, random));
+  }
+  map.add(here);
+  const LocatedGroup located = map.locate(there);
+  EXPECT_FALSE(located.place);
+  EXPECT_GE(located.inliers, LandmarkPlaceSettings().min_inliers);
+  EXPECT_THAT(located.why_not, HasSubstr("on one line"));
+}
+
 TEST_F(LandmarkPlacesTest, WhatShouldBeThereAndIsNotSpeaksAgainstIt) {
   std::vector<Landmark> some = first(group(), 40);
   expect_right(map.locate(some));

@@ -191,6 +191,23 @@ TEST_F(PlaceIndexTest, OnePosterIsNoPlace) {
   EXPECT_THAT(ask(poster).why_not, HasSubstr("one spot"));
 }
 
+TEST_F(PlaceIndexTest, PointsOnALineAreToldToBeOnOneAndNotToBeTooFew) {
+  auto& features = asker.features.features;
+  features.resize(40);
+  Random random(3);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const float across = 0.03F * static_cast<float>(i) - 0.6F;
+    features[i].point = {across, 0, 2 + 0.004F * static_cast<float>(random.normal())};
+    features[i].x = static_cast<float>(asker.features.cx + asker.features.fx * across / 2);
+    features[i].y = static_cast<float>(asker.features.cy + 0.5 * random.normal());
+  }
+  index.add(500, asked_from, asker.features, {});
+  const Located located = index.locate(asker.features);
+  EXPECT_FALSE(located.place);
+  EXPECT_GE(located.evidence.inliers, PlaceSettings().min_inliers);
+  EXPECT_THAT(located.why_not, HasSubstr("on one line"));
+}
+
 TEST_F(PlaceIndexTest, FeaturesInTheWrongOrderAreNoPlace) {
   auto& features = asker.features.features;
   const std::vector<Feature> before = features;

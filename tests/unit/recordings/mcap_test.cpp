@@ -68,6 +68,19 @@ Bytes written(const std::string& compression) {
   return bytes;
 }
 
+TEST(McapWriter, ALinkIsNeitherFollowedNorReplaced) {
+  const std::string link = ::testing::TempDir() + "recordings_" + std::to_string(getpid()) + ".link";
+  std::filesystem::create_symlink("nowhere", link);
+  try {
+    McapWriter writer(link, McapWriter::Options{});
+    ADD_FAILURE() << "it is written";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(link + ": cannot be written: is a symbolic link"));
+  }
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  std::filesystem::remove(link);
+}
+
 /// A file of records that a test puts together.
 class MadeFile {
  public:

@@ -10,12 +10,13 @@
 
 #include <lcmslam/runtime/lcm_bus.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
+#include <lcmslam/runtime/stop_signal.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
 #include <lcmslam/status_t.hpp>
 #include "tests/support/datagrams.hpp"
 #include "tests/support/own_bus.hpp"
 #include "tests/support/source_folder.hpp"
-#include "tests/unit/tools/scratch.hpp"
+#include "tests/unit/tools/log_samples.hpp"
 #include "tools/doctor/checks.hpp"
 
 namespace lcmslam {
@@ -170,6 +171,44 @@ TEST(GraphTraffic, IsMeasuredOnTheImagesThatTheConfigurationWouldSend) {
   EXPECT_THROW(graph_traffic(demo, {"camera.simulation.scene=none.yaml"}), std::exception);
   EXPECT_THAT(tof.doubts, IsEmpty());
   EXPECT_THAT(tof.depths, HasSubstr(" m"));
+}
+
+/// A recording's first images: their rate is tried for a moment, whatever their stamps say.
+TEST(GraphTraffic, TakesNoRateOfGapsAndLeapsOfStamps) {
+  const testing::ScratchFolder scratch;
+  const std::string file = (scratch.path() / "a.lcmlog").string();
+  const auto rate = [&](const std::vector<Utime>& stamps) {
+    LogWriter log(file);
+    log.write(testing::sample_start, "CAMERA_CALIBRATION",
+              testing::calibration_message(testing::sample_start, 0));
+    for (std::size_t i = 0; i < stamps.size(); ++i)
+      log.write(testing::sample_start + stamps[i], "CAMERA",
+                testing::camera_message(testing::sample_start + stamps[i], static_cast<std::int64_t>(i)));
+    log.close();
+    return graph_traffic(source_folder() / "config/dataset.yaml",
+                         {"camera.source=log", "camera.log.file=" + file})
+        .rate;
+  };
+  EXPECT_NEAR(rate({0, 33'333, 66'666, 99'999}), 30, 1e-3);
+  EXPECT_NEAR(rate({0, 33'333, 600'033'333, 600'066'666}), 30, 1e-3) << "a gap of ten minutes";
+  EXPECT_EQ(rate({0, 1, 2, 3}), 200);
+  EXPECT_EQ(rate({0, 20'000'000, 40'000'000, 60'000'000}), 1);
+}
+
+// In a process of its own, which is asked to stop for good.
+TEST(Doctor, StopsTryingTheBusWhenItIsTold) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);
+    DoctorOptions options = quick("memq://");
+    options.traffic.rate = 1;
+    options.seconds = 3600;
+    request_stop();
+    _exit(check_loop_back(options).text.find("stopped") != std::string::npos ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 /// What is found while a STATUS of that age is on the bus; `processes`: those to be launched. One that stops

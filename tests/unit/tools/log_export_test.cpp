@@ -1,17 +1,25 @@
 // What goes out to other people's viewers comes back.
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <lcmslam/ground_truth_t.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/pose_t.hpp>
+#include <lcmslam/recordings/recording_file.hpp>
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/log_samples.hpp"
 #include "tools/commands.hpp"
 #include "tools/log/mcap_export.hpp"
+#include "tools/log/message_reader.hpp"
 
 namespace lcmslam {
 namespace {
 
 using namespace testing;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::Pair;
 
 constexpr Utime frame_interval = 33'333;
 
@@ -87,6 +95,80 @@ TEST_F(ExportedLog, HasItsPairsAndStampsAgainWhateverDepthsClock) {
       EXPECT_NEAR(calibration.depth_clock_offset, offset, 1e-9);
     }
   }
+}
+
+/// Logs whose channels have more than one type, damage, and pieces of another's name.
+class OddLogExport : public ::testing::Test {
+ protected:
+  static Bytes pose_message(Utime utime) {
+    pose_t message{};
+    message.utime = utime;
+    message.orientation[0] = 1;
+    return encode_message(message);
+  }
+  static Bytes truth_message(Utime utime) {
+    ground_truth_t message{};
+    message.utime = utime;
+    message.frame = "world";
+    message.child_frame = "robot";
+    message.T_frame_child.quat[0] = 1;
+    return encode_message(message);
+  }
+  McapExport exported() const { return export_mcap({log()}, {mcap(), true}, "zstd"); }
+  std::string log() const { return scratch.path() / "odd.lcmlog"; }
+  std::string mcap() const { return scratch.path() / "odd.mcap"; }
+
+  ScratchFolder scratch;
+};
+
+TEST_F(OddLogExport, MessagesHaveTheSchemaOfTheirOwnType) {
+  LogWriter writer(log());
+  writer.write(sample_start, "POSE", pose_message(sample_start));
+  writer.write(sample_start + 1, "POSE", truth_message(sample_start + 1));
+  writer.write(sample_start + 2, "Pose", pose_message(sample_start + 2));
+  writer.close();
+  EXPECT_THAT(exported().topics, ElementsAre(Pair("/pose", 3)));
+  std::vector<std::string> types;
+  const auto file = open_recording(mcap());
+  file->scan([&](const RecordedMessage& message, ByteView) {
+    EXPECT_EQ(file->topics()[message.topic].name, "/pose");
+    types.push_back(file->topics()[message.topic].type);
+  });
+  EXPECT_THAT(types,
+              ElementsAre("nav_msgs/msg/Odometry", "geometry_msgs/msg/PoseStamped", "nav_msgs/msg/Odometry"));
+}
+
+/// A pose that is cut short, in the place of its end whole events of a channel that no header names, and
+/// behind it a header that is damaged: only who knows the type sees that the pose is none.
+TEST_F(OddLogExport, WhatADamagedEventHidesIsExportedAndTheDamageListed) {
+  LogWriter hidden(scratch.path() / "inner.lcmlog");
+  for (int i = 0; i < 3; ++i) hidden.write(sample_start + i, "HIDDEN", pose_message(sample_start + i));
+  hidden.close();
+  const std::string inner = scratch.read("inner.lcmlog") + "end";
+  Bytes cut = pose_message(sample_start);
+  cut.resize(20);
+  cut.insert(cut.end(), inner.begin(), inner.end());
+  LogWriter writer(log());
+  writer.write(sample_start, "POSE", pose_message(sample_start));
+  writer.write(sample_start + 1, "POSE", cut);
+  writer.write(sample_start + 2, "POSE", pose_message(sample_start));
+  writer.write(sample_start + 3, "POSE", pose_message(sample_start));
+  writer.close();
+  const std::string bytes = scratch.read("odd.lcmlog"), sync = inner.substr(0, 4);
+  damage(log(), bytes.rfind(sync, bytes.rfind(sync) - 1));
+  ASSERT_THAT(scan_log(log()).channels, ElementsAre("POSE"));
+  const McapExport result = exported();
+  EXPECT_THAT(result.topics, ElementsAre(Pair("/hidden", 3), Pair("/pose", 2)));
+  EXPECT_THAT(result.damages, Not(IsEmpty()));
+}
+
+TEST_F(OddLogExport, PiecesAreOfTheChannelThatTheyName) {
+  LogWriter writer(log());
+  for (part_t part : split_message("OTHER", pose_message(sample_start), sample_start, 1, 100))
+    writer.write(sample_start, "X_PART", encode_message(part));
+  writer.close();
+  EXPECT_THAT(exported().topics, ElementsAre(Pair("/other", 1)));
+  EXPECT_THAT(scan_log(log()).channels, ElementsAre("OTHER"));
 }
 
 }  // namespace

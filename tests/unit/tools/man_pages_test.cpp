@@ -23,7 +23,9 @@ TEST(ManPages, AreThereForEveryCommandAndListedByTheFirst) {
     EXPECT_THAT(pages.at(name + ".1"), HasSubstr(".SH NAME\nlcmslam\\-")) << name;
   }
   EXPECT_THAT(pages.at("lcmslam.1"), HasSubstr("lcmslam\\-lcm\\-spy\\fR(1)"));
-  EXPECT_THAT(pages.at("lcmslam.1"), HasSubstr("NO_COLOR"));
+  for (const char* variable : {"LCM_DEFAULT_URL", "LCMSLAM_BUS_ALLOW", "LCMSLAM_BUS_KEY",
+                               "LCMSLAM_BUS_MEMORY", "LCMSLAM_ROBOT", "LCMSLAM_SHARE", "NO_COLOR"})
+    EXPECT_THAT(pages.at("lcmslam.1"), HasSubstr(std::string("\\fB") + variable + "\\fR"));
   EXPECT_THAT(pages.at("lcmslam-log.1"), HasSubstr("lcmslam\\-log\\-cut\\fR(1)"));
   EXPECT_THAT(pages.at("lcmslam-log-cut.1"), HasSubstr("lcmslam log cut"));
 }

@@ -18,6 +18,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 using testing::wait_for;
 
 class SupervisorTest : public ::testing::Test {
@@ -141,7 +142,7 @@ TEST_F(SupervisorTest, WhoRanBeforeComesBackWhenItIsRefusedSomething) {
                          true));
   ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
   supervisor.note_ready("worker");
-  EXPECT_TRUE(supervisor.restart("worker"));
+  EXPECT_EQ(supervisor.restart("worker"), "");
   EXPECT_THAT(events(supervisor, 4),
               ElementsAre(HasSubstr("worker ended: signal 2"), "worker restarted",
                           "worker ended: exit 2, restarts at once: icp: unknown key", "worker restarted"));
@@ -294,8 +295,8 @@ TEST_F(SupervisorTest, RestartsWhatItIsAskedToAndWhatItHadGivenUp) {
   Supervisor supervisor;
   supervisor.start(shell("trap 'echo bye; exit 0' INT; echo ready; while :; do sleep 0.02; done", true));
   ASSERT_TRUE(wait_for([&] { return output() == "ready\n"; }));
-  EXPECT_TRUE(supervisor.restart("worker"));
-  EXPECT_FALSE(supervisor.restart("nobody"));
+  EXPECT_EQ(supervisor.restart("worker"), "");
+  EXPECT_EQ(supervisor.restart("nobody"), "'nobody' is none of the processes here: worker");
   EXPECT_THAT(events(supervisor, 2), ElementsAre("worker ended: exit 0", "worker restarted"));
   EXPECT_TRUE(wait_for([&] { return output() == "ready\nbye\nready\n"; }));
 
@@ -305,8 +306,27 @@ TEST_F(SupervisorTest, RestartsWhatItIsAskedToAndWhatItHadGivenUp) {
   once.restart = false;
   supervisor.start(once);
   events(supervisor, 1);
-  EXPECT_TRUE(supervisor.restart("once"));
+  EXPECT_EQ(supervisor.restart("once"), "");
   EXPECT_EQ(supervisor.processes()[1].starts, 2);
+}
+
+TEST_F(SupervisorTest, WhatCannotStartNowIsNotSaidToStartAgain) {
+  Supervisor supervisor;
+  ProcessSpec waiting = shell("exec sleep 1000");
+  waiting.after = {"surf", "camera"};
+  supervisor.start(waiting);
+  EXPECT_EQ(supervisor.restart("worker"), "worker waits for surf camera");
+  EXPECT_EQ(supervisor.processes()[0].starts, 0);
+
+  ProcessSpec ended = shell("exit 0");
+  ended.name = "ended";
+  ended.log = scratch_.path() / "logs" / "ended.txt";
+  std::filesystem::create_directories(ended.log.parent_path());
+  supervisor.start(ended);
+  events(supervisor, 1);
+  std::filesystem::remove_all(ended.log.parent_path());
+  EXPECT_THAT(supervisor.restart("ended"),
+              AllOf(StartsWith("ended cannot be started: "), HasSubstr("No such file")));
 }
 
 TEST_F(SupervisorTest, GivesAProcessItsLimitsAndItsEnvironment) {
