@@ -64,6 +64,30 @@ export const tests = {
     });
   },
 
+  async "two fingers move the view and send nobody anywhere"(browser) {
+    await withPage(browser, { ...still, context: { hasTouch: true } }, async (page, server, context) => {
+      await furnish(page, server);
+      await lookDown(page, [0.5, 0]);
+      await page.getByRole("button", { name: /Send the robot/ }).click();
+      const { x, y } = await pixel(page, [0.6, 0, 0]);
+      const session = await context.newCDPSession(page);
+      const touch = (type, ...places) => session.send("Input.dispatchTouchEvent", { type, touchPoints: places.map(([dx, dy], id) => ({ x: x + dx, y: y + dy, id })) });
+      const distance = () => page.evaluate(() => window.lcmslam.view.distance);
+      const far = await distance();
+      await touch("touchStart", [-50, 0]);
+      await touch("touchStart", [-50, 0], [50, 0]);
+      for (let i = 1; i <= 5; ++i) await touch("touchMove", [-50 - 10 * i, 0], [50 + 10 * i, 0]);
+      await touch("touchEnd", [-100, 0]);
+      await touch("touchEnd");
+      await until(async () => (await distance()) < 0.7 * far, "a nearer view");
+      await touch("touchStart", [0, 0]); // one finger is a press still
+      await touch("touchEnd");
+      await until(() => heard(server, "go_to").length > 0, "go_to");
+      const goals = heard(server, "go_to");
+      assert.equal(goals.length, 1, JSON.stringify(goals));
+    });
+  },
+
   async "driving stops when keys are let go, and when nobody looks"(browser, { measured }) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);
