@@ -109,15 +109,48 @@ export const tests = {
     });
   },
 
+  async "no modifier keeps a robot going"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.keyboard.press("x");
+      const turning = () => heard(server, "drive").at(-1)?.angular === 1;
+      const stopped = () => heard(server, "drive").at(-1).angular === 0;
+      await page.keyboard.down("a");
+      await until(turning, "turning");
+      await page.evaluate(() => dispatchEvent(new KeyboardEvent("keyup", { key: "æ", code: "KeyA" }))); // beside AltGr
+      await until(stopped, "a stop by a key with another name");
+      await page.keyboard.up("a");
+      for (const name of ["Control", "Alt", "Meta"]) {
+        await page.keyboard.down("a");
+        await until(turning, "turning again");
+        await page.keyboard.down(name);
+        await until(stopped, `a stop by ${name}`);
+        await page.keyboard.up(name);
+        const so_far = heard(server, "drive").length;
+        await page.keyboard.down("a"); // repeats, as keys do that are held
+        await page.keyboard.down("d");
+        await until(() => heard(server, "drive").length > so_far, "a new press");
+        assert.equal(heard(server, "drive")[so_far].angular, -1, "what was stopped goes on only by a new press");
+        await page.keyboard.up("a");
+        await page.keyboard.up("d");
+        await until(stopped, "a stop");
+      }
+    });
+  },
+
   async "the pad drives by shares, and its release stops"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);
       await page.keyboard.press("x");
       const box = await page.getByRole("application").boundingBox();
+      await page.mouse.move(box.x + box.width / 2, box.y + 2);
+      await page.mouse.down({ button: "right" });
+      await page.mouse.up({ button: "right" });
       await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
       await page.mouse.down();
       await page.mouse.move(box.x + box.width / 2, box.y + box.height / 4);
       await until(() => Math.abs(heard(server, "drive").at(-1)?.linear - 0.5) < 0.05, "half speed");
+      assert.ok(heard(server, "drive").every(({ linear }) => Math.abs(linear) < 0.55), "the left button alone drives");
       await page.mouse.up();
       await until(() => heard(server, "drive").at(-1).linear === 0, "a stop");
     });
