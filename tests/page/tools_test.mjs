@@ -88,6 +88,30 @@ export const tests = {
     });
   },
 
+  async "a drag moves the ground with the pointer, and W moves the view ahead"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      for (const pitch of [0.6, 1.2]) {
+        await page.evaluate((pitch) => window.lcmslam.view.restore({ at: [0.5, 0, 0], turn: [-2.3, pitch], far: 5, view: "free", follow: false }), pitch);
+        const from = await pixel(page, [0.5, 0, 0]);
+        await page.mouse.move(from.x, from.y);
+        await page.mouse.down({ button: "right" });
+        await page.mouse.move(from.x + 40, from.y + 30, { steps: 5 });
+        await page.mouse.up({ button: "right" });
+        const to = await pixel(page, [0.5, 0, 0]);
+        assert.ok(Math.hypot(to.x - from.x - 40, to.y - from.y - 30) < 16, `from ${JSON.stringify(from)} to ${JSON.stringify(to)}`);
+      }
+      const ahead = () => page.evaluate(() => {
+        const { target, stage } = window.lcmslam.view;
+        const looks = target.clone().sub(stage.camera.position);
+        return (target.x * looks.x + target.y * looks.y) / Math.hypot(looks.x, looks.y);
+      });
+      const before = await ahead();
+      await page.keyboard.press("w");
+      assert.ok((await ahead()) > before + 0.05, `${before} to ${await ahead()}`);
+    });
+  },
+
   async "driving stops when keys are let go, and when nobody looks"(browser, { measured }) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);

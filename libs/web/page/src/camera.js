@@ -38,13 +38,13 @@ export class View extends EventTarget {
     this.#moved();
   }
 
-  /** Moves the target in the picture's plane, by shares of the picture's height. */
-  pan(right, upwards) {
+  /** Moves the ground in the picture, to the right and downwards, by shares of the picture's height. */
+  pan(right, down) {
     if (this.follow || this.name === "robot") this.setFollow(false);
     this.#free();
     const scale = 2 * this.distance * Math.tan((this.stage.camera.fov * Math.PI) / 360);
     const { sideways, ahead } = this.#ground();
-    this.target.addScaledVector(sideways, -right * scale).addScaledVector(ahead, upwards * scale / Math.max(0.3, Math.sin(Math.abs(this.pitch))));
+    this.target.addScaledVector(sideways, -right * scale).addScaledVector(ahead, (down * scale) / Math.max(0.3, Math.sin(Math.abs(this.pitch))));
     this.#moved();
   }
 
@@ -172,7 +172,7 @@ export class View extends EventTarget {
   }
 
   #ground() {
-    return { sideways: new Vector3(-Math.sin(this.yaw), Math.cos(this.yaw), 0), ahead: new Vector3(Math.cos(this.yaw), Math.sin(this.yaw), 0) };
+    return { sideways: new Vector3(-Math.sin(this.yaw), Math.cos(this.yaw), 0), ahead: new Vector3(-Math.cos(this.yaw), -Math.sin(this.yaw), 0) };
   }
 
   #moved(quick = true) {
