@@ -48,6 +48,26 @@ export const tests = {
     });
   },
 
+  async "a map of 300 m is seen from afar, and its ground is there for tools"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.evaluate(() => {
+        const { view } = window.lcmslam;
+        const at = (x, y) => view.target.clone().set(x, y, 0);
+        view.extent = () => ({ centre: at(0, 0), places: [at(-150, -80), at(150, -80), at(150, 80), at(-150, 80)] });
+      });
+      await lookDown(page, [50, 20], 250);
+      const far = () => page.evaluate(() => window.lcmslam.view.distance);
+      await page.keyboard.press("-");
+      assert.ok((await far()) > 250, `one step back leads to ${await far()} m`);
+      for (let i = 0; i < 40; ++i) await page.keyboard.press("-");
+      assert.ok((await far()) < 2000, `${await far()} m away the map is lost`);
+      await lookDown(page, [50, 20], 250);
+      await clickPlace(page, [50, 20, 0]);
+      await page.getByRole("region", { name: "Tool" }).getByText("50.00, 20.00, 0.00 m").waitFor();
+    });
+  },
+
   async "go-to sends place and heading"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);

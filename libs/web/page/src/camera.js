@@ -49,10 +49,15 @@ export class View extends EventTarget {
   }
 
   /** Nearer (factor below 1) or farther; `towards`: a point that stays where it is in the picture. */
+  /** How far away things may be that belong to the map, seen from where all of it is in sight. */
+  reach() {
+    return 2 * this.#fit(this.yaw, this.pitch).distance;
+  }
+
   zoom(factor, towards = null) {
     this.#stop();
     this.untouched = false;
-    const distance = Math.max(0.3, Math.min(150, this.distance * factor));
+    const distance = Math.max(0.3, Math.min(Math.max(150, this.distance, this.reach()), this.distance * factor));
     if (towards && !this.follow && this.name !== "robot") this.target.lerp(towards, 1 - distance / this.distance);
     this.distance = distance;
     this.#moved();
@@ -129,7 +134,7 @@ export class View extends EventTarget {
     this.untouched = !at && !turn && !far && !view && !follow;
     if (at) this.target.fromArray(at);
     if (turn) [this.yaw, this.pitch] = turn;
-    if (far) this.distance = Math.max(0.3, Math.min(150, far));
+    if (far) this.distance = Math.max(0.3, Math.min(100_000, far)); // the map, which may be large, is not here yet
     if (follow !== null) this.follow = follow;
     if (view in views) {
       this.name = view;
