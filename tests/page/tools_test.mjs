@@ -238,3 +238,23 @@ export const tests = {
     });
   },
 };
+  async "following begins without falling behind a robot that drives"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      const lag = await page.evaluate(async () => {
+        const { view } = window.lcmslam;
+        const place = view.target.clone().set(0, 0, 0);
+        view.robotAt(place, 0);
+        view.setFollow(true);
+        const begin = performance.now();
+        while (performance.now() < begin + 1500) { // three times the flight's time
+          await new Promise(requestAnimationFrame);
+          place.x = (performance.now() - begin) / 1000;
+          view.robotAt(place, 0);
+        }
+        return view.target.distanceTo(place);
+      });
+      assert.ok(lag < 0.01, `${lag} m behind`);
+    });
+  },
+

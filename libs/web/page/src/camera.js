@@ -13,6 +13,7 @@ export const views = {
 
 export class View extends EventTarget {
   #stop = () => {};
+  #flight = []; // places between which the target flies
 
   constructor(stage) {
     super();
@@ -48,12 +49,12 @@ export class View extends EventTarget {
     this.#moved();
   }
 
-  /** Nearer (factor below 1) or farther; `towards`: a point that stays where it is in the picture. */
   /** How far away things may be that belong to the map, seen from where all of it is in sight. */
   reach() {
     return 2 * this.#fit(this.yaw, this.pitch).distance;
   }
 
+  /** Nearer (factor below 1) or farther; `towards`: a point that stays where it is in the picture. */
   zoom(factor, towards = null) {
     this.#stop();
     this.untouched = false;
@@ -123,7 +124,7 @@ export class View extends EventTarget {
     if (this.name === "robot") this.#chase(step === null);
     else if (this.follow && !step) this.setFollow(true);
     else if (this.follow) {
-      this.target.add(step);
+      for (const place of [this.target, ...this.#flight]) place.add(step);
       this.#moved(false);
     }
   }
@@ -157,10 +158,12 @@ export class View extends EventTarget {
 
   #flyTo({ target, yaw, pitch, distance }) {
     this.#stop();
+    const to = target.clone();
     const from = { target: this.target.clone(), yaw: this.yaw, pitch: this.pitch, distance: this.distance };
     const turn = Math.atan2(Math.sin(yaw - from.yaw), Math.cos(yaw - from.yaw)); // the short way round
+    this.#flight = [from.target, to];
     this.#stop = this.stage.animate(0.45, (share) => {
-      this.target.lerpVectors(from.target, target, share);
+      this.target.lerpVectors(from.target, to, share);
       this.yaw = from.yaw + share * turn;
       this.pitch = from.pitch + share * (pitch - from.pitch);
       this.distance = from.distance * (distance / from.distance) ** share;
