@@ -1,5 +1,6 @@
 // Parts of the page that need no browser: bytes, budgets, addresses.
 import assert from "node:assert/strict";
+import { mock } from "node:test";
 import { length, point } from "../../libs/web/page/src/format.js";
 import { decode, graphArrays, meshArrays, pointArrays, splitItems } from "../../libs/web/page/src/messages.js";
 import { extent } from "../../libs/web/page/src/panels/sessions.js";
@@ -135,6 +136,38 @@ export const tests = {
     const empty = { at: null, turn: null, far: null, view: null, follow: null, on: [], off: [] };
     assert.deepEqual(readAddress("#at=1,2&turn=a,b&far="), empty);
     assert.equal(writeAddress({ untouched: true, name: "free" }, { differences: () => ({ on: [], off: [] }) }), "");
+  },
+
+  async "an export may take minutes, others are given up after seconds"() {
+    const { CommandLine } = await import("../../libs/web/page/src/command.js");
+    let socket = null;
+    globalThis.location = { href: "http://robot:8642/", protocol: "http:" };
+    const real = globalThis.WebSocket;
+    globalThis.WebSocket = class {
+      static OPEN = 1;
+      readyState = 1;
+      constructor() {
+        socket = this;
+      }
+      send() {}
+      close() {}
+    };
+    mock.timers.enable({ apis: ["setTimeout"] });
+    try {
+      const line = new CommandLine();
+      line.connect();
+      const exported = line.do("export", { name: "a" });
+      const saved = line.do("save").then(() => "done", ({ message }) => message);
+      mock.timers.tick(5 * 60_000);
+      assert.match(await saved, /no answer to save within 10 s/);
+      socket.onmessage({ data: JSON.stringify({ id: 1, ok: true, files: ["a.ply"] }) });
+      assert.deepEqual((await exported).files, ["a.ply"]);
+      line.close();
+    } finally {
+      mock.timers.reset();
+      globalThis.WebSocket = real;
+      delete globalThis.location;
+    }
   },
 
   async "lengths have the unit that suits them"() {

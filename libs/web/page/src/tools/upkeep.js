@@ -42,7 +42,11 @@ export function upkeepPanel(column, board, command, notify, figures) {
 
 function exporter(run, button) {
   const name = el("input", { type: "text", value: "export", "aria-label": "Folder to export to", spellcheck: false, maxlength: 100 });
-  const press = button("Export", (self) => run(self, "export", { name: name.value.trim() || "export" }, ({ files }) => `Written: ${(files ?? []).join(", ")}`));
+  const press = button("Export", async (self) => {
+    self.textContent = "Exporting …";
+    await run(self, "export", { name: name.value.trim() || "export" }, ({ files }) => `Written: ${(files ?? []).join(", ")}`);
+    self.textContent = "Export";
+  });
   return el("div", { class: "pair" }, name, press);
 }
 
