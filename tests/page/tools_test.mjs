@@ -218,6 +218,18 @@ export const tests = {
     });
   },
 
+  async "a log that is written is shown to whoever comes, who may stop it"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.getByRole("button", { name: "Start a log" }).click();
+      await page.getByRole("button", { name: "Stop the log" }).waitFor();
+      await page.reload();
+      await page.getByRole("button", { name: "Stop the log" }).click();
+      await page.getByRole("button", { name: "Start a log" }).waitFor();
+      assert.deepEqual(heard(server, "log").map(({ on }) => on), [true, false]);
+    });
+  },
+
   async "only what the server can is offered"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server, ["save"]);
@@ -229,15 +241,6 @@ export const tests = {
     });
   },
 
-  async "a picture is saved"(browser) {
-    await withPage(browser, still, async (page, server) => {
-      await furnish(page, server);
-      const download = page.waitForEvent("download");
-      await page.keyboard.press("p");
-      assert.match((await download).suggestedFilename(), /^lcmslam-.*\.png$/);
-    });
-  },
-};
   async "following begins without falling behind a robot that drives"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);
@@ -258,3 +261,12 @@ export const tests = {
     });
   },
 
+  async "a picture is saved"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      const download = page.waitForEvent("download");
+      await page.keyboard.press("p");
+      assert.match((await download).suggestedFilename(), /^lcmslam-.*\.png$/);
+    });
+  },
+};
