@@ -180,10 +180,11 @@ std::vector<PageItem> landmark_items(std::vector<Landmark> landmarks, std::size_
   return items;
 }
 
-std::vector<PageItem> path_items(const std::string& name, const std::vector<Eigen::Vector3d>& path) {
+std::vector<PageItem> path_items(const std::string& name, const std::vector<Eigen::Vector3d>& path,
+                                 std::size_t first) {
   std::vector<PageItem> items;
   for (std::size_t begin = 0; begin < path.size(); begin += poses_per_piece) {
-    PageItem item{"path", fmt::format("{}/{}", name, items.size())};
+    PageItem item{"path", fmt::format("{}/{}", name, first + items.size())};
     for (std::size_t i = begin; i < std::min(begin + poses_per_piece, path.size()); ++i)
       for (const double x : path[i]) append_bytes(item.bytes, static_cast<float>(x));
     items.push_back(std::move(item));

@@ -23,7 +23,8 @@ PageItem mesh_item(const MeshCube& cube, const Mesh& mesh);
 std::vector<PageItem> landmark_items(std::vector<Landmark> landmarks, std::size_t most = 30'000);
 
 /// Poses in their order, in pieces of 512; key "NAME/0", "NAME/1", ...
-std::vector<PageItem> path_items(const std::string& name, const std::vector<Eigen::Vector3d>& path);
+std::vector<PageItem> path_items(const std::string& name, const std::vector<Eigen::Vector3d>& path,
+                                 std::size_t first = 0);
 
 struct PageEdge {
   std::int32_t from = 0, to = 0;  ///< keyframes

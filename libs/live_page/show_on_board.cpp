@@ -14,11 +14,11 @@ struct Way {
 /// What is small and tells most comes first; of points the coarse ones.
 Way way_of(const PageItem& item) {
   static const std::map<std::string, Way> ways = {
-      {"about", {Haste::live, 0}},     {"time", {Haste::live, 1}},     {"poses", {Haste::live, 2}},
-      {"health", {Haste::live, 3}},    {"notices", {Haste::live, 4}},  {"report", {Haste::live, 5}},
-      {"sessions", {Haste::live, 6}},  {"image", {Haste::picture, 0}}, {"graph", {Haste::bulk, 0}},
-      {"particles", {Haste::bulk, 1}}, {"path", {Haste::bulk, 2}},     {"grid", {Haste::bulk, 3}},
-      {"planes", {Haste::bulk, 4}},    {"objects", {Haste::bulk, 5}}};
+      {"about", {Haste::live, 0}},    {"time", {Haste::live, 1}},      {"poses", {Haste::live, 2}},
+      {"health", {Haste::live, 3}},   {"notices", {Haste::live, 4}},   {"report", {Haste::live, 5}},
+      {"sessions", {Haste::live, 6}}, {"log", {Haste::live, 7}},       {"image", {Haste::picture, 0}},
+      {"graph", {Haste::bulk, 0}},    {"particles", {Haste::bulk, 1}}, {"path", {Haste::bulk, 2}},
+      {"grid", {Haste::bulk, 3}},     {"planes", {Haste::bulk, 4}},    {"objects", {Haste::bulk, 5}}};
   const auto way = ways.find(item.channel);
   if (way != ways.end()) return way->second;
   return {Haste::bulk, item.channel == "points" && item.header.value("level", 0) == 0 ? 6 : 7};

@@ -41,11 +41,19 @@ void ShownMap::landmarks(std::vector<Landmark> landmarks) {
   show_all_on(board_, "landmarks", landmark_items(std::move(landmarks)));
 }
 
-void ShownMap::paths(const std::map<std::string, const Path*>& paths) {
+void ShownMap::paths(const std::map<std::string, std::vector<const Path*>>& paths) {
   std::vector<PageItem> items;
-  for (const auto& [name, path] : paths)
-    if (path != nullptr)
-      for (PageItem& item : path_items(name, *path)) items.push_back(std::move(item));
+  for (const auto& [name, lines] : paths) {
+    std::size_t number = 0;
+    for (const Path* path : lines) {
+      if (path == nullptr) continue;
+      for (PageItem& item : path_items(name, *path, number)) {
+        items.push_back(std::move(item));
+        ++number;
+      }
+      ++number;  // one that is left out: the page joins neighbours
+    }
+  }
   show_all_on(board_, "path", std::move(items));
 }
 

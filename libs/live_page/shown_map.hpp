@@ -20,9 +20,10 @@ class ShownMap {
   bool clouds(const DenseMap& map, std::size_t most_points = std::numeric_limits<std::size_t>::max());
   void graph(const std::vector<KeyframePose>& nodes, const std::vector<PageEdge>& edges);
   void landmarks(std::vector<Landmark> landmarks);
-  /// By name: "icp", "fastslam", "odometry", "truth". Null: there is none.
+  /// By name: "icp", "fastslam", "odometry", "truth"; of each so many lines, with nothing between them. Null:
+  /// there is none.
   using Path = std::vector<Eigen::Vector3d>;
-  void paths(const std::map<std::string, const Path*>& paths);
+  void paths(const std::map<std::string, std::vector<const Path*>>& paths);
 
   /// Another map begins.
   void forget();

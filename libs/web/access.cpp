@@ -34,6 +34,13 @@ std::string name_of(const std::string& host) {
   return host.substr(0, host.find(':'));
 }
 
+std::string cookie_name(const std::string& host) {
+  const std::size_t colon = host.rfind(':');
+  const std::string port = colon == std::string::npos ? "" : host.substr(colon + 1);
+  const bool is_port = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
+  return "lcmslam_token_" + (is_port ? port : "80");
+}
+
 std::string cookie_member(const std::string& cookies, const std::string& name) {
   for (std::size_t at = 0; at < cookies.size();) {
     const std::size_t end = std::min(cookies.find(';', at), cookies.size());
@@ -114,13 +121,17 @@ bool Access::names_token(const Request& request) const {
   return !token_.empty() && knows(query_member(request.target, "token"));
 }
 
+std::string Access::cookie(const Request& request) const {
+  return cookie_name(request.host) + "=" + token_;
+}
+
 Access::Verdict Access::judge(const Request& request) const {
   if (!is_own(request.host)) return Verdict::wrong_host;
   if (!request.origin.empty() && request.origin != "http://" + request.host &&
       request.origin != "https://" + request.host)
     return Verdict::wrong_origin;
-  const bool is_known =
-      token_.empty() || names_token(request) || knows(cookie_member(request.cookie, "lcmslam_token"));
+  const bool is_known = token_.empty() || names_token(request) ||
+                        knows(cookie_member(request.cookie, cookie_name(request.host)));
   return is_known ? Verdict::granted : Verdict::wrong_token;
 }
 

@@ -24,7 +24,8 @@ class Access {
   bool names_token(const Request& request) const;
 
   const std::string& token() const { return token_; }  ///< empty: none is asked for
-  std::string cookie() const { return "lcmslam_token=" + token_; }
+  /// Named after the port that the browser asked: cookies are a host's, and another server may be on it.
+  std::string cookie(const Request& request) const;
 
  private:
   bool is_own(const std::string& host) const;

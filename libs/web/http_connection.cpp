@@ -85,7 +85,7 @@ class HttpConnection : public Reading, public std::enable_shared_from_this<HttpC
     }
     const StaticFile* file = shared_->files.find(asked.target);
     if (file == nullptr) return refuse(http::status::not_found, "there is no such file");
-    send_file(*file, request, shared_->access.names_token(asked));
+    send_file(*file, request, shared_->access.names_token(asked) ? shared_->access.cookie(asked) : "");
   }
 
   void upgrade(Upgrade request, const Access::Request& asked) {
@@ -110,14 +110,14 @@ class HttpConnection : public Reading, public std::enable_shared_from_this<HttpC
 
   void refuse(http::status status, const std::string& words) { send(plain(status, words), false); }
 
-  void send_file(const StaticFile& file, const Upgrade& request, bool with_cookie) {
+  void send_file(const StaticFile& file, const Upgrade& request, const std::string& cookie) {
     Response response(http::status::ok, 11);
     response.set(http::field::content_type, file.type);
     response.set(http::field::etag, file.tag);
     response.set(http::field::cache_control, "no-cache");
     response.set(http::field::vary, "Accept-Encoding");
-    if (with_cookie)
-      response.set(http::field::set_cookie, shared_->access.cookie() + "; HttpOnly; SameSite=Strict; Path=/");
+    if (!cookie.empty())
+      response.set(http::field::set_cookie, cookie + "; HttpOnly; SameSite=Strict; Path=/");
     if (request[http::field::if_none_match] == file.tag) {
       response.result(http::status::not_modified);
     } else if (!file.packed.empty() &&

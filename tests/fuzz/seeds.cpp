@@ -190,7 +190,8 @@ void make_web(SeedFolder folder) {
   folder.add(raw + "HEAD /index.html?token=x" + host +
              "Accept-Encoding: gzip\r\nIf-None-Match: \"a\"\r\n\r\n");
   folder.add(raw + "GET /live" + host + upgrade + "Origin: http://localhost\r\n\r\n");
-  folder.add(raw + "POST /command" + host + "Content-Length: 3\r\nCookie: lcmslam_token=a; b=c\r\n\r\nabc");
+  folder.add(raw + "POST /command" + host +
+             "Content-Length: 3\r\nCookie: lcmslam_token_80=a; b=c\r\n\r\nabc");
   folder.add(raw + "GET /" + host + "Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n0\r\n\r\n");
   const std::string frame = std::string("\x81\x85\0\0\0\0", 6) + "{\"a\"}";
   for (const std::string& socket : {live, command}) {

@@ -281,6 +281,33 @@ TEST_F(Bridge, SpeaksEncryptedAndByName) {
   EXPECT_TRUE(connected(bus_)) << right->output() << broker.output();
 }
 
+TEST_F(Bridge, NamesTheSubscriptionThatTheBrokerRefuses) {
+  std::string plugin;  // other access lists of mosquitto refuse no subscription
+  for (const char* folder : {"/usr/lib/x86_64-linux-gnu/", "/usr/lib/aarch64-linux-gnu/", "/usr/lib/"})
+    if (const std::string file = std::string(folder) + "mosquitto_dynamic_security.so";
+        plugin.empty() && std::filesystem::exists(file))
+      plugin = file;
+  if (plugin.empty()) GTEST_SKIP() << "this mosquitto has no dynamic security";
+  const auto rules = folder_ / "rules.json";
+  std::ofstream(rules) << R"({"clients": [], "anonymousGroup": "all",
+    "defaultACLAccess": {"publishClientSend": true, "publishClientReceive": true, "subscribe": true},
+    "groups": [{"groupname": "all", "roles": [{"rolename": "no orders"}]}],
+    "roles": [{"rolename": "no orders", "acls": [{"acltype": "subscribeLiteral", "priority": 1,
+               "topic": "lcmslam/dora/to/COMMAND/#", "allow": false}]}]})";
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));  // for the broker's own user
+  BrokerProgram broker(folder_, "allow_anonymous true\nplugin " + plugin + "\nplugin_opt_config_file " +
+                                    rules.string() + "\n");
+  const auto near = robot_bridge(broker.port);
+  EXPECT_TRUE(bus_.wait_for_status(
+      "bridge",
+      [](const status_t& s) {
+        return s.detail.find("refuses the subscription to lcmslam/dora/to/COMMAND/#") != std::string::npos &&
+               value_of(s, "connected") == 1;
+      },
+      patience))
+      << near->output() << broker.output();
+}
+
 TEST_F(Bridge, RefusesToSpeakOpenlyToAnotherMachine) {
   const auto file = folder_ / "open.yaml";
   std::ofstream(file) << "bridge: {host: broker.example}\n";

@@ -132,4 +132,24 @@ export const tests = {
       await until(() => server.heard.some((each) => each.do === "play" && each.at === 1e15 + 1e7), "the end");
     });
   },
+
+  async "a slider that is dragged away and back follows the log again"(browser) {
+    await withPage(browser, { server: { story: false } }, async (page, server) => {
+      const time = (now) => server.put(encode({ channel: "time", key: "", begin: 0, now: now * 1e6, end: 1e8, playing: false, speed: 1 }));
+      server.put(encode({ channel: "about", key: "", title: "kitchen.lcmlog", can: ["play"], source: "log" }));
+      time(50);
+      const slider = page.getByRole("slider", { name: "Time of the log" });
+      await page.getByText("0:50 of 1:40").waitFor();
+      const box = await slider.boundingBox();
+      const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 60, y, { steps: 4 });
+      await page.mouse.move(x, y, { steps: 4 });
+      await page.mouse.up();
+      time(70);
+      await page.getByText("1:10 of 1:40").waitFor({ timeout: 5000 });
+      assert.equal(await slider.inputValue(), "700");
+    });
+  },
 };

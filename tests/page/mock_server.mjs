@@ -6,7 +6,7 @@ import { createRequire } from "node:module";
 import { dirname, extname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { Story } from "./drive_story.mjs";
-import { inParts } from "./messages.mjs";
+import { encode, inParts } from "./messages.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const root = resolve(here, "../..");
@@ -147,7 +147,10 @@ export class MockServer {
       save: () => ({ words: "The map is saved: map.lcmslam, 4.1 MB" }),
       reset: () => ({ words: "Both mappers begin a new map" }),
       export: () => ({ files: ["icp_mesh.ply", "icp_grid.pgm"] }),
-      log: () => ({ file: "out/2026-11-23.lcmlog" }),
+      log: () => {
+        this.put(encode({ channel: "log", key: "", on: command.on, file: "out/2026-11-23.lcmlog" }));
+        return { file: "out/2026-11-23.lcmlog" };
+      },
       go_to: () => ({ words: "The goal was published on GOAL" }),
       query: () => ({ content: "application/json; frame=map; map_version=1", answer: answerTo(command.question) }),
     };

@@ -1,9 +1,10 @@
 // Parts of the page that need no browser: bytes, budgets, addresses.
 import assert from "node:assert/strict";
+import { mock } from "node:test";
 import { length, point } from "../../libs/web/page/src/format.js";
 import { decode, graphArrays, meshArrays, pointArrays, splitItems } from "../../libs/web/page/src/messages.js";
 import { extent } from "../../libs/web/page/src/panels/sessions.js";
-import { headroom } from "../../libs/web/page/src/tools/headroom.js";
+import { columnAbove, headroom } from "../../libs/web/page/src/tools/headroom.js";
 import { readAddress, writeAddress } from "../../libs/web/page/src/share.js";
 import { chooseLevels, coarsen } from "../../libs/web/page/src/views/mesh_levels.js";
 import { choose, surplus } from "../../libs/web/page/src/views/point_budget.js";
@@ -36,12 +37,24 @@ function area(packed, triangles) {
 
 export const tests = {
   async "headroom ends where nothing is known"() {
-    const column = (free, then) => [...Array(free).fill("free"), ...Array(25 - free).fill(then)];
-    assert.equal(headroom(column(25), 0.1), "2.5 m or more");
-    assert.equal(headroom(column(12, "unknown"), 0.1), `${length(1.2)}, then not known`);
-    assert.equal(headroom(column(12, "occupied"), 0.1), length(1.3));
-    assert.equal(headroom(column(0, "unknown"), 0.1), "not known");
-    assert.equal(headroom(["occupied", ...column(24, "free").slice(1)], 0.1), "2.5 m or more");
+    const column = (free, then) => [...Array(free).fill("free"), ...Array(125 - free).fill(then)];
+    assert.equal(headroom(column(125)), "2.5 m or more");
+    assert.equal(headroom(column(60, "unknown")), `${length(1.2)}, then not known`);
+    assert.equal(headroom(column(60, "occupied")), length(1.2));
+    assert.equal(headroom(column(0, "unknown")), "not known");
+    assert.equal(headroom(column(0, "occupied")), "nothing");
+    assert.equal(headroom(["occupied", ...column(124, "free").slice(1)]), "2.5 m or more");
+  },
+
+  async "headroom is never more than is free: under a thin table top, wherever its cells lie"() {
+    const cell = 0.04;
+    const [floor, top] = [0, 18]; // layers of cells that are occupied; the top from 0.72 m
+    for (let place = 0; place < cell; place += 0.0005) {
+      const asked = columnAbove({ x: 1, y: 2, z: place });
+      const states = asked.map(([, , z]) => ([floor, top].includes(Math.floor(z / cell)) ? "occupied" : "free"));
+      const told = parseFloat(headroom(states)) / 100;
+      assert.ok(told <= 0.72 - place + 1e-3 && told > 0.69 - place, `${told} m told above ${place}, ${0.72 - place} are free`);
+    }
   },
 
   async "sessions without times do not begin in 1970"() {
@@ -123,6 +136,38 @@ export const tests = {
     const empty = { at: null, turn: null, far: null, view: null, follow: null, on: [], off: [] };
     assert.deepEqual(readAddress("#at=1,2&turn=a,b&far="), empty);
     assert.equal(writeAddress({ untouched: true, name: "free" }, { differences: () => ({ on: [], off: [] }) }), "");
+  },
+
+  async "an export may take minutes, others are given up after seconds"() {
+    const { CommandLine } = await import("../../libs/web/page/src/command.js");
+    let socket = null;
+    globalThis.location = { href: "http://robot:8642/", protocol: "http:" };
+    const real = globalThis.WebSocket;
+    globalThis.WebSocket = class {
+      static OPEN = 1;
+      readyState = 1;
+      constructor() {
+        socket = this;
+      }
+      send() {}
+      close() {}
+    };
+    mock.timers.enable({ apis: ["setTimeout"] });
+    try {
+      const line = new CommandLine();
+      line.connect();
+      const exported = line.do("export", { name: "a" });
+      const saved = line.do("save").then(() => "done", ({ message }) => message);
+      mock.timers.tick(5 * 60_000);
+      assert.match(await saved, /no answer to save within 10 s/);
+      socket.onmessage({ data: JSON.stringify({ id: 1, ok: true, files: ["a.ply"] }) });
+      assert.deepEqual((await exported).files, ["a.ply"]);
+      line.close();
+    } finally {
+      mock.timers.reset();
+      globalThis.WebSocket = real;
+      delete globalThis.location;
+    }
   },
 
   async "lengths have the unit that suits them"() {

@@ -48,6 +48,26 @@ export const tests = {
     });
   },
 
+  async "a map of 300 m is seen from afar, and its ground is there for tools"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.evaluate(() => {
+        const { view } = window.lcmslam;
+        const at = (x, y) => view.target.clone().set(x, y, 0);
+        view.extent = () => ({ centre: at(0, 0), places: [at(-150, -80), at(150, -80), at(150, 80), at(-150, 80)] });
+      });
+      await lookDown(page, [50, 20], 250);
+      const far = () => page.evaluate(() => window.lcmslam.view.distance);
+      await page.keyboard.press("-");
+      assert.ok((await far()) > 250, `one step back leads to ${await far()} m`);
+      for (let i = 0; i < 40; ++i) await page.keyboard.press("-");
+      assert.ok((await far()) < 2000, `${await far()} m away the map is lost`);
+      await lookDown(page, [50, 20], 250);
+      await clickPlace(page, [50, 20, 0]);
+      await page.getByRole("region", { name: "Tool" }).getByText("50.00, 20.00, 0.00 m").waitFor();
+    });
+  },
+
   async "go-to sends place and heading"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);
@@ -61,6 +81,54 @@ export const tests = {
       const [goal] = await until(() => heard(server, "go_to").length > 0 && heard(server, "go_to"), "go_to");
       assert.ok(Math.hypot(goal.x - 0.6, goal.y + 0.4) < 0.02 && Math.abs(goal.yaw - Math.PI / 2) < 0.05, JSON.stringify(goal));
       await page.getByText("The goal was published on GOAL").waitFor();
+    });
+  },
+
+  async "two fingers move the view and send nobody anywhere"(browser) {
+    await withPage(browser, { ...still, context: { hasTouch: true } }, async (page, server, context) => {
+      await furnish(page, server);
+      await lookDown(page, [0.5, 0]);
+      await page.getByRole("button", { name: /Send the robot/ }).click();
+      const { x, y } = await pixel(page, [0.6, 0, 0]);
+      const session = await context.newCDPSession(page);
+      const touch = (type, ...places) => session.send("Input.dispatchTouchEvent", { type, touchPoints: places.map(([dx, dy], id) => ({ x: x + dx, y: y + dy, id })) });
+      const distance = () => page.evaluate(() => window.lcmslam.view.distance);
+      const far = await distance();
+      await touch("touchStart", [-50, 0]);
+      await touch("touchStart", [-50, 0], [50, 0]);
+      for (let i = 1; i <= 5; ++i) await touch("touchMove", [-50 - 10 * i, 0], [50 + 10 * i, 0]);
+      await touch("touchEnd", [-100, 0]);
+      await touch("touchEnd");
+      await until(async () => (await distance()) < 0.7 * far, "a nearer view");
+      await touch("touchStart", [0, 0]); // one finger is a press still
+      await touch("touchEnd");
+      await until(() => heard(server, "go_to").length > 0, "go_to");
+      const goals = heard(server, "go_to");
+      assert.equal(goals.length, 1, JSON.stringify(goals));
+    });
+  },
+
+  async "a drag moves the ground with the pointer, and W moves the view ahead"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      for (const pitch of [0.6, 1.2]) {
+        await page.evaluate((pitch) => window.lcmslam.view.restore({ at: [0.5, 0, 0], turn: [-2.3, pitch], far: 5, view: "free", follow: false }), pitch);
+        const from = await pixel(page, [0.5, 0, 0]);
+        await page.mouse.move(from.x, from.y);
+        await page.mouse.down({ button: "right" });
+        await page.mouse.move(from.x + 40, from.y + 30, { steps: 5 });
+        await page.mouse.up({ button: "right" });
+        const to = await pixel(page, [0.5, 0, 0]);
+        assert.ok(Math.hypot(to.x - from.x - 40, to.y - from.y - 30) < 16, `from ${JSON.stringify(from)} to ${JSON.stringify(to)}`);
+      }
+      const ahead = () => page.evaluate(() => {
+        const { target, stage } = window.lcmslam.view;
+        const looks = target.clone().sub(stage.camera.position);
+        return (target.x * looks.x + target.y * looks.y) / Math.hypot(looks.x, looks.y);
+      });
+      const before = await ahead();
+      await page.keyboard.press("w");
+      assert.ok((await ahead()) > before + 0.05, `${before} to ${await ahead()}`);
     });
   },
 
@@ -85,15 +153,48 @@ export const tests = {
     });
   },
 
+  async "no modifier keeps a robot going"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.keyboard.press("x");
+      const turning = () => heard(server, "drive").at(-1)?.angular === 1;
+      const stopped = () => heard(server, "drive").at(-1).angular === 0;
+      await page.keyboard.down("a");
+      await until(turning, "turning");
+      await page.evaluate(() => dispatchEvent(new KeyboardEvent("keyup", { key: "æ", code: "KeyA" }))); // beside AltGr
+      await until(stopped, "a stop by a key with another name");
+      await page.keyboard.up("a");
+      for (const name of ["Control", "Alt", "Meta"]) {
+        await page.keyboard.down("a");
+        await until(turning, "turning again");
+        await page.keyboard.down(name);
+        await until(stopped, `a stop by ${name}`);
+        await page.keyboard.up(name);
+        const so_far = heard(server, "drive").length;
+        await page.keyboard.down("a"); // repeats, as keys do that are held
+        await page.keyboard.down("d");
+        await until(() => heard(server, "drive").length > so_far, "a new press");
+        assert.equal(heard(server, "drive")[so_far].angular, -1, "what was stopped goes on only by a new press");
+        await page.keyboard.up("a");
+        await page.keyboard.up("d");
+        await until(stopped, "a stop");
+      }
+    });
+  },
+
   async "the pad drives by shares, and its release stops"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);
       await page.keyboard.press("x");
       const box = await page.getByRole("application").boundingBox();
+      await page.mouse.move(box.x + box.width / 2, box.y + 2);
+      await page.mouse.down({ button: "right" });
+      await page.mouse.up({ button: "right" });
       await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
       await page.mouse.down();
       await page.mouse.move(box.x + box.width / 2, box.y + box.height / 4);
       await until(() => Math.abs(heard(server, "drive").at(-1)?.linear - 0.5) < 0.05, "half speed");
+      assert.ok(heard(server, "drive").every(({ linear }) => Math.abs(linear) < 0.55), "the left button alone drives");
       await page.mouse.up();
       await until(() => heard(server, "drive").at(-1).linear === 0, "a stop");
     });
@@ -117,6 +218,18 @@ export const tests = {
     });
   },
 
+  async "a log that is written is shown to whoever comes, who may stop it"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.getByRole("button", { name: "Start a log" }).click();
+      await page.getByRole("button", { name: "Stop the log" }).waitFor();
+      await page.reload();
+      await page.getByRole("button", { name: "Stop the log" }).click();
+      await page.getByRole("button", { name: "Start a log" }).waitFor();
+      assert.deepEqual(heard(server, "log").map(({ on }) => on), [true, false]);
+    });
+  },
+
   async "only what the server can is offered"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server, ["save"]);
@@ -125,6 +238,26 @@ export const tests = {
       await page.keyboard.press("x");
       await page.keyboard.press("w");
       assert.equal(heard(server, "drive").length, 0);
+    });
+  },
+
+  async "following begins without falling behind a robot that drives"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      const lag = await page.evaluate(async () => {
+        const { view } = window.lcmslam;
+        const place = view.target.clone().set(0, 0, 0);
+        view.robotAt(place, 0);
+        view.setFollow(true);
+        const begin = performance.now();
+        while (performance.now() < begin + 1500) { // three times the flight's time
+          await new Promise(requestAnimationFrame);
+          place.x = (performance.now() - begin) / 1000;
+          view.robotAt(place, 0);
+        }
+        return view.target.distanceTo(place);
+      });
+      assert.ok(lag < 0.01, `${lag} m behind`);
     });
   },
 

@@ -49,7 +49,7 @@ KeptPage::KeptPage(const std::filesystem::path& file, const std::vector<std::str
 
   PlacedSessions dense;
   std::vector<PageEdge> edges;
-  std::map<std::string, ShownMap::Path> paths;
+  std::map<std::string, std::vector<ShownMap::Path>> paths;  // each session its own
   json told = json::array();
   std::int32_t number = 0;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
@@ -90,7 +90,7 @@ KeptPage::KeptPage(const std::filesystem::path& file, const std::vector<std::str
       landmark.covariance = T.linear() * landmark.covariance * T.linear().transpose();
       landmarks_.push_back(landmark);
     }
-    ShownMap::Path& path = paths[session.mapper];
+    ShownMap::Path& path = paths[session.mapper].emplace_back();
     for (const StoredPose& pose : trajectory) path.push_back((T * pose.T_map_robot).translation());
     if (!trajectory.empty() && (session.mapper == "icp" || !T_map_robot_))
       T_map_robot_ = T * trajectory.back().T_map_robot;
@@ -106,8 +106,9 @@ KeptPage::KeptPage(const std::filesystem::path& file, const std::vector<std::str
   shown.graph(nodes, edges);
   shown.clouds(dense_);
   shown.landmarks(landmarks_);
-  std::map<std::string, const ShownMap::Path*> lines;
-  for (const auto& [mapper, path] : paths) lines[mapper] = &path;
+  std::map<std::string, std::vector<const ShownMap::Path*>> lines;
+  for (const auto& [mapper, of_sessions] : paths)
+    for (const ShownMap::Path& path : of_sessions) lines[mapper].push_back(&path);
   shown.paths(lines);
 
   no_layers_ = "the file has no keyframes of the dense map";

@@ -77,7 +77,7 @@ void LogPage::begin() {
   }
   shown_ = first_;
   due_ = static_cast<double>(first_);
-  over_ = false;
+  over_ = seeking_ = false;
   PageItem about{"about", ""};
   about.header = {{"title", std::filesystem::path(file_).filename().string()}, {"version", lcmslam_version}};
   about.header["source"] = "log";
@@ -104,6 +104,7 @@ json LogPage::control(const json& request) {
         std::clamp(page_number(request, "at"), static_cast<double>(first_), static_cast<double>(last_));
     if (at < static_cast<double>(shown_)) begin();  // a map that has grown cannot be made smaller
     due_ = at;
+    seeking_ = true;
   }
   if (request.contains("playing")) {
     if (!request["playing"].is_boolean()) throw std::invalid_argument("'playing' must be true or false");
@@ -116,21 +117,24 @@ json LogPage::control(const json& request) {
 
 void LogPage::play(double now) {
   if (then_ >= 0) {
-    if (playing_) due_ += 1e6 * speed_ * (now - then_);
+    if (playing_ && !seeking_) due_ += 1e6 * speed_ * (now - then_);
     feed_->stand((now - then_) * (playing_ ? 1 - std::min(speed_, 1.0) : 1));
   }
   then_ = now;
   due_ = std::min(due_, static_cast<double>(last_));
+  const bool to_end = due_ >= static_cast<double>(last_);  // several events may have the last stamp
   const double until = steady_now() + longest_turn;
-  while (!over_ && static_cast<double>(shown_) < due_ && steady_now() < until) {
+  while (!over_ && (to_end || static_cast<double>(shown_) < due_) && steady_now() < until) {
     if (const auto event = reader_->next())
       deliver(*event);
     else
       over_ = true;
   }
   if (over_) playing_ = false;
+  const bool is_late = static_cast<double>(shown_) < due_;
+  if (over_ || !is_late) seeking_ = false;
   // A machine that cannot keep up shows later, not with gaps.
-  if (static_cast<double>(shown_) < due_ && playing_ && computes_) due_ = static_cast<double>(shown_);
+  if (is_late && !seeking_ && playing_ && computes_) due_ = static_cast<double>(shown_);
   maps_->work();
   feed_->show(*maps_, now);
   if (now < next_told_) return;

@@ -43,9 +43,10 @@ class LogPage {
   std::unique_ptr<BatchGraph> graph_;
 
   bool playing_ = true, over_ = false;
+  bool seeking_ = false;  // somebody asked for due_, which may take more than one turn
   double speed_ = 1;
   Utime shown_ = 0;       // log time up to which all was delivered
-  double due_ = 0;        // log time, us, that is to be shown now
+  double due_ = 0;        // log time, us, up to which all is to be shown now
   double then_ = -1;      // s, when play() was called last
   double next_told_ = 0;  // s
 };

@@ -69,6 +69,16 @@ struct MqttConnection::Callbacks {
       self.events_.acknowledged(message);
     });
   }
+  static void subscribed(mosquitto*, void* owner, int message, int n, const int* granted,
+                         const mosquitto_property*) {
+    guarded(owner, [&](MqttConnection& self) {
+      const auto asked = self.asked_.find(message);
+      if (asked == self.asked_.end()) return;
+      const std::string filter = asked->second;
+      self.asked_.erase(asked);
+      if (n > 0 && granted[0] >= 128) self.events_.unsubscribed(filter, mosquitto_reason_string(granted[0]));
+    });
+  }
   static void came(mosquitto*, void* owner, const mosquitto_message* message, const mosquitto_property*) {
     guarded(owner, [&](MqttConnection& self) {
       self.events_.came(message->topic, static_cast<const std::uint8_t*>(message->payload),
@@ -97,6 +107,7 @@ MqttConnection::MqttConnection(const bridge::Broker& broker, const std::string& 
   mosquitto_connect_v5_callback_set(client, &Callbacks::connected);
   mosquitto_disconnect_v5_callback_set(client, &Callbacks::disconnected);
   mosquitto_publish_v5_callback_set(client, &Callbacks::published);
+  mosquitto_subscribe_v5_callback_set(client, &Callbacks::subscribed);
   mosquitto_message_v5_callback_set(client, &Callbacks::came);
   check(mosquitto_connect_bind_async(client, broker.host.c_str(), broker.port, keep_alive, nullptr),
         "no connection");
@@ -129,8 +140,10 @@ int MqttConnection::publish(const std::string& topic, const void* data, std::siz
 
 void MqttConnection::subscribe(const std::string& filter, bool with_kept) {
   const int options = with_kept ? MQTT_SUB_OPT_SEND_RETAIN_ALWAYS : MQTT_SUB_OPT_SEND_RETAIN_NEVER;
-  check(mosquitto_subscribe_v5(client_.get(), nullptr, filter.c_str(), 1, options, nullptr),
+  int message = 0;
+  check(mosquitto_subscribe_v5(client_.get(), &message, filter.c_str(), 1, options, nullptr),
         "no subscription");
+  asked_[message] = filter;
 }
 
 void MqttConnection::disconnect() {

@@ -2,6 +2,7 @@
 // One connection to a broker, from its attempt to its end, over libmosquitto. Used by one thread.
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -16,6 +17,7 @@ class MqttConnection {
   struct Events {
     std::function<void()> connected;
     std::function<void(int message)> acknowledged;
+    std::function<void(const std::string& filter, const std::string& why)> unsubscribed;  // it was refused
     std::function<void(const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept)> came;
   };
   /// Begins to connect. `presence`: the topic that the broker sets to "0" when this connection falls silent;
@@ -45,6 +47,7 @@ class MqttConnection {
   std::unique_ptr<mosquitto, void (*)(mosquitto*)> client_;
   std::string ended_;  // why; empty: it has not
   std::int64_t refused_ = 0;
+  std::map<int, std::string> asked_;  // filters that the broker has not answered for, by message
 };
 
 }  // namespace lcmslam

@@ -82,6 +82,7 @@ class MqttLink::Session {
 
   MqttConnection::Events events(Way& way) {
     return {[this, &way] { on_connected(way); }, [this, &way](int message) { on_acknowledged(way, message); },
+            [this](const std::string& filter, const std::string& why) { on_unsubscribed(filter, why); },
             [this](const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept) {
               on_message(topic, data, size, kept);
             }};
@@ -128,6 +129,13 @@ class MqttLink::Session {
                      ends_.broker.user.empty() ? "this bridge" : ends_.broker.user,
                      ends_.topics.outgoing(""));
     }
+  }
+
+  /// The connection goes on: what else is subscribed comes.
+  void on_unsubscribed(const std::string& filter, const std::string& why) {
+    const std::string words = fmt::format("the broker refuses the subscription to {}: {}", filter, why);
+    spdlog::warn("{}", words);
+    link_.say(fmt::format("connected to {}; {}", ends_.broker.host, words));
   }
 
   void on_message(const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept) {

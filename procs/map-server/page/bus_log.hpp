@@ -19,6 +19,8 @@ class BusLog {
   std::filesystem::path start();
   /// The file that was written; it is whole then. Throws likewise, also when the logger had ended by itself.
   std::filesystem::path stop();
+  /// The file that is written; empty: none. Of a logger that ended by itself until stop() has said so.
+  std::filesystem::path file() const { return logger_ == 0 ? std::filesystem::path() : file_; }
 
  private:
   bool is_running();

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lcmslam/imaging/io/codec.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 
 namespace lcmslam {
 namespace {
 
 using nlohmann::json;
+
+constexpr int page_quality = 80;  // of JPEGs that are made for the page
 
 json row(const Eigen::Vector3d& v) {
   return {rounded_for_page(v.x()), rounded_for_page(v.y()), rounded_for_page(v.z())};
@@ -91,16 +94,19 @@ PageItem report_item(const icp_report_t& message) {
 }
 
 std::optional<PageItem> image_item(const EncodedFrame& frame, const associations_t* associations) {
-  if (frame.colour.coding != ImageCoding::jpeg) return std::nullopt;
+  if (frame.colour.coding == ImageCoding::none) return std::nullopt;
+  std::optional<EncodedImage> made;  // browsers know no raw images
+  if (frame.colour.coding != ImageCoding::jpeg)
+    made = encode_colour(decode_colour(frame.colour), frame.colour.utime, page_quality);
+  const EncodedImage& colour = made ? *made : frame.colour;
   PageItem item{"image", ""};
   json tracks = json::array();
   if (associations != nullptr)
     for (const association_t& a : associations->associations)
       tracks.push_back({std::round(10 * a.x) / 10, std::round(10 * a.y) / 10, a.landmark, a.outcome});
-  item.header = {
-      {"utime", frame.colour.utime}, {"width", frame.colour.width}, {"height", frame.colour.height}};
+  item.header = {{"utime", colour.utime}, {"width", colour.width}, {"height", colour.height}};
   item.header["tracks"] = std::move(tracks);
-  item.bytes.assign(frame.colour.bytes.begin(), frame.colour.bytes.end());
+  item.bytes.assign(colour.bytes.begin(), colour.bytes.end());
   return item;
 }
 

@@ -25,7 +25,7 @@ nlohmann::json pose_member(const odometry_t& odometry, const Eigen::Isometry3d& 
 /// Throws DecodeError for a best particle that is not there.
 PageItem particles_item(const particles_t& message);
 PageItem report_item(const icp_report_t& message);
-/// `associations` of the same image, or null. Nothing where the colour image is no JPEG.
+/// `associations` of the same image, or null. Nothing where the frame has no colour image.
 std::optional<PageItem> image_item(const EncodedFrame& frame, const associations_t* associations);
 
 /// `age` s since it came.

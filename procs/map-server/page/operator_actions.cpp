@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <lcmslam/live_page/show_on_board.hpp>
 #include <lcmslam/pose_t.hpp>
 #include <lcmslam/twist_t.hpp>
 
@@ -23,8 +24,9 @@ double steady_clock() {
 
 }  // namespace
 
-OperatorActions::OperatorActions(const MapServerSettings& settings, MapServerNode& maps, Publisher& publisher)
-    : settings_(settings.page), maps_(maps), publisher_(publisher), log_(settings.folder) {}
+OperatorActions::OperatorActions(const MapServerSettings& settings, MapServerNode& maps, Publisher& publisher,
+                                 Board& board)
+    : settings_(settings.page), maps_(maps), publisher_(publisher), board_(board), log_(settings.folder) {}
 
 void OperatorActions::offer(PageDesk& desk) {
   desk.offer("save", [this](const json&, PageDesk::Client) -> json {
@@ -61,6 +63,7 @@ void OperatorActions::offer(PageDesk& desk) {
 }
 
 void OperatorActions::watch() {
+  show_log();
   if (const auto stop = dead_man_.silent(steady_clock())) publish(*stop);
 }
 
@@ -96,6 +99,14 @@ json OperatorActions::go_to(const json& request) {
   goal.orientation[3] = std::sin(yaw / 2);
   publisher_.publish(settings_.go_to_channel, goal);
   return {{"words", "the goal is sent"}};
+}
+
+void OperatorActions::show_log() {
+  if (shown_log_ == log_.file()) return;
+  shown_log_ = log_.file();
+  PageItem item{"log", ""};
+  item.header = {{"on", !shown_log_->empty()}, {"file", shown_log_->string()}};
+  show_on(board_, std::move(item));
 }
 
 void OperatorActions::publish(const Drive& drive) {

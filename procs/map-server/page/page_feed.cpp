@@ -234,10 +234,10 @@ void PageFeed::show_maps(const MapServerNode::Shown& shown) {
     landmarks_shown_ = shown.landmarks->revision();
     map_.landmarks(shown.landmarks->landmarks());
   }
-  map_.paths({{"icp", shown.icp_path},
-              {"fastslam", shown.fastslam_path},
-              {"odometry", &odometry_path_},
-              {"truth", &truth_path_}});
+  map_.paths({{"icp", {shown.icp_path}},
+              {"fastslam", {shown.fastslam_path}},
+              {"odometry", {&odometry_path_}},
+              {"truth", {&truth_path_}}});
   if (!shown.live) return;
   std::optional<Eigen::Isometry3d> T_map_robot;
   if (shown.icp_pose != nullptr) T_map_robot = from_message(shown.icp_pose->T_map_robot, "T_map_robot");

@@ -31,7 +31,7 @@ PageNode::PageNode(const ConfigNode& config, Publisher& publisher)
     : settings_(MapServerNode::read(config)),
       maps_(settings_, publisher),
       feed_(board_, settings_.page),
-      operator_(settings_, maps_, publisher) {
+      operator_(settings_, maps_, publisher, board_) {
   if (settings_.page.serve) serve();
 }
 

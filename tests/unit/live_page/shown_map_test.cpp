@@ -56,6 +56,13 @@ TEST_F(ShownMapTest, TheNewestComeFirstAndALargeCloudAlone) {
   EXPECT_EQ(keyframes(), 2u);
 }
 
+TEST_F(ShownMapTest, NothingIsDrawnBetweenTwoLinesOfOneName) {
+  const ShownMap::Path first(600, {1, 2, 3}), second(2, {7, 8, 9});
+  shown_.paths({{"icp", {&first, nullptr, &second}}});
+  EXPECT_EQ(board_.keys("path"), (std::vector<std::string>{"icp/0", "icp/1", "icp/3"}))
+      << "the page joins pieces whose numbers follow each other";
+}
+
 TEST_F(ShownMapTest, WhatGoesMeanwhileGoesAtOnce) {
   for (std::int32_t id = 0; id < 4; ++id) add(id, 100);
   EXPECT_FALSE(shown_.clouds(map_, 200));

@@ -163,6 +163,38 @@ TEST_F(LivePage, ShowsTheNewestImageOfWhichFastSlamToldSomething) {
       << "not back to the old one";
 }
 
+TEST_F(LivePage, ShowsARawPictureAsAJpeg) {
+  images_t picture = testing::SimulatedKitchen::instance().frame(3);
+  picture.n_images = 1;
+  picture.image_types.resize(1);
+  picture.images.resize(1);
+  image_t& raw = picture.images[0];
+  raw.pixelformat = image_t::PIXEL_FORMAT_BGR;
+  raw.row_stride = 3 * raw.width;
+  raw.data.assign(static_cast<std::size_t>(raw.row_stride * raw.height), 128);
+  raw.size = static_cast<std::int32_t>(raw.data.size());
+  bus_.deliver("CAMERA", picture);
+  ASSERT_TRUE(shown([&] { return has("image "); }));
+  EXPECT_EQ(board_["image "]["utime"], raw.utime);
+  EXPECT_EQ(board_["image "]["width"], raw.width);
+}
+
+TEST_F(LivePage, EveryBrowserIsToldWhichLogIsWritten) {
+  if (std::system("command -v lcm-logger > /dev/null") != 0) GTEST_SKIP() << "no lcm-logger on this machine";
+  ASSERT_TRUE(shown([&] { return has("log "); }));
+  EXPECT_EQ(board_["log "]["on"], false);
+  const json begun = answer({{"id", 1}, {"do", "log"}, {"on", true}});
+  ASSERT_EQ(begun["ok"], true) << begun;
+  board_.clear();
+  bytes_ = 0;
+  live_ = std::make_unique<testing::WebClient>(port_);  // the page is opened anew
+  ASSERT_TRUE(live_->open_socket("/live"));
+  ASSERT_TRUE(shown([&] { return has("log ") && board_["log "]["on"] == true; }));
+  EXPECT_EQ(board_["log "]["file"], begun["file"]);
+  EXPECT_EQ(answer({{"id", 2}, {"do", "log"}, {"on", false}})["ok"], true);
+  EXPECT_TRUE(shown([&] { return board_["log "]["on"] == false; }));
+}
+
 TEST_F(LivePage, ShowsAPictureThatCameWithoutDepthAndCalibration) {
   images_t picture = testing::SimulatedKitchen::instance().frame(3);
   picture.n_images = 1;

@@ -1,11 +1,15 @@
 #include <gmock/gmock.h>
 #include <fstream>
 
+#include <lcmslam/log/log_writer.hpp>
 #include <lcmslam/map_store/file/map_store.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/motion_messages.hpp>
 #include "tests/support/source_folder.hpp"
 #include "tests/unit/map_store_file/sample_store.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tools/commands.hpp"
+#include "tools/page/kept_page.hpp"
 #include "tools/page/log_page.hpp"
 #include "tools/page/offline_page.hpp"
 
@@ -97,6 +101,32 @@ TEST(ExportCommand, WritesAKeptMapAsOnePage) {
               HasSubstr("icp-session1"));
 }
 
+TEST(KeptPage, NoLineLeadsFromOneSessionToTheNext) {
+  const TemporaryFolder folder;
+  const std::filesystem::path map = folder / "kitchen.lcmslam";
+  {
+    MapStore store(map);
+    Transaction transaction = store.begin();
+    const auto run = store.add_run({"1.2", ""});
+    for (const int sender : {7, 8}) {
+      SessionChanges dense;
+      dense.put_keyframe(some_keyframe(0, 50), std::nullopt);
+      for (int i = 1; i < 4; ++i) {
+        StoredPose pose;
+        pose.utime = 1000 * i;
+        pose.T_map_robot = planar_pose(i, sender, 0);
+        dense.append_pose(pose);
+      }
+      store.write(store.add_session(run, session_of("icp", sender)), dense);
+    }
+    transaction.commit();
+  }
+  Board board;
+  const KeptPage page(map, {"icp-session1", "icp-session2"}, json::array(), board);
+  EXPECT_EQ(board.keys("path"), (std::vector<std::string>{"icp/0", "icp/2"}))
+      << "the page joins pieces whose numbers follow each other";
+}
+
 class LogPageTest : public ::testing::Test {
  protected:
   /// So many seconds in steps of 0.1 s.
@@ -149,6 +179,59 @@ TEST_F(LogPageTest, MapsALogWithRawDataWhileItPlays) {
   EXPECT_EQ(ask(desk, page, {{"id", 2}, {"do", "play"}, {"at", begin + 200'000}})["ok"], true);
   EXPECT_LT(headers(board_)["time "]["now"].get<Utime>(), begin + 1'000'000);
   EXPECT_EQ(ask(desk, page, {{"id", 3}, {"do", "play"}, {"speed", 1e6}})["ok"], false);
+}
+
+TEST_F(LogPageTest, ASeekThatTakesMoreThanOneTurnArrives) {
+  LogPage page(log_, config_, board_);
+  PageDesk desk;
+  page.offer(desk);
+  play(page, 0.2);
+  const Utime begin = headers(board_)["time "]["begin"].get<Utime>();
+  const auto now_after = [&](const json& request) {
+    EXPECT_EQ(ask(desk, page, request)["ok"], true);
+    return headers(board_)["time "]["now"].get<Utime>() - begin;
+  };
+  int id = 0;
+  for (const Utime goal : {3'000'000, 1'500'000}) {  // forward, then back
+    const double asked = now_;
+    Utime now = now_after({{"id", ++id}, {"do", "play"}, {"at", begin + goal}});
+    while (now < goal && now_ < asked + 1) now = now_after({{"id", ++id}, {"do", "play"}});
+    EXPECT_GE(now, goal) << "by playing on it would be reached later";
+    EXPECT_LT(now, goal + 500'000);
+    EXPECT_EQ(headers(board_)["time "]["playing"], true);
+  }
+}
+
+/// Poses each 0.1 s, the robot 1 m farther each time; of the last stamp `n_last`.
+std::string log_of_poses(const TemporaryFolder& folder, int n, int n_last) {
+  const std::string file = (folder / "poses.lcmlog").string();
+  LogWriter log(file);
+  for (int i = 0; i < n; ++i) {
+    const Utime utime = 1'000'000 + 100'000 * std::min(i, n - n_last);
+    pose_estimate_t m = make_pose_estimate(utime + i, planar_pose(i, 0, 0), Matrix6d::Identity());
+    m.seq = i;
+    m.sender = 2;
+    m.frame = "map";
+    m.status = pose_estimate_t::TRACKING;
+    log.write(utime, "ICP_POSE", encode_message(m));
+  }
+  return file;
+}
+
+TEST_F(LogPageTest, ShowsAllUpToTheEndStopsThereAndBeginsAgain) {
+  const TemporaryFolder folder;
+  LogPage page(log_of_poses(folder, 10, 3), config_, board_);
+  PageDesk desk;
+  page.offer(desk);
+  play(page, 2);
+  const auto at_end = headers(board_);
+  EXPECT_EQ(at_end.at("time ")["now"], at_end.at("time ")["end"]);
+  EXPECT_EQ(at_end.at("time ")["playing"], false);
+  EXPECT_EQ(at_end.at("poses ")["icp"]["T"][0], 9) << "the last of three with the last stamp";
+  EXPECT_EQ(ask(desk, page, {{"id", 1}, {"do", "play"}, {"playing", true}})["ok"], true);
+  const auto again = headers(board_);
+  EXPECT_EQ(again.at("time ")["playing"], true);
+  EXPECT_LT(again.at("time ")["now"], again.at("time ")["end"]);
 }
 
 TEST_F(LogPageTest, WhatIsNoLogOrShowsNothingIsNamed) {

@@ -44,11 +44,22 @@ TEST(Access, FromElsewhereTheTokenDecides) {
   };
   EXPECT_EQ(judged("/?token=open-sesame", ""), Verdict::granted);
   EXPECT_EQ(judged("/?a=b&token=open-sesame&c", ""), Verdict::granted);
-  EXPECT_EQ(judged("/page.js", "a=b; lcmslam_token=open-sesame"), Verdict::granted);
+  EXPECT_EQ(judged("/page.js", "a=b; lcmslam_token_8642=open-sesame"), Verdict::granted);
   for (const char* target : {"/", "/?token=", "/?token=open-sesam", "/?token=open-sesamE",
                              "/?xtoken=open-sesame", "/?token=open-sesame2", "/token=open-sesame"})
     EXPECT_EQ(judged(target, ""), Verdict::wrong_token) << target;
-  EXPECT_EQ(judged("/", "xlcmslam_token=open-sesame"), Verdict::wrong_token);
+  EXPECT_EQ(judged("/", "xlcmslam_token_8642=open-sesame"), Verdict::wrong_token);
+}
+
+TEST(Access, ServersOnOneHostHaveCookiesOfTheirOwn) {
+  const Access first(at("0.0.0.0", "open-sesame")), second(at("0.0.0.0", "open-barley"));
+  const Access::Request to_first{"/", "robot:8642", "", ""}, to_second{"/", "robot:8643", "", ""};
+  const std::string both = first.cookie(to_first) + "; " + second.cookie(to_second);
+  EXPECT_EQ(first.judge({"/", "robot:8642", "", both}), Verdict::granted);
+  EXPECT_EQ(second.judge({"/", "robot:8643", "", both}), Verdict::granted);
+  EXPECT_EQ(first.judge({"/", "robot:8643", "", both}), Verdict::wrong_token);
+  for (const char* host : {"robot", "[::1]", "robot:1;2"})
+    EXPECT_EQ(first.cookie({"/", host, "", ""}), "lcmslam_token_80=open-sesame") << host;
 }
 
 TEST(Access, ATokenMayHaveWhatMeansSomethingInAddresses) {

@@ -144,11 +144,12 @@ TEST_F(WebServerTest, ForeignSitesAndWrongTokensAreRefusedAndCounted) {
   settings_.token = "open-sesame";
   EXPECT_NE(server().address().find("?token=open-sesame"), std::string::npos);
   WebClient unknown(server().port()), known(server().port()), cookie(server().port());
+  const std::string port = std::to_string(server().port());
   EXPECT_EQ(unknown.get("/").rfind("HTTP/1.1 401", 0), 0u);
   EXPECT_NE(known.get("/?token=open-sesame")
-                .find("Set-Cookie: lcmslam_token=open-sesame; HttpOnly; SameSite=Strict"),
+                .find("Set-Cookie: lcmslam_token_" + port + "=open-sesame; HttpOnly; SameSite=Strict"),
             std::string::npos);
-  EXPECT_TRUE(cookie.open_socket("/command", "Cookie: lcmslam_token=open-sesame\r\n"));
+  EXPECT_TRUE(cookie.open_socket("/command", "Cookie: lcmslam_token_" + port + "=open-sesame\r\n"));
   EXPECT_FALSE(WebClient(server().port()).open_socket("/command"));
 }
 

@@ -13,6 +13,7 @@ export const views = {
 
 export class View extends EventTarget {
   #stop = () => {};
+  #flight = []; // places between which the target flies
 
   constructor(stage) {
     super();
@@ -38,21 +39,26 @@ export class View extends EventTarget {
     this.#moved();
   }
 
-  /** Moves the target in the picture's plane, by shares of the picture's height. */
-  pan(right, upwards) {
+  /** Moves the ground in the picture, to the right and downwards, by shares of the picture's height. */
+  pan(right, down) {
     if (this.follow || this.name === "robot") this.setFollow(false);
     this.#free();
     const scale = 2 * this.distance * Math.tan((this.stage.camera.fov * Math.PI) / 360);
     const { sideways, ahead } = this.#ground();
-    this.target.addScaledVector(sideways, -right * scale).addScaledVector(ahead, upwards * scale / Math.max(0.3, Math.sin(Math.abs(this.pitch))));
+    this.target.addScaledVector(sideways, -right * scale).addScaledVector(ahead, (down * scale) / Math.max(0.3, Math.sin(Math.abs(this.pitch))));
     this.#moved();
+  }
+
+  /** How far away things may be that belong to the map, seen from where all of it is in sight. */
+  reach() {
+    return 2 * this.#fit(this.yaw, this.pitch).distance;
   }
 
   /** Nearer (factor below 1) or farther; `towards`: a point that stays where it is in the picture. */
   zoom(factor, towards = null) {
     this.#stop();
     this.untouched = false;
-    const distance = Math.max(0.3, Math.min(150, this.distance * factor));
+    const distance = Math.max(0.3, Math.min(Math.max(150, this.distance, this.reach()), this.distance * factor));
     if (towards && !this.follow && this.name !== "robot") this.target.lerp(towards, 1 - distance / this.distance);
     this.distance = distance;
     this.#moved();
@@ -118,7 +124,7 @@ export class View extends EventTarget {
     if (this.name === "robot") this.#chase(step === null);
     else if (this.follow && !step) this.setFollow(true);
     else if (this.follow) {
-      this.target.add(step);
+      for (const place of [this.target, ...this.#flight]) place.add(step);
       this.#moved(false);
     }
   }
@@ -129,7 +135,7 @@ export class View extends EventTarget {
     this.untouched = !at && !turn && !far && !view && !follow;
     if (at) this.target.fromArray(at);
     if (turn) [this.yaw, this.pitch] = turn;
-    if (far) this.distance = Math.max(0.3, Math.min(150, far));
+    if (far) this.distance = Math.max(0.3, Math.min(100_000, far)); // the map, which may be large, is not here yet
     if (follow !== null) this.follow = follow;
     if (view in views) {
       this.name = view;
@@ -152,10 +158,12 @@ export class View extends EventTarget {
 
   #flyTo({ target, yaw, pitch, distance }) {
     this.#stop();
+    const to = target.clone();
     const from = { target: this.target.clone(), yaw: this.yaw, pitch: this.pitch, distance: this.distance };
     const turn = Math.atan2(Math.sin(yaw - from.yaw), Math.cos(yaw - from.yaw)); // the short way round
+    this.#flight = [from.target, to];
     this.#stop = this.stage.animate(0.45, (share) => {
-      this.target.lerpVectors(from.target, target, share);
+      this.target.lerpVectors(from.target, to, share);
       this.yaw = from.yaw + share * turn;
       this.pitch = from.pitch + share * (pitch - from.pitch);
       this.distance = from.distance * (distance / from.distance) ** share;
@@ -172,7 +180,7 @@ export class View extends EventTarget {
   }
 
   #ground() {
-    return { sideways: new Vector3(-Math.sin(this.yaw), Math.cos(this.yaw), 0), ahead: new Vector3(Math.cos(this.yaw), Math.sin(this.yaw), 0) };
+    return { sideways: new Vector3(-Math.sin(this.yaw), Math.cos(this.yaw), 0), ahead: new Vector3(-Math.cos(this.yaw), -Math.sin(this.yaw), 0) };
   }
 
   #moved(quick = true) {

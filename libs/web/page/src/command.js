@@ -2,6 +2,7 @@
 import { socketAddress } from "./stream.js";
 
 const patience = 10_000; // ms until a command without an answer has failed
+const longerFor = { export: 30 * 60_000 }; // the files of a large map take minutes, after what waits to be saved before
 const again = 1000; // ms until a socket that broke by itself is opened anew
 
 export class CommandLine {
@@ -55,11 +56,12 @@ export class CommandLine {
   do(what, members = {}) {
     if (!this.open) return Promise.reject(new Error("not connected to the map server"));
     const id = this.#next++;
+    const longest = longerFor[what] ?? patience;
     return new Promise((resolve, reject) => {
       const timer = setTimeout(() => {
         this.#waiting.delete(id);
-        reject(new Error(`no answer to ${what} within ${patience / 1000} s`));
-      }, patience);
+        reject(new Error(`no answer to ${what} within ${longest / 1000} s`));
+      }, longest);
       this.#waiting.set(id, { resolve, reject, timer });
       this.#socket.send(JSON.stringify({ id, do: what, ...members }));
     });

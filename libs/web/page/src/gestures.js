@@ -32,6 +32,9 @@ export class Gestures {
     if (this.#pointers.size === 1) {
       this.#moved = 0;
       this.#taken = event.button === 0 && this.hand.press(event);
+    } else if (this.#taken) { // two fingers move the view: the first one meant no press
+      this.#taken = false;
+      this.hand.release(event, true);
     }
     this.#pinch = null;
   }

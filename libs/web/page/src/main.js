@@ -67,7 +67,7 @@ const command = {
   ask: (question) => (connection ? connection.commands.ask(question) : Promise.reject(new Error("this page is a file"))),
 };
 const robot = () => views.robot.pose;
-const parts = { stage, picker: new Picker(stage, views), labels, planes: views.planes, card, command, notify, can, robot, host: foot,
+const parts = { stage, picker: new Picker(stage, views, () => view.reach()), labels, planes: views.planes, card, command, notify, can, robot, host: foot,
   robotHeight: () => board.get("about")?.header.robot?.height ?? 0.6 };
 const hand = new Hand({ inspect: new Inspect(parts), measure: new Measure(parts), goto: new GoTo(parts), drive: new Drive(parts) });
 new Gestures(canvas, view, hand);

@@ -22,6 +22,9 @@ export function timeSlider(host, board, play) {
     held = false;
     play({ at: at() });
   });
+  // Dragged back to where it was it has not changed.
+  for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => setTimeout(() => (held = false))); // after "change"
+  slider.addEventListener("blur", () => (held = false));
   const at = () => Math.round(time.begin + (slider.value / 1000) * (time.end - time.begin));
   function write() {
     const utime = held ? at() : time.now;

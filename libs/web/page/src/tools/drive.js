@@ -4,9 +4,15 @@ import { el } from "../dom.js";
 
 const period = 100; // ms between what is sent; the server stops after 300
 const keys = { w: [1, 0], ArrowUp: [1, 0], s: [-1, 0], ArrowDown: [-1, 0], a: [0, 1], ArrowLeft: [0, 1], d: [0, -1], ArrowRight: [0, -1] };
+const modifiers = ["Control", "Alt", "AltGraph", "Meta"];
+
+/** Whether a key may come with another name when it is let go, or, beside macOS's Cmd, not at all. */
+function isModified(event) {
+  return modifiers.includes(event.key) || modifiers.some((name) => event.getModifierState?.(name));
+}
 
 export class Drive {
-  #held = new Set();
+  #held = new Map(); // what each key wants; keys by their place, since modifiers change their names
   #stick = null; // [linear, angular] of the pad
   #timer = 0;
 
@@ -15,12 +21,15 @@ export class Drive {
     this.knob = el("span", { class: "knob" });
     this.pad = el("div", { class: "pad", role: "application", tabindex: 0, "aria-label": "Driving pad: hold and drag, or hold the keys W A S D or the arrows", hidden: true }, this.knob);
     host.append(this.pad);
+    this.pad.addEventListener("contextmenu", (event) => event.preventDefault()); // while it is open nothing is let go
     this.pad.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
       this.pad.setPointerCapture(event.pointerId);
       this.#touch(event);
     });
     this.pad.addEventListener("pointermove", (event) => this.#stick && this.#touch(event));
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) this.pad.addEventListener(end, () => this.#letGo());
+    for (const change of ["keydown", "keyup"]) addEventListener(change, (event) => isModified(event) && this.stop());
     addEventListener("blur", () => this.stop());
     addEventListener("pagehide", () => this.stop());
     document.addEventListener("visibilitychange", () => document.hidden && this.stop());
@@ -42,13 +51,17 @@ export class Drive {
   }
 
   /** @returns {boolean} whether the key is one that drives */
-  key(event, down) {
-    const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    if (!(name in keys)) return false;
-    if (down) this.#held.add(name);
-    else this.#held.delete(name);
+  press(event) {
+    const wanted = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!wanted) return false;
+    // After a stop only a new press drives on, not the repetition of one that is still held.
+    if (!event.repeat && !isModified(event)) this.#held.set(event.code, wanted);
     this.#go();
     return true;
+  }
+
+  release(event) {
+    if (this.#held.delete(event.code)) this.#go();
   }
 
   /** Nothing is held any more. */
@@ -101,7 +114,7 @@ export class Drive {
     if (!this.isOn || document.hidden || !document.hasFocus()) return null;
     if (this.#stick) return this.#stick;
     if (this.#held.size === 0) return null;
-    const sum = [...this.#held].reduce(([l, a], name) => [l + keys[name][0], a + keys[name][1]], [0, 0]);
+    const sum = [...this.#held.values()].reduce(([l, a], [linear, angular]) => [l + linear, a + angular], [0, 0]);
     return sum.map((value) => Math.max(-1, Math.min(1, value)));
   }
 }

@@ -1,10 +1,23 @@
 // What a column of free, occupied and unknown space says of the room above a point.
 import { length } from "../format.js";
 
-/** `states` at `step`, 2 `step`, ... m above the point, the first of which may lie in its own surface. In words. */
-export function headroom(states, step) {
-  const end = states.findIndex((state, i) => state === "unknown" || (i > 0 && state === "occupied"));
+const ceiling = 2.5; // m above the point up to which is asked
+const skin = 0.1; // m above the point within which its own surface, measured twice, may lie
+const step = 0.02; // m; less than a cell of the occupancy grid, so that no thin table top is stepped over
+
+/** The places above one that are to be asked about, `step` apart. */
+export function columnAbove({ x, y, z }) {
+  return Array.from({ length: Math.round(ceiling / step) }, (_, i) => [x, y, z + step * (i + 1)]);
+}
+
+/** `states` of columnAbove(), in words; never more than was seen to be free. */
+export function headroom(states) {
+  const nearest = Math.round(skin / step);
+  const above = states.lastIndexOf("occupied", nearest - 1) + 1; // its own surface
+  const begin = states.indexOf("free", above);
+  if (begin < 0 || begin > nearest) return states[above] === "occupied" ? "nothing" : "not known";
+  const end = states.findIndex((state, i) => i > begin && state !== "free");
   if (end < 0) return `${(step * states.length).toFixed(1)} m or more`;
-  if (states[end] === "occupied") return length(step * (end + 1));
-  return end === 0 ? "not known" : `${length(step * end)}, then not known`;
+  const free = length(step * end);
+  return states[end] === "occupied" ? free : `${free}, then not known`;
 }

@@ -1,10 +1,7 @@
 // A click on the map: position, clearance, headroom, plane.
 import { Vector3 } from "three";
 import { length, point } from "../format.js";
-import { headroom } from "./headroom.js";
-
-const ceiling = 2.5; // m above the point up to which headroom is asked
-const step = 0.1;
+import { columnAbove, headroom } from "./headroom.js";
 
 export class Inspect {
   /** @param {{picker, labels, planes, card, command, robot: () => object, can: (what: string) => boolean}} parts */
@@ -52,13 +49,12 @@ export class Inspect {
   async #ask(place) {
     const half = this.robotHeight() / 2;
     const middle = place.clone().add(new Vector3(0, 0, half)).toArray();
-    const column = Array.from({ length: ceiling / step }, (_, i) => [place.x, place.y, place.z + step * (i + 1)]);
     const [distance, space] = await Promise.all([
       this.command.ask({ ask: "distance", points: [middle] }),
-      this.command.ask({ ask: "space", points: column }),
+      this.command.ask({ ask: "space", points: columnAbove(place) }),
     ]);
     const rows = [[`Clearance, ${half.toFixed(2)} m above`, length(Math.max(0, distance.distances[0]))]];
-    rows.push(["Free above", headroom(space.states, step)]);
+    rows.push(["Free above", headroom(space.states)]);
     return rows;
   }
 }

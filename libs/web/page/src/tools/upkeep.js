@@ -19,10 +19,11 @@ export function upkeepPanel(column, board, command, notify, figures) {
     button.disabled = false;
   };
   const button = (text, click) => el("button", { type: "button", class: "action", text, on: { click: (event) => click(event.currentTarget) } });
+  const log = logger(board, button, command, notify);
   const make = {
     save: () => button("Save", (self) => run(self, "save", {}, ({ words }) => words || "The map is saved.")),
     export: () => exporter(run, button),
-    log: () => logger(button, command, notify),
+    log: () => log,
     reset: () => twice(button, (self) => run(self, "reset", {}, ({ words }) => words || "A new map begins.")),
   };
   board.on("about", (item) => {
@@ -42,26 +43,34 @@ export function upkeepPanel(column, board, command, notify, figures) {
 
 function exporter(run, button) {
   const name = el("input", { type: "text", value: "export", "aria-label": "Folder to export to", spellcheck: false, maxlength: 100 });
-  const press = button("Export", (self) => run(self, "export", { name: name.value.trim() || "export" }, ({ files }) => `Written: ${(files ?? []).join(", ")}`));
+  const press = button("Export", async (self) => {
+    self.textContent = "Exporting …";
+    await run(self, "export", { name: name.value.trim() || "export" }, ({ files }) => `Written: ${(files ?? []).join(", ")}`);
+    self.textContent = "Export";
+  });
   return el("div", { class: "pair" }, name, press);
 }
 
-function logger(button, command, notify) {
-  let on = false;
+/** Whether a log is written the server says: another browser may have begun it. */
+function logger(board, button, command, notify) {
+  const isOn = () => board.get("log")?.header.on ?? false;
   const self = button("Start a log", async () => {
+    const on = !isOn();
     self.disabled = true;
     try {
-      const { file } = await command.do("log", { on: !on });
-      on = !on;
+      const { file } = await command.do("log", { on });
       notify("good", on ? `Writing ${file}` : `Written: ${file}`);
     } catch (error) {
       notify("bad", error.message);
     }
-    self.textContent = on ? "Stop the log" : "Start a log";
-    self.setAttribute("aria-pressed", String(on));
     self.disabled = false;
   });
-  self.setAttribute("aria-pressed", "false");
+  const show = () => {
+    self.textContent = isOn() ? "Stop the log" : "Start a log";
+    self.setAttribute("aria-pressed", String(isOn()));
+  };
+  board.on("log", show);
+  show();
   return self;
 }
 
