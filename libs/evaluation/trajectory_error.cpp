@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <lcmslam/evaluation/consistency.hpp>
+#include <lcmslam/evaluation/median.hpp>
 
 namespace lcmslam {
 namespace {
@@ -49,6 +50,23 @@ std::optional<std::size_t> nearest_to(const std::vector<double>& values, double 
   return best;
 }
 
+// s, between one pose and the next; NaN below two.
+double median_step(const Trajectory& poses) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    steps.push_back(1e-6 * static_cast<double>(poses[i].utime - poses[i - 1].utime));
+  return median(std::move(steps));
+}
+
+// What comes each two seconds by design is not lost between.
+double tracking_gap(const Trajectory& truth, const Trajectory& estimate, double least) {
+  constexpr double usual_steps = 3;
+  double gap = least;
+  for (const Trajectory* poses : {&truth, &estimate})
+    if (const double step = median_step(*poses); std::isfinite(step)) gap = std::max(gap, usual_steps * step);
+  return gap;
+}
+
 double tracked_fraction(const Trajectory& truth, const std::vector<MatchedPose>& matches, double max_gap) {
   // Time in steps of at most max_gap.
   const auto covered = [&](const auto& poses) {
@@ -60,7 +78,7 @@ double tracked_fraction(const Trajectory& truth, const std::vector<MatchedPose>&
     return sum;
   };
   const double whole = covered(truth);
-  return whole > 0 ? std::min(1.0, covered(matches) / whole) : 1;
+  return whole > 0 ? std::min(1.0, covered(matches) / whole) : std::numeric_limits<double>::quiet_NaN();
 }
 
 /// As free as the alignment.
@@ -134,7 +152,8 @@ TrajectoryReport evaluate(const Trajectory& truth, const Trajectory& estimate,
   report.truth_poses = truth.size();
   report.estimate_poses = estimate.size();
   report.matched_poses = report.matches.size();
-  report.tracked_fraction = tracked_fraction(truth, report.matches, settings.max_tracking_gap);
+  report.tracking_gap = tracking_gap(truth, estimate, settings.max_tracking_gap);
+  report.tracked_fraction = tracked_fraction(truth, report.matches, report.tracking_gap);
   report.truth_length = progress(report.matches, StepUnit::metres).back();
 
   report.alignment = find_alignment(report.matches, settings.alignment);

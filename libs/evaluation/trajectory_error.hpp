@@ -37,7 +37,8 @@ struct EvaluationSettings {
   double clock_offset = 0;            ///< s, added to the estimate's stamps gives the truth's clock
   Alignment alignment = Alignment::se3;
   bool fit_body = false;          ///< where covariances are judged, fits where the truth's body sits
-  double max_tracking_gap = 1.0;  ///< s; matched poses further apart are lost track between them
+  double max_tracking_gap = 1.0;  ///< s; matched poses further apart are lost track between them, and three
+                                  ///< usual steps where truth or estimate come seldom
 };
 
 struct MatchedPose {
@@ -80,8 +81,9 @@ enum class StepUnit { frames, seconds, metres };
 
 struct TrajectoryReport {
   std::size_t truth_poses = 0, estimate_poses = 0, matched_poses = 0;
-  double tracked_fraction = 0;  ///< time between matched poses that are no further apart than
-                                ///< max_tracking_gap, by the same time of the truth's poses
+  double tracking_gap = 0;      ///< s, that was allowed: max_tracking_gap, or three usual steps
+  double tracked_fraction = 0;  ///< time between matched poses that are no further apart than tracking_gap,
+                                ///< by the same time of the truth's poses; NaN where these have none
   double truth_length = 0;      ///< m, path through the matched poses
   WorldAlignment alignment;
   PoseErrors absolute;                          ///< ATE, and the rotation left after alignment

@@ -201,8 +201,12 @@ std::string format_evaluation(const Evaluation& evaluation) {
                       truth.channel.empty() ? "" : ":" + truth.channel, truth.trajectory.size(), seconds,
                       path_length(truth.trajectory));
   const EvaluationSettings& s = evaluation.settings;
-  text += fmt::format("alignment {}, association {} (at most {} s), clock offset {} s\n",
-                      name_of(s.alignment), name_of(s.association), s.max_time_difference, s.clock_offset);
+  const std::string reach =
+      s.association == Association::nearest
+          ? fmt::format("at most {:g} s apart", s.max_time_difference)
+          : fmt::format("the truth's gaps of at most {:g} s", 10 * s.max_time_difference);
+  text += fmt::format("alignment {}, association {} ({}), clock offset {} s\n", name_of(s.alignment),
+                      name_of(s.association), reach, s.clock_offset);
   for (const std::string& note : evaluation.notes) text += note + "\n";
   text += "\n" + error_table(evaluation).text() + "\n";
   for (const EvaluatedEstimate& e : evaluation.estimates) {
@@ -225,8 +229,8 @@ EvaluationPlot evaluation_plot(const Evaluation& evaluation) {
     PlottedPath path{e.path.name, colour, {}}, error{e.path.name, colour, {}};
     Utime last = 0;
     for (const MatchedPose& match : e.report->matches) {
-      const bool lost_track = !path.points.empty() && static_cast<double>(match.utime - last) >
-                                                          1e6 * evaluation.settings.max_tracking_gap;
+      const bool lost_track =
+          !path.points.empty() && static_cast<double>(match.utime - last) > 1e6 * e.report->tracking_gap;
       if (lost_track) path.points.push_back(gap), error.points.push_back(gap);
       last = match.utime;
       path.points.emplace_back(match.T_world_estimate.translation().head<2>());

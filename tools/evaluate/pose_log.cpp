@@ -100,6 +100,7 @@ void PoseLog::add_pose(const std::string& channel, const StampedPose& pose, std:
     path.left_out += static_cast<std::int64_t>(path.trajectory.size());
     path.trajectory.clear();
     path.relative_poses.clear();
+    path.earlier_lost += path.lost;
     path.lost = path.degraded = 0;
     ++path.restarts;
   }

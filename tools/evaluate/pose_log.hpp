@@ -21,6 +21,7 @@ struct PoseChannel {
   int lost = 0, degraded = 0;    ///< poses of the trajectory with that status
   int restarts = 0;              ///< new maps (restart, reset, time jump)
   std::int64_t left_out = 0;     ///< poses of earlier maps
+  int earlier_lost = 0;          ///< of those with status LOST
   std::int64_t unplaced = 0;     ///< poses that the last graph does not place (X_FINAL)
   std::int64_t undecodable = 0;  ///< messages that were no poses
   /// Newest graph node before each pose, and the pose as seen from it (utime stands in the trajectory).

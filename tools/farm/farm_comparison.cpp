@@ -1,48 +1,45 @@
 #include "tools/farm/farm_comparison.hpp"
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
 
-#include <lcmslam/geometry/random.hpp>
-
 namespace lcmslam {
 namespace {
 
-constexpr int resamples = 4000;
-constexpr std::size_t fewest_logs = 6;  // all to one side are chance in 2 of 64: below 5 %
+constexpr std::size_t fewest_logs = 6;  // all to one side are chance in 2 of 64; of fewer above 5 %
 constexpr double least_error = 1e-9;    // m; a perfect run has a logarithm, too
 
 double log_ratio(const LogChange& change) {
   return std::log(std::max(change.after, least_error) / std::max(change.before, least_error));
 }
 
-PathChange change_of(const char* path, std::optional<double> FarmResult::*ate,
+PathChange change_of(const char* path, std::optional<double> FarmResult::*ate, int FarmResult::*restarts,
                      const std::vector<std::pair<const FarmResult*, const FarmResult*>>& pairs) {
   const double nothing = std::numeric_limits<double>::quiet_NaN();
-  PathChange change{path, {}, nothing, nothing, nothing, {}, {}};
+  PathChange change{path, {}, nothing, nothing, nothing, {}, {}, {}};
   for (const auto& [before, after] : pairs) {
-    if (before->*ate && after->*ate)
+    if (before->*restarts > 0 || after->*restarts > 0)
+      change.restarted.push_back(before->name);
+    else if (before->*ate && after->*ate)
       change.logs.push_back({before->name, *(before->*ate), *(after->*ate)});
     else if (before->*ate || after->*ate)
       (before->*ate ? change.only_before : change.only_after).push_back(before->name);
   }
   if (change.logs.empty()) return change;
-  const auto n = change.logs.size();
-  double sum = 0;
-  for (const LogChange& log : change.logs) sum += log_ratio(log);
-  change.ratio = std::exp(sum / static_cast<double>(n));
-  Random random(1);
-  std::vector<double> means(resamples);
-  for (double& mean : means) {
-    double drawn = 0;
-    for (std::size_t k = 0; k < n; ++k) drawn += log_ratio(change.logs[random.below(n)]);
-    mean = drawn / static_cast<double>(n);
+  const auto n = static_cast<double>(change.logs.size());
+  double mean = 0, squares = 0;
+  for (const LogChange& log : change.logs) mean += log_ratio(log) / n;
+  for (const LogChange& log : change.logs) squares += std::pow(log_ratio(log) - mean, 2);
+  change.ratio = std::exp(mean);
+  if (change.logs.size() > 1) {
+    const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
+    const double half = t * std::sqrt(squares / (n - 1) / n);
+    change.low = std::exp(mean - half);
+    change.high = std::exp(mean + half);
   }
-  std::sort(means.begin(), means.end());
-  change.low = std::exp(means[static_cast<std::size_t>(0.025 * resamples)]);
-  change.high = std::exp(means[static_cast<std::size_t>(0.975 * resamples)]);
   std::stable_sort(change.logs.begin(), change.logs.end(),
                    [](const LogChange& a, const LogChange& b) { return log_ratio(a) > log_ratio(b); });
   return change;
@@ -73,8 +70,8 @@ FarmComparison compare_farms(const std::vector<FarmResult>& before, const std::v
     old.erase(found);
   }
   for (const auto& [name, result] : old) comparison.missing.push_back(name);
-  comparison.paths = {change_of("icp", &FarmResult::icp, pairs),
-                      change_of("fastslam", &FarmResult::fastslam, pairs)};
+  comparison.paths = {change_of("icp", &FarmResult::icp, &FarmResult::icp_restarts, pairs),
+                      change_of("fastslam", &FarmResult::fastslam, &FarmResult::fastslam_restarts, pairs)};
   return comparison;
 }
 

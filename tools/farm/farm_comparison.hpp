@@ -19,11 +19,15 @@ struct LogChange {
 struct PathChange {
   std::string path;             ///< "icp", "fastslam"
   std::vector<LogChange> logs;  ///< of both farms, the largest change for the worse first
-  /// Geometric mean of the ratios, and where 95 % of its resamples over logs lie (paired bootstrap, Efron and
-  /// Tibshirani 1993). NaN without a log.
+  /// Geometric mean of the ratios, and its 95 % interval among logs: Student's t of their logarithms, which
+  /// of as few as six logs holds 1 in 95 % where nothing has changed (a bootstrap in 85 %). NaN without a
+  /// log, the interval of one log, too.
   double ratio, low, high;
   /// Logs whose error is known of one farm alone, as where nothing was mapped: in no ratio.
   std::vector<std::string> only_before, only_after;
+  /// Logs of which the mapper began a new map in either farm, which leaves its error that of a part: in no
+  /// ratio.
+  std::vector<std::string> restarted;
 
   /// "better", "worse", or "no difference shown" where the interval holds 1 or logs are too few for one: of
   /// five that all became better chance makes one time in sixteen as much.
@@ -37,7 +41,6 @@ struct FarmComparison {
   std::vector<std::string> missing, added;  ///< logs of one farm alone
 };
 
-/// The same on every call.
 FarmComparison compare_farms(const std::vector<FarmResult>& before, const std::vector<FarmResult>& after);
 
 }  // namespace lcmslam

@@ -41,6 +41,16 @@ const char* verdict(const FarmResult& result) {
   return result.has_summary ? "failed" : "no result";
 }
 
+std::string restarts_text(const FarmResult& result) {
+  std::string text;
+  for (const auto& [mapper, restarts] :
+       {std::pair("icp", result.icp_restarts), std::pair("fastslam", result.fastslam_restarts)})
+    if (restarts > 0)
+      text += fmt::format("{}: {} began a new map {} time{}: its error is of the newest alone\n", result.name,
+                          mapper, restarts, restarts == 1 ? "" : "s");
+  return text;
+}
+
 std::optional<double> median(const std::vector<FarmResult>& results, std::optional<double> FarmResult::*ate) {
   std::vector<double> values;
   for (const FarmResult& result : results)
@@ -92,6 +102,8 @@ std::string article(const FarmResult& result) {
     html += "</ul>\n";
   }
   if (!result.has_summary) return html + "</article>\n";
+  if (const std::string restarts = restarts_text(result); !restarts.empty())
+    html += "<p>" + marked_up(restarts) + "</p>\n";
   html += "<dl>";
   for (const auto& [what, ate] : {std::pair("6-D SLAM", result.icp), std::pair("FastSLAM", result.fastslam),
                                   std::pair("odometry", result.odometry)})
@@ -110,11 +122,13 @@ std::string article(const FarmResult& result) {
 }  // namespace
 
 std::string farm_table(const std::vector<FarmResult>& results) {
-  Table table({"log", "verdict", "icp m", "fastslam m", "odometry m", "frames", "s"});
+  Table table({"log", "verdict", "icp m", "fastslam m", "odometry m", "new maps", "frames", "s"});
   for (const FarmResult& r : results)
     table.add({r.name, verdict(r), ate_text(r.icp), ate_text(r.fastslam), ate_text(r.odometry),
-               fixed_number(r.frames, 0), fixed_number(r.seconds, 1)});
+               std::to_string(r.icp_restarts + r.fastslam_restarts), fixed_number(r.frames, 0),
+               fixed_number(r.seconds, 1)});
   std::string text = table.text() + "\n" + totals(results) + "\n";
+  for (const FarmResult& r : results) text += restarts_text(r);
   for (const FarmResult& r : results)
     for (const std::string& failure : r.failures) text += fmt::format("{}: {}\n", r.name, failure);
   return text;
@@ -125,10 +139,12 @@ std::string comparison_text(const FarmComparison& comparison) {
   std::string text;
   for (const PathChange& path : comparison.paths) {
     text += list_text(path.path + std::string(": an error before alone"), path.only_before) +
-            list_text(path.path + std::string(": an error now alone"), path.only_after);
+            list_text(path.path + std::string(": an error now alone"), path.only_after) +
+            list_text(path.path + std::string(": a new map was begun, so in no ratio"), path.restarted);
     if (path.logs.empty()) continue;
-    text += fmt::format("{}: errors x {:.3f} over {} logs (95 % from {:.3f} to {:.3f}): {}\n", path.path,
-                        path.ratio, path.logs.size(), path.low, path.high, path.verdict());
+    text +=
+        fmt::format("{}: errors x {:.3f} over {} logs (95 % from {} to {}): {}\n", path.path, path.ratio,
+                    path.logs.size(), fixed_number(path.low, 3), fixed_number(path.high, 3), path.verdict());
     const auto line = [&](const LogChange& log) {
       text +=
           fmt::format("  {}: {:.4f} -> {:.4f} m (x {:.2f})\n", log.name, log.before, log.after, log.ratio());

@@ -49,6 +49,8 @@ FarmResult read_result(const fs::path& folder, const Expectations& expectations)
     result.icp = ate(summary, "icp");
     result.fastslam = ate(summary, "fastslam");
     result.odometry = ate(summary, "odometry");
+    result.icp_restarts = summary.value("/paths/icp/restarts"_json_pointer, 0);
+    result.fastslam_restarts = summary.value("/paths/fastslam/restarts"_json_pointer, 0);
     result.frames = summary.value("frames", 0.0);
     result.seconds = summary.value("/timing/wall_seconds"_json_pointer, 0.0);
   } catch (const json::exception& error) {

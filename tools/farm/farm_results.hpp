@@ -16,6 +16,7 @@ struct FarmResult {
   std::vector<std::string> failures;              ///< why it did not pass; without a summary its last words
   std::string key;                                ///< run_key.hpp
   std::optional<double> icp, fastslam, odometry;  ///< ATE (RMSE), m; none: no truth, or not mapped
+  int icp_restarts = 0, fastslam_restarts = 0;    ///< new maps that were begun: the ATE is of the newest
   double frames = 0;
   double seconds = 0;  ///< wall time
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -11,11 +12,10 @@
 #include <stdexcept>
 
 #include <lcmslam/evaluation/table.hpp>
-#include <lcmslam/messages/decode.hpp>
-#include <lcmslam/messages/geometry_messages.hpp>
-#include <lcmslam/pose_estimate_t.hpp>
 #include "tools/batch/batch_run.hpp"
-#include "tools/evaluate/pose_log.hpp"
+#include "tools/evaluate/robot_truth.hpp"
+#include "tools/farm/farm_jobs.hpp"
+#include "tools/output_file.hpp"
 #include "tools/study/measures.hpp"
 #include "tools/study/told_keyframes.hpp"
 
@@ -25,7 +25,6 @@ namespace {
 constexpr double bin_us = 1e6;
 constexpr double far = 3;  // times the expectation
 constexpr double three_sigmas = 3;
-const char* const channels[] = {"ICP_POSE", "FASTSLAM_POSE"};
 const char* const keyframe_channel = "ICP_GRAPH";
 
 // "kitchen" of kitchen_12.lcmlog.
@@ -37,50 +36,37 @@ std::string scene_of(const std::string& log) {
              : stem;
 }
 
-bool is_believed(std::int8_t status) {
-  return status == pose_estimate_t::TRACKING || status == pose_estimate_t::DEGRADED ||
-         status == pose_estimate_t::RELOCALISED;
-}
-
-struct Published {
-  Trajectory path;  // of the first map
-  std::size_t left_out = 0;
-};
-
-Trajectory truth_of(const std::string& log) {
-  const PoseLog poses = read_pose_log(log);
-  const PoseChannel& truth = poses.channel("GROUND_TRUTH", log);
-  if (truth.body != "camera") return truth.trajectory;
-  if (!poses.calibration()) throw std::runtime_error(log + ": its truth is the camera's, and no calibration");
-  return in_other_frame(truth.trajectory, poses.calibration()->T_robot_camera.inverse());
-}
-
-std::map<std::string, Published> published_by(const std::string& log, const ConfigNode& config,
-                                              const std::filesystem::path& folder) {
-  std::map<std::string, Published> published;
+std::map<std::string, BelievedPath> published_by(const std::string& log, const ConfigNode& config,
+                                                 const std::filesystem::path& folder) {
   BatchOptions options;
   options.config = config;
   options.log = log;
   options.folder = folder;
   options.threads = 1;
   ToldKeyframes keyframes;
+  BelievedPoses poses;
   options.heard = [&](const BatchMessage& message) {
     keyframes.hear(message.channel, message.bytes);
-    if (std::find(std::begin(channels), std::end(channels), message.channel) == std::end(channels)) return;
-    const auto pose = decode_message<pose_estimate_t>(message.bytes.data(), message.bytes.size());
-    Published& own = published[message.channel];
-    if (pose.frame != "map" || !is_believed(pose.status)) {
-      ++own.left_out;
-      return;
-    }
-    own.path.push_back({pose.utime, from_message(pose.T_map_robot, "T_map_robot"),
-                        covariance_from_message(pose.covariance, "covariance")});
+    poses.hear(message.channel, message.bytes);
   };
   run_batch(options);
-  Trajectory at_the_end = keyframes.path();
-  if (!at_the_end.empty()) published[keyframe_channel].path = std::move(at_the_end);
-  for (auto& [channel, own] : published) sort_trajectory(own.path);
+  std::map<std::string, BelievedPath> published = poses.paths();
+  if (Trajectory at_the_end = keyframes.path(); !at_the_end.empty())
+    published[keyframe_channel].path = std::move(at_the_end);
   return published;
+}
+
+/// One log's runs, a channel each.
+std::vector<ConsistencyRun> runs_of(const std::string& log, const ConfigNode& config,
+                                    const std::filesystem::path& folder, const EvaluationSettings& settings) {
+  const Trajectory truth = robot_truth(log);
+  std::vector<ConsistencyRun> runs;
+  for (const auto& [channel, own] : published_by(log, config, folder)) {
+    runs.push_back(consistency_run(truth, own, settings));
+    runs.back().scene = scene_of(log);
+    runs.back().channel = channel;
+  }
+  return runs;
 }
 
 bool is_planar(const std::vector<MatchedPose>& matches) {
@@ -93,13 +79,16 @@ bool is_planar(const std::vector<MatchedPose>& matches) {
 }  // namespace
 
 double chi_square_quantile(double degrees, double normal_quantile) {
-  const double spread = 2 / (9 * degrees);
-  return degrees * std::pow(1 - spread + normal_quantile * std::sqrt(spread), 3);
+  const double probability = 0.5 * std::erfc(-normal_quantile / std::sqrt(2.));
+  return boost::math::quantile(boost::math::chi_squared(degrees), probability);
 }
 
 ConsistencyRun consistency_run(const std::vector<MatchedPose>& matches) {
   ConsistencyRun run;
-  if (matches.size() < 2) return run;
+  if (matches.size() < 2) {
+    run.left_out = matches.size();
+    return run;
+  }
   const std::vector<int> rows =
       is_planar(matches) ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
   run.components = static_cast<int>(rows.size());
@@ -146,21 +135,50 @@ ConsistencyRun consistency_run(const std::vector<MatchedPose>& matches) {
   return run;
 }
 
+ConsistencyRun consistency_run(const Trajectory& truth, const BelievedPath& believed,
+                               const EvaluationSettings& settings) {
+  ConsistencyRun run;
+  std::size_t unmatched = believed.path.size();
+  try {
+    const std::vector<MatchedPose> matches = associate(truth, believed.path, settings);
+    unmatched -= matches.size();
+    run = consistency_run(matches);
+  } catch (const std::invalid_argument&) {  // no believed pose has a true one
+  }
+  run.left_out += believed.left_out + unmatched;
+  return run;
+}
+
 std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRun>& runs) {
   std::map<std::pair<std::string, std::string>, std::vector<const ConsistencyRun*>> groups;
   for (const ConsistencyRun& run : runs) groups[{run.scene, run.channel}].push_back(&run);
   std::vector<ConsistencyScore> scores;
-  for (const auto& [key, members] : groups) {
+  const double nothing = std::nan("");
+  for (const auto& [key, together] : groups) {
     ConsistencyScore score;
     score.scene = key.first;
     score.channel = key.second;
-    score.runs = static_cast<int>(members.size());
     std::vector<double> all;
     std::array<double, 6> having{};  // poses that have the component
+    std::vector<const ConsistencyRun*> members;
+    for (const ConsistencyRun* run : together) {
+      score.left_out += run->left_out;
+      if (run->all.empty())
+        score.not_judged.push_back(run->log);
+      else
+        members.push_back(run);
+    }
+    score.runs = static_cast<int>(members.size());
+    if (members.empty()) {
+      for (double* figure : {&score.components, &score.low, &score.high, &score.inside, &score.above,
+                             &score.far_above, &score.mean, &score.median, &score.within_whitened})
+        *figure = nothing;
+      scores.push_back(score);
+      continue;
+    }
     for (const ConsistencyRun* run : members) {
       score.components += run->components;
       score.seconds = std::max(score.seconds, run->nees.size());
-      score.left_out += run->left_out;
       all.insert(all.end(), run->all.begin(), run->all.end());
       score.poses += run->all.size();
       const auto poses = static_cast<double>(run->all.size());
@@ -199,7 +217,7 @@ std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRu
       score.far_above += mean > far * d ? 1 : 0;
     }
     for (double* share : {&score.inside, &score.above, &score.far_above})
-      *share /= static_cast<double>(std::max<std::size_t>(1, score.judged));
+      *share = score.judged > 0 ? *share / static_cast<double>(score.judged) : nothing;
     for (const double value : all) score.mean += value / static_cast<double>(all.size());
     score.median = median(all);
     scores.push_back(score);
@@ -213,19 +231,22 @@ std::vector<ConsistencyRun> study_consistency(const std::vector<std::string>& lo
   EvaluationSettings settings;
   settings.association = Association::interpolate_truth;
   settings.clock_offset = clock_offset;
-  for (const std::string& log : logs) {
-    const Trajectory truth = truth_of(log);
-    const std::string stem = std::filesystem::path(log).stem();
-    for (const auto& [channel, own] : published_by(log, config, std::filesystem::path(folder) / stem)) {
-      ConsistencyRun run = consistency_run(associate(truth, own.path, settings));
-      run.scene = scene_of(log);
-      run.log = stem;
-      run.channel = channel;
-      run.left_out += own.left_out;
-      runs.push_back(std::move(run));
+  std::string problem;
+  for (const FarmJob& job : farm_jobs(std::vector<std::filesystem::path>(logs.begin(), logs.end()))) {
+    try {
+      for (ConsistencyRun& run :
+           runs_of(job.log.string(), config, std::filesystem::path(folder) / job.name, settings)) {
+        run.log = job.name;
+        runs.push_back(std::move(run));
+      }
+      std::cout << job.name << ": done" << std::endl;
+    } catch (const std::exception& error) {
+      throw_when_stopped();
+      problem = error.what();
+      std::cout << job.name << ": left out: " << problem << std::endl;
     }
-    std::cout << stem << ": done" << std::endl;
   }
+  if (runs.empty()) throw std::runtime_error("no log could be judged: " + problem);
   return runs;
 }
 
@@ -240,7 +261,7 @@ std::string consistency_table(const std::vector<ConsistencyScore>& scores) {
         s.channel,
         std::to_string(s.runs),
         fixed_number(s.components, s.components == std::round(s.components) ? 0 : 1),
-        fixed_number(s.low, 1) + ".." + fixed_number(s.high, 1),
+        s.runs > 0 ? fixed_number(s.low, 1) + ".." + fixed_number(s.high, 1) : "-",
         fixed_number(s.median, 1),
         fixed_number(s.mean, 1),
         fixed_number(100 * s.inside, 0),
@@ -254,7 +275,11 @@ std::string consistency_table(const std::vector<ConsistencyScore>& scores) {
     row.push_back(std::to_string(s.left_out));
     table.add(row);
   }
-  return table.text();
+  std::string text = table.text();
+  for (const ConsistencyScore& s : scores)
+    for (const std::string& log : s.not_judged)
+      text += log + ", " + s.channel + ": no run, as no pose after the first could be judged\n";
+  return text;
 }
 
 std::string within_table(const std::vector<ConsistencyScore>& scores) {
@@ -291,6 +316,7 @@ nlohmann::json consistency_json(const std::vector<ConsistencyRun>& runs,
     json["scenes"].push_back({{"scene", s.scene},
                               {"channel", s.channel},
                               {"runs", s.runs},
+                              {"not_judged", s.not_judged},
                               {"components", s.components},
                               {"band", {s.low, s.high}},
                               {"seconds", s.seconds},

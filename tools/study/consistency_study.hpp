@@ -20,6 +20,7 @@
 
 #include <lcmslam/configuration/config.hpp>
 #include <lcmslam/evaluation/trajectory_error.hpp>
+#include "tools/study/believed_poses.hpp"
 
 namespace lcmslam {
 
@@ -33,20 +34,22 @@ struct ConsistencyRun {
   std::array<double, 6> error_rms{};  ///< m, rad
   std::array<double, 6> within{};     ///< share of each component's errors within three sigmas
   double within_whitened = 0;         ///< and of all whitened ones
-  std::size_t left_out = 0;           ///< poses that do not say TRACKING or DEGRADED, or by how much they err
+  std::size_t left_out = 0;           ///< poses that are not believed, have no true one, or do not say by how
+                                      ///< much they err
 };
 
 /// Several runs of one scene together.
 struct ConsistencyScore {
   std::string scene, channel;
-  int runs = 0;
-  double components = 0;         ///< NEES when honest: the runs' mean, as one may leave the plane
-  double low = 0, high = 0;      ///< 95 % band of the mean of so many runs
-  std::size_t seconds = 0;       ///< of the longest run
-  std::size_t judged = 0;        ///< seconds of which all runs have a pose
-  double inside = 0, above = 0;  ///< share of those
-  double far_above = 0;          ///< share of those whose mean is more than three times its expectation
-  double mean = 0, median = 0;   ///< of all poses' NEES
+  int runs = 0;                         ///< that have a pose to judge; without any all figures are NaN
+  std::vector<std::string> not_judged;  ///< logs of the others
+  double components = 0;                ///< NEES when honest: the runs' mean, as one may leave the plane
+  double low = 0, high = 0;             ///< 95 % band of the mean of so many runs
+  std::size_t seconds = 0;              ///< of the longest run
+  std::size_t judged = 0;               ///< seconds of which all runs have a pose
+  double inside = 0, above = 0;         ///< share of those; NaN without any, as far_above
+  double far_above = 0;         ///< share of those whose mean is more than three times its expectation
+  double mean = 0, median = 0;  ///< of all poses' NEES
   std::array<double, 6> ratio_rms{}, error_rms{};
   std::array<double, 6> within{};  ///< of all poses that have the component, likewise
   double within_whitened = 0;
@@ -57,14 +60,18 @@ struct ConsistencyScore {
 /// where the map begins.
 ConsistencyRun consistency_run(const std::vector<MatchedPose>& matches);
 
-/// Quantile of chi square: Wilson and Hilferty's cube (1931), better than 1 % from three degrees of freedom
-/// on. `normal_quantile`: that of the standard normal distribution, 1.96 for 97.5 %.
+/// The same, of those that have a true pose; none of them: a run without any NEES. The rest is left out.
+ConsistencyRun consistency_run(const Trajectory& truth, const BelievedPath& believed,
+                               const EvaluationSettings& settings);
+
+/// Quantile of chi square. `normal_quantile`: that of the standard normal distribution, 1.96 for 97.5 %.
 double chi_square_quantile(double degrees, double normal_quantile);
 
 std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRun>& runs);
 
 /// Each log through batch, with `config`, into `folder`. `clock_offset`: s, added to images' stamps for the
-/// truth's clock. Throws std::runtime_error for a log without truth.
+/// truth's clock. A log that cannot be judged (without truth) is named and left out. Throws
+/// std::runtime_error where none can be, and for a log that is named twice.
 std::vector<ConsistencyRun> study_consistency(const std::vector<std::string>& logs, const ConfigNode& config,
                                               const std::string& folder, double clock_offset);
 

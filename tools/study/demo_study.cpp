@@ -15,6 +15,7 @@
 #include <lcmslam/evaluation/table.hpp>
 #include "tools/farm/slurm.hpp"
 #include "tools/launch/graph.hpp"
+#include "tools/output_file.hpp"
 #include "tools/run_folder.hpp"
 #include "tools/study/measures.hpp"
 
@@ -46,9 +47,14 @@ std::optional<double> ate(const nlohmann::json& summary, const std::string& path
 }  // namespace
 
 int study_demo(const DemoStudySettings& settings) {
+  return study_demo(settings, run_demo);
+}
+
+int study_demo(const DemoStudySettings& settings, const DemoRun& run) {
   const std::filesystem::path folder = new_run_folder("study");
   Table table({"seed", "frames", "odometry ATE m", "fastslam ATE m", "icp ATE m", "icp frames", "lost"});
   std::map<std::string, std::vector<double>> errors;
+  std::vector<int> failed;
   for (const int seed : settings.seeds) {
     std::vector<std::string> arguments = {"--seed", std::to_string(seed)};
     if (!settings.config.empty()) arguments.insert(arguments.end(), {"--config", settings.config});
@@ -56,7 +62,15 @@ int study_demo(const DemoStudySettings& settings) {
     if (settings.seconds > 0)
       arguments.insert(arguments.end(), {"--seconds", std::to_string(settings.seconds)});
     for (const auto& value : settings.overrides) arguments.insert(arguments.end(), {"--set", value});
-    const nlohmann::json summary = run_demo(arguments, folder / ("seed-" + std::to_string(seed)));
+    nlohmann::json summary;
+    try {
+      summary = run(arguments, folder / ("seed-" + std::to_string(seed)));
+    } catch (const std::exception& problem) {
+      throw_when_stopped();
+      failed.push_back(seed);
+      std::cout << "seed " << seed << ": " << problem.what() << std::endl;
+      continue;
+    }
     std::vector<std::string> row = {std::to_string(seed),
                                     fmt::format("{:.0f}", summary.at("frames").get<double>())};
     for (const char* name : path_names) {
@@ -83,8 +97,10 @@ int study_demo(const DemoStudySettings& settings) {
     row.insert(row.end(), {"", ""});
     table.add(row);
   }
-  std::cout << table.text() << "\nruns: " << folder.string() << "\n";
-  return 0;
+  std::cout << table.text();
+  for (const int seed : failed) std::cout << "seed " << seed << " failed, and is in no row\n";
+  std::cout << "\nruns: " << folder.string() << "\n";
+  return failed.empty() ? 0 : 1;
 }
 
 }  // namespace lcmslam

@@ -1,6 +1,9 @@
 #pragma once
 // The demo, live, once for each seed.
 
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -13,7 +16,13 @@ struct DemoStudySettings {
   std::vector<std::string> overrides;
 };
 
-/// Prints the errors of all runs; 0. Throws std::runtime_error for a run that fails.
+/// Prints the errors of all runs that came to their end; 0, and 1 where one did not.
 int study_demo(const DemoStudySettings& settings);
+
+/// One live run with these arguments, its results in the folder; gives its summary.json. Throws where it
+/// fails.
+using DemoRun =
+    std::function<nlohmann::json(const std::vector<std::string>& arguments, const std::filesystem::path&)>;
+int study_demo(const DemoStudySettings& settings, const DemoRun& run);
 
 }  // namespace lcmslam

@@ -14,8 +14,8 @@
 
 namespace lcmslam {
 
-/// The simulated kitchen at three frames a second, as logs/kitchen_drive.lcmlog has it: forty laps take about a
-/// quarter of an hour.
+/// The simulated kitchen at three frames a second, as logs/kitchen_drive.lcmlog has it: forty laps take about
+/// a quarter of an hour.
 int endurance_command(int laps, int seed, std::string config, const std::vector<std::string>& overrides) {
   keep_freed_memory();
   if (config.empty()) config = share_path("config/replay.yaml");

@@ -214,7 +214,11 @@ FilterRun run_filter(const PreparedLog& log, const ConfigNode& file, int seed) {
   run.odometry = path("ODOMETRY");
   run.fastslam = path("FASTSLAM_POSE");
   run.smoothed = path("FASTSLAM_SMOOTHED");
-  if (!run.fastslam.empty()) run.lost = poses.channels().at("FASTSLAM_POSE").lost;
+  if (!run.fastslam.empty()) {
+    const PoseChannel& told = poses.channels().at("FASTSLAM_POSE");
+    run.lost = told.lost + told.earlier_lost;
+    run.restarts = told.restarts;
+  }
   for (const auto& [id, landmark] : landmarks) run.landmarks.push_back(landmark);
   return run;
 }
@@ -261,6 +265,7 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
   score.reunion = median(reunions);
   score.odometry_reunion = median(reunion_distances(log.frames, log.truth, run.odometry));
   score.lost = run.lost;
+  score.restarts = run.restarts;
   const TrajectoryReport anchored = evaluate(log.truth, run.fastslam, at_first_pose());
   score.landmarks_inside =
       surface ? landmarks_inside(run.landmarks, anchored.alignment.T_truth_estimate, surface) : nothing;
@@ -294,37 +299,44 @@ std::vector<FilterScore> study_filter(const std::vector<std::string>& logs, cons
 std::string filter_table(const std::vector<FilterScore>& scores) {
   std::vector<std::string> header = {"log", "seed"};
   for (const ColumnOf& column : columns) header.emplace_back(column.name);
-  header.insert(header.end(), {"pairs", "lost"});
+  header.insert(header.end(), {"pairs", "lost", "new maps"});
   Table table(header);
-  int lost = 0;
+  int lost = 0, restarts = 0;
+  std::size_t broken = 0;
   for (const FilterScore& s : scores) {
     std::vector<std::string> row = {s.log, std::to_string(s.seed)};
     for (const ColumnOf& column : columns) row.push_back(cell(column.value(s), 4));
-    row.insert(row.end(), {std::to_string(s.reunions), std::to_string(s.lost)});
+    row.insert(row.end(), {std::to_string(s.reunions), std::to_string(s.lost), std::to_string(s.restarts)});
     table.add(row);
-    lost += s.lost;
+    lost = std::max(lost, s.lost);
+    restarts = std::max(restarts, s.restarts);
+    broken += s.restarts > 0 ? 1 : 0;
   }
   for (const bool worst : {false, true}) {
     std::vector<std::string> row = {worst ? "worst" : "median", ""};
     for (const ColumnOf& column : columns) {
       std::vector<double> values;
       for (const FilterScore& s : scores)
-        if (std::isfinite(column.value(s))) values.push_back(column.value(s));
+        if (s.restarts == 0 && std::isfinite(column.value(s))) values.push_back(column.value(s));
       row.push_back(cell(!worst                  ? median(values)
                          : column.more_is_better ? quantile(values, 0)
                                                  : quantile(values, 1),
                          4));
     }
-    row.insert(row.end(), {"", worst ? std::to_string(lost) : ""});
+    row.insert(row.end(), {"", worst ? std::to_string(lost) : "", worst ? std::to_string(restarts) : ""});
     table.add(row);
   }
-  return table.text();
+  return table.text() + new_maps_text(broken, scores.size());
 }
 
 nlohmann::json filter_json(const std::vector<FilterScore>& scores) {
   nlohmann::json json = {{"runs", nlohmann::json::array()}};
   for (const FilterScore& s : scores) {
-    nlohmann::json run = {{"log", s.log}, {"seed", s.seed}, {"reunion_pairs", s.reunions}, {"lost", s.lost}};
+    nlohmann::json run = {{"log", s.log},
+                          {"seed", s.seed},
+                          {"reunion_pairs", s.reunions},
+                          {"lost", s.lost},
+                          {"restarts", s.restarts}};
     for (const ColumnOf& column : columns)
       if (std::isfinite(column.value(s))) run[column.name] = column.value(s);
     json["runs"].push_back(run);

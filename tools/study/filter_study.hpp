@@ -33,7 +33,8 @@ struct FilterRun {
     Eigen::Matrix3d covariance;  ///< m^2
   };
   std::vector<Landmark> landmarks;  ///< fastslam's map
-  int lost = 0;                     ///< poses of that status
+  int lost = 0;                     ///< fastslam's poses of that status, of all its maps
+  int restarts = 0;                 ///< new maps that it began: paths and landmarks are of the newest
 };
 FilterRun run_filter(const PreparedLog& log, const ConfigNode& config, int seed);
 
@@ -63,7 +64,7 @@ struct FilterScore {
   double landmarks_inside = 0;  ///< part of them that lie on a surface to three of their sigmas along its
                                 ///< normal, where the first pose says where the map lies
   double features_inside = 0;
-  int reunions = 0, lost = 0;
+  int reunions = 0, lost = 0, restarts = 0;
 };
 
 /// `clean`: ATE of the odometry without added noise, or NaN. NaN in what cannot be known.
@@ -74,6 +75,7 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
 std::vector<FilterScore> study_filter(const std::vector<std::string>& logs, const ConfigNode& config,
                                       const std::vector<int>& seeds, const SurfaceDistance& surface);
 
+/// Median and worst are of the runs that kept one map: an error of the newest alone says little of the log.
 std::string filter_table(const std::vector<FilterScore>& scores);
 nlohmann::json filter_json(const std::vector<FilterScore>& scores);
 

@@ -34,7 +34,8 @@ nlohmann::json errors_json(const ErrorStatistics& e) {
 
 std::vector<double> column(const LandmarkStudyResult& result, double (*value)(const LandmarkScore&)) {
   std::vector<double> values;
-  for (const LandmarkScore& s : result.scores) values.push_back(value(s));
+  for (const LandmarkScore& s : result.scores)
+    if (s.restarts == 0 && std::isfinite(value(s))) values.push_back(value(s));
   return values;
 }
 
@@ -76,6 +77,7 @@ LandmarkRun run_landmarks(const LandmarkRecording& recording, const ConfigNode& 
   };
   run.online = path("FASTSLAM_POSE");
   run.smoothed = path("FASTSLAM_SMOOTHED");
+  if (!run.online.empty()) run.restarts = paths.channels().at("FASTSLAM_POSE").restarts;
   return run;
 }
 
@@ -87,6 +89,7 @@ LandmarkScore score(const LandmarkRecording& recording, const Trajectory& refere
   LandmarkScore result;
   result.seed = seed;
   result.report = run.report;
+  result.restarts = run.restarts;
   const TrajectoryReport online = evaluate(reference, run.online, settings);
   result.online = online.absolute.translation;
   result.consistency = online.consistency;
@@ -98,6 +101,7 @@ LandmarkScore score(const LandmarkRecording& recording, const Trajectory& refere
     result.worst_at = 1e-6 * static_cast<double>(m.utime - reference.front().utime);
   }
   result.landmarks = std::nan("");
+  result.smoothed = statistics({});
   if (run.smoothed.empty()) return result;
   const TrajectoryReport smoothed = evaluate(reference, run.smoothed, settings);
   result.smoothed = smoothed.absolute.translation;
@@ -126,12 +130,15 @@ LandmarkStudyResult study_landmarks(const LandmarkRecording& recording, const Co
 
 std::string landmark_table(const LandmarkStudyResult& result) {
   Table table({"seed", "online RMSE m", "max", "at s", "smoothed RMSE m", "max", "landmarks RMSE m",
-               "NEES (3)", "beyond 95 % bound, %", "landmarks found"});
+               "NEES (3)", "beyond 95 % bound, %", "landmarks found", "new maps"});
+  std::size_t broken = 0;
   for (const LandmarkScore& s : result.scores) {
     std::vector<std::string> row = {std::to_string(s.seed)};
     for (const auto value : columns) row.push_back(fixed_number(value(s), 3));
     row.insert(row.begin() + 3, fixed_number(s.worst_at, 0));
     row.push_back(s.existing > 0 ? fmt::format("{} of {}", s.found, s.existing) : "-");
+    row.push_back(std::to_string(s.restarts));
+    broken += s.restarts > 0 ? 1 : 0;
     table.add(row);
   }
   for (const bool worst : {false, true}) {
@@ -139,20 +146,23 @@ std::string landmark_table(const LandmarkStudyResult& result) {
     for (const auto value : columns) {
       const std::vector<double> values = column(result, value);
       row.push_back(
-          fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 3));
+          values.empty()
+              ? "-"
+              : fixed_number(worst ? *std::max_element(values.begin(), values.end()) : median(values), 3));
     }
     row.insert(row.begin() + 3, "");
-    row.emplace_back();
+    row.insert(row.end(), 2, "");
     table.add(row);
   }
-  if (!result.batch) return table.text();
+  const std::string text = table.text() + new_maps_text(broken, result.scores.size());
+  if (!result.batch) return text;
   const BatchSolution& b = *result.batch;
   return fmt::format(
              "no truth: against the batch solution ({}, cost {:.1f} of {} residuals; RMS odometry {:.3f}, "
              "landmarks {:.3f} sigma)\n\n",
              b.converged ? "converged" : "NOT CONVERGED", b.cost, b.residuals, b.odometry_rms,
              b.landmark_rms) +
-         table.text();
+         text;
 }
 
 nlohmann::json landmark_json(const LandmarkStudyResult& result) {
@@ -168,6 +178,7 @@ nlohmann::json landmark_json(const LandmarkStudyResult& result) {
                             {"online", errors_json(s.online)},
                             {"worst_at_s", s.worst_at},
                             {"smoothed", errors_json(s.smoothed)},
+                            {"restarts", s.restarts},
                             {"report", s.report}});
     if (std::isfinite(s.landmarks)) json["runs"].back()["landmarks_rmse_m"] = s.landmarks;
     if (s.existing > 0)

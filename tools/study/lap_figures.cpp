@@ -60,18 +60,23 @@ double relative_cost(const std::vector<LapFigures>& laps, std::size_t first) {
 std::vector<EnduranceVerdict> judge_endurance(const std::vector<LapFigures>& laps, double stop_seconds) {
   if (laps.empty()) throw std::invalid_argument("no lap to judge");
   const LapFigures& last = laps.back();
-  const auto share = [&](double LapFigures::*figure, std::size_t lap) {
-    return last.*figure / (laps[std::min(lap, laps.size()) - 1].*figure);
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  const auto of_last = [&](const char* what, double LapFigures::*figure, std::size_t lap, double least,
+                           double most) {
+    const bool judged = laps.size() > lap;
+    const double share = judged ? last.*figure / (laps[lap - 1].*figure) : nothing;
+    return EnduranceVerdict{what, share, least, most, judged};
   };
-  const std::size_t last_five = laps.size() - std::min(laps.size(), averaged_laps);
+  constexpr std::size_t third = 2;  // counted from 0
+  const bool apart = laps.size() >= third + 2 * averaged_laps;
   const double growth =
-      relative_cost(laps, last_five) / relative_cost(laps, std::min<std::size_t>(2, laps.size() - 1));
+      apart ? relative_cost(laps, laps.size() - averaged_laps) / relative_cost(laps, third) : nothing;
   return {
-      {"CPU a frame in units of surf's, last five laps / third to seventh", growth, 0, most_growth},
-      {"traffic, last lap / third", share(&LapFigures::traffic, 3), 0, most_growth},
-      {"resident memory, last lap / third", share(&LapFigures::resident, 3), 0, most_growth},
-      {"memory that icp counts, last lap / third", share(&LapFigures::icp_memory, 3), 0, most_growth},
-      {"landmarks, last lap / second", share(&LapFigures::landmarks, 2), fewest_landmarks, most_landmarks},
+      {"CPU a frame in units of surf's, last five laps / third to seventh", growth, 0, most_growth, apart},
+      of_last("traffic, last lap / third", &LapFigures::traffic, 3, 0, most_growth),
+      of_last("resident memory, last lap / third", &LapFigures::resident, 3, 0, most_growth),
+      of_last("memory that icp counts, last lap / third", &LapFigures::icp_memory, 3, 0, most_growth),
+      of_last("landmarks, last lap / second", &LapFigures::landmarks, 2, fewest_landmarks, most_landmarks),
       {"seconds to stop", stop_seconds, 0, longest_stop}};
 }
 
@@ -91,7 +96,10 @@ std::string endurance_table(const std::vector<LapFigures>& laps) {
 std::string verdict_lines(const std::vector<EnduranceVerdict>& verdicts) {
   std::string text;
   for (const EnduranceVerdict& v : verdicts)
-    text += fmt::format("{}: {:.3f}, {} ({}{:g})\n", v.what, v.value, v.met() ? "met" : "NOT MET",
+    text += fmt::format("{}: {}, {} ({}{:g})\n", v.what, fixed_number(v.value, 3),
+                        !v.judged ? "not judged, laps are too few"
+                        : v.met() ? "met"
+                                  : "NOT MET",
                         v.least > 0 ? fmt::format("from {:g} to ", v.least) : "at most ", v.most);
   return text;
 }
@@ -106,8 +114,12 @@ nlohmann::json endurance_json(const std::vector<LapFigures>& laps,
     json["laps"].push_back(row);
   }
   for (const EnduranceVerdict& v : verdicts)
-    json["verdicts"].push_back(
-        {{"what", v.what}, {"value", v.value}, {"least", v.least}, {"most", v.most}, {"met", v.met()}});
+    json["verdicts"].push_back({{"what", v.what},
+                                {"value", v.value},
+                                {"least", v.least},
+                                {"most", v.most},
+                                {"judged", v.judged},
+                                {"met", v.met()}});
   return json;
 }
 

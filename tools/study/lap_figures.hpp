@@ -27,12 +27,14 @@ struct LapFigures {
 struct EnduranceVerdict {
   std::string what;
   double value = 0, least = 0, most = 0;  ///< met when least <= value <= most
-  bool met() const { return value >= least && value <= most; }
+  bool judged = true;                     ///< false: laps are too few for the two sides to be different ones
+  bool met() const { return judged && value >= least && value <= most; }
 };
 
 /// Traffic and memory of the last lap as a share of the third's, landmarks as a share of the second's, and
-/// how long it took to stop. With less than three laps the last one stands for those that are missing. CPU
-/// likewise, but as the median of five laps and in units of surf's, which does the same in each lap.
+/// how long it took to stop. CPU likewise, but as the median of five laps and in units of surf's, which does
+/// the same in each lap. What a lap would be held against itself for is not judged: traffic and memory below
+/// four laps, landmarks below three, CPU below twelve. Its value is NaN.
 std::vector<EnduranceVerdict> judge_endurance(const std::vector<LapFigures>& laps, double stop_seconds);
 
 std::string endurance_table(const std::vector<LapFigures>& laps);

@@ -11,7 +11,7 @@
 
 namespace lcmslam {
 
-/// What the command line said; each study takes its part.
+/// What the command line said; each study takes its part (option_use.hpp).
 struct OwnStudyOptions {
   std::vector<int> seeds = {1, 2, 3, 4, 5};
   std::string config, data, description, scene, method;

@@ -13,6 +13,7 @@
 #include <lcmslam/runtime/options.hpp>
 #include "tools/batch/batch_run.hpp"
 #include "tools/evaluate/pose_log.hpp"
+#include "tools/evaluate/robot_truth.hpp"
 #include "tools/study/measures.hpp"
 
 namespace lcmslam {
@@ -57,8 +58,7 @@ void count_particles(const std::filesystem::path& log, ResamplingScore& score) {
 
 std::vector<ResamplingScore> study_resampling(const ResamplingStudySettings& settings,
                                               const std::filesystem::path& folder) {
-  const Trajectory truth =
-      read_pose_log(settings.log.string()).channel("GROUND_TRUTH", settings.log.string()).trajectory;
+  const Trajectory truth = robot_truth(settings.log.string());
   const std::filesystem::path features =
       has_features(settings.log)
           ? settings.log
@@ -78,8 +78,10 @@ std::vector<ResamplingScore> study_resampling(const ResamplingStudySettings& set
                 {"launch.processes=[fastslam]", std::string("fastslam.preset=") + preset,
                  std::string("fastslam.resampling=") + scheme, "fastslam.seed=" + std::to_string(seed)});
         const PoseLog poses = read_pose_log(result.string());
-        score.ate = evaluate(truth, poses.channel("FASTSLAM_POSE", result.string()).trajectory, evaluation)
-                        .absolute.translation.rmse;
+        const PoseChannel& path = poses.channel("FASTSLAM_POSE", result.string());
+        score.ate = evaluate(truth, path.trajectory, evaluation).absolute.translation.rmse;
+        score.lost = path.lost + path.earlier_lost;
+        score.restarts = path.restarts;
         count_particles(result, score);
         scores.push_back(score);
       }
@@ -87,25 +89,33 @@ std::vector<ResamplingScore> study_resampling(const ResamplingStudySettings& set
 }
 
 std::string resampling_table(const std::vector<ResamplingScore>& scores) {
-  Table table({"preset", "scheme", "seeds", "ATE median m", "worst m", "distinct particles", "ESS"});
+  Table table({"preset", "scheme", "seeds", "ATE median m", "worst m", "distinct particles", "ESS", "lost",
+               "new maps"});
+  std::size_t broken = 0;
   for (std::size_t begin = 0; begin < scores.size();) {
     std::size_t end = begin;
     std::vector<double> ate;
     double distinct = 0, sample_size = 0;
+    int lost = 0, restarts = 0;
     for (; end < scores.size() && scores[end].preset == scores[begin].preset &&
            scores[end].scheme == scores[begin].scheme;
          ++end) {
-      ate.push_back(scores[end].ate);
+      if (scores[end].restarts == 0) ate.push_back(scores[end].ate);
+      broken += scores[end].restarts > 0 ? 1 : 0;
+      lost += scores[end].lost;
+      restarts += scores[end].restarts;
       distinct += scores[end].distinct;
       sample_size += scores[end].effective_sample_size;
     }
     const auto n = static_cast<double>(end - begin);
     table.add({scores[begin].preset, scores[begin].scheme, std::to_string(end - begin),
-               fixed_number(median(ate), 4), fixed_number(*std::max_element(ate.begin(), ate.end()), 4),
-               fixed_number(distinct / n, 1), fixed_number(sample_size / n, 1)});
+               fixed_number(median(ate), 4),
+               ate.empty() ? "-" : fixed_number(*std::max_element(ate.begin(), ate.end()), 4),
+               fixed_number(distinct / n, 1), fixed_number(sample_size / n, 1), std::to_string(lost),
+               std::to_string(restarts)});
     begin = end;
   }
-  return table.text();
+  return table.text() + new_maps_text(broken, scores.size());
 }
 
 nlohmann::json resampling_json(const std::vector<ResamplingScore>& scores) {
@@ -116,7 +126,9 @@ nlohmann::json resampling_json(const std::vector<ResamplingScore>& scores) {
                     {"seed", s.seed},
                     {"ate_m", s.ate},
                     {"distinct_particles", s.distinct},
-                    {"effective_sample_size", s.effective_sample_size}});
+                    {"effective_sample_size", s.effective_sample_size},
+                    {"lost", s.lost},
+                    {"restarts", s.restarts}});
   return {{"runs", rows}};
 }
 

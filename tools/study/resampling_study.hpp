@@ -23,13 +23,15 @@ struct ResamplingScore {
   double ate = 0;                    ///< m, RMSE of FASTSLAM_POSE
   double distinct = 0;               ///< mean number of different particles after a step
   double effective_sample_size = 0;  ///< mean, before resampling
+  int lost = 0, restarts = 0;        ///< poses of that status, of all maps; new maps that were begun
 };
 
 /// Works in `folder`. Throws ConfigError and std::runtime_error.
 std::vector<ResamplingScore> study_resampling(const ResamplingStudySettings& settings,
                                               const std::filesystem::path& folder);
 
-/// A row for each preset and scheme: median and worst ATE over the seeds, means of the counts.
+/// A row for each preset and scheme: median and worst ATE over the seeds that kept one map, means of the
+/// counts.
 std::string resampling_table(const std::vector<ResamplingScore>& scores);
 nlohmann::json resampling_json(const std::vector<ResamplingScore>& scores);
 

@@ -1,12 +1,30 @@
 #include <algorithm>
+#include <iostream>
 
 #include "tools/commands.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/study/demo_study.hpp"
+#include "tools/study/option_use.hpp"
 #include "tools/study/own_studies.hpp"
 #include "tools/study/report_command.hpp"
 
 namespace lcmslam {
+namespace {
+
+/// Those that say what to study, without those that choose the study.
+GivenOptions given_options(const CLI::App& app, std::size_t seeds) {
+  GivenOptions given;
+  given.seeds = seeds;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0) continue;
+    const auto& names = option->get_lnames();
+    const std::string name = names.empty() ? option->get_name(true) : "--" + names.front();
+    if (name != "--only") given.names.push_back(name);
+  }
+  return given;
+}
+
+}  // namespace
 
 int study_command(int argc, char** argv) {
   OwnStudyOptions o;
@@ -82,14 +100,22 @@ int study_command(int argc, char** argv) {
                  "faults: that the runs take together; kills: that each of two runs takes")
       ->needs(only_option)
       ->capture_default_str();
-  app.add_option("--laps", o.laps, "endurance: of the kitchen, about a minute each")
+  app.add_option("--laps", o.laps,
+                 "endurance: of the kitchen, about a minute each; CPU is judged from twelve on")
       ->check(CLI::Range(3, 1000))
       ->needs(only_option)
       ->capture_default_str();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   const bool own = std::find(own_studies().begin(), own_studies().end(), only) != own_studies().end();
-  if (!own && (!only.empty() || !out.empty() || quick))
-    return report_command(out, only, o.data, quick, seeds);
+  const bool report = !own && (!only.empty() || !out.empty() || quick);
+  if (const auto problem = option_problem(own      ? only
+                                          : report ? "report"
+                                                   : "demo",
+                                          given_options(app, seeds.size()))) {
+    std::cerr << "lcmslam study: " << *problem << "\n";
+    return 2;
+  }
+  if (report) return report_command(out, only, o.data, quick, seeds);
   if (!seeds.empty()) o.seeds = seeds;
   if (!own) return study_demo({o.seeds, o.config, o.data, seconds, o.overrides});
   if (app.count("--apart") > 0) o.pairs.apart = o.features.apart;

@@ -98,5 +98,26 @@ TEST(Association, TimeWithoutATruthIsNotHeldAgainstTheEstimate) {
   EXPECT_DOUBLE_EQ(evaluate(truth, estimate).tracked_fraction, 1);
 }
 
+/// Every n-th of them.
+Trajectory thinned(const Trajectory& path, std::size_t n) {
+  Trajectory some;
+  for (std::size_t i = 0; i < path.size(); i += n) some.push_back(path[i]);
+  return some;
+}
+
+// Poses each two seconds, of the truth or of the estimate, are no gaps; half an estimate is half.
+TEST(Association, TrackedFractionKnowsHowOftenPosesCome) {
+  const Trajectory often = testing::curved_path(3001);  // 100 s
+  const Trajectory seldom = thinned(often, 60);
+  const Trajectory half(often.begin(), often.begin() + 1501), seldom_half = thinned(half, 60);
+  EXPECT_DOUBLE_EQ(evaluate(seldom, often).tracked_fraction, 1);
+  EXPECT_NEAR(evaluate(seldom, half).tracked_fraction, 0.5, 0.02);
+  EXPECT_DOUBLE_EQ(evaluate(often, seldom).tracked_fraction, 1);
+  EXPECT_NEAR(evaluate(often, seldom_half).tracked_fraction, 0.5, 0.02);
+  EvaluationSettings alone;
+  alone.alignment = Alignment::none;
+  EXPECT_TRUE(std::isnan(evaluate({often.front()}, often, alone).tracked_fraction)) << "of no time at all";
+}
+
 }  // namespace
 }  // namespace lcmslam

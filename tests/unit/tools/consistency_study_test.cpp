@@ -9,6 +9,9 @@
 #include <cmath>
 
 #include <lcmslam/geometry/random.hpp>
+#include <lcmslam/messages/decode.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
+#include <lcmslam/pose_estimate_t.hpp>
 
 namespace lcmslam {
 namespace {
@@ -57,6 +60,62 @@ TEST(ConsistencyStudy, QuantilesAreThoseOfTheTables) {
   EXPECT_NEAR(chi_square_quantile(6, -1.959964), 1.237, 0.04);  // Wilson and Hilferty: 1.206
   EXPECT_NEAR(chi_square_quantile(60, 1.959964), 83.298, 0.05);
   EXPECT_NEAR(chi_square_quantile(60, -1.959964), 40.482, 0.05);
+}
+
+TEST(ConsistencyStudy, QuantilesAreExactWhereFreedomIsLittle) {
+  EXPECT_NEAR(chi_square_quantile(3, -1.959964), 0.2158, 1e-4);
+  EXPECT_NEAR(chi_square_quantile(1, 1.959964), 5.0239, 1e-4);
+}
+
+// A mapper that never had a second pose is no run of six components that kept all bounds.
+TEST(ConsistencyStudy, ARunWithoutPosesIsNamedAndCountsForNothing) {
+  ConsistencyRun empty = consistency_run({});
+  empty.scene = "room";
+  empty.channel = "POSE";
+  empty.log = "room_7";
+  const ConsistencyScore together = consistency_scores({simulated_drive(1, 1, 3), empty}).at(0);
+  EXPECT_EQ(together.runs, 1);
+  EXPECT_EQ(together.components, 3);
+  EXPECT_GT(together.judged, 0U);
+  EXPECT_THAT(together.not_judged, ::testing::ElementsAre("room_7"));
+  const auto alone = consistency_scores({empty});
+  EXPECT_EQ(alone.at(0).runs, 0);
+  EXPECT_TRUE(std::isnan(alone.at(0).mean));
+  EXPECT_THAT(consistency_table(alone), ::testing::HasSubstr("room_7, POSE: no run"));
+}
+
+TEST(ConsistencyStudy, WhereNoSecondIsJudgedNoShareIsKept) {
+  ConsistencyRun early = simulated_drive(1, 1, 6), late = simulated_drive(2, 1, 6);
+  for (std::size_t i = 0; i < early.nees.size(); ++i) (i < 200 ? late : early).nees[i] = std::nan("");
+  const ConsistencyScore score = consistency_scores({early, late}).at(0);
+  EXPECT_EQ(score.judged, 0U);
+  EXPECT_TRUE(std::isnan(score.inside) && std::isnan(score.above) && std::isnan(score.far_above));
+}
+
+// Stand-alone study and report judge the same poses.
+TEST(BelievedPoses, AreOfTheFirstMapAndNotOfALostMapper) {
+  BelievedPoses poses;
+  pose_estimate_t m{};
+  for (std::size_t i = 0; i < 6; ++i) m.covariance[7 * i] = 1e-4;
+  m.T_map_robot = to_message(Eigen::Isometry3d::Identity());
+  const auto say = [&](std::int8_t status, const std::string& frame) {
+    m.utime += 100'000;
+    m.status = status;
+    m.frame = frame;
+    poses.hear("ICP_POSE", encode_message(m));
+  };
+  say(pose_estimate_t::TRACKING, "map");
+  say(pose_estimate_t::LOST, "map");
+  say(pose_estimate_t::DEGRADED, "map");
+  say(pose_estimate_t::TRACKING, "map2");
+  const BelievedPath path = poses.paths().at("ICP_POSE");
+  ASSERT_EQ(path.path.size(), 2U);
+  EXPECT_EQ(path.path[1].utime, 300'000);
+  EXPECT_EQ(path.left_out, 2U);
+
+  const ConsistencyRun lost_alone = consistency_run({{0}, {1'000'000}}, {{}, 5}, {});
+  EXPECT_TRUE(lost_alone.all.empty());
+  EXPECT_EQ(lost_alone.left_out, 5U);
 }
 
 TEST(ConsistencyStudy, AnHonestMapperIsInsideTheBand) {

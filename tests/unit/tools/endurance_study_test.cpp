@@ -78,6 +78,20 @@ TEST(LapFigures, TheLastLapsAreHeldAgainstTheThirdAndTheSecond) {
   EXPECT_EQ(not_met(laps).size(), 1U);
 }
 
+// The same laps on both sides would always be met.
+TEST(LapFigures, FewLapsAreNotJudged) {
+  auto laps = flat_laps();
+  laps.pop_back();
+  const auto verdicts = judge_endurance(laps, 1);
+  EXPECT_FALSE(verdicts[0].judged);
+  EXPECT_FALSE(verdicts[0].met());
+  for (std::size_t i = 1; i < verdicts.size(); ++i) EXPECT_TRUE(verdicts[i].met()) << verdicts[i].what;
+  EXPECT_THAT(verdict_lines(verdicts), HasSubstr("third to seventh: -, not judged, laps are too few"));
+  laps.resize(3);
+  EXPECT_THAT(not_met(laps), ::testing::ElementsAre(HasSubstr("CPU"), HasSubstr("traffic"),
+                                                    HasSubstr("resident"), HasSubstr("icp counts")));
+}
+
 TEST(LapFigures, AreTold) {
   const auto laps = flat_laps();
   const auto verdicts = judge_endurance(laps, 7);

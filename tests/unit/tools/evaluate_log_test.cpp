@@ -13,6 +13,7 @@
 #include "tests/unit/tools/evaluate_fixture.hpp"
 #include "tests/unit/tools/mounted_camera.hpp"
 #include "tools/evaluate/pose_log.hpp"
+#include "tools/evaluate/robot_truth.hpp"
 
 namespace lcmslam {
 namespace {
@@ -223,6 +224,16 @@ TEST_F(Evaluate, OnlyTheNewestMapOfARestartedMapperCounts) {
   EXPECT_THAT(output_, AllOf(HasSubstr(inputs.notes[0]), HasSubstr("120 poses")));
 }
 
+TEST_F(Evaluate, ACamerasTruthIsMovedToTheRobot) {
+  write_log("run.lcmlog");
+  const Trajectory truth = robot_truth(path("run.lcmlog"));
+  ASSERT_EQ(truth.size(), path_.size());
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    EXPECT_TRUE(truth[i].T_world_body.isApprox(path_[i].T_world_body, 1e-6));
+  write_log("bare.lcmlog", false);
+  EXPECT_THROW(robot_truth(path("bare.lcmlog")), std::runtime_error);
+}
+
 // What a path's figures say is of the poses that they are of.
 TEST_F(Evaluate, LostPosesOfAnEarlierMapAreNotThoseOfTheNewest) {
   {
@@ -238,6 +249,8 @@ TEST_F(Evaluate, LostPosesOfAnEarlierMapAreNotThoseOfTheNewest) {
   const EvaluationInputs inputs = read("", {path("run.lcmlog")});
   EXPECT_EQ(inputs.estimates.at(0).lost, 1);
   EXPECT_EQ(inputs.estimates.at(0).degraded, 2);
+  const PoseLog poses = read_pose_log(path("run.lcmlog"));
+  EXPECT_EQ(poses.channels().at("ICP_POSE").earlier_lost, 80);
 }
 
 // The final path lacks what it cannot place, and says so.

@@ -37,7 +37,8 @@ TEST_F(Evaluate, LogAloneComparesItsPosesWithItsTruthInTheRobotsFrame) {
   write_log("run.lcmlog");
   ASSERT_EQ(run({path("run.lcmlog"), "--json", path("r.json")}), 0) << output_;
   EXPECT_THAT(output_, AllOf(HasSubstr("speaks of the camera: converted to the robot"),
-                             HasSubstr("CAMERA_CALIBRATION"), HasSubstr("association interpolate")));
+                             HasSubstr("CAMERA_CALIBRATION"),
+                             HasSubstr("association interpolate (the truth's gaps of at most 0.2 s)")));
   const auto estimates = json("r.json").at("estimates");
   ASSERT_EQ(estimates.size(), 3U);
   EXPECT_EQ(estimates.at(0).at("name"), "FASTSLAM_POSE");

@@ -4,8 +4,10 @@
 
 #include <gmock/gmock.h>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include <lcmslam/messages/geometry_messages.hpp>
+#include "tools/study/faults/kills_study.hpp"
 
 namespace lcmslam {
 namespace {
@@ -92,6 +94,37 @@ TEST(FaultResponses, WhatNobodyToldAndWhoNeverCameBackIsSaid) {
   EXPECT_FALSE(responses[0].told);
   EXPECT_FALSE(responses[0].fastslam.found) << "half a metre off is not found";
   EXPECT_TRUE(responses[0].icp.found);
+}
+
+/// A run of the study of kills whose `icp` was killed three times.
+nlohmann::json killed_run(const nlohmann::json& kills) {
+  nlohmann::json run = {{"run", "killed"},
+                        {"faults", nlohmann::json::array()},
+                        {"memory_bytes", nlohmann::json::array({1e6})},
+                        {"memory_bytes_of", nlohmann::json::object()},
+                        {"kills", kills}};
+  for (const char* count :
+       {"sessions", "sessions_joined", "keyframes_told", "keyframes_lost", "keyframes_unjudged",
+        "landmarks_told", "landmarks_lost", "landmarks_unjudged", "keyframes_placed"})
+    run[count] = 1;
+  for (const char* figure : {"fastslam_gap_s", "icp_gap_s", "map_error_m", "stop_s"}) run[figure] = 1.5;
+  return {{"runs", nlohmann::json::array({run})}};
+}
+
+// A kill after which a mapper was never right again is the worst of all, and no gap in the table.
+TEST(KillsTable, WhatNeverCameIsTheMost) {
+  nlohmann::json kill = {{"process", "icp"},         {"fastslam_silent_s", 0.5}, {"icp_silent_s", 0.5},
+                         {"icp_right_s", 0.25},      {"icp_not_kept_s", 0.5},    {"fastslam_not_kept_s", 0.5},
+                         {"fastslam_right_s", 0.75}, {"told_s", 0.125}};
+  const nlohmann::json whole = kill;
+  kill.erase("icp_right_s");
+  const std::string some = kills_table(killed_run({whole, whole, kill}));
+  EXPECT_THAT(some, ::testing::HasSubstr("0.25 / never (2 of 3)"));
+  EXPECT_THAT(some, ::testing::HasSubstr("0.75 / 0.75 "));
+  EXPECT_THAT(some, ::testing::HasSubstr("laid on the truth by its own first pose"));
+  kill.erase("told_s");
+  EXPECT_THAT(kills_table(killed_run({kill, kill, kill})),
+              ::testing::ContainsRegex("icp +3 +never / never \\(0 of 3\\)"));
 }
 
 TEST(FaultResponses, TroubleIsWhatAStatusTellsThatTheOneBeforeDidNot) {

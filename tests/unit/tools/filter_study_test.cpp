@@ -8,6 +8,8 @@
 
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/runtime/options.hpp>
+#include "tools/study/report/mapping_run.hpp"
+#include "tools/study/resampling_study.hpp"
 
 namespace lcmslam {
 namespace {
@@ -70,6 +72,76 @@ TEST(FilterStudy, ScoresALogAndTheNoiseThatIsTakenAway) {
   EXPECT_EQ(filter_json(scores).at("runs").size(), 2U);
   const auto again = study_filter({kitchen}, config, {1}, plane);
   EXPECT_EQ(again[0].fastslam, scores[0].fastslam);
+}
+
+/// The drive's first third, and then all of it: time leaps back, and the filter begins a new map.
+std::vector<BatchMessage> begun_again(const std::vector<BatchMessage>& messages) {
+  std::vector<BatchMessage> twice(messages.begin(),
+                                  messages.begin() + static_cast<std::ptrdiff_t>(messages.size() / 3));
+  twice.insert(twice.end(), messages.begin(), messages.end());
+  return twice;
+}
+
+// An error of the newest map alone is smaller for being of less.
+TEST(FilterStudy, ARunThatBeganANewMapIsInNoMedian) {
+  const ConfigNode config = load_config(replay, {"fastslam.particles=20"});
+  PreparedLog log = prepare_log(kitchen, config, 1);
+  EXPECT_EQ(run_filter(log, config, 1).restarts, 0);
+  log.messages = begun_again(log.messages);
+  const FilterRun run = run_filter(log, config, 1);
+  EXPECT_EQ(run.restarts, 1);
+  EXPECT_EQ(score_filter(log, run, std::nan(""), {}).restarts, 1);
+  FilterScore whole, broken;
+  whole.fastslam = 0.25;
+  broken.fastslam = 0.0625;
+  broken.restarts = 2;
+  const std::string table = filter_table({whole, broken, broken});
+  const std::string median = table.substr(table.find("median"));
+  EXPECT_NE(median.find("0.2500"), std::string::npos) << table;
+  EXPECT_EQ(median.find("0.0625"), std::string::npos) << table;
+  EXPECT_NE(table.find("2 of 3 runs began a new map"), std::string::npos) << table;
+  EXPECT_EQ(filter_json({broken}).at("runs")[0].at("restarts"), 2);
+}
+
+TEST(MappingRun, AMapperThatBeganANewMapHasNeitherPathNorMap) {
+  const PreparedLog log = prepare_log(kitchen, load_config(replay, {}), 1);
+  Drive drive;
+  drive.messages = log.messages;
+  drive.truth = log.truth;
+  MapperChoice choice;
+  choice.icp = false;
+  choice.set = {"fastslam.particles=20"};
+  const MappingRun whole = map_drive(drive, choice);
+  EXPECT_EQ(whole.fastslam_restarts, 0);
+  EXPECT_TRUE(std::isfinite(path_error(drive.truth, whole.fastslam)));
+  EXPECT_FALSE(whole.landmarks.empty());
+  drive.messages = begun_again(log.messages);
+  const MappingRun broken = map_drive(drive, choice);
+  EXPECT_EQ(broken.fastslam_restarts, 1);
+  EXPECT_TRUE(std::isnan(path_error(drive.truth, broken.fastslam)));
+  EXPECT_TRUE(broken.landmarks.empty());
+}
+
+TEST(FilterStudy, TheWorstRunsLossesAreNotTheSum) {
+  FilterScore few, many;
+  few.lost = 3;
+  many.lost = 40;
+  const std::string table = filter_table({few, many});
+  const std::string worst = table.substr(table.find("worst"));
+  EXPECT_NE(worst.find(" 40 "), std::string::npos) << table;
+  EXPECT_EQ(worst.find("43"), std::string::npos) << table;
+}
+
+TEST(ResamplingStudy, ARunThatBeganANewMapIsInNoMedian) {
+  ResamplingScore whole, broken;
+  whole.ate = 0.25;
+  broken.ate = 0.0625;
+  broken.restarts = 1;
+  const std::string table = resampling_table({whole, broken, broken});
+  EXPECT_NE(table.find("0.2500"), std::string::npos) << table;
+  EXPECT_EQ(table.find("0.0625"), std::string::npos) << table;
+  EXPECT_NE(table.find("2 of 3 runs began a new map"), std::string::npos) << table;
+  EXPECT_EQ(resampling_table({broken}).find("0.0625"), std::string::npos);
 }
 
 TEST(FilterStudy, NamesALogWithoutImages) {

@@ -4,9 +4,13 @@
 #include <fstream>
 #include <limits>
 
+#include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/scratch.hpp"
 #include "tools/commands.hpp"
+#include "tools/study/demo_study.hpp"
+#include "tools/study/option_use.hpp"
+#include "tools/study/own_studies.hpp"
 #include "tools/study/report/study_json.hpp"
 #include "tools/study/report/study_page.hpp"
 #include "tools/study/report/study_run.hpp"
@@ -157,6 +161,64 @@ TEST(Study, HasTheThesissOrder) {
   EXPECT_EQ(at[0], 0U);
   EXPECT_LT(at[0], at[1]);
   EXPECT_LT(at[1], at[2]);
+}
+
+/// Studies make their folders in the current one.
+class InScratchFolder {
+ public:
+  InScratchFolder() { std::filesystem::current_path(scratch_.path()); }
+  ~InScratchFolder() { std::filesystem::current_path(before_); }
+  InScratchFolder(const InScratchFolder&) = delete;
+  InScratchFolder& operator=(const InScratchFolder&) = delete;
+
+ private:
+  const testing::ScratchFolder scratch_;
+  const std::filesystem::path before_ = std::filesystem::current_path();
+};
+
+TEST_F(StudyRun, ASeedThatFailsCostsTheOthersNothing) {
+  const InScratchFolder here;
+  DemoStudySettings settings;
+  settings.seeds = {1, 2, 3};
+  ::testing::internal::CaptureStdout();
+  const int exit_code = study_demo(settings, [](const auto& arguments, const auto&) {
+    if (arguments.at(1) == "2") throw std::runtime_error("the camera burnt");
+    json summary = {{"frames", 7}};
+    for (const char* path : {"odometry", "fastslam", "icp"})
+      summary["paths"][path] = {
+          {"poses", 5}, {"lost", 0}, {"ate", {{"translation_rmse_m", arguments.at(1) == "1" ? 0.25 : 0.75}}}};
+    return summary;
+  });
+  const std::string out = ::testing::internal::GetCapturedStdout();
+  EXPECT_EQ(exit_code, 1);
+  EXPECT_THAT(out, HasSubstr("seed 2: the camera burnt"));
+  EXPECT_THAT(out, HasSubstr("seed 2 failed, and is in no row"));
+  EXPECT_THAT(out.substr(out.find("median")), HasSubstr("0.5000"));
+}
+
+// Figures must not be taken for those of settings that nobody looked at.
+TEST(Study, OptionsThatAStudyDoesNotUseAreRefused) {
+  using Words = std::vector<std::string>;
+  const InScratchFolder here;
+  const std::string log = (source_folder() / "logs/kitchen.lcmlog").string();
+  for (const auto& [words, said] :
+       {std::pair<Words, std::string>{{"--only", "sampled-poses", "--set", "fastslam.particles=5"},
+                                      "the report does not use --set; it takes --seeds, --data, --out"},
+        {{"--quick", "--seconds", "2"}, "the report does not use --seconds"},
+        {{"--quick", "--config", (source_folder() / "config/replay.yaml").string()}, "use --config"},
+        {{"--only", "sampled-poses", log}, "the report does not use logs"},
+        {{"--only", "consistency", "--seeds", "1,2", "--", log}, "--only consistency does not use --seeds"},
+        {{"--only", "kills", "--set", "icp.seed=1"}, "--only kills does not use --set"},
+        {{"--only", "filter", log, "--out", "x"}, "--only filter does not use --out"},
+        {{"--only", "endurance", "--quick"}, "--only endurance does not use --quick"},
+        {{"--only", "depth-filter", "--seeds", "1,2"}, "--only depth-filter takes one seed, not 2"}}) {
+    const auto run = testing::run_command({"study", study_command}, words);
+    ASSERT_EQ(run.exit_code, 2) << said;  // a study that begins may take long
+    EXPECT_THAT(run.errors, HasSubstr(said));
+  }
+  for (const std::string& study : own_studies()) EXPECT_FALSE(option_problem(study, {})) << study;
+  EXPECT_FALSE(option_problem("filter", {{"--seeds", "logs", "--scene", "--set"}, 3}));
+  EXPECT_FALSE(option_problem("demo", {{"--seeds", "--seconds", "--set"}, 3}));
 }
 
 TEST(Study, AnUnknownNameListsTheNames) {

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
 #include <lcmslam/configuration/share.hpp>
+#include <lcmslam/evaluation/median.hpp>
 #include <lcmslam/evaluation/table.hpp>
 #include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/runtime/private_bus.hpp>
@@ -139,10 +141,16 @@ std::string memory_words(const std::vector<double>& minutes) {
   return words;
 }
 
-std::string median_and_most(std::vector<double> values) {
-  if (values.empty()) return "-";
-  std::sort(values.begin(), values.end());
-  return fmt::format("{:.2f} / {:.2f}", values[values.size() / 2], values.back());
+/// Of `kills`; those without a value are the longest of all, and said.
+std::string median_and_most(std::vector<double> values, std::size_t kills) {
+  const std::size_t had = values.size();
+  values.resize(std::max(had, kills), std::numeric_limits<double>::infinity());
+  const auto word = [](double seconds) {
+    return std::isfinite(seconds) ? fmt::format("{:.2f}", seconds) : std::string("never");
+  };
+  const std::string both =
+      word(median(values)) + " / " + word(*std::max_element(values.begin(), values.end()));
+  return had < kills ? fmt::format("{} ({} of {})", both, had, kills) : both;
 }
 
 /// Of each process that was killed.
@@ -160,11 +168,12 @@ std::string processes_table(const nlohmann::json& kills) {
   }
   Table table({"killed", "times", "told after s", "fastslam silent s", "icp silent s",
                "fastslam right after s", "icp right after s", "fastslam not kept s", "icp not kept s"});
-  for (auto& [process, of] : values)
-    table.add({process, std::to_string(counts[process]), median_and_most(of["told_s"]),
-               median_and_most(of["fastslam_silent_s"]), median_and_most(of["icp_silent_s"]),
-               median_and_most(of["fastslam_right_s"]), median_and_most(of["icp_right_s"]),
-               median_and_most(of["fastslam_not_kept_s"]), median_and_most(of["icp_not_kept_s"])});
+  for (const auto& [process, kills_of] : counts) {
+    std::vector<std::string> row = {process, std::to_string(kills_of)};
+    for (const std::string& figure : figures)
+      row.push_back(median_and_most(values[process][figure], static_cast<std::size_t>(kills_of)));
+    table.add(row);
+  }
   return table.text();
 }
 
@@ -208,8 +217,13 @@ std::string kills_table(const nlohmann::json& report) {
                memory_words(run["memory_bytes"].get<std::vector<double>>()), figure("stop_s", 1)});
     if (!run["kills"].empty()) processes = processes_table(run["kills"]);
   }
-  return table.text() + "\nof each kill until the next one, median / most\n" + processes + "\n" +
-         memory_table(report["runs"]);
+  return table.text() +
+         "\nof each kill until the next one, median / most; never (n of N): after n of N kills alone. A "
+         "mapper "
+         "that is killed begins a map, which is laid on the truth by its own first pose: \"right after\" "
+         "says "
+         "of itself when it spoke again, and of the other mapper where it was\n" +
+         processes + "\n" + memory_table(report["runs"]);
 }
 
 }  // namespace lcmslam

@@ -23,7 +23,7 @@ ExperimentResult study_dense_maps(const StudyContext& context, DriveStore& drive
   ResultTable table{
       "Dense maps by ICP",
       {"scene", "preset", "seed", "points", "median off the surface cm", "95 % cm",
-       "seen surface that the map has %", "pose error cm", "odometry's error cm", "frames lost"},
+       "seen surface that the map has %", "pose error cm", "odometry's error cm", "frames lost", "new maps"},
       {}};
   std::map<std::string, std::vector<double>> off, error, wheels;
   for (const char* scene : {"kitchen", "office"}) {
@@ -60,7 +60,7 @@ ExperimentResult study_dense_maps(const StudyContext& context, DriveStore& drive
         table.rows.push_back({scene, presets[i], seed, places.size(), number(100 * off[presets[i]].back()),
                               number(100 * quantile_of(distances, 0.95)),
                               number(100 * coverage(seen, T, places)), number(100 * error[presets[i]].back()),
-                              number(100 * wheels[presets[i]].back()), run.icp_lost});
+                              number(100 * wheels[presets[i]].back()), run.icp_lost, run.icp_restarts});
         if (seed != seeds.front()) continue;
         chart.series.push_back(distribution_series(presets[i] + " preset", distances, 100));
         MapPictures pictures(context.work, "dense_" + std::string(scene) + "_" + presets[i]);

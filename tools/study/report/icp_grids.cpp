@@ -11,6 +11,7 @@
 #include <lcmslam/registration/kd_tree_target.hpp>
 #include <lcmslam/registration/preparation.hpp>
 #include <lcmslam/rgbd/colour_overlap.hpp>
+#include "tools/study/report/judgements.hpp"
 #include "tools/study/report/registration_pairs.hpp"
 #include "tools/study/report/result_parts.hpp"
 
@@ -121,8 +122,8 @@ ExperimentResult study_alternation(const StudyContext& context, PairStore& store
                      "rounds whose error rises %", "error cm (median)"},
                     {}};
   Chart chart{"Right results by ratio", {"voxel", "cm"}, {"right", "%"}, {}, false};
-  int best = -1, plain = 0;
-  std::string best_ratio;
+  std::vector<AlternationRatio> judged;
+  std::size_t judged_pairs = 0;
   for (const auto& [cloud, surf] : ratios) {
     ChartSeries series;
     series.name = fmt::format("{}:{}", cloud, surf);
@@ -157,19 +158,16 @@ ExperimentResult study_alternation(const StudyContext& context, PairStore& store
       series.x.push_back(100 * voxel);
       series.y.push_back(100.0 * good / static_cast<double>(pairs.size()));
       if (voxel != 0.04) continue;
-      if (surf == 0) plain = good;
-      if (good > best) best = good, best_ratio = series.name;
+      judged.push_back({cloud, surf, static_cast<std::size_t>(good), spread_of(rising).median});
+      judged_pairs = pairs.size();
     }
     chart.series.push_back(series);
   }
   if (voxels.size() > 1) result.charts = {chart};
   result.tables = {table};
-  result.agreement = best > plain ? Agreement::agrees : Agreement::differs;
-  result.finding = fmt::format(
-      "At 4 cm the ratio {} is right most often, in {} of {} pairs; the cloud alone in {}. The share of "
-      "rounds in which the "
-      "cloud's error rises again shows the oscillation.",
-      best_ratio, best, count, plain);
+  Judgement judgement = judge_alternation(judged, judged_pairs);
+  result.agreement = judgement.agreement;
+  result.finding = std::move(judgement.finding);
   return result;
 }
 

@@ -31,7 +31,8 @@ std::vector<Condition> conditions_for(bool quick) {
 /// What one mapper made under one condition.
 struct MapFigures {
   double pose = 0, odometry = 0;           ///< ATE RMSE, m; NaN without a path
-  double tracked = 0;                      ///< share of the frames with a pose that is not lost
+  double tracked = 0;                      ///< share of the frames with a pose that is not lost; NaN where
+  int restarts = 0;                        ///< a new map was begun
   double first_half = 0, second_half = 0;  ///< RMS of the pose error in the frame of the first pose, m
   double off = 0, off_p90 = 0;             ///< of the map from true surfaces, m
   double points = 0, density = 0;          ///< a square metre of what the map covers
@@ -78,7 +79,10 @@ MapFigures figures_of(const Drive& drive, const SeenSurface& seen, const Mapping
   const int lost = fastslam ? run.fastslam_lost : run.icp_lost;
   figures.pose = path_error(drive.truth, path);
   figures.odometry = path_error(drive.truth, run.odometry);
-  figures.tracked = (static_cast<double>(path.size()) - lost) / static_cast<double>(drive.frames.size());
+  figures.restarts = fastslam ? run.fastslam_restarts : run.icp_restarts;
+  figures.tracked = figures.restarts > 0 ? std::nan("")
+                                         : (static_cast<double>(path.size()) - lost) /
+                                               static_cast<double>(drive.frames.size());
   measure_growth(drive.truth, path, figures);
   const Eigen::Isometry3d T = fit_to_truth(drive.truth, path);
   const auto distances = surface_distances(drive, T, places, 5000);
@@ -190,11 +194,11 @@ ExperimentResult study_mapper_comparison(const StudyContext& context, DriveStore
   const std::vector<Condition> conditions = conditions_for(context.quick);
   Figures all;
   for (const std::string& preset : presets) all[preset].resize(conditions.size());
-  ResultTable table{
-      "Both mappers on the same drives",
-      {"preset", "odometry", "mapper", "seed", "pose error cm", "odometry's error cm", "tracked %",
-       "off the surface, median cm", "90 % cm", "points", "points a m2", "covered %", "published map MB"},
-      {}};
+  ResultTable table{"Both mappers on the same drives",
+                    {"preset", "odometry", "mapper", "seed", "pose error cm", "odometry's error cm",
+                     "tracked %", "new maps", "off the surface, median cm", "90 % cm", "points",
+                     "points a m2", "covered %", "published map MB"},
+                    {}};
   for (const int seed : seeds) {
     const auto drive = drives.drive(usual_drive(context.quick, "kitchen", seed));
     const SeenSurface seen = seen_surface(*drive);
@@ -217,8 +221,8 @@ ExperimentResult study_mapper_comparison(const StudyContext& context, DriveStore
         all[preset][condition][fastslam ? 0 : 1].push_back(f);
         table.rows.push_back({preset, conditions[condition].name, fastslam ? "FastSLAM" : "ICP", seed,
                               number(100 * f.pose), number(100 * f.odometry), number(100 * f.tracked),
-                              number(100 * f.off), number(100 * f.off_p90), f.points, number(f.density),
-                              number(100 * f.covered), number(f.megabytes)});
+                              f.restarts, number(100 * f.off), number(100 * f.off_p90), f.points,
+                              number(f.density), number(100 * f.covered), number(f.megabytes)});
       }
     for (std::size_t p = 0; p < presets.size() && seed == seeds.front(); ++p) {
       const MappingRun& run = runs[p * conditions.size()];

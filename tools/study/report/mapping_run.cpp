@@ -33,6 +33,7 @@ class RunListener {
 
   void take(const BatchMessage& m) {
     poses_.add(m.channel, m.bytes.data(), m.bytes.size());
+    believed_.hear(m.channel, m.bytes);
     if (m.channel == "FASTSLAM_LANDMARKS") {
       const auto tile = decode_message<landmarks_t>(m.bytes.data(), m.bytes.size());
       for (const std::int64_t id : tile.removed) landmarks_.erase(id);
@@ -64,10 +65,21 @@ class RunListener {
     run_.smoothed = path("FASTSLAM_SMOOTHED");
     run_.icp = path("ICP_POSE");
     run_.icp_final = path("ICP_FINAL");
+    std::map<std::string, BelievedPath> believed = believed_.paths();
+    run_.fastslam_believed = std::move(believed["FASTSLAM_POSE"]);
+    run_.icp_believed = std::move(believed["ICP_POSE"]);
     run_.fastslam_lost = lost("FASTSLAM_POSE");
     run_.icp_lost = lost("ICP_POSE");
-    for (const auto& [id, landmark] : landmarks_) run_.landmarks.push_back(landmark);
-    for (const auto& [id, keyframe] : cloud_.keyframes()) add(keyframe);
+    run_.fastslam_restarts = restarts("FASTSLAM_POSE");
+    run_.icp_restarts = restarts("ICP_POSE");
+    if (run_.fastslam_restarts > 0)
+      run_.fastslam = run_.smoothed = {};
+    else
+      for (const auto& [id, landmark] : landmarks_) run_.landmarks.push_back(landmark);
+    if (run_.icp_restarts > 0)
+      run_.icp = run_.icp_final = {};
+    else
+      for (const auto& [id, keyframe] : cloud_.keyframes()) add(keyframe);
   }
 
  private:
@@ -77,7 +89,11 @@ class RunListener {
   }
   int lost(const std::string& channel) const {
     const auto found = poses_.channels().find(channel);
-    return found == poses_.channels().end() ? 0 : found->second.lost;
+    return found == poses_.channels().end() ? 0 : found->second.lost + found->second.earlier_lost;
+  }
+  int restarts(const std::string& channel) const {
+    const auto found = poses_.channels().find(channel);
+    return found == poses_.channels().end() ? 0 : found->second.restarts;
   }
   void add(const DenseKeyframe& keyframe) {
     const Eigen::Isometry3f T = keyframe.T_world_camera.cast<float>();
@@ -93,6 +109,7 @@ class RunListener {
 
   MappingRun& run_;
   PoseLog poses_;
+  BelievedPoses believed_;
   DenseMap cloud_;
   FollowedGraph graph_;
   std::map<std::int64_t, Landmark> landmarks_;

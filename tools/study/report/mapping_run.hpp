@@ -10,6 +10,7 @@
 #include <lcmslam/cloud/coloured_cloud.hpp>
 #include <lcmslam/evaluation/trajectory_error.hpp>
 #include <lcmslam/features/landmark.hpp>
+#include "tools/study/believed_poses.hpp"
 #include "tools/study/report/drive.hpp"
 
 namespace lcmslam {
@@ -24,13 +25,17 @@ struct MapperChoice {
 
 struct MappingRun {
   Trajectory odometry, fastslam, smoothed;
-  Trajectory icp, icp_final;         ///< as it was said, and after the last correction of the graph
-  std::vector<Landmark> landmarks;   ///< fastslam's at the end, in its map
-  std::vector<int> landmark_counts;  ///< given out so far, by frame
-  ColouredCloud cloud;               ///< icp's at the end, in its map
+  Trajectory icp, icp_final;  ///< as it was said, and after the last correction of the graph
+  BelievedPath fastslam_believed, icp_believed;  ///< of the first map
+  std::vector<Landmark> landmarks;               ///< fastslam's at the end, in its map
+  std::vector<int> landmark_counts;              ///< given out so far, by frame
+  ColouredCloud cloud;                           ///< icp's at the end, in its map
   std::vector<associations_t> associations;
   std::vector<double> iterations, residuals;  ///< of icp's registrations: how many; RMS at their end, m
-  int fastslam_lost = 0, icp_lost = 0;
+  int fastslam_lost = 0, icp_lost = 0;        ///< poses of that status, of all maps
+  /// New maps that were begun. Where there is one the mapper has no path and no map above: the newest is of a
+  /// part of the drive, and its error would be taken for that of all.
+  int fastslam_restarts = 0, icp_restarts = 0;
   std::map<std::string, double> cpu_seconds;      ///< by process; differs from run to run
   double icp_megabytes = 0;                       ///< of its map, as icp says itself; NaN: it does not
   std::map<std::string, std::int64_t> map_bytes;  ///< fastslam, icp: that they published of their maps

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/study/report/image_changes.hpp"
+#include "tools/study/report/judgements.hpp"
 #include "tools/study/report/map_pictures.hpp"
 #include "tools/study/report/mapping_parts.hpp"
 #include "tools/study/report/preset_grid.hpp"
@@ -57,15 +58,13 @@ ExperimentResult study_moving_people(const StudyContext& context, DriveStore& dr
   result.charts = {chart};
   result.tables = {table};
   std::string words;
-  std::size_t worst = 0;
-  const auto factor = [&](std::size_t m) { return spread_of(with[m]).median / spread_of(alone[m]).median; };
+  std::vector<PersonErrors> mappers;
   for (std::size_t m = 0; m < 4; ++m) {
     words += fmt::format("{}{}: {} instead of {}", m == 0 ? "" : "; ", grid_methods[m],
                          in_words(with[m], 100, "cm"), in_words(alone[m], 100, "cm"));
-    if (factor(m) > factor(worst)) worst = m;
+    mappers.push_back({grid_methods[m], alone[m], with[m]});
   }
-  result.finding = fmt::format("With a person crossing, {}; {} suffers most, {:.1f} times its error alone.",
-                               words, grid_methods[worst], factor(worst));
+  result.finding = fmt::format("With a person crossing, {}; {}.", words, worst_with_person(mappers));
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tools/study/measures.hpp"
 
@@ -13,17 +14,29 @@ Spread spread_of(const std::vector<double>& values) {
   std::vector<double> finite;
   std::copy_if(values.begin(), values.end(), std::back_inserter(finite),
                [](double v) { return std::isfinite(v); });
-  if (finite.empty()) return {std::nan(""), std::nan(""), std::nan("")};
+  if (finite.empty()) return {std::nan(""), std::nan(""), std::nan(""), 0, values.size()};
   const auto [low, high] = std::minmax_element(finite.begin(), finite.end());
-  return {median(finite), *low, *high};
+  return {median(finite), *low, *high, finite.size(), values.size()};
+}
+
+double median_or_lost(std::vector<double> values) {
+  constexpr double lost = std::numeric_limits<double>::infinity();
+  if (values.empty()) return lost;
+  for (double& value : values)
+    if (!std::isfinite(value)) value = lost;
+  return median(std::move(values));
 }
 
 std::string in_words(const Spread& s, double factor, const std::string& unit, int decimals) {
   if (!std::isfinite(s.median)) return "not measured";
   const std::string middle =
       fmt::format("{:.{}f}{}{}", factor * s.median, decimals, unit.empty() ? "" : " ", unit);
-  if (s.low == s.high) return middle;
-  return fmt::format("{} ({:.{}f} to {:.{}f})", middle, factor * s.low, decimals, factor * s.high, decimals);
+  std::string around = s.low == s.high ? ""
+                                       : fmt::format("{:.{}f} to {:.{}f}", factor * s.low, decimals,
+                                                     factor * s.high, decimals);
+  if (s.measured < s.all)
+    around += fmt::format("{}in {} of {}", around.empty() ? "" : ", ", s.measured, s.all);
+  return around.empty() ? middle : middle + " (" + around + ")";
 }
 
 std::string in_words(const std::vector<double>& values, double factor, const std::string& unit,

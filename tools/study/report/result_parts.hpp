@@ -13,10 +13,16 @@ namespace lcmslam {
 /// Median, least and greatest of the finite values; NaN without any.
 struct Spread {
   double median = 0, low = 0, high = 0;
+  std::size_t measured = 0, all = 0;  ///< finite values, and those that were not, too
 };
 Spread spread_of(const std::vector<double>& values);
 
-/// "1.2 cm (0.9 to 1.6)": the median, and the range where there are several seeds. `factor`: 100 for cm.
+/// The median where what is not finite, as the error of who is lost, is worse than all that is: infinite
+/// where most are, and without any value.
+double median_or_lost(std::vector<double> values);
+
+/// "1.2 cm (0.9 to 1.6)": the median, and the range where there are several seeds; "(0.9 to 1.6, in 2 of 5)"
+/// where the others were not measured. `factor`: 100 for cm.
 std::string in_words(const Spread& spread, double factor, const std::string& unit, int decimals = 1);
 std::string in_words(const std::vector<double>& values, double factor, const std::string& unit,
                      int decimals = 1);

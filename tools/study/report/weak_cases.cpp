@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tools/study/report/image_changes.hpp"
+#include "tools/study/report/judgements.hpp"
 #include "tools/study/report/map_pictures.hpp"
 #include "tools/study/report/mapping_parts.hpp"
 #include "tools/study/report/mapping_run.hpp"
@@ -87,30 +88,18 @@ ExperimentResult study_weak_cases(const StudyContext& context, DriveStore& drive
     context.progress(static_cast<double>(c + 1) / static_cast<double>(cases.size()));
   }
   result.tables = {table};
-  const auto middle = [](const std::vector<double>& v) { return spread_of(v).median; };
-  const auto ratio = [&](double a, double b) {
-    return std::isfinite(a) ? a / b : 99;
-  };                // lost: as bad as can be
-  double bare = 0;  // the worst of the cases with little geometry, and the table that figure 4.2 shows
+  std::vector<WeakErrors> bare;  // the table too, which figure 4.2 shows
   for (std::size_t c = 1; c < cases.size(); ++c)
-    if (cases[c].light == 1) bare = std::max(bare, ratio(middle(icp[c][0]), middle(filter[c][0])));
-  const double dark = ratio(middle(filter[2][0]), middle(icp[2][0]));
-  constexpr double failure = 2;
-  result.agreement = bare > failure && dark > failure   ? Agreement::agrees
-                     : bare > failure || dark > failure ? Agreement::agrees_in_part
-                                                        : Agreement::differs;
+    if (cases[c].light == 1) bare.push_back({cases[c].name, filter[c][0], icp[c][0]});
+  const Judgement judgement = judge_weak_cases(bare, {cases[2].name, filter[2][0], icp[2][0]});
+  result.agreement = judgement.agreement;
   std::string words;
   for (std::size_t c = 1; c < cases.size(); ++c)
     words += fmt::format("{}{} the thesis's FastSLAM errs by {} and its ICP by {} (modern: {} and {})",
                          c > 1 ? "; " : "", cases[c].name + ":", in_words(filter[c][0], 100, "cm"),
                          in_words(icp[c][0], 100, "cm"), in_words(filter[c][1], 100, "cm"),
                          in_words(icp[c][1], 100, "cm"));
-  result.finding = fmt::format(
-      "{}. With little geometry the thesis's ICP errs up to {:.1f} times as much as its FastSLAM, which {} "
-      "what figure 4.2 "
-      "shows; without light FastSLAM errs {:.1f} times as much as ICP, {}.",
-      words, bare, bare > failure ? "is" : "is not yet", dark,
-      dark > failure ? "the opposite" : "which is no failure of its own");
+  result.finding = words + ". " + judgement.finding;
   return result;
 }
 
