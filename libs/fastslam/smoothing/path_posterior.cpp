@@ -33,11 +33,12 @@ Eigen::Matrix3d sensor_root(const SparseMatrix& H, const SparseRoot& root, Eigen
 
 // Columns of H: poses but the first, landmarks, the odometry's calibration.
 struct PathSmoother::Graph::Posterior {
-  SparseMatrix H;
-  SparseRoot root;  // P H P^T = L L^T
+  SparseRoot root;       // P H P^T = L L^T
+  SparseMatrix by_path;  // H's rows from `landmarks` on, the columns of poses
   Eigen::Index landmarks, calibration;
-  CalibrationCovariance calibration_covariance;  // given the path
-  Eigen::Matrix3d motion_root;                   // of the noise since the newest pose
+  std::vector<Eigen::Matrix2d> landmark_covariances;  // given the path
+  CalibrationCovariance calibration_covariance;       // given the path
+  Eigen::Matrix3d motion_root;                        // of the noise since the newest pose
   Eigen::Matrix3d sensor_root;
 
   Eigen::Index newest() const { return landmarks - 3; }
@@ -66,12 +67,16 @@ bool PathSmoother::Graph::find_posterior(Posterior& p) const {
   const SparseMatrix all = information();
   const Eigen::Map<const Eigen::VectorXd> values(all.valuePtr(), all.nonZeros());
   if (all.rows() == 0 || !values.allFinite()) return false;
-  p.H = all.topLeftCorner(all.rows() - 3, all.cols() - 3);
-  p.root.compute(p.H);
+  const SparseMatrix H = all.topLeftCorner(all.rows() - 3, all.cols() - 3);
+  p.root.compute(H);
   if (p.root.info() != Eigen::Success) return false;
   p.landmarks = static_cast<Eigen::Index>(3 * (poses.size() - 1));
-  p.calibration = p.H.rows() - calibration_size;
-  p.calibration_covariance = CalibrationCovariance(p.H.bottomRightCorner(calibration_size, calibration_size))
+  p.calibration = H.rows() - calibration_size;
+  p.by_path = H.bottomLeftCorner(H.rows() - p.landmarks, p.landmarks);
+  for (auto at = p.landmarks; at < p.calibration; at += 2)
+    p.landmark_covariances.push_back(
+        Eigen::Matrix2d(H.block(at, at, 2, 2)).llt().solve(Eigen::Matrix2d::Identity()));
+  p.calibration_covariance = CalibrationCovariance(H.bottomRightCorner(calibration_size, calibration_size))
                                  .llt()
                                  .solve(CalibrationCovariance::Identity());
   p.motion_root = (reduce(covariance) + 1e-12 * Eigen::Matrix3d::Identity()).llt().matrixL();
@@ -92,30 +97,27 @@ Eigen::Isometry3d PathSmoother::Graph::T_world_draw(const Eigen::VectorXd& delta
 
 // The mode without `random`.
 PathSample PathSmoother::Graph::draw(const Posterior& p, Random* random) const {
-  Eigen::VectorXd normal = Eigen::VectorXd::Zero(p.H.rows());
+  Eigen::VectorXd normal = Eigen::VectorXd::Zero(p.root.rows());
   for (Eigen::Index i = 0; i < normal.size() && random; ++i) normal(i) = random->normal();
   const Eigen::VectorXd delta = p.root.permutationPinv() * p.root.matrixU().solve(normal).eval();
-  Eigen::VectorXd path_only = delta;
-  path_only.tail(p.H.rows() - p.landmarks).setZero();
-  const Eigen::VectorXd pull = p.H * path_only;  // H_bp delta_p for each block b
+  const Eigen::VectorXd pull = p.by_path * delta.head(p.landmarks);  // H_bp delta_p for each block b
   const Eigen::Isometry3d T = T_world_draw(delta);
   const Eigen::Matrix2d R = T.linear().topLeftCorner<2, 2>();
 
   // Mean of a block given the path: x* - H_bb^-1 H_bp delta_p.
   PathSample sample;
-  auto column = p.landmarks;
+  std::size_t i = 0;
   for (const auto& [id, landmark] : landmarks) {
-    const Eigen::Matrix2d information = Eigen::Matrix2d(p.H.block(column, column, 2, 2));
-    const Eigen::Matrix2d given_path = information.llt().solve(Eigen::Matrix2d::Identity());
-    const Eigen::Vector2d shift = -given_path * pull.segment<2>(column);
+    const Eigen::Matrix2d& given_path = p.landmark_covariances[i];
+    const Eigen::Vector2d shift = -given_path * pull.segment<2>(static_cast<Eigen::Index>(2 * i));
+    ++i;
     LandmarkGaussian& gaussian = sample.landmarks[id];
     gaussian.mean = T * Eigen::Vector3d(landmark[0] + shift.x(), landmark[1] + shift.y(), 0);
     gaussian.covariance = plane_variance * Eigen::Matrix3d::Identity();
     const Eigen::Matrix2d turned = R * given_path * R.transpose();
     gaussian.covariance.topLeftCorner<2, 2>() = 0.5 * (turned + turned.transpose());
-    column += 2;
   }
-  sample.calibration = calibration - p.calibration_covariance * pull.segment<calibration_size>(p.calibration);
+  sample.calibration = calibration - p.calibration_covariance * pull.tail<calibration_size>();
 
   // The newest pose, and the motion since.
   const Eigen::Vector3d newest =
