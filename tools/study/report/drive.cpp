@@ -78,7 +78,7 @@ double Drive::distance_to_surface(const Eigen::Vector3d& point_world) const {
 }
 
 DriveSettings usual_drive(bool quick, const std::string& scene, int seed) {
-  return quick ? DriveSettings{scene, seed, 6, 3, 1} : DriveSettings{scene, seed, 20, 4, 1};
+  return quick ? DriveSettings{scene, seed, 4, 3, 1} : DriveSettings{scene, seed, 20, 4, 1};
 }
 
 Drive take_drive(CameraSource& source) {

@@ -29,7 +29,7 @@ struct DriveSettings {
   int laps = 1;
 };
 
-/// What the experiments have in common, so that they share their drives: 20 s at 4 Hz; quick, 6 s at
+/// What the experiments have in common, so that they share their drives: 20 s at 4 Hz; quick, 4 s at
 /// 3 Hz.
 DriveSettings usual_drive(bool quick, const std::string& scene, int seed);
 
