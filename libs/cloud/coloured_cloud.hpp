@@ -12,7 +12,7 @@ struct ColouredCloud {
   std::vector<Eigen::Vector3f> points;   ///< m
   std::vector<cv::Vec3b> colours;        ///< BGR
   std::vector<Eigen::Vector3f> normals;  ///< unit, towards the camera; NaN where unknown
-  std::vector<float> sigmas;             ///< m, along the viewing ray
+  std::vector<float> sigmas;             ///< m, of the depth z
   std::size_t size() const { return points.size(); }
 };
 

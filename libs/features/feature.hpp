@@ -37,7 +37,7 @@ struct Feature {
   std::int8_t octave = 0;
   MeasurementKind kind = MeasurementKind::bearing;
   Eigen::Vector3f point = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-  float depth_sigma = std::numeric_limits<float>::quiet_NaN();  ///< m, along the viewing ray
+  float depth_sigma = std::numeric_limits<float>::quiet_NaN();  ///< m, of the depth z
   std::int32_t landmark_id = -1;         ///< known identity (fiducial, beacon), -1 if none
   std::array<std::uint8_t, 3> colour{};  ///< R, G, B at the feature
   Descriptor descriptor{};
@@ -63,9 +63,10 @@ struct FeatureFrame {
 /// less have 0.7 of it. Without a size: pixel_sigma.
 double pixel_sigma(const Feature& feature, const FeatureFrame& frame);
 
-/// 3x3 covariance of a `point` feature in the camera frame: depth_sigma along the viewing ray,
-/// pixel_sigma() * z / f across it. Throws std::invalid_argument when the feature is no `point`, does not
-/// lie in front of the camera, or a sigma or focal length is not positive.
+/// 3x3 covariance of a `point` feature in the camera frame: depth_sigma along the viewing ray (which is that
+/// of z, and beside the axis too small by the ray's cosine: docs/notebook/features.md), pixel_sigma() * z / f
+/// across it. Throws std::invalid_argument when the feature is no `point`, does not lie in front of the
+/// camera, or a sigma or focal length is not positive.
 Eigen::Matrix3d point_covariance(const Feature& feature, const FeatureFrame& frame);
 
 }  // namespace lcmslam

@@ -20,8 +20,8 @@ struct RegisteredDepth {
   bool aligned = false;  ///< depth pixel (u, v) is colour pixel (u, v)
 };
 
-/// Depth seen at a colour pixel: the 3-D point in the colour camera frame, m, and its standard deviation
-/// along the viewing ray, m. All NaN where there is no depth around the pixel or where the neighbours
+/// Depth seen at a colour pixel: the 3-D point in the colour camera frame, m, and its depth's
+/// standard deviation, m. All NaN where there is no depth around the pixel or where the neighbours
 /// disagree by more than their noise (a depth edge).
 struct DepthAtPixel {
   Eigen::Vector3f point;

@@ -49,9 +49,9 @@ std::map<std::string, std::int64_t> ids_by_name(MapFile& map) {
 }
 
 /// Of a session. A map without it may be a file without any table, which must not be asked.
-struct Places {
-  Places() = default;
-  Places(MapFile& map, std::int64_t session)
+struct HeldPlaces {
+  HeldPlaces() = default;
+  HeldPlaces(MapFile& map, std::int64_t session)
       : keyframes(map.keyframes(session)), landmarks(map.landmarks(session)) {}
   std::vector<StoredKeyframe> keyframes;
   std::vector<Landmark> landmarks;
@@ -67,8 +67,8 @@ std::vector<SessionDiff> diff_maps(MapFile& first, MapFile& second) {
   std::vector<SessionDiff> result;
   for (auto& [name, diff] : diffs) {
     diff.name = name;
-    const Places a = diff.in_first ? Places(first, in_first.at(name)) : Places();
-    const Places b = diff.in_second ? Places(second, in_second.at(name)) : Places();
+    const HeldPlaces a = diff.in_first ? HeldPlaces(first, in_first.at(name)) : HeldPlaces();
+    const HeldPlaces b = diff.in_second ? HeldPlaces(second, in_second.at(name)) : HeldPlaces();
     diff.keyframes = count(a.keyframes, b.keyframes);
     diff.landmarks = count(a.landmarks, b.landmarks);
     result.push_back(diff);
