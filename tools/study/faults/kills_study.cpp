@@ -218,11 +218,9 @@ std::string kills_table(const nlohmann::json& report) {
     if (!run["kills"].empty()) processes = processes_table(run["kills"]);
   }
   return table.text() +
-         "\nof each kill until the next one, median / most; never (n of N): after n of N kills alone. A "
-         "mapper "
-         "that is killed begins a map, which is laid on the truth by its own first pose: \"right after\" "
-         "says "
-         "of itself when it spoke again, and of the other mapper where it was\n" +
+         "\nof each kill until the next one, median / most; never (n of N): after n of N kills alone.\n"
+         "A mapper that is killed begins a map, which is laid on the truth by its own first pose:\n"
+         "\"right after\" says of itself when it spoke again, and of the other mapper where it was\n" +
          processes + "\n" + memory_table(report["runs"]);
 }
 

@@ -53,9 +53,8 @@ Judgement judge_alternation(const std::vector<AlternationRatio>& ratios, std::si
   if (best_turns > plain)
     judgement.agreement = best_turns > surf_alone ? Agreement::agrees : Agreement::agrees_in_part;
   judgement.finding = fmt::format(
-      "At 4 cm {} {} right most often, in {} of {} pairs; turns between both in {} at best, the cloud alone "
-      "in "
-      "{}, SURF alone in {}. {}",
+      "At 4 cm {} {} right most often, in {} of {} pairs; turns between both in {} at best, the cloud "
+      "alone in {}, SURF alone in {}. {}",
       listed(names), names.size() == 1 ? "is" : "are", best, pairs, best_turns, plain, surf_alone,
       rising.empty() ? "In half of the pairs the cloud's error never rises again: no oscillation."
                      : "The cloud's error rises again, which is the oscillation, in " + listed(rising) +
