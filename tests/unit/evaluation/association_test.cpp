@@ -110,9 +110,9 @@ TEST(Association, TrackedFractionKnowsHowOftenPosesCome) {
   const Trajectory often = testing::curved_path(3001);  // 100 s
   const Trajectory seldom = thinned(often, 60);
   const Trajectory half(often.begin(), often.begin() + 1501), seldom_half = thinned(half, 60);
-  EXPECT_DOUBLE_EQ(evaluate(seldom, often).tracked_fraction, 1);
+  EXPECT_NEAR(evaluate(seldom, often).tracked_fraction, 1, 1e-9);
   EXPECT_NEAR(evaluate(seldom, half).tracked_fraction, 0.5, 0.02);
-  EXPECT_DOUBLE_EQ(evaluate(often, seldom).tracked_fraction, 1);
+  EXPECT_NEAR(evaluate(often, seldom).tracked_fraction, 1, 1e-9);
   EXPECT_NEAR(evaluate(often, seldom_half).tracked_fraction, 0.5, 0.02);
   EvaluationSettings alone;
   alone.alignment = Alignment::none;

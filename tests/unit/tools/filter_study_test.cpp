@@ -74,12 +74,11 @@ TEST(FilterStudy, ScoresALogAndTheNoiseThatIsTakenAway) {
   EXPECT_EQ(again[0].fastslam, scores[0].fastslam);
 }
 
-/// The drive's first third, and then all of it: time leaps back, and the filter begins a new map.
-std::vector<BatchMessage> begun_again(const std::vector<BatchMessage>& messages) {
-  std::vector<BatchMessage> twice(messages.begin(),
-                                  messages.begin() + static_cast<std::ptrdiff_t>(messages.size() / 3));
-  twice.insert(twice.end(), messages.begin(), messages.end());
-  return twice;
+/// The drive, and then all of it again: time leaps back, and the filter begins a new map.
+std::vector<BatchMessage> begun_again(std::vector<BatchMessage> messages) {
+  const std::vector<BatchMessage> again = messages;
+  messages.insert(messages.end(), again.begin(), again.end());
+  return messages;
 }
 
 // An error of the newest map alone is smaller for being of less.

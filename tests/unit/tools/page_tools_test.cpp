@@ -215,6 +215,7 @@ std::string log_of_poses(const TemporaryFolder& folder, int n, int n_last) {
     m.status = pose_estimate_t::TRACKING;
     log.write(utime, "ICP_POSE", encode_message(m));
   }
+  log.close();
   return file;
 }
 
