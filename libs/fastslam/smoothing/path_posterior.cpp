@@ -74,7 +74,7 @@ bool PathSmoother::Graph::find_posterior(Posterior& p) const {
   p.calibration = H.rows() - calibration_size;
   p.by_path = H.bottomLeftCorner(H.rows() - p.landmarks, p.landmarks);
   for (auto at = p.landmarks; at < p.calibration; at += 2)
-    p.landmark_covariances.push_back(
+    p.landmark_covariances.emplace_back(
         Eigen::Matrix2d(H.block(at, at, 2, 2)).llt().solve(Eigen::Matrix2d::Identity()));
   p.calibration_covariance = CalibrationCovariance(H.bottomRightCorner(calibration_size, calibration_size))
                                  .llt()
