@@ -131,7 +131,7 @@ std::string Supervisor::restart(const std::string& name) {
     state.given_up = state.refused = false;
     state.in_a_row = 0;
     const std::string obstacle = spawn_again(state);
-    return obstacle.empty() ? "" : name + " " + obstacle;
+    return obstacle.empty() ? "" : std::string(name).append(" ").append(obstacle);
   }
   return "'" + name + "' is none of the processes here:" + names;
 }

@@ -42,7 +42,7 @@ std::optional<std::string> option_problem(const std::string& study, const GivenO
   for (const std::string& name : given.names) {
     if (std::find(use.options.begin(), use.options.end(), name) != use.options.end()) continue;
     std::string used;
-    for (const std::string& option : use.options) used += (used.empty() ? "" : ", ") + option;
+    for (const std::string& option : use.options) used.append(used.empty() ? "" : ", ").append(option);
     return called(study) + " does not use " + name + "; it takes " + used;
   }
   if (use.one_seed && given.seeds > 1)
