@@ -1,5 +1,6 @@
 #include "tools/study/option_use.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <map>
 
@@ -43,7 +44,7 @@ std::optional<std::string> option_problem(const std::string& study, const GivenO
     if (std::find(use.options.begin(), use.options.end(), name) != use.options.end()) continue;
     std::string used;
     for (const std::string& option : use.options) used.append(used.empty() ? "" : ", ").append(option);
-    return called(study) + " does not use " + name + "; it takes " + used;
+    return fmt::format("{} does not use {}; it takes {}", called(study), name, used);
   }
   if (use.one_seed && given.seeds > 1)
     return called(study) + " takes one seed, not " + std::to_string(given.seeds);
