@@ -92,7 +92,7 @@ std::vector<Eigen::Vector3d> PicturePoints::extent(const ViewCamera* camera) con
   const double nearest = camera ? nearest_depth(*camera) : 0;
   for (std::size_t k = 0; k < candidates_.size(); k += candidates_.size() / sample + 1)
     if (!camera || shown(*request_.cloud, candidates_[k], *camera, nearest))
-      points.push_back(request_.cloud->points[candidates_[k]].cast<double>());
+      points.emplace_back(request_.cloud->points[candidates_[k]].cast<double>());
   if (request_.landmarks)
     for (const Landmark& landmark : *request_.landmarks)
       if (landmark.mean.allFinite()) points.push_back(landmark.mean);
