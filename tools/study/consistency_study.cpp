@@ -225,29 +225,28 @@ std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRu
   return scores;
 }
 
-std::vector<ConsistencyRun> study_consistency(const std::vector<std::string>& logs, const ConfigNode& config,
-                                              const std::string& folder, double clock_offset) {
-  std::vector<ConsistencyRun> runs;
+ConsistencyRuns study_consistency(const std::vector<std::string>& logs, const ConfigNode& config,
+                                  const std::string& folder, double clock_offset) {
+  ConsistencyRuns judged;
   EvaluationSettings settings;
   settings.association = Association::interpolate_truth;
   settings.clock_offset = clock_offset;
-  std::string problem;
   for (const FarmJob& job : farm_jobs(std::vector<std::filesystem::path>(logs.begin(), logs.end()))) {
     try {
       for (ConsistencyRun& run :
            runs_of(job.log.string(), config, std::filesystem::path(folder) / job.name, settings)) {
         run.log = job.name;
-        runs.push_back(std::move(run));
+        judged.runs.push_back(std::move(run));
       }
       std::cout << job.name << ": done" << std::endl;
     } catch (const std::exception& error) {
       throw_when_stopped();
-      problem = error.what();
-      std::cout << job.name << ": left out: " << problem << std::endl;
+      judged.left_out.push_back(job.name + ": " + error.what());
+      std::cout << job.name << ": left out: " << error.what() << std::endl;
     }
   }
-  if (runs.empty()) throw std::runtime_error("no log could be judged: " + problem);
-  return runs;
+  if (judged.runs.empty()) throw std::runtime_error("no log could be judged: " + judged.left_out.back());
+  return judged;
 }
 
 std::string consistency_table(const std::vector<ConsistencyScore>& scores) {

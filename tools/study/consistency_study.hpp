@@ -69,11 +69,15 @@ double chi_square_quantile(double degrees, double normal_quantile);
 
 std::vector<ConsistencyScore> consistency_scores(const std::vector<ConsistencyRun>& runs);
 
+struct ConsistencyRuns {
+  std::vector<ConsistencyRun> runs;
+  std::vector<std::string> left_out;  ///< logs that cannot be judged (without truth): "NAME: why"
+};
+
 /// Each log through batch, with `config`, into `folder`. `clock_offset`: s, added to images' stamps for the
-/// truth's clock. A log that cannot be judged (without truth) is named and left out. Throws
-/// std::runtime_error where none can be, and for a log that is named twice.
-std::vector<ConsistencyRun> study_consistency(const std::vector<std::string>& logs, const ConfigNode& config,
-                                              const std::string& folder, double clock_offset);
+/// truth's clock. Throws std::runtime_error where no log can be judged, and for a log that is named twice.
+ConsistencyRuns study_consistency(const std::vector<std::string>& logs, const ConfigNode& config,
+                                  const std::string& folder, double clock_offset);
 
 std::string consistency_table(const std::vector<ConsistencyScore>& scores);
 /// Shares of errors within three sigmas.

@@ -88,14 +88,16 @@ int run_consistency_study(const std::vector<std::string>& logs, std::string conf
   std::vector<std::string> all = {"launch.processes=[surf, odometry, fastslam, icp]"};
   all.insert(all.end(), overrides.begin(), overrides.end());
   const std::filesystem::path folder = new_run_folder("study-consistency");
-  const auto runs = study_consistency(logs, load_config(config, all), folder.string(), clock_offset);
-  const auto scores = consistency_scores(runs);
-  nlohmann::json report = consistency_json(runs, scores);
+  const auto judged = study_consistency(logs, load_config(config, all), folder.string(), clock_offset);
+  const auto scores = consistency_scores(judged.runs);
+  nlohmann::json report = consistency_json(judged.runs, scores);
   report["set"] = overrides;
+  report["left_out"] = judged.left_out;
   write_report(folder, report,
                consistency_table(scores) + "\nErrors within three of their sigmas (99.7 % when honest)\n" +
                    within_table(scores));
-  return 0;
+  for (const std::string& log : judged.left_out) std::cout << "left out: " << log << "\n";
+  return judged.left_out.empty() ? 0 : 1;
 }
 
 int run_depth_filter_study(const std::vector<int>& seeds) {

@@ -75,15 +75,18 @@ ExperimentResult study_dense_maps(const StudyContext& context, DriveStore& drive
     context.progress(std::string(scene) == "kitchen" ? 0.5 : 1);
   }
   result.tables = {table};
-  const double by_icp = spread_of(error["thesis"]).median, by_wheels = spread_of(wheels["thesis"]).median;
+  const double by_icp = median_or_lost(error["thesis"]), by_wheels = median_or_lost(wheels["thesis"]);
+  const std::string verdict = !std::isfinite(by_icp) ? "is lost"
+                              : by_icp < by_wheels   ? "improves on it"
+                                                     : "makes it worse";
   result.agreement = by_icp < by_wheels ? Agreement::agrees : Agreement::differs;
   result.finding = fmt::format(
       "By the thesis's frustum ICP half of the points lie within {} of a true surface and the path errs by "
       "{} "
       "(odometry: {}, so the thesis's ICP {}); by the modern mapper within {}, and by {}.",
       in_words(off["thesis"], 100, "cm"), in_words(error["thesis"], 100, "cm"),
-      in_words(wheels["thesis"], 100, "cm"), by_icp < by_wheels ? "improves on it" : "makes it worse",
-      in_words(off["modern"], 100, "cm"), in_words(error["modern"], 100, "cm"));
+      in_words(wheels["thesis"], 100, "cm"), verdict, in_words(off["modern"], 100, "cm"),
+      in_words(error["modern"], 100, "cm"));
   return result;
 }
 
