@@ -24,9 +24,12 @@ namespace {
 
 constexpr double near_view = 0.6, near_turn = 0.5;  // m, rad: views that may show the same features
 constexpr double same_thing = 0.05;                 // m, by the true poses
+constexpr std::size_t fewest_poses = 3;             // that an alignment does not fit whatever they are
 const double nothing = std::nan("");
 
+/// Nothing of a map that was begun just before the end.
 double ate(const Trajectory& truth, const Trajectory& path, TrajectoryReport* report = nullptr) {
+  if (path.size() < fewest_poses) return nothing;
   EvaluationSettings settings;
   settings.association = Association::interpolate_truth;
   const TrajectoryReport found = evaluate(truth, path, settings);
@@ -252,12 +255,13 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
   score.nees = report.consistency ? report.consistency->nees.mean : nothing;
   score.beyond = report.consistency ? 1 - report.consistency->inside : nothing;
   score.odometry = ate(log.truth, run.odometry);
-  score.smoothed = run.smoothed.size() > 2 ? ate(log.truth, run.smoothed) : nothing;
+  score.smoothed = ate(log.truth, run.smoothed);
   score.clean = clean;
   score.corrected = (score.odometry - score.fastslam) / (score.odometry - clean);
+  const bool aligned = std::isfinite(score.fastslam);
   std::vector<double> off;
   for (const FilterRun::Landmark& landmark : run.landmarks)
-    if (surface) off.push_back(surface(report.alignment.T_truth_estimate * landmark.mean));
+    if (surface && aligned) off.push_back(surface(report.alignment.T_truth_estimate * landmark.mean));
   score.landmarks = median(off);
   score.landmarks_p90 = quantile(off, 0.9);
   const std::vector<double> reunions = reunion_distances(log.frames, log.truth, run.fastslam);
@@ -266,9 +270,11 @@ FilterScore score_filter(const PreparedLog& log, const FilterRun& run, double cl
   score.odometry_reunion = median(reunion_distances(log.frames, log.truth, run.odometry));
   score.lost = run.lost;
   score.restarts = run.restarts;
-  const TrajectoryReport anchored = evaluate(log.truth, run.fastslam, at_first_pose());
-  score.landmarks_inside =
-      surface ? landmarks_inside(run.landmarks, anchored.alignment.T_truth_estimate, surface) : nothing;
+  score.landmarks_inside = nothing;
+  if (surface && aligned) {
+    const TrajectoryReport anchored = evaluate(log.truth, run.fastslam, at_first_pose());
+    score.landmarks_inside = landmarks_inside(run.landmarks, anchored.alignment.T_truth_estimate, surface);
+  }
   score.features_inside = surface ? features_inside(log.frames, log.truth, surface) : nothing;
   return score;
 }

@@ -90,6 +90,10 @@ LandmarkScore score(const LandmarkRecording& recording, const Trajectory& refere
   result.seed = seed;
   result.report = run.report;
   result.restarts = run.restarts;
+  result.landmarks = std::nan("");
+  result.online = result.smoothed = statistics({});
+  if (result.restarts > 0 && run.online.size() < 3)
+    return result;  // a map that was begun just before the end
   const TrajectoryReport online = evaluate(reference, run.online, settings);
   result.online = online.absolute.translation;
   result.consistency = online.consistency;
@@ -100,9 +104,7 @@ LandmarkScore score(const LandmarkRecording& recording, const Trajectory& refere
     worst = error;
     result.worst_at = 1e-6 * static_cast<double>(m.utime - reference.front().utime);
   }
-  result.landmarks = std::nan("");
-  result.smoothed = statistics({});
-  if (run.smoothed.empty()) return result;
+  if (run.smoothed.size() < 3) return result;
   const TrajectoryReport smoothed = evaluate(reference, run.smoothed, settings);
   result.smoothed = smoothed.absolute.translation;
   double squares = 0;

@@ -1,6 +1,7 @@
 #include "tools/study/resampling_study.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -79,7 +80,9 @@ std::vector<ResamplingScore> study_resampling(const ResamplingStudySettings& set
                  std::string("fastslam.resampling=") + scheme, "fastslam.seed=" + std::to_string(seed)});
         const PoseLog poses = read_pose_log(result.string());
         const PoseChannel& path = poses.channel("FASTSLAM_POSE", result.string());
-        score.ate = evaluate(truth, path.trajectory, evaluation).absolute.translation.rmse;
+        const bool just_begun = path.restarts > 0 && path.trajectory.size() < 3;
+        score.ate = just_begun ? std::nan("")
+                               : evaluate(truth, path.trajectory, evaluation).absolute.translation.rmse;
         score.lost = path.lost + path.earlier_lost;
         score.restarts = path.restarts;
         count_particles(result, score);
