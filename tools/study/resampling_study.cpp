@@ -1,8 +1,8 @@
 #include "tools/study/resampling_study.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
