@@ -34,26 +34,26 @@ std::optional<Incoming::Message> Incoming::take(const std::string& channel, cons
   if (kept && side_ == bridge::Side::robot) return refuse(Refused::from_memory);
   if (size > (side_ == bridge::Side::robot ? largest_order : largest_other)) return refuse(Refused::too_big);
   if (size == 0 && side_ == bridge::Side::operating) return std::nullopt;  // what was kept there is no more
-  const bool passes = rule->second.bucket.try_take(1, now);
-  if (piece && !passes) return refuse(Refused::too_often);  // what lacks a piece is none
   try {
-    if (!piece) {
-      auto message = check(whole, {data, data + size});
-      if (passes) return message;
-      if (message) wait(rule->second, std::move(message), now);
-      return std::nullopt;
-    }
-    const auto part = decode_message<part_t>(data, size);
-    if (part.channel != whole) throw DecodeError("part_t of another channel");
-    if (static_cast<std::size_t>(std::max(part.total_size, 0)) > largest_other)
-      return refuse(Refused::too_big);
-    auto joined = assembler_.add(part);
-    if (!joined) return std::nullopt;
-    return check(whole, std::move(joined->bytes));
+    std::optional<Message> message = piece ? join(whole, data, size) : check(whole, {data, data + size});
+    if (!message || rule->second.bucket.try_take(1, now)) return message;  // a rate is of whole messages
+    wait(rule->second, std::move(message), now);
+    return std::nullopt;
   } catch (const DecodeError& error) {
     last_error_ = whole + ": " + error.what();
     return refuse(Refused::malformed);
   }
+}
+
+/// The message that this piece completes.
+std::optional<Incoming::Message> Incoming::join(const std::string& channel, const std::uint8_t* data,
+                                                std::size_t size) {
+  const auto part = decode_message<part_t>(data, size);
+  if (part.channel != channel) throw DecodeError("part_t of another channel");
+  if (static_cast<std::size_t>(std::max(part.total_size, 0)) > largest_other) return refuse(Refused::too_big);
+  auto joined = assembler_.add(part);
+  if (!joined) return std::nullopt;
+  return check(channel, std::move(joined->bytes));
 }
 
 void Incoming::wait(Allowed& rule, std::optional<Message> message, Time now) {

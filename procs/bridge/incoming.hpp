@@ -47,6 +47,7 @@ class Incoming {
  private:
   std::optional<Message> refuse(Refused why);
   std::optional<Message> check(const std::string& channel, std::vector<std::uint8_t> bytes);
+  std::optional<Message> join(const std::string& channel, const std::uint8_t* data, std::size_t size);
 
   struct Allowed {
     bridge::TokenBucket bucket;

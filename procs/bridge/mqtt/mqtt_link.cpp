@@ -12,7 +12,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::chrono::milliseconds loop_wait{5};  // of each connection
+constexpr std::chrono::milliseconds loop_wait{5};  // of each connection, where nothing comes
+constexpr int most_at_once = 100;                  // packets, before what waits to go out is looked at
 constexpr std::chrono::seconds mark_period{1};
 constexpr std::chrono::seconds mark_patience{
     3};  // in which the broker tells what it kept, or has kept nothing
@@ -40,8 +41,10 @@ class MqttLink::Session {
   bool was_connected() const { return connected_; }
 
   void step() {
-    large_.connection.loop(loop_wait);
-    small_.connection.loop(loop_wait);
+    if (!go_on()) {
+      large_.connection.loop(loop_wait);
+      small_.connection.loop(loop_wait);
+    }
     const auto now = Clock::now();
     if (!connected_) {
       if (now > begin_ + connect_patience) throw std::runtime_error("no answer from the broker");
@@ -73,6 +76,19 @@ class MqttLink::Session {
   }
 
  private:
+  /// Whether anything came. A call of a connection reads one packet, and one that waits for its own would
+  /// hold up the other's.
+  bool go_on() {
+    const std::uint64_t before = came_;
+    for (int packets = 0; packets < most_at_once; ++packets) {
+      const std::uint64_t last = came_;
+      large_.connection.loop(std::chrono::milliseconds(0));
+      small_.connection.loop(std::chrono::milliseconds(0));
+      if (came_ == last) break;
+    }
+    return came_ != before;
+  }
+
   struct Way {
     MqttConnection connection;
     bool connected = false;
@@ -117,6 +133,7 @@ class MqttLink::Session {
   }
 
   void on_acknowledged(Way& way, int message) {
+    ++came_;
     if (&way == &large_ && message == last_) last_ = 0;
     const auto found = way.tickets.find(message);
     if (found == way.tickets.end()) return;
@@ -139,6 +156,7 @@ class MqttLink::Session {
   }
 
   void on_message(const std::string& topic, const std::uint8_t* data, std::size_t size, bool kept) {
+    ++came_;
     if (topic == ends_.topics.mark())
       return on_mark(std::string(data, data + std::min<std::size_t>(size, 100)));
     const std::string channel = ends_.topics.channel_of(topic);
@@ -177,7 +195,7 @@ class MqttLink::Session {
   const Clock::time_point begin_ = Clock::now();
   Clock::time_point connected_at_{}, next_mark_{};
   bool connected_ = false, marked_ = false;
-  std::uint64_t told_ = 0;
+  std::uint64_t told_ = 0, came_ = 0;
   int last_ = 0;
 };
 

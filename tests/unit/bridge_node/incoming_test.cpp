@@ -120,6 +120,24 @@ TEST_F(IncomingTest, GarbageIsCountedAndNamed) {
   EXPECT_EQ(other_.refused(), 0);
 }
 
+// A graph of forty pieces each second is one message a second.
+TEST_F(IncomingTest, ARateIsOfWholeMessages) {
+  Incoming graphs(bridge::parse_rules({"ICP_GRAPH@1"}), bridge::Side::operating);
+  int came = 0;
+  for (std::int32_t second = 0; second < 5; ++second, now_ += std::chrono::milliseconds(1010)) {
+    came += static_cast<int>(graphs.due(now_).size());
+    for (const auto& part : split_message("ICP_GRAPH", order(40'000), 77, second, 1000))
+      came += take(graphs, "ICP_GRAPH_PART", encode_message(part)) ? 1 : 0;
+  }
+  EXPECT_EQ(came, 5);
+  EXPECT_EQ(graphs.refused(), 0);
+  for (std::int32_t message = 10; message < 20; ++message)
+    for (const auto& part : split_message("ICP_GRAPH", order(40'000), 77, message, 1000))
+      came += take(graphs, "ICP_GRAPH_PART", encode_message(part)) ? 1 : 0;
+  EXPECT_LE(came, 5 + 2) << "a burst";
+  EXPECT_THAT(graphs.due(now_ + std::chrono::seconds(1)), ::testing::SizeIs(1)) << "the last word";
+}
+
 TEST_F(IncomingTest, PiecesBecomeTheirMessage) {
   const auto bytes = order(5000);
   auto parts = split_message("COMMAND", bytes, 77, 3, 1000);
