@@ -1,5 +1,7 @@
 #include "procs/camera/camera_log.hpp"
 
+#include <map>
+
 #include <lcmslam/imaging/io/encoded_frame.hpp>
 #include <lcmslam/log/log_reader.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
@@ -32,7 +34,12 @@ class LogSource : public CameraSource {
   std::size_t frames() const override { return frames_; }
   std::size_t malformed() const override { return malformed_ + log_.damages().size(); }
   std::vector<std::string> notes() const override {
-    return {file_ + ": " + std::to_string(frames_) + " frames"};
+    std::vector<std::string> notes = {file_ + ": " + std::to_string(frames_) + " frames"};
+    if (odometry_.count("ENCODERS") > 0) return notes;  // the others are made of them
+    for (const auto& [channel, messages] : odometry_)
+      notes.push_back(file_ + ": " + std::to_string(messages) + " " + channel +
+                      " are not played; `lcmslam log play` plays them");
+    return notes;
   }
 
   std::optional<CameraEvent> next() override {
@@ -62,9 +69,11 @@ class LogSource : public CameraSource {
     return from_message(decode_message<images_t>(whole->bytes.data(), whole->bytes.size()));
   }
 
-  /// Counts the frames and finds the first calibration.
+  /// Counts frames and odometry, and finds the first calibration.
   void scan() {
     while (const auto event = log_.next_view()) {
+      for (const char* channel : {"ENCODERS", "TWIST", "POSE_BODY", "ODOMETRY"})
+        if (event->channel == channel) ++odometry_[channel];
       frames_ += event->channel == "CAMERA" || (is_piece(*event) && is_first(*event)) ? 1 : 0;
       if (calibration_ || event->channel != "CAMERA_CALIBRATION") continue;
       try {
@@ -81,6 +90,7 @@ class LogSource : public CameraSource {
   PartAssembler assembler_;
   std::optional<RgbdCalibration> calibration_;
   std::size_t frames_ = 0, malformed_ = 0;
+  std::map<std::string, std::size_t> odometry_;  // messages, by channel
 };
 
 }  // namespace

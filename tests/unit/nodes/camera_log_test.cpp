@@ -72,6 +72,19 @@ TEST_F(CameraLog, PiecesAreReadLikeWholeImages) {
   EXPECT_EQ(split->malformed(), 0U);
 }
 
+TEST_F(CameraLog, OdometryThatIsNotPlayedIsNamed) {
+  const std::string imported = folder_ / "imported.lcmlog";
+  LogReader reader(kitchen);
+  LogWriter writer(imported);
+  while (const auto event = reader.next())
+    writer.write(event->timestamp, event->channel == "ENCODERS" ? "TWIST" : event->channel, event->data);
+  writer.close();
+  EXPECT_THAT(open_log(kitchen)->notes(), ::testing::SizeIs(1));
+  EXPECT_THAT(open_log(imported)->notes(),
+              ::testing::ElementsAre(::testing::HasSubstr("40 frames"),
+                                     ::testing::HasSubstr(" TWIST are not played; `lcmslam log play`")));
+}
+
 TEST_F(CameraLog, RepeatedPassesGoOnInTime) {
   const auto source = repeat_source([] { return open_log(kitchen); }, 3);
   EXPECT_EQ(source->frames(), 120U);
