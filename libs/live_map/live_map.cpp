@@ -354,8 +354,9 @@ std::int64_t LiveMap::version() const {
 }
 
 std::size_t LiveMap::memory_bytes() const {
-  const std::lock_guard<std::mutex> lock(surface_mutex_);
-  return space_.memory_bytes() + planes_.memory_bytes() + surface_.memory_bytes();
+  const std::unique_lock<std::mutex> lock(surface_mutex_, std::try_to_lock);
+  if (lock.owns_lock()) surface_bytes_ = surface_.memory_bytes();
+  return space_.memory_bytes() + planes_.memory_bytes() + surface_bytes_;
 }
 
 bool LiveMap::surface_gave_way() const {

@@ -131,6 +131,7 @@ class LiveMap {
   mutable Surface surface_;                       // meshes what changed when it is asked
   mutable std::atomic<int> unwatched_;            // frames since somebody looked at it
   mutable std::atomic<bool> fell_behind_{false};  // while nobody did
+  mutable std::atomic<std::size_t> surface_bytes_{0};
 
   struct Keyframe {
     Eigen::Isometry3d T_map_camera, T_camera_depth;  // depth camera at its own time

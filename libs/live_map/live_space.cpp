@@ -140,8 +140,9 @@ void LiveSpace::settle() {
 
 void LiveSpace::carve_anew() {
   carving_ = std::async(background_ ? std::launch::async : std::launch::deferred,
-                        [keyframes = keyframes_, grid = copy(), moved = moved_.take()]() mutable {
-                          OccupancyGrid carved = keyframes.carve_anew(moved, grid);
+                        [keyframes = keyframes_, grid = copy(), moved = moved_.take(),
+                         place = Eigen::Vector3f(place_.cast<float>())]() mutable {
+                          OccupancyGrid carved = keyframes.carve_anew(moved, grid, place);
                           return Carved{std::move(keyframes), std::move(carved)};
                         });
   if (!background_) take_over(true);
@@ -152,6 +153,7 @@ void LiveSpace::take_over(bool wait) {
   if (!wait && carving_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
   Carved carved = carving_.get();
   for (const auto& change : std::exchange(meanwhile_, {})) change(carved);
+  carved.grid.make_room(place_.cast<float>());
   keyframes_ = std::move(carved.keyframes);
   const std::lock_guard<std::mutex> lock(mutex_);
   grid_.adopt(std::move(carved.grid));
@@ -159,8 +161,10 @@ void LiveSpace::take_over(bool wait) {
 }
 
 std::size_t LiveSpace::memory_bytes() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return kept_bytes_ + grid_.memory_bytes() + near_.memory_bytes() + newest_.field().memory_bytes();
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+  if (lock.owns_lock())
+    space_bytes_ = grid_.memory_bytes() + near_.memory_bytes() + newest_.field().memory_bytes();
+  return kept_bytes_ + space_bytes_;
 }
 
 }  // namespace lcmslam

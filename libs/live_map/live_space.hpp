@@ -106,6 +106,7 @@ class LiveSpace {
   std::future<Carved> carving_;
   std::vector<std::function<void(Carved&)>> meanwhile_;  // what came while it went on
   std::atomic<std::size_t> kept_bytes_{0};
+  mutable std::atomic<std::size_t> space_bytes_{0};
 
   mutable std::mutex mutex_;  // guards what follows
   mutable OccupancyGrid grid_;

@@ -106,7 +106,7 @@ void CarvedKeyframes::look_at(int id, const Eigen::Isometry3d& T_map_camera) {
 }
 
 OccupancyGrid CarvedKeyframes::carve_anew(const std::map<int, Eigen::Isometry3d>& corrected,
-                                          const OccupancyGrid& carved) {
+                                          const OccupancyGrid& carved, const Eigen::Vector3f& place) {
   OccupancyGrid anew(settings_);
   DepthCarver carver;
   for (auto& [id, keyframe] : keyframes_) {
@@ -115,6 +115,7 @@ OccupancyGrid CarvedKeyframes::carve_anew(const std::map<int, Eigen::Isometry3d>
     const auto found = corrected.find(id);
     if (found != corrected.end()) keyframe.T_map_camera = found->second;
     carver.carve(keyframe.depth, keyframe.camera, keyframe.T_map_camera, anew);
+    anew.make_room(place);
   }
   // After all images, which may have looked through it before it was there.
   for (const auto& [id, keyframe] : keyframes_) {

@@ -33,8 +33,10 @@ class CarvedKeyframes {
 
   /// Keyframes carved in the order of their ids at their new poses, T_map_camera by id; those without one
   /// stay. `carved`: the grid that holds them at their old poses. The new poses are the old ones from now on.
-  /// Work for a thread beside the frames, on copies of both.
-  OccupancyGrid carve_anew(const std::map<int, Eigen::Isometry3d>& corrected, const OccupancyGrid& carved);
+  /// `place`: of the robot, m; what is nearest to it stays where a grid is full. Work for a thread beside the
+  /// frames, on copies of both.
+  OccupancyGrid carve_anew(const std::map<int, Eigen::Isometry3d>& corrected, const OccupancyGrid& carved,
+                           const Eigen::Vector3f& place);
 
   std::size_t size() const { return keyframes_.size(); }
   /// Cells that are kept beside the images, because only frames saw them.

@@ -100,7 +100,6 @@ void DepthCarver::carve(const cv::Mat& depth, const CameraModel& camera,
   collect_hits(seeing);
   miss(seeing, grid);
   hits_.hit(grid);
-  grid.make_room(seeing.T_map_camera.translation());
 }
 
 // Two pixels a cell at least, at the farthest: more would hit the same cells again.

@@ -49,8 +49,11 @@ void MapServerNode::refuse_request(map_reply_t& reply, const std::string& why) {
 void MapServerNode::ask(const map_request_t& request) {
   if (desk_.has(request)) return;
   Question question = parse_question(request.argument);
+  // Before the map is copied for it.
+  if (replies_.full() || desk_.is_full_for(question))
+    throw std::runtime_error("too many questions wait for an answer");
   AskedMap map = asked_map(question);
-  if (replies_.full() || !desk_.ask({request, std::move(question), std::move(map)}))
+  if (!desk_.ask({request, std::move(question), std::move(map)}))
     throw std::runtime_error("too many questions wait for an answer");
 }
 
@@ -123,9 +126,15 @@ void MapServerNode::export_maps(const map_request_t& request, Exported done) {
   begin_export();
 }
 
-/// One at a time, and not beside a snapshot: both write files of the same names.
+/// One at a time, and not beside a snapshot: both write files of the same names. What a reset leaves comes
+/// first.
 void MapServerNode::begin_export() {
-  if (exports_.empty() || saver_.busy()) return;
+  if (saver_.busy()) return;
+  if (!resets_.empty()) {
+    saver_.begin(std::move(resets_.front().maps), resets_.front().folder, saved_changes_);
+    return resets_.pop_front();
+  }
+  if (exports_.empty()) return;
   exporting_ = std::move(exports_.front());
   exports_.pop_front();
   saver_.begin(maps_to_save(true), exporting_->folder, changes_, exporting_->request.format);

@@ -109,7 +109,7 @@ std::optional<Node::Duration> MapServerNode::work() {
     save_beside();
   }
   if (desk_.busy() || !replies_.empty()) return std::chrono::milliseconds(1);
-  if (exporting_) return std::chrono::milliseconds(10);
+  if (exporting_ || !resets_.empty()) return std::chrono::milliseconds(10);
   return std::nullopt;
 }
 

@@ -157,7 +157,13 @@ class MapServerNode : public Node {
     HeldFolder folder;
     Exported done;
   };
-  std::deque<Export> exports_;       // that wait
+  std::deque<Export> exports_;  // that wait
+  struct Reset {
+    MapsToSave maps;  // as they were
+    std::filesystem::path folder;
+  };
+  std::deque<Reset> resets_;  // likewise
+  int reset_number_ = 0;
   std::optional<Export> exporting_;  // what saver_ does is this
   BackgroundSaver saver_;
   std::optional<MapRecorder> recorder_;  // none: no file was asked for

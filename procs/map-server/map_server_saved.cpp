@@ -41,12 +41,13 @@ void MapServerNode::keep_what_is_reset(const command_t& command) {
   };
   if (command.name != "reset" || !(forgets("fastslam", landmark_maps_) || forgets("icp", dense_maps_)))
     return;
-  note_saving(true);
-  int number = 1;
-  const auto folder = [&] { return folder_ / fmt::format("before-reset-{}", number); };
-  while (std::filesystem::exists(folder())) ++number;
-  spdlog::info("reset: the maps so far are kept in {}", folder().string());
-  saver_.begin(maps_to_save(false), folder(), saved_changes_);
+  std::filesystem::path folder;
+  do folder = folder_ / fmt::format("before-reset-{}", ++reset_number_);
+  while (std::filesystem::exists(folder));
+  spdlog::info("reset: the maps so far are kept in {}", folder.string());
+  resets_.push_back({maps_to_save(false), folder});
+  note_saving(false);
+  begin_export();
 }
 
 /// What changed since it was saved is copied here and written by another thread.
@@ -74,7 +75,7 @@ void MapServerNode::note_saving(bool wait) {
 /// Pictures too: drawing them takes too long while a run goes on.
 void MapServerNode::finish() {
   note_saving(true);
-  for (begin_export(); exporting_; begin_export()) note_saving(true);
+  for (begin_export(); saver_.busy(); begin_export()) note_saving(true);
   if (layers_) layers_->settle(longest_settling);
   if (changes_ != saved_changes_ || changes_ != drawn_changes_)
     saver_.begin(maps_to_save(true), folder_, changes_, "");

@@ -7,6 +7,7 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t most_waiting = 64;
+constexpr std::ptrdiff_t most_clouds = 2;
 
 QuestionDesk::Answered answered(const QuestionDesk::Asked& asked) {
   QuestionDesk::Answered result{
@@ -44,6 +45,15 @@ bool QuestionDesk::has(const map_request_t& request) const {
          std::any_of(waiting_.begin(), waiting_.end(),
                      [&](const Waiting& w) { return same(w.asked.request); }) ||
          std::any_of(answered_.begin(), answered_.end(), [&](const Answered& a) { return same(a.request); });
+}
+
+bool QuestionDesk::is_full_for(const Question& question) const {
+  const auto is_cloud = [](const Question& q) { return std::holds_alternative<CloudQuestion>(q.what); };
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (waiting_.size() >= most_waiting) return true;
+  return is_cloud(question) && std::count_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) {
+                                 return is_cloud(w.asked.question);
+                               }) >= most_clouds;
 }
 
 bool QuestionDesk::ask(Asked asked) {

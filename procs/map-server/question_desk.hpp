@@ -36,6 +36,8 @@ class QuestionDesk {
 
   /// Whether that very request waits or its answer does: who asks again without one waits for the first.
   bool has(const map_request_t& request) const;
+  /// Whether ask() would refuse it: too many wait, or too many that hold a copy of the map's points.
+  bool is_full_for(const Question& question) const;
   /// False: too many wait.
   bool ask(Asked asked);
   /// What has been answered since.

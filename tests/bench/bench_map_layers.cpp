@@ -295,7 +295,8 @@ void carve_anew(benchmark::State& state) {
   CarvedKeyframes keyframes({});
   for (std::size_t i = 0; i < drive.depths.size(); ++i)
     keyframes.add(static_cast<int>(i), drive.depths[i], drive.camera, drive.T_map_camera[i]);
-  for (auto _ : state) benchmark::DoNotOptimize(keyframes.carve_anew({}, fields.grid));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(keyframes.carve_anew({}, fields.grid, Eigen::Vector3f::Zero()));
   state.counters["keyframes"] = static_cast<double>(keyframes.size());
 }
 BENCHMARK(carve_anew)->Unit(benchmark::kMillisecond);

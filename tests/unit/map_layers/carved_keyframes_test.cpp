@@ -25,6 +25,7 @@ cv::Mat wall(bool thing) {
 }
 
 const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+const Vector3f origin = Vector3f::Zero();
 const Vector3f on_wall(0.9f, 0, 2.02f), on_thing(0, 0, 1.02f);
 
 /// Two keyframes with a thing, and frames between them after it was taken away.
@@ -44,7 +45,8 @@ struct Carved {
 TEST(CarvedKeyframes, MoveTheMapWithTheirPoses) {
   Carved carved(0);
   const Eigen::Isometry3d moved(Eigen::Translation3d(0.4, 0, 0.2));
-  const OccupancyGrid grid = carved.keyframes.carve_anew({{0, moved}, {1, moved}, {2, moved}}, carved.grid);
+  const OccupancyGrid grid =
+      carved.keyframes.carve_anew({{0, moved}, {1, moved}, {2, moved}}, carved.grid, origin);
   const Vector3f d(0.4f, 0, 0.2f);
   EXPECT_EQ(grid.state(Vector3f(on_wall + d)), CellState::occupied);
   EXPECT_EQ(grid.state(Vector3f(on_thing + d)), CellState::occupied);
@@ -52,14 +54,32 @@ TEST(CarvedKeyframes, MoveTheMapWithTheirPoses) {
   EXPECT_EQ(grid.state(Vector3f(0.4f, 0, 0.8f)), CellState::free);
 }
 
+// Keyframes of an older map have the highest ids, wherever they are.
+TEST(CarvedKeyframes, InAFullGridWhatIsNearTheRobotStays) {
+  OccupancySettings settings;
+  settings.max_blocks = 300;
+  const Eigen::Isometry3d far(Eigen::Translation3d(30, 0, 0));
+  CarvedKeyframes keyframes(settings);
+  keyframes.add(0, wall(false), camera(), here);
+  keyframes.add(1'000'000'000, wall(false), camera(), far);
+  const Vector3f far_wall = on_wall + Vector3f(30, 0, 0);
+  const OccupancyGrid none(settings);
+  const OccupancyGrid by_here = keyframes.carve_anew({}, none, origin);
+  ASSERT_GT(by_here.forgotten(), 0U) << "it must be full";
+  EXPECT_EQ(by_here.state(on_wall), CellState::occupied);
+  const OccupancyGrid by_far = keyframes.carve_anew({}, none, Vector3f(30, 0, 0));
+  EXPECT_EQ(by_far.state(far_wall), CellState::occupied);
+  EXPECT_EQ(by_far.state(on_wall), CellState::unknown);
+}
+
 TEST(CarvedKeyframes, WhatFramesBetweenThemSawThroughDoesNotComeBack) {
   Carved carved(3);
   ASSERT_EQ(carved.grid.state(on_thing), CellState::free);
-  const OccupancyGrid grid = carved.keyframes.carve_anew({}, carved.grid);
+  const OccupancyGrid grid = carved.keyframes.carve_anew({}, carved.grid, origin);
   EXPECT_NE(grid.state(on_thing), CellState::occupied);
   EXPECT_EQ(grid.state(on_wall), CellState::occupied);
   // And not with the next correction either.
-  const OccupancyGrid again = carved.keyframes.carve_anew({}, grid);
+  const OccupancyGrid again = carved.keyframes.carve_anew({}, grid, origin);
   EXPECT_NE(again.state(on_thing), CellState::occupied);
 }
 
@@ -75,7 +95,7 @@ TEST(CarvedKeyframes, SmallImagesAreKeptWhole) {
   DepthCarver().carve(floor, tof, here, grid);
   CarvedKeyframes keyframes{OccupancySettings{}};
   keyframes.add(0, floor, tof, here);
-  const OccupancyGrid again = keyframes.carve_anew({}, grid);
+  const OccupancyGrid again = keyframes.carve_anew({}, grid, origin);
   int cells = 0;
   for (float z = 1.1f; z < 4.2f; z += 0.04f)
     for (float x = -0.4f; x < 0.4f; x += 0.04f) {
@@ -114,13 +134,13 @@ TEST(CarvedKeyframes, WhatAFrameSawMovesWithTheKeyframeThatItHangsOn) {
   hung.show(0, wall(true));
   const Eigen::Isometry3d moved(Eigen::Translation3d(0.2, 0, 0.4));
   const Vector3f d = moved.translation().cast<float>();
-  const OccupancyGrid grid = hung.keyframes.carve_anew({{0, moved}}, hung.grid);
+  const OccupancyGrid grid = hung.keyframes.carve_anew({{0, moved}}, hung.grid, origin);
   for (const Vector3f& place : {on_left, on_right, on_thing})
     EXPECT_EQ(grid.state(Vector3f(place + d)), CellState::occupied) << place.transpose();
   EXPECT_NE(grid.state(on_right), CellState::occupied);
   // And with the next correction, further.
   const Eigen::Isometry3d on(Eigen::Translation3d(0.2, 0, 0.8));
-  const OccupancyGrid again = hung.keyframes.carve_anew({{0, on}}, grid);
+  const OccupancyGrid again = hung.keyframes.carve_anew({{0, on}}, grid, origin);
   EXPECT_EQ(again.state(Vector3f(on_right + Vector3f(0.2f, 0, 0.8f))), CellState::occupied);
 }
 
@@ -130,7 +150,7 @@ TEST(CarvedKeyframes, WhatCameAfterTheLastKeyframeStays) {
   for (const int id : {1, 2, 3}) hung.keep(id, wall(false));
   for (int i = 0; i < 5; ++i) hung.show(3, wall(true));
   ASSERT_EQ(hung.grid.state(on_thing), CellState::occupied);
-  EXPECT_EQ(hung.keyframes.carve_anew({}, hung.grid).state(on_thing), CellState::occupied);
+  EXPECT_EQ(hung.keyframes.carve_anew({}, hung.grid, origin).state(on_thing), CellState::occupied);
 }
 
 TEST(CarvedKeyframes, WhatAFrameSawAndAnotherSawThroughDoesNotComeBack) {
@@ -138,7 +158,7 @@ TEST(CarvedKeyframes, WhatAFrameSawAndAnotherSawThroughDoesNotComeBack) {
   hung.show(0, wall(true));
   for (int i = 0; i < 3; ++i) hung.show(0, wall(false));
   ASSERT_EQ(hung.grid.state(on_thing), CellState::free);
-  const OccupancyGrid grid = hung.keyframes.carve_anew({}, hung.grid);
+  const OccupancyGrid grid = hung.keyframes.carve_anew({}, hung.grid, origin);
   EXPECT_NE(grid.state(on_thing), CellState::occupied);
   EXPECT_EQ(grid.state(on_right), CellState::occupied);
 }
@@ -148,7 +168,8 @@ TEST(CarvedKeyframes, FramesAreKeptFromWhereTheKeyframeStandsByNow) {
   Hung hung;
   const Eigen::Isometry3d by_now(Eigen::Translation3d(0, 0, 0.4));
   hung.show(0, wall(false), by_now);
-  const OccupancyGrid grid = hung.keyframes.carve_anew({{0, by_now}}, OccupancyGrid(OccupancySettings{}));
+  const OccupancyGrid grid =
+      hung.keyframes.carve_anew({{0, by_now}}, OccupancyGrid(OccupancySettings{}), origin);
   EXPECT_EQ(grid.state(Vector3f(on_right + Vector3f(0, 0, 0.4f))), CellState::occupied);
   EXPECT_NE(grid.state(Vector3f(on_right + Vector3f(0, 0, 0.8f))), CellState::occupied);
 }
