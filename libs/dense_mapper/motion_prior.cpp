@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include <lcmslam/geometry/transform.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -16,11 +18,21 @@ Vector6d squares(double translation, double rotation) {
   return v;
 }
 
+constexpr double least = 0.1;  // of the floor, whatever odometry says
+
+// Wheels that do not turn do not slip: else what moves before a robot that stands takes it along.
+double share_of_floor(const Motion& motion) {
+  constexpr double step = 0.005;  // m or rad, from which on all of the floor is there
+  if (motion.visual) return 1;
+  const double moved = motion.T_from_to.translation().norm() + rotation_angle(motion.T_from_to);
+  return std::clamp(moved / step, least, 1.0);
+}
+
 // The floor of a step lies along the ground as odometry's own error does: a base whose tyres hold it sideways
-// slips along its way. A tenth of it is there on each axis, whatever odometry says.
-Matrix6d floor_of_step(const Matrix6d& odometry, const MotionPriorSettings& settings) {
-  constexpr double least = 0.1;
-  Matrix6d floor = squares(settings.floor_translation, settings.floor_rotation).asDiagonal();
+// slips along its way.
+Matrix6d floor_of_step(const Motion& motion, double share, const MotionPriorSettings& settings) {
+  const Matrix6d& odometry = motion.covariance;
+  Matrix6d floor = squares(share * settings.floor_translation, share * settings.floor_rotation).asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(odometry.topLeftCorner<2, 2>());
   const Eigen::Vector2d& variances = axes.eigenvalues();  // ascending
   if (variances[1] <= 0) return floor;
@@ -47,13 +59,14 @@ Matrix6d carried_along(const Matrix6d& covariance, const Motion& motion) {
 
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift,
-              Floor floor, const Matrix6d& unseen) {
+              Floor floor, const UnseenWay& unseen) {
   Prior prior;
   Matrix6d covariance = Matrix6d::Zero();
   if (is_usable(motion)) {
     prior.T_target_source = T_world_last * motion->T_from_to;
-    covariance =
-        motion->covariance + floor_of_step(motion->covariance, settings) + carried_along(unseen, *motion);
+    const double slip = std::max(share_of_floor(*motion), unseen.slip);
+    covariance = motion->covariance + floor_of_step(*motion, slip, settings) +
+                 carried_along(unseen.covariance, *motion);
   } else {
     prior.T_target_source = T_world_last * free_motion;
     covariance.diagonal() = squares(settings.free_translation, settings.free_rotation);
@@ -115,12 +128,14 @@ void MotionModel::look_for_gap(Utime utime, const std::optional<Motion>& motion)
 
 void MotionModel::found() {
   unknown_ = adrift_ = 0;
-  unseen_.setZero();
+  unseen_ = {};
 }
 
 void MotionModel::lose(Utime utime, const std::optional<Motion>& motion, bool guided) {
   if (!guided && !knows(motion)) unknown_ += seconds_until(utime);
-  if (is_usable(motion)) unseen_ = carried_along(unseen_, *motion) + motion->covariance;
+  if (!is_usable(motion)) return;
+  unseen_.covariance = carried_along(unseen_.covariance, *motion) + motion->covariance;
+  unseen_.slip = std::max(unseen_.slip, share_of_floor(*motion));
 }
 
 void MotionModel::observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving) {

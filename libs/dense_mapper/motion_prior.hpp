@@ -21,11 +21,14 @@ struct MotionPriorSettings {
   GroundSettings ground;  ///< that plane; its keys are the mapper's
 
   void describe(SettingsVisitor& s) {
-    s.number("floor_translation", floor_translation, "m", {0, 1000},
-             "noise floor of a step, added (squared) to odometry's covariance: wheels slip by more than they "
-             "state; less where odometry is surer than along its way, a tenth at least");
-    s.number("floor_rotation", floor_rotation, "rad", {0, 3.1416},
-             "noise floor of a step, added (squared) to odometry's covariance");
+    s.number(
+        "floor_translation", floor_translation, "m", {0, 1000},
+        "noise floor of a step, added (squared) to odometry's covariance: wheels slip by more than they "
+        "state; less where odometry is surer than along its way and where wheels hardly turn, a tenth at "
+        "least");
+    s.number(
+        "floor_rotation", floor_rotation, "rad", {0, 3.1416},
+        "noise floor of a step, added (squared) to odometry's covariance; a tenth where wheels do not turn");
     s.number("free_translation", free_translation, "m", {0, 1000},
              "how far a step without odometry may differ from constant velocity");
     s.number("free_rotation", free_rotation, "rad", {0, 3.1416},
@@ -33,13 +36,18 @@ struct MotionPriorSettings {
   }
 };
 
+/// What odometry alone has led, since the map last told where the robot is.
+struct UnseenWay {
+  Matrix6d covariance = Matrix6d::Zero();  ///< of T_world_last by it, robot frame
+  double slip = 0;                         ///< of a step's noise floor: the largest share of its steps
+};
+
 /// Prior of T_world_robot from the last pose and the motion since: odometry's, or `free_motion` (that of a
 /// velocity which goes on) when there is none, and of the floor where the settings are planar. `adrift`: s
-/// before, during which nobody knew the motion. `unseen`: covariance of T_world_last by odometry alone, robot
-/// frame.
+/// before, during which nobody knew the motion. `unseen`: on the way to T_world_last.
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift = 0,
-              Floor floor = Floor::plane, const Matrix6d& unseen = Matrix6d::Zero());
+              Floor floor = Floor::plane, const UnseenWay& unseen = {});
 
 /// Where the robot was last and how it moved, for the next prediction.
 class MotionModel {
@@ -88,7 +96,7 @@ class MotionModel {
   Vector6d velocity_ = Vector6d::Zero();  // per second, robot frame
   double unknown_ = 0;                    // s of motion that nobody knows, since the robot was found
   double adrift_ = 0;                     // s since it may be anywhere, and of what led there
-  Matrix6d unseen_ = Matrix6d::Zero();    // covariance of odometry's motion since then, robot frame
+  UnseenWay unseen_;
 };
 
 }  // namespace lcmslam
