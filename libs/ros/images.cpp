@@ -176,8 +176,10 @@ EncodedImage to_colour(const Image& image, Utime utime, int jpeg_quality) {
   if (encoding == nullptr)
     throw CodecError("its encoding '" + image.encoding +
                      "' is no colour that is read: must be rgb8, bgr8, rgba8, bgra8 or mono8");
-  cv::Mat bgr = pixels(image, encoding->type);
-  if (encoding->to_bgr >= 0) cv::cvtColor(bgr, bgr, encoding->to_bgr);
+  const cv::Mat recorded = pixels(image, encoding->type);
+  if (encoding->to_bgr < 0) return encode_colour(recorded, utime, jpeg_quality);
+  cv::Mat bgr;  // not in place: the recording's bytes may be read only
+  cv::cvtColor(recorded, bgr, encoding->to_bgr);
   return encode_colour(bgr, utime, jpeg_quality);
 }
 

@@ -124,7 +124,10 @@ TEST(RosImages, ColoursOfEachEncodingAreTheSame) {
     }
     const PackedImage packed(16, 16, encoding, static_cast<std::uint32_t>(16 * pixel.size() + padding),
                              view(pixels));
-    return cv::mean(decode_colour(to_colour(packed.read(), 1, 95)));
+    const std::string before(packed.view().text());
+    const cv::Scalar colour = cv::mean(decode_colour(to_colour(packed.read(), 1, 95)));
+    EXPECT_TRUE(packed.view().text() == before) << encoding << " is changed in the recording";
+    return colour;
   };
   for (const auto& colour : {mean("bgr8", bgr), mean("rgb8", rgb), mean("bgra8", bgra), mean("rgba8", rgba)})
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(colour[i], bgr[static_cast<std::size_t>(i)], 4);

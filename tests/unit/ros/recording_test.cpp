@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include <lcmslam/datasets/dataset.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/recordings/mcap_format.hpp>
 #include <lcmslam/recordings/mcap_writer.hpp>
 #include <lcmslam/ros/definitions.hpp>
 #include <lcmslam/ros/head_calibration.hpp>
@@ -25,7 +27,13 @@ const CameraModel camera{32, 24, 30, 31, 15.5, 11.5, {0.1, 0, 0, 0, 0}};
 /// A drive of a robot that a test writes: colour at 0, 100, 200 ms ..., depth 5 ms later.
 class RosDrive : public ::testing::Test {
  protected:
-  void begin() { writer_ = std::make_unique<McapWriter>(file(), McapWriter::Options{}); }
+  void begin(const McapWriter::Options& options = {}) {
+    writer_ = std::make_unique<McapWriter>(file(), options);
+  }
+  void close() {
+    if (writer_) writer_->close();
+    writer_.reset();
+  }
   std::string file() const {
     return ::testing::TempDir() + "ros_drive_" + std::to_string(getpid()) + ".mcap";
   }
@@ -65,8 +73,7 @@ class RosDrive : public ::testing::Test {
                          {0, 0, 0}, Matrix6d::Zero()));
   }
   RosRecording open(const RosOptions& options = {}) {
-    if (writer_) writer_->close();
-    writer_.reset();
+    close();
     return RosRecording({file()}, options);
   }
   std::string refusal(const RosOptions& options = {}) {
@@ -127,6 +134,58 @@ TEST_F(RosDrive, BecomesFramesAndOdometryInOrderOfTime) {
   }
   EXPECT_EQ(order, "ofofoff");
   EXPECT_THAT(recording.problems(), IsEmpty());
+}
+
+/// The records, those of chunks (which must not be packed) by themselves.
+void add_unchunked(ByteReader records, ByteWriter& to) {
+  while (!records.done()) {
+    const auto kind = records.number<mcap::Record>();
+    const ByteView content = records.sized<std::uint64_t>();
+    if (kind == mcap::Record::data_end) return;
+    if (kind == mcap::Record::chunk) {
+      ByteReader chunk(content);
+      chunk.take(8 + 8 + 8 + 4);  // times, size, CRC
+      chunk.text();               // compression
+      add_unchunked(ByteReader(chunk.sized<std::uint64_t>()), to);
+    } else if (kind != mcap::Record::message_index) {
+      to.number(kind);
+      to.number(static_cast<std::uint64_t>(content.size));
+      to.raw(content);
+    }
+  }
+}
+
+/// The MCAP file as recorders write it that use no chunks: what is read then are the file's own bytes.
+std::string unchunked(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+  ByteReader records({bytes.data(), bytes.size()});
+  ByteWriter made;
+  made.raw(records.take(mcap::magic.size()));
+  add_unchunked(records, made);
+  made.number(mcap::Record::footer);
+  made.number(static_cast<std::uint64_t>(mcap::footer_size));
+  made.raw(std::string(mcap::footer_size, '\0'));
+  made.raw(mcap::magic);
+  return std::string(made.view().text());
+}
+
+TEST_F(RosDrive, ColoursOfAFileWithoutChunksAreReadWhereTheyLie) {
+  McapWriter::Options options;
+  options.compression = "";
+  begin(options);
+  write("/cam/color/image_raw", "sensor_msgs/msg/Image", 100'000,
+        write_image({100'000, "colour"}, cv::Mat(24, 32, CV_8UC3, cv::Scalar(230, 120, 10))));
+  write_depth(100'000, "colour");
+  write_infos();
+  close();
+  std::string text = unchunked(file());
+  text.replace(text.find("bgr8"), 4, "rgb8");
+  std::ofstream(file(), std::ios::binary) << text;
+  RosRecording recording = open();
+  EXPECT_THAT(recording.problems(), IsEmpty());
+  const auto frame = std::get<EncodedFrame>(*recording.next());
+  EXPECT_NEAR(cv::mean(decode_colour(frame.colour))[0], 10, 4);
 }
 
 /// As a calibration file says it.
