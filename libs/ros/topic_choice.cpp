@@ -1,8 +1,10 @@
 #include <lcmslam/ros/topic_choice.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <functional>
+#include <sstream>
 #include <tuple>
 
 #include <lcmslam/datasets/dataset.hpp>
@@ -11,7 +13,9 @@ namespace lcmslam::ros {
 namespace {
 
 using Fits = std::function<bool(const TopicFacts&)>;
-using Score = std::function<int(const std::string& name)>;
+/// What speaks for a topic, the weightiest first.
+using Rank = std::array<int, 4>;
+using Ranking = std::function<Rank(const TopicFacts&)>;
 
 bool has_word(const std::string& name, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(),
@@ -22,14 +26,38 @@ bool has_word(const std::string& name, std::initializer_list<const char*> words)
 int colour_score(const std::string& name) {
   return (has_word(name, {"color", "colour", "rgb"}) ? 4 : 0) -
          (has_word(name, {"infra", "/ir/", "_ir"}) ? 6 : 0) -
-         (has_word(name, {"debug", "overlay", "result", "detect", "annotated", "theora"}) ? 6 : 0) +
-         (has_word(name, {"compressed"}) ? 0 : 1);
+         (has_word(name, {"debug", "overlay", "result", "detect", "annotated", "theora"}) ? 6 : 0);
 }
 // Depth that is registered to colour needs no transform between the cameras.
 int depth_score(const std::string& name) {
-  return (has_word(name, {"registered", "aligned"}) ? 4 : 0) + (has_word(name, {"depth"}) ? 2 : 0) +
-         (has_word(name, {"compressed"}) ? 0 : 1);
+  return (has_word(name, {"registered", "aligned"}) ? 4 : 0) + (has_word(name, {"depth"}) ? 2 : 0);
 }
+int is_raw(const std::string& name) {
+  return has_word(name, {"compressed"}) ? 0 : 1;
+}
+
+/// How many names both topics begin with: 1 of "/front/color/image" and "/front/depth/image".
+int common_path(const std::string& a, const std::string& b) {
+  std::istringstream names_a(a), names_b(b);
+  std::string name_a, name_b;
+  int common = -1;  // both begin with "/"
+  while (std::getline(names_a, name_a, '/') && std::getline(names_b, name_b, '/') && name_a == name_b)
+    ++common;
+  return common;
+}
+
+/// What speaks for it that images are of one camera head (a robot may have several), the weightiest first.
+struct Kinship {
+  bool one_frame = false;
+  int path = 0;
+};
+Kinship kinship(const TopicFacts& a, const TopicFacts& b) {
+  return {!a.frame.empty() && a.frame == b.frame, common_path(a.name, b.name)};
+}
+bool operator<(const Kinship& a, const Kinship& b) {
+  return std::tie(a.one_frame, a.path) < std::tie(b.one_frame, b.path);
+}
+
 bool names_truth(const std::string& name) {
   return has_word(name, {"ground_truth", "groundtruth", "/gt", "_gt", "mocap", "vicon"});
 }
@@ -57,20 +85,24 @@ std::string line(const std::string& what, const TopicFacts& topic) {
   return text + ")";
 }
 
+Fits is_of_kind(ImageKind kind) {
+  return [kind](const TopicFacts& topic) { return is_image(topic.type) && topic.kind == kind; };
+}
+
 class Chooser {
  public:
   Chooser(const std::vector<TopicFacts>& topics, TopicChoice& choice) : topics_(topics), choice_(choice) {}
 
   /// Sets `name` to the wanted topic or the best of those that fit, and notes it.
   const TopicFacts* choose(const std::string& what, const std::string& option, const Fits& fits,
-                           const Score& score, std::string& name) {
+                           const Ranking& rank, std::string& name) {
     std::vector<const TopicFacts*> found;
     for (const TopicFacts& topic : topics_)
       if (fits(topic) && topic.messages > 0) found.push_back(&topic);
-    const auto order = [&](const TopicFacts* t) {
-      return std::make_tuple(-score(t->name), -t->messages, t->name);
-    };
-    std::sort(found.begin(), found.end(), [&](auto* a, auto* b) { return order(a) < order(b); });
+    std::sort(found.begin(), found.end(), [&](auto* a, auto* b) {
+      return std::make_tuple(rank(*b), b->messages, a->name) <
+             std::make_tuple(rank(*a), a->messages, b->name);
+    });
     if (!name.empty()) {
       const auto wanted = std::find_if(found.begin(), found.end(), [&](auto* t) { return t->name == name; });
       if (wanted == found.end()) refuse(what, option, name);
@@ -118,7 +150,7 @@ void choose_info(Chooser& chooser, const std::string& what, const std::string& o
     return is_camera_info(topic.type) && (is_named || topic.name == beside || is_of_frame);
   };
   chooser.choose(
-      what, option, fits, [&](const std::string& topic) { return topic == beside ? 1 : 0; }, name);
+      what, option, fits, [&](const TopicFacts& topic) { return Rank{topic.name == beside}; }, name);
 }
 
 /// "/camera/color/image_raw/compressed" -> "/camera/color"
@@ -150,14 +182,23 @@ TopicChoice choose_topics(const std::vector<TopicFacts>& topics, const Topics& w
   TopicChoice choice;
   choice.topics = wanted;
   Chooser chooser(topics, choice);
-  const auto is_of_kind = [](ImageKind kind) {
-    return [kind](const TopicFacts& topic) { return is_image(topic.type) && topic.kind == kind; };
-  };
   Topics& chosen = choice.topics;
+  const Fits is_depth = is_of_kind(ImageKind::depth);
+  const auto rank_of_colour = [&](const TopicFacts& colour) {
+    Kinship best;  // so that a camera with depth beside it comes before one without
+    for (const TopicFacts& depth : topics)
+      if (is_depth(depth) && (wanted.depth.empty() || depth.name == wanted.depth))
+        best = std::max(best, kinship(colour, depth));
+    return Rank{colour_score(colour.name), best.one_frame, best.path, is_raw(colour.name)};
+  };
   const TopicFacts* colour = chooser.choose("colour images", "colour-topic", is_of_kind(ImageKind::colour),
-                                            colour_score, chosen.colour);
+                                            rank_of_colour, chosen.colour);
+  const auto rank_of_depth = [&](const TopicFacts& depth) {
+    const Kinship kin = colour == nullptr ? Kinship() : kinship(*colour, depth);
+    return Rank{kin.one_frame, kin.path, depth_score(depth.name), is_raw(depth.name)};
+  };
   const TopicFacts* depth =
-      chooser.choose("depth images", "depth-topic", is_of_kind(ImageKind::depth), depth_score, chosen.depth);
+      chooser.choose("depth images", "depth-topic", is_depth, rank_of_depth, chosen.depth);
   if (colour == nullptr || depth == nullptr)
     throw DatasetError(std::string("has no topic of ") + (colour == nullptr ? "colour" : "depth") +
                        " images (sensor_msgs/Image or CompressedImage, of depth 16UC1 or 32FC1); there are " +
@@ -170,13 +211,13 @@ TopicChoice choose_topics(const std::vector<TopicFacts>& topics, const Topics& w
         return is_odometry(topic.type) &&
                (!wanted.odometry.empty() || (!names_truth(topic.name) && !speaks_of_maps(topic.name)));
       },
-      odometry_score, chosen.odometry);
+      [](const TopicFacts& topic) { return Rank{odometry_score(topic.name)}; }, chosen.odometry);
   chooser.choose(
       "true poses", "truth-topic",
       [&](const TopicFacts& topic) {
         return is_pose(topic.type) && (!wanted.truth.empty() || names_truth(topic.name));
       },
-      [](const std::string&) { return 0; }, chosen.truth);
+      [](const TopicFacts&) { return Rank{}; }, chosen.truth);
   return choice;
 }
 

@@ -35,8 +35,9 @@ struct TopicChoice {
 };
 
 /// Takes what is wanted, and chooses the rest by types, encodings and names; of equals the one with more
-/// messages. Throws DatasetError when a wanted topic is not there or of another type, or when there are no
-/// colour or no depth images: it says which topics there are.
+/// messages. Of several cameras' depth images those are taken that are of colour's frame, else whose name
+/// begins as colour's does. Throws DatasetError when a wanted topic is not there or of another type, or when
+/// there are no colour or no depth images: it says which topics there are.
 TopicChoice choose_topics(const std::vector<TopicFacts>& topics, const Topics& wanted);
 
 /// "/camera/color/image_raw/compressed" -> "/camera/color/camera_info"

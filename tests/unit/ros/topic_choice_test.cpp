@@ -38,6 +38,46 @@ TEST(TopicChoice, TakesTheCamerasOwnImagesAndRegisteredDepth) {
   EXPECT_THROW(choose_topics(topics, wanted), DatasetError);
 }
 
+/// Two cameras of a robot, each with depth registered to its colour; of each one image was lost.
+std::vector<TopicFacts> two_cameras(const std::string& front_frame, const std::string& rear_frame) {
+  const auto image = [](const std::string& name, std::int64_t messages, ImageKind kind,
+                        const std::string& frame) {
+    return TopicFacts{name, "sensor_msgs/Image", messages, kind, "", {640, 480}, frame};
+  };
+  return {image("/front/color/image_raw", 10, ImageKind::colour, front_frame),
+          image("/front/aligned_depth_to_color/image_raw", 9, ImageKind::depth, front_frame),
+          image("/rear/color/image_raw", 9, ImageKind::colour, rear_frame),
+          image("/rear/aligned_depth_to_color/image_raw", 10, ImageKind::depth, rear_frame)};
+}
+
+TEST(TopicChoice, ColourAndDepthAreOfOneCamera) {
+  for (const std::vector<TopicFacts>& topics :
+       {two_cameras("front", "rear"), two_cameras("", ""), two_cameras("optical", "optical")}) {
+    EXPECT_EQ(choose_topics(topics, {}).topics.colour, "/front/color/image_raw");
+    EXPECT_EQ(choose_topics(topics, {}).topics.depth, "/front/aligned_depth_to_color/image_raw");
+    Topics wanted;
+    wanted.colour = "/rear/color/image_raw";
+    EXPECT_EQ(choose_topics(topics, wanted).topics.depth, "/rear/aligned_depth_to_color/image_raw");
+    wanted = {};
+    wanted.depth = "/rear/aligned_depth_to_color/image_raw";
+    EXPECT_EQ(choose_topics(topics, wanted).topics.colour, "/rear/color/image_raw");
+  }
+}
+
+TEST(TopicChoice, DepthOfColoursFrameComesBeforeThatOfItsPath) {
+  std::vector<TopicFacts> topics = two_cameras("front", "rear");
+  topics[3].frame = "front";
+  EXPECT_EQ(choose_topics(topics, {}).topics.depth, "/front/aligned_depth_to_color/image_raw");
+  topics[1].frame = "front_depth";
+  EXPECT_EQ(choose_topics(topics, {}).topics.depth, "/rear/aligned_depth_to_color/image_raw");
+}
+
+TEST(TopicChoice, ACameraWithoutDepthIsNotTaken) {
+  std::vector<TopicFacts> topics = two_cameras("front", "rear");
+  topics.erase(topics.begin() + 1);
+  EXPECT_EQ(choose_topics(topics, {}).topics.colour, "/rear/color/image_raw");
+}
+
 // Not even where they are all there is: such poses jump whenever their map is corrected.
 TEST(TopicChoice, PosesOfMapsAreNoOdometry) {
   std::vector<TopicFacts> topics = {
