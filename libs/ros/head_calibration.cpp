@@ -88,9 +88,23 @@ bool says_registered(const std::string& topic) {
   return topic.find("registered") != std::string::npos || topic.find("aligned") != std::string::npos;
 }
 
+bool is_nearly_identity(const Eigen::Isometry3d& T) {
+  return T.translation().norm() < 1e-3 && rotation_angle(T) < 2e-3;
+}
+
 /// An empty name is none: of images without names nobody says where they were taken.
 bool are_of_one_frame(const RecordedCamera& a, const RecordedCamera& b) {
   return !a.frame.empty() && a.frame == b.frame;
+}
+
+/// By the name of depth's topic, where frames and tf do not say otherwise: "aligned" may be to another
+/// camera.
+bool is_registered_by_name(const RecordedCamera& colour, const RecordedCamera& depth,
+                           const TransformTree& transforms) {
+  if (!says_registered(depth.topic)) return false;
+  if (colour.frame.empty() || depth.frame.empty()) return true;
+  const auto found = transforms.find(colour.frame, depth.frame);
+  return !found || is_nearly_identity(found->T_a_b);
 }
 
 void check_frames(const RecordedCamera& colour, const RecordedCamera& depth) {
@@ -124,7 +138,7 @@ void place_depth(const RecordedCamera& colour, const RecordedCamera& depth, cons
                  HeadCalibration& head) {
   RgbdCalibration& calibration = head.calibration;
   const bool one_frame = are_of_one_frame(colour, depth);
-  if (one_frame || says_registered(depth.topic)) {
+  if (one_frame || is_registered_by_name(colour, depth, transforms)) {
     // Drivers that register leave depth's distortion out, or repeat colour's CameraInfo.
     calibration.depth_registered = are_alike(calibration.colour, calibration.depth);
     head.notes.push_back(std::string(calibration.depth_registered
@@ -139,8 +153,12 @@ void place_depth(const RecordedCamera& colour, const RecordedCamera& depth, cons
     throw DatasetError("no transform leads from " + colour.frame + " to " + depth.frame +
                        " (/tf_static, /tf): record them too, or give --calibration FILE");
   calibration.T_colour_depth = found->T_a_b;
-  head.notes.push_back("depth camera in the colour camera's frame, by tf: " + place(found->T_a_b) +
-                       moves(*found));
+  head.notes.push_back(
+      "depth camera in the colour camera's frame, by tf: " + place(found->T_a_b) + moves(*found) +
+      (says_registered(depth.topic) ? "; " + depth.topic +
+                                          " is not taken as registered, though its name says "
+                                          "so (where it is right: --calibration FILE)"
+                                    : ""));
 }
 
 void mount(const RecordedCamera& colour, const TransformTree& transforms,
@@ -174,7 +192,8 @@ HeadCalibration make_calibration(const RecordedCamera& colour, const RecordedCam
   RgbdCalibration& calibration = head.calibration;
   calibration.sensor = "ros";
   calibration.colour = intrinsics(colour, head.notes);
-  const bool shares = !depth.info && (are_of_one_frame(colour, depth) || says_registered(depth.topic));
+  const bool shares =
+      !depth.info && (are_of_one_frame(colour, depth) || is_registered_by_name(colour, depth, transforms));
   if (!depth.info && !shares)
     throw DatasetError(
         "no CameraInfo belongs to " + depth.topic + " (" + camera_info_beside(depth.topic) +

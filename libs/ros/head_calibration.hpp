@@ -28,8 +28,9 @@ struct HeadCalibration {
 };
 
 /// `robot_frames`: which are the robot's, the first that leads to the camera is taken. Depth is registered to
-/// colour when both images are of one frame and their cameras are alike. Throws DatasetError when the
-/// intrinsics or the transform between the cameras are not there: it says what would help.
+/// colour when both images are of one frame, or its topic says so and tf does not say otherwise, and their
+/// cameras are alike. Throws DatasetError when the intrinsics or the transform between the cameras are not
+/// there: it says what would help.
 HeadCalibration make_calibration(const RecordedCamera& colour, const RecordedCamera& depth,
                                  const TransformTree& transforms,
                                  const std::vector<std::string>& robot_frames);

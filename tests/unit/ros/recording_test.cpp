@@ -17,6 +17,7 @@
 namespace lcmslam::ros {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -31,6 +32,7 @@ class RosDrive : public ::testing::Test {
     writer_ = std::make_unique<McapWriter>(file(), options);
   }
   void close() {
+    channels_.clear();
     if (writer_) writer_->close();
     writer_.reset();
   }
@@ -336,6 +338,41 @@ TEST_F(RosDrive, DepthWhoseTopicSaysSoIsRegisteredWithoutFrames) {
   const RosRecording recording = open();
   EXPECT_TRUE(recording.calibration().depth_registered);
   EXPECT_THAT(recording.notes(), Contains(HasSubstr("/cam/aligned_depth/image says so")));
+}
+
+TEST_F(RosDrive, DepthThatIsAlignedToAnotherCameraStandsWhereTfSaysSo) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000, "infra", {32, 24}, "/cam/aligned_depth_to_infra/image");
+  write_info("/cam/color/camera_info", "colour");
+  write_info("/cam/aligned_depth_to_infra/camera_info", "infra");
+  write_tf("colour", "infra", moved(0.059, 0, 0));
+  const RosRecording recording = open();
+  EXPECT_FALSE(recording.calibration().depth_registered);
+  EXPECT_TRUE(recording.calibration().T_colour_depth.isApprox(moved(0.059, 0, 0)));
+  EXPECT_THAT(recording.notes(),
+              Contains(AllOf(HasSubstr("by tf: 0.059, 0.000, 0.000 m"),
+                             HasSubstr("/cam/aligned_depth_to_infra/image is not taken as registered"))));
+}
+
+TEST_F(RosDrive, DepthThatIsAlignedToAnotherCameraDoesNotShareColoursCameraInfo) {
+  begin();
+  write_colour(100'000);
+  write_depth(100'000, "infra", {32, 24}, "/cam/aligned_depth_to_infra/image");
+  write_info("/cam/color/camera_info", "colour");
+  write_tf("colour", "infra", moved(0.059, 0, 0));
+  EXPECT_THAT(refusal(), HasSubstr("no CameraInfo belongs to /cam/aligned_depth_to_infra/image"));
+}
+
+TEST_F(RosDrive, DepthWhoseTopicSaysSoIsRegisteredWhereTfDoesNotSayOtherwise) {
+  for (const bool has_tf : {false, true}) {
+    begin();
+    write_colour(100'000);
+    write_depth(100'000, "aligned", {32, 24}, "/cam/aligned_depth/image");
+    write_info("/cam/color/camera_info", "colour");
+    if (has_tf) write_tf("colour", "aligned", moved(0, 0, 0));
+    EXPECT_TRUE(open().calibration().depth_registered) << "tf: " << has_tf;
+  }
 }
 
 /// As a driver's bug writes it: the quaternion is no unit one.
