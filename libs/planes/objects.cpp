@@ -10,21 +10,62 @@
 namespace lcmslam {
 namespace {
 
+/// Tells which points lie within an outline by the sides in their own row alone: outlines of large floors
+/// have thousands of corners, and a map a million points.
+class OutlineRows {
+ public:
+  explicit OutlineRows(const std::vector<Eigen::Vector2f>& corners) {
+    const auto [lowest, highest] = std::minmax_element(
+        corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.y() < b.y(); });
+    low_ = lowest->y();
+    high_ = highest->y();
+    rows_.resize(row(high_) + 1);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Side side{corners[i], corners[(i + 1) % corners.size()]};
+      const auto [from, to] = std::minmax(side.begin.y(), side.end.y());
+      for (std::size_t at = row(from); at <= row(to); ++at) rows_[at].push_back(side);
+    }
+  }
+
+  bool contains(const Eigen::Vector2f& p) const {
+    if (!(p.y() >= low_ && p.y() <= high_)) return false;
+    bool inside = false;
+    for (const auto& [a, b] : rows_[row(p.y())]) {
+      if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+      if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+    }
+    return inside;
+  }
+
+ private:
+  struct Side {
+    Eigen::Vector2f begin, end;
+  };
+  std::size_t row(float y) const {
+    constexpr float height = 0.05F;  // m
+    return static_cast<std::size_t>((y - low_) / height);
+  }
+
+  float low_ = 0, high_ = 0;
+  std::vector<std::vector<Side>> rows_;
+};
+
 /// Points over the patch in its frame: x and y in the plane, z above it.
 std::vector<Eigen::Vector3f> points_above(const std::vector<Eigen::Vector3f>& points, const PlanePatch& patch,
                                           const Eigen::Isometry3f& T_plane_map,
                                           const ObjectSettings& settings) {
-  std::vector<cv::Point2f> outline;
+  std::vector<Eigen::Vector2f> corners;
   for (const Eigen::Vector3d& corner : patch.outline) {
     const Eigen::Vector3f p = T_plane_map * corner.cast<float>();
-    outline.emplace_back(p.x(), p.y());
+    corners.emplace_back(p.head<2>());
   }
+  const OutlineRows outline(corners);
   std::vector<Eigen::Vector3f> above;
   const auto low = static_cast<float>(settings.lift), high = static_cast<float>(settings.height);
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = T_plane_map * point;
     if (!(p.z() > low && p.z() < high)) continue;
-    if (cv::pointPolygonTest(outline, {p.x(), p.y()}, false) >= 0) above.push_back(p);
+    if (outline.contains(p.head<2>())) above.push_back(p);
   }
   return above;
 }

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/planes/objects.hpp>
 
@@ -57,6 +59,42 @@ TEST(Objects, BoxesLieAlongTheirObjectsHoweverTheseAreTurned) {
     const Eigen::Vector3d along(std::cos(heading), std::sin(heading), 0);
     EXPECT_NEAR(std::abs(objects[0].T_map_box.linear().col(0).dot(along)), 1, 2e-3) << heading;
     EXPECT_LT((objects[0].size - Eigen::Vector3d(0.2, 0.1, 0.25)).cwiseAbs().maxCoeff(), 0.006);
+  }
+}
+
+/// A star with steps of 2 cm for sides, as grids outline what was seen.
+PlanePatch ragged_floor() {
+  PlanePatch patch = table();
+  patch.outline.clear();
+  for (int i = 0; i < 1500; ++i) {
+    const double angle = 2 * M_PI * i / 1500, radius = 2 + 0.8 * std::sin(7 * angle);
+    const auto on_grid = [](double x) { return 0.02 * std::round(x / 0.02); };
+    const Eigen::Vector3d corner(on_grid(radius * std::cos(angle)), on_grid(radius * std::sin(angle)), 0.7);
+    if (!patch.outline.empty()) patch.outline.emplace_back(patch.outline.back().x(), corner.y(), 0.7);
+    patch.outline.push_back(corner);
+  }
+  return patch;
+}
+
+TEST(Objects, StandOnWhatARaggedOutlineEncloses) {
+  for (const PlanePatch& patch : {ragged_floor(), table()}) {
+    std::vector<cv::Point2f> outline;
+    for (const Eigen::Vector3d& corner : patch.outline)
+      outline.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()));
+    Random random(3);
+    std::vector<Eigen::Vector3f> points;
+    int within = 0;
+    for (int i = 0; i < 20'000; ++i) {
+      const auto x = static_cast<float>(random.uniform(-3, 3)), y = static_cast<float>(random.uniform(-3, 3));
+      points.emplace_back(x, y, 0.8f);
+      within += cv::pointPolygonTest(outline, {x, y}, false) >= 0 ? 1 : 0;
+    }
+    ObjectSettings settings;
+    settings.min_points = 1;
+    int on_it = 0;
+    for (const StandingObject& object : find_objects(points, patch, settings)) on_it += object.points;
+    EXPECT_NEAR(on_it, within, 2) << "of rounding";
+    EXPECT_GT(within, 400);
   }
 }
 
