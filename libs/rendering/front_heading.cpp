@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <lcmslam/cloud/coloured_cloud.hpp>
+#include <lcmslam/rendering/picture_points.hpp>
 #include <lcmslam/rendering/view_camera.hpp>
 
 namespace lcmslam {
@@ -40,9 +41,8 @@ std::vector<Eigen::Vector3d> facing_directions(const PictureRequest& request) {
   };
   if (request.cloud) {
     const ColouredCloud& cloud = *request.cloud;
-    const bool has_normals = cloud.normals.size() == cloud.size();
     for (std::size_t i = 0; i < cloud.size(); i += cloud.size() / count + 1) {
-      if (has_normals && cloud.normals[i].allFinite())
+      if (has_normal(cloud, i))
         add(cloud.normals[i].cast<double>().eval());
       else if (cloud.points[i].allFinite())
         add(seen_from(cloud.points[i].cast<double>(), path));

@@ -42,13 +42,12 @@ double automatic_cut(const PictureRequest& request) {
   return std::isfinite(highest) ? highest + head_room : std::numeric_limits<double>::infinity();
 }
 
-/// Files have 0 0 0 where a normal is unknown (save_ply()).
+}  // namespace
+
 bool has_normal(const ColouredCloud& cloud, std::size_t i) {
   return cloud.normals.size() == cloud.size() && cloud.normals[i].allFinite() &&
          cloud.normals[i].squaredNorm() > 0;
 }
-
-}  // namespace
 
 PicturePoints::PicturePoints(const PictureRequest& request) : request_(request) {
   if (request.landmarks) nothing_ = request.landmarks->empty();

@@ -9,6 +9,9 @@
 
 namespace lcmslam {
 
+/// Whether it is known: files have 0 0 0 where it is not (save_ply()).
+bool has_normal(const ColouredCloud& cloud, std::size_t i);
+
 class PicturePoints {
  public:
   /// Keeps a reference to the request.
