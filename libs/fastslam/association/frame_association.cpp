@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <lcmslam/fastslam/association/consensus.hpp>
+#include <lcmslam/fastslam/association/visibility.hpp>
 #include <lcmslam/fastslam/pose_space.hpp>
 
 namespace lcmslam {
@@ -183,9 +184,11 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   const bool enough = by_descriptor >= s.minimum_consensus;
   if (enough && result.known.empty()) ++steps_without_agreement_;
   const Eigen::Vector3d camera = T_predicted * frame.T_robot_camera.translation();
+  const Visibility visibility(frame, points, T_predicted);
   const auto established = std::count_if(result.visible.begin(), result.visible.end(), [&](const auto& v) {
     const LandmarkRecord& record = index.record(v.slot);
-    return record.observations >= s.minimum_observations && was_seen_from(camera, v, record);
+    return record.observations >= s.minimum_observations && was_seen_from(camera, v, record) &&
+           visibility.is_free(v);  // who stands before the camera hides it
   });
   result.contradicted = enough && result.known.empty() && established >= 2 * s.minimum_consensus;
   if (steps_without_agreement_ > s.relocalise_after) {

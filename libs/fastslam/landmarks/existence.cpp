@@ -2,58 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <set>
 
-#include <lcmslam/fastslam/association/image_grid.hpp>
+#include <lcmslam/fastslam/association/visibility.hpp>
 
 namespace lcmslam {
 namespace {
 
-constexpr double same_view_cosine =
-    0.87;                               // within 30 degrees of the last observation SURF should find it again
-constexpr double same_scale = 1.5;      // and within this factor of its distance
 constexpr Utime long_ago = 15'000'000;  // us: what is older is of a former visit, or the robot stands
 
 const Feature& feature_of(const FeatureFrame& frame, const FeaturePoint& point) {
   return frame.features[static_cast<std::size_t>(point.feature)];
 }
-
-/// What a frame proves of landmarks that it does not show.
-class Visibility {
- public:
-  Visibility(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
-             const Eigen::Isometry3d& T_world_robot)
-      : frame_(frame), grid_(frame), camera_(T_world_robot * frame.T_robot_camera.translation()) {
-    for (const FeaturePoint& point : points) {
-      const Feature& f = feature_of(frame, point);
-      double& cell = farthest_[grid_.cell(f.x, f.y)];
-      cell = std::max(cell, point.range);
-    }
-  }
-
-  /// Well inside the image, and with a measured point beside it that is not in front of it.
-  bool is_free(const VisibleLandmark& landmark) const {
-    return landmark.x >= 0 && landmark.x < frame_.width && landmark.y >= 0 && landmark.y < frame_.height &&
-           farthest_[cell(landmark)] >= 0.95 * landmark.range;  // else hidden, or unknown
-  }
-  /// Also seen before from about there.
-  bool ought_to_show(const VisibleLandmark& landmark, const LandmarkRecord& record) const {
-    if (!is_free(landmark)) return false;
-    if (record.seen_at <= 0) return true;
-    const Eigen::Vector3d ray = camera_ - landmark.mean;
-    const double scale = ray.norm() / record.seen_at;
-    return ray.normalized().dot(record.seen_from) >= same_view_cosine && scale <= same_scale &&
-           scale >= 1 / same_scale;
-  }
-  std::size_t cell(const VisibleLandmark& landmark) const { return grid_.cell(landmark.x, landmark.y); }
-
- private:
-  const FeatureFrame& frame_;
-  ImageGrid grid_;
-  Eigen::Vector3d camera_;
-  std::array<double, ImageGrid::cell_count> farthest_{};  // measured in each cell
-};
 
 }  // namespace
 

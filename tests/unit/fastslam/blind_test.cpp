@@ -246,6 +246,34 @@ TEST(CoveredCamera, CountsHowLongItKnowsNothingOfWhatItSees) {
   EXPECT_EQ(adrift, 0) << "found";
 }
 
+// Somebody stands before a robot that stands, and leaves again: nobody has carried it.
+TEST(CoveredCamera, WhoStandsBeforeARobotHasNotCarriedIt) {
+  constexpr std::size_t stands = 60, hidden = 70, free_again = 130, end = 160;  // frames
+  const Drive drive = make_drive(synthetic::short_world(stands), 8);
+  synthetic::Step standing = drive.steps.back();
+  const std::vector<Feature> room = standing.frame.features;
+  std::vector<Feature> coat = room;
+  Random random(9);
+  for (Feature& feature : coat) {
+    feature.point *= 0.4F;
+    for (auto& byte : feature.descriptor) byte = static_cast<std::uint8_t>(random.below(200));
+  }
+  FastSlam slam({});
+  for (const synthetic::Step& step : drive.steps) slam.step(step.motion, step.frame);
+  standing.motion.T_from_to.setIdentity();
+  for (std::size_t i = stands; i < end; ++i) {
+    standing.frame.utime += 100'000;
+    standing.frame.features = i >= hidden && i < free_again ? coat : room;
+    for (Feature& feature : standing.frame.features) feature.x += static_cast<float>(0.3 * random.normal());
+    const StepResult r = slam.step(standing.motion, standing.frame);
+    EXPECT_EQ(r.unplaced, 0) << i;
+    EXPECT_LT(error_of(r, standing).head<3>().norm(), 0.1) << i;
+    if (i >= free_again + 10) {
+      EXPECT_EQ(r.status, TrackStatus::tracking) << i;
+    }
+  }
+}
+
 // Frames a second apart, and an odometry that is lost between the first ones: what was seen only once is no
 // map to find back to. The world begins where the robot can follow its way, and holds from there.
 TEST(SlowCamera, BeginsItsWorldWhereItCanFollow) {

@@ -57,28 +57,55 @@ TEST(FrameAssociation, FindsALostRobotInTheWholeMap) {
   EXPECT_EQ(associator.steps_without_agreement(), 0);
 }
 
-// A wall that was never looked at hides a room that is known well.
-TEST(FrameAssociation, WhatWasSeenFromElsewhereContradictsNothing) {
-  for (const bool from_here : {true, false}) {
-    Scene scene(2);
-    Random random(7);
-    for (Feature& feature : scene.frame.features)
-      for (auto& byte : feature.descriptor) byte = static_cast<std::uint8_t>(random.below(200));
-    const Eigen::Vector3d aside(from_here ? 0.1 : 3, 0, 0);
-    const Eigen::Vector3d camera = scene.T_world_robot * scene.frame.T_robot_camera.translation() + aside;
-    for (int slot = 0; slot < scene.index.slots(); ++slot) {
-      LandmarkRecord& record = scene.index.record(slot);
-      const Eigen::Vector3d ray = camera - scene.map.find(static_cast<std::size_t>(slot))->mean;
+/// Its landmarks are well known, and were seen from here, or from `aside` of it.
+struct KnownScene : Scene {
+  explicit KnownScene(std::uint64_t seed, double aside = 0.1) : Scene(seed) {
+    const Eigen::Vector3d camera =
+        T_world_robot * frame.T_robot_camera.translation() + Eigen::Vector3d(aside, 0, 0);
+    for (int slot = 0; slot < index.slots(); ++slot) {
+      LandmarkRecord& record = index.record(slot);
+      const Eigen::Vector3d ray = camera - map.find(static_cast<std::size_t>(slot))->mean;
       record.observations = 50;
       record.seen_from = ray.normalized();
       record.seen_at = ray.norm();
     }
-    FrameAssociator associator(scene.settings);
+  }
+
+  void show_strange_things() {
+    Random random(7);
+    for (Feature& feature : frame.features)
+      for (auto& byte : feature.descriptor) byte = static_cast<std::uint8_t>(random.below(200));
+  }
+
+  FrameAssociation associate(FrameAssociator& associator) const {
     Motion prior;
     prior.covariance.diagonal().setConstant(1e-4);
-    const auto result = associator.associate(scene.frame, usable_features(scene.frame, scene.settings),
-                                             scene.T_world_robot, prior, scene.map, scene.index);
-    EXPECT_EQ(result.contradicted, from_here);
+    return associator.associate(frame, usable_features(frame, settings), T_world_robot, prior, map, index);
+  }
+  FrameAssociation associate() const {
+    FrameAssociator associator(settings);
+    return associate(associator);
+  }
+};
+
+// A wall that was never looked at hides a room that is known well.
+TEST(FrameAssociation, WhatWasSeenFromElsewhereContradictsNothing) {
+  for (const bool from_here : {true, false}) {
+    KnownScene scene(2, from_here ? 0.1 : 3);
+    scene.show_strange_things();
+    EXPECT_EQ(scene.associate().contradicted, from_here);
+  }
+}
+
+// A door, a trolley, somebody in a patterned coat.
+TEST(FrameAssociation, WhatStandsBeforeTheCameraContradictsNothing) {
+  for (const double distance : {1.0, 0.4}) {
+    KnownScene scene(2);
+    scene.show_strange_things();
+    for (Feature& feature : scene.frame.features) feature.point *= static_cast<float>(distance);
+    const FrameAssociation result = scene.associate();
+    EXPECT_FALSE(result.agreed) << distance;
+    EXPECT_EQ(result.contradicted, distance == 1) << distance;
   }
 }
 
