@@ -105,7 +105,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     const bool located = judge(verdict, association, points, index_, observations, result);
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();
-    if (agreed) agreed_utime_ = frame.utime;
+    if (agreed || association.confirmed) agreed_utime_ = frame.utime;
     if (agreed) unplaced_ = adrift_ = 0;
     result.unplaced = unplaced_;
     result.adrift = adrift_;
@@ -244,7 +244,7 @@ TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed, U
 void FastSlam::look_whether_carried(const FrameAssociation& association,
                                     const std::vector<FeaturePoint>& points, Utime utime) {
   constexpr double longest_frame = 1;  // s that one frame speaks for
-  if (association.agreed) unplaced_ = 0;
+  if (association.agreed || association.confirmed) unplaced_ = 0;
   const bool enough = static_cast<int>(points.size()) >= settings_.minimum_consensus;
   const double seconds = std::min(1e-6 * static_cast<double>(utime - utime_), longest_frame);
   if (association.contradicted || (unplaced_ > 0 && !association.agreed && enough)) unplaced_ += seconds;

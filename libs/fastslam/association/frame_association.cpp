@@ -181,6 +181,13 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   }
 
   keep(explained(pair_up(result.matches, points, map), T_predicted, prior.covariance, s), result);
+  // Where few features have depth those without it tell whether the prediction is right, if they are twice as
+  // many: a pixel says less than a point.
+  result.confirmed = found.supported && static_cast<int>(result.matches.size()) >= 2 * s.minimum_consensus;
+  if (result.confirmed) {
+    steps_without_agreement_ = 0;
+    return result;
+  }
   const bool enough = by_descriptor >= s.minimum_consensus;
   if (enough && result.known.empty()) ++steps_without_agreement_;
   const Eigen::Vector3d camera = T_predicted * frame.T_robot_camera.translation();
@@ -244,9 +251,10 @@ FrameAssociator::Attempt FrameAssociator::search(const std::vector<FeaturePoint>
   if (visible.empty()) return {};
   Attempt best =
       agree(matcher_.guided(visible, map, index, T_predicted, covariance, s), points, map, T_predicted);
+  const bool supported = matcher_.supported();
   // Fewer than half of what is usual: new surroundings, or a slip beyond the gates. The wider search must
   // find clearly more, for its chance matches are more.
-  const bool enough = matcher_.supported() && best.consensus && best.inliers() >= 0.5 * usual_inliers_;
+  const bool enough = supported && best.consensus && best.inliers() >= 0.5 * usual_inliers_;
   if (!enough) {
     const Matrix6d wide = covariance + slip_covariance(frame, s);
     Attempt attempt =
@@ -257,6 +265,7 @@ FrameAssociator::Attempt FrameAssociator::search(const std::vector<FeaturePoint>
     Attempt attempt = agree(matcher_.among(visible, map, index, s), points, map, T_predicted);
     if (attempt.consensus) best = std::move(attempt);
   }
+  best.supported = supported;
   constexpr double memory = 0.9;
   usual_inliers_ =
       usual_inliers_ > 0 ? memory * usual_inliers_ + (1 - memory) * best.inliers() : best.inliers();

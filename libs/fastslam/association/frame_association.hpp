@@ -24,6 +24,7 @@ struct FrameAssociation {
   bool loop_closed = false;       ///< found again while the odometry was believed: all of it is still true
   std::optional<Consensus> free;  ///< on which most matches agree in space, whatever the plane says
   bool agreed = false;            ///< at least settings.minimum_consensus matches agree on one pose
+  bool confirmed = false;  ///< too few have depth to agree on a pose, but the predicted one explains many
   bool slipped = false;
   bool doubtful = false;      ///< the place looks like one seen long ago: not to be mapped anew yet
   bool contradicted = false;  ///< many well-known landmarks should be seen, and nothing agrees with them
@@ -42,13 +43,14 @@ class FrameAssociator {
                              const Eigen::Isometry3d& T_world_robot, const Motion& prior,
                              const ParticleMap& map, const LandmarkIndex& index, bool lost = false);
 
-  /// Steps in a row whose features agreed on no pose.
+  /// Steps in a row whose features agreed on no pose, nor confirmed the predicted one.
   int steps_without_agreement() const { return steps_without_agreement_; }
 
  private:
   struct Attempt {
     std::vector<LandmarkMatch> matches;
     std::optional<Consensus> consensus;  // of the 3-D points
+    bool supported = false;              // where the prediction has them: more matches than chance gives
     int inliers() const { return consensus ? consensus->inliers : 0; }
   };
   bool slips(const Consensus& consensus, const Eigen::Isometry3d& T_predicted,

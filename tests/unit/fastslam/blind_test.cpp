@@ -274,6 +274,28 @@ TEST(CoveredCamera, WhoStandsBeforeARobotHasNotCarriedIt) {
   }
 }
 
+// Most features lose their depth, those of a hall or in the sun: the others tell where the robot is.
+TEST(CoveredCamera, FewFeaturesWithDepthAreNoContradiction) {
+  constexpr std::size_t sparse = 60, end = 160;  // frames
+  const Drive drive = make_drive(synthetic::short_world(end), 10);
+  for (const std::size_t every : {4U, 8U}) {
+    SCOPED_TRACE(every);
+    FastSlam slam({});
+    int confirmed = 0;
+    for (std::size_t i = 0; i < end; ++i) {
+      synthetic::Step step = drive.steps[i];
+      for (std::size_t f = 0; f < step.frame.features.size() && i >= sparse; ++f)
+        if (f % every != 0) step.frame.features[f].kind = MeasurementKind::bearing;
+      const StepResult r = slam.step(step.motion, step.frame);
+      EXPECT_EQ(r.unplaced, 0) << i;
+      EXPECT_LT(error_of(r, step).head<3>().norm(), 0.1) << i;
+      EXPECT_NE(r.status, TrackStatus::lost) << i;
+      confirmed += r.status == TrackStatus::predicting && r.used > 16;
+    }
+    std::cout << confirmed << " steps placed by features without depth\n";
+  }
+}
+
 // Frames a second apart, and an odometry that is lost between the first ones: what was seen only once is no
 // map to find back to. The world begins where the robot can follow its way, and holds from there.
 TEST(SlowCamera, BeginsItsWorldWhereItCanFollow) {

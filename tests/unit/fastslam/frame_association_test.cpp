@@ -97,6 +97,24 @@ TEST(FrameAssociation, WhatWasSeenFromElsewhereContradictsNothing) {
   }
 }
 
+// Few features have depth and agree on no pose; many others lie where the prediction has them.
+TEST(FrameAssociation, FeaturesWithoutDepthConfirmThePrediction) {
+  for (const bool strange : {false, true}) {
+    KnownScene scene(2);
+    if (strange) scene.show_strange_things();
+    std::size_t n = 0;
+    for (Feature& feature : scene.frame.features)
+      if (n++ % 12 != 0) feature.kind = MeasurementKind::bearing;
+    FrameAssociator associator(scene.settings);
+    FrameAssociation result;
+    for (int i = 0; i < 3; ++i) result = scene.associate(associator);
+    EXPECT_FALSE(result.agreed);
+    EXPECT_EQ(result.confirmed, !strange);
+    EXPECT_FALSE(result.contradicted && !strange);
+    EXPECT_EQ(associator.steps_without_agreement() == 0, !strange);
+  }
+}
+
 // A door, a trolley, somebody in a patterned coat.
 TEST(FrameAssociation, WhatStandsBeforeTheCameraContradictsNothing) {
   for (const double distance : {1.0, 0.4}) {
