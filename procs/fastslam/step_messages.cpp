@@ -45,8 +45,9 @@ std::int8_t wire_outcome(AssociationOutcome outcome) {
 pose_estimate_t pose_message(Utime utime, const StepResult& result) {
   pose_estimate_t pose = make_pose_estimate(utime, result.T_world_robot, result.covariance);
   pose.status = wire_status(result.status);
-  pose.quality =
-      result.offered > 0 ? static_cast<float>(result.used) / static_cast<float>(result.offered) : 0.F;
+  // Of the features that look like a landmark, used or not; those that show something new tell nothing.
+  const int known = result.matched + result.rejected;
+  pose.quality = known > 0 ? static_cast<float>(result.matched) / static_cast<float>(known) : 0.F;
   pose.inliers = result.used;
   pose.detail = result.slipped ? "wheels slipped" : "";
   if (result.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");

@@ -11,17 +11,19 @@ TEST(StepMessages, ThePoseSaysHowMuchOfTheFrameItRestsOn) {
   StepResult result;
   result.T_world_robot = planar_pose(1, 2, 0);
   result.covariance = 0.25 * Matrix6d::Identity();
-  result.offered = 12;
+  result.offered = 2;  // the others have no depth
+  result.matched = 9;
+  result.rejected = 3;
   result.used = 3;
   result.slipped = true;
   result.status = TrackStatus::predicting;
   const pose_estimate_t pose = pose_message(77, result);
   EXPECT_EQ(pose.utime, 77);
   EXPECT_EQ(pose.status, pose_estimate_t::DEGRADED);
-  EXPECT_FLOAT_EQ(pose.quality, 0.25F);
+  EXPECT_FLOAT_EQ(pose.quality, 0.75F);
   EXPECT_EQ(pose.inliers, 3);
   EXPECT_EQ(pose.detail, "wheels slipped");
-  EXPECT_EQ(pose_message(77, StepResult()).quality, 0);  // nothing offered
+  EXPECT_EQ(pose_message(77, StepResult()).quality, 0);  // nothing known
   result.status = TrackStatus::lost;
   EXPECT_EQ(pose_message(77, result).status, pose_estimate_t::LOST);
   result.status = TrackStatus::relocalised;
