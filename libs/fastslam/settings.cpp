@@ -145,9 +145,9 @@ void FastSlamSettings::describe(SettingsVisitor& s) {
   s.choice("rejection", rejection, rejection_names,
            "what a rejected observation does to a weight: factor p0, or the landmark's density at the gate");
   s.number("p0", p0, "1/m^3", {1e-300, 1e9}, "density for the rejection `constant`");
-  s.number("descriptor_ratio", descriptor_ratio, "", {0, 1},
+  s.number("descriptor_ratio", descriptor_ratio, "", {1e-3, 1},
            "of the best and second best descriptor's distance; 1: the nearest counts");
-  s.number("descriptor_distance", descriptor_distance, "", {0, 2}, "largest distance of unit descriptors");
+  s.number("descriptor_distance", descriptor_distance, "", {1e-3, 2}, "largest distance of unit descriptors");
   s.number("same_place", same_place, "m", {0, 100}, "nearer landmarks are no rivals in the ratio test");
   s.number("search_radius", search_radius, "image widths", {0, 2},
            "around the predicted pixel, after a slip");

@@ -39,5 +39,15 @@ TEST(FastSlamSettings, ErrorsNameSettingAndValue) {
   EXPECT_THROW(FastSlam{settings}, std::invalid_argument);
 }
 
+// What the matchers refuse would stop the filter at its second step.
+TEST(FastSlamSettings, NothingIsMatchedByDescriptorsThatMustBeTheSame) {
+  FastSlamSettings settings;
+  settings.descriptor_ratio = 0;
+  EXPECT_NE(complaint(settings).find("descriptor_ratio is 0, must be"), std::string::npos);
+  settings = FastSlamSettings();
+  settings.descriptor_distance = 0;
+  EXPECT_NE(complaint(settings).find("descriptor_distance is 0, must be"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lcmslam
