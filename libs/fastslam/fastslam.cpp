@@ -67,7 +67,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     Predicted predicted = predict(odometry);
     const auto associate = [&] {
       return associator_.associate(frame, points, particles_.best().T_world_robot, predicted.motion,
-                                   particles_.best().map, index_, unknown_.lost());
+                                   particles_.best().map, index_, unknown_.whereabouts());
     };
     FrameAssociation association = associate();
     if (const auto seen = refuses_ground(association)) {

@@ -8,6 +8,7 @@
 namespace lcmslam {
 namespace {
 
+constexpr Utime longest_blink = 600'000;   // us: 0.3 m and 0.6 rad, much of what was seen is still in view
 constexpr Utime longest_gap = 60'000'000;  // us: after it a robot may be anywhere, and nobody states more
 
 double squared(double x) {
@@ -72,6 +73,7 @@ bool UnknownMotion::knows(const Motion& odometry, Utime step) const {
 Motion UnknownMotion::prior(const Motion& odometry, Utime utime) {
   const Utime step = last_ ? std::clamp<Utime>(utime - *last_, 0, longest_gap) : 0;
   last_ = utime;
+  before_ = elapsed_;
   if (knows(odometry, step)) return step_ = motion_prior(odometry, settings_);
   const Matrix6d before = unknown_motion(elapsed_).covariance;
   elapsed_ += step;
@@ -80,6 +82,13 @@ Motion UnknownMotion::prior(const Motion& odometry, Utime utime) {
   step_.covariance += unknown_motion(step).covariance;
   standing.covariance += unknown_motion(elapsed_).covariance - before;
   return standing;
+}
+
+// One step of a slow camera without odometry may be longer than lost_after: that the robot knows nothing of
+// what it sees shows only when it has looked.
+Whereabouts UnknownMotion::whereabouts() const {
+  if (!lost()) return Whereabouts::predicted;
+  return before_ == 0 && elapsed_ <= longest_blink ? Whereabouts::near : Whereabouts::anywhere;
 }
 
 }  // namespace lcmslam

@@ -19,6 +19,13 @@ Motion with_ground(Motion motion, const FastSlamSettings& settings);
 /// Finite, symmetric, and not so wide that numbers fail.
 bool usable(const Motion& motion);
 
+/// What the prior says of a robot's place.
+enum class Whereabouts {
+  predicted,  ///< it is about where the prior leads
+  near,       ///< nobody knows what it did in this one step: it may still see what it saw last
+  anywhere    ///< in its map
+};
+
 /// Since when nothing tells how the robot moves. An odometry that is lost (a visual one in the dark, a gap)
 /// states an error beyond its motion and beyond what the robot's speed allows: it is none, and standing still
 /// is the better guess.
@@ -39,6 +46,7 @@ class UnknownMotion {
   void end() { elapsed_ = 0; }
   /// Long enough that it may be anywhere in its map.
   bool lost() const { return 1e-6 * static_cast<double>(elapsed_) > settings_.lost_after; }
+  Whereabouts whereabouts() const;
 
  private:
   bool knows(const Motion& odometry, Utime step) const;
@@ -47,6 +55,7 @@ class UnknownMotion {
   std::optional<Utime> last_;
   Motion step_;
   Utime elapsed_ = 0;  // us, of unknown motion since end()
+  Utime before_ = 0;   // the same before the last step
 };
 
 }  // namespace lcmslam

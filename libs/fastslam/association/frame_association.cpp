@@ -123,7 +123,8 @@ FrameAssociator::FrameAssociator(const FastSlamSettings& settings)
 FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
                                             const std::vector<FeaturePoint>& points,
                                             const Eigen::Isometry3d& T_world_robot, const Motion& prior,
-                                            const ParticleMap& map, const LandmarkIndex& index, bool lost) {
+                                            const ParticleMap& map, const LandmarkIndex& index,
+                                            Whereabouts whereabouts) {
   const FastSlamSettings& s = settings_;
   FrameAssociation result;
   result.prior = prior;
@@ -147,13 +148,15 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
       !points.empty())
     return result;
 
-  if (lost) {
+  Attempt found;
+  if (whereabouts != Whereabouts::anywhere)
+    found = search(points, result.visible, frame, T_predicted, Q, map, index);
+  if (whereabouts != Whereabouts::predicted && !found.consensus) {
     recognised_ = 0;
     steps_without_agreement_ += by_descriptor >= s.minimum_consensus && result.known.empty() ? 1 : 0;
     if (find_back(points, map, index, s.minimum_consensus, result)) steps_without_agreement_ = 0;
     return result;
   }
-  Attempt found = search(points, result.visible, frame, T_predicted, Q, map, index);
   if (found.consensus && found.inliers() < 0.9 * usual_inliers_ &&
       slips(*found.consensus, T_predicted, prior.covariance)) {
     // What is near, and tells most, lay outside the gates: once more from where the robot is.

@@ -9,6 +9,7 @@
 
 #include <lcmslam/fastslam/association/consensus.hpp>
 #include <lcmslam/fastslam/association/landmark_matcher.hpp>
+#include <lcmslam/fastslam/motion_model.hpp>
 #include <lcmslam/geometry/motion_buffer.hpp>
 
 namespace lcmslam {
@@ -37,11 +38,12 @@ class FrameAssociator {
   /// All six degrees are free from now on.
   void leave_plane(const FastSlamSettings& settings) { settings_ = settings; }
 
-  /// `T_world_robot` and `map`: the best particle before the motion `prior` (from motion_prior()). `lost`:
-  /// the prior says nothing, and landmarks are sought in the whole map at once.
+  /// `T_world_robot` and `map`: the best particle before the motion `prior` (from motion_prior()).
+  /// Who may be anywhere seeks landmarks in the whole map at once, who is near where that finds none in view.
   FrameAssociation associate(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
                              const Eigen::Isometry3d& T_world_robot, const Motion& prior,
-                             const ParticleMap& map, const LandmarkIndex& index, bool lost = false);
+                             const ParticleMap& map, const LandmarkIndex& index,
+                             Whereabouts whereabouts = Whereabouts::predicted);
 
   /// Steps in a row whose features agreed on no pose, nor confirmed the predicted one.
   int steps_without_agreement() const { return steps_without_agreement_; }

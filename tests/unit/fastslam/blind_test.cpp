@@ -329,5 +329,21 @@ TEST(SlowCamera, BeginsItsWorldWhereItCanFollow) {
   }
 }
 
+// Two or three images a second and no odometry at all: each shows much of what the one before did, and
+// nobody was lost.
+TEST(SlowCamera, IsNotLostBetweenTwoImages) {
+  for (const std::size_t apart : {3U, 5U}) {
+    SCOPED_TRACE(apart);
+    const Drive drive = hand_held_drive(200, 2);
+    FastSlam slam(hand_held());
+    for (std::size_t i = 0; i < drive.steps.size(); i += apart) {
+      const synthetic::Step& step = drive.steps[i];
+      const StepResult r = slam.step(unknown_motion(static_cast<Utime>(100'000 * apart)), step.frame);
+      EXPECT_EQ(r.status, i == 0 ? TrackStatus::initialising : TrackStatus::tracking) << i;
+      EXPECT_LT(error_of(r, step).head<3>().norm(), 0.1) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam

@@ -115,6 +115,26 @@ TEST(UnknownMotion, GoesOnUntilBothAreKnown) {
   EXPECT_TRUE(unknown.lost());
 }
 
+// A camera of three images a second, without odometry.
+TEST(UnknownMotion, OneStepOfASlowCameraLeavesItNear) {
+  UnknownMotion unknown(FastSlamSettings{});
+  Utime now = 0;
+  const auto after = [&](Utime step) {
+    unknown.prior(unknown_motion(step), now += step);
+    return unknown.whereabouts();
+  };
+  unknown.prior(Motion(), now);
+  EXPECT_EQ(after(200'000), Whereabouts::predicted);
+  unknown.end();
+  EXPECT_EQ(after(330'000), Whereabouts::near);
+  EXPECT_TRUE(unknown.lost()) << "if it recognises nothing";
+  EXPECT_EQ(after(330'000), Whereabouts::anywhere);
+  unknown.prior(Motion(), now += 330'000);
+  EXPECT_EQ(unknown.whereabouts(), Whereabouts::anywhere) << "whatever is known of a later step";
+  unknown.end();
+  EXPECT_EQ(after(4'000'000), Whereabouts::anywhere) << "a gap";
+}
+
 // Nobody states more than what a minute brings.
 TEST(UnknownMotion, WhoWasAwayForLongIsLost) {
   for (const Utime minutes : {1, 2, 60}) {
