@@ -16,30 +16,44 @@ LandmarkSessions::LandmarkSessions(const std::filesystem::path& file, bool backg
 
 void LandmarkSessions::load() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!std::filesystem::exists(file_)) return;
-  try {
+  is_read_ = !std::filesystem::exists(file_);
+  if (is_read_) return;
+  attempt([this] {
     MapFile map(file_);
+    const std::vector<StoredSession> sessions = map.sessions();
+    is_read_ = true;
     std::vector<std::int64_t> unknown;
-    for (const StoredSession& session : map.sessions()) {
+    for (const StoredSession& session : sessions) {
       if (session.mapper != "fastslam" || map.counts(session.id).landmarks == 0) continue;
-      if (map_.size() == 0) first_session_ = session.id;
-      if (map_.size() == 0 || session.T_map_session)
-        place(session.id, map.landmarks(session.id),
-              session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
+      if (first_session_ == 0) first_session_ = session.id;
+      if (session.id == first_session_ || session.T_map_session)
+        attempt([&] {
+          place(session.id, map.landmarks(session.id),
+                session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
+        });
       else
         unknown.push_back(session.id);
     }
-    for (const std::int64_t session : unknown) {
-      const std::vector<Landmark> landmarks = map.landmarks(session);
-      LandmarkJoiner joiner;
-      joiner.add_all(landmarks, map_);
-      if (!joiner.joint()) continue;
-      joined_.push_back({session, *joiner.joint()});
-      place(session, landmarks, joiner.joint()->T_map_session);
-    }
-  } catch (const std::exception&) {
-    // What was read before the damage serves.
+    for (const std::int64_t session : unknown) attempt([&] { join_stored(map, session); });
+  });
+}
+
+template <class Work>
+void LandmarkSessions::attempt(const Work& work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    error_ = error.what();
   }
+}
+
+void LandmarkSessions::join_stored(MapFile& map, std::int64_t session) {
+  const std::vector<Landmark> landmarks = map.landmarks(session);
+  LandmarkJoiner joiner;
+  joiner.add_all(landmarks, map_);
+  if (!joiner.joint()) return;
+  joined_.push_back({session, *joiner.joint()});
+  place(session, landmarks, joiner.joint()->T_map_session);
 }
 
 void LandmarkSessions::place(std::int64_t session, const std::vector<Landmark>& landmarks,
@@ -67,10 +81,16 @@ void LandmarkSessions::begin_session(std::int64_t stored, LandmarkMap last) {
   });
 }
 
+/// As SessionPlaces.
+bool LandmarkSessions::makes_frame() const {
+  const bool is_first = first_session_ == 0 || first_session_ == stored_current_;
+  return is_read_ && is_first && map_.size() == 0;
+}
+
 /// A mapper that begins anew looks for its last map, too, where it is known how that lies. What the file had
 /// of that goes: the mapper has learned more. Where a part alone has come it stays.
 void LandmarkSessions::leave_current(const LandmarkMap& last) {
-  if (map_.size() == 0) T_map_current_ = Eigen::Isometry3d::Identity();
+  if (makes_frame()) T_map_current_ = Eigen::Isometry3d::Identity();
   if (!T_map_current_ || last.size() == 0) return;
   if (stored_current_ != 0 && !last.incomplete()) map_.drop(stored_current_);
   map_.add(last.landmarks(), *T_map_current_, stored_current_);
@@ -83,12 +103,10 @@ void LandmarkSessions::go_on(std::int64_t session) {
   map_.drop(session);
   kept_ = map_.size();
   T_map_session_.erase(session);
-  try {
+  attempt([&] {  // else its next groups say where it lies
     joiner_.add_all(MapFile(file_).landmarks(session), map_);
     tell_joint();
-  } catch (const std::exception&) {
-    // Its next groups say where it lies.
-  }
+  });
 }
 
 /// A group is looked for once the next one is there: its landmarks have been seen for a while then.
@@ -131,6 +149,11 @@ void LandmarkSessions::tell_joint() {
 std::vector<LandmarkSessions::Joined> LandmarkSessions::take_joined() {
   const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);  // else the next time
   return lock ? SessionPlaces::of_current(std::exchange(joined_, {}), begun_) : std::vector<Joined>();
+}
+
+std::string LandmarkSessions::error() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return error_;
 }
 
 }  // namespace lcmslam

@@ -15,7 +15,7 @@ namespace lcmslam {
 
 class LandmarkSessions {
  public:
-  /// As SessionPlaces, which reads the same file and says why where that cannot be read.
+  /// As SessionPlaces.
   LandmarkSessions(const std::filesystem::path& file, bool background);
 
   /// Another current session; `last`: that of the one before, which stays in the map. `stored`: its id in the
@@ -29,11 +29,16 @@ class LandmarkSessions {
   std::vector<Joined> take_joined();
   /// Of the file's map.
   std::size_t kept_landmarks() const { return kept_; }
+  std::string error() const;
 
  private:
   void load();
+  template <class Work>
+  void attempt(const Work& work);
+  void join_stored(MapFile& map, std::int64_t session);
   void place(std::int64_t session, const std::vector<Landmark>& landmarks,
              const Eigen::Isometry3d& T_map_session);
+  bool makes_frame() const;
   void leave_current(const LandmarkMap& last);
   void go_on(std::int64_t session);
   void follow_moved(const LandmarkMap& map);
@@ -46,7 +51,7 @@ class LandmarkSessions {
 
   std::atomic<std::size_t> kept_ = 0;
 
-  std::mutex mutex_;  // guards what follows, held while something is looked for
+  mutable std::mutex mutex_;  // guards what follows, held while something is looked for
   LandmarkPlaces map_;
   LandmarkJoiner joiner_;
   std::int64_t first_session_ = 0;  // whose frame is the map's, in the file
@@ -56,6 +61,8 @@ class LandmarkSessions {
   std::optional<Eigen::Isometry3d> T_map_current_;
   std::optional<Joint> told_;  // of the current session, last
   std::vector<Joined> joined_;
+  bool is_read_ = false;  // what sessions the file has is known
+  std::string error_;
 
   JobThread jobs_;  // last: it ends before what it works on
 };

@@ -125,7 +125,8 @@ NodeReport MapServerNode::report() const {
     report.values.emplace_back("sessions_joined", joined("icp"));
     report.values.emplace_back("kept_landmarks", number(landmark_places_->kept_landmarks()));
     report.values.emplace_back("landmark_sessions_joined", joined("fastslam"));
-    const std::string error = recorder_ ? "" : places_->error();
+    std::string error = recorder_ ? "" : places_->error();
+    if (error.empty() && !recorder_) error = landmark_places_->error();
     if (!error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + error;
   }
   if (recorder_) {

@@ -30,12 +30,15 @@ void SessionPlaces::attempt(const Work& work) {
 }
 
 void SessionPlaces::load() {
-  if (!std::filesystem::exists(file_)) return;
+  is_read_ = !std::filesystem::exists(file_);
+  if (is_read_) return;
   attempt([this] {
     MapFile map(file_);
     const std::optional<std::int64_t> frame = map.frame_session("icp");
+    const std::vector<StoredSession> sessions = map.sessions();
+    is_read_ = true;
     std::vector<std::int64_t> unknown;
-    for (const StoredSession& session : map.sessions()) {
+    for (const StoredSession& session : sessions) {
       if (session.mapper != "icp" || map.counts(session.id).features == 0) continue;
       if (session.id == frame) first_session_ = session.id;
       if (session.id == frame || session.T_map_session)
@@ -128,9 +131,16 @@ void SessionPlaces::go_on(std::int64_t session) {
   });
 }
 
+/// Whether the current session's frame is the map's. Not where the file has a first one of which nothing can
+/// be found, nor where it could not be read: what is joined to it is written down, and would be wrong.
+bool SessionPlaces::makes_frame() const {
+  const bool is_first = first_session_ == 0 || first_session_ == stored_current_;
+  return is_read_ && is_first && map_.size() == 0;
+}
+
 /// A mapper that begins anew looks for its last map, too, where it is known how that lies.
 void SessionPlaces::leave_current() {
-  if (map_.size() == 0) T_map_current_ = Eigen::Isometry3d::Identity();
+  if (makes_frame()) T_map_current_ = Eigen::Isometry3d::Identity();
   if (!T_map_current_) return;
   const std::int64_t left = stored_current_ != 0 ? stored_current_ : -(++left_);
   map_.take_over(current_, *T_map_current_, index_key(left, 0));

@@ -17,8 +17,8 @@ namespace lcmslam {
 
 class SessionPlaces {
  public:
-  /// Without `background` all is done by who hands it in. A file that is not there is an empty map; one that
-  /// cannot be read, too: error() says why.
+  /// Without `background` all is done by who hands it in. A file that is not there is an empty map. Of one
+  /// that cannot be read nothing is known: error() says why, and no session is joined to another.
   SessionPlaces(const std::filesystem::path& file, bool background);
 
   /// Another current session; what was found by the last one stays in the map. `stored`: its id in the file
@@ -103,6 +103,7 @@ class SessionPlaces {
   static bool is_elsewhere(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
   KeptKeyframe read_kept(std::size_t kept);
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
+  bool makes_frame() const;
   void leave_current();
   void go_on(std::int64_t session);
   void look_for(std::int32_t id, const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
@@ -116,6 +117,8 @@ class SessionPlaces {
 
   std::filesystem::path file_;
   int begun_ = 0;  // sessions, as who calls knows it
+
+  bool is_read_ = false;  // what sessions the file has is known; the thread's own
 
   mutable std::mutex mutex_;  // guards what follows, held while something is looked for
   PlaceIndex map_, current_;

@@ -19,7 +19,7 @@ void SessionPlaces::keep(std::int64_t stored) {
       for (const StoredSession& session : map.sessions()) {
         if (session.id != stored) continue;
         const std::lock_guard<std::mutex> lock(mutex_);
-        if (first_session_ == 0 && map.counts(stored).features > 0) first_session_ = stored;
+        if (map.frame_session("icp") == stored && map.counts(stored).features > 0) first_session_ = stored;
         if (stored != first_session_ && !session.T_map_session) return;
         const Eigen::Isometry3d T = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
         T_map_session_[stored] = T;  // should its mapper come back

@@ -206,6 +206,28 @@ TEST_F(MapServerLandmarkSessions, AnotherRoomIsNotJoined) {
   EXPECT_FALSE(MapFile(file()).sessions().back().T_map_session);
 }
 
+TEST_F(MapServerLandmarkSessions, WhereTheFirstOneIsDamagedNoOtherMakesTheMapsFrame) {
+  map_once();
+  Database(file(), Database::Access::write).execute("UPDATE landmark SET data = zeroblob(10) WHERE id = 3");
+  EXPECT_THAT(LandmarkSessions(file(), false).error(), HasSubstr("landmark 3"));
+  LandmarkLife server(scratch_.path(), "map", 13);
+  server.drive(room.mapped(Eigen::Isometry3d::Identity(), 2));
+  server.drive(room.mapped(elsewhere(), 3), "map-2");
+  EXPECT_EQ(server.value("landmark_sessions_joined"), 0);
+}
+
+TEST_F(MapServerLandmarkSessions, ADamagedOneTakesNoOtherAway) {
+  map_once();
+  {
+    LandmarkLife server(scratch_.path(), "map", 13);
+    server.drive(room.mapped(elsewhere(), 2));
+    server.finish();
+  }
+  Database(file(), Database::Access::write)
+      .execute("UPDATE landmark SET data = zeroblob(10) WHERE session = 1");
+  EXPECT_GT(LandmarkSessions(file(), false).kept_landmarks(), 100U);
+}
+
 TEST_F(MapServerLandmarkSessions, WhoLocalisesWritesNothing) {
   map_once();
   const std::string before = scratch_.read("map.lcmslam");

@@ -7,6 +7,8 @@ namespace {
 
 using testing::first_number;
 using testing::Life;
+using testing::seen_view;
+using testing::SeenView;
 
 class MapServerOldFile : public testing::MapServerPlaces {
  protected:
@@ -15,6 +17,17 @@ class MapServerOldFile : public testing::MapServerPlaces {
     Life server(scratch_.path(), "map", mapper);
     server.drive(first_number + 2, T_session_world);
     server.finish();
+  }
+  /// The mapper begins twice: whether its second session is joined, to the first or whatever else.
+  static bool joins_two_sessions(SessionPlaces& places) {
+    for (const Eigen::Isometry3d& T_session_world : {Eigen::Isometry3d::Identity(), elsewhere()}) {
+      places.begin_session(0);
+      for (int k = 0; k < testing::views_of_room; ++k) {
+        const SeenView& view = seen_view(first_number + testing::frames_between * k);
+        places.keyframe(k, T_session_world * view.T_world_camera, view.features, view.cloud);
+      }
+    }
+    return !places.take_joined().empty();
   }
 };
 
@@ -40,6 +53,26 @@ TEST_F(MapServerOldFile, OtherSessionsAreFoundBesideADamagedOne) {
   map_from(13, elsewhere());
   execute("UPDATE keyframe SET pose = zeroblob(10) WHERE session = 1");
   EXPECT_EQ(SessionPlaces(file(), false).kept_keyframes(), testing::views_of_room);
+}
+
+// The file's map has a frame, which is not that of the first session that is heard: what were joined to that
+// would be written down, and lie wrong for every later server.
+TEST_F(MapServerOldFile, WhereItCannotBeReadNoSessionMakesTheMapsFrame) {
+  {
+    SessionPlaces no_file(file(), false);
+    EXPECT_TRUE(joins_two_sessions(no_file));
+  }
+  map_once();
+  {
+    Database other(file(), Database::Access::write);
+    other.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT");  // as `map compact` does
+    SessionPlaces locked(file(), false);
+    EXPECT_THAT(locked.error(), ::testing::HasSubstr("locked"));
+    EXPECT_FALSE(joins_two_sessions(locked));
+  }
+  execute("UPDATE keyframe SET pose = zeroblob(10)");
+  SessionPlaces damaged(file(), false);
+  EXPECT_FALSE(joins_two_sessions(damaged));
 }
 
 // Nothing can be found in it, so later sessions share the frame of the next one, and all say so.
