@@ -81,6 +81,10 @@ void MapStore::Delete::operator()(Statements* statements) const {
 MapStore::MapStore(const std::filesystem::path& file, const char* vfs)
     : database_(open_for_writing(file, vfs)), statements_(new Statements(database_)) {}
 
+void MapStore::copy_into(const std::filesystem::path& empty) {
+  Statement(database_, "VACUUM INTO ?")(std::filesystem::canonical(empty).string()).run();
+}
+
 std::int64_t MapStore::add_run(const StoredRun& run) {
   statements_->run(run.version, run.configuration).run();
   return database_.last_row();

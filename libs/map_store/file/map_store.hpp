@@ -14,6 +14,12 @@ class MapStore {
   MapStore(const MapStore&) = delete;
   MapStore& operator=(const MapStore&) = delete;
 
+  /// False: somebody has taken the file away, or another is in its place. As long as it is open here all of
+  /// it is there.
+  bool is_in_place() const { return !database_.has_moved(); }
+  /// All of it into a file that is there and empty. Throws StoreError.
+  void copy_into(const std::filesystem::path& empty);
+
   // All of these inside a transaction; they throw StoreError, and then it is to be given up.
 
   Transaction begin() { return Transaction(database_); }

@@ -82,6 +82,12 @@ std::int64_t Database::last_row() const {
   return sqlite3_last_insert_rowid(handle());
 }
 
+bool Database::has_moved() const {
+  int moved = 0;
+  sqlite3_file_control(handle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  return moved != 0;
+}
+
 void Database::fail(const std::string& why) const {
   throw StoreError(file_.string() + ": " + why);
 }

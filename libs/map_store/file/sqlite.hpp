@@ -20,6 +20,12 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// One that may pass by itself: somebody else holds the file, the disk is full or fails.
+class PassingStoreError : public StoreError {
+ public:
+  using StoreError::StoreError;
+};
+
 class Database {
  public:
   enum class Access { read, write, create };  ///< create: write, and make what is not there
@@ -33,6 +39,8 @@ class Database {
   /// Rows that the last statement changed, added or removed.
   std::int64_t changes() const;
   std::int64_t last_row() const;
+  /// Whether the file that is open is not the one of that name any more: removed, or another is in its place.
+  bool has_moved() const;
   /// `why`, with the file's name in front.
   [[noreturn]] void fail(const std::string& why) const;
 

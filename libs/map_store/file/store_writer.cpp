@@ -4,6 +4,9 @@
 #include <chrono>
 #include <set>
 
+#include <lcmslam/files/atomic_file.hpp>
+#include <lcmslam/map_store/file/clear_beside.hpp>
+
 namespace lcmslam {
 namespace {
 
@@ -114,7 +117,9 @@ void StoreWriter::work() {
       if (!changes.empty()) write(changes);
     } catch (const std::exception& failure) {
       error = failure.what();
-      store_.reset();  // opened anew: the folder or the file may be others by then
+      // Opened anew, as the folder or the file may be others by then; but one that was taken away is nowhere
+      // else.
+      if (store_ && store_->is_in_place()) store_.reset();
     }
     lock.lock();
     writing_ = false;
@@ -129,6 +134,7 @@ void StoreWriter::work() {
 
 /// All of it in one transaction. What was begun in the file counts only when that is committed.
 void StoreWriter::write(const Waiting& changes) {
+  if (store_ && !store_->is_in_place()) restore();
   if (!store_) {
     std::filesystem::create_directories(std::filesystem::absolute(file_).parent_path());
     store_ = std::make_unique<MapStore>(file_, vfs_);
@@ -163,6 +169,23 @@ void StoreWriter::write(const Waiting& changes) {
   run_id_ = run;
   const std::lock_guard<std::mutex> lock(mutex_);
   ids_ = std::move(ids);
+}
+
+/// SQLite would write on into a file without a name, and nobody would know.
+void StoreWriter::restore() {
+  std::error_code ignored;
+  if (std::filesystem::exists(std::filesystem::symlink_status(file_, ignored)))
+    throw StoreError(
+        file_.string() +
+        ": another file is in its place; once that is moved away the map is written there again");
+  std::filesystem::create_directories(std::filesystem::absolute(file_).parent_path());
+  write_atomically(file_, [&](const std::filesystem::path& part) {
+    store_->copy_into(part);
+    clear_beside(file_);  // the log of the one that was taken away would be written over it
+  });
+  store_.reset();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++state_.restored;
 }
 
 /// In the file, where it begins when it has not yet.

@@ -220,5 +220,59 @@ TEST_F(MapStoreWriter, AFileThatWasTakenAwayBeginsAnewAfterAnError) {
   EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
 }
 
+// Without an error SQLite writes on into a file that has no name any more.
+TEST_F(MapStoreWriter, AFileThatIsTakenAwayIsWrittenAgainWhole) {
+  StoreWriter writer(file(), {});
+  const std::size_t session = writer.begin_session(session_of("fastslam"));
+  put(writer, session, 1);
+  ASSERT_TRUE(writer.flush());
+  std::filesystem::remove(file());  // its log stays
+  put(writer, session, 2);
+  ASSERT_TRUE(writer.flush()) << writer.state().error;
+  EXPECT_EQ(landmarks_in_file(), 2U);
+  std::filesystem::remove_all(folder_ / "run");
+  put(writer, session, 3);
+  ASSERT_TRUE(writer.flush()) << writer.state().error;
+  EXPECT_EQ(landmarks_in_file(), 3U);
+  EXPECT_EQ(MapFile(file()).runs().size(), 1U);
+  EXPECT_EQ(writer.written(session), 1);
+  EXPECT_EQ(writer.state().restored, 2);
+  EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
+}
+
+TEST_F(MapStoreWriter, AFileThatIsTakenAwayWaitsForRoom) {
+  testing::LossyDisk disk("small");
+  StoreWriter writer(file(), {}, disk.vfs());
+  const std::size_t session = writer.begin_session(session_of("fastslam"));
+  put(writer, session, 1);
+  ASSERT_TRUE(writer.flush());
+  std::filesystem::remove_all(folder_ / "run");
+  disk.full = true;
+  put(writer, session, 2);
+  EXPECT_FALSE(writer.flush());
+  EXPECT_FALSE(std::filesystem::exists(file()));
+  disk.full = false;
+  ASSERT_TRUE(writer.flush()) << writer.state().error;
+  EXPECT_EQ(landmarks_in_file(), 2U);
+}
+
+TEST_F(MapStoreWriter, AnotherFileInItsPlaceIsNotWrittenInto) {
+  StoreWriter writer(file(), {});
+  const std::size_t session = writer.begin_session(session_of("fastslam"));
+  put(writer, session, 1);
+  ASSERT_TRUE(writer.flush());
+  const std::filesystem::path another = folder_ / "another.lcmslam";
+  StoreWriter(another, {}).put_calibration({"head", "form", {1}});
+  std::filesystem::rename(another, file());
+  put(writer, session, 2);
+  EXPECT_FALSE(writer.flush());
+  EXPECT_THAT(writer.state().error, HasSubstr("another file is in its place"));
+  std::filesystem::rename(file(), another);
+  ASSERT_TRUE(writer.flush()) << writer.state().error;
+  EXPECT_EQ(landmarks_in_file(), 2U);
+  EXPECT_EQ(MapFile(another).sessions().size(), 0U);
+  EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
+}
+
 }  // namespace
 }  // namespace lcmslam
