@@ -11,31 +11,48 @@ constexpr std::size_t most_groups = 200;
 
 LandmarkSessions::LandmarkSessions(const std::filesystem::path& file, bool background)
     : file_(file), jobs_(background, most_groups) {
-  jobs_.hand_in([this] { load(); });
+  jobs_.hand_in([this] { load(SessionPlaces::all_sessions); });
 }
 
-void LandmarkSessions::load() {
+void LandmarkSessions::read_again(std::int64_t newest) {
+  if (may_be_read_later_.exchange(false)) jobs_.hand_in([this, newest] { load(newest); });
+}
+
+void LandmarkSessions::load(std::int64_t newest) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  note_error("");
   is_read_ = !std::filesystem::exists(file_);
   if (is_read_) return;
-  attempt([this] {
-    MapFile map(file_);
-    const std::vector<StoredSession> sessions = map.sessions();
-    is_read_ = true;
-    std::vector<std::int64_t> unknown;
-    for (const StoredSession& session : sessions) {
-      if (session.mapper != "fastslam" || map.counts(session.id).landmarks == 0) continue;
-      if (first_session_ == 0) first_session_ = session.id;
-      if (session.id == first_session_ || session.T_map_session)
-        attempt([&] {
-          place(session.id, map.landmarks(session.id),
-                session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
-        });
-      else
-        unknown.push_back(session.id);
+  attempt([&] {
+    try {
+      MapFile map(file_);
+      MapFile::Damage of_places;  // SessionPlaces says it
+      const std::vector<StoredSession> sessions = map.sessions(&of_places);
+      is_read_ = true;
+      add_sessions(map, sessions, newest);
+    } catch (const PassingStoreError&) {
+      may_be_read_later_ = !is_read_;
+      throw;
     }
-    for (const std::int64_t session : unknown) attempt([&] { join_stored(map, session); });
   });
+}
+
+void LandmarkSessions::add_sessions(MapFile& map, const std::vector<StoredSession>& sessions,
+                                    std::int64_t newest) {
+  std::vector<std::int64_t> unknown;
+  for (const StoredSession& session : sessions) {
+    if (session.id > newest || session.mapper != "fastslam" || map.counts(session.id).landmarks == 0)
+      continue;
+    if (first_session_ == 0) first_session_ = session.id;
+    if (session.id == first_session_ || session.T_map_session)
+      attempt([&] {
+        place(session.id, map.landmarks(session.id),
+              session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
+      });
+    else
+      unknown.push_back(session.id);
+  }
+  for (const std::int64_t session : unknown) attempt([&] { join_stored(map, session); });
 }
 
 template <class Work>
@@ -43,7 +60,7 @@ void LandmarkSessions::attempt(const Work& work) {
   try {
     work();
   } catch (const std::exception& error) {
-    error_ = error.what();
+    note_error(error.what());
   }
 }
 
@@ -151,8 +168,13 @@ std::vector<LandmarkSessions::Joined> LandmarkSessions::take_joined() {
   return lock ? SessionPlaces::of_current(std::exchange(joined_, {}), begun_) : std::vector<Joined>();
 }
 
+void LandmarkSessions::note_error(const std::string& error) {
+  const std::lock_guard<std::mutex> lock(error_mutex_);
+  error_ = error;
+}
+
 std::string LandmarkSessions::error() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(error_mutex_);
   return error_;
 }
 

@@ -18,6 +18,8 @@ class LandmarkSessions {
   /// As SessionPlaces.
   LandmarkSessions(const std::filesystem::path& file, bool background);
 
+  /// As SessionPlaces.
+  void read_again(std::int64_t newest);
   /// Another current session; `last`: that of the one before, which stays in the map. `stored`: its id in the
   /// file when it goes on from an earlier run, else 0.
   void begin_session(std::int64_t stored, LandmarkMap last);
@@ -32,7 +34,9 @@ class LandmarkSessions {
   std::string error() const;
 
  private:
-  void load();
+  void load(std::int64_t newest);
+  void add_sessions(MapFile& map, const std::vector<StoredSession>& sessions, std::int64_t newest);
+  void note_error(const std::string& error);
   template <class Work>
   void attempt(const Work& work);
   void join_stored(MapFile& map, std::int64_t session);
@@ -51,7 +55,11 @@ class LandmarkSessions {
 
   std::atomic<std::size_t> kept_ = 0;
 
-  mutable std::mutex mutex_;  // guards what follows, held while something is looked for
+  std::atomic<bool> may_be_read_later_ = false;
+  mutable std::mutex error_mutex_;
+  std::string error_;
+
+  std::mutex mutex_;  // guards what follows, held while something is looked for
   LandmarkPlaces map_;
   LandmarkJoiner joiner_;
   std::int64_t first_session_ = 0;  // whose frame is the map's, in the file
@@ -62,7 +70,6 @@ class LandmarkSessions {
   std::optional<Joint> told_;  // of the current session, last
   std::vector<Joined> joined_;
   bool is_read_ = false;  // what sessions the file has is known
-  std::string error_;
 
   JobThread jobs_;  // last: it ends before what it works on
 };

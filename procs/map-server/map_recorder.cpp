@@ -15,6 +15,7 @@ namespace {
 constexpr Utime half_frame = 17'000;      // us, at 30 Hz
 constexpr std::size_t most_recent = 100;  // poses
 constexpr std::size_t most_sensors = 16;
+constexpr std::chrono::seconds retry_period(1);
 
 StoredEdge stored(const graph_edge_t& edge) {
   return {edge.from_node,   edge.to_node,   edge.kind, from_message(edge.T_from_to, "T_from_to"),
@@ -50,40 +51,62 @@ void push_bounded(std::deque<Item>& items, Item item, std::size_t most) {
 
 MapRecorder::MapRecorder(const std::filesystem::path& file, const std::string& configuration)
     : file_(file), writer_(file, {lcmslam_version, configuration}) {
-  read_kept();
+  read_kept(Database::usual_patience);
 }
 
-void MapRecorder::read_kept() {
-  if (!std::filesystem::exists(file_)) return;
-  try {
-    MapFile map(file_);
-    for (const StoredSession& session : map.sessions()) keep(map, session);
-    spdlog::info("{}: goes on, with {} sessions of earlier runs", file_.string(), kept_.size());
-  } catch (const std::exception& error) {
-    unreadable_ = error.what();
-  }
+void MapRecorder::read_kept(std::chrono::milliseconds patience) {
+  unreadable_.clear();
+  may_be_read_later_ = false;
+  damage_.clear();
+  if (std::filesystem::exists(file_)) try {
+      MapFile map(file_, patience);
+      for (const StoredSession& session : map.sessions(&damage_)) try {
+          newest_of_before_ = session.id;
+          keep(map, session, &damage_);
+        } catch (const StoreError& error) {
+          damage_.push_back(error.what());
+          number(session);
+        }
+      spdlog::info("{}: goes on, with {} sessions of earlier runs", file_.string(), kept_.size());
+    } catch (const PassingStoreError& error) {
+      unreadable_ = error.what();
+      may_be_read_later_ = true;
+    } catch (const std::exception& error) {
+      unreadable_ = error.what();
+    }
+  // What this run has begun must not be taken for what an earlier one has left.
+  writer_.hold(may_be_read_later_ ? unreadable_ : "");
 }
 
-/// Of what it has, the numbers alone are kept here.
-void MapRecorder::keep(MapFile& map, const StoredSession& session) {
-  const auto place = std::find_if(stored_.begin(), stored_.end(),
-                                  [&](const StoredSession& other) { return other.id >= session.id; });
-  const auto index = static_cast<std::size_t>(place - stored_.begin());
+void MapRecorder::read_again(std::chrono::milliseconds patience) {
+  if (may_be_read_later_) read_kept(patience);
+}
+
+/// Its name, by which place it has among all.
+std::string MapRecorder::number(const StoredSession& session) {
+  auto place = std::find_if(stored_.begin(), stored_.end(),
+                            [&](const StoredSession& other) { return other.id >= session.id; });
   if (place != stored_.end() && place->id == session.id)
     *place = session;
   else
-    stored_.insert(place, session);
+    place = stored_.insert(place, session);
+  return names_of(stored_)[static_cast<std::size_t>(place - stored_.begin())];
+}
 
-  if (const auto frame = map.frame_session(session.mapper)) frame_sessions_[session.mapper] = *frame;
+/// Of what it has, the numbers alone are kept here. Where that cannot be read it is none of those.
+void MapRecorder::keep(MapFile& map, const StoredSession& session, MapFile::Damage* damage) {
+  const auto frame = map.frame_session(session.mapper);
+  const std::vector<StoredKeyframe> keyframes = map.keyframes(session.id, damage);
+  const SessionCounts counts = map.counts(session.id);
 
-  KeptSession kept{session.id, session.mapper, names_of(stored_)[index]};
-  std::set<std::int32_t>& keyframes = stored_keyframes_[session.id] = {};
-  for (const StoredKeyframe& keyframe : map.keyframes(session.id)) {
-    keyframes.insert(keyframe.id);
+  if (frame) frame_sessions_[session.mapper] = *frame;
+  KeptSession kept{session.id, session.mapper, number(session)};
+  std::set<std::int32_t>& ids = stored_keyframes_[session.id] = {};
+  for (const StoredKeyframe& keyframe : keyframes) {
+    ids.insert(keyframe.id);
     kept.begin = kept.begin == 0 ? keyframe.utime : std::min(kept.begin, keyframe.utime);
     kept.end = std::max(kept.end, keyframe.utime);
   }
-  const SessionCounts counts = map.counts(session.id);
   kept.keyframes = counts.clouds;
   kept.landmarks = counts.landmarks;
   if (kept.keyframes + kept.landmarks == 0) return;
@@ -94,14 +117,16 @@ void MapRecorder::keep(MapFile& map, const StoredSession& session) {
 
 std::optional<std::int64_t> MapRecorder::retire(const std::string& mapper, const SessionKey& key) {
   const auto session = sessions_.find({mapper, {key.sender, key.frame}});
-  if (session == sessions_.end()) return std::nullopt;
+  if (session == sessions_.end() || std::chrono::steady_clock::now() < next_retiring_) return std::nullopt;
   const auto id = writer_.written(session->second.number);
   if (!id) return std::nullopt;
   try {
     MapFile map(file_);
-    for (const StoredSession& stored : map.sessions())
-      if (stored.id == *id) keep(map, stored);
-  } catch (const StoreError&) {  // it stays in memory
+    MapFile::Damage of_other_places;
+    for (const StoredSession& stored : map.sessions(&of_other_places))
+      if (stored.id == *id) keep(map, stored, nullptr);
+  } catch (const StoreError&) {  // it stays in memory, whose keyframes are whole
+    next_retiring_ = std::chrono::steady_clock::now() + retry_period;
     return std::nullopt;
   }
   sessions_.erase(session);
@@ -117,6 +142,11 @@ std::size_t MapRecorder::kept(const std::string& mapper) const {
 std::string MapRecorder::error() const {
   const std::string failure = writer_.state().error;
   return failure.empty() ? unreadable_ : failure;
+}
+
+std::string MapRecorder::damage() const {
+  if (damage_.size() < 2) return damage_.empty() ? "" : damage_.front();
+  return damage_.front() + ", and " + std::to_string(damage_.size() - 1) + " more";
 }
 
 MapRecorder::Session& MapRecorder::session(const std::string& mapper, const SessionKey& key) {

@@ -2,6 +2,7 @@
 // Hands what the map server holds to the map's file (map_store/file), as it arrives. Nothing here waits for
 // the disk.
 
+#include <chrono>
 #include <deque>
 #include <filesystem>
 #include <map>
@@ -32,8 +33,15 @@ struct KeptSession {
 
 class MapRecorder {
  public:
-  /// A file that is there is gone on with; one that cannot be read stays as it is, and error() says why.
+  /// A file that is there is gone on with; one that cannot be read stays as it is, and error() says why. As
+  /// long as that may pass (somebody holds it) nothing is written: read_again().
   MapRecorder(const std::filesystem::path& file, const std::string& configuration);
+  /// Where the old file could not be read yet. Sessions that have begun by then are other ones than its own.
+  void read_again(std::chrono::milliseconds patience);
+  /// It was read, or is not there.
+  bool is_read() const { return unreadable_.empty(); }
+  /// Of the sessions of earlier runs the newest, by id; 0: there are none.
+  std::int64_t newest_of_before() const { return newest_of_before_; }
 
   /// After the message changed the map. `whole`: all of the map may be another. What takes the most of the
   /// file's landmarks away leaves those beside, as a graph does.
@@ -68,6 +76,8 @@ class MapRecorder {
   StoreWriter::State state() const { return writer_.state(); }
   /// Why nothing is written; empty: all is well.
   std::string error() const;
+  /// What of the old file is damaged; empty: nothing.
+  std::string damage() const;
 
   const std::filesystem::path& file() const { return file_; }
   /// In the order in which they began; not those without a map, nor those whose mapper has been heard again:
@@ -92,8 +102,9 @@ class MapRecorder {
     std::optional<KeptSession> was_kept{};  // as it was told until its mapper was heard again
   };
 
-  void read_kept();
-  void keep(MapFile& map, const StoredSession& session);
+  void read_kept(std::chrono::milliseconds patience);
+  void keep(MapFile& map, const StoredSession& session, MapFile::Damage* damage);
+  std::string number(const StoredSession& session);
   Session& session(const std::string& mapper, const SessionKey& key);
   Session& begin_session(const std::string& mapper, const SessionKey& key, Session& session);
   Session& new_session(const std::string& mapper, const SessionKey& key);
@@ -103,7 +114,11 @@ class MapRecorder {
   std::optional<Matrix6d> covariance_at(Utime utime) const;
 
   std::filesystem::path file_;
-  std::string unreadable_;                                           // why an old file could not be read
+  std::string unreadable_;             // why an old file could not be read
+  bool may_be_read_later_ = false;     // that may pass
+  MapFile::Damage damage_;             // of what it has
+  std::int64_t newest_of_before_ = 0;  // session, by id
+  std::chrono::steady_clock::time_point next_retiring_{};
   std::vector<StoredSession> stored_;                                // that are not in memory
   std::map<std::int64_t, std::set<std::int32_t>> stored_keyframes_;  // by session
   std::vector<KeptSession> kept_;

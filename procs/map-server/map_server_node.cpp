@@ -14,6 +14,8 @@ namespace {
 // Ids of the file's keyframes among those of the derived maps; mappers' own begin at 0.
 constexpr int first_kept_id = 1'000'000'000;
 
+constexpr std::chrono::seconds reading_pause(1);
+
 constexpr int saving_pause = 50;  // times as long as a saving took, until the next
 
 std::size_t size(int setting) {
@@ -90,6 +92,7 @@ void MapServerNode::command(const command_t& command) {
 std::optional<Node::Duration> MapServerNode::work() {
   note_saving(false);
   begin_export();
+  if (std::chrono::steady_clock::now() >= next_reading_) read_again(std::chrono::milliseconds(0));
   note_store();
   note_joined();
   retire("icp", dense_maps_);
@@ -111,6 +114,16 @@ std::optional<Node::Duration> MapServerNode::work() {
   if (desk_.busy() || !replies_.empty()) return std::chrono::milliseconds(1);
   if (exporting_ || !resets_.empty()) return std::chrono::milliseconds(10);
   return std::nullopt;
+}
+
+/// The old file, where somebody held it or the disk was full when this server began.
+void MapServerNode::read_again(std::chrono::milliseconds patience) {
+  next_reading_ = std::chrono::steady_clock::now() + reading_pause;
+  if (recorder_) recorder_->read_again(patience);
+  if (!places_ || (recorder_ && !recorder_->is_read())) return;
+  const std::int64_t newest = recorder_ ? recorder_->newest_of_before() : SessionPlaces::all_sessions;
+  places_->read_again(newest);
+  landmark_places_->read_again(newest);
 }
 
 /// Sessions whose place in the file's map was found.

@@ -124,6 +124,8 @@ class MapServerNode : public Node {
   void keep_what_is_reset(const command_t& command);
   void note_saving(bool wait);
   void note_store();
+  void read_again(std::chrono::milliseconds patience);
+  std::string damage() const;
   std::string describe() const;
 
   Publisher& publisher_;
@@ -167,9 +169,11 @@ class MapServerNode : public Node {
   std::optional<Export> exporting_;  // what saver_ does is this
   BackgroundSaver saver_;
   std::optional<MapRecorder> recorder_;  // none: no file was asked for
-  std::string store_failure_;            // as it was last told; empty: none
-  std::optional<LayerFeed> layers_;      // none: nothing is derived
-  std::set<std::int32_t> late_;          // keyframes of the current map that are to be shown to the layers
+  std::string store_failure_, damage_;   // as they were last told; empty: none
+  std::int64_t restored_ = 0;            // see StoreWriter::State, likewise
+  std::chrono::steady_clock::time_point next_reading_{};
+  std::optional<LayerFeed> layers_;  // none: nothing is derived
+  std::set<std::int32_t> late_;      // keyframes of the current map that are to be shown to the layers
   KeyframeFeatures keyframe_features_;
   std::unique_ptr<SessionPlaces> places_;              // null: nothing is remembered
   std::unique_ptr<LandmarkSessions> landmark_places_;  // as places_

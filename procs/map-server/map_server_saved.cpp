@@ -74,6 +74,7 @@ void MapServerNode::note_saving(bool wait) {
 
 /// Pictures too: drawing them takes too long while a run goes on.
 void MapServerNode::finish() {
+  read_again(Database::usual_patience);
   note_saving(true);
   for (begin_export(); saver_.busy(); begin_export()) note_saving(true);
   if (layers_) layers_->settle(longest_settling);
@@ -88,6 +89,12 @@ void MapServerNode::finish() {
 /// Once when it begins and once when it is over: STATUS says it all the time.
 void MapServerNode::note_store() {
   if (!recorder_) return;
+  const std::string damage = recorder_->damage();
+  if (!damage.empty() && damage != damage_) spdlog::warn("the map's file cannot be read: {}", damage);
+  damage_ = damage;
+  const std::int64_t restored = recorder_->state().restored;
+  if (restored != std::exchange(restored_, restored))
+    spdlog::warn("the map's file had been taken away, and was written again: {}", recorder_->file().string());
   const std::string error = recorder_->error();
   if (error == store_failure_) return;
   if (error.empty())

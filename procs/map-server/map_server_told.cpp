@@ -32,7 +32,8 @@ std::optional<std::string> MapServerNode::evidence(const std::string& mapper,
   if (!session.evidence.empty()) return session.evidence;
   const std::int64_t stored = recorder_ ? recorder_->goes_on(mapper, session.key) : 0;
   if (stored != 0) return recorder_->evidence(stored);
-  const bool is_first = index == 0 && !localises_ && (!recorder_ || recorder_->kept(mapper) == 0);
+  const bool is_first =
+      index == 0 && !localises_ && (!recorder_ || (recorder_->is_read() && recorder_->kept(mapper) == 0));
   return is_first ? std::optional<std::string>("") : std::nullopt;
 }
 
@@ -78,6 +79,14 @@ std::shared_ptr<const EncodedFrame> MapServerNode::newest_image() const {
   return image ? image : picture_;
 }
 
+/// What of the old file cannot be read; the rest is there, and what comes is written.
+std::string MapServerNode::damage() const {
+  if (recorder_ && (!recorder_->is_read() || !recorder_->damage().empty())) return recorder_->damage();
+  if (!places_) return "";
+  const std::string error = places_->error();
+  return error.empty() ? landmark_places_->error() : error;
+}
+
 NodeReport MapServerNode::report() const {
   NodeReport report;
   report.refused = requests_refused_;
@@ -88,6 +97,8 @@ NodeReport MapServerNode::report() const {
     report.detail += (report.detail.empty() ? "" : "; ") + ("the map's file is not written: " + unwritten);
     if (finished_) report.state = status_t::FAILED;
   }
+  if (const std::string damage = this->damage(); !damage.empty())
+    report.detail += (report.detail.empty() ? "" : "; ") + ("the map's file cannot be read: " + damage);
   const LandmarkMap* landmarks = landmark_maps_.current_map();
   const DenseMap* dense = dense_maps_.current_map();
   std::int64_t given_up = 0;
@@ -125,15 +136,13 @@ NodeReport MapServerNode::report() const {
     report.values.emplace_back("sessions_joined", joined("icp"));
     report.values.emplace_back("kept_landmarks", number(landmark_places_->kept_landmarks()));
     report.values.emplace_back("landmark_sessions_joined", joined("fastslam"));
-    std::string error = recorder_ ? "" : places_->error();
-    if (error.empty() && !recorder_) error = landmark_places_->error();
-    if (!error.empty()) report.detail += (report.detail.empty() ? "" : "; ") + error;
   }
   if (recorder_) {
     const StoreWriter::State store = recorder_->state();
     report.values.emplace_back("kept_sessions", number(recorder_->kept().size()));
     report.values.emplace_back("store_commits", number(store.commits));
     report.values.emplace_back("store_failures", number(store.failures));
+    report.values.emplace_back("store_restored", number(store.restored));
   }
   return report;
 }

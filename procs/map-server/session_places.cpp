@@ -16,7 +16,11 @@ std::int64_t index_key(std::int64_t session, std::int32_t keyframe) {
 
 SessionPlaces::SessionPlaces(const std::filesystem::path& file, bool background)
     : file_(file), jobs_(background, most_places) {
-  jobs_.hand_in([this] { load(); });
+  jobs_.hand_in([this] { load(all_sessions); });
+}
+
+void SessionPlaces::read_again(std::int64_t newest) {
+  if (may_be_read_later_.exchange(false)) jobs_.hand_in([this, newest] { load(newest); });
 }
 
 template <class Work>
@@ -29,27 +33,62 @@ void SessionPlaces::attempt(const Work& work) {
   }
 }
 
-void SessionPlaces::load() {
+void SessionPlaces::load(std::int64_t newest) {
+  forget_error();
   is_read_ = !std::filesystem::exists(file_);
   if (is_read_) return;
-  attempt([this] {
-    MapFile map(file_);
-    const std::optional<std::int64_t> frame = map.frame_session("icp");
-    const std::vector<StoredSession> sessions = map.sessions();
-    is_read_ = true;
-    std::vector<std::int64_t> unknown;
-    for (const StoredSession& session : sessions) {
-      if (session.mapper != "icp" || map.counts(session.id).features == 0) continue;
-      if (session.id == frame) first_session_ = session.id;
-      if (session.id == frame || session.T_map_session)
-        attempt([&] {
-          add_session(map, session.id, session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
-        });
-      else
-        unknown.push_back(session.id);
+  attempt([&] {
+    try {
+      MapFile map(file_);
+      const std::optional<std::int64_t> frame = map.frame_session("icp");
+      const std::vector<StoredSession> sessions = this->sessions(map);
+      is_read_ = true;
+      add_sessions(map, frame, sessions, newest);
+    } catch (const PassingStoreError&) {
+      may_be_read_later_ = !is_read_;
+      throw;
     }
-    for (const std::int64_t session : unknown) attempt([&] { join_stored(map, session); });
   });
+}
+
+void SessionPlaces::add_sessions(MapFile& map, std::optional<std::int64_t> frame,
+                                 const std::vector<StoredSession>& sessions, std::int64_t newest) {
+  std::vector<std::int64_t> unknown;
+  for (const StoredSession& session : sessions) {
+    if (session.id > newest || session.mapper != "icp" || map.counts(session.id).features == 0) continue;
+    if (session.id == frame) first_session_ = session.id;
+    if (session.id == frame || session.T_map_session)
+      attempt([&] {
+        add_session(map, session.id, session.T_map_session.value_or(Eigen::Isometry3d::Identity()));
+      });
+    else
+      unknown.push_back(session.id);
+  }
+  for (const std::int64_t session : unknown) attempt([&] { join_stored(map, session); });
+}
+
+std::vector<StoredSession> SessionPlaces::sessions(MapFile& map) {
+  MapFile::Damage damage;
+  std::vector<StoredSession> sessions = map.sessions(&damage);
+  note(damage);
+  return sessions;
+}
+
+std::vector<StoredKeyframe> SessionPlaces::keyframes(MapFile& map, std::int64_t session) {
+  MapFile::Damage damage;
+  std::vector<StoredKeyframe> keyframes = map.keyframes(session, &damage);
+  note(damage);
+  return keyframes;
+}
+
+void SessionPlaces::forget_error() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  error_.clear();
+}
+
+void SessionPlaces::note(const MapFile::Damage& damage) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!damage.empty()) error_ = damage.front();
 }
 
 std::optional<SessionPlaces::Look> SessionPlaces::look(MapFile& map, std::int64_t session,
@@ -64,7 +103,7 @@ std::optional<SessionPlaces::Look> SessionPlaces::look(MapFile& map, std::int64_
 }
 
 void SessionPlaces::add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session) {
-  for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+  for (const StoredKeyframe& keyframe : keyframes(map, session)) {
     const auto seen = look(map, session, keyframe.id);
     const Eigen::Isometry3d T_map_camera = T_map_session * keyframe.T_map_camera;
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -78,7 +117,7 @@ void SessionPlaces::add_session(MapFile& map, std::int64_t session, const Eigen:
 
 void SessionPlaces::join_stored(MapFile& map, std::int64_t session) {
   SessionJoiner joiner;
-  for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+  for (const StoredKeyframe& keyframe : keyframes(map, session)) {
     if (joiner.done()) break;
     const auto seen = look(map, session, keyframe.id);
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -123,7 +162,7 @@ void SessionPlaces::go_on(std::int64_t session) {
         if (kept.session == session) map_.drop(index_key(session, kept.keyframe));
       T_map_session_.erase(session);
     }
-    for (const StoredKeyframe& keyframe : map.keyframes(session)) {
+    for (const StoredKeyframe& keyframe : keyframes(map, session)) {
       const auto seen = look(map, session, keyframe.id);
       const std::lock_guard<std::mutex> lock(mutex_);
       if (seen) look_for(keyframe.id, keyframe.T_map_camera, seen->features, seen->cloud);

@@ -5,7 +5,9 @@
 // The map's frame is that of the file's first dense session that has features. Sessions of earlier runs whose
 // place is not known are looked for in it first, then each new keyframe.
 
+#include <atomic>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <mutex>
 
@@ -20,6 +22,10 @@ class SessionPlaces {
   /// Without `background` all is done by who hands it in. A file that is not there is an empty map. Of one
   /// that cannot be read nothing is known: error() says why, and no session is joined to another.
   SessionPlaces(const std::filesystem::path& file, bool background);
+
+  /// Where the file could not be read for a reason that may have passed: its sessions up to this id.
+  void read_again(std::int64_t newest);
+  static constexpr std::int64_t all_sessions = std::numeric_limits<std::int64_t>::max();
 
   /// Another current session; what was found by the last one stays in the map. `stored`: its id in the file
   /// when it goes on from an earlier run, else 0.
@@ -88,7 +94,14 @@ class SessionPlaces {
     std::int32_t keyframe = 0;
     Eigen::Isometry3d T_map_camera;
   };
-  void load();
+  void load(std::int64_t newest);
+  void add_sessions(MapFile& map, std::optional<std::int64_t> frame,
+                    const std::vector<StoredSession>& sessions, std::int64_t newest);
+  // As MapFile's; error() says what is damaged.
+  std::vector<StoredSession> sessions(MapFile& map);
+  std::vector<StoredKeyframe> keyframes(MapFile& map, std::int64_t session);
+  void note(const MapFile::Damage& damage);
+  void forget_error();
   /// What cannot be read says error(), and takes nothing else away.
   template <class Work>
   void attempt(const Work& work);
@@ -119,6 +132,7 @@ class SessionPlaces {
   int begun_ = 0;  // sessions, as who calls knows it
 
   bool is_read_ = false;  // what sessions the file has is known; the thread's own
+  std::atomic<bool> may_be_read_later_ = false;
 
   mutable std::mutex mutex_;  // guards what follows, held while something is looked for
   PlaceIndex map_, current_;

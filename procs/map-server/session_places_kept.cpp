@@ -16,14 +16,15 @@ void SessionPlaces::keep(std::int64_t stored) {
   jobs_.hand_in([this, stored] {
     try {
       MapFile map(file_);
-      for (const StoredSession& session : map.sessions()) {
+      for (const StoredSession& session : sessions(map)) {
         if (session.id != stored) continue;
+        const std::vector<StoredKeyframe> keyframes = this->keyframes(map, stored);
         const std::lock_guard<std::mutex> lock(mutex_);
         if (map.frame_session("icp") == stored && map.counts(stored).features > 0) first_session_ = stored;
         if (stored != first_session_ && !session.T_map_session) return;
         const Eigen::Isometry3d T = session.T_map_session.value_or(Eigen::Isometry3d::Identity());
         T_map_session_[stored] = T;  // should its mapper come back
-        for (const StoredKeyframe& keyframe : map.keyframes(stored))
+        for (const StoredKeyframe& keyframe : keyframes)
           keep({stored, keyframe.id, T * keyframe.T_map_camera});
       }
     } catch (const std::exception& error) {

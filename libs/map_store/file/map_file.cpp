@@ -6,6 +6,19 @@
 #include <lcmslam/map_store/file/store_codecs.hpp>
 
 namespace lcmslam {
+namespace {
+
+template <class Read>
+void attempt(MapFile::Damage* damage, const Read& read) {
+  try {
+    read();
+  } catch (const StoreError& error) {
+    if (damage == nullptr) throw;
+    damage->push_back(error.what());
+  }
+}
+
+}  // namespace
 
 std::vector<std::string> names_of(const std::vector<StoredSession>& sessions) {
   std::vector<std::string> names;
@@ -16,8 +29,8 @@ std::vector<std::string> names_of(const std::vector<StoredSession>& sessions) {
   return names;
 }
 
-MapFile::MapFile(const std::filesystem::path& file)
-    : database_(file, Database::Access::read), moment_(database_, "DEFERRED") {
+MapFile::MapFile(const std::filesystem::path& file, std::chrono::milliseconds patience)
+    : database_(file, Database::Access::read, nullptr, patience), moment_(database_, "DEFERRED") {
   schema_ = schema_of(database_);
 }
 
@@ -40,18 +53,20 @@ std::vector<StoredRun> MapFile::runs() {
   return runs;
 }
 
-std::vector<StoredSession> MapFile::sessions() {
+std::vector<StoredSession> MapFile::sessions(Damage* damage) {
   std::vector<StoredSession> sessions;
   if (schema_ == 0) return sessions;
   const std::string place = schema_ >= 2 ? "state, T_map_session, evidence" : "0, NULL, ''";
   Statement rows(database_, "SELECT id, mapper, sender, frame, " + place + " FROM session ORDER BY id");
   while (rows.step()) {
     StoredSession session{rows.integer(0), rows.text(1), rows.integer(2), rows.text(3)};
-    session.state = rows.integer(4) == 1 ? SessionState::joined : SessionState::own_frame;
-    if (!rows.is_null(5))
-      session.T_map_session =
-          decoded("place", session.id, session.id, [&] { return decode_pose(rows.blob(5)); });
-    session.evidence = rows.text(6);
+    attempt(damage, [&] {
+      if (!rows.is_null(5))
+        session.T_map_session =
+            decoded("place", session.id, session.id, [&] { return decode_pose(rows.blob(5)); });
+      session.state = rows.integer(4) == 1 ? SessionState::joined : SessionState::own_frame;
+      session.evidence = rows.text(6);
+    });
     sessions.push_back(session);
   }
   return sessions;
@@ -74,7 +89,8 @@ SessionCounts MapFile::counts(std::int64_t session) {
 
 std::optional<std::int64_t> MapFile::frame_session(const std::string& mapper) {
   std::optional<std::int64_t> first;
-  for (const StoredSession& session : sessions()) {
+  Damage of_places;
+  for (const StoredSession& session : sessions(&of_places)) {
     if (session.mapper != mapper) continue;
     if (!first) first = session.id;
     const SessionCounts has = counts(session.id);
@@ -103,21 +119,22 @@ std::vector<StoredCalibration> MapFile::read_calibrations(Statement& rows) {
   return calibrations;
 }
 
-std::vector<StoredKeyframe> MapFile::keyframes(std::int64_t session) {
+std::vector<StoredKeyframe> MapFile::keyframes(std::int64_t session, Damage* damage) {
   std::vector<StoredKeyframe> keyframes;
   Statement rows(database_, "SELECT id, utime, pose, covariance FROM keyframe WHERE session = ? ORDER BY id");
-  for (rows(session); rows.step();) {
-    StoredKeyframe keyframe;
-    keyframe.id = static_cast<std::int32_t>(rows.integer(0));
-    keyframe.utime = rows.integer(1);
-    keyframe.T_map_camera =
-        decoded("keyframe", session, keyframe.id, [&] { return decode_pose(rows.blob(2)); });
-    if (!rows.is_null(3))
-      keyframe.covariance = decoded("covariance of keyframe", session, keyframe.id,
-                                    [&] { return decode_covariance(rows.blob(3)); });
-    keyframes.push_back(keyframe);
-  }
+  for (rows(session); rows.step();) attempt(damage, [&] { keyframes.push_back(keyframe_in(rows, session)); });
   return keyframes;
+}
+
+StoredKeyframe MapFile::keyframe_in(const Statement& row, std::int64_t session) {
+  StoredKeyframe keyframe;
+  keyframe.id = static_cast<std::int32_t>(row.integer(0));
+  keyframe.utime = row.integer(1);
+  keyframe.T_map_camera = decoded("keyframe", session, keyframe.id, [&] { return decode_pose(row.blob(2)); });
+  if (!row.is_null(3))
+    keyframe.covariance = decoded("covariance of keyframe", session, keyframe.id,
+                                  [&] { return decode_covariance(row.blob(3)); });
+  return keyframe;
 }
 
 std::vector<StoredEdge> MapFile::edges(std::int64_t session) {

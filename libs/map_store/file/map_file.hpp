@@ -19,14 +19,17 @@ std::vector<std::string> names_of(const std::vector<StoredSession>& sessions);
 class MapFile {
  public:
   /// Files of older schemas are read, too. Throws StoreError.
-  explicit MapFile(const std::filesystem::path& file);
+  explicit MapFile(const std::filesystem::path& file,
+                   std::chrono::milliseconds patience = Database::usual_patience);
 
-  // All of these throw StoreError that names the file and the row where something cannot be read.
+  // All of these throw StoreError that names the file and the row where something cannot be read. Who gives
+  // `damage` is told it there, and gets the rest.
 
+  using Damage = std::vector<std::string>;
   int schema() const { return schema_; }
   std::vector<StoredRun> runs();
-  /// In the order in which they began.
-  std::vector<StoredSession> sessions();
+  /// In the order in which they began. One whose place is damaged has none.
+  std::vector<StoredSession> sessions(Damage* damage = nullptr);
   SessionCounts counts(std::int64_t session);
   /// Of this mapper's sessions the one whose frame is the map's, by id: the first in which others can be
   /// found, so it has features or landmarks; where none has, the first. Nothing: there is no session.
@@ -37,7 +40,7 @@ class MapFile {
   std::vector<StoredCalibration> cameras();
 
   /// By id; those of a graph that has no clouds, too.
-  std::vector<StoredKeyframe> keyframes(std::int64_t session);
+  std::vector<StoredKeyframe> keyframes(std::int64_t session, Damage* damage = nullptr);
   std::vector<StoredEdge> edges(std::int64_t session);
   /// Of keyframes with a cloud; nothing when it has none.
   std::optional<ColouredCloud> cloud(std::int64_t session, std::int32_t keyframe);
@@ -56,6 +59,7 @@ class MapFile {
   std::vector<StoredCalibration> read_calibrations(Statement& rows);
   std::shared_ptr<const StoredCalibration> camera(std::int64_t id);
   std::shared_ptr<const StoredCalibration> first_camera(const std::string& sensor);
+  StoredKeyframe keyframe_in(const Statement& row, std::int64_t session);
   template <class Decode>
   auto decoded(const char* what, std::int64_t session, std::int64_t id, const Decode& decode);
 

@@ -9,8 +9,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int patience = 2000;  // ms that one writer waits for another
-
 /// The folder's own path and the file's name: SQLite follows no links then (SQLITE_OPEN_NOFOLLOW).
 std::string plain_path(const fs::path& file) {
   std::error_code missing;
@@ -44,13 +42,29 @@ std::string read_only_uri(const std::string& path) {
   return "file:" + percent_encoded(path) + (fs::exists(path + "-wal", ignored) ? "" : "?immutable=1");
 }
 
+bool may_pass(int code) {
+  switch (code & 0xff) {  // extended codes have more above
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_PROTOCOL:
+    case SQLITE_IOERR:
+    case SQLITE_FULL:
+    case SQLITE_CANTOPEN:
+    case SQLITE_NOMEM:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 void Database::Close::operator()(sqlite3* handle) const {
   sqlite3_close_v2(handle);
 }
 
-Database::Database(const fs::path& file, Access mode, const char* vfs) : file_(file) {
+Database::Database(const fs::path& file, Access mode, const char* vfs, std::chrono::milliseconds patience)
+    : file_(file) {
   const std::string path = plain_path(file);
   std::error_code ignored;
   if (mode != Access::create && !fs::exists(fs::symlink_status(path, ignored))) fail("there is no such file");
@@ -63,15 +77,15 @@ Database::Database(const fs::path& file, Access mode, const char* vfs) : file_(f
   const int code = sqlite3_open_v2((only_read ? read_only_uri(path) : path).c_str(), &handle,
                                    flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_NOFOLLOW, vfs);
   handle_.reset(handle);
-  if (code != SQLITE_OK) fail(handle != nullptr ? sqlite3_errmsg(handle) : sqlite3_errstr(code));
+  if (code != SQLITE_OK) fail(code, handle != nullptr ? sqlite3_errmsg(handle) : sqlite3_errstr(code));
   sqlite3_extended_result_codes(handle, 1);
-  sqlite3_busy_timeout(handle, patience);
+  sqlite3_busy_timeout(handle, static_cast<int>(patience.count()));
   if (mode == Access::read) execute("PRAGMA query_only = 1");
 }
 
 void Database::execute(const std::string& sql) {
-  if (sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
-    fail(sqlite3_errmsg(handle()));
+  const int code = sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) fail(code, sqlite3_errmsg(handle()));
 }
 
 std::int64_t Database::changes() const {
@@ -92,15 +106,20 @@ void Database::fail(const std::string& why) const {
   throw StoreError(file_.string() + ": " + why);
 }
 
+void Database::fail(int code, const std::string& why) const {
+  if (may_pass(code)) throw PassingStoreError(file_.string() + ": " + why);
+  fail(why);
+}
+
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
   sqlite3_finalize(statement);
 }
 
 Statement::Statement(Database& database, const std::string& sql) : database_(database) {
   sqlite3_stmt* statement = nullptr;
-  if (sqlite3_prepare_v3(database.handle(), sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &statement,
-                         nullptr) != SQLITE_OK)
-    database.fail(sqlite3_errmsg(database.handle()));
+  const int code =
+      sqlite3_prepare_v3(database.handle(), sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
+  if (code != SQLITE_OK) database.fail(code, sqlite3_errmsg(database.handle()));
   statement_.reset(statement);
 }
 
@@ -109,7 +128,7 @@ void Statement::reset() {
 }
 
 void Statement::check(int code) const {
-  if (code != SQLITE_OK) database_.fail(sqlite3_errmsg(database_.handle()));
+  if (code != SQLITE_OK) database_.fail(code, sqlite3_errmsg(database_.handle()));
 }
 
 void Statement::bind(int index, std::int64_t value) {
@@ -134,7 +153,7 @@ bool Statement::step() {
   if (code == SQLITE_ROW) return true;
   const std::string error = code == SQLITE_DONE ? "" : sqlite3_errmsg(database_.handle());
   reset();
-  if (!error.empty()) database_.fail(error);
+  if (!error.empty()) database_.fail(code, error);
   return false;
 }
 

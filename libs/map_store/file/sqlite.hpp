@@ -2,6 +2,7 @@
 // SQLite as the map file needs it: a connection and its statements, which close themselves, and errors that
 // name the file.
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -31,8 +32,11 @@ class Database {
   enum class Access { read, write, create };  ///< create: write, and make what is not there
 
   /// Symbolic links in the folder's path are followed, the file itself must be none. `vfs`: SQLite's name of
-  /// another file system (tests), nullptr for the usual one. Throws StoreError.
-  Database(const std::filesystem::path& file, Access mode, const char* vfs = nullptr);
+  /// another file system (tests), nullptr for the usual one. `patience`: so long it waits for who holds the
+  /// file. Throws StoreError.
+  Database(const std::filesystem::path& file, Access mode, const char* vfs = nullptr,
+           std::chrono::milliseconds patience = usual_patience);
+  static constexpr std::chrono::milliseconds usual_patience{2000};
 
   /// One or more statements without parameters. Throws StoreError.
   void execute(const std::string& sql);
@@ -43,6 +47,8 @@ class Database {
   bool has_moved() const;
   /// `why`, with the file's name in front.
   [[noreturn]] void fail(const std::string& why) const;
+  /// The same for what SQLite has answered, by its code.
+  [[noreturn]] void fail(int code, const std::string& why) const;
 
   sqlite3* handle() const { return handle_.get(); }
 

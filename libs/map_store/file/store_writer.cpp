@@ -69,6 +69,11 @@ void StoreWriter::put_calibration(const StoredCalibration& calibration) {
   wake_.notify_all();
 }
 
+void StoreWriter::hold(const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  held_ = why;
+}
+
 bool StoreWriter::flush() {
   std::unique_lock<std::mutex> lock(mutex_);
   if (waiting_.empty() && tries_ >= tries_asked_ && state_.error.empty() && !writing_) return true;
@@ -110,11 +115,11 @@ void StoreWriter::work() {
     const std::int64_t asked = tries_asked_;
     const bool last_try = stop_;
     Waiting changes = std::exchange(waiting_, {});
-    std::string error;
+    std::string error = changes.empty() ? "" : held_;
     writing_ = true;
     lock.unlock();
     try {
-      if (!changes.empty()) write(changes);
+      if (!changes.empty() && error.empty()) write(changes);
     } catch (const std::exception& failure) {
       error = failure.what();
       // Opened anew, as the folder or the file may be others by then; but one that was taken away is nowhere

@@ -44,6 +44,9 @@ class StoreWriter {
   void place(std::size_t session, const StoredSession& place);
   void put_calibration(const StoredCalibration& calibration);
 
+  /// Until `why` is empty nothing is written: that is what state() says.
+  void hold(const std::string& why);
+
   /// Waits until what was handed in so far is in the file, or could not be written once more: false.
   bool flush();
   State state() const;
@@ -82,6 +85,7 @@ class StoreWriter {
   Waiting waiting_;
   std::vector<StoredSession> sessions_;  // by change()'s number
   State state_;
+  std::string held_;                          // see hold()
   std::int64_t tries_asked_ = 0, tries_ = 0;  // flush() waits for a try that began after it
   bool stop_ = false, writing_ = false;
 

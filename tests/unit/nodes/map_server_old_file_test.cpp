@@ -1,5 +1,7 @@
 // What the file of earlier runs lacks, or has damaged, takes nothing else away.
 
+#include <memory>
+
 #include "tests/unit/nodes/map_server_places_fixture.hpp"
 
 namespace lcmslam {
@@ -55,17 +57,76 @@ TEST_F(MapServerOldFile, OtherSessionsAreFoundBesideADamagedOne) {
   EXPECT_EQ(SessionPlaces(file(), false).kept_keyframes(), testing::views_of_room);
 }
 
+TEST_F(MapServerOldFile, ADamagedPoseTakesNothingElseAway) {
+  map_once();
+  map_from(13, elsewhere());
+  execute("UPDATE keyframe SET pose = zeroblob(10) WHERE session = 1 AND id = 2");
+  const MapRecorder recorder(file(), "");
+  EXPECT_EQ(recorder.kept().size(), 2U);
+  EXPECT_EQ(recorder.error(), "") << "all can be written";
+  EXPECT_THAT(recorder.damage(), ::testing::HasSubstr("keyframe 2 of session 1"));
+  execute("DELETE FROM session WHERE id = 2");
+  const SessionPlaces places(file(), false);
+  EXPECT_EQ(places.kept_keyframes(), testing::views_of_room - 1U);
+  EXPECT_THAT(places.error(), ::testing::HasSubstr("keyframe 2 of session 1"));
+}
+
+TEST_F(MapServerOldFile, ASessionWhosePlaceIsDamagedIsLookedForAgain) {
+  map_once();
+  map_from(13, elsewhere());
+  execute("UPDATE session SET T_map_session = zeroblob(10) WHERE id = 2");
+  EXPECT_THROW(MapFile(file()).sessions(), StoreError);
+  Life server(scratch_.path(), "map", 23);
+  EXPECT_GT(server.value("kept_sessions"), 1);
+  server.work();
+  server.finish();
+  const auto sessions = MapFile(file()).sessions();
+  ASSERT_TRUE(sessions.at(1).T_map_session);
+  expect_near(*sessions[1].T_map_session, elsewhere().inverse());
+}
+
+// As `map compact` holds it.
+class MapServerHeldFile : public MapServerOldFile {
+ protected:
+  std::unique_ptr<Database> hold() {
+    auto other = std::make_unique<Database>(file(), Database::Access::write);
+    other->execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT");
+    return other;
+  }
+};
+
+TEST_F(MapServerHeldFile, OnceItIsFreeSessionsAreFoundInIt) {
+  map_once();
+  auto other = hold();
+  Life server(scratch_.path(), "map", 13);
+  server.drive(first_number, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(server.value("kept_sessions"), 0);
+  other.reset();
+  const auto is_read = [&] {
+    server.work();
+    return server.value("kept_sessions") == 1 && server.value("kept_keyframes") >= testing::views_of_room;
+  };
+  EXPECT_TRUE(testing::wait_for(is_read));
+  server.drive(first_number + 2, elsewhere(), false, "map-2");
+  EXPECT_EQ(server.value("sessions_joined"), 1);
+  server.finish();
+  const auto sessions = MapFile(file()).sessions();
+  ASSERT_EQ(sessions.size(), 3U);
+  EXPECT_FALSE(sessions[1].T_map_session) << "the file was not there to be looked in";
+  ASSERT_TRUE(sessions[2].T_map_session);
+  expect_near(*sessions[2].T_map_session, elsewhere().inverse());
+}
+
 // The file's map has a frame, which is not that of the first session that is heard: what were joined to that
 // would be written down, and lie wrong for every later server.
-TEST_F(MapServerOldFile, WhereItCannotBeReadNoSessionMakesTheMapsFrame) {
+TEST_F(MapServerHeldFile, WhereItCannotBeReadNoSessionMakesTheMapsFrame) {
   {
     SessionPlaces no_file(file(), false);
     EXPECT_TRUE(joins_two_sessions(no_file));
   }
   map_once();
   {
-    Database other(file(), Database::Access::write);
-    other.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT");  // as `map compact` does
+    const auto other = hold();
     SessionPlaces locked(file(), false);
     EXPECT_THAT(locked.error(), ::testing::HasSubstr("locked"));
     EXPECT_FALSE(joins_two_sessions(locked));

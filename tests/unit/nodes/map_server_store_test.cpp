@@ -309,6 +309,51 @@ TEST_F(MapServerStore, AFileThatCannotBeWrittenIsSaidAndMappingGoesOn) {
   EXPECT_EQ(scratch_.read("run/map.lcmslam"), letter);
 }
 
+// Mapping goes on meanwhile, and nothing is written before it is known what the file has.
+TEST_F(MapServerStore, AFileThatSomebodyHoldsIsReadOnceItIsFree) {
+  {
+    StoringServer server(run());
+    server.landmarks(1, 0, {10, 11});
+    server.finish();
+  }
+  auto other = std::make_unique<Database>(file(), Database::Access::write);
+  other->execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT");
+  StoringServer server(run(), 11);
+  EXPECT_THAT(server.node().report().detail,
+              AllOf(HasSubstr("the map's file is not written"), HasSubstr("locked")));
+  server.landmarks(1, 0, {10, 11, 12});
+  EXPECT_EQ(value_of(server.node(), "kept_sessions"), 0);
+  other.reset();
+  EXPECT_TRUE(testing::wait_for([&] {
+    server.bus().work();
+    return value_of(server.node(), "kept_sessions") == 1 && server.node().report().detail.empty();
+  })) << server.node().report().detail;
+  server.finish();
+  EXPECT_NE(server.node().report().state, status_t::FAILED);
+  EXPECT_TRUE(std::filesystem::exists(run() / "fastslam-session1_map.ply"));
+  EXPECT_EQ(MapFile(file()).sessions().size(), 2U);
+  EXPECT_EQ(MapFile(file()).landmarks(2).size(), 3U);
+}
+
+TEST_F(MapServerStore, DamageIsNotTakenForAFailureToWrite) {
+  {
+    StoringServer server(run());
+    server.keyframe(0, 0, 20);
+    server.keyframe_of(21, "map-2", 30);
+    server.finish();
+  }
+  Database(file(), Database::Access::write)
+      .execute("UPDATE keyframe SET pose = zeroblob(10) WHERE session = 1");
+  StoringServer server(run(), 41);
+  EXPECT_EQ(value_of(server.node(), "kept_sessions"), 2);
+  EXPECT_THAT(server.node().report().detail,
+              AllOf(HasSubstr("cannot be read"), ::testing::Not(HasSubstr("not written"))));
+  server.export_to("both");
+  EXPECT_EQ(load_ply(run() / "both/icp-session2_map.ply").size(), 30U);
+  server.finish();
+  EXPECT_NE(server.node().report().state, status_t::FAILED);
+}
+
 TEST_F(MapServerStore, NamesThatLeadElsewhereAreRefused) {
   testing::TestBus bus;
   for (const std::string name : {"../map", "/tmp/map", ".map"})
