@@ -10,6 +10,11 @@ namespace {
 
 constexpr double longest_frame = 1;  // s that one frame speaks for
 
+/// Where odometry has led the camera.
+Eigen::Isometry3d T_world_camera(const DenseFrame& frame, const Tracked& tracked) {
+  return tracked.prior.T_target_source * frame.T_robot_camera;
+}
+
 }  // namespace
 
 void CarriedWatch::observe(const PreparedFrame& prepared, const Tracked& tracked, bool placed, bool adrift,
@@ -19,6 +24,7 @@ void CarriedWatch::observe(const PreparedFrame& prepared, const Tracked& tracked
   const double since = 1e-6 * static_cast<double>(frame.utime - last_utime_);
   const double seconds = last_utime_ == 0 ? 0 : std::min(since, longest_frame);
   last_utime_ = frame.utime;
+  blocked_ = false;
   if (placed) {
     contradicted_ = unplaced_ = 0;
     carried_ = false;
@@ -33,6 +39,8 @@ void CarriedWatch::observe(const PreparedFrame& prepared, const Tracked& tracked
   if (wheels) T_placed_robot_ = T_placed_robot_ * frame.motion->T_from_to;
   if (frame.motion && !wheels) contradicted_ = 0;  // what cameras see tells nothing of who is carried
   if (blind || !wheels) return;
+  blocked_ = !adrift && is_about_there() && hides_the_map(frame, T_world_camera(frame, tracked), map);
+  if (blocked_) return;
   // Once it was elsewhere, odometry goes on from a wrong place.
   const bool against = contradicted() || (!adrift && is_contradicted(prepared, tracked, map));
   contradicted_ = against ? contradicted_ + std::max(seconds, 1e-6) : 0;
@@ -44,10 +52,13 @@ bool CarriedWatch::is_contradicted(const PreparedFrame& prepared, const Tracked&
   constexpr double most = 0.4;  // share
   const Eigen::Isometry3d& T_world_predicted = tracked.prior.T_target_source;
   if (still_shows(prepared.cloud, T_world_predicted, tracked.registration.T_target_source, map)) return false;
-  if (T_placed_robot_.translation().norm() < settings_.keyframe_distance &&
-      rotation_angle(T_placed_robot_) < settings_.keyframe_angle)
-    return true;
-  return seen_through(prepared.frame, T_world_predicted * prepared.frame.T_robot_camera, map) > most;
+  return is_about_there() ||
+         seen_through(prepared.frame, T_world_camera(prepared.frame, tracked), map) > most;
+}
+
+bool CarriedWatch::is_about_there() const {
+  return T_placed_robot_.translation().norm() < settings_.keyframe_distance &&
+         rotation_angle(T_placed_robot_) < settings_.keyframe_angle;
 }
 
 }  // namespace lcmslam

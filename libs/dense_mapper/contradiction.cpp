@@ -6,25 +6,49 @@
 #include <lcmslam/dense_mapper/voxel_map.hpp>
 
 namespace lcmslam {
+namespace {
 
-double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
-  constexpr std::size_t enough = 300;  // surfels
-  constexpr double looks_within = 3;   // m from the camera: farther surfaces are seen at too flat angles
+constexpr std::size_t enough_surfels = 300;
+
+struct SurfelsInView {
+  std::size_t through = 0, supported = 0, hidden = 0;
+};
+
+SurfelsInView count_in_view(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera,
+                            const VoxelMap& map) {
+  constexpr double looks_within = 3;  // m from the camera: farther surfaces are seen at too flat angles
   FreeSpaceSettings wide;
   wide.tolerance = 0.25;
   wide.lateral = 0.1;
   const FreeSpaceView view(frame.cloud, wide);
   const Cloud surfels = map.partners_around(T_world_camera.translation(), looks_within);
   const Eigen::Isometry3f T = T_world_camera.inverse().cast<float>();
-  std::size_t through = 0, supported = 0;
+  SurfelsInView count;
   for (std::size_t i = 0; i < surfels.size(); ++i) {
-    const Visibility seen = view.judge(T * surfels.points[i], T.linear() * surfels.normals[i]);
-    through += seen == Visibility::seen_through ? 1 : 0;
-    supported += seen == Visibility::supported ? 1 : 0;
+    const Eigen::Vector3f p = T * surfels.points[i], normal = T.linear() * surfels.normals[i];
+    const Visibility seen = view.judge(p, normal);
+    count.through += seen == Visibility::seen_through ? 1 : 0;
+    count.supported += seen == Visibility::supported ? 1 : 0;
+    count.hidden += seen == Visibility::hidden && normal.dot(p) < 0 ? 1 : 0;  // a wall's back always is
   }
-  return through + supported < enough
-             ? 0
-             : static_cast<double>(through) / static_cast<double>(through + supported);
+  return count;
+}
+
+}  // namespace
+
+double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
+  const SurfelsInView count = count_in_view(frame, T_world_camera, map);
+  const std::size_t seen = count.through + count.supported;
+  return seen < enough_surfels ? 0 : static_cast<double>(count.through) / static_cast<double>(seen);
+}
+
+bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
+  constexpr double most_seen_through = 0.1, least_hidden = 0.5;  // shares
+  const SurfelsInView count = count_in_view(frame, T_world_camera, map);
+  const std::size_t all = count.through + count.supported + count.hidden;
+  return all >= enough_surfels &&
+         static_cast<double>(count.hidden) > least_hidden * static_cast<double>(all) &&
+         static_cast<double>(count.through) < most_seen_through * static_cast<double>(all);
 }
 
 bool still_shows(const Cloud& cloud, const Eigen::Isometry3d& T_predicted, const Eigen::Isometry3d& T_fitted,

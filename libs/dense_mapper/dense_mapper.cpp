@@ -149,6 +149,13 @@ bool DenseMapper::judge(const Tracked& tracked, const Expectation& expected, con
   step.covariance = believed ? tracked.registration.covariance : uncertain(prior);
   step.blind = static_cast<int>(prepared.cloud.size()) < settings_.min_points;
   if (tracker_->searches_map()) carried_.observe(prepared, tracked, tracking, was_adrift, map_.voxels());
+  // Only the wheels tell then.
+  step.blocked = carried_.blocked();
+  if (step.blocked) {
+    step.status = MappingStatus::degraded;
+    step.T_world_robot = prior.T_target_source;
+    step.covariance = uncertain(prior);
+  }
   if (carried_.carried()) {
     motion_.be_carried(settings_.carried_after);
     step.adrift = step.carried = true;
@@ -164,9 +171,9 @@ bool DenseMapper::judge(const Tracked& tracked, const Expectation& expected, con
                       angle_between(step.T_world_robot, T_expected) > settings_.max_turn);
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
-  // A camera that was covered has not seen that yet.
+  // A camera that was covered, or sees what stands close before the map, has not seen that yet.
   bad_steps_ = tracking ? 0 : bad_steps_ + 1;
-  misfits_ = tracking ? 0 : misfits_ + (step.blind ? 0 : 1);
+  misfits_ = tracking ? 0 : misfits_ + (step.blind || step.blocked ? 0 : 1);
   step.reseeded = motion_.knows(prepared.frame.motion) && !step.adrift && !step.blind &&
                   !carried_.contradicted() && misfits_ > settings_.reseed_after;
   if (step.reseeded) {

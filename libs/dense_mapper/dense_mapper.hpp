@@ -53,6 +53,7 @@ class DenseMapper {
     double unplaced =
         0;  ///< s of usable frames since the robot was carried, none of which had a place in the map
     bool reseeded = false;           ///< odometry alone says where it is: the map goes on from there
+    bool blocked = false;            ///< what stands close hides the map: the wheels alone say where it is
     bool blind = false;              ///< the depth image gives too few points to say anything
     bool hangs_on_odometry = false;  ///< the map around was begun where odometry led, and is tied to the rest
                                      ///< by nothing else yet

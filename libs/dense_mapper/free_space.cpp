@@ -93,9 +93,9 @@ Visibility FreeSpaceView::judge(const Eigen::Vector3f& point, const Eigen::Vecto
   const float radius = static_cast<float>(settings_.lateral) / (point.z() * pitch_);
   const auto& around = around_[radius <= 1 ? 0 : radius <= 2 ? 1 : 2];
   if (point.z() + margin < around[cell]) return Visibility::seen_through;
-  const bool supported =
-      near_[cell] > 0 && point.z() + margin > near_[cell] && point.z() - margin < far_[cell];
-  return supported ? Visibility::supported : Visibility::unknown;
+  if (near_[cell] == 0) return Visibility::unknown;
+  if (point.z() - margin >= far_[cell]) return Visibility::hidden;
+  return point.z() + margin > near_[cell] ? Visibility::supported : Visibility::unknown;
 }
 
 }  // namespace lcmslam

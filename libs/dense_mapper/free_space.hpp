@@ -31,7 +31,7 @@ struct FreeSpaceSettings {
   }
 };
 
-enum class Visibility { unknown, supported, seen_through };
+enum class Visibility { unknown, supported, seen_through, hidden };
 
 class FreeSpaceView {
  public:

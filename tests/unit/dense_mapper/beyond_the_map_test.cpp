@@ -273,5 +273,64 @@ TEST(BeyondTheMap, ARobotBeforeADoorThatOpensHasNotBeenCarried) {
   expect_pose(step.T_world_robot, no_mount, 0.02, 0.01);
 }
 
+/// Its wheels stand, and it looks along x into the room that it has seen once.
+class BlockedRobot : public ::testing::Test {
+ protected:
+  BlockedRobot() { look(room(0.03)); }
+  DenseMapper::Step look(const Cloud& scene) {
+    Motion still;
+    still.covariance = 1e-6 * Matrix6d::Identity();
+    const ColouredCloud seen = seen_from(scene, optical_axes(), static_cast<std::uint64_t>(++frames_));
+    return mapper_.step(coloured_frame(frames_ * frame_time, seen, optical_axes(), still));
+  }
+  /// A surface before all of the view but its outermost `free` to one side (m, at 0.8 m).
+  static Cloud somebody_close(double free = 0) {
+    Cloud close;
+    add_rectangle(close, {0.8, -1.2, -1.2}, {0, 0, 2.4}, {0, 2.4 - free, 0}, 0.015);
+    return close;
+  }
+
+  DenseMapper mapper_;
+
+ private:
+  int frames_ = 0;
+};
+
+TEST_F(BlockedRobot, StaysWhereItsWheelsStand) {
+  const std::size_t surfels = mapper_.map().size();
+  const double floor = MotionPriorSettings().floor_translation;
+  for (int i = 1; i <= 80; ++i) {
+    SCOPED_TRACE(i);
+    const DenseMapper::Step step = look(somebody_close());
+    EXPECT_TRUE(step.blocked);
+    EXPECT_FALSE(step.adrift || step.carried || step.reseeded);
+    EXPECT_EQ(to_string(step.status), "degraded");
+    EXPECT_EQ(step.unplaced, 0);
+    expect_pose(step.T_world_robot, no_mount, 1e-6, 1e-6);
+    EXPECT_NEAR(step.covariance(0, 0), i * 1e-6 + floor * floor, 1e-5) << "as odometry";
+  }
+  EXPECT_EQ(mapper_.map().size(), surfels) << "who stands there is no map";
+  const DenseMapper::Step step = look(room(0.03));
+  EXPECT_EQ(to_string(step.status), "tracking");
+  EXPECT_FALSE(step.blocked || step.relocalised);
+  expect_pose(step.T_world_robot, no_mount, 0.01, 0.01);
+}
+
+// Beside what is nearer there is something farther where the map has a wall, a floor and a box.
+TEST_F(BlockedRobot, WasCarriedWhereItLooksThroughTheMapAsWell) {
+  Cloud elsewhere = somebody_close(1.2);
+  add_rectangle(elsewhere, {5, -1, -6}, {0, 0, 12}, {0, 7, 0}, 0.06);
+  for (int i = 1; i <= 10; ++i) look(somebody_close());
+  DenseMapper::Step step;
+  int frames = 0;
+  while (frames < 30 && !step.carried) {
+    step = look(elsewhere);
+    EXPECT_FALSE(step.blocked);
+    ++frames;
+  }
+  EXPECT_TRUE(step.carried);
+  EXPECT_LE(frames, 11) << "a second";
+}
+
 }  // namespace
 }  // namespace lcmslam

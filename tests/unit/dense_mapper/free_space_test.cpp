@@ -33,8 +33,8 @@ TEST(FreeSpaceView, SeesThroughWhatIsClearlyBeforeTheMeasured) {
   EXPECT_EQ(view.judge({0, 0, 2.9f}, ahead), Visibility::seen_through);
   EXPECT_EQ(view.judge({0, 0, 2.96f}, ahead), Visibility::supported);  // 5 cm and four sigmas
   EXPECT_EQ(view.judge({0, 0, 3.04f}, ahead), Visibility::supported);
-  EXPECT_EQ(view.judge({0, 0, 3.5f}, ahead), Visibility::unknown);  // hidden
-  EXPECT_EQ(view.judge({3, 0, 2}, ahead), Visibility::unknown);     // beside the image
+  EXPECT_EQ(view.judge({0, 0, 3.5f}, ahead), Visibility::hidden);
+  EXPECT_EQ(view.judge({3, 0, 2}, ahead), Visibility::unknown);  // beside the image
   EXPECT_EQ(view.judge({0, 0, -2}, ahead), Visibility::unknown);
   // A slanting surface may err more along the ray.
   EXPECT_EQ(view.judge({0, 0, 2.9f}, Eigen::Vector3f(1, 0, -0.5f).normalized()), Visibility::supported);
