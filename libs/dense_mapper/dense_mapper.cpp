@@ -166,9 +166,11 @@ bool DenseMapper::judge(const Tracked& tracked, const Expectation& expected, con
   if (step.adrift && !was_adrift) step.covariance += motion_.drift();
   step.unplaced = carried_.unplaced();
   const Eigen::Isometry3d& T_expected = expected.prior.T_target_source;
-  step.relocalised = (bad_steps_ > 0 || was_adrift) && tracking &&
-                     (distance_between(step.T_world_robot, T_expected) > settings_.max_jump ||
-                      angle_between(step.T_world_robot, T_expected) > settings_.max_turn);
+  const bool leaps = distance_between(step.T_world_robot, T_expected) > settings_.max_jump ||
+                     angle_between(step.T_world_robot, T_expected) > settings_.max_turn;
+  // The first candidate has leapt; where the others lie that one has led.
+  strayed_ = was_adrift && (strayed_ || leaps);
+  step.relocalised = (bad_steps_ > 0 || was_adrift) && tracking && (leaps || strayed_);
 
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
   // A camera that was covered, or sees what stands close before the map, has not seen that yet.

@@ -121,6 +121,7 @@ class DenseMapper {
   int misfits_ = 0;                // of them those that showed something
   std::vector<int> hanging_from_;  // ids of the first nodes of such parts
   int placed_in_a_row_ = 0;        // frames, while adrift
+  bool strayed_ = false;           // while adrift: a frame has fitted far from where odometry had led
   Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();  // robot, at the last insertion
 };
 

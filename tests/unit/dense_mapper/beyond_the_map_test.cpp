@@ -332,5 +332,52 @@ TEST_F(BlockedRobot, WasCarriedWhereItLooksThroughTheMapAsWell) {
   EXPECT_LE(frames, 11) << "a second";
 }
 
+/// It has seen a place, has driven on from there by its wheels, and looks at it again after a gap in all that
+/// is heard, without features.
+class FoundAgain : public ::testing::Test {
+ protected:
+  FoundAgain() {
+    Motion on;
+    on.covariance = 1e-6 * Matrix6d::Identity();
+    look(no_mount, 0.1, {});
+    on.T_from_to = planar_pose(-0.2, 0.1, 0);
+    for (int i = 1; i <= 4; ++i) look(planar_pose(-0.2 * i, 0.1 * i, 0), 0.1, on);
+  }
+  DenseMapper::Step look(const Eigen::Isometry3d& T_world_robot, double seconds_later,
+                         const std::optional<Motion>& motion) {
+    utime_ += static_cast<Utime>(1e6 * seconds_later);
+    const ColouredCloud seen = seen_from(room(0.03), T_world_robot, static_cast<std::uint64_t>(++frames_));
+    last_ = mapper_.step(coloured_frame(utime_, seen, no_mount, motion));
+    return last_;
+  }
+  /// Frames until it is found where it began.
+  int look_until_found(double interval) {
+    look(no_mount, 5, std::nullopt);
+    int frames = 1;
+    for (; frames < 30 && last_.adrift; ++frames) look(no_mount, interval, std::nullopt);
+    return frames;
+  }
+
+  DenseMapper mapper_;
+  DenseMapper::Step last_;
+
+ private:
+  Utime utime_ = 0;
+  int frames_ = 0;
+};
+
+// The candidates before have led to where it is found: it has not driven there for that.
+TEST_F(FoundAgain, FarFromWhereItWasLostItIsRelocalised) {
+  ASSERT_EQ(to_string(last_.status), "tracking");
+  const int last_node = mapper_.graph().nodes().back().id;
+  look_until_found(0.1);
+  EXPECT_EQ(to_string(last_.status), "tracking");
+  expect_pose(last_.T_world_robot, no_mount, 0.02, 0.02);
+  EXPECT_TRUE(last_.relocalised);
+  ASSERT_GT(mapper_.graph().nodes().back().id, last_node);
+  EXPECT_EQ(mapper_.graph().edges().back().from, 0) << "tied to what it sees, not to where it was lost";
+  EXPECT_FALSE(look(no_mount, 0.1, std::nullopt).relocalised) << "once";
+}
+
 }  // namespace
 }  // namespace lcmslam
