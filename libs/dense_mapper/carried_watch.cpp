@@ -32,7 +32,8 @@ void CarriedWatch::observe(const PreparedFrame& prepared, const Tracked& tracked
     return;
   }
   if (carried_) {
-    unplaced_ += blind ? 0 : seconds;
+    const bool fits = tracked.status == MappingStatus::tracking;
+    unplaced_ += blind || fits ? 0 : seconds;
     return;
   }
   const bool wheels = frame.motion && !frame.motion->visual;

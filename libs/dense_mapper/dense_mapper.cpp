@@ -135,7 +135,7 @@ void DenseMapper::accept(const PreparedFrame& prepared, const Eigen::Isometry3d&
 bool DenseMapper::judge(const Tracked& tracked, const Expectation& expected, const PreparedFrame& prepared,
                         Step& step) {
   const bool was_adrift = motion_.adrift();
-  step.adrift = was_adrift && !is_found(tracked);
+  step.adrift = was_adrift && !is_found(tracked, prepared.frame.utime);
   const bool tracking = tracked.status == MappingStatus::tracking && !step.adrift;
   const bool believed = tracked.status != MappingStatus::lost;
   step.registration = tracked.registration;
@@ -164,7 +164,7 @@ bool DenseMapper::judge(const Tracked& tracked, const Expectation& expected, con
   // Where it fits is a candidate then, no place that is known.
   if (step.adrift) step.covariance = uncertain(expected.prior);
   if (step.adrift && !was_adrift) step.covariance += motion_.drift();
-  step.unplaced = carried_.unplaced();
+  step.unplaced = tracked.status == MappingStatus::tracking ? 0 : carried_.unplaced();
   const Eigen::Isometry3d& T_expected = expected.prior.T_target_source;
   const bool leaps = distance_between(step.T_world_robot, T_expected) > settings_.max_jump ||
                      angle_between(step.T_world_robot, T_expected) > settings_.max_turn;
@@ -206,11 +206,17 @@ int DenseMapper::first_node_here() const {
 }
 
 // After a gap: the cloud fits the map where features say so too or, without features, in many frames in a
-// row.
-bool DenseMapper::is_found(const Tracked& tracked) {
-  placed_in_a_row_ = tracked.status == MappingStatus::tracking ? placed_in_a_row_ + 1 : 0;
-  if (placed_in_a_row_ == 0 || (!tracked.anchored && placed_in_a_row_ <= settings_.reseed_after))
+// row, of which a slow camera gives fewer in the same time.
+bool DenseMapper::is_found(const Tracked& tracked, Utime utime) {
+  constexpr int least = 3;                // frames
+  constexpr Utime long_time = 1'000'000;  // us
+  if (tracked.status != MappingStatus::tracking) {
+    placed_in_a_row_ = 0;
     return false;
+  }
+  if (placed_in_a_row_++ == 0) placed_since_ = utime;
+  const bool long_enough = placed_in_a_row_ >= least && utime - placed_since_ >= long_time;
+  if (!tracked.anchored && !long_enough && placed_in_a_row_ <= settings_.reseed_after) return false;
   placed_in_a_row_ = 0;
   return true;
 }

@@ -51,7 +51,7 @@ class DenseMapper {
     bool adrift = false;       ///< after a gap without odometry, or carried elsewhere: not found again yet
     bool carried = false;      ///< it is adrift because what it sees contradicts its wheels
     double unplaced =
-        0;  ///< s of usable frames since the robot was carried, none of which had a place in the map
+        0;  ///< s of usable frames since the robot was carried that had no place in the map; 0: this one has
     bool reseeded = false;           ///< odometry alone says where it is: the map goes on from there
     bool blocked = false;            ///< what stands close hides the map: the wheels alone say where it is
     bool blind = false;              ///< the depth image gives too few points to say anything
@@ -93,7 +93,7 @@ class DenseMapper {
   void start_map(const PreparedFrame& prepared, Step& step);
   void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot, bool registered);
   bool judge(const Tracked& tracked, const Expectation& expected, const PreparedFrame& prepared, Step& step);
-  bool is_found(const Tracked& tracked);
+  bool is_found(const Tracked& tracked, Utime utime);
   bool hangs_on_odometry();
   int first_node_here() const;
   Matrix6d covariance_at(const PoseError& error, const Eigen::Isometry3d& T_world_camera,
@@ -121,6 +121,7 @@ class DenseMapper {
   int misfits_ = 0;                // of them those that showed something
   std::vector<int> hanging_from_;  // ids of the first nodes of such parts
   int placed_in_a_row_ = 0;        // frames, while adrift
+  Utime placed_since_ = 0;         // the first of them
   bool strayed_ = false;           // while adrift: a frame has fitted far from where odometry had led
   Eigen::Isometry3d T_world_inserted_ = Eigen::Isometry3d::Identity();  // robot, at the last insertion
 };

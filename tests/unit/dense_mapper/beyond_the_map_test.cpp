@@ -204,6 +204,10 @@ class CarriedRobot : public ::testing::Test {
   DenseMapper::Step look() {
     return mapper_->step(coloured_frame(++frames_ * frame_time, there_, no_mount, still_));
   }
+  DenseMapper::Step look_at_first_room() {
+    const ColouredCloud seen = seen_from(room(0.03), no_mount, 3);
+    return mapper_->step(coloured_frame(++frames_ * frame_time, seen, no_mount, still_));
+  }
 
   Motion still_;
 
@@ -377,6 +381,27 @@ TEST_F(FoundAgain, FarFromWhereItWasLostItIsRelocalised) {
   ASSERT_GT(mapper_.graph().nodes().back().id, last_node);
   EXPECT_EQ(mapper_.graph().edges().back().from, 0) << "tied to what it sees, not to where it was lost";
   EXPECT_FALSE(look(no_mount, 0.1, std::nullopt).relocalised) << "once";
+}
+
+TEST_F(FoundAgain, ASlowCameraNeedsFewerFrames) {
+  EXPECT_EQ(look_until_found(0.6), 3);
+}
+TEST_F(FoundAgain, AFastCameraNeedsManyFrames) {
+  EXPECT_EQ(look_until_found(0.05), DenseMapperSettings().reseed_after + 1);
+}
+
+// Without features a place counts after some frames: until then it is one that may be right.
+TEST_F(CarriedRobot, IsNotWithoutAPlaceInTheMapWhileWhatItSeesFits) {
+  map_first_room({});
+  double unplaced = 0;
+  for (int i = 1; i < 50 && unplaced < 1; ++i) unplaced = look().unplaced;
+  ASSERT_GE(unplaced, 1);
+  for (int i = 0; i < 5; ++i) {
+    const DenseMapper::Step back = look_at_first_room();
+    EXPECT_TRUE(back.adrift);
+    EXPECT_EQ(back.unplaced, 0) << i;
+  }
+  EXPECT_NEAR(look().unplaced, unplaced + 0.1, 1e-6) << "the others have shown no place";
 }
 
 }  // namespace
