@@ -267,9 +267,14 @@ Cloud VoxelMap::partners_around(const Eigen::Vector3d& centre, double radius) co
   Cloud cloud;
   const Eigen::Vector3f c = centre.cast<float>();
   const auto squared_radius = static_cast<float>(radius * radius);
-  for (const Block& block : blocks_)
+  const float side = block_side / inverse_size_;
+  const float reach = static_cast<float>(radius) + side;  // half a block's diagonal is 0.87 sides
+  for (const Block& block : blocks_) {
+    const Eigen::Vector3f middle = side * (block.position.cast<float>().array() + 0.5f).matrix();
+    if ((middle - c).squaredNorm() > reach * reach) continue;
     for (const Surfel& s : block.surfels)
       if (is_partner(s) && (s.point - c).squaredNorm() <= squared_radius) append(s, cloud);
+  }
   return cloud;
 }
 

@@ -312,5 +312,21 @@ TEST(VoxelMap, BendsWithItsKeyframes) {
   EXPECT_EQ(twice.deformed({Eigen::Isometry3d::Identity(), moved.inverse()}).size(), map.size() / 2);
 }
 
+// Blocks that are out of reach are left out, none of which a corner reaches in.
+TEST(VoxelMap, PartnersAroundAreAllThatAreNear) {
+  VoxelMap map;
+  map.insert(room(0.03), Eigen::Vector3d::Zero());
+  const Cloud all = map.cloud();
+  Random random(7);
+  for (int i = 0; i < 40; ++i) {
+    const Eigen::Vector3d centre(random.uniform(0, 4), random.uniform(-2, 2), random.uniform(-1.5, 1.5));
+    const double radius = random.uniform(0.02, 2);
+    std::vector<Eigen::Vector3f> near;
+    for (const Eigen::Vector3f& p : all.points)
+      if ((p - centre.cast<float>()).squaredNorm() <= static_cast<float>(radius * radius)) near.push_back(p);
+    EXPECT_EQ(map.partners_around(centre, radius).points, near) << i;
+  }
+}
+
 }  // namespace
 }  // namespace lcmslam
