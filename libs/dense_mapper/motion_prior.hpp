@@ -22,16 +22,16 @@ struct MotionPriorSettings {
 
   void describe(SettingsVisitor& s) {
     s.number(
-        "floor_translation", floor_translation, "m", {0, 1000},
+        "floor_translation", floor_translation, "m", {1e-6, 1000},
         "noise floor of a step, added (squared) to odometry's covariance: wheels slip by more than they "
         "state; less where odometry is surer than along its way and where wheels hardly turn, a tenth at "
         "least");
     s.number(
-        "floor_rotation", floor_rotation, "rad", {0, 3.1416},
+        "floor_rotation", floor_rotation, "rad", {1e-6, 3.1416},
         "noise floor of a step, added (squared) to odometry's covariance; a tenth where wheels do not turn");
-    s.number("free_translation", free_translation, "m", {0, 1000},
+    s.number("free_translation", free_translation, "m", {1e-6, 1000},
              "how far a step without odometry may differ from constant velocity");
-    s.number("free_rotation", free_rotation, "rad", {0, 3.1416},
+    s.number("free_rotation", free_rotation, "rad", {1e-6, 3.1416},
              "how far a step without odometry may differ from constant velocity");
   }
 };

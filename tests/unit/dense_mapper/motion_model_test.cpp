@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <lcmslam/dense_mapper/motion_prior.hpp>
+#include <lcmslam/settings/check.hpp>
 #include "tests/support/cloud_scenes.hpp"
 
 namespace lcmslam {
@@ -233,6 +234,29 @@ TEST(MotionModel, ARobotOnTheGroundStaysThere) {
   const Prior free = model.predict(100'000, std::nullopt, Floor::free);
   EXPECT_LT((off_ground(free.T_target_source) - Eigen::Vector3d(0.05, 0.02, -0.03)).norm(), 1e-3);
   EXPECT_LT(free.information(3, 3), 0.1 * prior.information(3, 3));
+}
+
+// Wheels that stand say that nothing is uncertain: the floor is all that keeps a prior finite.
+TEST(MotionModel, FloorsAreNeverZero) {
+  MotionPriorSettings least;
+  for (const auto sigma : {&MotionPriorSettings::floor_translation, &MotionPriorSettings::floor_rotation,
+                           &MotionPriorSettings::free_translation, &MotionPriorSettings::free_rotation}) {
+    MotionPriorSettings zero;
+    zero.*sigma = 0;
+    EXPECT_THROW(check(zero, "prior"), std::exception);
+    least.*sigma = 1e-6;
+  }
+  EXPECT_NO_THROW(check(least, "prior"));
+  for (const bool planar : {false, true}) {
+    least.planar = planar;
+    MotionModel model(least);
+    model.observe(0, start, true);
+    for (const auto& motion : {std::optional<Motion>(Motion()), std::optional<Motion>()}) {
+      const Matrix6d information = model.predict(100'000, motion).information;
+      EXPECT_TRUE(information.allFinite());
+      EXPECT_NEAR(information(0, 0), 1e12, 1e6);
+    }
+  }
 }
 
 }  // namespace
