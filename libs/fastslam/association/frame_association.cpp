@@ -194,7 +194,7 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   const bool enough = by_descriptor >= s.minimum_consensus;
   if (enough && result.known.empty()) ++steps_without_agreement_;
   const Eigen::Vector3d camera = T_predicted * frame.T_robot_camera.translation();
-  const Visibility visibility(frame, points, T_predicted);
+  const LandmarkVisibility visibility(frame, points, T_predicted);
   const auto established = std::count_if(result.visible.begin(), result.visible.end(), [&](const auto& v) {
     const LandmarkRecord& record = index.record(v.slot);
     return record.observations >= s.minimum_observations && was_seen_from(camera, v, record) &&

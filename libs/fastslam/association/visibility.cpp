@@ -11,8 +11,8 @@ constexpr double same_scale = 1.5;  // and within this factor of its distance
 
 }  // namespace
 
-Visibility::Visibility(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
-                       const Eigen::Isometry3d& T_world_robot)
+LandmarkVisibility::LandmarkVisibility(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
+                                       const Eigen::Isometry3d& T_world_robot)
     : frame_(frame), grid_(frame), camera_(T_world_robot * frame.T_robot_camera.translation()) {
   for (const FeaturePoint& point : points) {
     const Feature& f = frame.features[static_cast<std::size_t>(point.feature)];
@@ -21,12 +21,12 @@ Visibility::Visibility(const FeatureFrame& frame, const std::vector<FeaturePoint
   }
 }
 
-bool Visibility::is_free(const VisibleLandmark& landmark) const {
+bool LandmarkVisibility::is_free(const VisibleLandmark& landmark) const {
   return landmark.x >= 0 && landmark.x < frame_.width && landmark.y >= 0 && landmark.y < frame_.height &&
          farthest_[cell(landmark)] >= 0.95 * landmark.range;  // else hidden, or unknown
 }
 
-bool Visibility::ought_to_show(const VisibleLandmark& landmark, const LandmarkRecord& record) const {
+bool LandmarkVisibility::ought_to_show(const VisibleLandmark& landmark, const LandmarkRecord& record) const {
   if (!is_free(landmark)) return false;
   if (record.seen_at <= 0) return true;
   const Eigen::Vector3d ray = camera_ - landmark.mean;

@@ -11,7 +11,7 @@
 namespace lcmslam {
 
 /// Borrows the frame.
-class Visibility {
+class LandmarkVisibility {
  public:
   Visibility(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
              const Eigen::Isometry3d& T_world_robot);

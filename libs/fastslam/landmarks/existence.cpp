@@ -35,7 +35,7 @@ int update_existence(LandmarkIndex& index, const ParticleMap& map, const Feature
   int died = 0;
   for (const int slot : contradicted) died += index.miss(slot, settings);
 
-  const Visibility visibility(frame, points, T_world_robot);
+  const LandmarkVisibility visibility(frame, points, T_world_robot);
   died += index.age(settings);
   for (const VisibleLandmark& landmark : visible) {
     if (seen[static_cast<std::size_t>(landmark.slot)] || !index.alive(landmark.slot)) continue;
@@ -65,7 +65,7 @@ std::vector<int> choose_new_landmarks(const FeatureFrame& frame, const std::vect
     ++occupied[grid.cell(f.x, f.y)];
   }
   if (static_cast<int>(matches.size()) >= half) {
-    const Visibility visibility(frame, points, T_world_robot);
+    const LandmarkVisibility visibility(frame, points, T_world_robot);
     for (const VisibleLandmark& landmark : visible)
       if (!matched[static_cast<std::size_t>(landmark.slot)] && index.alive(landmark.slot) &&
           is_of_former_visit(landmark.slot) && visibility.is_free(landmark))
