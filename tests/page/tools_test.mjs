@@ -153,6 +153,30 @@ export const tests = {
     });
   },
 
+  async "pressing the map while driving, or laying a tool down while it is pressed, harms nothing"(browser) {
+    await withPage(browser, still, async (page, server) => { // which looks for errors
+      await furnish(page, server);
+      await lookDown(page, [0.5, 0]);
+      const { x, y } = await pixel(page, [0.6, -0.4, 0]);
+      await page.keyboard.press("x");
+      await page.mouse.click(x, y);
+      await page.keyboard.press("Enter");
+      await page.keyboard.down("w");
+      await until(() => heard(server, "drive").at(-1)?.linear === 1, "driving");
+      await page.keyboard.up("w");
+      for (const keys of [["Escape"], ["Escape", "g"], ["x"]]) {
+        await page.keyboard.press("g");
+        await page.mouse.move(x, y);
+        await page.mouse.down();
+        for (const key of keys) await page.keyboard.press(key);
+        await page.mouse.move(x + 40, y + 40, { steps: 3 });
+        await page.mouse.up();
+        await page.keyboard.press("Escape");
+      }
+      assert.equal(heard(server, "go_to").length, 0);
+    });
+  },
+
   async "no modifier keeps a robot going"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);

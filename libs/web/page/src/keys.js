@@ -37,7 +37,7 @@ export class Keys {
     for (const [, , actions] of rows) for (const [key, act] of Object.entries(actions)) this.#actions.set(key, act);
     this.sheet = this.#sheet(rows);
     addEventListener("keydown", (event) => this.#down(event));
-    addEventListener("keyup", (event) => hand.tools.drive.release(event));
+    addEventListener("keyup", (event) => hand.tools.drive.keyUp(event));
   }
 
   help() {
@@ -63,7 +63,7 @@ export class Keys {
   #down(event) {
     if (!event.key || event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, textarea, dialog[open] *")) return;
     const { drive } = this.hand.tools;
-    if (drive.isOn && drive.press(event)) return event.preventDefault();
+    if (drive.isOn && drive.key(event)) return event.preventDefault();
     const onButton = event.target.matches("button") && (event.key === " " || event.key === "Enter");
     const act = this.#actions.get(event.key) ?? this.#actions.get(event.key.toLowerCase());
     if (!act || onButton) return;

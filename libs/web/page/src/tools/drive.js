@@ -51,7 +51,7 @@ export class Drive {
   }
 
   /** @returns {boolean} whether the key is one that drives */
-  press(event) {
+  key(event) {
     const wanted = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!wanted) return false;
     // After a stop only a new press drives on, not the repetition of one that is still held.
@@ -60,7 +60,7 @@ export class Drive {
     return true;
   }
 
-  release(event) {
+  keyUp(event) {
     if (this.#held.delete(event.code)) this.#go();
   }
 

@@ -27,6 +27,7 @@ export class GoTo {
   }
 
   drag(event) {
+    if (!this.goal) return; // laid down and taken again meanwhile
     if (Math.hypot(event.clientX - this.goal.begin[0], event.clientY - this.goal.begin[1]) < least) return;
     const hit = this.picker.ground(event, this.goal.place.z);
     if (!hit) return;
@@ -35,6 +36,7 @@ export class GoTo {
   }
 
   async release(event, cancelled) {
+    if (!this.goal) return;
     const { place, yaw } = this.goal;
     this.goal = null;
     if (cancelled) return this.mark.hide();

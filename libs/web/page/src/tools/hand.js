@@ -27,12 +27,13 @@ export class Hand extends EventTarget {
     return this.#tool?.press?.(event) ?? false;
   }
 
+  /** The tool that was pressed may have been laid down meanwhile, or another one be in the hand. */
   drag(event) {
-    this.#tool.drag(event);
+    this.#tool?.drag?.(event);
   }
 
   release(event, cancelled) {
-    this.#tool.release(event, cancelled);
+    this.#tool?.release?.(event, cancelled);
   }
 
   click(event) {
