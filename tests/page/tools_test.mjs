@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { clickPlace, figures, lookDown, pixel, until, withPage } from "./browser.mjs";
 import { layers, surface, T } from "./kitchen.mjs";
-import { encode } from "./messages.mjs";
+import { encode, floats } from "./messages.mjs";
 
 const all = ["go_to", "drive", "save", "reset", "export", "log", "query"];
 const still = { server: { story: false } };
@@ -282,6 +282,22 @@ export const tests = {
         return view.target.distanceTo(place);
       });
       assert.ok(lag < 0.01, `${lag} m behind`);
+    });
+  },
+
+  async "a map of landmarks alone, and its path, are looked at whole"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      const landmark = (x, y) => Buffer.concat([floats([x, y, 0, 1e-4, 0, 0, 1e-4, 0, 1e-4]), Buffer.alloc(8)]);
+      server.put(encode({ channel: "landmarks", key: "0", n: 1 }, landmark(20, 5)));
+      server.put(encode({ channel: "landmarks", key: "1", n: 1 }, landmark(40, 5)));
+      server.put(encode({ channel: "path", key: "fastslam/0" }, floats([30, -25, 0, 30, 0, 0])));
+      server.put(encode({ channel: "path", key: "odometry/0" }, floats([-500, 0, 0, 500, 0, 0]))); // not shown
+      await until(async () => (await figures(page)).landmarks === 2, "landmarks");
+      await page.keyboard.press("v");
+      const view = () => page.evaluate(() => ({ target: window.lcmslam.view.target.toArray(), distance: window.lcmslam.view.distance }));
+      await until(async () => (await view()).distance > 20, "a view from afar");
+      await until(async () => Math.hypot((await view()).target[0] - 30, (await view()).target[1] + 10) < 0.1, "the middle of all");
+      assert.ok((await view()).distance < 120, JSON.stringify(await view()));
     });
   },
 

@@ -45,8 +45,8 @@ export function makeScene({ stage, board, switches, view, labels }) {
 }
 
 /** Where there is something to see, and its middle. */
-function extent({ points, mesh, robot }) {
-  const places = [...points.centres(), ...mesh.centres()];
+function extent({ points, mesh, landmarks, paths, robot }) {
+  const places = [points, mesh, landmarks, paths].flatMap((view) => view.centres());
   if (robot.pose) places.push(robot.pose.position.clone());
   return { centre: new Box3().setFromPoints(places.length > 0 ? places : [new Vector3()]).getCenter(new Vector3()), places };
 }

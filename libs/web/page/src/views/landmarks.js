@@ -160,6 +160,11 @@ export class LandmarksView {
       }
     return best;
   }
+
+  /** Centres of the cubes. */
+  centres() {
+    return [...this.#cubes.values()].map(({ points }) => points.geometry.boundingSphere.center.clone());
+  }
 }
 
 /**

@@ -1,5 +1,5 @@
 // The ways of the robot: by 6-D SLAM, by FastSLAM, by odometry, in truth. Told apart by colour and by dash.
-import { BufferGeometry, Float32BufferAttribute, Group, Line, LineBasicMaterial, LineDashedMaterial } from "three";
+import { BufferGeometry, Float32BufferAttribute, Group, Line, LineBasicMaterial, LineDashedMaterial, Vector3 } from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
@@ -95,5 +95,11 @@ export class PathsView {
     thin.add(narrow);
     piece.lines.push(narrow);
     if (materials.thin.isLineDashedMaterial) for (const line of piece.lines) line.computeLineDistances();
+  }
+
+  /** Where the pieces of what is shown begin and end. */
+  centres() {
+    const shown = [...this.#pieces].filter(([key, { values }]) => values.length >= 3 && this.#kinds[key.slice(0, key.indexOf("/"))].root.visible);
+    return shown.flatMap(([, { values }]) => [0, values.length - 3].map((at) => new Vector3().fromArray(values, at)));
   }
 }
