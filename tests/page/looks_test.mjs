@@ -85,6 +85,16 @@ export const tests = {
     });
   },
 
+  async "a named view without a place fits the map once it is there"(browser) {
+    await withPage(browser, { path: "#view=top", server: { pace: 4 } }, async (page) => {
+      await ready(page);
+      const view = () => page.evaluate(() => ({ name: window.lcmslam.view.name, pitch: window.lcmslam.view.pitch, distance: window.lcmslam.view.distance }));
+      await until(async () => (await view()).distance > 3, "the whole map");
+      const { name, pitch } = await view();
+      assert.ok(name === "top" && pitch > 1.5, `${name}, ${pitch}`);
+    });
+  },
+
   async "the address holds the view"(browser) {
     await withPage(browser, { path: "#at=1,0.5,0.25&turn=0.5,0.75&far=3&on=grid&off=points" }, async (page) => {
       await ready(page);

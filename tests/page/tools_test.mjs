@@ -285,6 +285,51 @@ export const tests = {
     });
   },
 
+  async "zooming, turning and looking from above do not lose a robot that is followed"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      const place = (follow) => page.evaluate((follow) => {
+        const { view } = window.lcmslam;
+        view.restore({ at: [0, 0, 0], turn: [0, 0.6], far: 6, view: "free", follow: false });
+        view.robotAt(view.target.clone().set(6, 0, 0), 0);
+        view.setFollow(follow);
+      }, follow);
+      const off = (act) => page.evaluate(async (act) => {
+        const { view } = window.lcmslam;
+        if (act === "zoom") view.zoom(0.9); // while it flies to the robot
+        else if (act === "orbit") view.orbit(0.1, 0);
+        else view.show(act);
+        const begin = performance.now();
+        while (performance.now() < begin + 1000) await new Promise(requestAnimationFrame);
+        view.robotAt(view.target.clone().set(9, 0, 0), 0);
+        return [view.follow, view.target.distanceTo(view.robot.position)];
+      }, act);
+      for (const act of ["zoom", "orbit", "top", "front"]) {
+        await place(true);
+        const [follow, distance] = await off(act);
+        assert.ok(follow && distance < 0.01, `${act}: ${follow}, ${distance} m beside the robot`);
+      }
+    });
+  },
+
+  async "two fingers zoom while the robot is followed"(browser) {
+    await withPage(browser, { ...still, context: { hasTouch: true } }, async (page, server, context) => {
+      await furnish(page, server);
+      await page.keyboard.press("o");
+      const session = await context.newCDPSession(page);
+      const touch = (type, ...places) => session.send("Input.dispatchTouchEvent", { type, touchPoints: places.map(([x, y], id) => ({ x, y, id })) });
+      const view = () => page.evaluate(() => ({ follow: window.lcmslam.view.follow, distance: window.lcmslam.view.distance }));
+      const { distance } = await view();
+      await touch("touchStart", [450, 400], [550, 400]);
+      for (let i = 1; i <= 5; ++i) await touch("touchMove", [450 - 10 * i, 400], [550 + 10 * i, 400]);
+      await until(async () => (await view()).distance < 0.8 * distance, "a nearer view");
+      assert.ok((await view()).follow, "it follows still");
+      for (let i = 1; i <= 3; ++i) await touch("touchMove", [400, 400 + 20 * i], [600, 400 + 20 * i]);
+      await touch("touchEnd");
+      await until(async () => !(await view()).follow, "moving the view ends following");
+    });
+  },
+
   async "a map of landmarks alone, and its path, are looked at whole"(browser) {
     await withPage(browser, still, async (page, server) => {
       const landmark = (x, y) => Buffer.concat([floats([x, y, 0, 1e-4, 0, 0, 1e-4, 0, 1e-4]), Buffer.alloc(8)]);

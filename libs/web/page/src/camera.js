@@ -11,6 +11,8 @@ export const views = {
   robot: { label: "Robot's view", key: "r" },
 };
 
+const angles = { front: { yaw: -Math.PI, pitch: 0.35 }, top: { yaw: -Math.PI, pitch: steepest } };
+
 export class View extends EventTarget {
   #stop = () => {};
   #flight = []; // places between which the target flies
@@ -56,7 +58,7 @@ export class View extends EventTarget {
 
   /** Nearer (factor below 1) or farther; `towards`: a point that stays where it is in the picture. */
   zoom(factor, towards = null) {
-    this.#stop();
+    this.#halt();
     this.untouched = false;
     const distance = Math.max(0.3, Math.min(Math.max(150, this.distance, this.reach()), this.distance * factor));
     if (towards && !this.follow && this.name !== "robot") this.target.lerp(towards, 1 - distance / this.distance);
@@ -69,8 +71,9 @@ export class View extends EventTarget {
     if (!(name in views)) return;
     this.name = name;
     this.untouched = false;
-    const named = { front: { yaw: -Math.PI, pitch: 0.35 }, top: { yaw: -Math.PI, pitch: steepest } }[name];
-    if (named) this.#flyTo({ ...this.#fit(named.yaw, named.pitch), ...named });
+    const named = angles[name];
+    const isFollowing = this.follow && this.robot;
+    if (named) this.#flyTo({ ...(isFollowing ? { target: this.robot.position, distance: this.distance } : this.#fit(named.yaw, named.pitch)), ...named });
     if (name === "robot") this.#chase(true);
     this.#say();
   }
@@ -132,14 +135,15 @@ export class View extends EventTarget {
   /** Puts the view to what an address asks for. */
   restore({ at, turn, far, view, follow }) {
     this.#stop();
-    this.untouched = !at && !turn && !far && !view && !follow;
+    this.untouched = !at && !turn && !far && !follow && (!view || view in angles); // the map is still to come
     if (at) this.target.fromArray(at);
     if (turn) [this.yaw, this.pitch] = turn;
     if (far) this.distance = Math.max(0.3, Math.min(100_000, far)); // the map, which may be large, is not here yet
     if (follow !== null) this.follow = follow;
     if (view in views) {
       this.name = view;
-      if (!at) this.show(view);
+      if (this.untouched) Object.assign(this, angles[view]);
+      else if (!at) this.show(view);
     }
     this.#place();
   }
@@ -171,8 +175,14 @@ export class View extends EventTarget {
     });
   }
 
-  #free() {
+  /** Ends a flight where it is; one to the robot that is followed at the robot. */
+  #halt() {
     this.#stop();
+    if (this.follow && this.robot && this.name !== "robot") this.target.copy(this.robot.position);
+  }
+
+  #free() {
+    this.#halt();
     this.untouched = false;
     if (this.name === "free") return;
     this.name = "free";

@@ -61,9 +61,11 @@ export class Gestures {
     const now = { x: (a.clientX + b.clientX) / 2, y: (a.clientY + b.clientY) / 2, far: Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY), turn: Math.atan2(b.clientY - a.clientY, b.clientX - a.clientX) };
     const last = this.#pinch;
     this.#pinch = now;
+    now.begin = last?.begin ?? now;
+    now.pans = last?.pans || Math.hypot(now.x - now.begin.x, now.y - now.begin.y) > slop; // which ends following: zooming does not
     if (!last || now.far < 1) return;
     const height = this.canvas.clientHeight;
-    this.view.pan((now.x - last.x) / height, (now.y - last.y) / height);
+    if (now.pans) this.view.pan((now.x - last.x) / height, (now.y - last.y) / height);
     this.view.zoom(last.far / now.far);
     const turn = Math.atan2(Math.sin(now.turn - last.turn), Math.cos(now.turn - last.turn));
     if (Math.abs(turn) < 0.3) this.view.orbit(turn, 0);

@@ -113,7 +113,8 @@ if (carried) {
     if (item.channel === "about") item.header.can = []; // nobody is there to ask
     board.put(item);
   }
-  if (!asked.at) view.fitAll();
+  if (view.untouched) view.keepAll();
+  else if (!asked.at) view.fitAll();
 } else connection = new Connection({ board, strip: health, stage, view, switches });
 
 /** What tests and benchmarks read. */
