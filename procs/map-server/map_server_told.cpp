@@ -14,6 +14,8 @@ MapServerNode::Shown MapServerNode::shown() const {
     shown.frame = session.key.frame;
     shown.dense = &session.map;
     shown.graph = &session.graph;
+  } else if (!landmark_maps_.empty()) {
+    shown.frame = landmark_maps_.all()[landmark_maps_.current()].key.frame;
   }
   shown.landmarks = landmark_maps_.current_map();
   if (icp_pose_) shown.icp_pose = &*icp_pose_;

@@ -76,6 +76,25 @@ export const tests = {
     });
   },
 
+  async "errors of minutes ago are not those of now"(browser) {
+    await withPage(browser, { server: { story: false } }, async (page, server) => {
+      const put = (seconds, errors) => server.put(encode({ channel: "poses", key: "", utime: seconds * 1e6, icp: { T: [0, 0, 0, 1, 0, 0, 0], status: "TRACKING" }, ...errors }));
+      server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
+      await page.getByText("Waiting for the first position").waitFor();
+      for (const seconds of [1, 2, 3]) {
+        put(seconds, { errors: { icp: 0.03 } });
+        await page.waitForFunction((utime) => window.lcmslam.board.get("poses")?.header.utime === utime, seconds * 1e6);
+      }
+      await page.getByText("off by 3.0 cm").waitFor();
+      await page.getByText("Error against the truth").waitFor();
+      put(61, {});
+      await page.getByText("60 s ago").waitFor();
+      put(130, {});
+      await page.getByText("Error against the truth").waitFor({ state: "hidden" });
+      assert.equal(await page.getByText("off by").count(), 0);
+    });
+  },
+
   async "a network that goes is said, though no socket closes, and found again"(browser) {
     await withPage(browser, {}, async (page, server) => {
       await page.getByText("All is well: both mappers track").waitFor();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cstdlib>
 
 #include <lcmslam/live_page/show_on_board.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
@@ -17,7 +18,8 @@ constexpr double health_period = 0.5;  // s
 constexpr double cloud_period = 0.02;  // s, while more clouds wait than one look may take
 // A look's, some 10 ms: commands and a driver's silence wait so long when the first browser comes.
 constexpr std::size_t most_points = 40'000;
-constexpr double silent_after = 3;  // s without a pose
+constexpr double silent_after = 3;             // s without a pose
+constexpr Utime longest_unjudged = 1'000'000;  // us between a pose and the last one that truth was known for
 constexpr std::size_t most_notices = 30;
 constexpr std::size_t most_associations = 10;
 constexpr Utime longest_without_tracks = 1'000'000;  // us; then images come without
@@ -65,6 +67,7 @@ void PageFeed::on_truth(const ground_truth_t& message) {
   const Eigen::Isometry3d T = from_message(message.T_frame_child, "T_frame_child");
   if (message.child_frame != "robot") return;  // of a camera in hand: nobody knows where its robot is
   T_world_robot_ = T;
+  truth_ = message.utime;
   truth_error_.truth(message.utime, T);
 }
 
@@ -96,12 +99,13 @@ void PageFeed::show(const MapServerNode& maps, double now, bool is_watched) {
     return true;
   };
   const MapServerNode::Shown shown = maps.shown();
+  if (shown.frame != frame_) begin_map(shown.frame);
   if (due(next_pose_, pose_period)) show_poses(shown);
   if (!is_watched) return;
   if (due(next_image_, image_period)) show_image(maps);
   if (due(next_health_, health_period)) show_health(shown, now);
   if (!due(next_map_, map_period_)) {
-    if (clouds_wait_ && now >= next_clouds_ && shown.frame == frame_) show_clouds(shown);
+    if (clouds_wait_ && now >= next_clouds_) show_clouds(shown);
     return;
   }
   show_maps(shown);
@@ -136,6 +140,13 @@ bool PageFeed::is_silent(const std::string& who, Utime utime) {
   return now_ - newest.came > silent_after;
 }
 
+/// Truth comes late, and not for each pose.
+void PageFeed::judge(const std::string& who, const std::string& frame, Utime utime,
+                     const Eigen::Isometry3d& T_map_robot) {
+  if (const auto distance = truth_error_.error(who, frame, utime, T_map_robot))
+    errors_[who] = {utime, *distance};
+}
+
 void PageFeed::show_poses(const MapServerNode::Shown& shown) {
   Utime utime = 0;
   std::set<std::string> silent;
@@ -147,10 +158,11 @@ void PageFeed::show_poses(const MapServerNode::Shown& shown) {
     poses[name] = pose_member(*pose);
     if (is_silent(name, pose->utime)) silent.insert(name);
     const Eigen::Isometry3d T = from_message(pose->T_map_robot, "T_map_robot");
-    if (const auto error = truth_error_.error(name, pose->frame, pose->utime, T)) errors_[name] = *error;
+    judge(name, pose->frame, pose->utime, T);
     if (odometry_ && !odometry_placed_) {
       T_map_odom_ = T * from_message(odometry_->T_odom_robot, "T_odom_robot").inverse();
       odometry_placed_ = true;
+      odometry_path_.clear();  // it was of another place
     }
   }
   if (odometry_) {
@@ -159,8 +171,8 @@ void PageFeed::show_poses(const MapServerNode::Shown& shown) {
     if (is_silent("odometry", odometry_->utime)) silent.insert("odometry");
     utime = std::max(utime, odometry_->utime);
     add_to(odometry_path_, T.translation());
-    if (const auto error = truth_error_.error("odometry", odometry_->frame, odometry_->utime, T))
-      errors_["odometry"] = *error;
+    // Each map has odometry at another place.
+    if (odometry_placed_) judge("odometry", frame_ + "/" + odometry_->frame, odometry_->utime, T);
   }
   if (T_world_robot_) {
     auto T = truth_error_.in_map("icp", *T_world_robot_);
@@ -168,13 +180,16 @@ void PageFeed::show_poses(const MapServerNode::Shown& shown) {
     if (T) {
       poses["truth"] = {{"T", page_pose(*T)}, {"status", "TRUTH"}};
       add_to(truth_path_, T->translation());
+      if (is_silent("truth", truth_)) silent.insert("truth");
     }
   }
   if (utime == posed_ && silent == silent_) return;
   posed_ = utime;
   silent_ = silent;
   for (const std::string& who : silent) poses[who]["status"] = "SILENT";
-  for (auto& [name, error] : errors_) poses["errors"][name] = rounded_for_page(error);
+  for (const auto& [name, error] : errors_)
+    if (silent.count(name) == 0 && std::abs(newest_[name].utime - error.utime) <= longest_unjudged)
+      poses["errors"][name] = rounded_for_page(error.distance);
   poses["utime"] = utime;
   show_on(board_, {"poses", "", std::move(poses), ""});
 }
@@ -212,11 +227,6 @@ void PageFeed::show_clouds(const MapServerNode::Shown& shown) {
 }
 
 void PageFeed::show_maps(const MapServerNode::Shown& shown) {
-  if (shown.frame != frame_) {
-    if (!frame_.empty()) notice(Level::warn, fmt::format("a new map begins: {}", shown.frame));
-    forget_maps();
-    frame_ = shown.frame;
-  }
   show_clouds(shown);
   if (shown.graph != nullptr && shown.dense != nullptr && shown.dense->revision() != graph_shown_) {
     graph_shown_ = shown.dense->revision();
@@ -242,6 +252,13 @@ void PageFeed::show_maps(const MapServerNode::Shown& shown) {
   std::optional<Eigen::Isometry3d> T_map_robot;
   if (shown.icp_pose != nullptr) T_map_robot = from_message(shown.icp_pose->T_map_robot, "T_map_robot");
   derived_.show(shown.live, T_map_robot);
+}
+
+void PageFeed::begin_map(const std::string& frame) {
+  next_map_ = 0;  // what it has comes at once
+  if (!frame_.empty()) notice(Level::warn, fmt::format("a new map begins: {}", frame));
+  forget_maps();
+  frame_ = frame;
 }
 
 void PageFeed::forget_maps() {

@@ -39,6 +39,8 @@ class PageFeed {
   void on_truth(const ground_truth_t& message);
   void on_status(const status_t& message);
   bool is_silent(const std::string& who, Utime utime);
+  void judge(const std::string& who, const std::string& frame, Utime utime,
+             const Eigen::Isometry3d& T_map_robot);
   void show_poses(const MapServerNode::Shown& shown);
   void on_associations(const associations_t& message);
   void show_image(const MapServerNode& maps);
@@ -46,12 +48,13 @@ class PageFeed {
   void show_clouds(const MapServerNode::Shown& shown);
   void show_sessions(const MapServerNode& maps);
   void show_health(const MapServerNode::Shown& shown, double now);
+  void begin_map(const std::string& frame);
   void forget_maps();
 
   Board& board_;
   double map_period_;  // s
   double now_ = 0, next_pose_ = 0, next_image_ = 0, next_map_ = 0, next_health_ = 0, next_clouds_ = 0;
-  std::string frame_;  // of the dense map that is shown
+  std::string frame_;  // of the map that is shown
 
   std::optional<odometry_t> odometry_;
   Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();  // where icp began
@@ -65,7 +68,12 @@ class PageFeed {
   std::set<std::string> silent_;          // who tells none any more
   TruthError truth_error_;
   std::optional<Eigen::Isometry3d> T_world_robot_;
-  std::map<std::string, double> errors_;  // m
+  Utime truth_ = -1;  // of that
+  struct Error {
+    Utime utime;
+    double distance;  // m
+  };
+  std::map<std::string, Error> errors_;  // the last that was known, by whose pose it is of
   std::vector<Eigen::Vector3d> odometry_path_, truth_path_;
   std::deque<associations_t> associations_;  // the newest last: whose images have come is not known before
   Utime image_ = 0;                          // that was shown last

@@ -30,12 +30,13 @@ class MapServer : public ::testing::Test {
       bus_.deliver("FASTSLAM_LANDMARKS", tile);
     }
   }
-  void keyframe(std::int64_t sender, std::int32_t id, std::size_t points) {
+  void keyframe(std::int64_t sender, std::int32_t id, std::size_t points, const std::string& frame = "map") {
     DenseKeyframe k = some_keyframe(random_, points);
     k.id = id;
     for (keyframe_t& tile : make_keyframe_tiles(k, Eigen::Isometry3d::Identity(), id + 1)) {
       tile.seq = seq_++;
       tile.sender = sender;
+      tile.frame = frame;
       bus_.deliver("ICP_KEYFRAME", tile);
     }
   }

@@ -17,11 +17,12 @@ export class Plot {
   /**
    * @param {{name: string, points: number[][]}[]} lines x and y; `name` is the class that colours it
    * @param {string[]} ends what stands below the axis at its begin and end
+   * @param {number[]} span x there; left out: where the lines begin and end
    */
-  draw(lines, ends = ["", ""]) {
+  draw(lines, ends = ["", ""], span = null) {
     const all = lines.flatMap(({ points }) => points);
     const highest = Math.max(...all.map(([, y]) => y), 1e-9);
-    const [first, last] = [Math.min(...all.map(([x]) => x)), Math.max(...all.map(([x]) => x))];
+    const [first, last] = span ?? [Math.min(...all.map(([x]) => x)), Math.max(...all.map(([x]) => x))];
     const place = ([x, y]) => `${(((x - first) / Math.max(last - first, 1e-9)) * wide).toFixed(1)} ${(high - 1 - (y / highest) * (high - 6)).toFixed(1)}`;
     this.picture.replaceChildren(
       svg("path", { class: "axis", d: `M0 ${high - 0.5}H${wide}` }),

@@ -25,8 +25,8 @@ export function posesPanel(column, board) {
     for (const [name, { show }] of Object.entries(rows)) show(header[name], header.errors?.[name]);
     setNote(stateOf(header[mapperOf(header)]?.status));
     if (!item) history = [];
-    else if (header.errors) history = keep(history, header.utime / 1e6, header.errors);
-    errors.hidden = history.length < 2;
+    else history = keep(history, header.utime / 1e6, header.errors ?? {});
+    errors.hidden = history.filter(({ errors }) => Object.keys(errors).length > 0).length < 2;
     if (!errors.hidden && body.offsetParent) draw(plot, history);
   });
 }
@@ -67,6 +67,6 @@ function draw(plot, history) {
     name,
     points: history.filter(({ errors }) => Number.isFinite(errors[name])).map(({ time, errors }) => [time, errors[name]]),
   }));
-  const seconds = Math.round(history.at(-1).time - history[0].time);
-  plot.draw(lines, [`${seconds} s ago`, "now"]);
+  const [begin, end] = [history[0].time, history.at(-1).time];
+  plot.draw(lines, [`${Math.round(end - begin)} s ago`, "now"], [begin, end]);
 }
