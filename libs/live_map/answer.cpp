@@ -115,7 +115,9 @@ Answer reply(const DistanceQuestion& q, const AskedMap& map) {
     distances.push_back(rounded(sample.distance));
     gradients.push_back(row(sample.gradient));
   }
-  return as_json({{"distances", distances}, {"gradients", gradients}});
+  return as_json({{"distances", distances},
+                  {"gradients", gradients},
+                  {"truncation", live(map).settings().distance.truncation}});
 }
 
 Answer reply(const CollisionQuestion& q, const AskedMap& map) {

@@ -159,7 +159,7 @@ export class MockServer {
 }
 
 function answerTo({ ask, points }) {
-  if (ask === "distance") return { distances: points.map(() => 0.42), gradients: points.map(() => [0, 0, 1]) };
+  if (ask === "distance") return { distances: points.map(() => 0.42), gradients: points.map(() => [0, 0, 1]), truncation: 2 };
   if (ask === "space") return { states: points.map(([, , z]) => (z > 1.95 ? "occupied" : "free")) };
   return {};
 }

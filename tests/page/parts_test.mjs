@@ -4,7 +4,7 @@ import { mock } from "node:test";
 import { length, point } from "../../libs/web/page/src/format.js";
 import { decode, graphArrays, meshArrays, pointArrays, splitItems } from "../../libs/web/page/src/messages.js";
 import { extent } from "../../libs/web/page/src/panels/sessions.js";
-import { columnAbove, headroom } from "../../libs/web/page/src/tools/headroom.js";
+import { clearance, columnAbove, headroom } from "../../libs/web/page/src/tools/headroom.js";
 import { readAddress, writeAddress } from "../../libs/web/page/src/share.js";
 import { chooseLevels, coarsen } from "../../libs/web/page/src/views/mesh_levels.js";
 import { choose, surplus } from "../../libs/web/page/src/views/point_budget.js";
@@ -55,6 +55,12 @@ export const tests = {
       const told = parseFloat(headroom(states)) / 100;
       assert.ok(told <= 0.72 - place + 1e-3 && told > 0.69 - place, `${told} m told above ${place}, ${0.72 - place} are free`);
     }
+  },
+
+  async "clearance is no more than is known"() {
+    assert.deepEqual([clearance(0.42, 2, "free"), clearance(-0.01, 2, "occupied")], [length(0.42), length(0)]);
+    assert.equal(clearance(2, 2, "free"), "2.00 m or more");
+    assert.equal(clearance(2, 2, "unknown"), "not known");
   },
 
   async "sessions without times do not begin in 1970"() {

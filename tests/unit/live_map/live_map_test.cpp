@@ -216,6 +216,7 @@ TEST(LiveMap, WhoAsksFarFromTheRobotIsAnsweredAsNearIt) {
   EXPECT_EQ(far["distances"][0], there["distances"][0]);
   EXPECT_NEAR(far["distances"][1], 1, 0.05);
   EXPECT_EQ(far["distances"][2], there["distances"][1]);
+  EXPECT_EQ(far["truncation"], waiting().distance.truncation);
   const std::string spheres =
       R"({"ask": "collision", "spheres": [[1.5, 0, 1, 0.6], [41.5, 0, 1, 0.6], [1.5, 0, 1, 0.4]]})";
   EXPECT_EQ(answered(way, spheres)["collides"], nlohmann::json({true, true, false}));

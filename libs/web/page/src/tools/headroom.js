@@ -1,4 +1,4 @@
-// What a column of free, occupied and unknown space says of the room above a point.
+// What free, occupied and unknown space say of the room above a point, and around a place.
 import { length } from "../format.js";
 
 const ceiling = 2.5; // m above the point up to which is asked
@@ -20,4 +20,10 @@ export function headroom(states) {
   if (end < 0) return `${(step * states.length).toFixed(1)} m or more`;
   const free = length(step * end);
   return states[end] === "occupied" ? free : `${free}, then not known`;
+}
+
+/** The distance to the nearest obstacle in words: distances end at `truncation`, and nobody knows of them where nobody has seen. */
+export function clearance(distance, truncation, state) {
+  if (state === "unknown") return "not known";
+  return distance >= truncation ? `${length(truncation)} or more` : length(Math.max(0, distance));
 }

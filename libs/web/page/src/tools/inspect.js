@@ -1,7 +1,7 @@
 // A click on the map: position, clearance, headroom, plane.
 import { Vector3 } from "three";
 import { length, point } from "../format.js";
-import { columnAbove, headroom } from "./headroom.js";
+import { clearance, columnAbove, headroom } from "./headroom.js";
 
 export class Inspect {
   /** @param {{picker, labels, planes, card, command, robot: () => object, can: (what: string) => boolean}} parts */
@@ -51,10 +51,12 @@ export class Inspect {
     const middle = place.clone().add(new Vector3(0, 0, half)).toArray();
     const [distance, space] = await Promise.all([
       this.command.ask({ ask: "distance", points: [middle] }),
-      this.command.ask({ ask: "space", points: columnAbove(place) }),
+      this.command.ask({ ask: "space", points: [middle, ...columnAbove(place)] }),
     ]);
-    const rows = [[`Clearance, ${half.toFixed(2)} m above`, length(Math.max(0, distance.distances[0]))]];
-    rows.push(["Free above", headroom(space.states)]);
-    return rows;
+    const [state, ...above] = space.states;
+    return [
+      [`Clearance, ${half.toFixed(2)} m above`, clearance(distance.distances[0], distance.truncation, state)],
+      ["Free above", headroom(above)],
+    ];
   }
 }
