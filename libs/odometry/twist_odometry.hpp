@@ -30,7 +30,8 @@ struct TwistOdometrySettings {
     s.number("delay", delay, "s", {-10, 10},
              "from a twist's stamp until the base moves so (commands, filters)");
     s.number("timeout", timeout, "s", {0, 3600},
-             "that a twist holds without a successor; then the base may do anything");
+             "that a twist holds without a successor, FEATURES telling that time goes on; then the base may "
+             "do anything");
     s.number("max_speed", max_speed, "m/s and rad/s", {0, 100},
              "that the base may do when a twist has held for longer than timeout");
   }
@@ -41,15 +42,26 @@ class TwistOdometry {
   explicit TwistOdometry(const TwistOdometrySettings& settings = {});
 
   /// The pose T_odom_robot at twist.utime + delay, on exact arcs of the twist before; the identity at the
-  /// first. A stamp that goes back starts anew, a repeated one gives nothing.
+  /// first. A stamp that goes back starts anew; a repeated one gives nothing, nor does one that comes after
+  /// hold() has told of a later time (what it changes is in the next pose).
   std::optional<MotionSample> update(const Twist& twist);
 
+  /// The pose at a later time at which no other twist has come: a base may say once that it stands, and no
+  /// more. Nothing where a twist may just be under way, and once timeout is so long past that nobody takes
+  /// the motion since.
+  std::optional<MotionSample> hold(Utime utime);
+
+  /// The twist that the base does at a time, as far as is known: none after timeout.
+  std::optional<Twist> holding(Utime utime) const;
+
  private:
-  void integrate(double seconds);
+  double silence(Utime utime) const;
+  MotionSample after(double seconds) const;
 
   TwistOdometrySettings settings_;
   std::optional<Twist> twist_;  // the one that holds
-  MotionSample sample_;
+  MotionSample sample_;         // where it began
+  Utime told_ = 0;              // the newest pose's
 };
 
 }  // namespace lcmslam

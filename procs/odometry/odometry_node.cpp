@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 #include <cmath>
+#include <utility>
 
 #include <lcmslam/configuration/read_settings.hpp>
 #include <lcmslam/messages/feature_messages.hpp>
@@ -58,14 +59,17 @@ void OdometryNode::connect(Inputs& inputs) {
 template <class M>
 void OdometryNode::listen(Inputs& inputs, OdometrySource source, std::size_t capacity,
                           std::function<void(const M&)> handler) {
-  if (named_ && choice_.chosen() != source) return;
+  const bool takes_it = named_ && choice_.chosen() == source;
+  const bool is_clock = source == OdometrySource::visual && choice_.chosen() == OdometrySource::twist;
+  if (named_ && !takes_it && !is_clock) return;
   Input& input =
       inputs.subscribe_measured<M>(odometry_channel(source, external_channel_), capacity, std::move(handler));
-  input.primary = named_;
-  if (named_) return;
+  input.primary = takes_it;
+  if (takes_it) return;
   // What is not taken is not measured either: its clock may be another one.
   input.admits = [this, &input, source, judge = input.admits](std::int64_t sender, Utime utime) {
     input.primary = takes(source, utime);
+    if (source == OdometrySource::visual) hold_twist(utime);
     return input.primary && judge(sender, utime);
   };
 }
@@ -88,14 +92,25 @@ void OdometryNode::on_pose(const pose_t& message) {
 
 void OdometryNode::on_twist(Twist twist) {
   twist.utime += clock_offset_;
-  const auto sample = twist_.update(twist);
-  if (!sample) return;
-  odometry_t message = to_message(*sample, source());
-  for (int i = 0; i < 3; ++i) {
-    message.linear_velocity[i] = twist.linear(i);
-    message.angular_velocity[i] = twist.angular(i);
+  if (const auto sample = twist_.update(twist)) publish_twist(*sample);
+}
+
+// Mappers would go on with the velocity before the last twist: that one stops the base, and no other comes.
+// A wrong stamp, or another clock's, tells nothing of the time: two must agree.
+void OdometryNode::hold_twist(Utime now) {
+  const Utime step = now - std::exchange(clock_, now);
+  if (choice_.chosen() != OdometrySource::twist || step <= 0 || step > MotionBuffer::longest_step) return;
+  if (const auto sample = twist_.hold(now)) publish_twist(*sample);
+}
+
+void OdometryNode::publish_twist(const MotionSample& sample) {
+  odometry_t message = to_message(sample, source());
+  const auto twist = twist_.holding(sample.utime);
+  for (int i = 0; twist && i < 3; ++i) {
+    message.linear_velocity[i] = twist->linear(i);
+    message.angular_velocity[i] = twist->angular(i);
   }
-  publish(*sample, message);
+  publish(sample, message);
 }
 
 void OdometryNode::on_encoders(Encoders encoders) {

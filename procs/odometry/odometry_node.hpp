@@ -28,7 +28,8 @@ class OdometryNode : public Node {
   NodeReport report() const override;
 
  private:
-  /// Of one source; while nobody has chosen, each message is a reason to choose it.
+  /// Of one source; while nobody has chosen, each message is a reason to choose it. FEATURES also tell that
+  /// time goes on while a twist holds.
   template <class M>
   void listen(Inputs& inputs, OdometrySource source, std::size_t capacity,
               std::function<void(const M&)> handler);
@@ -37,6 +38,8 @@ class OdometryNode : public Node {
   void on_pose(const pose_t& message);
   void on_encoders(Encoders encoders);
   void on_twist(Twist twist);
+  void hold_twist(Utime now);
+  void publish_twist(const MotionSample& sample);
   void on_features(const FeatureFrame& frame);
   void publish(const MotionSample& sample, odometry_t message);
 
@@ -48,6 +51,7 @@ class OdometryNode : public Node {
   std::size_t frame_queue_;  // frames that may wait
   WheelOdometry wheels_;
   TwistOdometry twist_;
+  Utime clock_ = 0;  // of the newest FEATURES
   VisualOdometry visual_;
   std::optional<MotionNoise> noise_;
   ExternalOdometry external_;

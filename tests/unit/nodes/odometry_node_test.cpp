@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <lcmslam/messages/feature_messages.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/pose_t.hpp>
 #include "tests/support/simulated_kitchen.hpp"
@@ -211,6 +212,71 @@ TEST_F(OdometryNodeTest, WheelsAreTakenAtOnceWhateverCameBefore) {
   EXPECT_EQ(bus_.count("ODOMETRY"), 6U);
   EXPECT_EQ(bus_.stamps(0).refused(), 0);
   EXPECT_EQ(node.report().detail, "source wheels, by what came first");
+}
+
+class ABaseThatSaysOnceThatItStops : public OdometryNodeTest {
+ protected:
+  static twist_t twist(Utime utime, double v) {
+    twist_t m{};
+    m.utime = utime;
+    m.linear[0] = v;
+    return m;
+  }
+  void look(Utime utime) {
+    FeatureFrame frame;
+    frame.utime = utime;
+    frame.width = 640, frame.height = 480;
+    frame.fx = frame.fy = 525;
+    bus_.deliver("FEATURES", to_message(frame));
+  }
+  /// Half a metre a second from 10 to 12 s, told ten times a second, with three images in a second.
+  void drive() {
+    for (Utime t = 10'000'000; t <= 12'000'000; t += 100'000) {
+      bus_.deliver("TWIST", twist(t, t < 12'000'000 ? 0.5 : 0));
+      if (t % 300'000 == 0) look(t);
+    }
+  }
+};
+
+TEST_F(ABaseThatSaysOnceThatItStops, StandsAsLongAsItsTwistHolds) {
+  for (const char* settings :
+       {"{source: twist, twist: {timeout: 5}}", "{auto_wait: 0, twist: {timeout: 5}}"}) {
+    bus_ = testing::TestBus();
+    bus_.add<OdometryNode>(ConfigNode::parse(settings));
+    drive();
+    const std::size_t driven = bus_.count("ODOMETRY");
+    EXPECT_EQ(driven, 21U) << "while twists come nothing else is told";
+    for (const Utime t : {12'300'000, 12'600'000, 15'000'000, 16'900'000}) look(t);
+    const auto odometry = bus_.on<odometry_t>("ODOMETRY");
+    ASSERT_EQ(odometry.size(), driven + 3) << settings << ", but after a jump of the clock";
+    for (std::size_t i = driven - 1; i < odometry.size(); ++i) {
+      EXPECT_NEAR(odometry[i].T_odom_robot.trans[0], 1, 1e-9);
+      EXPECT_EQ(odometry[i].linear_velocity[0], 0);
+    }
+    EXPECT_EQ(odometry[driven].utime, 12'300'000);
+    EXPECT_EQ(odometry.back().utime, 16'900'000);
+    EXPECT_LT(odometry.back().covariance[0] - odometry[driven - 1].covariance[0], 1e-6);
+  }
+}
+
+TEST_F(ABaseThatSaysOnceThatItStops, NobodyKnowsWhatItDoesAfterTimeout) {
+  bus_.add<OdometryNode>(ConfigNode::parse("{source: twist}"));
+  drive();
+  for (Utime t = 12'300'000; t < 20'000'000; t += 300'000) look(t);
+  const odometry_t last = bus_.on<odometry_t>("ODOMETRY").back();
+  EXPECT_GT(last.utime, 14'500'000);
+  EXPECT_LE(last.utime, 15'000'000);
+  EXPECT_NEAR(last.T_odom_robot.trans[0], 1, 1e-9);
+  EXPECT_TRUE(std::isnan(last.linear_velocity[0]));
+  EXPECT_GT(last.covariance[0], 10);
+}
+
+TEST_F(ABaseThatSaysOnceThatItStops, AnotherSourceThanTwistIsNotHeld) {
+  bus_.add<OdometryNode>(ConfigNode::parse("{auto_wait: 0}"));
+  bus_.deliver("ENCODERS", encoders(0));
+  const Utime start = simulation_.start();
+  for (Utime t = 100'000; t < 1'000'000; t += 100'000) look(start + t);
+  EXPECT_EQ(bus_.count("ODOMETRY"), 1U);
 }
 
 TEST_F(OdometryNodeTest, NoiseIsAddedWhenAskedFor) {
