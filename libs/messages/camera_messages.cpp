@@ -10,6 +10,7 @@
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/messages/origin.hpp>
+#include <lcmslam/messages/print_message.hpp>
 
 namespace lcmslam {
 namespace {
@@ -158,7 +159,8 @@ void take_numbers(std::string& text, std::string_view key, std::initializer_list
     good = good && error == std::errc();
     at = stop;
   }
-  if (!good || at != end) throw DecodeError("sensor '" + text + "': " + right);
+  constexpr std::size_t longest = 80;  // bytes of it that an error repeats
+  if (!good || at != end) throw DecodeError("sensor '" + printable(text.substr(0, longest)) + "': " + right);
   text.resize(begin);
 }
 

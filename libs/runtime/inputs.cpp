@@ -2,7 +2,18 @@
 
 #include <spdlog/spdlog.h>
 
+#include <lcmslam/messages/print_message.hpp>
+
 namespace lcmslam {
+namespace {
+
+/// What is wrong with a message may repeat its texts, which are anybody's bytes, and goes out in each STATUS.
+std::string told(const std::exception& error) {
+  constexpr std::size_t longest = 200;  // bytes
+  return printable(std::string(error.what()).substr(0, longest));
+}
+
+}  // namespace
 
 void Input::deliver(const std::uint8_t* data, std::size_t size, std::int64_t dropped) {
   known_missing_ += dropped;
@@ -10,11 +21,11 @@ void Input::deliver(const std::uint8_t* data, std::size_t size, std::int64_t dro
   try {
     decode_and_handle(data, size);
   } catch (const std::exception& error) {  // nothing that comes from the bus may end the process
-    last_error = error.what();
+    last_error = told(error);
     ++decode_errors;
     // The 1st, 2nd, 4th, 8th ...: a flood of garbage must not flood the log.
     if ((decode_errors & (decode_errors - 1)) == 0)
-      spdlog::warn("{}: {} ({} so far)", channel_, error.what(), decode_errors);
+      spdlog::warn("{}: {} ({} so far)", channel_, last_error, decode_errors);
     if (counted_in_ == nullptr)
       ++known_missing_;
     else

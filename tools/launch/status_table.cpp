@@ -5,16 +5,20 @@
 #include <sstream>
 #include <vector>
 
+#include <lcmslam/messages/print_message.hpp>
+#include <lcmslam/runtime/refusals.hpp>
+
 namespace lcmslam {
 namespace {
 
 constexpr std::size_t width = 80;
 
-/// Words at most `width` long a line, indented.
+/// Words at most `width` long a line, indented. They are of whoever sent the STATUS.
 std::string wrapped(const std::string& text) {
   std::string lines, line = " ";
   std::istringstream words(text);
   for (std::string word; words >> word;) {
+    word = printable(word);
     if (line.size() + 1 + word.size() > width && line.find_first_not_of(' ') != std::string::npos) {
       lines += line + "\n";
       line = "   ";
@@ -78,9 +82,9 @@ std::string trouble(const std::string& process, const status_t& status) {
     text += fmt::format(
         "  {} <- {} of {:08x}: {} received, {} lost, {} twice, {} out of order, {} malformed, {} skipped, "
         "{:.0f} ms in the queue{}\n",
-        process, in.channel, static_cast<std::uint32_t>(in.sender), in.received, in.lost, in.duplicates,
-        in.reordered, in.decode_errors, in.queue_drops, 1e3 * in.queue_age,
-        in.last_error.empty() ? "" : " (" + in.last_error + ")");
+        process, printable(in.channel), static_cast<std::uint32_t>(in.sender), in.received, in.lost,
+        in.duplicates, in.reordered, in.decode_errors, in.queue_drops, 1e3 * in.queue_age,
+        in.last_error.empty() ? "" : " (" + printable(in.last_error) + ")");
   }
   return text;
 }

@@ -197,6 +197,21 @@ TEST(CameraMessages, TheRollingShutterRidesWithTheSensorsName) {
   }
 }
 
+TEST(CameraMessages, AnErrorRepeatsLittleOfALongSensorName) {
+  Random random(6);
+  camera_calibration_t message = to_message(testing::some_calibration(random));
+  message.sensor = "\x1b[31m" + std::string(5'000'000, 'A') + ";rolling_shutter=x";
+  try {
+    from_message(message);
+    FAIL();
+  } catch (const DecodeError& error) {
+    const std::string text = error.what();
+    EXPECT_LT(text.size(), 200U);
+    EXPECT_EQ(text.find('\x1b'), std::string::npos);
+    EXPECT_NE(text.find("rolling_shutter must be"), std::string::npos) << text;
+  }
+}
+
 // Likewise; and whoever decodes an image gets it without the error.
 TEST(CameraMessages, DepthsErrorRidesWithTheSensorsNameAndIsTakenOut) {
   Random random(7);

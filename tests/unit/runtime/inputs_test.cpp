@@ -189,6 +189,17 @@ TEST(Inputs, BadMessagesAreCountedAndTheNextOneIsHandled) {
   EXPECT_EQ(input.senders.known().at(7).lost, 0);
 }
 
+TEST(Inputs, AnErrorThatRepeatsTheMessageIsCutAndHoldsNoControlCharacters) {
+  Inputs inputs;
+  Input& input = inputs.subscribe<encoders_t>("ENCODERS", 10, [](const encoders_t&) {
+    throw DecodeError("sensor '\x1b[31m" + std::string(5'000'000, 'A'));
+  });
+  const auto bytes = message(0);
+  inputs.deliver("ENCODERS", bytes.data(), bytes.size());
+  EXPECT_THAT(input.last_error, ::testing::StartsWith("sensor '\\x1b[31mAAA"));
+  EXPECT_LT(input.last_error.size(), 300U);
+}
+
 TEST(Inputs, TimesThatAreNoneAreRefused) {
   Inputs inputs;
   int handled = 0;

@@ -193,5 +193,18 @@ TEST(StatusTable, SaysWhatCameFromTheNetworkAndWasRefused) {
               HasSubstr("surf <- bus: 5 packets of strangers, 7 malformed, 0 messages lacked fragments\n"));
 }
 
+// Anybody can send a STATUS.
+TEST(StatusTable, ControlCharactersDoNotReachTheTerminal) {
+  status_t s = status();
+  const std::string evil = "\x1b[31mEVIL";
+  s.detail = evil;
+  s.inputs[0].channel = evil;
+  s.inputs[0].last_error = evil;
+  s.outputs[0].channel = evil;
+  const std::string table = format_status({{"surf", s}}, {process("surf", 42)});
+  EXPECT_EQ(table.find('\x1b'), std::string::npos);
+  EXPECT_THAT(table, HasSubstr("(\\x1b[31mEVIL)"));
+}
+
 }  // namespace
 }  // namespace lcmslam
