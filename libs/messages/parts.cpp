@@ -9,8 +9,10 @@ namespace lcmslam {
 namespace {
 
 const std::string suffix = "_PART";
-constexpr std::int32_t largest_message = 1 << 28;  // bytes, LCM's own limit
-constexpr std::size_t most_waiting = 8;            // messages; more are those of senders that went away
+constexpr std::int32_t largest_message = 16 << 20;  // bytes, as the bus takes them in fragments
+constexpr std::size_t longest_channel = 63;         // characters, LCM's
+constexpr std::size_t most_waiting = 8;             // messages; more are those of senders that went away
+constexpr std::size_t most_bytes = 32 << 20;        // of the pieces that wait
 
 void check(const part_t& part) {
   const bool fits = part.n_parts > 0 && part.part >= 0 && part.part < part.n_parts && part.total_size > 0 &&
@@ -20,8 +22,9 @@ void check(const part_t& part) {
     throw DecodeError("part_t: part " + std::to_string(part.part) + " of " + std::to_string(part.n_parts) +
                       " with " + std::to_string(part.size) + " of " + std::to_string(part.total_size) +
                       " bytes cannot be");
-  if (part.channel.empty() || is_part_channel(part.channel))
-    throw DecodeError("part_t: '" + part.channel + "' cannot be the channel of a whole message");
+  if (part.channel.empty() || part.channel.size() > longest_channel || is_part_channel(part.channel))
+    throw DecodeError("part_t: '" + part.channel.substr(0, longest_channel) +
+                      "' cannot be the channel of a whole message");
 }
 
 }  // namespace
@@ -61,10 +64,7 @@ std::optional<PartAssembler::Whole> PartAssembler::add(const part_t& part) {
   const Key key{part.sender, part.channel, part.message};
   auto found = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.key == key; });
   if (found == waiting_.end()) {
-    if (waiting_.size() == most_waiting) {
-      waiting_.pop_front();
-      ++incomplete_;
-    }
+    if (waiting_.size() == most_waiting) give_up_oldest();
     waiting_.push_back({key, part.n_parts, part.total_size, 0, {}});
     found = std::prev(waiting_.end());
   }
@@ -77,7 +77,10 @@ std::optional<PartAssembler::Whole> PartAssembler::add(const part_t& part) {
     found->received += part.data.size();
     found->parts.emplace(part.part, part.data);
   }
-  if (found->parts.size() < static_cast<std::size_t>(part.n_parts)) return std::nullopt;
+  if (found->parts.size() < static_cast<std::size_t>(part.n_parts)) {
+    while (waiting_bytes() > most_bytes) give_up_oldest();
+    return std::nullopt;
+  }
 
   Whole whole{part.channel, part.utime, {}};
   for (const auto& [number, data] : found->parts)
@@ -94,6 +97,18 @@ std::optional<PartAssembler::Whole> PartAssembler::add(const part_t& part) {
                  std::next(found));
   if (!complete) throw DecodeError("part_t: the pieces of a message do not add up to its size");
   return whole;
+}
+
+std::size_t PartAssembler::waiting_bytes() const {
+  constexpr std::size_t node = 128;  // bytes of the map's node and of both allocations, about
+  std::size_t bytes = 0;
+  for (const Waiting& waiting : waiting_) bytes += waiting.received + node * waiting.parts.size();
+  return bytes;
+}
+
+void PartAssembler::give_up_oldest() {
+  waiting_.pop_front();
+  ++incomplete_;
 }
 
 }  // namespace lcmslam

@@ -39,6 +39,11 @@ class PartAssembler {
   /// Messages that were given up because pieces of them never came.
   std::int64_t incomplete() const { return incomplete_; }
 
+  /// Of pieces that wait, with what it takes to keep them; add() leaves no more than 32 MiB.
+  std::size_t waiting_bytes() const;
+  /// Gives up what waits longest; it has to be something.
+  void give_up_oldest();
+
  private:
   struct Key {
     std::int64_t sender;

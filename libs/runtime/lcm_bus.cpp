@@ -1,6 +1,9 @@
 #include <lcmslam/runtime/lcm_bus.hpp>
 
 #include <spdlog/spdlog.h>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <ctime>
 #include <limits>
 #include <random>
@@ -9,6 +12,7 @@
 #include <lcmslam/runtime/bus_robot.hpp>
 #include <lcmslam/runtime/machine.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
+#include <lcmslam/runtime/udpm/reassembly.hpp>
 
 namespace lcmslam {
 namespace {
@@ -68,7 +72,9 @@ void Arrival::deliver() const {
   input->deliver(bytes.data(), bytes.size(), unreadable);
 }
 
-Receiver::Receiver(LcmBus& bus, const Inputs& inputs) : reader_(bus.listen(ChannelSet(channels_of(inputs)))) {
+Receiver::Receiver(LcmBus& bus, const Inputs& inputs)
+    : reader_(bus.listen(ChannelSet(channels_of(inputs)))),
+      most_piece_bytes_(udpm::reassembly_limits().bytes) {
   for (const auto& input : inputs.all()) {
     auto queue = std::make_unique<Queue>();
     queue->receiver = this;
@@ -106,6 +112,25 @@ void Receiver::hand_over(const BusMessage& message) {
       queue->push(message.bytes);
     else if (message.channel == part_channel(queue->input->channel()))
       queue->receive_part(message.bytes);
+  if (is_part_channel(message.channel)) bound_pieces();
+}
+
+/// As the fragments' bound, of all channels together. Whose pieces take most pays, so that a flood on one
+/// channel costs the others nothing.
+void Receiver::bound_pieces() {
+  const auto bytes = [](const auto& queue) { return queue->assembler.waiting_bytes(); };
+  const auto less = [&](const auto& a, const auto& b) { return bytes(a) < bytes(b); };
+  const auto sum = [&] {
+    std::size_t all = 0;
+    for (const auto& queue : queues_) all += bytes(queue);
+    return all;
+  };
+  while (sum() > most_piece_bytes_) {
+    Queue& largest = **std::max_element(queues_.begin(), queues_.end(), less);
+    largest.assembler.give_up_oldest();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    largest.count.incomplete = largest.assembler.incomplete();
+  }
 }
 
 void Receiver::Queue::receive_part(const std::vector<std::uint8_t>& bytes) {

@@ -124,9 +124,11 @@ class Receiver {
   static std::set<std::string> channels_of(const Inputs& inputs);
   void drain();
   void hand_over(const BusMessage& message);
+  void bound_pieces();
 
   std::unique_ptr<BusReader> reader_;
   std::vector<std::unique_ptr<Queue>> queues_;
+  std::size_t most_piece_bytes_;
   std::mutex mutex_;
   std::condition_variable arrived_;
   std::atomic<bool> stop_{false};

@@ -86,6 +86,38 @@ TEST(Parts, SendersThatGoAwayLeaveNoMoreThanEightMessages) {
   EXPECT_EQ(assembler.incomplete(), 12);
 }
 
+TEST(Parts, HalfMessagesAreBoundedAndTheNewestStillComes) {
+  constexpr std::size_t bound = 32 << 20, size = 15 << 20;
+  const Bytes bytes(size, 7);
+  auto parts = split_message("X", bytes, 1, 0, 1 << 20);
+  PartAssembler assembler;
+  for (std::int64_t sender = 1; sender <= 6; ++sender)
+    for (part_t& part : parts) {
+      part.sender = sender;
+      if (part.part == 14) continue;
+      EXPECT_FALSE(assembler.add(part));
+      EXPECT_LE(assembler.waiting_bytes(), bound);
+    }
+  EXPECT_EQ(assembler.incomplete(), 4);
+  const auto whole = assembler.add(parts.back());
+  ASSERT_TRUE(whole);
+  EXPECT_TRUE(whole->bytes == bytes);
+  EXPECT_LT(assembler.waiting_bytes(), size);
+}
+
+TEST(Parts, SmallPiecesCountWithWhatItTakesToKeepThem) {
+  part_t part = split_message("X", Bytes{1}, 1, 0, 1).front();
+  part.n_parts = part.total_size = 1 << 20;
+  PartAssembler assembler;
+  std::size_t most = 0;
+  for (part.part = 0; part.part < 300'000; ++part.part) {
+    assembler.add(part);
+    most = std::max(most, assembler.waiting_bytes());
+  }
+  EXPECT_LE(most, std::size_t{32} << 20);
+  EXPECT_EQ(assembler.incomplete(), 1);
+}
+
 TEST(Parts, MoreBytesThanTheMessageHasAreNotKept) {
   auto parts = split_message("X", some_bytes(250, 1), 1, 0, 100);
   PartAssembler assembler;
@@ -116,6 +148,12 @@ TEST(Parts, ContradictionsAreRefused) {
   refused([](part_t& p) { p.total_size = -1; });
   refused([](part_t& p) { p.total_size = 2'000'000'000; });
   refused([](part_t& p) { p.total_size = 251; });
+  PartAssembler().add(split_message("X", Bytes(16 << 20), 1, 0, 1 << 20).front());
+  EXPECT_THROW(PartAssembler().add(split_message("X", Bytes((16 << 20) + 1), 1, 0, 1 << 20).front()),
+               DecodeError);
+  PartAssembler().add(split_message(std::string(63, 'X'), Bytes(250), 1, 0, 100).front());
+  EXPECT_THROW(PartAssembler().add(split_message(std::string(64, 'X'), Bytes(250), 1, 0, 100).front()),
+               DecodeError);
   refused([](part_t& p) { p.size = 0; });
   refused([](part_t& p) { p.channel = ""; });
   refused([](part_t& p) { p.channel = "X_PART"; });

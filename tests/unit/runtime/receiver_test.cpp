@@ -193,6 +193,33 @@ TEST_F(ReceiverTest, BigMessagesCrossInPieces) {
   EXPECT_EQ(publisher.split(), 9);
 }
 
+TEST_F(ReceiverTest, HalfMessagesOfAllChannelsAreBoundedAndWhoHasMostPays) {
+  setenv("LCMSLAM_BUS_MEMORY", "16", 1);
+  LcmBus bus("memq://");
+  std::size_t handled = 0;
+  for (const char* channel : {"A", "B"})
+    inputs_.subscribe<status_t>(channel, 10, [&](const status_t& m) { handled += m.detail.size(); });
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  Receiver receiver(bus, inputs_);
+  unsetenv("LCMSLAM_BUS_MEMORY");
+  const auto send = [&](const part_t& part) {
+    const auto bytes = encode_message(part);
+    bus.lcm().publish(part_channel(part.channel), bytes.data(), static_cast<unsigned>(bytes.size()));
+  };
+  status_t big{};
+  big.detail.assign(9'500'000, 'x');
+  const auto of_a = split_message("A", encode_message(big), 1, 0, 1'000'000);
+  const auto of_b = split_message("B", encode_message(big), 1, 0, 1'000'000);
+  for (const auto* parts : {&of_a, &of_b})
+    for (std::size_t i = 0; i + 1 < parts->size(); ++i) send((*parts)[i]);
+  send(of_b.back());
+  LcmPublisher publisher(bus.lcm(), 5, 1'000'000);
+  drain(receiver, publisher);
+  EXPECT_EQ(handled, big.detail.size());
+  EXPECT_EQ(receiver.counts().at(inputs_.all()[0].get()).incomplete, 1);
+  EXPECT_EQ(receiver.counts().at(inputs_.all()[1].get()).incomplete, 0);
+}
+
 TEST_F(ReceiverTest, WhatNobodyShouldHaveSentIsCountedTogether) {
   const std::string url = own_bus("udpm://239.255.76.67:7667?ttl=0");
   LcmBus sending(url), receiving(url);
