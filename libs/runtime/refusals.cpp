@@ -1,5 +1,7 @@
 #include <lcmslam/runtime/refusals.hpp>
 
+#include <fmt/format.h>
+#include <cmath>
 #include <numeric>
 
 namespace lcmslam {
@@ -18,8 +20,16 @@ const char* describe(Refusal refusal) {
       "fragments contradict each other",
       "fragments missing",
       "without the seal of this bus's key",
-      "sealed before"};
+      "sealed before",
+      "sealed at another time"};
   return words[static_cast<std::size_t>(refusal)];
+}
+
+std::string describe_other_time(double age) {
+  return fmt::format(
+      "messages sealed by the right key, but {:.1f} s {}: a recording, or let both machines' clocks follow "
+      "one time server",
+      std::abs(age), age < 0 ? "ahead of this machine's clock" : "ago by their sender's clock");
 }
 
 std::int64_t Refusals::foreign() const {
@@ -27,7 +37,7 @@ std::int64_t Refusals::foreign() const {
 }
 
 std::int64_t Refusals::unsealed() const {
-  return of(Refusal::unsealed) + of(Refusal::replayed);
+  return of(Refusal::unsealed) + of(Refusal::replayed) + of(Refusal::other_time);
 }
 
 std::int64_t Refusals::malformed() const {
@@ -41,7 +51,10 @@ std::string Refusals::text() const {
     if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
   };
   add(foreign(), "packets of strangers (last " + last_stranger + ")");
-  add(unsealed(), "messages not sealed by this bus's key (last on " + last_unsealed + ")");
+  add(of(Refusal::unsealed), "messages not sealed by this bus's key");
+  add(of(Refusal::replayed), "sealed messages that came again");
+  add(of(Refusal::other_time), describe_other_time(last_age));
+  if (unsealed() > 0) text += " (last on " + last_unsealed + ")";
   add(malformed(), "malformed (" + last_malformed + ")");
   add(incomplete(), "messages lacked fragments");
   return text;

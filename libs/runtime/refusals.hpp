@@ -22,23 +22,27 @@ enum class Refusal : std::size_t {
   contradiction,    ///< fragments that disagree about their message, overlap or leave holes
   incomplete,       ///< a message given up because fragments were missing
   unsealed,         ///< a message without the seal of this bus's key (seal.hpp)
-  replayed,         ///< sealed, but not for the first time here, or too long ago
+  replayed,         ///< sealed, but not for the first time here
+  other_time,       ///< sealed by this bus's key, but at a time that is far from this machine's
 };
-constexpr std::size_t refusal_kinds = 13;
+constexpr std::size_t refusal_kinds = 14;
 
 /// In words.
 const char* describe(Refusal refusal);
+/// The same of messages of another time: `age`, s ago by their sender's clock, negative: ahead of ours.
+std::string describe_other_time(double age);
 
 struct Refusals {
   std::array<std::int64_t, refusal_kinds> counts{};
   std::string last_stranger;   ///< "10.0.0.7:4711", of the last datagram that was foreign or not_group
   std::string last_malformed;  ///< why, in words
-  std::string last_unsealed;   ///< channel of the last message that was unsealed or replayed
+  std::string last_unsealed;   ///< channel of the last message that unsealed() counts
+  double last_age = 0;         ///< s, of the last one of another time
 
   std::int64_t of(Refusal refusal) const { return counts[static_cast<std::size_t>(refusal)]; }
   /// foreign and not_group.
   std::int64_t foreign() const;
-  /// unsealed and replayed.
+  /// unsealed, replayed and other_time.
   std::int64_t unsealed() const;
   /// All that is none of the others.
   std::int64_t malformed() const;

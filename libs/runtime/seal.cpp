@@ -68,7 +68,10 @@ std::optional<Refusal> SealChecker::open(BusMessage& message, WallTime now) {
   const std::int64_t sender = number_at(trailer + seal::mark_size);
   const std::int64_t time = number_at(trailer + seal::mark_size + seal::number_size);
   const std::int64_t oldest = microseconds_of(now) - longest_way;
-  if (time < oldest || time > oldest + 2 * longest_way) return Refusal::replayed;
+  if (time < oldest || time > oldest + 2 * longest_way) {
+    last_age_ = 1e-6 * (static_cast<double>(microseconds_of(now)) - static_cast<double>(time));
+    return Refusal::other_time;
+  }
   if (last_.size() >= most_remembered)
     for (auto it = last_.begin(); it != last_.end();)
       it = it->second < oldest ? last_.erase(it) : std::next(it);

@@ -34,13 +34,16 @@ class SealChecker {
  public:
   explicit SealChecker(const BusKey& key) : key_(key) {}
 
-  /// Takes the trailer off, or says why the message is refused: `unsealed`, or `replayed` for what the sender
-  /// sealed before its last message on this channel that was taken, or 30 s and more away from `now`: the
-  /// machines' clocks must agree to that.
+  /// Takes the trailer off, or says why the message is refused: `unsealed`, `replayed` for what the sender
+  /// sealed before its last message on this channel that was taken, or `other_time` for what it sealed 30 s
+  /// and more away from `now`: the machines' clocks must agree to that.
   std::optional<Refusal> open(BusMessage& message, WallTime now);
+  /// s that the last message of another time was old; negative: its sender's clock is ahead.
+  double last_age() const { return last_age_; }
 
  private:
   BusKey key_;
+  double last_age_ = 0;
   // Only messages with a right seal come here, and those of 30 s ago go, so that this cannot grow by
   // strangers.
   std::map<std::pair<std::int64_t, std::string>, std::int64_t> last_;  // us, by sender and channel

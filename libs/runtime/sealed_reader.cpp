@@ -27,17 +27,18 @@ bool SealedReader::takes(BusMessage& message) {
   const auto why = checker_->open(message, std::chrono::system_clock::now());
   if (!why) return true;
   const std::lock_guard<std::mutex> lock(mutex_);
-  ++(*why == Refusal::replayed ? replayed_ : unsealed_);
-  last_channel_ = message.channel;
+  ++refused_.counts[static_cast<std::size_t>(*why)];
+  refused_.last_unsealed = message.channel;
+  refused_.last_age = checker_->last_age();
   return false;
 }
 
 Refusals SealedReader::refusals() const {
   Refusals refusals = source_->refusals();
   const std::lock_guard<std::mutex> lock(mutex_);
-  refusals.counts[static_cast<std::size_t>(Refusal::unsealed)] += unsealed_;
-  refusals.counts[static_cast<std::size_t>(Refusal::replayed)] += replayed_;
-  refusals.last_unsealed = last_channel_;
+  for (std::size_t kind = 0; kind < refusal_kinds; ++kind) refusals.counts[kind] += refused_.counts[kind];
+  refusals.last_unsealed = refused_.last_unsealed;
+  refusals.last_age = refused_.last_age;
   return refusals;
 }
 

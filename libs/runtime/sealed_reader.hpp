@@ -23,8 +23,7 @@ class SealedReader : public BusReader {
   std::unique_ptr<BusReader> source_;
   std::optional<SealChecker> checker_;
   mutable std::mutex mutex_;  // for what follows
-  std::int64_t unsealed_ = 0, replayed_ = 0;
-  std::string last_channel_;  // on which one was refused
+  Refusals refused_;
 };
 
 }  // namespace lcmslam

@@ -158,6 +158,10 @@ status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs,
   const Refusals refusals = receiver.refusals();
   add_value("bus_foreign", static_cast<double>(refusals.foreign()));
   add_value("bus_unsealed", static_cast<double>(refusals.unsealed()));
+  if (const std::int64_t count = refusals.of(Refusal::other_time); count > 0) {
+    add_value("bus_other_time", static_cast<double>(count));
+    add_value("bus_other_time_age", refusals.last_age);
+  }
   add_value("bus_malformed", static_cast<double>(refusals.malformed()));
   add_value("bus_incomplete", static_cast<double>(refusals.incomplete()));
   s.n_inputs = static_cast<int32_t>(s.inputs.size());

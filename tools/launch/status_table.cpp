@@ -68,8 +68,13 @@ std::string trouble(const std::string& process, const status_t& status) {
   const double unsealed = status_value(status, "bus_unsealed");
   const double malformed = status_value(status, "bus_malformed");
   const double incomplete = status_value(status, "bus_incomplete");
-  if (unsealed > 0)
-    text += fmt::format("  {} <- bus: {:.0f} messages that are not sealed by its key\n", process, unsealed);
+  const double other_time = status_value(status, "bus_other_time");
+  if (unsealed > other_time)
+    text += fmt::format("  {} <- bus: {:.0f} messages that are not sealed by its key\n", process,
+                        unsealed - other_time);
+  if (other_time > 0)
+    text += fmt::format("  {} <- bus: {:.0f} {}\n", process, other_time,
+                        describe_other_time(status_value(status, "bus_other_time_age")));
   if (foreign + malformed + incomplete > 0)
     text += fmt::format(
         "  {} <- bus: {:.0f} packets of strangers, {:.0f} malformed, {:.0f} messages lacked "

@@ -101,6 +101,7 @@ std::string spy_json(const SpyReport& report) {
                      {"dropped", report.dropped},
                      {"refused_foreign", report.refusals.foreign()},
                      {"refused_unsealed", report.refusals.unsealed()},
+                     {"refused_other_time", report.refusals.of(Refusal::other_time)},
                      {"refused_malformed", report.refusals.malformed()},
                      {"incomplete", report.refusals.incomplete()}};
   return json.dump() + "\n";

@@ -69,8 +69,10 @@ TEST_F(Sealed, NothingPassesTwiceOrLate) {
   Sealer restarted(key_of(1), 78);
   EXPECT_EQ(open(sealed(restarted, "COMMAND", {1})), std::nullopt);
   const BusMessage recorded = sealed(sealer_, "COMMAND", {3});
-  EXPECT_EQ(open(recorded, now + std::chrono::seconds(31)), Refusal::replayed);
-  EXPECT_EQ(open(recorded, now - std::chrono::seconds(31)), Refusal::replayed);
+  EXPECT_EQ(open(recorded, now + std::chrono::seconds(31)), Refusal::other_time);
+  EXPECT_NEAR(checker_.last_age(), 31, 0.001);
+  EXPECT_EQ(open(recorded, now - std::chrono::seconds(31)), Refusal::other_time);
+  EXPECT_NEAR(checker_.last_age(), -31, 0.001);
   EXPECT_EQ(open(recorded, now + std::chrono::seconds(29)), std::nullopt);
 }
 

@@ -77,14 +77,22 @@ TEST(SpyText, ShowsWhatWasRefused) {
   report.refusals.counts[static_cast<std::size_t>(Refusal::beyond_end)] = 7;
   report.refusals.last_malformed = "data beyond the end of their message";
   report.refusals.counts[static_cast<std::size_t>(Refusal::incomplete)] = 4;
+  report.refusals.counts[static_cast<std::size_t>(Refusal::other_time)] = 6;
+  report.refusals.last_age = 40;
+  report.refusals.last_unsealed = "HOST_CLOCK";
   report.dropped = 8;
   EXPECT_THAT(
       spy_text(report),
-      HasSubstr("refused: 5 packets of strangers (last 10.0.0.7:4711), 7 malformed (data beyond the end of "
-                "their message), 4 messages lacked fragments\n"));
+      HasSubstr(
+          "refused: 5 packets of strangers (last 10.0.0.7:4711), 6 messages sealed by the right key, but "
+          "40.0 s ago by their sender's clock: a recording, or let both machines' clocks follow one time "
+          "server (last on HOST_CLOCK), 7 malformed (data beyond the end of their message), 4 messages "
+          "lacked fragments\n"));
   EXPECT_THAT(spy_text(report), HasSubstr("8 messages came too fast for spy"));
   const auto json = nlohmann::json::parse(spy_json(report));
   EXPECT_EQ(json["refused_foreign"], 5);
+  EXPECT_EQ(json["refused_unsealed"], 6);
+  EXPECT_EQ(json["refused_other_time"], 6);
   EXPECT_EQ(json["refused_malformed"], 7);
   EXPECT_EQ(json["incomplete"], 4);
   EXPECT_EQ(json["dropped"], 8);

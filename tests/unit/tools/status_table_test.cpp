@@ -193,6 +193,28 @@ TEST(StatusTable, SaysWhatCameFromTheNetworkAndWasRefused) {
               HasSubstr("surf <- bus: 5 packets of strangers, 7 malformed, 0 messages lacked fragments\n"));
 }
 
+value_t value_of(const std::string& name, double value) {
+  value_t v;
+  v.name = name;
+  v.value = value;
+  return v;
+}
+
+TEST(StatusTable, TellsClocksThatDifferFromAWrongKey) {
+  status_t s = status();
+  s.values = {value_of("bus_unsealed", 17), value_of("bus_other_time", 17),
+              value_of("bus_other_time_age", 40)};
+  std::string table = format_status({{"surf", s}}, {process("surf", 42)});
+  EXPECT_THAT(table, HasSubstr("surf <- bus: 17 messages sealed by the right key, but 40.0 s ago by their "
+                               "sender's clock: "));
+  EXPECT_THAT(table, Not(HasSubstr("not sealed by its key")));
+  s.values = {value_of("bus_unsealed", 20), value_of("bus_other_time", 17),
+              value_of("bus_other_time_age", -40)};
+  table = format_status({{"surf", s}}, {process("surf", 42)});
+  EXPECT_THAT(table, HasSubstr("surf <- bus: 3 messages that are not sealed by its key\n"));
+  EXPECT_THAT(table, HasSubstr("but 40.0 s ahead of this machine's clock: "));
+}
+
 // Anybody can send a STATUS.
 TEST(StatusTable, ControlCharactersDoNotReachTheTerminal) {
   status_t s = status();
