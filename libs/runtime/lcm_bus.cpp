@@ -63,8 +63,18 @@ void BusSender::send(const std::string& name_of_channel, const std::vector<std::
 
 void BusSender::publish(const std::string& channel, std::vector<std::uint8_t> bytes) {
   if (sealer_) sealer_->seal(channel, bytes, std::chrono::system_clock::now());
-  if (lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
-    spdlog::error("{}: LCM could not send {} bytes", channel, bytes.size());
+  Outage& outage = outages_[channel];
+  errno = 0;
+  if (lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) == 0) {
+    if (const std::int64_t failures = outage.over(); failures > 0)
+      spdlog::info("{}: LCM sends again, {} were not sent", channel, failures);
+    return;
+  }
+  const std::string why = errno == 0 ? "" : std::string(": ") + std::strerror(errno);
+  ++failed_;
+  if (outage.failed())
+    spdlog::error("{}: LCM could not send {} bytes{} ({} so far; ./lcmslam doctor says what the bus lacks)",
+                  channel, bytes.size(), why, outage.failures());
 }
 
 void Arrival::deliver() const {
@@ -97,11 +107,14 @@ std::set<std::string> Receiver::channels_of(const Inputs& inputs) {
 
 void Receiver::drain() {
   constexpr std::chrono::milliseconds period{50};  // in which a stop is seen
+  Outage outage;
   while (!stop_) try {
       BusMessage message;
-      if (reader_->read(message, period)) hand_over(message);
+      const bool came = reader_->read(message, period);
+      if (outage.over() > 0) spdlog::info("the bus can be read again");
+      if (came) hand_over(message);
     } catch (const std::runtime_error& error) {
-      spdlog::error("{}", error.what());
+      if (outage.failed()) spdlog::error("{} ({} so far)", error.what(), outage.failures());
       std::this_thread::sleep_for(period);  // do not spin while a provider reconnects
     }
 }

@@ -11,6 +11,7 @@
 #include <lcmslam/messages/parts.hpp>
 #include <lcmslam/runtime/bus.hpp>
 #include <lcmslam/runtime/inputs.hpp>
+#include <lcmslam/runtime/outage.hpp>
 #include <lcmslam/runtime/publisher.hpp>
 #include <lcmslam/runtime/pulse.hpp>
 #include <lcmslam/runtime/seal.hpp>
@@ -36,6 +37,8 @@ class BusSender {
 
   /// Messages that went out in pieces so far.
   std::int64_t split() const { return split_; }
+  /// Messages and pieces that could not be sent so far.
+  std::int64_t failed() const { return failed_; }
 
  private:
   struct Numbers {
@@ -49,7 +52,8 @@ class BusSender {
   std::string robot_;  // "dora/"
   std::optional<Sealer> sealer_;
   std::map<std::string, Numbers> numbers_;
-  std::int64_t split_ = 0;
+  std::map<std::string, Outage> outages_;  // by channel: one may be too much for the network, others not
+  std::int64_t split_ = 0, failed_ = 0;
 };
 
 class LcmPublisher : public Publisher {
@@ -59,6 +63,7 @@ class LcmPublisher : public Publisher {
   double cpu_time() const override;
   std::chrono::microseconds pace() const override;
   std::int64_t split() const { return sender_.split(); }
+  std::int64_t failed() const { return sender_.failed(); }
 
  private:
   void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) override;

@@ -122,6 +122,8 @@ class Process {
   void publish_status(NodeReport report, Receiver& receiver) {
     if (commands_refused_ > 0)
       report.values.emplace_back("commands_refused", static_cast<double>(commands_refused_));
+    if (publisher_.failed() > 0)
+      report.values.emplace_back("send_failures", static_cast<double>(publisher_.failed()));
     if (watch_.stretches() > 0)
       report.values.emplace_back("starved", static_cast<double>(watch_.stretches()));
     publisher_.publish("STATUS", reporter_.gather(report, inputs_, receiver));
