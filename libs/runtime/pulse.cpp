@@ -16,8 +16,10 @@ double seconds(Pulse::Time::duration time) {
 
 }  // namespace
 
-// The time without beats says nothing of how often they come.
+// The time without beats says nothing of how often they come, until each one comes so late.
 void Pulse::beat(Time now) {
+  late_ = stopped(now) ? late_ + 1 : 0;
+  if (late_ == enough) *this = Pulse();
   if (beats_ > 0 && !stopped(now)) {
     const double share = std::max(share_of_new, 1.0 / beats_);
     period_ += share * (seconds(now - last_) - period_);

@@ -16,6 +16,7 @@ class Pulse {
  private:
   Time last_;
   int beats_ = 0;
+  int late_ = 0;       // beats in a row that came after a stop
   double period_ = 0;  // s, mean of the newest
 };
 

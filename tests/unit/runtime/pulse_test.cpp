@@ -41,5 +41,14 @@ TEST(Pulse, APauseDoesNotMakeItPatient) {
   EXPECT_TRUE(pulse.stopped(now + 700ms));
 }
 
+TEST(Pulse, WhatHasBecomeSlowerIsNotMissedForEver) {
+  Pulse pulse;
+  const Pulse::Time slower = beaten(pulse, 30, 33ms);
+  EXPECT_TRUE(pulse.stopped(slower + 900ms));
+  const Pulse::Time now = beaten(pulse, 30, 1000ms, slower);
+  EXPECT_FALSE(pulse.stopped(now + 4000ms));
+  EXPECT_TRUE(pulse.stopped(now + 6000ms));
+}
+
 }  // namespace
 }  // namespace lcmslam
