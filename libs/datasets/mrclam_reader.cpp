@@ -91,11 +91,12 @@ FeatureFrame make_frame(Utime utime, std::size_t seq, const std::string& name, d
 // Frames without features where the camera saw no landmark for long.
 void fill_gaps(Utime begin, Utime end, const MrclamSensor& sensor, LandmarkRecording& recording) {
   const Utime period = to_utime(sensor.frame_period);
+  const std::string name = recording.frames.front().sensor;
   std::vector<FeatureFrame> filled;
   Utime next = begin;
   const auto fill_until = [&](Utime utime) {
     for (; next + period <= utime; next += period)
-      filled.push_back(make_frame(next, 0, recording.frames.front().sensor, sensor.bearing_sigma));
+      filled.push_back(make_frame(next, 0, name, sensor.bearing_sigma));
   };
   for (FeatureFrame& frame : recording.frames) {
     fill_until(frame.utime);

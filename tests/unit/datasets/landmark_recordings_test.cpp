@@ -76,6 +76,7 @@ TEST_F(Mrclam, FramesWithoutFeaturesFillTheTimeInBetween) {
   std::size_t empty = 0;
   for (std::size_t i = 0; i < r.frames.size(); ++i) {
     EXPECT_EQ(r.frames[i].seq, static_cast<std::int64_t>(i));
+    EXPECT_EQ(r.frames[i].sensor, "mrclam robot 2");
     EXPECT_GE(r.frames[i].utime, last);
     EXPECT_LE(r.frames[i].utime - last, 1'000'000);
     last = r.frames[i].utime;
