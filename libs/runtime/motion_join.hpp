@@ -28,6 +28,7 @@ class MotionJoin {
         handler_(std::move(handler)) {}
 
   const MotionBuffer& motion() const { return motion_; }
+  std::int64_t sender() const { return sender_; }  ///< of motion()
   std::optional<Motion> between(Utime from, Utime to) const { return motion_.between(from, to, beyond()); }
 
   /// Something else that a measurement needs: it waits for that as well, up to `max_wait` s of message time

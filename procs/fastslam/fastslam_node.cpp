@@ -18,6 +18,15 @@ namespace {
 constexpr Utime longest_prediction = 1'000'000;  // us that the last velocity goes on without odometry
 constexpr Utime longest_guess = 60'000'000;      // us: a robot that was away for longer may be anywhere
 
+// Of the part of a motion that odometry has not told. The older a velocity, the less it says of the present
+// one, and as old as longest_prediction nothing.
+Matrix6d guess_covariance(Utime from, Utime to, Utime newest) {
+  const Utime begin = std::max(from, newest);
+  if (to <= begin) return Matrix6d::Zero();
+  const double age = (0.5 * static_cast<double>(begin - newest + to - newest)) / longest_prediction;
+  return age * age * unknown_motion(to - begin).covariance;
+}
+
 }  // namespace
 
 FastSlamNodeSettings FastSlamNode::read(const ConfigNode& config) {
@@ -110,8 +119,22 @@ void FastSlamNode::start(const FeatureFrame& frame) {
 }
 
 Motion FastSlamNode::motion_to(Utime utime) const {
-  if (const auto motion = join_.motion().between(last_utime_, utime, longest_prediction)) return *motion;
-  return unknown_motion(std::min(utime - last_utime_, longest_guess));
+  const MotionBuffer& odometry = join_.motion();
+  auto motion = odometry.between(last_utime_, utime, longest_prediction);
+  if (!motion) return unknown_motion(std::min(utime - last_utime_, longest_guess));
+  // Odometry that came late tells by how much the guess was wrong.
+  if (guess_ && guess_->sender == join_.sender())
+    motion->T_from_to = guess_->T_odom_robot.inverse() * odometry.at(utime, longest_prediction)->T_odom_robot;
+  motion->covariance += guess_covariance(last_utime_, utime, odometry.newest());
+  return *motion;
+}
+
+// What landmarks have put right in the meantime shall not be put right twice.
+void FastSlamNode::remember_guess(Utime utime) {
+  guess_.reset();
+  if (utime <= join_.motion().newest() || last_.used > 0) return;
+  if (const auto sample = join_.motion().at(utime, longest_prediction))
+    guess_ = Guess{join_.sender(), sample->T_odom_robot};
 }
 
 void FastSlamNode::on_features(const FeatureFrame& frame) {
@@ -133,6 +156,7 @@ void FastSlamNode::on_features(const FeatureFrame& frame) {
   last_ = slam_->step(motion_to(frame.utime), straight);
   if (const auto smoothed = slam_->take_smoothed(); !smoothed.empty()) publish_smoothed(smoothed);
   last_utime_ = frame.utime;
+  remember_guess(frame.utime);
   ++steps_;
   lost_ += last_.status == TrackStatus::lost ? 1 : 0;
   off_ground_ += last_.floor != Floor::plane ? 1 : 0;

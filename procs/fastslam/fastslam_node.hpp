@@ -34,6 +34,7 @@ class FastSlamNode : public Node {
   bool is_elsewhere() const;
   std::string map_frame() const { return map_frame_of(first_map_frame_, session_); }
   Motion motion_to(Utime utime) const;
+  void remember_guess(Utime utime);
   void publish(const FeatureFrame& frame, const StepResult& result, double cpu_time);
   void publish_changes(Utime utime);
   void publish_whole_map();
@@ -49,6 +50,13 @@ class FastSlamNode : public Node {
   CameraShutter shutter_;
   std::optional<FastSlam> slam_;
   Utime last_utime_ = 0;
+  /// Where the last step took odometry to be, ahead of its newest word, and no measurement has put that
+  /// right.
+  struct Guess {
+    std::int64_t sender;
+    Eigen::Isometry3d T_odom_robot;
+  };
+  std::optional<Guess> guess_;
   std::int64_t revision_ = 0;
   StepResult last_;
   std::int64_t session_ = 1;  // maps begun; each has a frame of its own
