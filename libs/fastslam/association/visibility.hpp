@@ -13,8 +13,8 @@ namespace lcmslam {
 /// Borrows the frame.
 class LandmarkVisibility {
  public:
-  Visibility(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
-             const Eigen::Isometry3d& T_world_robot);
+  LandmarkVisibility(const FeatureFrame& frame, const std::vector<FeaturePoint>& points,
+                     const Eigen::Isometry3d& T_world_robot);
 
   /// Well inside the image, and with a measured point beside it that is not in front of it.
   bool is_free(const VisibleLandmark& landmark) const;
