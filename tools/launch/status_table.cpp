@@ -68,12 +68,12 @@ std::string trouble(const std::string& process, const status_t& status) {
   const double unsealed = status_value(status, "bus_unsealed");
   const double malformed = status_value(status, "bus_malformed");
   const double incomplete = status_value(status, "bus_incomplete");
-  const double other_time = status_value(status, "bus_other_time");
-  if (unsealed > other_time)
+  const double at_other_times = status_value(status, "bus_other_time");
+  if (unsealed > at_other_times)
     text += fmt::format("  {} <- bus: {:.0f} messages that are not sealed by its key\n", process,
-                        unsealed - other_time);
-  if (other_time > 0)
-    text += fmt::format("  {} <- bus: {:.0f} {}\n", process, other_time,
+                        unsealed - at_other_times);
+  if (at_other_times > 0)
+    text += fmt::format("  {} <- bus: {:.0f} {}\n", process, at_other_times,
                         describe_other_time(status_value(status, "bus_other_time_age")));
   if (foreign + malformed + incomplete > 0)
     text += fmt::format(
