@@ -9,6 +9,7 @@
 #include <exception>
 #include <iostream>
 
+#include <lcmslam/configuration/config.hpp>
 #include <lcmslam/configuration/nearest_word.hpp>
 #include <lcmslam/runtime/terminal_colours.hpp>
 #include <lcmslam/runtime/version.hpp>
@@ -92,6 +93,9 @@ int run_commands(const std::vector<Command>& commands, int argc, char** argv) {
     if (!is(command.name, name)) continue;
     try {
       return check_output(command.run(argc - 1, argv + 1));
+    } catch (const ConfigError& error) {
+      std::cerr << prefix(name) << error.what() << "\n";
+      return 2;
     } catch (const std::exception& error) {
       std::cerr << prefix(name) << error.what() << "\n";
       return 1;

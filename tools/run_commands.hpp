@@ -10,8 +10,9 @@ struct Command {
   std::vector<Command> below = {};  ///< subcommands, each with options of its own
 };
 
-/// A main(): runs the command that the first argument names and gives the exit code; 1 for exceptions and for
-/// output that could not be written. `help` lists the commands, `help COMMAND` is `COMMAND --help`.
+/// A main(): runs the command that the first argument names and gives the exit code; 2 for ConfigError, 1 for
+/// other exceptions and output that could not be written. `help` lists the commands, `help COMMAND` is
+/// `COMMAND --help`.
 int run_commands(const std::vector<Command>& commands, int argc, char** argv);
 
 /// The subcommand of `command` that argv[1] names; without one, or for one that is not there, its list and 2.

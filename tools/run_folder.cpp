@@ -24,6 +24,14 @@ void check_run_folder(const std::filesystem::path& folder, bool force) {
                                "); name another folder with --out, or --force overwrites them");
 }
 
+std::filesystem::path nearest_folder(const std::filesystem::path& folder) {
+  std::filesystem::path nearest = std::filesystem::absolute(folder);
+  std::error_code ignored;
+  while (nearest != nearest.root_path() && !std::filesystem::is_directory(nearest, ignored))
+    nearest = nearest.parent_path();
+  return nearest;
+}
+
 std::filesystem::path new_run_folder(const std::string& name) {
   const std::time_t now = std::time(nullptr);
   std::tm local{};

@@ -68,7 +68,7 @@ TEST_F(Launch, WhatNeverBecomesReadyIsWaitedForAndSaid) {
   launch(
       "  processes: [odometry, camera]\n  host: here\n  ttl: 1\n  camera: {host: there}\n  odometry: {after: "
       "[camera]}\n");
-  EXPECT_EQ(launch_->wait(patience).exit_code, 1) << "this host has another name";
+  EXPECT_EQ(launch_->wait(patience).exit_code, 2) << "this host has another name";
   EXPECT_TRUE(launch_->wrote("launch --host NAME")) << launch_->output();
   launch_.emplace(std::vector<std::string>{"lcmslam", "launch", folder_ / "graph.yaml", "--host", "here",
                                            "--out", (folder_ / "run").string()});

@@ -227,6 +227,7 @@ TEST_F(Replay, ASecondGraphDoesNotDisturbTheFirst) {
       run({"lcmslam", "launch", source_folder() / "config/replay.yaml", "--out", folder_ / "second"}, 60);
   EXPECT_EQ(launch.exit_code, 2) << launch.output;
   EXPECT_THAT(launch.output, HasSubstr("runs here already"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "second")) << "what does not start leaves nothing";
   const Result demo =
       run({"lcmslam", "demo", "--headless", "--seconds", "1", "--out", folder_ / "demo"}, 200);
   EXPECT_THAT(demo.output, HasSubstr("runs here already"));

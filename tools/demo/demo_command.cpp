@@ -63,7 +63,8 @@ std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
   return parse_command(app, argc, argv);
 }
 
-/// Options become overrides of the configuration. Throws ConfigError for a graph without a source.
+/// Options become overrides of the configuration, and where no folder was named one is made when all is known
+/// to be right. Throws ConfigError, also for a graph without a source.
 void complete(DemoOptions& o) {
   if (o.config.empty()) o.config = share_path(o.data.empty() ? "config/demo.yaml" : "config/dataset.yaml");
   o.config = std::filesystem::absolute(o.config).lexically_normal();
@@ -79,7 +80,6 @@ void complete(DemoOptions& o) {
   if (o.seed >= 0)
     for (const char* key : {"fastslam.seed=", "odometry.seed=", "camera.simulation.seed="})
       set.push_back(key + std::to_string(o.seed));
-  set.push_back("map-server.folder=" + absolute(o.out));
   o.overrides.insert(o.overrides.begin(), set.begin(), set.end());  // the user's own --set has the last word
 
   const ConfigNode config = load_config(o.config, o.overrides);
@@ -97,6 +97,12 @@ void complete(DemoOptions& o) {
     if (o.camera.source == "log") throw ConfigError("--seconds: a log is played whole; cut it first");
     o.overrides.push_back("camera." + o.camera.source + ".seconds=" + std::to_string(o.seconds));
   }
+  read_graph({o.config, o.lcm_url, o.log_level, o.overrides, {}});
+
+  const std::string name = o.data.empty() ? "demo" : std::filesystem::path(o.data).filename().string();
+  if (o.out.empty()) o.out = new_run_folder(name.empty() ? "data" : name);
+  o.out = std::filesystem::absolute(o.out).lexically_normal();
+  o.overrides.insert(o.overrides.begin(), "map-server.folder=" + absolute(o.out));
 }
 
 class Demo {
@@ -301,13 +307,9 @@ std::unique_ptr<LcmBus> open_bus(const DemoOptions& options) {
 int demo_command(int argc, char** argv) {
   DemoOptions options;
   if (const auto exit_code = parse(argc, argv, options)) return *exit_code;
-  const std::string name =
-      options.data.empty() ? "demo" : std::filesystem::path(options.data).filename().string();
   check_run_folder(options.out, options.force);
-  if (options.out.empty()) options.out = new_run_folder(name.empty() ? "data" : name);
-  std::filesystem::create_directories(options.out);
-  options.out = std::filesystem::absolute(options.out).lexically_normal();
   complete(options);
+  std::filesystem::create_directories(options.out);
   install_stop_signals(0);
 
   const auto bus = open_bus(options);

@@ -54,7 +54,7 @@ Graph read_graph(const GraphOptions& options) {
   graph.lcm_url = with_ttl(options.lcm_url, launch.ttl);
   if (!launch.robot.empty()) check_robot_name(launch.robot);
 
-  std::filesystem::create_directories(options.folder / "logs");
+  if (!options.folder.empty()) std::filesystem::create_directories(options.folder / "logs");
   for (const auto& name : launch.processes) {
     if (const std::string host = launch.host_of(name); !host.empty() && host != graph.host) {
       graph.elsewhere[name] = host;

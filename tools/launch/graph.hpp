@@ -14,7 +14,7 @@ struct GraphOptions {
   std::string lcm_url;
   std::string log_level = "info";
   std::vector<std::string> overrides;  ///< section.key=value, handed to every process
-  std::filesystem::path folder;        ///< logs/ below it takes the processes' output
+  std::filesystem::path folder;        ///< logs/ below it takes the processes' output; empty: none is made
   std::string host{};                  ///< this one's name in the configuration; empty: the machine's
 };
 

@@ -76,6 +76,14 @@ Utime wall_clock() {
       .count();
 }
 
+/// Where this run's logs and maps go; the user's --set wins.
+void choose_folder(GraphOptions& options, const std::string& asked) {
+  options.folder = asked.empty() ? new_run_folder("launch") : std::filesystem::path(asked);
+  options.overrides.insert(
+      options.overrides.begin(),
+      "map-server.folder=" + yaml_quoted(std::filesystem::absolute(options.folder).string()));
+}
+
 /// What runs, told and asked from everywhere: the terminal, the bus, the control socket.
 class RunningGraph {
  public:
@@ -181,18 +189,12 @@ int launch_command(int argc, char** argv) {
   }
   if (options.lcm_url.empty()) options.lcm_url = lcm_url_from_environment();
   check_run_folder(folder, force);
-  options.folder = folder.empty() ? new_run_folder("launch") : std::filesystem::path(folder);
   const bool as_root = geteuid() == 0;  // asked before: in a user namespace everybody is root
   if (private_bus && !enter_private_bus()) {
     std::cerr << "lcmslam launch: this machine permits no private network namespace\n";
     return 1;
   }
-
-  // Maps go to this run's folder: a new run must not overwrite the last one's. The user's --set wins.
-  options.overrides.insert(
-      options.overrides.begin(),
-      "map-server.folder=" + yaml_quoted(std::filesystem::absolute(options.folder).string()));
-  const Graph graph = read_graph(options);
+  const Graph graph = read_graph(options);            // whatever refuses to start leaves no folder
   facts.configuration = config_json(options.config);  // the file may be another when the run ends
   if (const std::string obstacle = obstacle_between_hosts(graph); !obstacle.empty()) {
     std::cerr << "lcmslam launch: " << obstacle << "\n";
@@ -213,7 +215,7 @@ int launch_command(int argc, char** argv) {
   if (std::any_of(graph.processes.begin(), graph.processes.end(), is_camera))  // else its source is elsewhere
     doctor.traffic = graph_traffic(options.config, options.overrides);
   doctor.seconds = 0.3;
-  doctor.folder = options.folder;
+  doctor.folder = nearest_folder(folder.empty() ? "out" : folder);
   for (const auto& spec : graph.processes) doctor.processes.push_back(spec.name);
   const auto findings = examine(doctor);
   std::cout << format_findings(findings, false) << std::flush;
@@ -222,7 +224,8 @@ int launch_command(int argc, char** argv) {
     std::cout << "lcmslam launch: " << rival->text << std::endl;
     return 2;
   }
-  RunningGraph running(graph, bus);
+  choose_folder(options, folder);
+  RunningGraph running(read_graph(options), bus);
   std::optional<ControlSocket> control;
   try {
     control.emplace(control_folder(), graph.launch.robot.empty() ? "launch" : graph.launch.robot);

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/source_folder.hpp"
+#include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/scratch.hpp"
+#include "tools/commands.hpp"
 #include "tools/launch/hosts.hpp"
 
 namespace lcmslam {
@@ -45,6 +48,30 @@ TEST_F(Graph, NamesProgramsArgumentsAndLogs) {
   EXPECT_FALSE(specs[0].restart);
   EXPECT_EQ(specs[0].log, scratch_.path() / "run/logs/camera.txt");
   EXPECT_TRUE(std::filesystem::is_directory(scratch_.path() / "run/logs"));
+}
+
+// A service that came back to it every five seconds would fill the disk with folders.
+TEST_F(Graph, AWrongConfigurationEndsWithTwoAndLeavesNoFolder) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(scratch_.path());
+  const std::string demo = (source_folder() / "config/demo.yaml").string();
+  for (const std::string& yaml :
+       {std::string("launch: ["), std::string("launch: {restrat: true}\n"),
+        "include: " + demo + "\nlaunch: {restrat: true}\n", std::string("include: /nowhere.yaml\n"),
+        std::string("- surf\n"), std::string()}) {
+    SCOPED_TRACE(yaml);
+    const std::string file = scratch_.write("wrong.yaml", yaml);
+    EXPECT_EQ(testing::run_command({"launch", launch_command}, {file, "--lcm-url", "memq://"}).exit_code, 2);
+    EXPECT_EQ(
+        testing::run_command({"demo", demo_command}, {"--config", file, "--lcm-url", "memq://"}).exit_code,
+        2);
+    EXPECT_FALSE(std::filesystem::exists("out"));
+  }
+  GraphOptions sound;
+  sound.config = demo;
+  EXPECT_EQ(read_graph(sound).processes.size(), 6U);
+  EXPECT_FALSE(std::filesystem::exists("logs")) << "it was only asked";
+  std::filesystem::current_path(before);
 }
 
 TEST_F(Graph, WithoutALaunchSectionAllProcessesRun) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include <lcmslam/configuration/config.hpp>
 #include "tests/support/source_folder.hpp"
 #include "tools/command_help.hpp"
 #include "tools/commands.hpp"
@@ -68,6 +69,19 @@ TEST(RunCommands,
   char* asked[] = {program, help, name, nullptr};
   EXPECT_EQ(run_commands({{"part", remember}}, 3, asked), 7);
   EXPECT_EQ(line, "bin/lcmslam part --help");
+}
+
+// A service does not start again what ends with 2.
+TEST(RunCommands, AWrongConfigurationIsTwoAndAnyOtherFailureOne) {
+  const auto wrong = [](int, char**) -> int { throw ConfigError("robot.yaml:3: unknown key"); };
+  const auto failed = [](int, char**) -> int { throw std::runtime_error("the disk is full"); };
+  char program[] = "lcmslam", name[] = "part";
+  char* line[] = {program, name, nullptr};
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run_commands({{"part", wrong}}, 2, line), 2);
+  EXPECT_EQ(run_commands({{"part", failed}}, 2, line), 1);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            "lcmslam part: robot.yaml:3: unknown key\nlcmslam part: the disk is full\n");
 }
 
 TEST(RunCommands, WithoutACommandSaysWhatThereIs) {
