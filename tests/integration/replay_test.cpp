@@ -207,6 +207,19 @@ TEST_F(Replay, CtrlCEndsBatchAndLeavesNoHalfLog) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+TEST_F(Replay, CtrlCEndsAStudyAndWhatItRuns) {
+  const TemporaryFolder folder;
+  Program study({"lcmslam", "study", "--seeds", "1", "2"}, folder.path());
+  ASSERT_TRUE(bus_.wait_for_status(
+      "camera", [](const status_t&) { return true; }, 120))
+      << study.output();
+  const auto camera = static_cast<pid_t>(bus_.status("camera")->pid);
+  study.send(SIGINT);
+  EXPECT_EQ(study.wait(90).exit_code, 130) << study.output();
+  EXPECT_TRUE(study.wrote("stopped by a signal")) << study.output();
+  EXPECT_FALSE(process_exists(camera));
+}
+
 TEST_F(Replay, CtrlCEndsASimulationAndLeavesTheOldLog) {
   const TemporaryFolder folder;
   const auto log = folder / "old.lcmlog";

@@ -1,9 +1,8 @@
 #include "tools/study/demo_study.hpp"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <algorithm>
-#include <cstdlib>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -11,10 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 
 #include <lcmslam/evaluation/table.hpp>
-#include "tools/farm/slurm.hpp"
+#include <lcmslam/runtime/stop_signal.hpp>
 #include "tools/launch/graph.hpp"
+#include "tools/launch/supervisor.hpp"
 #include "tools/output_file.hpp"
 #include "tools/run_folder.hpp"
 #include "tools/study/measures.hpp"
@@ -22,17 +23,28 @@
 namespace lcmslam {
 namespace {
 
+constexpr std::chrono::milliseconds demo_poll_period(20);
+constexpr int stopped_by_a_signal = 130;  // exit code, as the demo's
+
 const char* const path_names[] = {"odometry", "fastslam", "icp"};
 
 /// One live run; its summary.json.
 nlohmann::json run_demo(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
-  std::string command = shell_word((program_folder() / "lcmslam").string()) + " demo --headless --out " +
-                        shell_word(folder.string());
-  for (const auto& argument : arguments) command += " " + shell_word(argument);
-  command += " > " + shell_word(folder.string() + ".txt") + " 2>&1";
-  const int status = std::system(command.c_str());
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw std::runtime_error("the run failed; see " + folder.string() + ".txt");
+  ProcessSpec spec;
+  spec.name = "demo";
+  spec.arguments = {program_folder() / "lcmslam", "demo", "--headless", "--out", folder};
+  spec.arguments.insert(spec.arguments.end(), arguments.begin(), arguments.end());
+  spec.log = folder.string() + ".txt";
+  spec.restart = false;
+  Supervisor supervisor;  // it ends the run with the study
+  supervisor.start(spec);
+  while (!supervisor.all_stopped()) {
+    throw_when_stopped();
+    supervisor.poll();
+    std::this_thread::sleep_for(demo_poll_period);
+  }
+  if (supervisor.processes().front().failed)
+    throw std::runtime_error("the run failed; see " + spec.log.string());
   std::ifstream file(folder / "summary.json");
   return nlohmann::json::parse(file);
 }
@@ -56,6 +68,7 @@ int study_demo(const DemoStudySettings& settings, const DemoRun& run) {
   std::map<std::string, std::vector<double>> errors;
   std::vector<int> failed;
   for (const int seed : settings.seeds) {
+    if (stop_requested()) break;
     std::vector<std::string> arguments = {"--seed", std::to_string(seed)};
     if (!settings.config.empty()) arguments.insert(arguments.end(), {"--config", settings.config});
     if (!settings.data.empty()) arguments.insert(arguments.end(), {"--data", settings.data});
@@ -66,7 +79,7 @@ int study_demo(const DemoStudySettings& settings, const DemoRun& run) {
     try {
       summary = run(arguments, folder / ("seed-" + std::to_string(seed)));
     } catch (const std::exception& problem) {
-      throw_when_stopped();
+      if (stop_requested()) break;
       failed.push_back(seed);
       std::cout << "seed " << seed << ": " << problem.what() << std::endl;
       continue;
@@ -99,7 +112,9 @@ int study_demo(const DemoStudySettings& settings, const DemoRun& run) {
   }
   std::cout << table.text();
   for (const int seed : failed) std::cout << "seed " << seed << " failed, and is in no row\n";
+  if (stop_requested()) std::cout << "stopped by a signal: the other seeds are in no row\n";
   std::cout << "\nruns: " << folder.string() << "\n";
+  if (stop_requested()) return stopped_by_a_signal;
   return failed.empty() ? 0 : 1;
 }
 

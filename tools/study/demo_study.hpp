@@ -16,7 +16,8 @@ struct DemoStudySettings {
   std::vector<std::string> overrides;
 };
 
-/// Prints the errors of all runs that came to their end; 0, and 1 where one did not.
+/// Prints the errors of all runs that came to their end; 0, 1 where one did not, 130 when it was asked to
+/// stop.
 int study_demo(const DemoStudySettings& settings);
 
 /// One live run with these arguments, its results in the folder; gives its summary.json. Throws where it

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include <lcmslam/runtime/stop_signal.hpp>
 #include "tools/commands.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/study/demo_study.hpp"
@@ -117,7 +118,10 @@ int study_command(int argc, char** argv) {
   }
   if (report) return report_command(out, only, o.data, quick, seeds);
   if (!seeds.empty()) o.seeds = seeds;
-  if (!own) return study_demo({o.seeds, o.config, o.data, seconds, o.overrides});
+  if (!own) {
+    install_stop_signals(0);
+    return study_demo({o.seeds, o.config, o.data, seconds, o.overrides});
+  }
   if (app.count("--apart") > 0) o.pairs.apart = o.features.apart;
   if (app.count("--starts") > 0) o.pairs.starts = o.features.starts;
   return run_own_study(only, o);

@@ -1,9 +1,12 @@
 // The study's report: what is kept of experiments, and what may differ between two runs.
 
 #include <gmock/gmock.h>
+#include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <limits>
 
+#include <lcmslam/runtime/stop_signal.hpp>
 #include "tests/support/source_folder.hpp"
 #include "tests/unit/tools/command_run.hpp"
 #include "tests/unit/tools/scratch.hpp"
@@ -194,6 +197,29 @@ TEST_F(StudyRun, ASeedThatFailsCostsTheOthersNothing) {
   EXPECT_THAT(out, HasSubstr("seed 2: the camera burnt"));
   EXPECT_THAT(out, HasSubstr("seed 2 failed, and is in no row"));
   EXPECT_THAT(out.substr(out.find("median")), HasSubstr("0.5000"));
+}
+
+// In a process of its own, for a stop cannot be taken back.
+TEST_F(StudyRun, AStopEndsItWithTheSeedsThatWereDone) {
+  const InScratchFolder here;
+  DemoStudySettings settings;
+  settings.seeds = {1, 2, 3};
+  EXPECT_EXIT(
+      {
+        std::cout.rdbuf(std::cerr.rdbuf());
+        std::_Exit(study_demo(settings, [](const auto& arguments, const auto&) -> json {
+          if (arguments.at(1) == "2") {
+            request_stop();
+            throw std::runtime_error("stopped");
+          }
+          json summary = {{"frames", 7}};
+          for (const char* path : {"odometry", "fastslam", "icp"})
+            summary["paths"][path] = {{"poses", 5}, {"lost", 0}};
+          return summary;
+        }));
+      },
+      ::testing::ExitedWithCode(130),
+      "seed 1: done\n.*\nstopped by a signal: the other seeds are in no row\n\nruns: ");
 }
 
 // Figures must not be taken for those of settings that nobody looked at.
