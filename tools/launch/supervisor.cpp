@@ -190,6 +190,7 @@ bool Supervisor::reap(State& state) {
   if (state.pid == 0 || waitpid(state.pid, &status, WNOHANG) != state.pid) return false;
   state.pid = 0;
   state.last_exit = describe_exit(status);
+  state.ended_by = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   state.wrong = WIFEXITED(status) && WEXITSTATUS(status) == wrong_configuration;
   // Who ran with it before lacks something else, a device say, or comes back to a file that somebody edits:
   // that must not end the graph.
@@ -197,6 +198,12 @@ bool Supervisor::reap(State& state) {
   state.failed = !WIFEXITED(status) || WEXITSTATUS(status) != 0;
   ready_.erase(state.spec.name);
   return true;
+}
+
+/// Each process catches what asks it to stop as soon as it has anything to lose: who dies of it had not yet
+/// begun.
+bool Supervisor::stopped_at_its_begin(const State& state) {
+  return state.ended_by == SIGINT || state.ended_by == SIGTERM;
 }
 
 /// What failed, unless starting it again is no use; what stopped as asked stays so.
@@ -308,7 +315,7 @@ bool Supervisor::wait_for_all(std::chrono::seconds patience, Stopping& stopping)
     std::string awaited;
     for (State& state : processes_) {
       const bool killed = state.killed;
-      if (reap(state) && state.failed && !killed)
+      if (reap(state) && state.failed && !killed && !stopped_at_its_begin(state))
         stopping.problems.push_back(state.spec.name + " failed: " + end_of(state));
       if (stopping.concerns(state)) awaited += " " + state.spec.name;
     }

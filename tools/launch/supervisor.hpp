@@ -48,6 +48,7 @@ class Supervisor {
     bool given_up = false;   ///< it ended too often in a row
     int in_a_row = 0;        ///< restarts that came soon after the last
     bool killed = false;     ///< by this supervisor, because it did not stop
+    int ended_by = 0;        ///< signal; 0: it ended by itself, or did not end yet
     std::string last_exit;   ///< "exit 1", "signal 9 (Killed)"; empty before the first
     Clock::time_point started{};
     Clock::time_point restart_at{};
@@ -95,6 +96,7 @@ class Supervisor {
   bool reap(State& state);
   void rotate_logs();
   static bool comes_back(const State& state);
+  static bool stopped_at_its_begin(const State& state);
   struct Stopping;
   static std::string end_of(const State& state);
   bool wait_for_all(std::chrono::seconds patience, Stopping& stopping);

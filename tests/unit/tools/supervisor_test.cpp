@@ -191,6 +191,19 @@ TEST_F(SupervisorTest, AProcessThatFailsAtItsEndIsTheCauseWithItsLastWords) {
   EXPECT_THAT(supervisor.stop(), IsEmpty()) << "told once";
 }
 
+// Ctrl-C reaches a graph that only just starts: nothing is lost, nothing failed.
+TEST_F(SupervisorTest, WhoIsToldToStopBeforeItListensHasStoppedAsAsked) {
+  Supervisor supervisor;
+  supervisor.start(shell("echo ready; exec sleep 1000"));
+  ProcessSpec crashing = shell("trap 'kill -SEGV $$' INT; echo ready; while :; do sleep 0.02; done");
+  crashing.name = "crashing";
+  crashing.log = scratch_.path() / "crashing.txt";
+  supervisor.start(crashing);
+  ASSERT_TRUE(wait_for([&] { return output() == "ready\n" && scratch_.read("crashing.txt") == "ready\n"; }));
+  EXPECT_THAT(supervisor.stop(), ElementsAre(StartsWith("crashing failed: signal 11")));
+  EXPECT_THAT(supervisor.processes()[0].last_exit, HasSubstr("signal 2"));
+}
+
 TEST_F(SupervisorTest, AProcessThatDiedBeforeTheStopIsACauseToo) {
   Supervisor supervisor;
   supervisor.start(shell("echo 'its last words'; exit 3"));
