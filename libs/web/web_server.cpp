@@ -1,5 +1,7 @@
 #include <lcmslam/web/web_server.hpp>
 
+#include <boost/asio/ip/host_name.hpp>
+
 #include <lcmslam/web/web_core.hpp>
 
 namespace lcmslam {
@@ -9,6 +11,15 @@ using asio::ip::tcp;
 
 constexpr auto tick = std::chrono::milliseconds(20);
 constexpr int send_buffer = 64 * 1024;  // bytes: the system holds no old pictures
+
+/// In an address that is to be opened, also on other machines: of all addresses this machine's name stands
+/// for.
+std::string host_to_open(const std::string& address) {
+  if (address != "0.0.0.0" && address != "::") return address;
+  boost::system::error_code error;
+  const std::string name = asio::ip::host_name(error);
+  return error || name.empty() ? address : name;
+}
 
 }  // namespace
 
@@ -121,7 +132,7 @@ int WebServer::port() const {
 
 std::string WebServer::address() const {
   const WebShared& shared = core_->shared();
-  const std::string& host = shared.settings.address;
+  const std::string host = host_to_open(shared.settings.address);
   const std::string name = host.find(':') != std::string::npos ? "[" + host + "]" : host;
   const std::string& token = shared.access.token();
   return "http://" + name + ":" + std::to_string(port()) + "/" +

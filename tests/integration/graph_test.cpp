@@ -47,6 +47,10 @@ TemporaryFolder* Graph::folder_ = nullptr;
 Result Graph::result_;
 nlohmann::json Graph::summary_;
 
+TEST_F(Graph, SaysWhereItsPageIs) {
+  EXPECT_THAT(result_.output, testing::HasSubstr("the live page: http://127.0.0.1:8642/"));
+}
+
 TEST_F(Graph, BothMappersFollowTheTruth) {
   const auto ate_of = [](const std::string& name) {
     return summary_.at("paths").at(name).at("ate").at("translation_rmse_m").get<double>();

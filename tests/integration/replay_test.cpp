@@ -19,6 +19,7 @@
 namespace lcmslam::integration {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -244,6 +245,9 @@ TEST_F(Replay, ASecondGraphDoesNotDisturbTheFirst) {
   const Result demo =
       run({"lcmslam", "demo", "--headless", "--seconds", "1", "--out", folder_ / "demo"}, 200);
   EXPECT_THAT(demo.output, HasSubstr("runs here already"));
+  EXPECT_THAT(demo.output,
+              AllOf(HasSubstr("there is no live page"), HasSubstr("map view"), Not(HasSubstr("http:"))))
+      << "no browser reaches its bus";
   EXPECT_FALSE(bus_.newest<pose_estimate_t>("ICP_POSE")) << "the demo's images came to the first graph";
 }
 

@@ -16,6 +16,7 @@
 #include "tools/demo/run_summary.hpp"
 #include "tools/doctor/checks.hpp"
 #include "tools/launch/graph.hpp"
+#include "tools/launch/page_watch.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
 
@@ -37,6 +38,7 @@ struct DemoOptions {
   double seconds = 0;
   int seed = -1;
   bool headless = false, kitti = false, force = false;
+  bool private_bus = false;
 };
 
 std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
@@ -112,6 +114,7 @@ class Demo {
         publisher_(bus.lcm(), draw_sender(), largest_whole_message(options.lcm_url)),
         recorder_(inputs_),
         receiver_(bus, inputs_),
+        page_(map_server_log(options.out)),
         terminal_(isatty(STDOUT_FILENO) != 0 && !options.headless) {}
 
   int run() {
@@ -127,6 +130,7 @@ class Demo {
       supervisor_.start(spec);
     }
     std::cout << "lcmslam demo: " << facts_.title << "\n  results go to " << options_.out << std::endl;
+    if (options_.private_bus) say("  " + no_page_on_a_private_bus(options_.out));
 
     const Clock::time_point start = Clock::now();
     const int failure = map_until_end(start);
@@ -196,6 +200,7 @@ class Demo {
         return 1;
       }
       if (now >= next_progress) {
+        if (const std::string news = page_.news(); !news.empty()) say("  " + news);
         show_progress(std::chrono::duration<double>(now - start).count());
         next_progress = now + progress_period;
       }
@@ -273,6 +278,7 @@ class Demo {
   RunRecorder recorder_;
   Receiver receiver_;
   Supervisor supervisor_;
+  PageWatch page_;
   RunFacts facts_;
   bool terminal_;
   double mapping_since_ = -1;
@@ -280,11 +286,11 @@ class Demo {
 
 /// The user's bus, or a private one where there is none or another graph has it. Nothing where neither can be
 /// had.
-std::unique_ptr<LcmBus> open_bus(const DemoOptions& options) {
+std::unique_ptr<LcmBus> open_bus(DemoOptions& options) {
   DoctorOptions doctor;
   doctor.lcm_url = options.lcm_url;
   doctor.processes = process_names();
-  std::string reason = "no multicast route on this machine";
+  std::string reason = "no multicast route on this machine (sudo ip route add 224.0.0.0/4 dev lo  makes one)";
   std::string cure = "LCM cannot use " + options.lcm_url + "; try: sudo ip route add 224.0.0.0/4 dev lo";
   auto bus = std::make_unique<LcmBus>(options.lcm_url);
   if (bus->usable()) {
@@ -294,6 +300,8 @@ std::unique_ptr<LcmBus> open_bus(const DemoOptions& options) {
   }
   bus.reset();
   if (enter_private_bus()) {
+    options.private_bus = true;
+    options.overrides.insert(options.overrides.begin(), without_page);
     std::cout << "lcmslam demo: " << reason << "; runs on a private bus (lcm-spy cannot see it)\n";
     bus = std::make_unique<LcmBus>(options.lcm_url);
     if (bus->usable()) return bus;

@@ -18,6 +18,7 @@
 #include "tools/launch/control_client.hpp"
 #include "tools/launch/graph.hpp"
 #include "tools/launch/hosts.hpp"
+#include "tools/launch/page_watch.hpp"
 #include "tools/launch/status_table.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
@@ -77,19 +78,21 @@ Utime wall_clock() {
 }
 
 /// Where this run's logs and maps go; the user's --set wins.
-void choose_folder(GraphOptions& options, const std::string& asked) {
+void choose_folder(GraphOptions& options, const std::string& asked, bool private_bus) {
   options.folder = asked.empty() ? new_run_folder("launch") : std::filesystem::path(asked);
-  options.overrides.insert(
-      options.overrides.begin(),
-      "map-server.folder=" + yaml_quoted(std::filesystem::absolute(options.folder).string()));
+  std::vector<std::string> set = {"map-server.folder=" +
+                                  yaml_quoted(std::filesystem::absolute(options.folder).string())};
+  if (private_bus) set.emplace_back(without_page);
+  options.overrides.insert(options.overrides.begin(), set.begin(), set.end());
 }
 
 /// What runs, told and asked from everywhere: the terminal, the bus, the control socket.
 class RunningGraph {
  public:
-  RunningGraph(const Graph& graph, LcmBus& bus)
+  RunningGraph(const Graph& graph, LcmBus& bus, const std::filesystem::path& page_log)
       : publisher_(bus.lcm(), draw_sender(), largest_whole_message(graph.lcm_url)),
-        elsewhere_(graph, publisher_.sender()) {
+        elsewhere_(graph, publisher_.sender()),
+        page_(page_log) {
     for (const auto& spec : graph.processes) supervisor_.start(spec);
   }
 
@@ -110,6 +113,7 @@ class RunningGraph {
       if (std::string warning = elsewhere_.warning(wall_clock()); !warning.empty()) events.push_back(warning);
     }
     for (std::string& news : elsewhere_.news()) events.push_back(std::move(news));
+    if (std::string news = page_.news(); !news.empty()) events.push_back(std::move(news));
     return events;
   }
 
@@ -117,6 +121,7 @@ class RunningGraph {
     std::string text = format_status(board_, supervisor_.processes());
     for (const auto& process : supervisor_.processes())
       if (process.waits) text += "  " + supervisor_.wait_of(process) + "\n";
+    if (!page_.last().empty()) text += "  " + page_.last() + "\n";
     return text + elsewhere_.format(wall_clock());
   }
 
@@ -147,6 +152,7 @@ class RunningGraph {
 
   LcmPublisher publisher_;
   Elsewhere elsewhere_;
+  PageWatch page_;
   Supervisor supervisor_;
   StatusBoard board_;
   std::chrono::steady_clock::time_point next_clock_{};
@@ -224,8 +230,8 @@ int launch_command(int argc, char** argv) {
     std::cout << "lcmslam launch: " << rival->text << std::endl;
     return 2;
   }
-  choose_folder(options, folder);
-  RunningGraph running(read_graph(options), bus);
+  choose_folder(options, folder, private_bus);
+  RunningGraph running(read_graph(options), bus, map_server_log(options.folder));
   std::optional<ControlSocket> control;
   try {
     control.emplace(control_folder(), graph.launch.robot.empty() ? "launch" : graph.launch.robot);
@@ -238,6 +244,8 @@ int launch_command(int argc, char** argv) {
     std::cout << "lcmslam launch: its bus is private; another terminal joins it by  nsenter --target "
               << getpid() << (as_root ? "" : " --user --preserve-credentials") << " --net ./lcmslam spy"
               << std::endl;
+  if (private_bus && std::count(doctor.processes.begin(), doctor.processes.end(), "map-server") > 0)
+    std::cout << "lcmslam launch: " << no_page_on_a_private_bus(options.folder) << std::endl;
 
   Inputs inputs;
   running.connect(inputs);

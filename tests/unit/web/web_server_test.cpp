@@ -136,6 +136,15 @@ TEST_F(WebServerTest, AnswersCommandsNowAndLaterAndSaysWhenABrowserLeaves) {
   later_("much too late");
 }
 
+TEST_F(WebServerTest, TheAddressOfAllInterfacesIsOneThatOthersCanOpen) {
+  settings_.address = "0.0.0.0";
+  settings_.token = "open-sesame";
+  char name[256] = "";
+  ASSERT_EQ(gethostname(name, sizeof name - 1), 0);
+  const std::string port = std::to_string(server().port());
+  EXPECT_EQ(server().address(), "http://" + std::string(name) + ":" + port + "/?token=open-sesame");
+}
+
 TEST_F(WebServerTest, ForeignSitesAndWrongTokensAreRefusedAndCounted) {
   WebClient foreign(server().port());
   EXPECT_FALSE(foreign.open_socket("/live", "Origin: http://evil.example\r\n"));
