@@ -14,6 +14,7 @@
 #include <lcmslam/messages/decode.hpp>
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/above_zero.hpp"
 #include "tools/log/message_reader.hpp"
 #include "tools/output_file.hpp"
 #include "tools/spy/bus_listener.hpp"
@@ -183,8 +184,8 @@ void ShotInput::add_to(CLI::App& app) {
          "--live", live,
          "instead of that: what comes on CAMERA, until Ctrl-C (camera and tof: until the views are enough)")
       ->excludes(source);
-  app.add_option("--seconds", seconds, "with --live: end after this time")->check(CLI::PositiveNumber);
-  app.add_option("--every", every, "s between images of a log or the bus (0.25)")->check(CLI::PositiveNumber);
+  app.add_option("--seconds", seconds, "with --live: end after this time")->check(above_zero());
+  app.add_option("--every", every, "s between images of a log or the bus (0.25)")->check(above_zero());
   app.add_option("--lcm-url", lcm_url, "LCM provider; default LCM_DEFAULT_URL");
 }
 

@@ -11,6 +11,7 @@
 #include <lcmslam/runtime/private_bus.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
 #include "procs/camera/camera_settings.hpp"
+#include "tools/above_zero.hpp"
 #include "tools/commands.hpp"
 #include "tools/demo/run_recorder.hpp"
 #include "tools/demo/run_summary.hpp"
@@ -52,7 +53,7 @@ std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
   app.add_option("--config", o.config,
                  "graph and settings (default config/demo.yaml, with --data config/dataset.yaml)")
       ->check(CLI::ExistingFile);
-  app.add_option("--seconds", o.seconds, "only the first so many seconds")->check(CLI::PositiveNumber);
+  app.add_option("--seconds", o.seconds, "only the first so many seconds")->check(above_zero());
   app.add_option("--seed", o.seed, "of the simulated sensors and the particles")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--headless", o.headless, "plain progress lines, and no pictures are opened at the end");

@@ -3,6 +3,7 @@
 
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/above_zero.hpp"
 #include "tools/commands.hpp"
 #include "tools/echo/echo_log.hpp"
 #include "tools/parse_command.hpp"
@@ -66,9 +67,9 @@ int echo_command(int argc, char** argv) {
   app.add_option("--from", from, "with --log: seconds from its start, or a utime (us) when above 1e9")
       ->needs(log);
   app.add_option("--count", request.count, "end after so many messages; exit code 1 when fewer came")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   app.add_option("--seconds", request.seconds, "end after this time; of a log: so much of it")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   auto* json = app.add_flag("--json", options.json, "a line of JSON a message");
   app.add_flag("--full", options.full, "whole arrays and texts");
   app.add_flag("--csv", options.csv,

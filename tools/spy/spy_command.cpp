@@ -7,6 +7,7 @@
 
 #include <lcmslam/runtime/options.hpp>
 #include <lcmslam/runtime/stop_signal.hpp>
+#include "tools/above_zero.hpp"
 #include "tools/commands.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/spy/bus_listener.hpp"
@@ -109,7 +110,7 @@ int spy_command(int argc, char** argv) {
                  "LCM provider; default LCM_DEFAULT_URL or " + std::string(default_lcm_url));
   app.add_flag("--once", options.once, "listen for a while, print one table and end");
   app.add_option("--seconds", options.seconds, "how long --once listens (ended earlier by Ctrl-C); default 2")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->needs("--once");
   app.add_flag("--json", options.json, "one line of JSON instead of a table");
   app.footer(

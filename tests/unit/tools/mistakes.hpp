@@ -239,7 +239,7 @@ inline const std::vector<Mistake> mistakes = {
 
     // demo, study
     {"DemoData", {"demo", "--data", "nowhere"}, "does not exist: nowhere"},
-    {"DemoSeconds", {"demo", "--seconds", "-3"}, "--seconds.*-3"},
+    {"DemoSeconds", {"demo", "--seconds", "-3"}, "--seconds.*-3 is no number above 0"},
     {"DemoWithoutSource", {"demo", "--config", "@/config/robot.yaml"}, "robot.yaml: has no camera.*launch"},
     {"DemoCalibration",
      {"demo", "--calibration", "@/config/calibration/tum_fr1.yaml"},
