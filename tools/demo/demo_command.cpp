@@ -13,6 +13,7 @@
 #include "procs/camera/camera_settings.hpp"
 #include "tools/above_zero.hpp"
 #include "tools/commands.hpp"
+#include "tools/demo/demo_progress.hpp"
 #include "tools/demo/run_recorder.hpp"
 #include "tools/demo/run_summary.hpp"
 #include "tools/doctor/checks.hpp"
@@ -211,9 +212,7 @@ class Demo {
   void show_progress(double elapsed) {
     const auto camera = recorder_.board().find("camera");
     if (camera == recorder_.board().end() || camera->second.state == status_t::STARTING) {
-      say(fmt::format("  {:>3.0f} s  starting: {} of {} processes", elapsed, recorder_.board().size(),
-                      supervisor_.processes().size()),
-          true);
+      say(format_start(elapsed, recorder_.board(), supervisor_.processes().size()), true);
       return;
     }
     const double frames = status_value(camera->second, "frames");

@@ -1,9 +1,23 @@
-#include "tools/above_zero.hpp"
+#include "tools/demo/demo_progress.hpp"
 
 #include <gtest/gtest.h>
 
+#include "tools/above_zero.hpp"
+
 namespace lcmslam {
 namespace {
+
+TEST(DemoProgress, SaysWhatThoseThatStartWaitFor) {
+  StatusBoard board;
+  board["surf"].state = status_t::RUNNING;
+  board["surf"].detail = "waits for CAMERA";
+  EXPECT_EQ(format_start(3, board, 6), "    3 s  starting: 1 of 6 processes");
+  board["camera"].state = status_t::STARTING;
+  EXPECT_EQ(format_start(3, board, 6), "    3 s  starting: 2 of 6 processes");
+  board["camera"].detail = "/dev/video0: No such file or directory";
+  EXPECT_EQ(format_start(12, board, 6),
+            "   12 s  starting: 2 of 6 processes; camera: /dev/video0: No such file or directory");
+}
 
 TEST(AboveZero, RefusesInAFewWords) {
   for (std::string good : {"0.1", "3", "1e300"}) EXPECT_EQ(above_zero()(good), "");
