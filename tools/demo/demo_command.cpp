@@ -21,6 +21,7 @@
 #include "tools/launch/page_watch.hpp"
 #include "tools/parse_command.hpp"
 #include "tools/run_folder.hpp"
+#include "tools/time_left.hpp"
 
 namespace lcmslam {
 namespace {
@@ -218,7 +219,6 @@ class Demo {
     const double frames = status_value(camera->second, "frames");
     const double total = status_value(camera->second, "frames_total");
     if (frames > 0 && mapping_since_ < 0) mapping_since_ = elapsed;
-    const double left = frames > 0 ? (elapsed - mapping_since_) * (total - frames) / frames : 0;
     std::string line = fmt::format("  {:>3.0f} s  {}  frame {:.0f}/{:.0f}", elapsed,
                                    recorder_.source_finished() ? "finishing" : "mapping", frames, total);
     for (const auto& [name, path] :
@@ -227,7 +227,8 @@ class Demo {
       const auto report = recorder_.evaluate_path(*path);
       if (report) line += fmt::format("  {} {:.3f} m", name, report->absolute.translation.rmse);
     }
-    say(line + fmt::format("  {:.0f} s left", left), true);
+    const auto left = time_left(elapsed - mapping_since_, total > 0 ? frames / total : 0);
+    say(line + (left ? fmt::format("  {:.0f} s left", *left) : ""), true);
   }
 
   /// For the summary. Throws std::runtime_error without an answer.

@@ -9,6 +9,7 @@
 #include <lcmslam/runtime/machine.hpp>
 #include "tools/run_folder.hpp"
 #include "tools/study/report/study_run.hpp"
+#include "tools/time_left.hpp"
 
 namespace lcmslam {
 namespace {
@@ -18,7 +19,7 @@ std::string progress_text(const std::string& name, std::size_t done, double part
                           double seconds) {
   const double share = (static_cast<double>(done) + part) / static_cast<double>(all);
   std::string text = fmt::format("{:4.0f} s  {}/{}  {}", seconds, done + 1, all, name);
-  if (share > 0) text += fmt::format("  about {:.0f} s left", seconds / share - seconds);
+  if (const auto left = time_left(seconds, share)) text += fmt::format("  about {:.0f} s left", *left);
   return text;
 }
 

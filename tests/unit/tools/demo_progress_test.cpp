@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/above_zero.hpp"
+#include "tools/time_left.hpp"
 
 namespace lcmslam {
 namespace {
@@ -23,6 +24,15 @@ TEST(AboveZero, RefusesInAFewWords) {
   for (std::string good : {"0.1", "3", "1e300"}) EXPECT_EQ(above_zero()(good), "");
   for (std::string bad : {"0", "-3", "nan", "inf", "three"})
     EXPECT_EQ(above_zero()(bad), bad + " is no number above 0");
+}
+
+TEST(TimeLeft, IsNotGuessedFromWhatCameInOneGo) {
+  EXPECT_FALSE(time_left(0, 0.04));
+  EXPECT_FALSE(time_left(4.9, 0.5));
+  EXPECT_FALSE(time_left(60, 0));
+  EXPECT_FALSE(time_left(60, 0.02));
+  EXPECT_EQ(time_left(6, 0.25), 18.0);
+  EXPECT_EQ(time_left(6, 1), 0.0);
 }
 
 }  // namespace
