@@ -68,6 +68,7 @@ StampVerdict StampJudge::take(Voice& voice, std::int64_t sender, Utime utime) {
     voice.period = voice.period == 0 ? step : voice.period + (step - voice.period) / 8;
   voice.speaks = true;
   voice.sender = sender;
+  if (voice.last_foreign == sender) voice.foreign = 0;  // no stranger: he has come after who was kept
   voice.newest = utime;
   voice.others = others_newest(voice);
   voice.runs.clear();

@@ -167,6 +167,10 @@ TEST_F(Stamps, PublisherThatIsReplacedAtOnceIsTakenOverSoon) {
   drive(0, 5);
   EXPECT_LT(drive(5, 8, surf, wheels + 1), 60);  // of 150: odometry counts until the run is believed
   EXPECT_EQ(drive(8, 9, surf, wheels + 1), 0);
+  EXPECT_GT(judge_.foreign(), 0);
+  EXPECT_THAT(judge_.trouble(), IsEmpty()) << "whom it doubted is the one that it keeps";
+  odometry(9, stranger);
+  EXPECT_THAT(judge_.trouble(), HasSubstr("ODOMETRY: 1 messages of another sender (99) left out, 9 is kept"));
 }
 
 // A killed process is back after a quarter of a second; his first message is doubted.
