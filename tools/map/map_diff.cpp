@@ -1,6 +1,8 @@
 #include "tools/map/map_diff.hpp"
 
+#include <algorithm>
 #include <map>
+#include <tuple>
 
 namespace lcmslam {
 namespace {
@@ -40,12 +42,25 @@ DiffCount count(const std::vector<Item>& first, const std::vector<Item>& second)
   return n;
 }
 
-std::map<std::string, std::int64_t> ids_by_name(MapFile& map) {
-  std::map<std::string, std::int64_t> ids;
+/// Mapper, its process and the how many-th session of that: ids of keyframes and landmarks mean the same
+/// there in every file, wherever the session stands in it.
+using SessionOrigin = std::tuple<std::string, std::int64_t, int>;
+
+struct NamedSession {
+  std::int64_t id = 0;
+  std::string name;
+};
+
+std::map<SessionOrigin, NamedSession> sessions_by_origin(MapFile& map) {
+  std::map<SessionOrigin, NamedSession> found;
+  std::map<std::pair<std::string, std::int64_t>, int> begun;
   const auto sessions = map.sessions();
   const auto names = names_of(sessions);
-  for (std::size_t i = 0; i < sessions.size(); ++i) ids[names[i]] = sessions[i].id;
-  return ids;
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    const auto& [mapper, sender] = std::tie(sessions[i].mapper, sessions[i].sender);
+    found[{mapper, sender, ++begun[{mapper, sender}]}] = {sessions[i].id, names[i]};
+  }
+  return found;
 }
 
 /// Of a session. A map without it may be a file without any table, which must not be asked.
@@ -60,19 +75,22 @@ struct HeldPlaces {
 }  // namespace
 
 std::vector<SessionDiff> diff_maps(MapFile& first, MapFile& second) {
-  std::map<std::string, SessionDiff> diffs;
-  const auto in_first = ids_by_name(first), in_second = ids_by_name(second);
-  for (const auto& [name, id] : in_first) diffs[name].in_first = true;
-  for (const auto& [name, id] : in_second) diffs[name].in_second = true;
+  std::map<SessionOrigin, SessionDiff> diffs;
+  const auto in_first = sessions_by_origin(first), in_second = sessions_by_origin(second);
+  for (const auto& [origin, session] : in_second)
+    diffs[origin].name = diffs[origin].second_name = session.name;
+  for (const auto& [origin, session] : in_first) diffs[origin].name = diffs[origin].first_name = session.name;
   std::vector<SessionDiff> result;
-  for (auto& [name, diff] : diffs) {
-    diff.name = name;
-    const HeldPlaces a = diff.in_first ? HeldPlaces(first, in_first.at(name)) : HeldPlaces();
-    const HeldPlaces b = diff.in_second ? HeldPlaces(second, in_second.at(name)) : HeldPlaces();
+  for (auto& [origin, diff] : diffs) {
+    const HeldPlaces a = diff.in_first() ? HeldPlaces(first, in_first.at(origin).id) : HeldPlaces();
+    const HeldPlaces b = diff.in_second() ? HeldPlaces(second, in_second.at(origin).id) : HeldPlaces();
     diff.keyframes = count(a.keyframes, b.keyframes);
     diff.landmarks = count(a.landmarks, b.landmarks);
     result.push_back(diff);
   }
+  std::sort(result.begin(), result.end(), [](const SessionDiff& a, const SessionDiff& b) {
+    return std::tie(a.name, a.second_name) < std::tie(b.name, b.second_name);
+  });
   return result;
 }
 

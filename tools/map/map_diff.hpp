@@ -16,16 +16,20 @@ struct DiffCount {
   }
 };
 
-/// Of the sessions of one name.
+/// Of one session.
 struct SessionDiff {
-  std::string name;
-  bool in_first = false, in_second = false;
+  std::string name;                     ///< in the first file, else in the second
+  std::string first_name, second_name;  ///< empty: that file has it not
   DiffCount keyframes, landmarks;
 
-  bool same() const { return in_first && in_second && keyframes.same() && landmarks.same(); }
+  bool in_first() const { return !first_name.empty(); }
+  bool in_second() const { return !second_name.empty(); }
+  bool in_both() const { return in_first() && in_second(); }
+  bool same() const { return in_both() && keyframes.same() && landmarks.same(); }
 };
 
-/// Sessions are compared by their names (names_of), keyframes and landmarks by their ids.
+/// A session is known again by the process that made it; its keyframes and landmarks by their ids, which in
+/// another run's session are others' places.
 std::vector<SessionDiff> diff_maps(MapFile& first, MapFile& second);
 
 }  // namespace lcmslam

@@ -22,27 +22,36 @@ void print(const char* what, const DiffCount& n) {
   std::cout << "\n";
 }
 
+/// Where the session stands under another name in the second file, as after a merge.
+std::string other_name(const SessionDiff& diff) {
+  const bool renamed = diff.in_both() && diff.first_name != diff.second_name;
+  return renamed ? fmt::format(" ({} of the second)", diff.second_name) : "";
+}
+
 }  // namespace
 
 int map_diff_command(int argc, char** argv) {
   std::string first, second;
   CLI::App app{
-      "Compares two map files, session by session, by the poses of their keyframes and the means of "
-      "their landmarks; points, features, images, edges, covariances and paths are not looked at. Exit "
-      "code 0 only when those agree.",
+      "Compares two files of one map, such as an older copy and a newer one, session by session, by the "
+      "poses of their keyframes and the means of their landmarks; points, features, images, edges, "
+      "covariances and paths are not looked at. A session is the same where the same run of a mapper made "
+      "it: maps of other runs are related by `lcmslam map merge`. Exit code 0 only when those agree.",
       "lcmslam map diff"};
   app.add_option("first", first, "an .lcmslam file")->required();
   app.add_option("second", second, "an .lcmslam file")->required();
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   MapFile a(first), b(second);
-  bool same = true, any = false;
+  bool same = true, any = false, related = false;
   for (const SessionDiff& diff : diff_maps(a, b)) {
     same = same && diff.same();
+    related = related || diff.in_both();
     any = any || compared(diff.keyframes) + compared(diff.landmarks) > 0;
-    std::cout << diff.name << (diff.same() ? ": the same places" : "")
-              << (!diff.in_first ? ": only in the second" : (!diff.in_second ? ": only in the first" : ""))
+    std::cout << diff.name << other_name(diff) << (diff.same() ? ": the same places" : "")
+              << (!diff.in_first() ? ": only in the second"
+                                   : (!diff.in_second() ? ": only in the first" : ""))
               << "\n";
-    print("keyframes", diff.keyframes);
+    print("nodes", diff.keyframes);
     print("landmarks", diff.landmarks);
   }
   if (same && !any) {
@@ -53,6 +62,10 @@ int map_diff_command(int argc, char** argv) {
       << (same ? "the maps agree in their keyframes' poses and their landmarks' means; points, features, "
                  "images, edges, covariances and paths were not compared\n"
                : "the maps differ\n");
+  if (!same && !related)
+    std::cout
+        << "no session is in both files, and each run of a mapper numbers its places anew: lcmslam map merge "
+           "finds where one map lies in the other\n";
   return same ? 0 : 1;
 }
 

@@ -66,16 +66,19 @@ void print_text(const std::string& file, MapFile& map) {
   for (const auto& [sensor, count] : cameras)
     std::cout << (count > 1 ? fmt::format("{} calibrations", count) : "calibration") << " of " << sensor
               << "\n";
-  std::cout << fmt::format("{:20} {:>9} {:>10} {:>8} {:>7} {:>9} {:>7}  {}\n", "session", "keyframes",
-                           "points", "features", "edges", "landmarks", "poses", "frame, place");
+  std::cout << fmt::format("{:20} {:>9} {:>10} {:>8} {:>7} {:>7} {:>9} {:>7}  {}\n", "session", "keyframes",
+                           "points", "features", "nodes", "edges", "landmarks", "poses", "frame, place");
   const auto sessions = map.sessions();
   const auto names = names_of(sessions);
+  bool thinned = false;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     const SessionCounts n = map.counts(sessions[i].id);
-    std::cout << fmt::format("{:20} {:9} {:10} {:8} {:7} {:9} {:7}  {}, {}\n", names[i], n.clouds, n.points,
-                             n.features, n.edges, n.landmarks, map.trajectory(sessions[i].id).size(),
-                             sessions[i].frame, place_of(sessions[i]));
+    std::cout << fmt::format("{:20} {:9} {:10} {:8} {:7} {:7} {:9} {:7}  {}, {}\n", names[i], n.clouds,
+                             n.points, n.features, n.keyframes, n.edges, n.landmarks,
+                             map.trajectory(sessions[i].id).size(), sessions[i].frame, place_of(sessions[i]));
+    thinned = thinned || n.clouds < n.keyframes;
   }
+  if (thinned) std::cout << "keyframes are the graph's nodes that have a cloud\n";
 }
 
 }  // namespace

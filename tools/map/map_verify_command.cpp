@@ -29,7 +29,8 @@ int map_verify_command(int argc, char** argv) {
     return 1;
   }
   std::cout << fmt::format(
-      "{}: {}: {} sessions, {} keyframes, {} clouds, features of {}, images of {}, {} edges, {} landmarks, "
+      "{}: {}: {} sessions, {} nodes ({} keyframes with a cloud), features of {}, images of {}, {} edges, {} "
+      "landmarks, "
       "{} poses\n",
       file, check.faults.empty() ? "whole" : "DAMAGED", check.sessions, check.keyframes, check.clouds,
       check.features, check.images, check.edges, check.landmarks, check.poses);

@@ -27,6 +27,14 @@ TEST_F(MapCommand, InfoIsOneScreen) {
               AllOf(HasSubstr("\"name\": \"icp-session1\""), HasSubstr("\"landmarks\": 7")));
 }
 
+TEST_F(MapCommand, InfoTellsNodesWithoutACloudFromKeyframes) {
+  EXPECT_THAT(run({"info", file()}).out, Not(HasSubstr("that have a cloud")));
+  Database(file(), Database::Access::write).execute("DELETE FROM cloud WHERE session = 2 AND keyframe = 1");
+  EXPECT_THAT(run({"info", file()}).out,
+              AllOf(ContainsRegex("icp-session2 +3 +150 +0 +4 "), HasSubstr("nodes that have a cloud")));
+  EXPECT_THAT(run({"verify", file()}).out, HasSubstr("7 nodes (6 keyframes with a cloud)"));
+}
+
 TEST_F(MapCommand, ExportsWhatOthersRead) {
   const auto out = folder_ / "out";
   EXPECT_EQ(run({"export", file(), out, "--resolution", "0"}).exit_code, 0);

@@ -12,7 +12,8 @@ using ::testing::Not;
 
 TEST_F(MapCommand, VerifySaysWhatIsDamagedAndByItsExitCode) {
   EXPECT_EQ(run({"verify", file()}).exit_code, 0);
-  EXPECT_THAT(run({"verify", file()}).out, HasSubstr("whole: 3 sessions, 7 keyframes"));
+  EXPECT_THAT(run({"verify", file()}).out,
+              HasSubstr("whole: 3 sessions, 7 nodes (7 keyframes with a cloud)"));
   Database(file(), Database::Access::write).execute("UPDATE landmark SET data = x'00' WHERE id = 4");
   const auto damaged = run({"verify", file()});
   EXPECT_EQ(damaged.exit_code, 1);
@@ -78,6 +79,28 @@ TEST_F(MapCommand, DiffSaysWhatMovedAndHowFar) {
   const auto nothing = run({"diff", file(), other});
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_THAT(nothing.out, HasSubstr("nothing was compared"));
+}
+
+TEST_F(MapCommand, DiffComparesTheSessionsOfOneProcessAlone) {
+  const auto other = folder_ / "other.lcmslam";
+  write(other);
+  Database(other, Database::Access::write).execute("UPDATE session SET sender = 8");
+  const auto strangers = run({"diff", file(), other});
+  EXPECT_EQ(strangers.exit_code, 1);
+  EXPECT_THAT(strangers.out, AllOf(HasSubstr("icp-session1: only in the first"),
+                                   HasSubstr("icp-session1: only in the second"), HasSubstr("map merge"),
+                                   Not(HasSubstr("moved"))));
+  EXPECT_THAT(strangers.out, Not(::testing::ContainsRegex("[1-9][0-9]* in both")));
+
+  write(other.string() + "2");  // behind another run's session, as after a merge
+  Database(other.string() + "2", Database::Access::write)
+      .execute(
+          "UPDATE session SET sender = 8 WHERE id = 1; DELETE FROM cloud WHERE session = 2 AND keyframe = 3; "
+          "DELETE FROM keyframe WHERE session = 2 AND id = 3");
+  const auto behind = run({"diff", file(), other.string() + "2"});
+  EXPECT_THAT(behind.out,
+              AllOf(HasSubstr("icp-session1 (icp-session2 of the second): the same places"),
+                    HasSubstr("fastslam-session1: the same places"), Not(HasSubstr("map merge"))));
 }
 
 // As a process leaves them that was killed when it had just begun.
