@@ -39,7 +39,7 @@ bool saved_maps(const BatchResult& result) {
   });
 }
 
-void print(const BatchResult& result, double seconds) {
+void print(const BatchResult& result, const std::string& errors, double seconds) {
   std::cout << fmt::format("{} frames, {:.1f} s of log in {:.1f} s: {:.2f} x real time, {:.1f} s CPU\n\n",
                            result.frames, result.log_seconds, seconds, result.log_seconds / seconds,
                            process_cpu_seconds());
@@ -57,7 +57,7 @@ void print(const BatchResult& result, double seconds) {
     std::cout << "\n";
     if (!process.report.detail.empty()) std::cout << "  " << process.report.detail << "\n";
   }
-  std::cout << "\n";
+  std::cout << "\n" << errors << (errors.empty() ? "" : "\n");
   if (result.damages > 0)
     std::cout << "the log is damaged in " << result.damages << " places (lcmslam log check)\n";
   if (result.incomplete > 0) std::cout << result.incomplete << " messages in pieces were incomplete\n";
@@ -144,7 +144,7 @@ int run_one(const BatchArguments& arguments) {
     inputs.deliver(message.channel, message.bytes.data(), message.bytes.size());
   };
   const BatchResult result = run(options, plan, new_folder);
-  print(result, seconds_since(begin));
+  print(result, format_errors(recorder), seconds_since(begin));
   facts.title = "log " + asked.logs.front();
   facts.config = asked.config;
   facts.overrides = asked.overrides;

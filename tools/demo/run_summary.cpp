@@ -147,14 +147,9 @@ void save_path(const std::filesystem::path& folder, const std::string& name, con
   if (kitti) save_kitti(folder / (name + "_kitti.txt"), trajectory);
 }
 
-}  // namespace
-
-std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
-  const auto odometry = run.evaluate_path(run.odometry());
-  std::string text = fmt::format("\n{}\n", facts.title);
-  text += fmt::format("{:.0f} frames in {:.1f} s", frames(run, facts), facts.seconds);
-  if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
-  text += "\n\n" + path_table(run).text() + "\n";
+/// What the table of errors does not say by itself.
+std::string notes_of_paths(const RunRecorder& run) {
+  std::string text;
   if (const std::string problem = run.truth_problem(); !problem.empty()) text += problem + "\n";
   for (const auto& [name, path, frame] : paths(run)) {
     std::string problem;
@@ -165,6 +160,22 @@ std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
     if (path.restarts > 0)
       text += fmt::format("{} began again {} time{}: poses and errors are of its newest map\n", name,
                           path.restarts, path.restarts == 1 ? "" : "s");
+  return text;
+}
+
+}  // namespace
+
+std::string format_errors(const RunRecorder& run) {
+  if (run.truth().empty()) return run.truth_problem().empty() ? "" : run.truth_problem() + "\n";
+  return path_table(run).text() + notes_of_paths(run);
+}
+
+std::string format_summary(const RunRecorder& run, const RunFacts& facts) {
+  const auto odometry = run.evaluate_path(run.odometry());
+  std::string text = fmt::format("\n{}\n", facts.title);
+  text += fmt::format("{:.0f} frames in {:.1f} s", frames(run, facts), facts.seconds);
+  if (odometry) text += fmt::format(", path {:.1f} m", odometry->truth_length);
+  text += "\n\n" + path_table(run).text() + "\n" + notes_of_paths(run);
   text += load_table(run).text() + "\n";
   text += fmt::format("landmarks {:.0f}, keyframes {:.0f}, points in keyframes {:.0f}\n",
                       status_value(status_of(run, "map-server"), "landmarks"),

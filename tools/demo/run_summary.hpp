@@ -21,6 +21,9 @@ struct RunFacts {
   std::string key;                     ///< of a farm: by which it knows its own results; may be empty
 };
 
+/// Each path's errors against the truth, and why one has none. Empty without a truth.
+std::string format_errors(const RunRecorder& run);
+
 /// Frames, errors of each path against the truth, map sizes, losses.
 std::string format_summary(const RunRecorder& run, const RunFacts& facts);
 

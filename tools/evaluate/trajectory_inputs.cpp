@@ -54,6 +54,7 @@ class InputReader {
       if (request_.estimates.size() != 1 || !is_log(split_channel(request_.estimates[0]).file))
         throw std::runtime_error("no truth: give --truth FILE (only a single log brings its own)");
       text = split_channel(request_.estimates[0]).file;
+      check_own_truth(text);
     } else if (request_.estimates.empty() && !is_log(split_channel(text).file)) {
       throw std::runtime_error("no estimates: give the files to compare with " + text);
     }
@@ -62,6 +63,17 @@ class InputReader {
         is_log(file) ? from_log(file, channel.empty() ? truth_channel : channel) : from_text(file, channel);
     inputs_.truth.name = "truth";
     if (!request_.truth_body.empty()) inputs_.truth.body = request_.truth_body;
+  }
+
+  /// A log that a batch or a mapper left has estimates alone.
+  void check_own_truth(const std::string& file) {
+    const PoseLog& own = log(file);
+    try {
+      own.channel(truth_channel, file);
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(std::string(error.what()) +
+                               "; give --truth FILE: of a batch.lcmlog the log that it was made from");
+    }
   }
 
   void read_estimates(const std::string& text) {

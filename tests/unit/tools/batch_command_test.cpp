@@ -85,6 +85,16 @@ TEST_F(BatchCommand, FramesThatAllAreRefusedFailWithTheCauseOnTheLastLine) {
   EXPECT_THAT(run.out, AllOf(Not(HasSubstr("maps beside it")), HasSubstr("no map was saved")));
 }
 
+TEST_F(BatchCommand, PrintsErrorsWhereTheLogHasTheTruth) {
+  const std::set<std::string> without = {"CAMERA", "CAMERA_CALIBRATION", "ENCODERS"};
+  EXPECT_THAT(batch(kitchen(without), {"--force"}).out, Not(HasSubstr("ATE")));
+  std::set<std::string> with = without;
+  with.insert("GROUND_TRUTH");
+  const CommandRun run = batch(kitchen(with), {"--force"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("ATE rmse m"), HasSubstr("\nicp "), HasSubstr("\nfastslam ")));
+}
+
 // A farm hashes log and configuration when it begins; its runs read them hours later.
 TEST_F(BatchCommand, ARunOfAFarmRefusesWhatHasChangedSinceItBegan) {
   const CommandRun run =

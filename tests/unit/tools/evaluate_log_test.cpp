@@ -59,6 +59,18 @@ class GraphMessage {
   graph_t graph_{};
 };
 
+TEST_F(Evaluate, NamesWhereTheTruthIsWhereALogHasNone) {
+  {
+    MessageLog log(path("batch.lcmlog"));
+    for (const StampedPose& pose : path_) log.write("ICP_POSE", estimate_message(pose));
+  }
+  EXPECT_NE(run({path("batch.lcmlog")}), 0);
+  EXPECT_THAT(output_, AllOf(HasSubstr("has no channel GROUND_TRUTH; channels with poses: ICP_POSE"),
+                             HasSubstr("--truth FILE")));
+  EXPECT_EQ(run({}), 2);
+  EXPECT_THAT(output_, HasSubstr("--truth FILE"));
+}
+
 // A mapper that walks off by 1 cm a pose, a keyframe every ten poses; its last graph has them right.
 TEST_F(Evaluate, FinalPathFollowsTheLastGraph) {
   {
