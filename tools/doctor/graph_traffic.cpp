@@ -55,9 +55,22 @@ bool has_camera(const ConfigNode& config) {
   return std::find(processes.begin(), processes.end(), "camera") != processes.end();
 }
 
+/// A preset alone starts nothing that has images: what is missing is named as the user would write it.
+void check_source(const ConfigNode& config, const std::string& file) {
+  const ConfigNode camera = config.section("camera");
+  if (camera.has("source") || camera.has("simulation")) return;  // the simulation is the default
+  throw ConfigError(file +
+                    ": names no camera.source, so nothing says where its images come from (a preset "
+                    "is for a graph to include); where another driver sends them, launch.processes lists "
+                    "the processes without 'camera'. lcmslam config --check " +
+                    file + " reads all the rest");
+}
+
 }  // namespace
 
 GraphTraffic graph_traffic(const std::string& config_file, const std::vector<std::string>& overrides) {
+  const ConfigNode given = load_config(config_file, overrides);
+  if (has_camera(given)) check_source(given, config_file);
   auto live = overrides;
   live.push_back("camera.simulation.render=live");  // a whole drive need not be rendered for three images
   const ConfigNode config = load_config(config_file, live);

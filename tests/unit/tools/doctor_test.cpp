@@ -173,6 +173,18 @@ TEST(GraphTraffic, IsMeasuredOnTheImagesThatTheConfigurationWouldSend) {
   EXPECT_THAT(tof.depths, HasSubstr(" m"));
 }
 
+TEST(GraphTraffic, OfAPresetNamesWhatNobodyHasSaid) {
+  const std::string preset = source_folder() / "config/modern.yaml";
+  try {
+    graph_traffic(preset, {});
+    ADD_FAILURE();
+  } catch (const std::exception& error) {
+    EXPECT_THAT(error.what(), ::testing::AllOf(HasSubstr(preset + ": names no camera.source"),
+                                               ::testing::Not(HasSubstr("--set"))));
+  }
+  EXPECT_THAT(graph_traffic(preset, {"launch.processes=[icp]"}).origin, HasSubstr("assumed"));
+}
+
 /// A recording's first images: their rate is tried for a moment, whatever their stamps say.
 TEST(GraphTraffic, TakesNoRateOfGapsAndLeapsOfStamps) {
   const testing::ScratchFolder scratch;
