@@ -115,6 +115,13 @@ void copy_trajectory(MapFile& map, std::int64_t from, MapStore& store, std::int6
   }
 }
 
+/// What says where a session of the second map lies in the first. One that had been joined before lies where
+/// its own keyframes were found in a map that has its place now.
+std::string evidence_of(const StoredSession& session, const Joint& joint) {
+  if (!session.T_map_session || session.evidence.empty()) return to_string(joint);
+  return session.evidence + "; the map in which they were found: " + to_string(joint);
+}
+
 void append(MapFile& second, const Joints& joints, const fs::path& file) {
   MapStore store(file);
   Transaction transaction = store.begin();
@@ -123,6 +130,7 @@ void append(MapFile& second, const Joints& joints, const fs::path& file) {
   for (const StoredCalibration& calibration : second.calibrations()) store.put_calibration(calibration);
   for (StoredSession session : second.sessions()) {
     const std::int64_t old = session.id;
+    const StoredSession before = session;
     session.id = store.add_session(run, session);
     store.write(session.id, map_of(second, old));
     copy_trajectory(second, old, store, session.id);
@@ -135,7 +143,7 @@ void append(MapFile& second, const Joints& joints, const fs::path& file) {
     if (joint != joints.end() && place != places.end()) {
       session.state = SessionState::joined;
       session.T_map_session = joint->second.T_map_session * place->second;
-      session.evidence = to_string(joint->second);
+      session.evidence = evidence_of(before, joint->second);
     }
     store.place_session(session);
   }

@@ -76,6 +76,30 @@ TEST_F(MapMerge, FindsWhereTheSecondMapLies) {
   EXPECT_NE(run({"merge", monday_, friday_, "--into", both_}).exit_code, 0) << "it is there already";
 }
 
+TEST_F(MapMerge, KeepsWhatSpokeForASessionThatHadBeenJoined) {
+  write_room(monday_, 60, Eigen::Isometry3d::Identity());
+  write_room(friday_, 62, elsewhere());
+  write_room(friday_, 64, elsewhere());
+  {
+    MapStore store(friday_);
+    Transaction transaction = store.begin();
+    StoredSession joined = session_of("icp");
+    joined.id = 2;
+    joined.state = SessionState::joined;
+    joined.T_map_session = Eigen::Isometry3d::Identity();
+    joined.evidence = "6 of 6 keyframes in the kitchen";
+    store.place_session(joined);
+    transaction.commit();
+  }
+  const auto merged = run({"merge", monday_, friday_, "--into", both_});
+  ASSERT_EQ(merged.exit_code, 0) << merged.errors;
+  const auto sessions = MapFile(both_).sessions();
+  ASSERT_EQ(sessions.size(), 3U);
+  EXPECT_THAT(sessions[1].evidence, Not(HasSubstr("in the kitchen")));
+  EXPECT_EQ(sessions[2].evidence,
+            "6 of 6 keyframes in the kitchen; the map in which they were found: " + sessions[1].evidence);
+}
+
 TEST_F(MapMerge, KnowsMapsOfLandmarksAlone) {
   write_landmark_maps();
   EXPECT_NE(run({"merge", monday_, strange_, "--into", both_}).exit_code, 0);
