@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 namespace lcmslam {
 namespace {
@@ -21,18 +22,31 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
+/// What is meant before what: a slip of the finger, then a word that was begun or of which the middle was
+/// remembered, then what looks alike.
+enum class Likeness { slip, begun, part, similar };
+
+Likeness likeness(const std::string& word, const std::string& candidate, std::size_t distance) {
+  constexpr std::size_t shortest = 4;  // letters: fewer stand in many words
+  if (distance <= 1) return Likeness::slip;
+  const std::size_t at = word.size() < shortest ? std::string::npos : candidate.find(word);
+  return at == 0 ? Likeness::begun : at != std::string::npos ? Likeness::part : Likeness::similar;
+}
+
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates,
                          std::size_t farthest) {
   const std::string key = word.substr(0, 200);  // quadratic: a key of a megabyte must not stall us
   std::string best;
-  std::size_t best_distance = 0;
+  std::pair<Likeness, std::size_t> best_rank;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(key, candidate);
-    if (distance > farthest || (!best.empty() && distance >= best_distance)) continue;
+    const std::pair rank{likeness(key, candidate, distance), distance};
+    const bool holds_word = rank.first == Likeness::begun || rank.first == Likeness::part;
+    if ((distance > farthest && !holds_word) || (!best.empty() && rank >= best_rank)) continue;
     best = candidate;
-    best_distance = distance;
+    best_rank = rank;
   }
   return best;
 }

@@ -7,7 +7,8 @@
 namespace lcmslam {
 
 /// The candidate with the smallest edit distance (insertions, deletions, replacements and swaps of
-/// neighbours) of at most `farthest`; the first of equals, empty when there is none.
+/// neighbours) of at most `farthest`; the first of equals, empty when there is none. Those that begin with a
+/// word of four letters, or else hold it, go before all that are more than one edit away.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates,
                          std::size_t farthest = std::string::npos);
 

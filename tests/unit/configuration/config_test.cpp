@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <lcmslam/configuration/nearest_word.hpp>
 #include "tests/unit/configuration/error_of.hpp"
 
 namespace lcmslam {
@@ -69,6 +70,17 @@ TEST(Config, UnknownKeyNamesFileLineAndNearestKey) {
   fastslam.get("landmarks", 1);
   EXPECT_EQ(error_of([&] { config.finish(); }),
             "demo.yaml:4: unknown key 'partcles' in 'fastslam' (did you mean 'particles'?)");
+}
+
+TEST(NearestWord, IsAFingersSlipAwayOrHoldsWhatWasTypedOrLooksAlike) {
+  const std::vector<std::string> keys = {"pose", "map_voxel_size", "voxel_size", "filter"};
+  EXPECT_EQ(nearest_word("voxel", keys), "voxel_size");
+  EXPECT_EQ(nearest_word("voxel", keys, 2), "voxel_size") << "however much is missing";
+  EXPECT_EQ(nearest_word("oxel", keys), "voxel_size") << "the shorter one";
+  EXPECT_EQ(nearest_word("filte", {"filtering", "filter"}), "filter");
+  EXPECT_EQ(nearest_word("siz", keys), "pose") << "few letters stand in many words";
+  EXPECT_EQ(nearest_word("x", {"a"}, 0), "");
+  EXPECT_EQ(nearest_word("", {"a"}), "a");
 }
 
 TEST(Config, UnknownKeysAreFoundAtTheTopInListsAndInSectionsNobodyAskedFor) {

@@ -154,6 +154,7 @@ TEST(ExplainKey, FindsKeysByTheirEnd) {
 
 TEST(ExplainKey, NamesTheNearest) {
   EXPECT_THAT(error_of([] { explain_key("icp.voxel_sice"); }), HasSubstr("did you mean 'icp.voxel_size'"));
+  EXPECT_THAT(error_of([] { explain_key("icp.voxel"); }), HasSubstr("did you mean 'icp.voxel_size'"));
   EXPECT_THAT(error_of([] { explain_key("voxel_sice"); }), HasSubstr("'icp.map.voxel_size'"));
   EXPECT_THAT(error_of([] { list_keys("fastslm"); }), HasSubstr("there are launch, camera, surf"));
 }
