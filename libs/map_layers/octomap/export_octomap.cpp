@@ -1,5 +1,6 @@
 #include <lcmslam/map_layers/octomap/export_octomap.hpp>
 
+#define OCTOMAP_NODEBUGOUT  // its words are not for a user's screen
 #include <octomap/octomap.h>
 
 #include <locale>
@@ -36,17 +37,26 @@ octomap::OcTree tree_of(const OccupancyGrid& grid, const std::string& file) {
   return tree;
 }
 
+/// As OctoMap's writeBinary, which says " done." on stderr.
+std::string bytes_of(const octomap::OcTree& tree) {
+  std::ostringstream bytes;
+  bytes.imbue(std::locale::classic());  // the header is text
+  bytes << "# Octomap OcTree binary file\n"
+           "# (feel free to add / change comments, but leave the first line as it is!)\n#\nid "
+        << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution() << "\ndata\n";
+  tree.writeBinaryData(bytes);
+  return bytes ? bytes.str() : "";
+}
+
 }  // namespace
 
 void save_octomap(const FilePlace& file, const OccupancyGrid& grid) {
   octomap::OcTree tree = tree_of(grid, file.path().string());
   tree.toMaxLikelihood();
   tree.prune();
-  std::ostringstream bytes;
-  bytes.imbue(std::locale::classic());  // its header is text
-  if (!tree.writeBinaryConst(bytes))
-    throw std::runtime_error(file.path().string() + ": OctoMap cannot write it");
-  write_atomically(file, bytes.str());
+  const std::string bytes = bytes_of(tree);
+  if (bytes.empty()) throw std::runtime_error(file.path().string() + ": OctoMap cannot write it");
+  write_atomically(file, bytes);
 }
 
 }  // namespace lcmslam

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 #include <octomap/octomap.h>
+#include <fstream>
+#include <sstream>
 
 #include "tests/support/filled_occupancy.hpp"
 
@@ -30,6 +32,20 @@ TEST(ExportOctoMap, IsReadBackCellByCell) {
         ++counts[static_cast<int>(there)];
       }
   for (const int count : counts) EXPECT_GT(count, 500);
+  std::filesystem::remove(file);
+}
+
+TEST(ExportOctoMap, WritesOctoMapsBytesWithoutItsWords) {
+  OccupancyGrid grid({});
+  fill(grid, {Eigen::Vector3f(0.2f, -0.1f, 0), Eigen::Vector3f(0.5f, 0.3f, 0.4f)}, 20);
+  const auto file = std::filesystem::path(testing::TempDir()) / "quiet_octomap.bt";
+  testing::internal::CaptureStderr();
+  save_octomap(file, grid);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  std::ostringstream own, written;
+  octomap::OcTree(file.string()).writeBinaryConst(own);
+  written << std::ifstream(file, std::ios::binary).rdbuf();
+  EXPECT_EQ(written.str(), own.str());
   std::filesystem::remove(file);
 }
 
