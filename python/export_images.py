@@ -11,9 +11,11 @@ import struct
 import sys
 import zlib
 
-import numpy as np
-
-import lcmslam_log
+try:
+    import lcmslam_log
+    import numpy as np
+except ImportError as error:
+    sys.exit(f"{os.path.basename(sys.argv[0])}: {error}")
 
 DESCRIPTION = """# How the images lie here; config/datasets/ explains every key.
 format: numbered

@@ -11,7 +11,12 @@ import collections
 import mmap
 import os
 
-import numpy as np
+try:
+    import numpy as np
+except ImportError as error:
+    import sys
+    raise ImportError(f"{sys.executable} has no numpy: of Debian's /usr/bin/python3 it is apt-get install "
+                      f"python3-numpy, of any other python3 -m pip install numpy ({error})") from None
 
 import lcmslam_messages
 import lcmslam_types

@@ -6,12 +6,15 @@
 PNG and PDF need matplotlib; SVG needs nothing.
 """
 import argparse
+import os
 import sys
 import xml.sax.saxutils
 
-import numpy as np
-
-import lcmslam_log
+try:
+    import lcmslam_log
+    import numpy as np
+except ImportError as error:
+    sys.exit(f"{os.path.basename(sys.argv[0])}: {error}")
 
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
 POSE_TYPES = ("pose_estimate_t", "odometry_t", "ground_truth_t", "pose_t")

@@ -112,6 +112,17 @@ class Example(unittest.TestCase):
         self.assertIn("has no channel ICP_POSE", done.stderr)
 
 
+class WithoutNumpy(unittest.TestCase):
+    def test_the_examples_say_in_one_line_which_python_lacks_it(self):
+        for name in ("export_images.py", "plot_trajectory.py"):
+            hidden = (f"import runpy, sys; sys.modules['numpy'] = None; sys.path.insert(0, {PYTHON!r}); "
+                      f"sys.argv = [{name!r}]; runpy.run_path({os.path.join(PYTHON, name)!r}, run_name='__main__')")
+            done = subprocess.run([sys.executable, "-c", hidden], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assertIn(f"{name}: {sys.executable} has no numpy", done.stderr)
+
+
 class Page(unittest.TestCase):
     def test_its_lines_run_as_they_stand_there(self):
         source = pathlib.Path(__file__).resolve().parent.parent.parent
