@@ -63,8 +63,9 @@ class WebServer::Core {
       acceptor_.listen();
       port_ = acceptor_.local_endpoint().port();
     } catch (const boost::system::system_error& error) {
-      throw std::runtime_error("no page can be served on " + place + ": " + error.code().message() +
-                               " (settings address and port; port 0 takes one that is free)");
+      throw std::runtime_error(
+          "no page can be served on " + place + ": " + error.code().message() +
+          " (address and port say where, as settings or options; port 0 takes one that is free)");
     }
   }
 

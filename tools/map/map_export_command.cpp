@@ -95,7 +95,8 @@ class Exporter {
     if (counts.landmarks > 0) {
       const auto landmarks = map_.landmarks(session.id);
       save_points(name, landmarks);
-      if (wants("csv")) save_csv(file(name + "_landmarks.csv"), landmarks);
+      if (wants("csv"))
+        write({name + "_landmarks.csv"}, [&](const fs::path& file) { save_csv(file, landmarks); });
     }
     save_trajectory(session, name);
     if (counts.images > 0 && (wants("mesh") || wants("octomap") || wants("grid")))
@@ -110,8 +111,8 @@ class Exporter {
 
   template <class Points>
   void save_points(const std::string& name, const Points& points) {
-    if (wants("ply")) save_ply(file(name + "_map.ply"), points);
-    if (wants("pcd")) save_pcd(file(name + "_map.pcd"), points);
+    if (wants("ply")) write({name + "_map.ply"}, [&](const fs::path& file) { save_ply(file, points); });
+    if (wants("pcd")) write({name + "_map.pcd"}, [&](const fs::path& file) { save_pcd(file, points); });
   }
 
   void save_trajectory(const StoredSession& session, const std::string& name) {
@@ -120,34 +121,44 @@ class Exporter {
       trajectory.push_back({pose.utime, pose.T_map_robot});
     if (trajectory.empty()) return;
     sort_trajectory(trajectory);
-    if (wants("tum")) save_tum(file(name + "_trajectory.tum"), trajectory, {session.frame, "robot"});
-    if (wants("kitti")) save_kitti(file(name + "_trajectory.kitti"), trajectory);
+    if (wants("tum"))
+      write({name + "_trajectory.tum"}, [&](const fs::path& file) {
+        save_tum(file, trajectory, {session.frame, "robot"});
+      });
+    if (wants("kitti"))
+      write({name + "_trajectory.kitti", name + "_trajectory_times.txt"},
+            [&](const fs::path& file) { save_kitti(file, trajectory); });
   }
 
   void save_derived(const StoredSession& session, const std::string& name) {
     const auto layers = rebuild_layers(map_, session.id);
     if (wants("mesh")) {
       const Mesh mesh = layers->settled_mesh();
-      for (const char* ending : {".ply", ".obj", ".glb"}) save_mesh(file(name + "_mesh" + ending), mesh);
+      for (const char* ending : {".ply", ".obj", ".glb"})
+        write({name + "_mesh" + ending}, [&](const fs::path& file) { save_mesh(file, mesh); });
     }
     const OccupancyGrid space = layers->space().copy();
-    if (wants("octomap")) save_octomap(file(name + "_space.bt"), space);
+    if (wants("octomap"))
+      write({name + "_space.bt"}, [&](const fs::path& file) { save_octomap(file, space); });
     const auto path = map_.trajectory(session.id);
     if (!wants("grid") || path.empty()) return;
-    file(name + "_grid.yaml");
-    file(name + "_grid.pgm");
-    save_navigation_grid(HeldFolder(options_.folder), name + "_grid",
-                         make_navigation_grid(space, layers->settings().navigation, path.back().T_map_robot));
+    write({name + "_grid.yaml", name + "_grid.pgm"}, [&](const fs::path&) {
+      save_navigation_grid(
+          HeldFolder(options_.folder), name + "_grid",
+          make_navigation_grid(space, layers->settings().navigation, path.back().T_map_robot));
+    });
   }
 
   bool wants(const std::string& format) const { return formats_.count(format) > 0; }
 
-  fs::path file(const std::string& name) {
-    const fs::path path = fs::path(options_.folder) / name;
-    check_output_file(path, options_.force);
-    std::cout << path.string() << "\n";
+  /// `save` is given the first one's path; they are told when they are there.
+  template <class Save>
+  void write(const std::vector<std::string>& names, const Save& save) {
+    const fs::path folder = options_.folder;
+    for (const std::string& name : names) check_output_file(folder / name, options_.force);
+    save(folder / names.front());
+    for (const std::string& name : names) std::cout << (folder / name).string() << "\n";
     wrote_ = true;
-    return path;
   }
 
   ExportOptions options_;

@@ -32,6 +32,20 @@ json value_of(const std::string& text) {
   return list.is_discarded() ? json(text) : list;
 }
 
+/// Of the list of rows that an error names: "1,2,3" is a list of numbers, and only "1,2,3;" one of a row.
+std::string advice_on_rows(const std::string& error, const std::vector<std::string>& members) {
+  const bool in_a_row =
+      error.find(" numbers") != std::string::npos && error.find("' is [") == std::string::npos;
+  if (!in_a_row) return "";
+  for (const std::string& member : members) {
+    const bool is_row =
+        member.find(',') != std::string::npos && member.find_first_of(";[") == std::string::npos;
+    if (is_row && error.find("'" + member.substr(0, member.find('=')) + "'") != std::string::npos)
+      return " (rows end with a semicolon: " + member + ";)";
+  }
+  return "";
+}
+
 Question question_of(const std::string& ask, const std::vector<std::string>& members) {
   if (ask.front() == '{') return parse_question(ask);
   json question = {{"ask", ask}};
@@ -41,7 +55,11 @@ Question question_of(const std::string& ask, const std::vector<std::string>& mem
       throw std::invalid_argument("'" + member + "' is no NAME=VALUE");
     question[member.substr(0, equals)] = value_of(member.substr(equals + 1));
   }
-  return parse_question(question.dump());
+  try {
+    return parse_question(question.dump());
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(error.what() + advice_on_rows(error.what(), members));
+  }
 }
 
 int tell_times(MapClient& client, const Question& question, int repeat) {

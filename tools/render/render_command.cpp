@@ -35,8 +35,9 @@ std::optional<int> parse(RenderOptions& o, int argc, char** argv) {
       ->check(CLI::ExistingFile)
       ->check(CLI::Validator(
           [](const std::string& name) {
-            return has_ending(name, ".ply") || has_ending(name, ".pcd") ? ""
-                                                                        : name + " must end in .ply or .pcd";
+            if (has_ending(name, ".ply") || has_ending(name, ".pcd")) return std::string();
+            return name + " must end in .ply or .pcd" +
+                   (has_ending(name, ".lcmslam") ? ": lcmslam map view draws map files" : "");
           },
           "FILE.ply|FILE.pcd"));
   app.add_option("out", o.out, "FILE.png")

@@ -81,6 +81,9 @@ Database::Database(const fs::path& file, Access mode, const char* vfs, std::chro
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, static_cast<int>(patience.count()));
   if (mode == Access::read) execute("PRAGMA query_only = 1");
+  // SQLite opens such files all the same, and speaks of a "disk I/O error" later.
+  if (mode != Access::read && sqlite3_db_readonly(handle, "main") == 1)
+    fail("cannot be written: the file or its disk is read-only");
 }
 
 void Database::execute(const std::string& sql) {
@@ -103,7 +106,8 @@ bool Database::has_moved() const {
 }
 
 void Database::fail(const std::string& why) const {
-  throw StoreError(file_.string() + ": " + why);
+  const bool is_other = why == sqlite3_errstr(SQLITE_NOTADB);
+  throw StoreError(file_.string() + ": " + why + (is_other ? ", so no map file (.lcmslam)" : ""));
 }
 
 void Database::fail(int code, const std::string& why) const {

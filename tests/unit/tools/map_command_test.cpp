@@ -37,7 +37,9 @@ TEST_F(MapCommand, InfoTellsNodesWithoutACloudFromKeyframes) {
 
 TEST_F(MapCommand, ExportsWhatOthersRead) {
   const auto out = folder_ / "out";
-  EXPECT_EQ(run({"export", file(), out, "--resolution", "0"}).exit_code, 0);
+  const auto exported = run({"export", file(), out, "--resolution", "0"});
+  EXPECT_EQ(exported.exit_code, 0);
+  EXPECT_THAT(exported.out, HasSubstr("icp-session1_trajectory_times.txt\n"));
   EXPECT_EQ(load_ply(out / "icp-session1_map.ply").size(), 150U);
   EXPECT_EQ(load_pcd(out / "icp-session2_map.pcd").size(), 200U);
   EXPECT_EQ(load_ply(out / "fastslam-session1_map.ply").size(), 7U);

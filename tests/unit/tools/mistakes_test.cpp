@@ -28,6 +28,7 @@ std::string tum_path(double start) {
 void write_files(const testing::ScratchFolder& folder) {
   folder.write("notes.txt", "what the robot did today\n");
   folder.write("empty.lcmlog", "");
+  folder.write("map.lcmslam", "");
   folder.write("path.txt", tum_path(1000));
   folder.write("later.txt", tum_path(5000));
   folder.write("short.txt", "1000.0 0 0 0 0 0 0 1\n1000.1 0 0 0\n");
