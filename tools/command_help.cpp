@@ -20,7 +20,7 @@ const char* command_help(const std::string& command) {
       {"import", "turn a data set folder, a ROS bag or an MCAP file into an .lcmlog"},
       {"launch", "start the process graph that a configuration names"},
       {"lcm-spy", "the stock graphical spy with our types"},
-      {"log", "recordings: info, check, repair, cut, calibrate, play, view"},
+      {"log", "recordings: info, check, repair, cut, calibrate, play, view, export"},
       {"map", "map files (.lcmslam): info, export, view, merge, compact, verify, diff"},
       {"query", "ask the running map server: distances, collisions, planes, a mesh ..."},
       {"render", "a picture of a map, or one that turns"},
