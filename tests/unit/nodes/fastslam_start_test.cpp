@@ -135,7 +135,9 @@ TEST_F(StalledDrive, InTheDarkOdometryThatComesLateLosesNoWay) {
   double guessed = 0;
   for (const pose_estimate_t& pose : local) {
     guessed = std::min(guessed, error(pose));
-    if (pose.utime >= goes_on) EXPECT_NEAR(error(pose), 0, 0.03) << pose.utime;
+    if (pose.utime >= goes_on) {
+      EXPECT_NEAR(error(pose), 0, 0.03) << pose.utime;
+    }
   }
   EXPECT_LT(guessed, -0.05) << "it is a stall";
 }
@@ -144,7 +146,9 @@ TEST_F(StalledDrive, AGuessIsToldToBeOne) {
   drive(0);
   double guessed = 0;
   for (const pose_estimate_t& pose : bus_.on<pose_estimate_t>("FASTSLAM_LOCAL_POSE")) {
-    if (pose.utime <= stalls) EXPECT_LT(pose.covariance[0], 1e-3);
+    if (pose.utime <= stalls) {
+      EXPECT_LT(pose.covariance[0], 1e-3);
+    }
     if (pose.utime < goes_on) guessed = std::sqrt(pose.covariance[0]);
   }
   EXPECT_GT(guessed, 0.03);
