@@ -56,8 +56,10 @@ TEST(CarvedKeyframes, MoveTheMapWithTheirPoses) {
 
 // Keyframes of an older map have the highest ids, wherever they are.
 TEST(CarvedKeyframes, InAFullGridWhatIsNearTheRobotStays) {
+  OccupancyGrid one_view{OccupancySettings{}};
+  DepthCarver().carve(wall(false), camera(), here, one_view);
   OccupancySettings settings;
-  settings.max_blocks = 300;
+  settings.max_blocks = static_cast<int>(one_view.blocks().size());
   const Eigen::Isometry3d far(Eigen::Translation3d(30, 0, 0));
   CarvedKeyframes keyframes(settings);
   keyframes.add(0, wall(false), camera(), here);
