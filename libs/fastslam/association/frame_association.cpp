@@ -24,6 +24,26 @@ bool was_seen_from(const Eigen::Vector3d& camera, const VisibleLandmark& landmar
   return (camera - then).norm() < std::max(0.5, 0.2 * record.seen_at);
 }
 
+/// Enough well-known landmarks that were seen from about there, of which as many as would make a consensus
+/// are proved to be in sight. Nearly all that a point was measured beside are hidden by it where somebody
+/// stands before the camera; whoever was carried sees past some.
+bool should_be_seen(const std::vector<VisibleLandmark>& visible, const FeatureFrame& frame,
+                    const std::vector<FeaturePoint>& points, const Eigen::Isometry3d& T_world_robot,
+                    const LandmarkIndex& index, const FastSlamSettings& s) {
+  const Eigen::Vector3d camera = T_world_robot * frame.T_robot_camera.translation();
+  const LandmarkVisibility visibility(frame, points, T_world_robot);
+  int established = 0, hidden = 0, free = 0;
+  for (const VisibleLandmark& landmark : visible) {
+    const LandmarkRecord& record = index.record(landmark.slot);
+    if (record.observations < s.minimum_observations || !was_seen_from(camera, landmark, record)) continue;
+    ++established;
+    hidden += visibility.is_hidden(landmark) ? 1 : 0;
+    free += visibility.is_free(landmark) ? 1 : 0;
+  }
+  const bool somebody_stands_there = hidden > 3 * free;
+  return established >= 2 * s.minimum_consensus && free >= s.minimum_consensus && !somebody_stands_there;
+}
+
 std::vector<ObservedLandmark> pair_up(const std::vector<LandmarkMatch>& matches,
                                       const std::vector<FeaturePoint>& points, const ParticleMap& map) {
   std::vector<ObservedLandmark> pairs;
@@ -193,14 +213,8 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   }
   const bool enough = by_descriptor >= s.minimum_consensus;
   if (enough && result.known.empty()) ++steps_without_agreement_;
-  const Eigen::Vector3d camera = T_predicted * frame.T_robot_camera.translation();
-  const LandmarkVisibility visibility(frame, points, T_predicted);
-  const auto established = std::count_if(result.visible.begin(), result.visible.end(), [&](const auto& v) {
-    const LandmarkRecord& record = index.record(v.slot);
-    return record.observations >= s.minimum_observations && was_seen_from(camera, v, record) &&
-           visibility.is_free(v);  // who stands before the camera hides it
-  });
-  result.contradicted = enough && result.known.empty() && established >= 2 * s.minimum_consensus;
+  result.contradicted =
+      enough && result.known.empty() && should_be_seen(result.visible, frame, points, T_predicted, index, s);
   if (steps_without_agreement_ > s.relocalise_after) {
     matcher_.begin(frame, points);
     if (find_back(points, map, index, s.minimum_consensus, result)) steps_without_agreement_ = 0;

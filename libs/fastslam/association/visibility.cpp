@@ -26,6 +26,10 @@ bool LandmarkVisibility::is_free(const VisibleLandmark& landmark) const {
          farthest_[cell(landmark)] >= 0.95 * landmark.range;  // else hidden, or unknown
 }
 
+bool LandmarkVisibility::is_hidden(const VisibleLandmark& landmark) const {
+  return farthest_[cell(landmark)] > 0 && farthest_[cell(landmark)] < 0.95 * landmark.range;
+}
+
 bool LandmarkVisibility::ought_to_show(const VisibleLandmark& landmark, const LandmarkRecord& record) const {
   if (!is_free(landmark)) return false;
   if (record.seen_at <= 0) return true;

@@ -18,7 +18,9 @@ class LandmarkVisibility {
 
   /// Well inside the image, and with a measured point beside it that is not in front of it.
   bool is_free(const VisibleLandmark& landmark) const;
-  /// Also seen before from about there.
+  /// All points measured beside it are in front of it.
+  bool is_hidden(const VisibleLandmark& landmark) const;
+  /// Free, and seen before from about there.
   bool ought_to_show(const VisibleLandmark& landmark, const LandmarkRecord& record) const;
   std::size_t cell(const VisibleLandmark& landmark) const { return grid_.cell(landmark.x, landmark.y); }
 
