@@ -32,16 +32,16 @@ bool should_be_seen(const std::vector<VisibleLandmark>& visible, const FeatureFr
                     const LandmarkIndex& index, const FastSlamSettings& s) {
   const Eigen::Vector3d camera = T_world_robot * frame.T_robot_camera.translation();
   const LandmarkVisibility visibility(frame, points, T_world_robot);
-  int established = 0, hidden = 0, free = 0;
+  int established = 0, hidden = 0, in_sight = 0;
   for (const VisibleLandmark& landmark : visible) {
     const LandmarkRecord& record = index.record(landmark.slot);
     if (record.observations < s.minimum_observations || !was_seen_from(camera, landmark, record)) continue;
     ++established;
     hidden += visibility.is_hidden(landmark) ? 1 : 0;
-    free += visibility.is_free(landmark) ? 1 : 0;
+    in_sight += visibility.is_free(landmark) ? 1 : 0;
   }
-  const bool somebody_stands_there = hidden > 3 * free;
-  return established >= 2 * s.minimum_consensus && free >= s.minimum_consensus && !somebody_stands_there;
+  const bool somebody_stands_there = hidden > 3 * in_sight;
+  return established >= 2 * s.minimum_consensus && in_sight >= s.minimum_consensus && !somebody_stands_there;
 }
 
 std::vector<ObservedLandmark> pair_up(const std::vector<LandmarkMatch>& matches,
