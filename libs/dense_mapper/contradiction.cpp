@@ -1,6 +1,8 @@
 #include <lcmslam/dense_mapper/contradiction.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <lcmslam/dense_mapper/free_space.hpp>
 #include <lcmslam/dense_mapper/voxel_map.hpp>
@@ -34,6 +36,17 @@ SurfelsInView count_in_view(const DenseFrame& frame, const Eigen::Isometry3d& T_
   return count;
 }
 
+/// Along the camera's axis, m; NaN without points.
+double median_depth(const Cloud& cloud) {
+  std::vector<float> depths;
+  depths.reserve(cloud.size());
+  for (const Eigen::Vector3f& p : cloud.points) depths.push_back(p.z());
+  if (depths.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
 }  // namespace
 
 double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
@@ -44,6 +57,8 @@ double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_ca
 
 bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
   constexpr double most_seen_through = 0.1, least_hidden = 0.5;  // shares
+  constexpr double close = 1.2;                                  // m: farther away are other rooms, too
+  if (!(median_depth(frame.cloud) < close)) return false;
   const SurfelsInView count = count_in_view(frame, T_world_camera, map);
   const std::size_t all = count.through + count.supported + count.hidden;
   return all >= enough_surfels &&

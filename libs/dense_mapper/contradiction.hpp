@@ -12,8 +12,8 @@ class VoxelMap;
 /// place that is some centimetres off looks through edges and floors as well, so tolerance is wide.
 double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map);
 
-/// Whether the frame shows little but things that stand before what the map has in its view: it says nothing
-/// of where the robot is. Who looks through some of the map does not only stand behind something.
+/// Whether the frame shows little but things that stand close before what the map has in its view: it says
+/// nothing of where the robot is. Who looks through some of the map does not only stand behind something.
 bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map);
 
 /// Whether some of the walls that a cloud (robot frame) shows stand where the map has them, to a few

@@ -64,6 +64,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   } else {
     // Associate: which feature shows which landmark, as the best particle sees it.
     result.motion_usable = usable(motion);
+    follow_wheels(motion);
     Predicted predicted = predict(odometry);
     const auto associate = [&] {
       return associator_.associate(frame, points, particles_.best().T_world_robot, predicted.motion,
@@ -105,7 +106,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     const bool located = judge(verdict, association, points, index_, observations, result);
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();
-    if (agreed || association.confirmed) agreed_utime_ = frame.utime;
+    if (agreed || association.confirmed) note_agreement(frame.utime);
     if (agreed) unplaced_ = adrift_ = 0;
     result.unplaced = unplaced_;
     result.adrift = adrift_;
@@ -238,6 +239,20 @@ TrackStatus FastSlam::status(const FrameAssociation& association, bool agreed, U
   return lost ? TrackStatus::lost : TrackStatus::predicting;
 }
 
+void FastSlam::follow_wheels(const Motion& motion) {
+  constexpr double about_there = 0.3;  // m, rad
+  stands_ = stands_ && usable(motion) && !motion.visual;
+  if (stands_) T_agreed_robot_ = T_agreed_robot_ * motion.T_from_to;
+  stands_ = stands_ && T_agreed_robot_.translation().norm() < about_there &&
+            rotation_angle(T_agreed_robot_) < about_there;
+}
+
+void FastSlam::note_agreement(Utime utime) {
+  agreed_utime_ = utime;
+  T_agreed_robot_.setIdentity();
+  stands_ = true;
+}
+
 // Where known landmarks should be and none is, the robot is elsewhere, whatever odometry knows: somebody has
 // carried it, and odometry's way has begun at a wrong place until something is recognised. Who may be
 // anywhere expects no landmark: that it knows nothing of all it sees tells the same, less surely.
@@ -245,6 +260,9 @@ void FastSlam::look_whether_carried(const FrameAssociation& association,
                                     const std::vector<FeaturePoint>& points, Utime utime) {
   constexpr double longest_frame = 1;  // s that one frame speaks for
   if (association.agreed || association.confirmed) unplaced_ = 0;
+  // Before a robot whose wheels stand somebody else may have stepped; who drives on would have hit him.
+  hidden_ = association.hidden && stands_;
+  if (hidden_) return;
   const bool enough = static_cast<int>(points.size()) >= settings_.minimum_consensus;
   const double seconds = std::min(1e-6 * static_cast<double>(utime - utime_), longest_frame);
   if (association.contradicted || (unplaced_ > 0 && !association.agreed && enough)) unplaced_ += seconds;
@@ -254,7 +272,7 @@ void FastSlam::look_whether_carried(const FrameAssociation& association,
 // A robot that may be anywhere in its map would map what it knows at a wrong place.
 bool FastSlam::may_map(const FrameAssociation& association) const {
   if (unknown_.lost() && !association.agreed && association.known.empty()) return false;
-  return unplaced_ == 0 && !association.doubtful;
+  return unplaced_ == 0 && !hidden_ && !association.doubtful;
 }
 
 // A landmark came back after long, or is not where it was.

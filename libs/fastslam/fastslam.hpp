@@ -91,6 +91,8 @@ class FastSlam {
   StepResult begin_anew(const Motion& motion, const FeatureFrame& frame);
   bool agree(const FrameAssociation& association, const Verdict& verdict, bool located) const;
   TrackStatus status(const FrameAssociation& association, bool agreed, Utime utime) const;
+  void follow_wheels(const Motion& motion);
+  void note_agreement(Utime utime);
   void look_whether_carried(const FrameAssociation& association, const std::vector<FeaturePoint>& points,
                             Utime utime);
   bool may_map(const FrameAssociation& association) const;
@@ -125,7 +127,11 @@ class FastSlam {
   SensorCalibration sensor_;  // as the smoothed path has it
   double smoothing_cost_ = 0;
   bool started_ = false;
-  double unplaced_ = 0;     // s, StepResult::unplaced
+  double unplaced_ = 0;  // s, StepResult::unplaced
+  Eigen::Isometry3d T_agreed_robot_ =
+      Eigen::Isometry3d::Identity();  // by the wheels, since measurements agreed
+  bool stands_ = true;                // about there, as far as wheels know
+  bool hidden_ = false;     // what is seen stands before what is known: it says nothing of where the robot is
   double adrift_ = 0;       // s, StepResult::adrift
   Utime utime_ = 0;         // of the last step
   Utime agreed_utime_ = 0;  // of the newest step whose measurements agreed with the map

@@ -24,24 +24,29 @@ bool was_seen_from(const Eigen::Vector3d& camera, const VisibleLandmark& landmar
   return (camera - then).norm() < std::max(0.5, 0.2 * record.seen_at);
 }
 
-/// Enough well-known landmarks that were seen from about there, of which as many as would make a consensus
-/// are proved to be in sight. Nearly all that a point was measured beside are hidden by it where somebody
-/// stands before the camera; whoever was carried sees past some.
-bool should_be_seen(const std::vector<VisibleLandmark>& visible, const FeatureFrame& frame,
-                    const std::vector<FeaturePoint>& points, const Eigen::Isometry3d& T_world_robot,
-                    const LandmarkIndex& index, const FastSlamSettings& s) {
+/// Well-known landmarks that were seen from about there and should be seen; `hidden`: nearly all that a point
+/// was measured beside lie behind it.
+struct Expected {
+  int landmarks = 0;
+  bool hidden = false;
+};
+
+Expected expected_landmarks(const std::vector<VisibleLandmark>& visible, const FeatureFrame& frame,
+                            const std::vector<FeaturePoint>& points, const Eigen::Isometry3d& T_world_robot,
+                            const LandmarkIndex& index, const FastSlamSettings& s) {
   const Eigen::Vector3d camera = T_world_robot * frame.T_robot_camera.translation();
   const LandmarkVisibility visibility(frame, points, T_world_robot);
-  int established = 0, hidden = 0, in_sight = 0;
+  Expected expected;
+  int hidden = 0, free = 0;
   for (const VisibleLandmark& landmark : visible) {
     const LandmarkRecord& record = index.record(landmark.slot);
     if (record.observations < s.minimum_observations || !was_seen_from(camera, landmark, record)) continue;
-    ++established;
+    ++expected.landmarks;
     hidden += visibility.is_hidden(landmark) ? 1 : 0;
-    in_sight += visibility.is_free(landmark) ? 1 : 0;
+    free += visibility.is_free(landmark) ? 1 : 0;
   }
-  const bool somebody_stands_there = hidden > 3 * in_sight;
-  return established >= 2 * s.minimum_consensus && in_sight >= s.minimum_consensus && !somebody_stands_there;
+  expected.hidden = hidden > 3 * free;
+  return expected;
 }
 
 std::vector<ObservedLandmark> pair_up(const std::vector<LandmarkMatch>& matches,
@@ -213,8 +218,9 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   }
   const bool enough = by_descriptor >= s.minimum_consensus;
   if (enough && result.known.empty()) ++steps_without_agreement_;
-  result.contradicted =
-      enough && result.known.empty() && should_be_seen(result.visible, frame, points, T_predicted, index, s);
+  const Expected expected = expected_landmarks(result.visible, frame, points, T_predicted, index, s);
+  result.contradicted = enough && result.known.empty() && expected.landmarks >= 2 * s.minimum_consensus;
+  result.hidden = result.contradicted && expected.hidden;
   if (steps_without_agreement_ > s.relocalise_after) {
     matcher_.begin(frame, points);
     if (find_back(points, map, index, s.minimum_consensus, result)) steps_without_agreement_ = 0;

@@ -29,6 +29,7 @@ struct FrameAssociation {
   bool slipped = false;
   bool doubtful = false;      ///< the place looks like one seen long ago: not to be mapped anew yet
   bool contradicted = false;  ///< many well-known landmarks should be seen, and nothing agrees with them
+  bool hidden = false;        ///< contradicted, but what is measured stands before nearly all of them
 };
 
 class FrameAssociator {
