@@ -120,7 +120,7 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
       "dense map (ICP_KEYFRAME) of the last estimate's log? Walls more than 0.15 m off are only counted");
   app.add_option("--json", r.json, "file for all figures");
   if (const auto exit_code = parse_command(app, argc, argv)) return exit_code;
-  if (!r.inputs.truth.empty() || !r.inputs.estimates.empty()) return std::nullopt;
+  if (!r.inputs.truth.empty() || !r.inputs.estimates.empty() || !r.exported.empty()) return std::nullopt;
   std::cerr << "lcmslam evaluate: no truth: give --truth FILE and what to compare with it, or a log that has "
                "both\nRun with --help for more information.\n";
   return 2;

@@ -24,11 +24,15 @@ bool was_seen_from(const Eigen::Vector3d& camera, const VisibleLandmark& landmar
   return (camera - then).norm() < std::max(0.5, 0.2 * record.seen_at);
 }
 
-/// Well-known landmarks that were seen from about there and should be seen; `hidden`: nearly all that a point
-/// was measured beside lie behind it.
+/// Well-known landmarks that were seen from about there: how many, and beside which of them a point was
+/// measured, behind or at them (free) or before them (hidden).
 struct Expected {
-  int landmarks = 0;
-  bool hidden = false;
+  int landmarks = 0, free = 0, hidden = 0;
+  bool are_hidden() const { return hidden > 3 * free; }
+  /// Where depth is sparse, few are proved to be anything.
+  bool should_be_seen(int enough) const {
+    return landmarks >= 2 * enough && (are_hidden() ? hidden >= 2 * enough : free >= enough);
+  }
 };
 
 Expected expected_landmarks(const std::vector<VisibleLandmark>& visible, const FeatureFrame& frame,
@@ -37,15 +41,13 @@ Expected expected_landmarks(const std::vector<VisibleLandmark>& visible, const F
   const Eigen::Vector3d camera = T_world_robot * frame.T_robot_camera.translation();
   const LandmarkVisibility visibility(frame, points, T_world_robot);
   Expected expected;
-  int hidden = 0, free = 0;
   for (const VisibleLandmark& landmark : visible) {
     const LandmarkRecord& record = index.record(landmark.slot);
     if (record.observations < s.minimum_observations || !was_seen_from(camera, landmark, record)) continue;
     ++expected.landmarks;
-    hidden += visibility.is_hidden(landmark) ? 1 : 0;
-    free += visibility.is_free(landmark) ? 1 : 0;
+    expected.hidden += visibility.is_hidden(landmark) ? 1 : 0;
+    expected.free += visibility.is_free(landmark) ? 1 : 0;
   }
-  expected.hidden = hidden > 3 * free;
   return expected;
 }
 
@@ -219,8 +221,8 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   const bool enough = by_descriptor >= s.minimum_consensus;
   if (enough && result.known.empty()) ++steps_without_agreement_;
   const Expected expected = expected_landmarks(result.visible, frame, points, T_predicted, index, s);
-  result.contradicted = enough && result.known.empty() && expected.landmarks >= 2 * s.minimum_consensus;
-  result.hidden = result.contradicted && expected.hidden;
+  result.contradicted = enough && result.known.empty() && expected.should_be_seen(s.minimum_consensus);
+  result.hidden = result.contradicted && expected.are_hidden();
   if (steps_without_agreement_ > s.relocalise_after) {
     matcher_.begin(frame, points);
     if (find_back(points, map, index, s.minimum_consensus, result)) steps_without_agreement_ = 0;
