@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include <lcmslam/fastslam/association/consensus.hpp>
-#include <lcmslam/fastslam/association/visibility.hpp>
+#include <lcmslam/fastslam/association/expected_landmarks.hpp>
 #include <lcmslam/fastslam/pose_space.hpp>
 
 namespace lcmslam {
@@ -16,40 +16,6 @@ constexpr SearchSettings place_search{0.03, 500};
 constexpr double large_translation = 0.1, large_rotation = 0.05;  // m, rad
 // Random streams of association, apart from particles'.
 constexpr std::uint64_t association_stream = 0x6173736f63, ground_stream = 0x67726f756e64;
-
-/// Whether it was seen from about there the last time: what was seen from elsewhere may be hidden.
-bool was_seen_from(const Eigen::Vector3d& camera, const VisibleLandmark& landmark,
-                   const LandmarkRecord& record) {
-  const Eigen::Vector3d then = landmark.mean + record.seen_at * record.seen_from;
-  return (camera - then).norm() < std::max(0.5, 0.2 * record.seen_at);
-}
-
-/// Well-known landmarks that were seen from about there: how many, and beside which of them a point was
-/// measured, behind or at them (free) or before them (hidden).
-struct Expected {
-  int landmarks = 0, free = 0, hidden = 0;
-  bool are_hidden() const { return hidden > 3 * free; }
-  /// Where depth is sparse, few are proved to be anything.
-  bool should_be_seen(int enough) const {
-    return landmarks >= 2 * enough && (are_hidden() ? hidden >= 2 * enough : free >= enough);
-  }
-};
-
-Expected expected_landmarks(const std::vector<VisibleLandmark>& visible, const FeatureFrame& frame,
-                            const std::vector<FeaturePoint>& points, const Eigen::Isometry3d& T_world_robot,
-                            const LandmarkIndex& index, const FastSlamSettings& s) {
-  const Eigen::Vector3d camera = T_world_robot * frame.T_robot_camera.translation();
-  const LandmarkVisibility visibility(frame, points, T_world_robot);
-  Expected expected;
-  for (const VisibleLandmark& landmark : visible) {
-    const LandmarkRecord& record = index.record(landmark.slot);
-    if (record.observations < s.minimum_observations || !was_seen_from(camera, landmark, record)) continue;
-    ++expected.landmarks;
-    expected.hidden += visibility.is_hidden(landmark) ? 1 : 0;
-    expected.free += visibility.is_free(landmark) ? 1 : 0;
-  }
-  return expected;
-}
 
 std::vector<ObservedLandmark> pair_up(const std::vector<LandmarkMatch>& matches,
                                       const std::vector<FeaturePoint>& points, const ParticleMap& map) {
@@ -220,7 +186,7 @@ FrameAssociation FrameAssociator::associate(const FeatureFrame& frame,
   }
   const bool enough = by_descriptor >= s.minimum_consensus;
   if (enough && result.known.empty()) ++steps_without_agreement_;
-  const Expected expected = expected_landmarks(result.visible, frame, points, T_predicted, index, s);
+  const ExpectedLandmarks expected = expected_landmarks(result.visible, frame, points, T_predicted, index, s);
   result.contradicted = enough && result.known.empty() && expected.should_be_seen(s.minimum_consensus);
   result.hidden = result.contradicted && expected.are_hidden();
   if (steps_without_agreement_ > s.relocalise_after) {
