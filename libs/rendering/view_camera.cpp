@@ -7,7 +7,8 @@
 namespace lcmslam {
 namespace {
 
-constexpr double outliers = 0.002;  // share of the points on each side that may fall off the picture
+constexpr double outliers = 0.002;  // share of the points on each side that may be none of the map
+constexpr double apart = 0.05;      // of the extent of the others: so far beyond them they are none
 constexpr double pi = 3.14159265358979323846;
 
 struct Extent {
@@ -22,6 +23,22 @@ Extent robust_extent(const std::vector<Eigen::Vector3d>& points, const Coordinat
   values.reserve(points.size());
   for (const Eigen::Vector3d& point : points) values.push_back(coordinate(point));
   return {quantile(values, outliers), quantile(values, 1 - outliers)};
+}
+
+/// Of all points but those that lie apart: the rim of a map has few points, and near the viewer it is large.
+template <class Coordinate>
+Extent whole_extent(const std::vector<Eigen::Vector3d>& points, const Coordinate& coordinate) {
+  if (points.empty()) return {0, 0};
+  std::vector<double> values;
+  values.reserve(points.size());
+  for (const Eigen::Vector3d& point : points) values.push_back(coordinate(point));
+  std::sort(values.begin(), values.end());
+  auto low = static_cast<std::size_t>(outliers * static_cast<double>(values.size() - 1));
+  std::size_t high = values.size() - 1 - low;
+  const double gap = apart * (values[high] - values[low]);
+  while (low > 0 && values[low] - values[low - 1] <= gap) --low;
+  while (high + 1 < values.size() && values[high + 1] - values[high] <= gap) ++high;
+  return {values[low], values[high]};
 }
 
 }  // namespace
@@ -67,9 +84,9 @@ FloorPlan fit_floor_plan(const std::vector<Eigen::Vector3d>& points) {
 }
 
 ViewCamera fit_top_view(const std::vector<Eigen::Vector3d>& points, const ViewFrame& frame) {
-  const Extent x = robust_extent(points, [](const Eigen::Vector3d& p) { return p.x(); });
-  const Extent y = robust_extent(points, [](const Eigen::Vector3d& p) { return p.y(); });
-  const Extent z = robust_extent(points, [](const Eigen::Vector3d& p) { return p.z(); });
+  const Extent x = whole_extent(points, [](const Eigen::Vector3d& p) { return p.x(); });
+  const Extent y = whole_extent(points, [](const Eigen::Vector3d& p) { return p.y(); });
+  const Extent z = whole_extent(points, [](const Eigen::Vector3d& p) { return p.z(); });
   constexpr double least = 1.0;  // m: a single point is not blown up to fill the picture
   constexpr double room = 1.06;
   ViewCamera camera;
@@ -99,7 +116,7 @@ ViewCamera fit_perspective(const std::vector<Eigen::Vector3d>& points, const Vie
   const double tan_x = std::tan(field_of_view / 2);
   const double tan_y = tan_x * frame.height / frame.width;
   const auto line = [&](int axis, double slope) {
-    return robust_extent(points, [&](const Eigen::Vector3d& p) {
+    return whole_extent(points, [&](const Eigen::Vector3d& p) {
       return R_camera_world.row(axis).dot(p) + slope * R_camera_world.row(2).dot(p);
     });
   };
@@ -110,7 +127,7 @@ ViewCamera fit_perspective(const std::vector<Eigen::Vector3d>& points, const Vie
   eye.y() = (y_low + y_high) / 2;
   eye.z() = std::min((x_low - x_high) / (2 * tan_x), (y_low - y_high) / (2 * tan_y));
   const Extent depth =
-      robust_extent(points, [&](const Eigen::Vector3d& p) { return R_camera_world.row(2).dot(p); });
+      whole_extent(points, [&](const Eigen::Vector3d& p) { return R_camera_world.row(2).dot(p); });
   eye.z() = std::min(eye.z(), depth.low - 0.5) - 0.02 * depth.size();
 
   ViewCamera camera;

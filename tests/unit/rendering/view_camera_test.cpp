@@ -39,6 +39,30 @@ TEST(ViewCamera, FitsKeepThePointsInTheFrame) {
   }
 }
 
+TEST(ViewCamera, ASparseRimIsInThePictureAndWhatLiesFarAwayIsNot) {
+  const ViewFrame frame{50, 40, 300, 200};
+  Random random(3);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 20'000; ++i)
+    points.emplace_back(random.uniform(-4, 4), random.uniform(-2, 2), random.uniform(0, 2));
+  for (int i = 0; i < 30; ++i) points.emplace_back(4 + 0.04 * i, -1.9, 1);  // a wall that was hardly seen
+  const std::size_t near = points.size();
+  points.emplace_back(60, 0, 1);
+  points.emplace_back(-50, 3, 30);
+  for (const ViewCamera& camera :
+       {fit_top_view(points, frame), fit_perspective(points, frame, Eigen::Vector2d::UnitY(), 0.4, 0.9)}) {
+    double left = 1e9, right = -1e9;
+    for (std::size_t i = 0; i < near; ++i) {
+      const Eigen::Vector3d pixel = camera.project(points[i]);
+      left = std::min(left, pixel.x());
+      right = std::max(right, pixel.x());
+    }
+    EXPECT_GT(left, 50);
+    EXPECT_LT(right, 350);
+    EXPECT_GT(right - left, 250) << "fills the frame";
+  }
+}
+
 TEST(ViewCamera, TheFloorPlanFindsATurnedRectangle) {
   for (const double angle : {0.0, 0.4, 1.2, 2.9}) {
     Random random(8);
