@@ -7,6 +7,7 @@ namespace {
 
 constexpr double silent_after = 3.5;   // s; STATUS comes once a second
 constexpr double forgiven_after = 15;  // s since a count rose
+constexpr double told_for = 60;        // s that an end is told
 constexpr double late = 0.3;           // s of latency that an operator notices
 constexpr std::int64_t few = 3;        // losses at a start are nobody's fault
 
@@ -66,6 +67,10 @@ Complaint Health::complaint_of(const ProcessSaid& p, double now) {
   if (p.state == "failed")
     return {Level::bad, p.name + " failed" + (p.detail.empty() ? "" : ": " + p.detail),
             "its last lines in the terminal tell why"};
+  if (p.state == "stopping" && p.age > silent_after) {
+    if (p.age > told_for) return {};  // as somebody wanted
+    return {Level::warn, p.name + " has been ended", "start it again where that was not wanted"};
+  }
   if (p.state != "finished" && p.age > silent_after)
     return {Level::bad, fmt::format("{} has been silent for {:.0f} s", p.name, p.age),
             "`lcmslam launch` starts it again; its last lines in the terminal tell why it ended"};

@@ -62,6 +62,19 @@ TEST(Health, AMapperThatTellsNothingAnyMoreIsNotWell) {
   EXPECT_EQ(level(Health().item({camera, icp}, silent, 0)), "good") << "its log is at its end";
 }
 
+TEST(Health, WhoWasEndedIsToldForAMinute) {
+  ProcessSaid bridge = running("bridge");
+  bridge.state = "stopping";
+  bridge.age = 5;
+  const PageItem item = Health().item({bridge}, {}, 0);
+  EXPECT_EQ(level(item), "warn");
+  EXPECT_EQ(words(item), "bridge has been ended");
+  bridge.age = 70;
+  EXPECT_EQ(level(Health().item({bridge}, {}, 0)), "good");
+  bridge.state = "running";
+  EXPECT_EQ(level(Health().item({bridge}, {}, 0)), "bad") << "it was killed";
+}
+
 TEST(Health, LossesAreToldWhileTheyRiseAndForgivenLater) {
   Health health;
   ProcessSaid losing = running("icp");
