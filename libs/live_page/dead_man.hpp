@@ -20,7 +20,8 @@ class DeadMan {
   explicit DeadMan(double silence = 0.3) : silence_(silence) {}
 
   /// Values are brought into -1..1; throws std::invalid_argument for one that is not finite. Who comes while
-  /// another one drives stops the robot and takes over with his next word. `now` s.
+  /// another one drives stops the robot and takes over with his next word; the other one must let go before
+  /// he drives again: std::runtime_error tells him. `now` s.
   Drive drive(Operator who, const Drive& wanted, double now);
   /// His link is gone. The stop that is to be sent, when it was he who drove.
   std::optional<Drive> gone(Operator who);
@@ -32,8 +33,8 @@ class DeadMan {
 
  private:
   double silence_;
-  Operator driver_ = 0;
-  double heard_ = 0;
+  Operator driver_ = 0, ousted_ = 0;  // 0: nobody
+  double heard_ = 0, ousted_heard_ = 0;
 };
 
 }  // namespace lcmslam

@@ -36,6 +36,22 @@ TEST(DeadMan, WhoTakesOverStopsFirst) {
   EXPECT_EQ(dead_man.drive(2, {-1, 0}, 0.2).linear, -1);
 }
 
+TEST(DeadMan, WhoWasOustedMustLetGoFirst) {
+  DeadMan dead_man(0.3);
+  dead_man.drive(1, {1, 0}, 0);
+  dead_man.drive(2, {-1, 0}, 0.1);
+  for (const double now : {0.11, 0.12, 0.3, 0.5})
+    EXPECT_THROW(dead_man.drive(1, {1, 0}, now), std::runtime_error)
+        << "whatever the links do with their words";
+  EXPECT_EQ(dead_man.drive(2, {-1, 0}, 0.55).linear, -1);
+  EXPECT_TRUE(dead_man.drive(1, {0, 0}, 0.6).stops());
+  EXPECT_EQ(dead_man.drive(2, {-1, 0}, 0.65).linear, -1) << "a stop is for that moment";
+  EXPECT_TRUE(dead_man.drive(1, {1, 0}, 0.7).stops()) << "a new press takes over";
+  EXPECT_THROW(dead_man.drive(2, {-1, 0}, 0.75), std::runtime_error);
+  EXPECT_EQ(dead_man.drive(1, {1, 0}, 0.8).linear, 1);
+  EXPECT_EQ(dead_man.drive(2, {-1, 0}, 1.5).linear, 0) << "who was silent has let go";
+}
+
 TEST(DeadMan, SharesAreBoundedAndMustBeNumbers) {
   DeadMan dead_man;
   EXPECT_EQ(dead_man.drive(1, {7, -7}, 0).linear, 1);
