@@ -74,6 +74,8 @@ void OperatorActions::end() {
 /// To each mapper that is alive, with the confirmation that such a command needs (runtime/confirmation.hpp).
 json OperatorActions::reset() {
   const MapServerNode::Shown shown = maps_.shown();
+  if (shown.icp_pose == nullptr && shown.fastslam_pose == nullptr)
+    throw std::runtime_error("no mapper has told a position: there is no map to begin anew");
   for (const auto& [mapper, pose] :
        {std::pair("icp", shown.icp_pose), std::pair("fastslam", shown.fastslam_pose)}) {
     if (pose == nullptr) continue;

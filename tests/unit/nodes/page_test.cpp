@@ -282,6 +282,7 @@ TEST_F(LivePage, SendsAGoal) {
 }
 
 TEST_F(LivePage, ResetsTheMappersThatAreAlive) {
+  EXPECT_EQ(answer({{"id", 1}, {"do", "reset"}})["ok"], false) << "none has told anything";
   pose("ICP_POSE", 0);
   answer({{"id", 1}, {"do", "reset"}});
   const auto commands = bus_.on<command_t>("COMMAND");
