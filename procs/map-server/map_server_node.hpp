@@ -50,9 +50,9 @@ class MapServerNode : public Node {
 
   /// What is there to be looked at now, until the next call of anything.
   struct Shown {
-    std::string frame;                     ///< of the current dense map; of the landmarks where there is none
-    const DenseMap* dense = nullptr;       ///< null: none yet
-    const FollowedGraph* graph = nullptr;  ///< of it
+    SessionKey map;                             ///< the current dense map; the landmarks where there is none
+    const DenseMap* dense = nullptr;            ///< null: none yet
+    const FollowedGraph* graph = nullptr;       ///< of it
     const LandmarkMap* landmarks = nullptr;     ///< null: none yet
     const pose_estimate_t* icp_pose = nullptr;  ///< the newest; null: none yet
     const pose_estimate_t* fastslam_pose = nullptr;

@@ -11,11 +11,11 @@ MapServerNode::Shown MapServerNode::shown() const {
   Shown shown;
   if (!dense_maps_.empty()) {
     const auto& session = dense_maps_.all()[dense_maps_.current()];
-    shown.frame = session.key.frame;
+    shown.map = session.key;
     shown.dense = &session.map;
     shown.graph = &session.graph;
   } else if (!landmark_maps_.empty()) {
-    shown.frame = landmark_maps_.all()[landmark_maps_.current()].key.frame;
+    shown.map = landmark_maps_.all()[landmark_maps_.current()].key;
   }
   shown.landmarks = landmark_maps_.current_map();
   if (icp_pose_) shown.icp_pose = &*icp_pose_;

@@ -35,6 +35,11 @@ void add_to(std::vector<Eigen::Vector3d>& path, const Eigen::Vector3d& point) {
   path.resize((path.size() + 1) / 2);
 }
 
+/// A mapper that was started anew calls its map as the one before did.
+std::string name_of(const SessionKey& map) {
+  return map.frame + " of " + std::to_string(map.sender);
+}
+
 }  // namespace
 
 PageFeed::PageFeed(Board& board, const PageSettings& settings)
@@ -99,7 +104,7 @@ void PageFeed::show(const MapServerNode& maps, double now, bool is_watched) {
     return true;
   };
   const MapServerNode::Shown shown = maps.shown();
-  if (shown.frame != frame_) begin_map(shown.frame);
+  if (!(shown.map == shown_)) begin_map(shown.map, shown.dense != nullptr);
   if (due(next_pose_, pose_period)) show_poses(shown);
   if (!is_watched) return;
   if (due(next_image_, image_period)) show_image(maps);
@@ -148,17 +153,19 @@ void PageFeed::judge(const std::string& who, const std::string& frame, Utime uti
 }
 
 void PageFeed::show_poses(const MapServerNode::Shown& shown) {
-  Utime utime = 0;
+  Utime utime = 0;  // of a mapper's newest pose: the wheels may have another clock
+  std::map<std::string, Utime> posed;
   std::set<std::string> silent;
   json poses = {{"icp", nullptr}, {"fastslam", nullptr}, {"odometry", nullptr}, {"truth", nullptr}};
   for (const auto& [name, pose] :
        {std::pair("icp", shown.icp_pose), std::pair("fastslam", shown.fastslam_pose)}) {
     if (pose == nullptr) continue;
     utime = std::max(utime, pose->utime);
+    posed[name] = pose->utime;
     poses[name] = pose_member(*pose);
     if (is_silent(name, pose->utime)) silent.insert(name);
     const Eigen::Isometry3d T = from_message(pose->T_map_robot, "T_map_robot");
-    judge(name, pose->frame, pose->utime, T);
+    judge(name, name_of({pose->sender, pose->frame}), pose->utime, T);
     if (odometry_ && !odometry_placed_) {
       T_map_odom_ = T * from_message(odometry_->T_odom_robot, "T_odom_robot").inverse();
       odometry_placed_ = true;
@@ -168,11 +175,11 @@ void PageFeed::show_poses(const MapServerNode::Shown& shown) {
   if (odometry_) {
     const Eigen::Isometry3d T = T_map_odom_ * from_message(odometry_->T_odom_robot, "T_odom_robot");
     poses["odometry"] = pose_member(*odometry_, T);
+    if (silent.size() == posed.size()) utime = odometry_->utime;  // no mapper tells one now
+    posed["odometry"] = odometry_->utime;
     if (is_silent("odometry", odometry_->utime)) silent.insert("odometry");
-    utime = std::max(utime, odometry_->utime);
     add_to(odometry_path_, T.translation());
-    // Each map has odometry at another place.
-    if (odometry_placed_) judge("odometry", frame_ + "/" + odometry_->frame, odometry_->utime, T);
+    if (odometry_placed_) judge("odometry", odometry_frame(), odometry_->utime, T);
   }
   if (T_world_robot_) {
     auto T = truth_error_.in_map("icp", *T_world_robot_);
@@ -183,8 +190,8 @@ void PageFeed::show_poses(const MapServerNode::Shown& shown) {
       if (is_silent("truth", truth_)) silent.insert("truth");
     }
   }
-  if (utime == posed_ && silent == silent_) return;
-  posed_ = utime;
+  if (posed == posed_ && silent == silent_) return;
+  posed_ = posed;
   silent_ = silent;
   for (const std::string& who : silent) poses[who]["status"] = "SILENT";
   for (const auto& [name, error] : errors_)
@@ -254,11 +261,21 @@ void PageFeed::show_maps(const MapServerNode::Shown& shown) {
   derived_.show(shown.live, T_map_robot);
 }
 
-void PageFeed::begin_map(const std::string& frame) {
+void PageFeed::begin_map(const SessionKey& map, bool is_dense) {
   next_map_ = 0;  // what it has comes at once
-  if (!frame_.empty()) notice(Level::warn, fmt::format("a new map begins: {}", frame));
+  // The dense map may come after the landmarks, which lie in the same frame.
+  const bool joins = is_dense && !is_dense_ && map.frame == shown_.frame;
+  is_dense_ = is_dense;
+  const std::string before = std::exchange(shown_, map).frame;
+  if (joins) return;
+  if (!before.empty()) notice(Level::warn, fmt::format("a new map begins: {}", map.frame));
+  ++maps_;
   forget_maps();
-  frame_ = frame;
+}
+
+/// Each map has odometry at another place.
+std::string PageFeed::odometry_frame() const {
+  return std::to_string(maps_) + "/" + odometry_->frame;
 }
 
 void PageFeed::forget_maps() {

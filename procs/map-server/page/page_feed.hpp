@@ -48,18 +48,21 @@ class PageFeed {
   void show_clouds(const MapServerNode::Shown& shown);
   void show_sessions(const MapServerNode& maps);
   void show_health(const MapServerNode::Shown& shown, double now);
-  void begin_map(const std::string& frame);
+  void begin_map(const SessionKey& map, bool is_dense);
+  std::string odometry_frame() const;
   void forget_maps();
 
   Board& board_;
   double map_period_;  // s
   double now_ = 0, next_pose_ = 0, next_image_ = 0, next_map_ = 0, next_health_ = 0, next_clouds_ = 0;
-  std::string frame_;  // of the map that is shown
+  SessionKey shown_;  // the map that is shown
+  bool is_dense_ = false;
+  int maps_ = 0;  // that began
 
   std::optional<odometry_t> odometry_;
   Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();  // where icp began
   bool odometry_placed_ = false;
-  Utime posed_ = 0;  // of the poses that were shown last
+  std::map<std::string, Utime> posed_;  // of the poses that were shown last, by who told them
   struct Newest {
     Utime utime = -1;
     double came = 0;  // s

@@ -57,7 +57,7 @@ class PageErrors : public PageFeedTest {
   void mapper(const std::string& channel, double x, const std::string& frame) {
     pose_estimate_t m = make_pose_estimate(time(), planar_pose(x, 0, 0), Matrix6d::Identity());
     m.seq = seq_++;
-    m.sender = 1;
+    m.sender = sender_;
     m.frame = frame;
     bus_.deliver(channel, m);
   }
@@ -88,6 +88,7 @@ class PageErrors : public PageFeedTest {
 
   Inputs inputs_;
   double seconds_ = 0;
+  std::int64_t sender_ = 1;  // the mapper
 };
 
 TEST_F(PageErrors, OdometryIsComparedOnceItHasAPlaceInTheMap) {
@@ -114,6 +115,55 @@ TEST_F(PageErrors, ANewMapPlacesOdometryAnew) {
   const auto poses = drive(5, 4, "map-2");
   EXPECT_NEAR(poses.at("odometry").at("T")[0], 1, 1e-3);
   EXPECT_NEAR(poses.at("errors").at("odometry"), 0, 1e-3) << "m; the new map's frame lies 4 m ahead";
+}
+
+TEST_F(PageErrors, AMapperThatIsStartedAnewBeginsAMapOfTheSameName) {
+  drive(0, 0, "map");
+  keyframe(1, 0, 10);
+  drive(4, 0, "map");
+  const auto points = [&] { return board_.keys("points").empty() ? 0 : header("points").at("n").get<int>(); };
+  const int before = points();
+  sender_ = 2;
+  seconds_ += 5;  // so long nobody else is taken for it
+  for (int i = 0; i < 10; ++i) drive(4, 4, "map");
+  keyframe(2, 0, 1000);
+  drive(4.5, 4, "map");
+  const auto poses = drive(5, 4, "map");
+  EXPECT_NEAR(poses.at("odometry").at("T")[0], 1, 1e-3);
+  EXPECT_NEAR(poses.at("truth").at("T")[0], 1, 1e-3);
+  EXPECT_NEAR(poses.at("errors").at("icp"), 0, 1e-3);
+  EXPECT_NEAR(poses.at("errors").at("odometry"), 0, 1e-3);
+  EXPECT_GT(points(), before) << "the old map's keyframe 0 has gone";
+  EXPECT_EQ(header("notices").at("notices")[0].at("words"), "a new map begins: map");
+}
+
+TEST_F(PageErrors, ADenseMapBesideLandmarksOfItsFrameIsNoNewOne) {
+  drive(0, 0, "map", "FASTSLAM_POSE");
+  landmarks(1, 1, 0, {1, 2});
+  drive(1, 0, "map", "FASTSLAM_POSE");
+  sender_ = 2;
+  drive(2, 0, "map");
+  keyframe(2, 0, 10);
+  truth(3);
+  odometry(3.2);
+  mapper("ICP_POSE", 3, "map");
+  told();
+  EXPECT_NEAR(drive(3.2, 0, "map").at("errors").at("odometry"), 0, 1e-3);
+  EXPECT_TRUE(header("notices").is_null()) << header("notices");
+}
+
+TEST_F(PageErrors, AClockThatIsAheadAndFallsSilentHoldsUpNoPoses) {
+  const double now = seconds_;
+  seconds_ += 1000;
+  odometry(0);
+  seconds_ = now;
+  mapper("ICP_POSE", 0, "map");
+  told();
+  mapper("ICP_POSE", 1, "map");
+  const Utime utime = time();
+  const auto poses = told();
+  EXPECT_NEAR(poses.at("icp").at("T")[0], 1, 1e-3);
+  EXPECT_EQ(poses.at("utime"), utime);
 }
 
 TEST_F(PageErrors, ANewMapOfLandmarksAloneIsNoticed) {
