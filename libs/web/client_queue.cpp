@@ -16,7 +16,8 @@ constexpr int last = 1000;               // urgency
 }  // namespace
 
 const std::set<std::string>& ClientQueue::optional_channels() {
-  static const std::set<std::string> channels = {"points", "mesh", "landmarks", "image", "particles"};
+  static const std::set<std::string> channels = {"points",    "mesh", "landmarks", "image",
+                                                 "particles", "grid", "planes",    "objects"};
   return channels;
 }
 
@@ -38,6 +39,8 @@ void ClientQueue::want(const std::set<std::string>& channels) {
     if (channels.count(channel) == 0) unwanted_.insert(channel);
   waiting_.clear();
   places_.clear();
+  for (auto name = first_.begin(); name != first_.end();)
+    name = is_wanted(name->first) ? std::next(name) : first_.erase(name);
   for (auto begun = begun_.begin(); begun != begun_.end();)
     begun = is_wanted(begun->second.entry->name.first) ? std::next(begun) : begun_.erase(begun);
   seen_ = 0;  // what was left out may be wanted now
@@ -59,9 +62,13 @@ void ClientQueue::look() {
     enqueue(entry);
     seen_ = std::max(seen_, entry->version);
   }
+  if (has_looked_) return;
+  has_looked_ = true;
+  for (const auto& place : places_) first_.insert(place.first);
 }
 
 void ClientQueue::enqueue(const Board::EntryPointer& entry) {
+  if (entry->gone) first_.erase(entry->name);
   const auto place = places_.find(entry->name);
   if (place != places_.end()) {
     waiting_.erase(place->second);
@@ -73,7 +80,7 @@ void ClientQueue::enqueue(const Board::EntryPointer& entry) {
     if (entry->gone) begun_.erase(begun);  // what only changed is sent to its end: else it might never be
   }
   const auto sent = sent_.find(entry->name);
-  if (sent != sent_.end() && sent->second >= entry->version) return;
+  if (sent != sent_.end() && sent->second.version >= entry->version) return;
   if (entry->gone ? sent == sent_.end() : !is_wanted(entry->name.first)) return;
   const Rank rank = this->rank(*entry);
   places_[entry->name] = rank;
@@ -89,12 +96,26 @@ bool ClientQueue::may_go(Haste haste, double now) {
   return under_way < link_.window(bulk_delay) && link_.line(now) < bulk_line;
 }
 
+/// Whether it went out just now, as it was: what changes faster than the link takes it (the graph of a large
+/// map) leaves as many bytes to the rest as it has.
+bool ClientQueue::rests(const Board::Entry& entry) const {
+  const auto sent = sent_.find(entry.name);
+  return !entry.gone && entry.haste == Haste::bulk && sent != sent_.end() &&
+         bulk_bytes_ - sent->second.end < entry.message->size();
+}
+
 Board::EntryPointer ClientQueue::take_first(Haste haste) {
   const auto first = waiting_.lower_bound({haste, std::numeric_limits<int>::min(), 0.0F, 0});
-  if (first == waiting_.end() || std::get<Haste>(first->first) != haste) return nullptr;
-  const Board::EntryPointer entry = first->second;
+  const auto is_there = [&](auto place) {
+    return place != waiting_.end() && std::get<Haste>(place->first) == haste;
+  };
+  if (!is_there(first)) return nullptr;
+  auto chosen = first;
+  while (is_there(chosen) && rests(*chosen->second)) ++chosen;
+  if (!is_there(chosen)) chosen = first;
+  const Board::EntryPointer entry = chosen->second;
   places_.erase(entry->name);
-  waiting_.erase(first);
+  waiting_.erase(chosen);
   return entry;
 }
 
@@ -113,18 +134,32 @@ Board::Message ClientQueue::advance(Haste haste, double now) {
   } else {
     begun.at = whole;
   }
+  count(*message, now);
+  if (haste == Haste::bulk) bulk_bytes_ += message->size();
+  if (haste == Haste::picture) picture_end_ = sent_bytes_;
   if (begun.at < whole) {
     begun_[haste] = begun;
-  } else {
-    begun_.erase(haste);
-    if (entry.gone)
-      sent_.erase(entry.name);
-    else
-      sent_[entry.name] = entry.version;
+    return message;
   }
-  link_.sent(message->size(), now);
-  sent_bytes_ += message->size();
-  if (haste == Haste::picture) picture_end_ = sent_bytes_;
+  begun_.erase(haste);
+  first_.erase(entry.name);
+  if (entry.gone)
+    sent_.erase(entry.name);
+  else
+    sent_[entry.name] = {entry.version, bulk_bytes_};
+  return message;
+}
+
+void ClientQueue::count(const std::string& message, double now) {
+  link_.sent(message.size(), now);
+  sent_bytes_ += message.size();
+}
+
+Board::Message ClientQueue::whole(double now) {
+  if (is_told_whole_ || !has_looked_ || !first_.empty()) return nullptr;
+  is_told_whole_ = true;
+  Board::Message message = encode_message("whole", "", "{}", "");
+  count(*message, now);
   return message;
 }
 

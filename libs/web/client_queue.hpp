@@ -27,6 +27,10 @@ class ClientQueue {
   /// What is to go out now, and is under way from then on; null: nothing, or the link is full.
   Board::Message next(double now);
 
+  /// Once, when all that was on the board at the first look has gone out (or is gone): the message that says
+  /// so. What the client has of an earlier connection and was not sent again is no more.
+  Board::Message whole(double now);
+
   const LinkRate& link() const { return link_; }
   /// Messages that it lacks.
   std::size_t waiting() const { return waiting_.size(); }
@@ -41,12 +45,19 @@ class ClientQueue {
     Board::EntryPointer entry;
     std::size_t at = 0;  // bytes of it that have gone out
   };
+  /// Of a message that has gone out to its end.
+  struct Sent {
+    std::int64_t version = 0;
+    std::uint64_t end = 0;  // bulk_bytes_ after it
+  };
   void look();
   Rank rank(const Board::Entry& entry) const;
   void enqueue(const Board::EntryPointer& entry);
   bool may_go(Haste haste, double now);
+  bool rests(const Board::Entry& entry) const;
   Board::EntryPointer take_first(Haste haste);
   Board::Message advance(Haste haste, double now);
+  void count(const std::string& message, double now);
   bool is_wanted(const std::string& channel) const { return unwanted_.count(channel) == 0; }
 
   const Board& board_;
@@ -56,10 +67,12 @@ class ClientQueue {
   std::map<Board::Name, Rank> places_;  // of what waits
   std::map<Rank, Board::EntryPointer> waiting_;
   std::map<Haste, Begun> begun_;
-  std::map<Board::Name, std::int64_t> sent_;  // version
+  std::map<Board::Name, Sent> sent_;
+  std::set<Board::Name> first_;  // what of the first look has not gone out
+  bool has_looked_ = false, is_told_whole_ = false;
   std::set<std::string> unwanted_;
   std::array<float, 3> eye_{};
-  std::uint64_t sent_bytes_ = 0, picture_end_ = 0;
+  std::uint64_t sent_bytes_ = 0, picture_end_ = 0, bulk_bytes_ = 0;
 };
 
 }  // namespace lcmslam

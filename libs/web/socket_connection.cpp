@@ -117,7 +117,9 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
 class LiveConnection : public SocketConnection {
  public:
   LiveConnection(const WebSharedPointer& shared, beast::tcp_stream stream, bool parts)
-      : SocketConnection(shared, std::move(stream), most_of_live), queue_(shared->board, parts) {
+      : SocketConnection(shared, std::move(stream), most_of_live),
+        queue_(shared->board, parts),
+        parts_(parts) {
     ++shared->live;
     ++shared->counts.clients;
     socket_.binary(true);
@@ -142,6 +144,7 @@ class LiveConnection : public SocketConnection {
 
   Board::Message next() override {
     Board::Message message = queue_.next(WebShared::now());
+    if (!message && parts_) message = queue_.whole(WebShared::now());
     if (message) shared_->counts.bytes += static_cast<std::int64_t>(message->size());
     return message;
   }
@@ -152,6 +155,7 @@ class LiveConnection : public SocketConnection {
   }
 
   ClientQueue queue_;
+  const bool parts_;
 };
 
 class CommandConnection : public SocketConnection {

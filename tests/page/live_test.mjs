@@ -1,8 +1,8 @@
 // What is seen: maps come, grow, bend, and survive a server that goes and comes back.
 import assert from "node:assert/strict";
 import { figures, until, withPage } from "./browser.mjs";
-import { encode } from "./messages.mjs";
-import { pointsOf, onTheRound } from "./kitchen.mjs";
+import { encode, floats } from "./messages.mjs";
+import { pointsOf, onTheRound, surface } from "./kitchen.mjs";
 
 const position = (page, keyframe) => page.evaluate((k) => window.lcmslam.views.points.poses.group(k).position.toArray(), keyframe);
 
@@ -57,6 +57,54 @@ export const tests = {
       await until(() => page.evaluate(() => document.documentElement.dataset.connection === "open"), "the connection");
       assert.ok((await figures(page)).points > 0, "the map stays while the connection is away");
       await until(async () => (await figures(page)).points < 7000, "what the server has no more goes");
+    });
+  },
+
+  async "what the server has no more goes, too, while the robot drives on"(browser) {
+    const lost = /WebSocket connection|ERR_CONNECTION_(REFUSED|RESET)|ERR_INCOMPLETE_CHUNKED_ENCODING/;
+    await withPage(browser, { allowed: lost, server: { story: false } }, async (page, server) => {
+      for (const k of [0, 1]) for (const message of pointsOf(k, onTheRound(k / 30))) server.put(message);
+      server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
+      await until(async () => (await figures(page)).points > 11_000, "both keyframes");
+      const { port } = server;
+      await server.close();
+      await page.getByText("The connection to the map server is lost").waitFor();
+      for (const level of [0, 1, 2]) server.board.delete(`points 1/${level}`);
+      await server.listen(port);
+      await until(() => server.live.size === 1 && [...server.live][0].fresh.size === 0, "the page again");
+      for (const { socket } of server.live) socket.send(encode({ channel: "whole", key: "" }));
+      let way = 1;
+      await until(async () => {
+        server.put(encode({ channel: "path", key: "icp/0" }, floats([0, 0, 0, (way += 0.01), 0, 0])));
+        return (await figures(page)).points < 7000;
+      }, "what the server has no more goes");
+    });
+  },
+
+  async "points give way to the surface where that is, and there alone"(browser) {
+    await withPage(browser, { server: { story: false } }, async (page, server) => {
+      const drawn = async () => (await figures(page)).drawn;
+      server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
+      for (const message of pointsOf(0, onTheRound(0))) server.put(message);
+      const T = [30, 0, 1.1, 0.5, -0.5, 0.5, -0.5]; // a keyframe of which the server has no images any more
+      const far = [[30, 0], [31, 1], [32, -1]].map(([x, y]) => Int16Array.of(1000 * y, 0, 1000 * (x - 28)));
+      server.put(encode({ channel: "points", key: "1/0", keyframe: 1, level: 0, n: 3, unit: 0.001, T }, Buffer.concat([...far.map(({ buffer }) => Buffer.from(buffer)), Buffer.alloc(9)])));
+      await until(async () => (await figures(page)).points > 6000, "points");
+      await page.evaluate(() => {
+        const { view } = window.lcmslam;
+        view.restore({ at: [15, 0, 0], turn: [-1.5, 0.6], far: 40, view: "free", follow: false });
+        window.lcmslam.stage.invalidate();
+      });
+      await until(async () => (await drawn()) > 6000, "all points are drawn");
+      for (const { message } of surface(0.05)) server.put(message);
+      await until(async () => (await figures(page)).triangles > 20_000, "the surface");
+      await until(async () => (await drawn()) === 3, "the far ones alone are drawn");
+      await page.keyboard.press("1"); // without the surface
+      await until(async () => (await drawn()) > 6000, "all points are drawn again");
+      await page.keyboard.press("1");
+      await until(async () => (await drawn()) === 3, "the far ones alone");
+      for (const name of ["off", "on"]) await page.keyboard.press("2");
+      await until(async () => (await drawn()) > 6000, "whoever chooses points sees all of them");
     });
   },
 

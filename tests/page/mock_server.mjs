@@ -121,7 +121,7 @@ export class MockServer {
   /** Sends what each browser lacks, as long as no more than 256 kB are under way. */
   #flush() {
     if (this.isCut) return;
-    const bulk = ["points", "mesh", "landmarks", "image", "particles"];
+    const bulk = ["points", "mesh", "landmarks", "image", "particles", "grid", "planes", "objects"];
     for (const client of this.live)
       for (const name of client.fresh) {
         if (client.sent - client.got > 256_000) break;

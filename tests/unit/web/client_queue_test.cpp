@@ -98,6 +98,32 @@ TEST(ClientQueue, UnwantedChannelsWaitUntilTheyAreWanted) {
   EXPECT_EQ(all(queue), Names{"points/1"});
 }
 
+TEST(ClientQueue, LayersAreSentToThoseWhoShowThem) {
+  Board board;
+  for (const char* channel : {"grid", "planes", "objects"}) board.put(item(channel, "", 10));
+  ClientQueue queue(board);
+  queue.want({"planes"});
+  EXPECT_EQ(all(queue), Names{"planes/"});
+}
+
+TEST(ClientQueue, SaysOnceThatAllOfTheFirstLookHasGoneOut) {
+  Board board;
+  for (const char* key : {"1", "2", "3"}) board.put(item("mesh", key, 10));
+  board.put(item("grid", "", 10));
+  ClientQueue queue(board);
+  queue.want({"mesh"});
+  EXPECT_EQ(name(queue.whole(0)), "nothing") << "it has not looked";
+  EXPECT_EQ(name(queue.next(0)), "mesh/1");
+  board.remove("mesh", "2");
+  board.put(item("mesh", "3", 11));
+  board.put(item("mesh", "4", 10));
+  EXPECT_EQ(name(queue.whole(0)), "nothing");
+  EXPECT_EQ(name(queue.next(0)), "mesh/3");
+  EXPECT_EQ(name(queue.whole(0)), "whole/") << "the grid is not wanted, and 4 came later";
+  EXPECT_EQ(name(queue.next(0)), "mesh/4");
+  EXPECT_EQ(name(queue.whole(0)), "nothing");
+}
+
 TEST(ClientQueue, OnePictureIsUnderWayAtATime) {
   Board board;
   board.put(item("image", "", 1000, Haste::picture));
@@ -223,6 +249,7 @@ class Link {
       const Packet& packet = under_way_.front();
       bytes_ += packet.size;
       acknowledged_.push_back({bytes_, packet.arrives + way_});
+      ++messages_[packet.name.substr(0, packet.name.find('/'))];
       if (packet.name == "poses/") {
         longest_way_ = std::max(longest_way_, packet.arrives - packet.sent);
         poses_.push_back(packet.arrives);
@@ -240,6 +267,10 @@ class Link {
     return longest;
   }
   std::size_t poses() const { return poses_.size(); }
+  int messages(const std::string& channel) const {
+    const auto known = messages_.find(channel);
+    return known != messages_.end() ? known->second : 0;
+  }
 
  private:
   struct Packet {
@@ -252,6 +283,7 @@ class Link {
   std::deque<Packet> under_way_;
   std::deque<std::pair<std::uint64_t, double>> acknowledged_;
   std::vector<double> poses_;
+  std::map<std::string, int> messages_;  // by channel
 };
 
 /// 20 MB of maps in items of that size.
@@ -284,6 +316,21 @@ TEST(ClientQueue, PosesDoNotWaitForLargeMessagesThatGoInParts) {
   EXPECT_LT(link.longest_way(), 0.5);
   EXPECT_LT(link.longest_pause(), 0.3);
   EXPECT_GT(static_cast<double>(link.bytes()), 0.8 * 30 * 250'000);
+}
+
+TEST(ClientQueue, WhatChangesFasterThanTheLinkTakesItLeavesHalfOfItToTheRest) {
+  Board board;
+  for (int i = 0; i < 1000; ++i) board.put(item("mesh", std::to_string(i), 20'000, Haste::bulk, 1));
+  ClientQueue queue(board);
+  Link link(250'000, 0.1);
+  for (int step = 0; step < 6000; ++step) {  // 30 s
+    const double now = 0.005 * step;
+    if (step % 200 == 0) board.put(item("graph", "", 320'000 + static_cast<std::size_t>(step)));
+    link.arrive(queue, now);
+    while (const auto message = queue.next(now)) link.send(message, now);
+  }
+  EXPECT_GT(link.messages("mesh"), 100) << "2 MB of 7.5";
+  EXPECT_GE(link.messages("graph"), 8);
 }
 
 TEST(ClientQueue, AFastLinkIsUsed) {

@@ -227,6 +227,16 @@ TEST_F(WebServerTest, LongMessagesGoInPartsToThoseWhoJoinThem) {
   EXPECT_GT(whole->size(), 200'000u);
 }
 
+TEST_F(WebServerTest, TellsThePageThatAllOfTheBoardHasCome) {
+  put(board_, "1", 100);
+  WebClient client(server().port());
+  ASSERT_TRUE(client.open_socket("/live?parts=1"));
+  ASSERT_TRUE(client.hear());
+  const auto whole = client.hear();
+  ASSERT_TRUE(whole);
+  EXPECT_NE(whole->find(R"("channel":"whole")"), std::string::npos);
+}
+
 TEST_F(WebServerTest, HalfARequestIsNotWaitedForLong) {
   settings_.patience = 1;
   WebClient half(server().port());

@@ -1,13 +1,14 @@
 // The newest item of each channel and key, as the server's board has it, and who shows it.
 
 const bulk = ["points", "mesh", "landmarks", "path"];
-const quiet = 3; // s without bulk after which what was not sent again is taken for gone
+const quiet = 3; // s without bulk, or after all of it has come, after which what was not sent again is taken for gone
 
 export class Board {
   #channels = new Map();
   #listeners = new Map();
   #stale = new Set();
   #sweep = 0;
+  #isWhole = false; // the server has sent all that it has
 
   /** @param {(item: object|null, key: string) => void} listener told of each change; null: the item is gone */
   on(channel, listener) {
@@ -30,7 +31,7 @@ export class Board {
     if (!this.#channels.has(channel)) this.#channels.set(channel, new Map());
     this.#channels.get(channel).set(key, item);
     this.#stale.delete(`${channel} ${key}`);
-    if (this.#stale.size > 0 && bulk.includes(channel)) this.#sweepLater();
+    if (this.#stale.size > 0 && !this.#isWhole && bulk.includes(channel)) this.#sweepLater();
     for (const listener of this.#listeners.get(channel) ?? []) listener(item, key);
   }
 
@@ -44,6 +45,14 @@ export class Board {
   expectAnew() {
     for (const [channel, items] of this.#channels)
       for (const key of items.keys()) if (channel !== "about") this.#stale.add(`${channel} ${key}`);
+    this.#isWhole = false;
+    this.#sweepLater();
+  }
+
+  /** All of the server's board has come. What changes from here on, as a map does each second, keeps nothing that is old. */
+  expectNoMore() {
+    if (this.#stale.size === 0 || this.#isWhole) return;
+    this.#isWhole = true;
     this.#sweepLater();
   }
 

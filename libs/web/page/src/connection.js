@@ -5,7 +5,8 @@ import { Stream } from "./stream.js";
 
 const quiet = 3000; // ms without an answer or anything else, after which what is shown is old
 const silence = 8000; // ms after which the way is taken for cut: the system would try for a quarter of an hour
-const bulk = ["points", "mesh", "landmarks", "image", "particles"];
+const bulk = ["points", "mesh", "landmarks", "image", "particles", "grid", "planes", "objects"];
+const always = ["image", "planes"]; // a click on the map tells the plane
 
 export class Connection {
   /** @param {{board, strip, stage, view, switches}} parts */
@@ -13,6 +14,7 @@ export class Connection {
     this.commands = new CommandLine();
     this.stream = new Stream((item, again) => {
       if (again) board.expectAnew();
+      if (item.channel === "whole") return board.expectNoMore();
       const before = board.get("about")?.header.title;
       if (item.channel === "about" && before !== undefined && before !== item.header.title) board.clear();
       board.put(item);
@@ -28,7 +30,7 @@ export class Connection {
       board.hold();
       this.#lookForToken();
     });
-    const want = () => this.stream.want(document.hidden ? [] : bulk.filter((name) => name === "image" || switches.is(name)));
+    const want = () => this.stream.want(document.hidden ? [] : bulk.filter((name) => always.includes(name) || switches.is(name)));
     switches.on(bulk, want);
     document.addEventListener("visibilitychange", want);
     const eye = () => this.stream.eye(stage.camera.position);
