@@ -1,6 +1,7 @@
 // All that is drawn in the map.
 import { Box3, Vector3 } from "three";
 import { onTheme } from "./theme.js";
+import { keepCovered } from "./views/cover.js";
 import { GraphView } from "./views/graph.js";
 import { GridView } from "./views/grid.js";
 import { GroundView } from "./views/ground.js";
@@ -13,8 +14,6 @@ import { PathsView } from "./views/paths.js";
 import { PlanesView } from "./views/planes.js";
 import { PointsView } from "./views/points.js";
 import { RobotView } from "./views/robot.js";
-
-const enough = 20_000; // triangles from which on the surface shows the room better than points
 
 export function makeScene({ stage, board, switches, view, labels }) {
   const poses = new KeyframePoses(stage);
@@ -31,8 +30,7 @@ export function makeScene({ stage, board, switches, view, labels }) {
     planes: new PlanesView(stage, board, switches, labels, onTheme),
     objects: new ObjectsView(stage, board, switches, labels, onTheme),
   };
-  // Points stand before a surface that is there and make it speckled: unless somebody wants them, they give way.
-  board.on("mesh", () => switches.set("points", views.mesh.triangles < enough, false));
+  keepCovered(stage, board, switches, views);
   let seen = false;
   stage.afterFrame = () => {
     if (seen || (views.points.drawn === 0 && views.mesh.triangles === 0)) return;

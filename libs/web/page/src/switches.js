@@ -2,7 +2,7 @@
 
 export const layers = [
   { name: "mesh", label: "Surface", group: "6-D SLAM", on: true, key: "1", about: "the dense coloured surface" },
-  { name: "points", label: "Points", group: "6-D SLAM", on: true, key: "2", about: "keyframes' coloured points" },
+  { name: "points", label: "Points", group: "6-D SLAM", on: true, key: "2", about: "keyframes' coloured points, where the surface does not show the same; off and on: all of them" },
   { name: "icp", label: "Path", group: "6-D SLAM", on: true, swatch: true, about: "where 6-D SLAM says the robot was" },
   { name: "keyframes", label: "Keyframes", group: "6-D SLAM", on: true, key: "5", about: "keyframes and the loops between them" },
   { name: "landmarks", label: "Landmarks", group: "FastSLAM", on: true, key: "3", about: "FastSLAM's landmarks" },
@@ -24,7 +24,7 @@ const defaults = Object.fromEntries(layers.map(({ name, on }) => [name, on]));
 export class Switches {
   #values = { ...defaults };
   #listeners = [];
-  /** Which of them a person chose: what the page would rather show gives way to that. */
+  /** Which of them a person, or the address, chose. */
   chosen = new Set();
 
   is(name) {
@@ -37,10 +37,9 @@ export class Switches {
     listener();
   }
 
-  set(name, value, byPerson = true) {
+  set(name, value) {
     if (!(name in this.#values)) return;
-    if (byPerson) this.chosen.add(name);
-    else if (this.chosen.has(name)) return;
+    this.chosen.add(name);
     if (this.#values[name] === value) return;
     this.#values[name] = value;
     for (const { names, listener } of this.#listeners) if (names.includes(name) || names.includes("*")) listener();

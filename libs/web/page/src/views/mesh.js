@@ -1,6 +1,7 @@
 // The dense surface, a mesh for each of its cubes. Only the sides that were seen are drawn: one looks into rooms from outside.
 import { BufferAttribute, BufferGeometry, Group, Mesh, Raycaster, ShaderMaterial } from "three";
 import { meshArrays } from "../messages.js";
+import { Filled } from "./cover.js";
 import { chooseLevels, coarsen } from "./mesh_levels.js";
 
 const most = 4_000_000; // triangles drawn at once on a machine that is quick enough
@@ -31,6 +32,7 @@ export class MeshView {
     this.stage = stage;
     this.root = new Group();
     this.triangles = 0;
+    this.filled = new Filled();
     stage.map.add(this.root);
     this.material = new ShaderMaterial({ vertexShader, fragmentShader, uniforms: { shade: { value: 1 } } });
     board.on("mesh", (item, key) => this.#take(item, key));
@@ -46,6 +48,7 @@ export class MeshView {
     const old = this.#cubes.get(key);
     if (old) {
       this.triangles -= old.counts[0];
+      this.filled.remove(old.cells);
       old.mesh.removeFromParent();
       for (const geometry of old.levels) geometry.dispose();
       this.#cubes.delete(key);
@@ -62,7 +65,8 @@ export class MeshView {
     mesh.updateMatrixWorld();
     this.root.add(mesh);
     const n = item.header.n_triangles;
-    this.#cubes.set(key, { mesh, levels, counts: [n], distance: 0, item });
+    const { array, count } = levels[0].attributes.position;
+    this.#cubes.set(key, { mesh, levels, counts: [n], distance: 0, item, cells: this.filled.add(array, count, item.header) });
     this.triangles += n;
   }
 

@@ -1,6 +1,7 @@
 // Keyframes' coloured points. Each piece hangs on its keyframe; levels add up.
 import { BufferAttribute, BufferGeometry, Frustum, Matrix4, Points, ShaderMaterial, Sphere, Vector3 } from "three";
 import { pointArrays } from "../messages.js";
+import { isCovered } from "./cover.js";
 import { budgets, choose, surplus } from "./point_budget.js";
 
 const finest = 0.014; // m, size of a point where all levels are drawn
@@ -26,6 +27,7 @@ const fragmentShader = `
 
 export class PointsView {
   #pieces = new Map();
+  #covered = new Set(); // keyframes that the surface shows
   #frustum = new Frustum();
   #matrix = new Matrix4();
   #sphere = new Sphere();
@@ -96,7 +98,8 @@ export class PointsView {
 
   #choose() {
     const shown = this.switches.is("points");
-    const chosen = shown ? choose(this.#measure(), this.budgets.drawn * this.stage.ease) : new Set();
+    const pieces = this.#measure().filter(({ keyframe }) => !this.#covered.has(keyframe));
+    const chosen = shown ? choose(pieces, this.budgets.drawn * this.stage.ease) : new Set();
     const fine = new Map(); // of each keyframe the finest level that is drawn
     this.drawn = 0;
     for (const piece of this.#pieces.values()) {
@@ -108,6 +111,14 @@ export class PointsView {
     for (const piece of chosen) piece.points.material = this.materials[fine.get(piece.keyframe)];
     const { size, camera } = this.stage;
     for (const material of this.materials) material.uniforms.scale.value = (size.y / 2) * camera.projectionMatrix.elements[5];
+  }
+
+  /** Points that the surface shows give way to it; null: none do. @returns {boolean} whether that changes what is drawn */
+  cover(filled) {
+    const before = this.#covered;
+    const coarse = filled ? [...this.#pieces.values()].filter(({ level }) => level === 0) : [];
+    this.#covered = new Set(coarse.filter(({ points }) => isCovered(filled, points)).map(({ keyframe }) => keyframe));
+    return this.#covered.size !== before.size || [...before].some((keyframe) => !this.#covered.has(keyframe));
   }
 
   /** @returns the point next to a ray of those within `cone` (rad) of it, null without one */
