@@ -116,6 +116,12 @@ export const tests = {
       put("TRACKING", "TRACKING");
       await until(async () => (await robot())[0] === "icp", "icp's robot");
       await page.getByText("tracking").first().waitFor();
+      put("LOST", "TRACKING");
+      await until(async () => (await robot()).join() === "fastslam,0.9", "fastslam's robot while icp guesses");
+      put("LOST", "SILENT");
+      await until(async () => (await robot()).join() === "icp,0.25", "a guess looks like one");
+      put("TRACKING", "TRACKING");
+      await until(async () => (await robot()).join() === "icp,0.9", "icp's robot again");
       put("SILENT", "TRACKING");
       await until(async () => (await robot())[0] === "fastslam", "fastslam's robot");
       await page.locator(".state.bad", { hasText: "silent" }).waitFor();

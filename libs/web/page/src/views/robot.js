@@ -3,6 +3,7 @@ import { BoxGeometry, BufferAttribute, BufferGeometry, EdgesGeometry, Group, Lin
 
 const order = ["icp", "fastslam", "odometry", "truth"];
 const mappers = ["icp", "fastslam"];
+const unsure = ["LOST", "SILENT"]; // nobody knows where the robot is now: LOST is a guess, SILENT of once
 const settle = 0.12; // s in which the robot glides to its newest pose
 
 export class RobotView {
@@ -47,7 +48,7 @@ export class RobotView {
     const last = this.main;
     this.#poses = Object.fromEntries(order.map((name) => [name, header[name] ?? null]));
     this.main = mapperOf(header) ?? order.find((name) => this.#poses[name]?.T);
-    this.edge.opacity = this.#poses[this.main]?.status === "SILENT" ? 0.25 : 0.9; // where it was once
+    this.edge.opacity = unsure.includes(this.#poses[this.main]?.status) ? 0.25 : 0.9; // where it was once, or may be
     this.#show();
     for (const name of order) if (this.#poses[name]?.T) put(this.wedges[name], this.#poses[name].T);
     if (!this.main) return;
@@ -94,10 +95,11 @@ export class RobotView {
   }
 }
 
-/** @returns {string|undefined} whose pose the robot's is: the first mapper's that tells one, or told one */
+/** @returns {string|undefined} whose pose the robot's is: the first mapper's that knows it, else that guesses, else that told one */
 export function mapperOf(header) {
   const told = mappers.filter((name) => header[name]?.T);
-  return told.find((name) => header[name].status !== "SILENT") ?? told[0];
+  const without = (statuses) => told.find((name) => !statuses.includes(header[name].status));
+  return without(unsure) ?? without(["SILENT"]) ?? told[0];
 }
 
 export function yawOf({ x, y, z, w }) {
