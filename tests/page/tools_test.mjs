@@ -206,6 +206,22 @@ export const tests = {
     });
   },
 
+  async "over a link that stands no commands pile up to be done later"(browser) {
+    await withPage(browser, still, async (page, server) => {
+      await furnish(page, server);
+      await page.keyboard.press("x");
+      await page.keyboard.down("w");
+      await until(() => heard(server, "drive").length >= 3, "driving");
+      server.isCut = true;
+      await page.getByText("Driving has stopped: the map server answers late").waitFor({ timeout: 5000 });
+      assert.ok(await page.evaluate(() => document.documentElement.dataset.connection !== "lost"));
+      server.isCut = false;
+      const so_far = heard(server, "drive").length;
+      await until(() => page.evaluate(() => new Promise((done) => setTimeout(() => done(true), 300))), "three periods");
+      assert.equal(heard(server, "drive").length, so_far, "only a new press drives on");
+    });
+  },
+
   async "the pad drives by shares, and its release stops"(browser) {
     await withPage(browser, still, async (page, server) => {
       await furnish(page, server);

@@ -3,6 +3,7 @@
 import { el } from "../dom.js";
 
 const period = 100; // ms between what is sent; the server stops after 300
+const mostUnanswered = 10; // a second's: over a link that stands they would all come later, when nobody means them
 const keys = { w: [1, 0], ArrowUp: [1, 0], s: [-1, 0], ArrowDown: [-1, 0], a: [0, 1], ArrowLeft: [0, 1], d: [0, -1], ArrowRight: [0, -1] };
 const modifiers = ["Control", "Alt", "AltGraph", "Meta"];
 
@@ -15,6 +16,7 @@ export class Drive {
   #held = new Map(); // what each key wants; keys by their place, since modifiers change their names
   #stick = null; // [linear, angular] of the pad
   #timer = 0;
+  #unanswered = 0;
 
   constructor({ host, card, command, notify }) {
     Object.assign(this, { card, command, notify });
@@ -101,12 +103,18 @@ export class Drive {
       clearInterval(this.#timer);
       this.#timer = 0;
     }
+    if (wanted && this.#unanswered >= mostUnanswered) return this.#halt("the map server answers late");
     const [linear, angular] = wanted ?? [0, 0];
-    this.command.do("drive", { linear, angular }).catch((error) => {
-      if (!wanted) return;
-      this.stop();
-      this.notify("bad", `Driving has stopped: ${error.message}`);
-    });
+    this.#unanswered += 1;
+    this.command.do("drive", { linear, angular })
+      .catch((error) => wanted && this.#halt(error.message))
+      .finally(() => (this.#unanswered -= 1));
+  }
+
+  /** Only a new press drives on. */
+  #halt(why) {
+    this.stop();
+    this.notify("bad", `Driving has stopped: ${why}`);
   }
 
   /** @returns {number[]|null} what is held, null for nothing or where nobody looks */
