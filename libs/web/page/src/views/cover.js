@@ -5,14 +5,12 @@ import { Vector3 } from "three";
 const cell = 0.25; // m
 const reach = 0.1; // m around a vertex that count as surface
 const enough = 0.7; // share of a keyframe's points: the surface leaves out what was seen once, or from afar
-const samples = { vertices: 256, points: 32 }; // of a cube, of a keyframe
+const samples = { vertices: 128, points: 32 }; // of a cube, of a keyframe
 const period = 500; // ms between two looks
 
-/** The cell of a place, as one number. */
-function cellOf(x, y, z) {
-  const [i, j, k] = [x, y, z].map((value) => Math.floor(value / cell) + 32768);
-  return (i * 65536 + j) * 65536 + k;
-}
+/** A place along one axis in cells, and three of them as one number. */
+const along = (value) => Math.floor(value / cell) + 32768;
+const cellOf = (i, j, k) => (i * 65536 + j) * 65536 + k;
 
 /** Where there is surface: each cell with how many cubes of the surface say so. */
 export class Filled {
@@ -22,11 +20,12 @@ export class Filled {
   add(positions, n, { origin: [x, y, z], unit }) {
     const cells = new Set();
     const step = 4 * Math.ceil(n / samples.vertices);
-    for (let i = 0; i < 4 * n; i += step)
-      for (let corner = 0; corner < 8; ++corner) {
-        const beside = [1, 2, 4].map((bit) => (corner & bit ? reach : -reach));
-        cells.add(cellOf(x + unit * positions[i] + beside[0], y + unit * positions[i + 1] + beside[1], z + unit * positions[i + 2] + beside[2]));
-      }
+    for (let at = 0; at < 4 * n; at += step) {
+      const [px, py, pz] = [x + unit * positions[at], y + unit * positions[at + 1], z + unit * positions[at + 2]];
+      const [endX, endY, endZ] = [along(px + reach), along(py + reach), along(pz + reach)];
+      for (let i = along(px - reach); i <= endX; ++i)
+        for (let j = along(py - reach); j <= endY; ++j) for (let k = along(pz - reach); k <= endZ; ++k) cells.add(cellOf(i, j, k));
+    }
     for (const each of cells) this.#counts.set(each, (this.#counts.get(each) ?? 0) + 1);
     return cells;
   }
@@ -40,7 +39,7 @@ export class Filled {
   }
 
   has({ x, y, z }) {
-    return this.#counts.has(cellOf(x, y, z));
+    return this.#counts.has(cellOf(along(x), along(y), along(z)));
   }
 }
 
