@@ -270,6 +270,7 @@ TEST_F(OpenNi2, ARegistrationThatACameraLacksIsToldAndWhatIsNotThereIsNamed) {
   EXPECT_THAT(refusal(settings, true), ::testing::HasSubstr("depth_registered"));
   settings.device = "nobody's";
   EXPECT_THAT(refusal(settings, false), ::testing::HasSubstr("nobody's: "));
+  EXPECT_THAT(refusal(settings, false), ::testing::HasSubstr("there are: Dummy"));
   settings.file = (folder / "none.oni").string();
   EXPECT_THAT(refusal(settings, false), ::testing::HasSubstr(settings.file));
 }

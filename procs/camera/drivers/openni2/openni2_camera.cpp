@@ -25,6 +25,15 @@ std::string openni_error() {
   return text.empty() ? "OpenNI2 does not say why" : text;
 }
 
+/// The cameras that are there: who writes a URI finds it nowhere else, and it changes with each plugging in.
+std::string uris_there() {
+  openni::Array<openni::DeviceInfo> devices;
+  openni::OpenNI::enumerateDevices(&devices);
+  std::string uris;
+  for (int i = 0; i < devices.getSize(); ++i) uris += (i > 0 ? ", " : "") + std::string(devices[i].getUri());
+  return uris.empty() ? "no camera is there" : "there are: " + uris;
+}
+
 /// Once, for the life of the process: OpenNI2 loads its drivers.
 void initialise() {
   static const openni::Status status = openni::OpenNI::initialize();
@@ -114,9 +123,10 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
         opened_(recorded_),
         pairs_(static_cast<Utime>(0.5e6 / settings.rate), wanted.depth_offset) {
     initialise();
+    const bool is_named = !recorded_ && !settings.device.empty();
     const char* uri = recorded_ ? settings.file.c_str() : settings.device.c_str();
     if (opened_.device().open(*uri == '\0' ? openni::ANY_DEVICE : uri) != openni::STATUS_OK)
-      throw CameraError(name_ + ": " + openni_error());
+      throw CameraError(name_ + ": " + openni_error() + (is_named ? " (" + uris_there() + ")" : ""));
     if (wanted.colour) add_stream(opened_.colour(), openni::SENSOR_COLOR, "colour");
     if (wanted.depth) add_stream(opened_.depth(), openni::SENSOR_DEPTH, "depth");
     if (recorded_)
