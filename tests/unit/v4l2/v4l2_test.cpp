@@ -57,6 +57,42 @@ TEST_F(V4l2, AnImageHasTheStampOfItsCaptureNotOfItsArrival) {
   }
 }
 
+// The process got no processor for three seconds: what it finds in the buffers is not of now.
+TEST_F(V4l2, AnImageThatHasWaitedForLongKeepsItsStamp) {
+  const auto camera = open_video(settings);
+  ASSERT_TRUE(camera->read(milliseconds(500)));
+  fake_v4l2().waited = 3'000'000;
+  const auto frame = camera->read(milliseconds(500));
+  ASSERT_TRUE(frame);
+  EXPECT_NEAR(static_cast<double>(wall_clock() - frame->utime), 3e6, 0.5e6);
+}
+
+// NTP sets it: stamps that went back would be refused until it has come after them.
+TEST_F(V4l2, StampsRiseWhileTheWallClockIsSetBackABit) {
+  const auto camera = open_video(settings);
+  Utime last = 0;
+  for (int i = 0; i < 60; ++i) {
+    if (i == 5) {
+      const Utime before = wall_clock();
+      testing::wall_clock_set = -500'000;
+      ASSERT_LT(wall_clock(), before);
+    }
+    const auto frame = camera->read(milliseconds(500));
+    ASSERT_TRUE(frame);
+    EXPECT_GT(frame->utime, last) << i;
+    last = frame->utime;
+  }
+  EXPECT_NEAR(static_cast<double>(wall_clock() - last), 0, 0.1e6) << "it is followed";
+}
+
+TEST_F(V4l2, StampsOfAnotherClockAreNotBelieved) {
+  fake_v4l2().waited = 3'000'000;  // from the first image on
+  const auto camera = open_video(settings);
+  const auto frame = camera->read(milliseconds(500));
+  ASSERT_TRUE(frame);
+  EXPECT_NEAR(static_cast<double>(wall_clock() - frame->utime), 0, 0.5e6);
+}
+
 TEST_F(V4l2, TheExposureIsByHandOrAutomatic) {
   settings.exposure = 0.005;
   open_video(settings);
