@@ -146,7 +146,8 @@ class VideoDevice : public VideoCamera {
     }
     const Utime arrival = wall_clock();
     cv::Mat image;
-    if (!capture_.grab() || !capture_.retrieve(image) || image.empty())
+    // A JPEG without a byte is a damaged image like others, and no camera that is gone.
+    if (!capture_.grab() || !capture_.retrieve(image) || (image.empty() && !jpeg_))
       throw CameraError(settings_.device + ": is gone: it gives no more images");
     return frame_of(image, stamp(arrival), settings_.device);
   }

@@ -130,6 +130,19 @@ TEST_F(V4l2, JpegImagesStayAsTheCameraMadeThem) {
   EXPECT_TRUE(decoded->jpeg.empty());
 }
 
+TEST_F(V4l2, AJpegWithoutBytesIsDamagedAndTheCameraGoesOn) {
+  fake_v4l2().has_jpeg = true;
+  settings.format = "MJPG";
+  const auto camera = open_video(settings);
+  for (const bool whole : {true, false, false, true}) {
+    fake_v4l2().cut_off = whole ? 0 : 1'000'000;
+    const auto shot = camera->read(milliseconds(500));
+    ASSERT_TRUE(shot);
+    EXPECT_EQ(shot->damage.empty(), whole);
+    EXPECT_EQ(shot->jpeg.empty(), !whole);
+  }
+}
+
 TEST_F(V4l2, ADepthCameraGivesItsSixteenBits) {
   settings.images = "depth";
   settings.format = "Y16 ";
