@@ -279,6 +279,28 @@ TEST_F(V4l2Node, PublishesTheCamerasOwnJpegAndCountsWhatIsCutOff) {
   EXPECT_TRUE(wait_for([&] { return sent() > before + 3; }));
 }
 
+// OpenCV would take 640x480.
+TEST_F(V4l2Node, ACameraIsAskedForTheCalibrationsSize) {
+  testing::write_head(folder / "head.yaml", {800, 600});
+  const std::string config =
+      "{source: video, video: {device: " + std::string(FakeV4l2::name) + "}, live: {calibration: head.yaml}}";
+  node = std::make_unique<CameraNode>(ConfigNode::parse(config, (folder / "robot.yaml").string()), publisher,
+                                      make_source_or_device);
+  EXPECT_TRUE(wait_for([&] { return sent() >= 1; })) << node->report().detail;
+  EXPECT_EQ(fake_v4l2().size, cv::Size(800, 600));
+}
+
+// OpenCV passes over one alone.
+TEST_F(V4l2Node, WidthAndHeightAreNamedTogether) {
+  const std::string config = "{source: video, video: {width: 800}, live: {calibration: head.yaml}}";
+  try {
+    CameraNode::read(ConfigNode::parse(config, (folder / "robot.yaml").string()));
+    ADD_FAILURE();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("height"));
+  }
+}
+
 TEST_F(V4l2Node, ImagesOfAnotherSizeThanTheCalibrationsAreRefusedAndTold) {
   fake_v4l2().only_size = {160, 120};
   start({320, 240});
