@@ -69,8 +69,10 @@ void WatchedCamera::open() {
     ++health_.opening;
     opening_since_ = clock_();
   }
+  std::string description;
   try {
     device_ = open_();
+    description = device_->describe();  // asks the driver: nobody must wait for that
   } catch (const std::exception& error) {
     close(error.what());
     return;
@@ -80,7 +82,7 @@ void WatchedCamera::open() {
   opening_since_.reset();
   health_.open = true;
   ++health_.opened;
-  description_ = device_->describe();
+  description_ = std::move(description);
   misfit_.clear();
   last_good_ = clock_();
 }

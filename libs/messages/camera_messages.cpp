@@ -241,6 +241,7 @@ EncodedFrame from_message(const images_t& message) {
         break;  // other people's image types are none of our business
     }
   }
+  if (frame.utime == 0) frame.utime = frame.colour.utime;  // drivers that stamp the images alone
   for (EncodedImage* image : {&frame.colour, &frame.depth, &frame.amplitude})
     if (image->utime == 0) image->utime = frame.utime;  // drivers that stamp the message alone
   if (frame.colour.coding == ImageCoding::none) throw DecodeError("images_t has no colour image (LEFT)");

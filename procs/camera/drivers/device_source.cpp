@@ -62,6 +62,15 @@ ExpectedImages expected_of(const DriverSettings& driver, const RgbdCalibration& 
   return driver.video.images == "depth" ? ExpectedImages{{}, both.depth} : ExpectedImages{both.colour, {}};
 }
 
+/// A V4L2 camera is asked for the size that it must have, unless another is named. OpenCV would ask for
+/// 640x480.
+DriverSettings of_size(DriverSettings driver, const ExpectedImages& expected) {
+  VideoSettings& video = driver.video;
+  const cv::Size size = video.images == "depth" ? expected.depth : expected.colour;
+  if (video.width == 0) video.width = size.width, video.height = size.height;
+  return driver;
+}
+
 std::unique_ptr<CameraSource> make_single(const DriverSettings& driver, const RgbdCalibration& calibration,
                                           const LiveSettings& live) {
   const WantedImages wanted{true, true, calibration.depth_registered, calibration.depth_offset()};
@@ -69,7 +78,8 @@ std::unique_ptr<CameraSource> make_single(const DriverSettings& driver, const Rg
   if (driver.is_recording())
     return std::make_unique<RecordedSource>(calibration, expected, open_driver(driver, wanted),
                                             live.jpeg_quality);
-  std::vector<WatchedPart> parts = {{"", [=] { return open_driver(driver, wanted); }, expected}};
+  const DriverSettings sized = of_size(driver, expected);
+  std::vector<WatchedPart> parts = {{"", [=] { return open_driver(sized, wanted); }, expected}};
   return std::make_unique<LiveSource>(calibration, std::move(parts), 0, live);
 }
 
@@ -101,6 +111,7 @@ std::unique_ptr<CameraSource> make_pair_source(const PairSourceSettings& pair,
                                           ImagePairs(tolerance, calibration.depth_offset())),
         live.jpeg_quality);
   }
+  colour = of_size(colour, expected), depth = of_size(depth, expected);
   std::vector<WatchedPart> parts = {
       {"colour", [=] { return open_driver(colour, colour_alone); }, {expected.colour, {}}},
       {"depth", [=] { return open_driver(depth, depth_alone); }, {{}, expected.depth}}};

@@ -31,13 +31,14 @@ struct VideoSettings {
     s.text("format", format, "of a camera's pixels, four letters: MJPG, YUYV, Y16; empty: its own choice");
     s.flag("keep_jpeg", keep_jpeg,
            "images that come as JPEG (format MJPG) go out as they are, not decoded and coded again");
-    s.number("width", width, "pixels", {0, 8192}, "of a camera's images; 0: its own choice");
-    s.number("height", height, "pixels", {0, 8192}, "of a camera's images; 0: its own choice");
-    s.number("rate", rate, "Hz", {0, 1000},
-             "of a camera's images, 0: its own choice; of a sequence of images, 0: 30");
+    s.number("width", width, "pixels", {0, 8192}, "of a camera's images; 0: the calibration's");
+    s.number("height", height, "pixels", {0, 8192}, "of a camera's images; 0: the calibration's");
+    s.number("rate", rate, "Hz", {0, 1000}, "of the images, 0: 30; a camera takes what it has next to it");
     s.number("exposure", exposure, "s", {0, 10}, "of a camera; 0: automatic");
     s.number("depth_unit", depth_unit, "m", {1e-6, 1}, "that one step of a depth image's values stands for");
     describe_recording(s, start);
+    s.require((width > 0) == (height > 0), width > 0 ? "height" : "width",
+              "must be given where the other one is: a camera takes both together");
     s.require(format.empty() || format.size() == 4, "format", "must be four letters: MJPG, YUYV, 'Y16 '");
   }
 };

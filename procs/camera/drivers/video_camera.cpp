@@ -14,7 +14,9 @@ namespace {
 
 constexpr double exposure_by_hand = 1, exposure_automatic = 3;  // V4L2_EXPOSURE_MANUAL, _APERTURE_PRIORITY
 constexpr double exposure_unit = 100e-6;                        // s, of V4L2_CID_EXPOSURE_ABSOLUTE
-constexpr Utime longest_delay = 1'000'000;                      // us, that a driver's stamp may be old
+// us, that a driver's stamp may be old: before it is known to be of this clock, and then (a process that got
+// no processor finds old images in its buffers).
+constexpr Utime longest_delay = 1'000'000, longest_sleep = 60'000'000;
 
 class VideoCamera : public CameraDevice {
  public:
@@ -144,7 +146,8 @@ class VideoDevice : public VideoCamera {
     }
     const Utime arrival = wall_clock();
     cv::Mat image;
-    if (!capture_.grab() || !capture_.retrieve(image) || image.empty())
+    // A JPEG without a byte is a damaged image like others, and no camera that is gone.
+    if (!capture_.grab() || !capture_.retrieve(image) || (image.empty() && !jpeg_))
       throw CameraError(settings_.device + ": is gone: it gives no more images");
     return frame_of(image, stamp(arrival), settings_.device);
   }
@@ -157,15 +160,18 @@ class VideoDevice : public VideoCamera {
  private:
   /// V4L2 drivers stamp by the monotonic clock; one that does not is stamped at its arrival. Both clocks are
   /// read at once: decoding took its time since the arrival.
-  Utime stamp(Utime arrival) const {
+  Utime stamp(Utime arrival) {
     const auto taken = static_cast<Utime>(capture_.get(cv::CAP_PROP_POS_MSEC) * 1000);
-    using namespace std::chrono;
-    const Utime now = duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count();
-    const Utime age = now - taken;
-    return age >= 0 && age <= longest_delay ? wall_clock() - age : arrival;
+    const HostTime now = host_time();
+    const Utime age = now.steady - taken;
+    if (age < 0 || age > (known_clock_ ? longest_sleep : longest_delay)) return arrival;
+    known_clock_ = true;
+    return clock_.to_host(taken, {now.wall - age, taken});
   }
 
   std::string notes_;
+  bool known_clock_ = false;  // the driver's stamps are of the monotonic clock
+  DeviceClock clock_;         // that clock, of which nothing but the wall clock's settings must be followed
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "procs/camera/drivers/video_shot.hpp"
 
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include <lcmslam/cameras/camera_device.hpp>
@@ -7,12 +8,14 @@
 namespace lcmslam {
 namespace {
 
-/// Raw values of 16 bits, steps of `unit` metres, in millimetres.
+/// Raw values of 16 bits, steps of `unit` metres, in millimetres. The largest value stands for no distance,
+/// but for one beyond or for none, whatever the unit.
 cv::Mat depth_in_millimetres(const cv::Mat& image, double unit, const std::string& name) {
   if (image.type() != CV_16UC1)
     throw CameraError(name + ": is not depth: images must have one channel of 16 bits");
   cv::Mat depth;
   image.convertTo(depth, CV_16UC1, unit * 1000);
+  depth.setTo(0, image == std::numeric_limits<std::uint16_t>::max());
   return depth;
 }
 

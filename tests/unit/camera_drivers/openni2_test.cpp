@@ -80,6 +80,20 @@ void say_that_nothing_is_cropped(const std::string& file) {
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
+/// As the recorder writes where the camera says that it mirrors, which the dummy cannot: in the place of
+/// another number of each stream.
+void say_that_it_is_mirrored(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(in), {});
+  in.close();
+  const std::string other("xnSupportedMapOutputModesCount\0\x08\0\0\0", 35);
+  const std::string mirror =
+      std::string("xnMirror") + std::string(23, '\0') + std::string("\x08\0\0\0\x01", 5);
+  for (std::size_t at = bytes.find(other); at != std::string::npos; at = bytes.find(other))
+    bytes.replace(at, mirror.size(), mirror);
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
 Recording record(const std::string& file, int images) {
   Recording seen;
   openni::Device device;
@@ -189,6 +203,28 @@ TEST_F(OpenNi2, BothImagesOfARecordingComeAsPairs) {
   }
 }
 
+TEST_F(OpenNi2, AMirroredRecordingIsTurnedOver) {
+  OpenNi2Settings settings;
+  settings.file = (folder / "dummy.oni").string();
+  const Recording seen = record(settings.file, 25);
+  say_that_it_is_mirrored(settings.file);
+  int turned = 0;
+  for (const RgbdFrame& frame : read_all(settings, {true, true, false})) {
+    const auto is_turned = [](const auto& images, const cv::Mat& image) {
+      cv::Mat back;
+      cv::flip(image, back, 1);
+      return std::any_of(images.begin(), images.end(), [&](const auto& original) {
+        return largest_difference(original.second, back) == 0 &&
+               largest_difference(original.second, image) > 0;
+      });
+    };
+    cv::Mat rgb = frame.colour.clone();
+    rgb.forEach<cv::Vec3b>([](cv::Vec3b& p, const int*) { std::swap(p[0], p[2]); });
+    turned += is_turned(seen.colour, rgb) && is_turned(seen.depth, frame.depth) ? 1 : 0;
+  }
+  EXPECT_GE(turned, 15) << "but for those before and after the listener";
+}
+
 TEST_F(OpenNi2, ACameraGivesPairsAtItsPaceStampedByItsOwnClock) {
   OpenNi2Settings settings;
   settings.device = "Dummy";
@@ -234,6 +270,7 @@ TEST_F(OpenNi2, ARegistrationThatACameraLacksIsToldAndWhatIsNotThereIsNamed) {
   EXPECT_THAT(refusal(settings, true), ::testing::HasSubstr("depth_registered"));
   settings.device = "nobody's";
   EXPECT_THAT(refusal(settings, false), ::testing::HasSubstr("nobody's: "));
+  EXPECT_THAT(refusal(settings, false), ::testing::HasSubstr("there are: Dummy"));
   settings.file = (folder / "none.oni").string();
   EXPECT_THAT(refusal(settings, false), ::testing::HasSubstr(settings.file));
 }

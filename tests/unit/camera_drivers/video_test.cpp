@@ -165,6 +165,20 @@ TEST_F(VideoFiles, DepthHasSixteenBitsInTheUnitThatIsSaid) {
   EXPECT_THAT(refusal(settings), HasSubstr("images: depth"));
 }
 
+TEST_F(VideoFiles, TheLargestDepthIsNoneInAnyUnit) {
+  cv::Mat depth = numbered_depth(size, 1);
+  depth.at<std::uint16_t>(5, 7) = 65535;
+  cv::imwrite((folder / "0.png").string(), depth);
+  VideoSettings settings;
+  settings.file = (folder / "%d.png").string();
+  settings.images = "depth";
+  settings.depth_unit = 0.0001;
+  const auto frames = read_all(settings);
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(frames[0].depth.at<std::uint16_t>(5, 7), 0) << "a wall 6.55 m away";
+  EXPECT_EQ(frames[0].depth.at<std::uint16_t>(5, 8), (1010 + 3 * 8 + 5 + 5) / 10);
+}
+
 TEST_F(VideoFiles, WhatCannotBeReadIsNamed) {
   VideoSettings settings;
   settings.file = (folder / "none.mp4").string();

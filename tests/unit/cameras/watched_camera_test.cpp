@@ -157,6 +157,19 @@ TEST_F(Watched, AnOpeningThatHangsIsSeenFromOutside) {
   EXPECT_EQ(seen, "is being opened for 2.0 s");
 }
 
+TEST_F(Watched, ACameraThatFailsWhileItIsAskedWhatItIsIsClosed) {
+  struct Nameless : ScriptedCamera {
+    using ScriptedCamera::ScriptedCamera;
+    std::string describe() const override { throw CameraError("/dev/video0: the device is gone"); }
+  };
+  WatchedCamera nameless([this] { return std::make_unique<Nameless>(desk); }, {}, settings,
+                         [this] { return desk.now; });
+  EXPECT_NO_THROW(nameless.step());
+  EXPECT_FALSE(nameless.health().open);
+  EXPECT_THAT(nameless.health().trouble, HasSubstr("/dev/video0: the device is gone; is tried again"));
+  EXPECT_EQ(desk.alive, 0);
+}
+
 TEST_F(Watched, ImagesOfAWrongSizeAreRefusedToldAndReopen) {
   run(1);
   desk.image = [](Utime utime) { return shot(utime, {32, 24}); };

@@ -104,6 +104,13 @@ TEST(CameraMessages, ForeignImagesWithoutOwnStampsTakeTheMessages) {
   EXPECT_EQ(frame.depth.utime, 1'000'123);
 }
 
+TEST(CameraMessages, AForeignMessageWithoutAStampTakesItsColourImages) {
+  const Bytes bytes = foreign_images(909199180, 1'000'100);
+  auto message = decode_message<images_t>(bytes.data(), bytes.size());
+  message.utime = 0;
+  EXPECT_EQ(from_message(message).utime, 1'000'100);
+}
+
 TEST(CameraMessages, BigEndianDepthIsRefusedRatherThanMisread) {
   const Bytes bytes = foreign_images(357, 1'000'100);
   const auto message = decode_message<images_t>(bytes.data(), bytes.size());

@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdarg>
 #include <cstring>
+#include <ctime>
 #include <deque>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
@@ -88,10 +89,10 @@ int dequeue(v4l2_buffer& buffer) {
   } else {
     std::memcpy(to, image.data, bytes);
   }
-  camera.captured = next_capture;
+  camera.captured = next_capture - camera.waited;
   buffer.length = buffer_size;
   buffer.bytesused = static_cast<unsigned>(bytes);
-  buffer.timestamp = {next_capture / 1'000'000, next_capture % 1'000'000};
+  buffer.timestamp = {camera.captured / 1'000'000, camera.captured % 1'000'000};
   const std::int64_t period = 1'000'000 / camera.rate;
   next_capture += period;
   // What nobody fetched is overwritten.
@@ -181,6 +182,8 @@ short wait_for_image(std::int64_t microseconds) {
 
 }  // namespace
 
+std::atomic<std::int64_t> wall_clock_set{0};
+
 static std::unique_ptr<FakeV4l2>& only_one() {
   static auto camera = std::make_unique<FakeV4l2>();
   return camera;
@@ -192,6 +195,7 @@ FakeV4l2& fake_v4l2() {
 
 void reset_fake_v4l2() {
   only_one() = std::make_unique<FakeV4l2>();
+  wall_clock_set = 0;
 }
 
 }  // namespace lcmslam::testing
@@ -202,6 +206,7 @@ using lcmslam::testing::fake_v4l2;
 using lcmslam::testing::handle;
 using lcmslam::testing::real;
 using lcmslam::testing::wait_for_image;
+using lcmslam::testing::wall_clock_set;
 
 extern "C" {
 
@@ -251,6 +256,15 @@ int poll(pollfd* files, nfds_t count, int timeout) {
   return files[0].revents != 0 ? 1 : 0;
 }
 #pragma GCC diagnostic pop
+
+int clock_gettime(clockid_t clock, timespec* time) noexcept {
+  static const auto real_one = real<int (*)(clockid_t, timespec*)>("clock_gettime");
+  const int status = real_one(clock, time);
+  if (clock != CLOCK_REALTIME || wall_clock_set == 0) return status;
+  const std::int64_t nanoseconds = time->tv_sec * 1'000'000'000LL + time->tv_nsec + 1000 * wall_clock_set;
+  *time = {nanoseconds / 1'000'000'000, nanoseconds % 1'000'000'000};
+  return status;
+}
 
 int select(int count, fd_set* read, fd_set* write, fd_set* except, timeval* timeout) {
   const int camera = handle;

@@ -1,7 +1,8 @@
 #pragma once
 // A V4L2 camera that is not there: this program's own open(), ioctl(), poll() and select() answer for one
-// name. It takes sizes, formats, rates and exposures, and captures images at its pace (numbered_colour,
-// numbered_depth of tests/support), which it hands out a moment later.
+// name, and its clock_gettime() for a wall clock that somebody sets. It takes sizes, formats, rates and
+// exposures, and captures images at its pace (numbered_colour, numbered_depth of tests/support), which it
+// hands out a moment later.
 
 #include <atomic>
 #include <cstdint>
@@ -20,6 +21,7 @@ struct FakeV4l2 {
   cv::Size only_size;                   ///< a camera that takes no other; empty: it takes any
   bool has_jpeg = false;                ///< takes the format MJPG
   std::atomic<std::size_t> cut_off{0};  ///< bytes that its JPEG images lack at their end
+  std::int64_t waited = 0;              ///< us that its images have lain in the buffers besides
 
   // What the driver was told.
   cv::Size size{640, 480};
@@ -33,6 +35,9 @@ struct FakeV4l2 {
   std::vector<unsigned char> jpeg;
   std::int64_t captured = 0;
 };
+
+/// us that the wall clock has been set forward.
+extern std::atomic<std::int64_t> wall_clock_set;
 
 /// The only one; a new one after reset.
 FakeV4l2& fake_v4l2();

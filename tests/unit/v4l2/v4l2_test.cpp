@@ -57,6 +57,42 @@ TEST_F(V4l2, AnImageHasTheStampOfItsCaptureNotOfItsArrival) {
   }
 }
 
+// The process got no processor for three seconds: what it finds in the buffers is not of now.
+TEST_F(V4l2, AnImageThatHasWaitedForLongKeepsItsStamp) {
+  const auto camera = open_video(settings);
+  ASSERT_TRUE(camera->read(milliseconds(500)));
+  fake_v4l2().waited = 3'000'000;
+  const auto frame = camera->read(milliseconds(500));
+  ASSERT_TRUE(frame);
+  EXPECT_NEAR(static_cast<double>(wall_clock() - frame->utime), 3e6, 0.5e6);
+}
+
+// NTP sets it: stamps that went back would be refused until it has come after them.
+TEST_F(V4l2, StampsRiseWhileTheWallClockIsSetBackABit) {
+  const auto camera = open_video(settings);
+  Utime last = 0;
+  for (int i = 0; i < 60; ++i) {
+    if (i == 5) {
+      const Utime before = wall_clock();
+      testing::wall_clock_set = -500'000;
+      ASSERT_LT(wall_clock(), before);
+    }
+    const auto frame = camera->read(milliseconds(500));
+    ASSERT_TRUE(frame);
+    EXPECT_GT(frame->utime, last) << i;
+    last = frame->utime;
+  }
+  EXPECT_NEAR(static_cast<double>(wall_clock() - last), 0, 0.1e6) << "it is followed";
+}
+
+TEST_F(V4l2, StampsOfAnotherClockAreNotBelieved) {
+  fake_v4l2().waited = 3'000'000;  // from the first image on
+  const auto camera = open_video(settings);
+  const auto frame = camera->read(milliseconds(500));
+  ASSERT_TRUE(frame);
+  EXPECT_NEAR(static_cast<double>(wall_clock() - frame->utime), 0, 0.5e6);
+}
+
 TEST_F(V4l2, TheExposureIsByHandOrAutomatic) {
   settings.exposure = 0.005;
   open_video(settings);
@@ -92,6 +128,19 @@ TEST_F(V4l2, JpegImagesStayAsTheCameraMadeThem) {
   EXPECT_LT(largest_difference(decoded->colour, testing::numbered_colour({320, 240}, fake_v4l2().number)),
             12);
   EXPECT_TRUE(decoded->jpeg.empty());
+}
+
+TEST_F(V4l2, AJpegWithoutBytesIsDamagedAndTheCameraGoesOn) {
+  fake_v4l2().has_jpeg = true;
+  settings.format = "MJPG";
+  const auto camera = open_video(settings);
+  for (const bool whole : {true, false, false, true}) {
+    fake_v4l2().cut_off = whole ? 0 : 1'000'000;
+    const auto shot = camera->read(milliseconds(500));
+    ASSERT_TRUE(shot);
+    EXPECT_EQ(shot->damage.empty(), whole);
+    EXPECT_EQ(shot->jpeg.empty(), !whole);
+  }
 }
 
 TEST_F(V4l2, ADepthCameraGivesItsSixteenBits) {
@@ -228,6 +277,28 @@ TEST_F(V4l2Node, PublishesTheCamerasOwnJpegAndCountsWhatIsCutOff) {
   EXPECT_EQ(sent(), before);
   fake_v4l2().cut_off = 0;
   EXPECT_TRUE(wait_for([&] { return sent() > before + 3; }));
+}
+
+// OpenCV would take 640x480.
+TEST_F(V4l2Node, ACameraIsAskedForTheCalibrationsSize) {
+  testing::write_head(folder / "head.yaml", {800, 600});
+  const std::string config =
+      "{source: video, video: {device: " + std::string(FakeV4l2::name) + "}, live: {calibration: head.yaml}}";
+  node = std::make_unique<CameraNode>(ConfigNode::parse(config, (folder / "robot.yaml").string()), publisher,
+                                      make_source_or_device);
+  EXPECT_TRUE(wait_for([&] { return sent() >= 1; })) << node->report().detail;
+  EXPECT_EQ(fake_v4l2().size, cv::Size(800, 600));
+}
+
+// OpenCV passes over one alone.
+TEST_F(V4l2Node, WidthAndHeightAreNamedTogether) {
+  const std::string config = "{source: video, video: {width: 800}, live: {calibration: head.yaml}}";
+  try {
+    CameraNode::read(ConfigNode::parse(config, (folder / "robot.yaml").string()));
+    ADD_FAILURE();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("height"));
+  }
 }
 
 TEST_F(V4l2Node, ImagesOfAnotherSizeThanTheCalibrationsAreRefusedAndTold) {

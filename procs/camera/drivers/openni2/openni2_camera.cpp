@@ -3,6 +3,7 @@
 #include <OpenNI.h>
 #include <atomic>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include <lcmslam/cameras/device_clock.hpp>
 #include <lcmslam/cameras/image_pairs.hpp>
@@ -22,6 +23,15 @@ std::string openni_error() {
   while (!text.empty() && (text.back() == '\n' || text.back() == '\t')) text.pop_back();
   text.erase(0, text.find_first_not_of("\t\n "));
   return text.empty() ? "OpenNI2 does not say why" : text;
+}
+
+/// The cameras that are there: who writes a URI finds it nowhere else, and it changes with each plugging in.
+std::string uris_there() {
+  openni::Array<openni::DeviceInfo> devices;
+  openni::OpenNI::enumerateDevices(&devices);
+  std::string uris;
+  for (int i = 0; i < devices.getSize(); ++i) uris += (i > 0 ? ", " : "") + std::string(devices[i].getUri());
+  return uris.empty() ? "no camera is there" : "there are: " + uris;
 }
 
 /// Once, for the life of the process: OpenNI2 loads its drivers.
@@ -113,15 +123,18 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
         opened_(recorded_),
         pairs_(static_cast<Utime>(0.5e6 / settings.rate), wanted.depth_offset) {
     initialise();
+    const bool is_named = !recorded_ && !settings.device.empty();
     const char* uri = recorded_ ? settings.file.c_str() : settings.device.c_str();
     if (opened_.device().open(*uri == '\0' ? openni::ANY_DEVICE : uri) != openni::STATUS_OK)
-      throw CameraError(name_ + ": " + openni_error());
+      throw CameraError(name_ + ": " + openni_error() + (is_named ? " (" + uris_there() + ")" : ""));
     if (wanted.colour) add_stream(opened_.colour(), openni::SENSOR_COLOR, "colour");
     if (wanted.depth) add_stream(opened_.depth(), openni::SENSOR_DEPTH, "depth");
     if (recorded_)
       prepare_file();
     else
       prepare_camera(wanted);
+    for (openni::VideoStream* stream : opened_.streams)
+      if (stream->getMirroringEnabled()) mirrored_.insert(stream);
     for (openni::VideoStream* stream : opened_.streams)
       if (stream->start() != openni::STATUS_OK) throw CameraError(name_ + ": " + openni_error());
     openni::OpenNI::addDeviceDisconnectedListener(this);
@@ -150,6 +163,7 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
     return name_ + ": " + opened_.device().getDeviceInfo().getVendor() + " " +
            opened_.device().getDeviceInfo().getName() + ", " + std::to_string(mode.getResolutionX()) + "x" +
            std::to_string(mode.getResolutionY()) + ", " + std::to_string(mode.getFps()) + " Hz" +
+           (mirrored_.empty() ? "" : ", mirrored: its images are turned over") +
            (clock_.believed() ? "" : ", stamped at arrival: its own stamps are no microseconds");
   }
 
@@ -207,19 +221,19 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
     if (status != openni::STATUS_OK || stream == nullptr || stream->readFrame(&image) != openni::STATUS_OK)
       throw CameraError(name_ + ": " + openni_error());
     --left_;
-    return frame_of(image, stream == &opened_.depth());
+    return frame_of(image, stream);
   }
 
-  CameraShot frame_of(const openni::VideoFrameRef& image, bool is_depth) {
+  CameraShot frame_of(const openni::VideoFrameRef& image, const openni::VideoStream* stream) {
     CameraShot frame;
     const auto device_time = static_cast<Utime>(image.getTimestamp());
     frame.utime = frame.depth_utime =
         recorded_ ? start_ + device_time : clock_.to_host(device_time, host_time());
+    const bool is_depth = stream == &opened_.depth();
+    cv::Mat& pixels = is_depth ? frame.depth : frame.colour;
     try {
-      if (is_depth)
-        frame.depth = depth_of(image);
-      else
-        frame.colour = colour_of(image);
+      pixels = is_depth ? depth_of(image) : colour_of(image);
+      if (mirrored_.count(stream) > 0) cv::flip(pixels, pixels, 1);
     } catch (const CameraError& error) {
       throw CameraError(name_ + ": " + error.what());
     }
@@ -235,6 +249,7 @@ class OpenNi2Camera : public CameraDevice, private openni::OpenNI::DeviceDisconn
   bool recorded_;
   std::string name_;
   Opened opened_;
+  std::set<const openni::VideoStream*> mirrored_;  // a recording stays so, whatever is asked for
   ImagePairs pairs_;
   DeviceClock clock_;  // both cameras have one
   Utime start_ = 0;
