@@ -352,14 +352,35 @@ TEST_F(MapServerQuestions, ARestartedServerDerivesAnewFromImagesThatItKept) {
 
 TEST_F(MapServerQuestions, WhatCannotBeAnsweredSaysWhy) {
   EXPECT_THAT(refusal(R"({"ask": "space", "points": [[0, 0, 0]]})"), HasSubstr("no frame"));
+  EXPECT_THAT(refusal(R"({"ask": "cloud"})"), HasSubstr("no keyframe"));
   drive();
   EXPECT_THAT(refusal("distance"), HasSubstr("JSON"));
   EXPECT_THAT(refusal(R"({"ask": "weather"})"), HasSubstr("none of distance, collision"));
   EXPECT_THAT(refusal(R"({"ask": "distance"})"), HasSubstr("'points' is missing"));
   EXPECT_THAT(refusal(R"({"ask": "distance", "points": [[0, 0]]})"), HasSubstr("3 numbers"));
   EXPECT_THAT(refusal(R"({"ask": "grid", "colour": 1})"), HasSubstr("'colour' is not asked for"));
-  EXPECT_EQ(value_of(node_, "requests_refused"), 5);
-  EXPECT_EQ(node_.report().refused, 5) << "STATUS tells it soon";
+  EXPECT_EQ(value_of(node_, "requests_refused"), 6);
+  EXPECT_EQ(node_.report().refused, 6) << "STATUS tells it soon";
+}
+
+TEST_F(MapServerQuestions, WithoutLayersTheMapItselfIsToldAndItsVersionCounts) {
+  testing::TestBus bus;
+  bus.add<MapServerNode>(ConfigNode::parse("{folder: " + scratch_.path().string() +
+                                           "/bare, store: '', layers: {make: false, background: false}}"));
+  drive(bus, {0, 0, 0}, true);
+  map_request_t request{};
+  request.kind = map_request_t::QUERY;
+  for (const char* question : {R"({"ask": "distance", "points": [[0, 0, 0]]})", R"({"ask": "cloud"})"}) {
+    ++request.request_id;
+    request.argument = question;
+    bus.deliver("MAP_REQUEST", request);
+    bus.work();
+  }
+  const auto replies = bus.on<map_reply_t>("MAP_REPLY");
+  ASSERT_EQ(replies.size(), 2U);
+  EXPECT_THAT(replies[0].message, HasSubstr("map-server.layers.make is false"));
+  EXPECT_EQ(replies[1].status, 0) << replies[1].message;
+  EXPECT_THAT(replies[1].content, HasSubstr("map_version=" + std::to_string(frames / keyframe_every)));
 }
 
 }  // namespace
