@@ -14,6 +14,7 @@ namespace lcmslam {
 /// What a question may look at. Whoever asks for clouds or landmarks brings those of the region.
 struct AskedMap {
   std::string frame;                    ///< that all of it stands in
+  std::int64_t changes = 0;             ///< of what it is derived from
   std::shared_ptr<const LiveMap> live;  ///< null: no frame was seen yet
   ColouredCloud cloud;                  ///< m, map frame, neither thinned nor averaged
   std::vector<Landmark> landmarks;

@@ -62,6 +62,14 @@ void LiveMap::show(RgbdFrame frame, const FramePose& pose) {
   changed();
 }
 
+void LiveMap::glance(RgbdFrame frame, const FramePose& pose) {
+  clean(frame);
+  space_.glance(frame.depth, calibration().depth,
+                pose.T_map_camera * pose.T_colour_depth_time * calibration().T_colour_depth);
+  frame_shown();
+  changed();
+}
+
 void LiveMap::add(RgbdFrame frame, const FramePose& pose) {
   check_frame(frame, calibration());
   clean(frame);

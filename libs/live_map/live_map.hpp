@@ -46,7 +46,9 @@ class LiveMap {
   void look_through(const Calibration& calibration);
   /// What the frame sees through becomes free, what it sees is occupied. Colour is not asked for.
   void show(RgbdFrame frame, const FramePose& pose);
-  /// The same, and the surface grows by it; it moves with the keyframe that was kept last.
+  /// It shows what stands in the way now, and nothing is learned of it: its place is not sure enough.
+  void glance(RgbdFrame frame, const FramePose& pose);
+  /// As show(), and the surface grows by it; it moves with the keyframe that was kept last.
   void add(RgbdFrame frame, const FramePose& pose);
   /// What was seen before is no news of what stands in the way now, or of where the camera is.
   enum class When { now, before };

@@ -47,6 +47,15 @@ void LiveSpace::show(const cv::Mat& depth, const CameraModel& camera, const Eige
   if (is_asked) follow(T_map_depth.translation());
 }
 
+void LiveSpace::glance(const cv::Mat& depth, const CameraModel& camera,
+                       const Eigen::Isometry3d& T_map_depth) {
+  begin_frame();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  carver_.see(depth, camera, T_map_depth, grid_);
+  hits_ = carver_.hits();
+  place_ = T_map_depth.translation();
+}
+
 void LiveSpace::show_before(const cv::Mat& depth, const CameraModel& camera,
                             const Eigen::Isometry3d& T_map_depth) {
   begin_frame();

@@ -38,6 +38,9 @@ class LiveSpace {
   /// keyframes hangs on one of them, with which it moves.
   void show(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth,
             const std::optional<Place>& hangs_on = std::nullopt);
+  /// A frame whose place is not sure enough to change the map: it shows what stands in the way now, and no
+  /// more.
+  void glance(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth);
   /// A frame of before: what it sees is carved, but it is not what the newest frame shows, nor where the
   /// camera is.
   void show_before(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_depth);

@@ -68,12 +68,12 @@ class MapClient::Bus {
     const auto end = Clock::now() + seconds(deadline);
     begin();
     send(question);
-    while (Clock::now() < end) {
+    while (Clock::now() < end || is_coming()) {
       Arrival arrival;
       if (receiver_->take(arrival, std::chrono::milliseconds(20))) arrival.deliver();
       if (failed_) throw MapError(error_);
       if (n_tiles_ > 0 && tiles_.size() == n_tiles_) return joined();
-      if (Clock::now() - last_heard_ <= asked_again_after) continue;
+      if (Clock::now() >= end || Clock::now() - last_heard_ <= asked_again_after) continue;
       // A tile was lost; or else nobody may have heard it, or the answer takes its time and is welcome later.
       if (!tiles_.empty()) begin();
       send(question);
@@ -89,6 +89,9 @@ class MapClient::Bus {
     n_tiles_ = 0;
     failed_ = false;
   }
+
+  /// Large answers take longer than anybody wants to wait for the first word of one.
+  bool is_coming() const { return !tiles_.empty() && Clock::now() - last_heard_ <= asked_again_after; }
 
   void send(const std::string& question) {
     map_request_t request{};

@@ -24,7 +24,7 @@ class MapError : public std::runtime_error {
 class MapClient {
  public:
   /// `lcm_url` as for the graph's processes; empty: LCM_DEFAULT_URL, or lcmslam's default. `deadline`: s that
-  /// an answer may take. Throws MapError when the bus cannot be used.
+  /// an answer may take until it begins to come. Throws MapError when the bus cannot be used.
   explicit MapClient(const std::string& lcm_url = "", double deadline = 5);
   ~MapClient();
   MapClient(const MapClient&) = delete;

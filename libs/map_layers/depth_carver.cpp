@@ -92,14 +92,25 @@ struct DepthCarver::Seeing {
 
 void DepthCarver::carve(const cv::Mat& depth, const CameraModel& camera,
                         const Eigen::Isometry3d& T_map_camera, OccupancyGrid& grid) {
+  const Seeing seeing = hits_of(depth, camera, T_map_camera, grid);
+  miss(seeing, grid);
+  hits_.hit(grid);
+}
+
+void DepthCarver::see(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_camera,
+                      const OccupancyGrid& grid) {
+  hits_of(depth, camera, T_map_camera, grid);
+}
+
+DepthCarver::Seeing DepthCarver::hits_of(const cv::Mat& depth, const CameraModel& camera,
+                                         const Eigen::Isometry3d& T_map_camera, const OccupancyGrid& grid) {
   const double reach = T_map_camera.translation().cwiseAbs().maxCoeff() / grid.settings().cell_size;
   if (!T_map_camera.matrix().allFinite() || !(reach < (1 << 18)))
     throw std::invalid_argument("T_map_camera: must be finite and within 2^18 cells of the map's origin");
   view_.set(depth, camera);
   const Seeing seeing(grid, T_map_camera);
   collect_hits(seeing);
-  miss(seeing, grid);
-  hits_.hit(grid);
+  return seeing;
 }
 
 // Two pixels a cell at least, at the farthest: more would hit the same cells again.

@@ -19,6 +19,9 @@ class DepthCarver {
   /// translation within 2^18 cells of the map's origin.
   void carve(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_camera,
              OccupancyGrid& grid);
+  /// What the image hits in the grid's cells, for hits(); the grid stays as it is.
+  void see(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_camera,
+           const OccupancyGrid& grid);
 
   /// What the last image hit, in the order of its pixels.
   std::vector<OccupancyChange> hits() const { return hits_.bits(); }
@@ -28,6 +31,8 @@ class DepthCarver {
   struct Seeing;  // one image's projection
   enum class Sight { hidden, mixed, through };
 
+  Seeing hits_of(const cv::Mat& depth, const CameraModel& camera, const Eigen::Isometry3d& T_map_camera,
+                 const OccupancyGrid& grid);
   void collect_hits(const Seeing& seeing);
   Sight look(const Seeing& seeing, const Eigen::Vector3i& block, Flags& through) const;
   void miss(const Seeing& seeing, OccupancyGrid& grid) const;

@@ -140,4 +140,18 @@ NavigationGrid make_navigation_grid(const OccupancyGrid& grid, const NavigationS
   return GroundFollower(grid, settings, T_map_robot.translation()).follow();
 }
 
+NavigationSettings reaching_all(const OccupancyGrid& grid, NavigationSettings settings,
+                                const Eigen::Isometry3d& T_map_robot) {
+  constexpr double most_cells = 2500;  // to each side: a quarter of a gigabyte while it is made
+  const double cell = grid.settings().cell_size, block = block_side * cell;
+  const Eigen::Vector2d robot = T_map_robot.translation().head<2>();
+  double farthest = 0;
+  for (const Eigen::Vector3i& at : grid.blocks()) {
+    const Eigen::Vector2d middle = (at.head<2>().cast<double>().array() + 0.5) * block;
+    farthest = std::max(farthest, (middle - robot).cwiseAbs().maxCoeff() + 0.5 * block);
+  }
+  settings.reach = std::max(settings.reach, std::min({farthest, most_cells * cell, 100.0}));
+  return settings;
+}
+
 }  // namespace lcmslam

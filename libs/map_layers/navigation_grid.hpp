@@ -31,7 +31,7 @@ struct NavigationSettings {
     s.number("max_slope", max_slope, "rad", {0, 1.5}, "steepest ramp");
     s.number("slope_length", slope_length, "m", {0.05, 5}, "on which slopes are measured");
     s.number("max_gap", max_gap, "m", {0, 100}, "of unknown ground over which the ground is followed");
-    s.number("reach", reach, "m", {0.5, 100}, "of the map to each side of the robot");
+    s.number("reach", reach, "m", {0.5, 100}, "of the map to each side of the robot; files have all of it");
   }
 };
 
@@ -51,5 +51,9 @@ struct NavigationGrid {
 /// setting or says that the pose is not finite.
 NavigationGrid make_navigation_grid(const OccupancyGrid& grid, const NavigationSettings& settings,
                                     const Eigen::Isometry3d& T_map_robot);
+
+/// The same with a reach to all that the grid knows, 2500 cells at most: for files, which have the whole map.
+NavigationSettings reaching_all(const OccupancyGrid& grid, NavigationSettings settings,
+                                const Eigen::Isometry3d& T_map_robot);
 
 }  // namespace lcmslam

@@ -78,6 +78,14 @@ void LayerFeed::pose(Utime utime, const Eigen::Isometry3d& T_map_robot) {
     worker_.show({frame, newest_}, {T_map_camera, Eigen::Isometry3d::Identity()}, false);
 }
 
+void LayerFeed::poor_pose(Utime utime, const Eigen::Isometry3d& T_map_robot) {
+  if (!calibration_) return;
+  const LayerWorker::Frame frame = frame_at(utime);
+  if (!frame || !due(utime, period_, next_shown_)) return;
+  worker_.glance({frame, newest_},
+                 {T_map_robot * calibration_->T_robot_camera, Eigen::Isometry3d::Identity()});
+}
+
 /// The one whose depth image was taken then.
 LayerWorker::Frame LayerFeed::image_at(Utime colour_time) const {
   const auto found = std::find_if(frames_.rbegin(), frames_.rend(),

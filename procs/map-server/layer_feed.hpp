@@ -31,6 +31,9 @@ class LayerFeed {
   void camera(EncodedFrame frame);
   /// The robot at `utime`, measured against the map.
   void pose(Utime utime, const Eigen::Isometry3d& T_map_robot);
+  /// The robot at `utime`, where measurements say that poorly: its frame shows what stands in the way, and
+  /// the maps learn nothing of it.
+  void poor_pose(Utime utime, const Eigen::Isometry3d& T_map_robot);
   /// Before calibrate(), and while many others wait, a keyframe is better shown later; not where its images
   /// are gone by then.
   bool has_time_for(const DenseKeyframe& keyframe) const;

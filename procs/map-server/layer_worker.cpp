@@ -57,6 +57,17 @@ void LayerWorker::show(Images images, const FramePose& pose, bool with_colour) {
       Turn::newest_frame);
 }
 
+void LayerWorker::glance(Images images, const FramePose& pose) {
+  hand_in(
+      [this, images = std::move(images), pose](LiveMap& map) {
+        RgbdFrame frame = decoded(images, false);
+        map.look_through(images.calibration);
+        map.glance(std::move(frame), pose);
+        count(&State::shown);
+      },
+      Turn::newest_frame);
+}
+
 void LayerWorker::keep(int keyframe, Images images, const FramePose& pose, LiveMap::When when) {
   hand_in(
       [this, keyframe, images = std::move(images), pose, when](LiveMap& map) {

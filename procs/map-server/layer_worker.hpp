@@ -39,6 +39,8 @@ class LayerWorker {
   // Before begin_map() nothing happens.
   /// Of space alone, or `with_colour` of the surface too.
   void show(Images images, const FramePose& pose, bool with_colour);
+  /// It shows what stands in the way now, and no more.
+  void glance(Images images, const FramePose& pose);
   /// What was seen before waits for the newest frame, every other time.
   void keep(int keyframe, Images images, const FramePose& pose, LiveMap::When when = LiveMap::When::now);
   void keep(int keyframe, ColouredCloud cloud, const Eigen::Isometry3d& T_map_camera,

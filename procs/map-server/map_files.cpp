@@ -58,8 +58,8 @@ class MapFiles {
     const OccupancyGrid space = live.space().copy();
     if (wants("octomap")) save_octomap(file("icp_space.bt"), space);
     if (!wants("grid") || !T_map_robot) return;
-    save_navigation_grid(folder_, "icp_grid",
-                         make_navigation_grid(space, live.settings().navigation, *T_map_robot));
+    const NavigationSettings all = reaching_all(space, live.settings().navigation, *T_map_robot);
+    save_navigation_grid(folder_, "icp_grid", make_navigation_grid(space, all, *T_map_robot));
     file("icp_grid.pgm");
     file("icp_grid.yaml");
   }

@@ -19,6 +19,13 @@ map_reply_t reply_to(const map_request_t& request) {
   return reply;
 }
 
+/// Whether layers answer it, and not the maps as mappers tell them.
+bool is_derived(const Question& question) {
+  return !std::holds_alternative<CloudQuestion>(question.what) &&
+         !std::holds_alternative<LandmarksQuestion>(question.what) &&
+         !std::holds_alternative<LocaliseQuestion>(question.what);
+}
+
 }  // namespace
 
 void MapServerNode::on_request(const map_request_t& request) {
@@ -49,6 +56,8 @@ void MapServerNode::refuse_request(map_reply_t& reply, const std::string& why) {
 void MapServerNode::ask(const map_request_t& request) {
   if (desk_.has(request)) return;
   Question question = parse_question(request.argument);
+  if (!layers_ && is_derived(question))
+    throw std::runtime_error("nothing is derived from the map here: map-server.layers.make is false");
   // Before the map is copied for it.
   if (replies_.full() || desk_.is_full_for(question))
     throw std::runtime_error("too many questions wait for an answer");
@@ -59,6 +68,7 @@ void MapServerNode::ask(const map_request_t& request) {
 
 AskedMap MapServerNode::asked_map(const Question& question) const {
   AskedMap map;
+  map.changes = changes_;
   if (layers_) map.live = layers_->map();
   map.T_map_robot = T_map_robot_;
   if (!dense_maps_.empty()) map.frame = dense_maps_.all()[dense_maps_.current()].key.frame;
@@ -86,7 +96,7 @@ AskedMap MapServerNode::asked_map(const Question& question) const {
 ColouredCloud MapServerNode::points_in(const Region& region) const {
   ColouredCloud inside;
   const DenseMap* map = dense_maps_.current_map();
-  if (map == nullptr) return inside;
+  if (map == nullptr) throw std::runtime_error("no keyframe has come yet (icp makes them)");
   for (const auto& [id, keyframe] : map->keyframes()) {
     const Eigen::Isometry3d& T = keyframe.T_world_camera;
     const bool has_normals = keyframe.cloud.normals.size() == keyframe.cloud.size();

@@ -86,7 +86,7 @@ void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
   add_to_path(icp_path_, message);
   T_map_robot_ = from_message(message.T_map_robot, "T_map_robot");
   icp_pose_ = message;
-  if (layers_ && message.status == pose_estimate_t::TRACKING) layers_->pose(message.utime, *T_map_robot_);
+  if (layers_) show_frame(message);
   if (recorder_) recorder_->pose("icp", key_of(message), message);
   const auto* session = dense_maps_.find(key_of(message));
   if (session == nullptr) return follow("icp", message, 0);
@@ -95,6 +95,15 @@ void MapServerNode::on_icp_pose(const pose_estimate_t& message) {
   const std::int64_t kept = session->graph.map_revision();
   const std::int64_t given_up = kept > 0 ? std::max<std::int64_t>(0, message.map_revision - kept) : 0;
   follow("icp", message, static_cast<std::int64_t>(session->map.keyframes().size()) + given_up);
+}
+
+/// Who steps close before the robot hides the map, and its pose is DEGRADED: he stands in the way all the
+/// same.
+void MapServerNode::show_frame(const pose_estimate_t& message) {
+  if (message.status == pose_estimate_t::TRACKING)
+    layers_->pose(message.utime, *T_map_robot_);
+  else if (message.status == pose_estimate_t::DEGRADED || message.status == pose_estimate_t::RELOCALISED)
+    layers_->poor_pose(message.utime, *T_map_robot_);
 }
 
 void MapServerNode::add_to_path(Path& path, const pose_estimate_t& message) const {

@@ -107,6 +107,7 @@ class MapServerNode : public Node {
   void on_graph(const graph_t& message);
   void on_fastslam_pose(const pose_estimate_t& message);
   void on_icp_pose(const pose_estimate_t& message);
+  void show_frame(const pose_estimate_t& message);
   void add_to_path(Path& path, const pose_estimate_t& message) const;
   void on_camera(const images_t& message);
   void on_calibration(const camera_calibration_t& message);

@@ -1,6 +1,8 @@
 #pragma once
-// Answers questions in a thread of its own, one after the other: what takes long delays no message.
+// Answers questions in threads of its own: what takes long delays no message. Those of space alone, which a
+// planner asks all the time, are answered one after the other, and all others beside them.
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -51,15 +53,18 @@ class QuestionDesk {
     Asked asked;
     Clock::time_point until;
   };
-  void work();
+  struct Line {
+    std::deque<Waiting> waiting;
+    std::optional<map_request_t> working;  // on its question
+    std::condition_variable wake;
+    std::thread thread;
+  };
+  void work(Line& line);
 
-  mutable std::mutex mutex_;  // guards what follows; not held while a question is answered
-  std::condition_variable wake_;
-  std::deque<Waiting> waiting_;
+  mutable std::mutex mutex_;   // guards what follows; not held while a question is answered
+  std::array<Line, 2> lines_;  // of space, and of all else
   std::vector<Answered> answered_;
-  std::optional<map_request_t> working_;  // on its question
   bool stop_ = false;
-  std::thread thread_;
 };
 
 }  // namespace lcmslam

@@ -16,12 +16,12 @@ class ReplyTiles {
   /// What may go now.
   void send(Publisher& publisher);
 
-  bool empty() const { return tiles_.empty(); }
-  bool full() const { return tiles_.size() > most_tiles; }
+  bool empty() const { return short_.empty() && long_.empty(); }
+  bool full() const { return short_.size() + long_.size() > most_tiles; }
 
  private:
   static constexpr std::size_t most_tiles = 4000;  // 200 MB
-  std::deque<map_reply_t> tiles_;
+  std::deque<map_reply_t> short_, long_;  // answers of one tile, which go first, and tiles of the others
   std::chrono::steady_clock::time_point next_{};
 };
 

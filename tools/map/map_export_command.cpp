@@ -142,10 +142,11 @@ class Exporter {
       write({name + "_space.bt"}, [&](const fs::path& file) { save_octomap(file, space); });
     const auto path = map_.trajectory(session.id);
     if (!wants("grid") || path.empty()) return;
+    const Eigen::Isometry3d& T_map_robot = path.back().T_map_robot;
+    const NavigationSettings all = reaching_all(space, layers->settings().navigation, T_map_robot);
     write({name + "_grid.yaml", name + "_grid.pgm"}, [&](const fs::path&) {
-      save_navigation_grid(
-          HeldFolder(options_.folder), name + "_grid",
-          make_navigation_grid(space, layers->settings().navigation, path.back().T_map_robot));
+      save_navigation_grid(HeldFolder(options_.folder), name + "_grid",
+                           make_navigation_grid(space, all, T_map_robot));
     });
   }
 

@@ -27,10 +27,15 @@ class MadeUpServer {
  public:
   using Asked = std::vector<map_request_t>;
   using Answer = std::function<std::vector<map_reply_t>(const Asked&)>;
-  explicit MadeUpServer(Answer answer) : answer_(std::move(answer)), publisher_(bus_.lcm(), 9, 1 << 16) {
+  /// `pause`: after each tile.
+  explicit MadeUpServer(Answer answer, std::chrono::milliseconds pause = std::chrono::milliseconds(0))
+      : answer_(std::move(answer)), pause_(pause), publisher_(bus_.lcm(), 9, 1 << 16) {
     inputs_.subscribe<map_request_t>("MAP_REQUEST", 10, [this](const map_request_t& request) {
       asked_.push_back(request);
-      for (const map_reply_t& reply : answer_(asked_)) publisher_.publish("MAP_REPLY", reply);
+      for (const map_reply_t& reply : answer_(asked_)) {
+        publisher_.publish("MAP_REPLY", reply);
+        std::this_thread::sleep_for(pause_);
+      }
     });
     receiver_.emplace(bus_, inputs_);
     thread_ = std::thread([this] {
@@ -53,6 +58,7 @@ class MadeUpServer {
 
  private:
   Answer answer_;
+  std::chrono::milliseconds pause_;
   LcmBus bus_{bus_url()};
   LcmPublisher publisher_;
   Inputs inputs_;
@@ -87,6 +93,21 @@ TEST(MapClient, TakesAnAnswerThatComesAfterItAskedAgain) {
   EXPECT_EQ(reply.map_version, 4);
   for (const map_request_t& request : server.end())
     EXPECT_EQ(request.argument, to_json(Question{FrontiersQuestion{}, long_enough}));
+}
+
+// A mesh of a hundred megabytes takes its time on the bus.
+TEST(MapClient, TakesAnAnswerThatIsComingWhenItsTimeIsOver) {
+  constexpr double deadline = 0.6;  // s; a tile after it is still within the second after which one is lost
+  MadeUpServer server(
+      [](const MadeUpServer::Asked& asked) {
+        return std::vector<map_reply_t>{tile(asked[0], 0, 3, "the ", 4), tile(asked[0], 1, 3, "whole ", 4),
+                                        tile(asked[0], 2, 3, "map", 4)};
+      },
+      std::chrono::milliseconds(400));
+  if (!server.usable()) GTEST_SKIP() << "no multicast route here";
+  MapClient map(bus_url(), deadline);
+  EXPECT_EQ(map.ask({FrontiersQuestion{}, deadline}).bytes, "the whole map");
+  EXPECT_EQ(server.end().size(), 1U);
 }
 
 TEST(MapClient, AsksAgainForWhatWasLost) {

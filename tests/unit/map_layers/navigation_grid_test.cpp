@@ -42,6 +42,18 @@ TEST_F(Ground, IsFreeWhereItIsLevelAndUnknownWhereNobodyLooked) {
   EXPECT_NEAR(map.ground(map.ground.rows / 2, map.ground.cols / 2), 0, 1e-6);
 }
 
+// A file of a hall is not cut off some metres beside where the robot stopped.
+TEST_F(Ground, ReachesAllOfTheMapWhereThatIsAsked) {
+  fill(grid_, box(4, -1, -0.4f, 13, 1, 2), -20);
+  fill(grid_, box(4, -1, -0.04f, 13, 1, 0), 20);
+  EXPECT_EQ(made().at(12.5, 0), NavigationGrid::unknown);
+  settings_ = reaching_all(grid_, settings_, planar_pose(0.02, 0.02, 0));
+  EXPECT_EQ(made().at(12.5, 0), NavigationGrid::free);
+  EXPECT_LT(settings_.reach, 14);
+  EXPECT_GE(reaching_all(grid_, NavigationSettings{}, planar_pose(5, 0, 0)).reach,
+            NavigationSettings{}.reach);
+}
+
 TEST_F(Ground, WhatHangsLowerThanTheRobotIsInTheWay) {
   fill(grid_, box(1, -1, 1.2f, 1.4f, -0.6f, 1.28f), 20);
   fill(grid_, box(1, 0.6f, 1.6f, 1.4f, 1, 1.68f), 20);

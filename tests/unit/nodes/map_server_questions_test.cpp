@@ -118,10 +118,10 @@ class MapServerQuestions : public ::testing::Test {
   }
 
   /// Points on surfaces that the camera sees, and halfway there.
-  std::vector<Eigen::Vector3d> seen(double share) const {
+  std::vector<Eigen::Vector3d> seen(double share, int k = 0) const {
     SimulatedKitchen& kitchen = SimulatedKitchen::instance();
     const RgbdCalibration calibration = kitchen.simulation().calibration();
-    const RgbdFrame frame = decode_images(kitchen.frame(number(0)), calibration);
+    const RgbdFrame frame = decode_images(kitchen.frame(number(k)), calibration);
     const Utime depth_time = calibration.depth_time(frame.depth_utime);
     const Eigen::Isometry3d T_world_depth = kitchen.simulation().T_world_robot(depth_time) *
                                             calibration.T_robot_camera * calibration.T_colour_depth;
@@ -219,6 +219,38 @@ TEST_F(MapServerQuestions, BodiesAndPathsCollideWithWhatIsThere) {
   EXPECT_LE(blocked["first_collision"], 10);
   const json free = answer(json{{"ask", "path"}, {"robot", robot}, {"poses", {poses[0]}}}.dump());
   EXPECT_EQ(free, (json{{"free", true}}));
+}
+
+// The mapper's pose is DEGRADED then, since he hides the map.
+TEST_F(MapServerQuestions, WhoStepsCloseBeforeTheRobotIsInTheWayAndNotInTheMap) {
+  drive();
+  const Eigen::Vector3d far_away(30, 0, 0);  // where nothing is known
+  std::vector<Eigen::Vector3d> surface = seen(1, frames);
+  for (Eigen::Vector3d& p : surface) p += far_away;
+  json spheres = json::array();
+  for (const Eigen::Vector3d& p : surface) spheres.push_back({p.x(), p.y(), p.z(), 0.05});
+  const std::string collision = json{{"ask", "collision"}, {"spheres", spheres}}.dump();
+  const auto share_in_the_way = [&] {
+    const json collides = answer(collision)["collides"];
+    return static_cast<double>(std::count(collides.begin(), collides.end(), true)) /
+           static_cast<double>(collides.size());
+  };
+  ASSERT_GT(surface.size(), 50U);
+  ASSERT_EQ(share_in_the_way(), 0);
+
+  const images_t& images = SimulatedKitchen::instance().frame(number(frames));
+  bus_.deliver("CAMERA", images);
+  const Utime depth_time =
+      SimulatedKitchen::instance().simulation().calibration().depth_time(from_message(images).depth.utime);
+  pose_estimate_t pose =
+      make_pose_estimate(depth_time, T_world_robot(depth_time, far_away), Matrix6d::Identity() * 1e-6);
+  pose.seq = frames;
+  pose.sender = 3;
+  pose.frame = "map";
+  pose.status = pose_estimate_t::DEGRADED;
+  bus_.deliver("ICP_POSE", pose);
+  EXPECT_GT(share_in_the_way(), 0.9);
+  EXPECT_EQ(share_of(answer(R"({"ask": "space")" + asked_at(surface))["states"], "unknown"), 1);
 }
 
 TEST_F(MapServerQuestions, PlanesObjectsFrontiersAndTheGridAreTold) {
@@ -320,14 +352,35 @@ TEST_F(MapServerQuestions, ARestartedServerDerivesAnewFromImagesThatItKept) {
 
 TEST_F(MapServerQuestions, WhatCannotBeAnsweredSaysWhy) {
   EXPECT_THAT(refusal(R"({"ask": "space", "points": [[0, 0, 0]]})"), HasSubstr("no frame"));
+  EXPECT_THAT(refusal(R"({"ask": "cloud"})"), HasSubstr("no keyframe"));
   drive();
   EXPECT_THAT(refusal("distance"), HasSubstr("JSON"));
   EXPECT_THAT(refusal(R"({"ask": "weather"})"), HasSubstr("none of distance, collision"));
   EXPECT_THAT(refusal(R"({"ask": "distance"})"), HasSubstr("'points' is missing"));
   EXPECT_THAT(refusal(R"({"ask": "distance", "points": [[0, 0]]})"), HasSubstr("3 numbers"));
   EXPECT_THAT(refusal(R"({"ask": "grid", "colour": 1})"), HasSubstr("'colour' is not asked for"));
-  EXPECT_EQ(value_of(node_, "requests_refused"), 5);
-  EXPECT_EQ(node_.report().refused, 5) << "STATUS tells it soon";
+  EXPECT_EQ(value_of(node_, "requests_refused"), 6);
+  EXPECT_EQ(node_.report().refused, 6) << "STATUS tells it soon";
+}
+
+TEST_F(MapServerQuestions, WithoutLayersTheMapItselfIsToldAndItsVersionCounts) {
+  testing::TestBus bus;
+  bus.add<MapServerNode>(ConfigNode::parse("{folder: " + scratch_.path().string() +
+                                           "/bare, store: '', layers: {make: false, background: false}}"));
+  drive(bus, {0, 0, 0}, true);
+  map_request_t request{};
+  request.kind = map_request_t::QUERY;
+  for (const char* question : {R"({"ask": "distance", "points": [[0, 0, 0]]})", R"({"ask": "cloud"})"}) {
+    ++request.request_id;
+    request.argument = question;
+    bus.deliver("MAP_REQUEST", request);
+    bus.work();
+  }
+  const auto replies = bus.on<map_reply_t>("MAP_REPLY");
+  ASSERT_EQ(replies.size(), 2U);
+  EXPECT_THAT(replies[0].message, HasSubstr("map-server.layers.make is false"));
+  EXPECT_EQ(replies[1].status, 0) << replies[1].message;
+  EXPECT_THAT(replies[1].content, HasSubstr("map_version=" + std::to_string(frames / keyframe_every)));
 }
 
 }  // namespace
