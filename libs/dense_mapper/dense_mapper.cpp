@@ -103,9 +103,10 @@ Expectation DenseMapper::expect(const DenseFrame& frame) const {
 // A robot on wheels stands on the floor that is believed until what it measures refuses that.
 void DenseMapper::stand_on_ground(const Tracked& tracked, Step& step) {
   if (!settings_.prior.planar) return;
-  if (tracked.refused_for)
+  const bool believed = step.status == MappingStatus::tracking;
+  if (believed && tracked.refused_for)
     ground_.leave_for(*tracked.refused_for);
-  else if (step.status == MappingStatus::tracking)
+  else if (believed)
     ground_.observe(step.T_world_robot, step.covariance);
   step.floor = ground_.floor();
 }
