@@ -14,6 +14,7 @@ constexpr std::size_t enough_surfels = 300;
 
 struct SurfelsInView {
   std::size_t through = 0, supported = 0, hidden = 0;
+  std::size_t all() const { return through + supported + hidden; }
 };
 
 SurfelsInView count_in_view(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera,
@@ -60,10 +61,15 @@ bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_cam
   constexpr double close = 1.2;                                  // m: farther away are other rooms, too
   if (!(median_depth(frame.cloud) < close)) return false;
   const SurfelsInView count = count_in_view(frame, T_world_camera, map);
-  const std::size_t all = count.through + count.supported + count.hidden;
+  const std::size_t all = count.all();
   return all >= enough_surfels &&
          static_cast<double>(count.hidden) > least_hidden * static_cast<double>(all) &&
          static_cast<double>(count.through) < most_seen_through * static_cast<double>(all);
+}
+
+bool shows_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
+  const SurfelsInView count = count_in_view(frame, T_world_camera, map);
+  return count.all() < enough_surfels || 2 * count.supported > count.all();
 }
 
 bool still_shows(const Cloud& cloud, const Eigen::Isometry3d& T_predicted, const Eigen::Isometry3d& T_fitted,

@@ -71,7 +71,7 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   // Tell: how wrong the pose may be in the whole map, and where it is as seen by whoever must not see it
   // jump.
   tell_covariance(frame.T_robot_camera, step);
-  tell_local_pose(expected, step);
+  tell_local_pose(tracked.pushed ? *expected.pushed : expected, step);
 
   // A jump to where the robot was found again is no motion that goes on.
   motion_.observe(frame.utime, step.T_world_robot, registered && !step.relocalised);
@@ -88,24 +88,32 @@ PreparedFrame DenseMapper::prepare(const DenseFrame& frame) const {
 }
 
 Expectation DenseMapper::expect(const DenseFrame& frame) const {
+  Expectation expected = expect(frame, false);
+  if (motion_.is_held(frame.motion))
+    expected.pushed = std::make_shared<const Expectation>(expect(frame, true));
+  return expected;
+}
+
+Expectation DenseMapper::expect(const DenseFrame& frame, bool pushed) const {
   Expectation expected;
   expected.T_world_last = motion_.T_world_last();
   expected.bad_steps = bad_steps_;
   expected.adrift = motion_.adrift();
   if (settings_.prior.planar) expected.floor = ground_.floor();
-  expected.prior = motion_.predict(frame.utime, frame.motion, expected.floor);
+  expected.prior = motion_.predict(frame.utime, frame.motion, expected.floor, pushed);
   if (expected.floor != Floor::free)
-    expected.off_ground = motion_.predict(frame.utime, frame.motion, Floor::free);
-  expected.step = motion_.predict_step(frame.utime, frame.motion, expected.floor);
+    expected.off_ground = motion_.predict(frame.utime, frame.motion, Floor::free, pushed);
+  expected.step = motion_.predict_step(frame.utime, frame.motion, expected.floor, pushed);
   return expected;
 }
 
 // A robot on wheels stands on the floor that is believed until what it measures refuses that.
 void DenseMapper::stand_on_ground(const Tracked& tracked, Step& step) {
   if (!settings_.prior.planar) return;
-  if (tracked.refused_for)
+  const bool believed = step.status == MappingStatus::tracking;
+  if (believed && tracked.refused_for)
     ground_.leave_for(*tracked.refused_for);
-  else if (step.status == MappingStatus::tracking)
+  else if (believed)
     ground_.observe(step.T_world_robot, step.covariance);
   step.floor = ground_.floor();
 }

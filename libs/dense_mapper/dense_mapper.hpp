@@ -89,6 +89,7 @@ class DenseMapper {
  private:
   PreparedFrame prepare(const DenseFrame& frame) const;
   Expectation expect(const DenseFrame& frame) const;
+  Expectation expect(const DenseFrame& frame, bool pushed) const;
   void stand_on_ground(const Tracked& tracked, Step& step);
   void start_map(const PreparedFrame& prepared, Step& step);
   void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot, bool registered);

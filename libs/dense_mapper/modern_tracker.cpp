@@ -37,7 +37,10 @@ ModernTracker::ModernTracker(const DenseMapperSettings& settings, DeformableMap&
 Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
   last_view_.compare(prepared.frame.colour, prepared.frame.T_robot_camera);
   Tracked tracked = on_floor(prepared, expected);
-  if (!is_elsewhere(tracked, prepared.frame, expected)) return tracked;
+  const bool elsewhere = is_elsewhere(tracked, prepared.frame, expected);
+  if (elsewhere || tracked.status == MappingStatus::lost)
+    if (auto pushed = as_pushed(prepared, expected)) return *std::move(pushed);
+  if (!elsewhere) return tracked;
   if (!has_wheels(prepared.frame)) recognise(prepared.frame, tracked);
   if (!tracked.anchored) tracked.status = MappingStatus::lost;
   return tracked;
@@ -57,6 +60,19 @@ bool ModernTracker::is_elsewhere(const Tracked& tracked, const DenseFrame& frame
   Vector6d variances = motion.information.inverse().diagonal();
   variances.head<2>().setConstant(variances.head<2>().maxCoeff());  // a base may slip aside, too
   return std::sqrt(se3_log(off).cwiseAbs2().cwiseQuotient(variances).sum()) > settings_.max_disagreement;
+}
+
+// A robot whose wheels stand may be pushed, or roll on where nothing counts its wheels. Where most of the map
+// is hidden the frame fits something else that has moved before it.
+std::optional<Tracked> ModernTracker::as_pushed(const PreparedFrame& prepared, const Expectation& expected) {
+  if (!expected.pushed || expected.adrift) return std::nullopt;
+  const DenseFrame& frame = prepared.frame;
+  Tracked tracked = on_floor(prepared, *expected.pushed);
+  if (tracked.status != MappingStatus::tracking || is_elsewhere(tracked, frame, *expected.pushed) ||
+      !shows_the_map(frame, tracked.registration.T_target_source * frame.T_robot_camera, map_.voxels()))
+    return std::nullopt;
+  tracked.pushed = true;
+  return tracked;
 }
 
 Tracked ModernTracker::on_floor(const PreparedFrame& prepared, const Expectation& expected) {

@@ -29,6 +29,7 @@ class ModernTracker : public Tracker {
 
  private:
   Tracked on_floor(const PreparedFrame& prepared, const Expectation& expected);
+  std::optional<Tracked> as_pushed(const PreparedFrame& prepared, const Expectation& expected);
   bool is_elsewhere(const Tracked& tracked, const DenseFrame& frame, const Expectation& expected) const;
   Tracked place(const PreparedFrame& prepared, const Prior& prior, const Expectation& expected);
   std::optional<Prior> ask_features(const PreparedFrame& prepared, Tracked& result);

@@ -94,14 +94,23 @@ Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>
   return prior;
 }
 
-Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion, Floor floor) const {
+Prior MotionModel::predict(Utime utime, const std::optional<Motion>& motion, Floor floor, bool pushed) const {
+  UnseenWay unseen = unseen_;
+  if (pushed) unseen.slip = 1;
   return lcmslam::predict(T_world_last_, motion, free_motion(utime), settings_, std::max(unknown_, adrift_),
-                          floor, unseen_);
+                          floor, unseen);
 }
 
-Prior MotionModel::predict_step(Utime utime, const std::optional<Motion>& motion, Floor floor) const {
+Prior MotionModel::predict_step(Utime utime, const std::optional<Motion>& motion, Floor floor,
+                                bool pushed) const {
   const double unknown = knows(motion) ? 0 : std::max(0.0, seconds_until(utime));
-  return lcmslam::predict(T_world_last_, motion, free_motion(utime), settings_, unknown, floor);
+  UnseenWay none;
+  if (pushed) none.slip = 1;
+  return lcmslam::predict(T_world_last_, motion, free_motion(utime), settings_, unknown, floor, none);
+}
+
+bool MotionModel::is_held(const std::optional<Motion>& motion) const {
+  return is_usable(motion) && std::max(share_of_floor(*motion), unseen_.slip) < 1;
 }
 
 Eigen::Isometry3d MotionModel::free_motion(Utime utime) const {

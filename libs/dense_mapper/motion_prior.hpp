@@ -25,7 +25,7 @@ struct MotionPriorSettings {
         "floor_translation", floor_translation, "m", {1e-6, 1000},
         "noise floor of a step, added (squared) to odometry's covariance: wheels slip by more than they "
         "state; less where odometry is surer than along its way and where wheels hardly turn, a tenth at "
-        "least");
+        "least; all of it where the map says that a robot that stands was pushed");
     s.number(
         "floor_rotation", floor_rotation, "rad", {1e-6, 3.1416},
         "noise floor of a step, added (squared) to odometry's covariance; a tenth where wheels do not turn");
@@ -56,10 +56,14 @@ class MotionModel {
 
   /// Prior of T_world_robot at `utime`, by odometry's `motion` since the last time or, without it, by the
   /// last step's velocity, which goes on for a second at most.
-  /// `floor`: what a robot on wheels stands on.
-  Prior predict(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane) const;
+  /// `floor`: what a robot on wheels stands on. `pushed`: wheels that stand do not hold it.
+  Prior predict(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane,
+                bool pushed = false) const;
   /// The same of this step alone, as if it were known where the robot was last.
-  Prior predict_step(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane) const;
+  Prior predict_step(Utime utime, const std::optional<Motion>& motion, Floor floor = Floor::plane,
+                     bool pushed = false) const;
+  /// Whether wheels that hardly turn hold the robot, so that a push leads it elsewhere.
+  bool is_held(const std::optional<Motion>& motion) const;
 
   /// Whether odometry tells how the robot moved. A visual one that is lost guesses: where its step errs by
   /// more than a velocity that goes on, nobody knows.

@@ -320,6 +320,22 @@ TEST_F(BlockedRobot, StaysWhereItsWheelsStand) {
   expect_pose(step.T_world_robot, no_mount, 0.01, 0.01);
 }
 
+// Or rolls on where nothing counts its wheels: what fits a little beside where they stand is the map, seen
+// from there, and no other place.
+TEST_F(BlockedRobot, FollowsAPush) {
+  const Eigen::Isometry3d there = planar_pose(0.05, -0.04, 0.05);
+  DenseMapper::Step step;
+  for (int i = 1; i <= 20; ++i) {
+    SCOPED_TRACE(i);
+    step = look(transformed(room(0.03), there.inverse()));
+    EXPECT_EQ(to_string(step.status), "tracking");
+    EXPECT_FALSE(step.hangs_on_odometry);
+    expect_pose(step.T_world_robot, there, 0.02, 0.02);
+  }
+  expect_pose(step.T_world_robot, there, 0.01, 0.01);
+  expect_pose(step.T_local_robot, there, 0.02, 0.02);
+}
+
 // Beside what is nearer there is something farther where the map has a wall, a floor and a box.
 TEST_F(BlockedRobot, WasCarriedWhereItLooksThroughTheMapAsWell) {
   Cloud elsewhere = somebody_close(1.2);

@@ -128,6 +128,24 @@ TEST(DenseMapper, OnWheelsFollowsARampUpToALanding) {
   EXPECT_GT(T.translation().z(), 0.09);
 }
 
+// A frame fits where its wheels cannot have led the robot, and tilted: it is lost, and its floor is where it
+// was.
+TEST(DenseMapper, WhatIsNotBelievedDoesNotTiltTheFloor) {
+  DenseMapperSettings settings;
+  settings.prior.planar = true;
+  DenseMapper mapper(settings);
+  const Cloud scene = room(0.03);
+  mapper.step(coloured_frame(0, seen_from(scene, no_mount, 1), no_mount));
+  Motion wheels;
+  wheels.T_from_to = planar_pose(0.02, 0, 0);
+  wheels.covariance = 1e-6 * Matrix6d::Identity();
+  const Eigen::Isometry3d tilted = se3_exp(twist(0.2, 0, 0, 0, 0.05, 0));
+  const auto step = mapper.step(coloured_frame(frame_time, seen_from(scene, tilted, 2), no_mount, wheels));
+  EXPECT_EQ(to_string(step.status), "lost");
+  EXPECT_GT(rotation_angle(step.registration.T_target_source), 0.03) << "it would fit there";
+  EXPECT_EQ(step.floor, Floor::plane);
+}
+
 TEST(DenseMapper, FollowsOdometryAlongABareWall) {
   DenseMapperSettings settings;
   settings.prior.planar = true;

@@ -91,6 +91,15 @@ TEST(MotionModel, WheelsThatDoNotTurnDoNotSlip) {
   EXPECT_NEAR(sigma(model, 0.0025), 0.5 * s.floor_translation, 1e-9);
   EXPECT_NEAR(sigma(model, 0.02), s.floor_translation, 1e-9);
   EXPECT_NEAR(sigma(model, 0, true), s.floor_translation, 1e-9) << "a camera in the hand has no wheels";
+  // Unless somebody pushes it.
+  Motion still;
+  EXPECT_TRUE(model.is_held(still));
+  for (const Prior& prior : {model.predict(100'000, still, Floor::plane, true),
+                             model.predict_step(100'000, still, Floor::plane, true)})
+    EXPECT_NEAR(std::sqrt(prior.information.inverse()(0, 0)), s.floor_translation, 1e-9);
+  still.visual = true;
+  EXPECT_FALSE(model.is_held(still));
+  EXPECT_FALSE(model.is_held(std::nullopt));
   // Who has driven unseen may have slipped there, and stands now.
   Motion way;
   way.T_from_to.translation().x() = 0.5;

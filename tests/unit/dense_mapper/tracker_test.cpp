@@ -158,6 +158,36 @@ TEST_F(ModernTracking, WhatFitsFarBesideTheWheelsWayIsLost) {
   EXPECT_EQ(to_string(track(seen_from(aside), surer, motion).status), "tracking");
 }
 
+// Wheels that stand say nothing of a push: all of the map that is in sight has moved then. Where one thing of
+// it has, and hides the rest, it is that which was pushed.
+TEST_F(ModernTracking, ARobotThatStandsIsPushedOnlyWhereMostOfTheMapMoves) {
+  Expectation expected = expectation(here, 0.003);
+  expected.pushed = std::make_shared<const Expectation>(expectation(here, 0.03));
+  const auto look = [&](const Cloud& seen) {
+    DenseFrame frame;
+    frame.T_robot_camera = optical_axes();
+    frame.cloud = transformed(seen, optical_axes().inverse());
+    frame.motion = Motion();
+    return tracker_.track({frame, seen}, expected);
+  };
+  const Eigen::Isometry3d there = planar_pose(0.05, -0.04, 0.05);
+  const Tracked pushed = look(seen_from(there));
+  EXPECT_EQ(to_string(pushed.status), "tracking");
+  EXPECT_TRUE(pushed.pushed);
+  EXPECT_LT(error(pushed.registration.T_target_source, there), 0.03);
+  EXPECT_FALSE(look(seen_from(here)).pushed);
+
+  const auto somebody_at = [](double x) {
+    Cloud close;
+    add_rectangle(close, {x, -1.2, -1.2}, {0, 0, 2.4}, {0, 2.4, 0}, 0.015);
+    close.sigmas.assign(close.size(), 0.003f);
+    return close;
+  };
+  map_.insert(somebody_at(0.8), {0, 0, 0}, 0);
+  EXPECT_EQ(to_string(look(somebody_at(0.8)).status), "tracking");
+  EXPECT_EQ(to_string(look(somebody_at(0.88)).status), "lost");
+}
+
 // The place before, and no keyframe, is another start.
 TEST_F(ModernTracking, WhereItWasLastIsAStart) {
   Expectation far = expectation(planar_pose(-2, 1.5, 1.2));
