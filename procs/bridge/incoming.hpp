@@ -41,6 +41,8 @@ class Incoming {
   static constexpr std::size_t reasons = 5;
   std::int64_t count(Refused why) const { return refused_[static_cast<std::size_t>(why)]; }
   std::int64_t refused() const;
+  /// Messages of which pieces never came.
+  std::int64_t incomplete() const { return assembler_.incomplete(); }
   /// Of the last message that was malformed.
   const std::string& last_error() const { return last_error_; }
 
