@@ -48,6 +48,7 @@ class Incoming {
 
  private:
   std::optional<Message> refuse(Refused why);
+  std::size_t largest() const;  // bytes of a message, in pieces or not
   std::optional<Message> check(const std::string& channel, std::vector<std::uint8_t> bytes);
   std::optional<Message> join(const std::string& channel, const std::uint8_t* data, std::size_t size);
 
