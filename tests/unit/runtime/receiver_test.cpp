@@ -220,6 +220,25 @@ TEST_F(ReceiverTest, HalfMessagesOfAllChannelsAreBoundedAndWhoHasMostPays) {
   EXPECT_EQ(receiver.counts().at(inputs_.all()[1].get()).incomplete, 0);
 }
 
+TEST_F(ReceiverTest, AMessageInPiecesTakesAsMuchAsAllMay) {
+  setenv("LCMSLAM_BUS_MEMORY", "40", 1);
+  LcmBus bus("memq://");
+  std::size_t handled = 0;
+  inputs_.subscribe<status_t>("A", 10, [&](const status_t& m) { handled += m.detail.size(); });
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  Receiver receiver(bus, inputs_);
+  unsetenv("LCMSLAM_BUS_MEMORY");
+  status_t big{};
+  big.detail.assign(std::size_t{39} << 20, 'x');
+  for (const part_t& part : split_message("A", encode_message(big), 1, 0, 4 << 20)) {
+    const auto bytes = encode_message(part);
+    bus.lcm().publish("A_PART", bytes.data(), static_cast<unsigned>(bytes.size()));
+  }
+  LcmPublisher publisher(bus.lcm(), 5, 1'000'000);
+  drain(receiver, publisher);
+  EXPECT_EQ(handled, big.detail.size());
+}
+
 TEST_F(ReceiverTest, WhatNobodyShouldHaveSentIsCountedTogether) {
   const std::string url = own_bus("udpm://239.255.76.67:7667?ttl=0");
   LcmBus sending(url), receiving(url);
