@@ -34,7 +34,7 @@ void SessionPlaces::attempt(const Work& work) {
 
 void SessionPlaces::load(std::int64_t newest) {
   tell_error("");
-  is_read_ = !std::filesystem::exists(file_);
+  is_read_ = !may_be_there(file_);
   if (is_read_) return;
   attempt([&] {
     try {
