@@ -9,15 +9,13 @@ namespace lcmslam {
 namespace {
 
 const std::string suffix = "_PART";
-constexpr std::int32_t largest_message = 16 << 20;  // bytes, as the bus takes them in fragments
-constexpr std::size_t longest_channel = 63;         // characters, LCM's
-constexpr std::size_t most_waiting = 8;             // messages; more are those of senders that went away
-constexpr std::size_t most_bytes = 32 << 20;        // of the pieces that wait
+constexpr std::size_t longest_channel = 63;  // characters, LCM's
+constexpr std::size_t most_waiting = 8;      // messages; more are those of senders that went away
 
-void check(const part_t& part) {
+void check(const part_t& part, std::size_t largest_message) {
   const bool fits = part.n_parts > 0 && part.part >= 0 && part.part < part.n_parts && part.total_size > 0 &&
-                    part.total_size <= largest_message && part.n_parts <= part.total_size && part.size > 0 &&
-                    part.size <= part.total_size;
+                    static_cast<std::size_t>(part.total_size) <= largest_message &&
+                    part.n_parts <= part.total_size && part.size > 0 && part.size <= part.total_size;
   if (!fits)
     throw DecodeError("part_t: part " + std::to_string(part.part) + " of " + std::to_string(part.n_parts) +
                       " with " + std::to_string(part.size) + " of " + std::to_string(part.total_size) +
@@ -60,7 +58,7 @@ std::vector<part_t> split_message(const std::string& channel, const std::vector<
 }
 
 std::optional<PartAssembler::Whole> PartAssembler::add(const part_t& part) {
-  check(part);
+  check(part, most_bytes_);
   const Key key{part.sender, part.channel, part.message};
   auto found = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.key == key; });
   if (found == waiting_.end()) {
@@ -78,7 +76,7 @@ std::optional<PartAssembler::Whole> PartAssembler::add(const part_t& part) {
     found->parts.emplace(part.part, part.data);
   }
   if (found->parts.size() < static_cast<std::size_t>(part.n_parts)) {
-    while (waiting_bytes() > most_bytes) give_up_oldest();
+    while (waiting_bytes() > most_bytes_) give_up_oldest();
     return std::nullopt;
   }
 

@@ -26,6 +26,10 @@ std::vector<part_t> split_message(const std::string& channel, const std::vector<
 /// Puts pieces together, in whatever order and from however many senders they come.
 class PartAssembler {
  public:
+  /// Takes 32 MiB of pieces that wait, so also of a message.
+  PartAssembler() = default;
+  explicit PartAssembler(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+
   struct Whole {
     std::string channel;
     Utime utime = 0;
@@ -39,7 +43,7 @@ class PartAssembler {
   /// Messages that were given up because pieces of them never came.
   std::int64_t incomplete() const { return incomplete_; }
 
-  /// Of pieces that wait, with what it takes to keep them; add() leaves no more than 32 MiB.
+  /// Of pieces that wait, with what it takes to keep them; add() leaves no more than may wait.
   std::size_t waiting_bytes() const;
   /// Gives up what waits longest; it has to be something.
   void give_up_oldest();
@@ -60,6 +64,7 @@ class PartAssembler {
     std::map<std::int32_t, std::vector<std::uint8_t>> parts;
   };
 
+  std::size_t most_bytes_ = 32 << 20;
   std::deque<Waiting> waiting_;  // oldest first
   std::int64_t incomplete_ = 0;
 };

@@ -39,7 +39,8 @@ void LcmPublisher::send(const std::string& channel, const std::vector<std::uint8
 std::size_t largest_whole_message(const std::string& lcm_url) {
   const MulticastAddress address = multicast_address(lcm_url);
   if (address.group.empty()) return std::numeric_limits<std::size_t>::max();
-  return static_cast<std::size_t>(granted_receive_buffer(address.receive_buffer) / 4);
+  const auto trusted = static_cast<std::size_t>(granted_receive_buffer(address.receive_buffer) / 4);
+  return std::min(trusted, udpm::largest_message);  // of more not even its fragments are taken
 }
 
 BusSender::BusSender(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole)
@@ -89,6 +90,7 @@ Receiver::Receiver(LcmBus& bus, const Inputs& inputs)
     auto queue = std::make_unique<Queue>();
     queue->receiver = this;
     queue->input = input.get();
+    queue->assembler = PartAssembler(most_piece_bytes_);
     queues_.push_back(std::move(queue));
   }
   thread_ = std::thread([this] { drain(); });

@@ -61,7 +61,7 @@ NodeReport with_stamps(NodeReport report, const StampJudge& stamps) {
 }
 
 StatusReporter::StatusReporter(std::string process, Publisher& publisher)
-    : process_(std::move(process)), publisher_(publisher) {
+    : process_(std::move(process)), publisher_(publisher), last_cpu_(process_cpu_seconds()) {
   publisher_.on_answer = [this](Utime utime) { answered(utime); };
 }
 

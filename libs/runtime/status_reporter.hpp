@@ -34,7 +34,7 @@ class StatusReporter {
   Publisher& publisher_;
   SteadyTime start_ = std::chrono::steady_clock::now();
   SteadyTime last_ = start_;
-  double last_cpu_ = 0;
+  double last_cpu_;
   std::map<std::string, std::int64_t> last_values_, values_;  // at the last call, and at this one
   std::map<Utime, SteadyTime> waiting_;
   std::vector<double> latencies_;  // s, the newest of them

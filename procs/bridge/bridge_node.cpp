@@ -12,12 +12,21 @@ namespace lcmslam {
 namespace {
 
 constexpr std::size_t most_waiting = 1000;           // messages in the inbox
+constexpr std::size_t enough_waiting = 2'000'000;    // bytes in the inbox: a tenth of a second of the bus
+constexpr std::size_t most_in_one = 60'000;          // bytes of a keyframe's tile
+constexpr std::chrono::seconds longest_hold{1};      // of the link, while the inbox is full
 constexpr std::chrono::milliseconds period{20};      // of work()
 constexpr std::chrono::seconds request_period{5};    // of asking the mappers for their maps
 constexpr std::chrono::seconds longest_farewell{5};  // in which the map's last part still goes out
 constexpr std::chrono::seconds shortest_recall{20};  // between two readings of what the broker keeps
 constexpr std::chrono::seconds longest_recall{600};
 constexpr double snapshot_bytes = 10'000;  // a second, that whole maps take at most
+
+/// Bytes a second, as a mapper tells its map; 0: as many as come.
+double bytes_of_the_bus(std::chrono::microseconds pace) {
+  return pace.count() > 0 ? static_cast<double>(most_in_one) / std::chrono::duration<double>(pace).count()
+                          : 0;
+}
 
 /// As a level of a topic.
 std::string level(const std::string& text) {
@@ -45,6 +54,7 @@ BridgeNode::BridgeNode(const Settings& settings, Publisher& publisher, const Mak
       publisher_(publisher),
       rules_(bridge::parse_rules(settings.send)),
       outbox_(rules_, settings.limits()),
+      bus_(bytes_of_the_bus(publisher.pace()), 2 * most_in_one),
       incoming_(bridge::parse_rules(settings.receive), settings.side) {
   BridgeEnds ends{settings.broker(), settings.topics(), {}, outbox_, {}, {}, {}};
   for (const bridge::ChannelRule& rule : bridge::parse_rules(settings.receive))
@@ -59,6 +69,10 @@ BridgeNode::BridgeNode(const Settings& settings, Publisher& publisher, const Mak
   };
   ends.recalls = [this] { return recalls_.load(); };
   link_ = make_link(ends);
+}
+
+BridgeNode::~BridgeNode() {
+  let_the_link_go();
 }
 
 void BridgeNode::connect(Inputs& inputs) {
@@ -154,7 +168,8 @@ std::optional<Node::Duration> BridgeNode::work() {
     tell_maps();
     ask_for_what_lacks();
   }
-  return period;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return inbox_.empty() ? Duration(period) : Duration(publisher_.pace());
 }
 
 void BridgeNode::tell_maps() {
@@ -203,7 +218,9 @@ void BridgeNode::ask_for_what_lacks() {
 
 void BridgeNode::take_incoming(const std::string& channel, const std::uint8_t* data, std::size_t size,
                                bool kept) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  std::unique_lock<std::mutex> lock(mutex_);
+  // What more a broker keeps is safe there.
+  room_.wait_for(lock, longest_hold, [this] { return inbox_bytes_ < enough_waiting || is_ending_; });
   const auto now = Clock::now();
   take_what_waited(now);
   if (auto message = incoming_.take(channel, data, size, kept, now)) into_inbox(std::move(*message));
@@ -215,21 +232,33 @@ void BridgeNode::take_what_waited(Clock::time_point now) {
 
 void BridgeNode::into_inbox(Incoming::Message message) {
   if (inbox_.size() >= most_waiting) {
+    inbox_bytes_ -= inbox_.front().bytes.size();
     inbox_.pop_front();
     ++inbox_drops_;
   }
+  inbox_bytes_ += message.bytes.size();
   inbox_.push_back(std::move(message));
 }
 
-void BridgeNode::hand_on() {
+/// A whole map that the broker keeps comes at once. Receivers on the bus would lose most of it, and the same
+/// each time that they ask for it again.
+std::deque<Incoming::Message> BridgeNode::what_may_go() {
   std::deque<Incoming::Message> messages;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    take_what_waited(Clock::now());
-    messages.swap(inbox_);
-    handed_on_ += static_cast<std::int64_t>(messages.size());
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto now = Clock::now();
+  take_what_waited(now);
+  while (!inbox_.empty() && bus_.try_take(static_cast<double>(inbox_.front().bytes.size()), now)) {
+    inbox_bytes_ -= inbox_.front().bytes.size();
+    messages.push_back(std::move(inbox_.front()));
+    inbox_.pop_front();
   }
-  for (Incoming::Message& message : messages) {
+  handed_on_ += static_cast<std::int64_t>(messages.size());
+  room_.notify_all();
+  return messages;
+}
+
+void BridgeNode::hand_on() {
+  for (Incoming::Message& message : what_may_go()) {
     // They come the newest first, and again only where they changed: gaps of their numbers are no losses.
     if (settings_.side == bridge::Side::operating && message.channel == "ICP_KEYFRAME") {
       const AnyMessage is = identify(message.bytes.data(), message.bytes.size());
@@ -241,6 +270,7 @@ void BridgeNode::hand_on() {
 
 /// What makes the map still goes out, if the broker is there.
 void BridgeNode::finish() {
+  let_the_link_go();
   const auto end = Clock::now() + longest_farewell;
   landmark_snapshots_.next = graph_snapshots_.next = Clock::now();
   while (Clock::now() < end && outbox_.is_connected()) {
@@ -249,6 +279,13 @@ void BridgeNode::finish() {
     std::this_thread::sleep_for(period);
   }
   link_.reset();
+}
+
+/// Nobody hands on what it would wait for.
+void BridgeNode::let_the_link_go() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  is_ending_ = true;
+  room_.notify_all();
 }
 
 NodeReport BridgeNode::report() const {
@@ -278,6 +315,7 @@ NodeReport BridgeNode::report() const {
   add("refused", incoming_.refused());
   add("recalls", recalls_.load());
   add("inbox_drops", inbox_drops_);
+  add("incomplete", incoming_.incomplete());
   return report;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 // Chosen channels to a broker and from it. The broker's connection is a thread of its own, which takes from
-// the outbox and fills the inbox; nothing here waits for it.
+// the outbox and fills the inbox; nothing here waits for it. It waits where the inbox is full, as the bus
+// takes less than most links bring.
 
 #include <atomic>
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -10,6 +12,7 @@
 
 #include <lcmslam/bridge/broker.hpp>
 #include <lcmslam/bridge/outbox.hpp>
+#include <lcmslam/bridge/token_bucket.hpp>
 #include <lcmslam/command_t.hpp>
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/keyframe_t.hpp>
@@ -28,7 +31,8 @@ struct BridgeEnds {
   bridge::Outbox& outbox;
   /// What goes now, see Outbox.
   std::function<std::optional<bridge::Outgoing>(bridge::Time)> next;
-  /// From any thread, and quick: what came on a topic of a channel; `kept`: from the broker's memory.
+  /// From any thread, and quick where the bus takes what came before: what came on a topic of a channel;
+  /// `kept`: from the broker's memory.
   std::function<void(const std::string& channel, const std::uint8_t* data, std::size_t size, bool kept)> take;
   /// How often the keyframes that the broker keeps were wanted again.
   std::function<std::int64_t()> recalls;
@@ -42,6 +46,7 @@ class BridgeNode : public Node {
 
   BridgeNode(const ConfigNode& config, Publisher& publisher, const MakeLink& make_link);
   BridgeNode(const Settings& settings, Publisher& publisher, const MakeLink& make_link);
+  ~BridgeNode() override;
 
   void connect(Inputs& inputs) override;
   std::optional<Duration> work() override;
@@ -64,7 +69,9 @@ class BridgeNode : public Node {
   void take_incoming(const std::string& channel, const std::uint8_t* data, std::size_t size, bool kept);
   void take_what_waited(Clock::time_point now);
   void into_inbox(Incoming::Message message);
+  std::deque<Incoming::Message> what_may_go();
   void hand_on();
+  void let_the_link_go();
   void ask_for_what_lacks();
 
   /// When a map that is told in changes is told whole again.
@@ -92,10 +99,14 @@ class BridgeNode : public Node {
   Clock::time_point next_recall_{};
   Clock::duration recall_pause_{};
   std::atomic<std::int64_t> recalls_{0};
+  bridge::TokenBucket bus_;  // bytes that go on the bus
 
   mutable std::mutex mutex_;  // for what follows
   Incoming incoming_;
   std::deque<Incoming::Message> inbox_;
+  std::size_t inbox_bytes_ = 0;
+  bool is_ending_ = false;  // the link waits for nothing any more
+  std::condition_variable room_;
   std::int64_t inbox_drops_ = 0, handed_on_ = 0;
   std::unique_ptr<bridge::BrokerLink> link_;  // last: its thread ends first
 };

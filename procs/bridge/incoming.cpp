@@ -32,7 +32,7 @@ std::optional<Incoming::Message> Incoming::take(const std::string& channel, cons
   const auto rule = allowed_.find(whole);
   if (rule == allowed_.end()) return refuse(Refused::not_allowed);
   if (kept && side_ == bridge::Side::robot) return refuse(Refused::from_memory);
-  if (size > (side_ == bridge::Side::robot ? largest_order : largest_other)) return refuse(Refused::too_big);
+  if (size > largest()) return refuse(Refused::too_big);
   if (size == 0 && side_ == bridge::Side::operating) return std::nullopt;  // what was kept there is no more
   try {
     std::optional<Message> message = piece ? join(whole, data, size) : check(whole, {data, data + size});
@@ -50,10 +50,14 @@ std::optional<Incoming::Message> Incoming::join(const std::string& channel, cons
                                                 std::size_t size) {
   const auto part = decode_message<part_t>(data, size);
   if (part.channel != channel) throw DecodeError("part_t of another channel");
-  if (static_cast<std::size_t>(std::max(part.total_size, 0)) > largest_other) return refuse(Refused::too_big);
+  if (static_cast<std::size_t>(std::max(part.total_size, 0)) > largest()) return refuse(Refused::too_big);
   auto joined = assembler_.add(part);
   if (!joined) return std::nullopt;
   return check(channel, std::move(joined->bytes));
+}
+
+std::size_t Incoming::largest() const {
+  return side_ == bridge::Side::robot ? largest_order : largest_other;
 }
 
 void Incoming::wait(Allowed& rule, std::optional<Message> message, Time now) {

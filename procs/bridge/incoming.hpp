@@ -41,11 +41,14 @@ class Incoming {
   static constexpr std::size_t reasons = 5;
   std::int64_t count(Refused why) const { return refused_[static_cast<std::size_t>(why)]; }
   std::int64_t refused() const;
+  /// Messages of which pieces never came.
+  std::int64_t incomplete() const { return assembler_.incomplete(); }
   /// Of the last message that was malformed.
   const std::string& last_error() const { return last_error_; }
 
  private:
   std::optional<Message> refuse(Refused why);
+  std::size_t largest() const;  // bytes of a message, in pieces or not
   std::optional<Message> check(const std::string& channel, std::vector<std::uint8_t> bytes);
   std::optional<Message> join(const std::string& channel, const std::uint8_t* data, std::size_t size);
 

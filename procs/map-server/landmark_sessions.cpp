@@ -21,7 +21,7 @@ void LandmarkSessions::read_again(std::int64_t newest) {
 void LandmarkSessions::load(std::int64_t newest) {
   const std::lock_guard<std::mutex> lock(mutex_);
   note_error("");
-  is_read_ = !std::filesystem::exists(file_);
+  is_read_ = !may_be_there(file_);
   if (is_read_) return;
   attempt([&] {
     try {

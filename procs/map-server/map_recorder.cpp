@@ -58,7 +58,7 @@ void MapRecorder::read_kept(std::chrono::milliseconds patience) {
   unreadable_.clear();
   may_be_read_later_ = false;
   damage_.clear();
-  if (std::filesystem::exists(file_)) try {
+  if (may_be_there(file_)) try {
       MapFile map(file_, patience);
       for (const StoredSession& session : map.sessions(&damage_)) try {
           newest_of_before_ = session.id;

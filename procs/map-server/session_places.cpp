@@ -28,14 +28,13 @@ void SessionPlaces::attempt(const Work& work) {
   try {
     work();
   } catch (const std::exception& error) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    error_ = error.what();
+    tell_error(error.what());
   }
 }
 
 void SessionPlaces::load(std::int64_t newest) {
-  forget_error();
-  is_read_ = !std::filesystem::exists(file_);
+  tell_error("");
+  is_read_ = !may_be_there(file_);
   if (is_read_) return;
   attempt([&] {
     try {
@@ -81,14 +80,13 @@ std::vector<StoredKeyframe> SessionPlaces::keyframes(MapFile& map, std::int64_t 
   return keyframes;
 }
 
-void SessionPlaces::forget_error() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  error_.clear();
+void SessionPlaces::tell_error(const std::string& error) {
+  const std::lock_guard<std::mutex> lock(error_mutex_);
+  error_ = error;
 }
 
 void SessionPlaces::note(const MapFile::Damage& damage) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!damage.empty()) error_ = damage.front();
+  if (!damage.empty()) tell_error(damage.front());
 }
 
 std::optional<SessionPlaces::Look> SessionPlaces::look(MapFile& map, std::int64_t session,
@@ -316,18 +314,26 @@ SessionPlaces::Answer SessionPlaces::locate(const FeatureFrame& features) {
   return answer;
 }
 
+/// STATUS asks after almost each message, and must not wait for what is looked for.
+void SessionPlaces::count_keyframes() const {
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+  if (!lock) return;
+  kept_keyframes_ = map_.size();
+  current_keyframes_ = current_.size();
+}
+
 std::size_t SessionPlaces::kept_keyframes() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return map_.size();
+  count_keyframes();
+  return kept_keyframes_;
 }
 
 std::size_t SessionPlaces::current_keyframes() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return current_.size();
+  count_keyframes();
+  return current_keyframes_;
 }
 
 std::string SessionPlaces::error() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(error_mutex_);
   return error_;
 }
 

@@ -83,7 +83,8 @@ class SessionPlaces {
   /// keyframes may say where the session lies, or its graph has moved them.
   std::map<int, Eigen::Isometry3d> moved_kept();
 
-  /// Keyframes of the file's map that things can be found by, and of the current session.
+  /// Keyframes of the file's map that things can be found by, and of the current session. While something is
+  /// looked for, as they were before.
   std::size_t kept_keyframes() const;
   std::size_t current_keyframes() const;
   std::string error() const;
@@ -101,7 +102,8 @@ class SessionPlaces {
   std::vector<StoredSession> sessions(MapFile& map);
   std::vector<StoredKeyframe> keyframes(MapFile& map, std::int64_t session);
   void note(const MapFile::Damage& damage);
-  void forget_error();
+  void tell_error(const std::string& error);
+  void count_keyframes() const;
   /// What cannot be read says error(), and takes nothing else away.
   template <class Work>
   void attempt(const Work& work);
@@ -133,6 +135,10 @@ class SessionPlaces {
 
   bool is_read_ = false;  // what sessions the file has is known; the thread's own
   std::atomic<bool> may_be_read_later_ = false;
+  mutable std::atomic<std::size_t> kept_keyframes_ = 0, current_keyframes_ = 0;
+
+  mutable std::mutex error_mutex_;
+  std::string error_;
 
   mutable std::mutex mutex_;  // guards what follows, held while something is looked for
   PlaceIndex map_, current_;
@@ -148,7 +154,6 @@ class SessionPlaces {
   std::size_t next_kept_ = 0;
   std::map<int, Eigen::Isometry3d> given_;  // of them, T_session_camera by number
   std::vector<Joined> joined_;
-  std::string error_;
 
   JobThread jobs_;  // last: it ends before what it works on
 };

@@ -28,8 +28,7 @@ void SessionPlaces::keep(std::int64_t stored) {
           keep({stored, keyframe.id, T * keyframe.T_map_camera});
       }
     } catch (const std::exception& error) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      error_ = error.what();
+      tell_error(error.what());
     }
   });
 }
@@ -92,7 +91,7 @@ SessionPlaces::KeptKeyframe SessionPlaces::read_kept(std::size_t i) {
     keyframe.cloud = map.cloud(kept.session, kept.keyframe);  // images may be another calibration's
     keyframe.images = map.images(kept.session, kept.keyframe);
   } catch (const std::exception& error) {
-    error_ = error.what();
+    tell_error(error.what());
   }
   return keyframe;
 }

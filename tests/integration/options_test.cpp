@@ -41,6 +41,15 @@ class Options : public testing::TestWithParam<std::vector<std::string>> {
   }
 };
 
+TEST(Demo, WithoutABusLeavesNoFolder) {
+  const TemporaryFolder folder;
+  const Result result =
+      run({"lcmslam", "demo", "--headless", "--lcm-url", "udpm://10.0.0.1:7667", "--out", folder / "demo"},
+          patience);
+  EXPECT_EQ(result.exit_code, 1) << result.output;
+  EXPECT_FALSE(std::filesystem::exists(folder / "demo")) << result.output;
+}
+
 TEST_P(Options, HelpNamesTheProgramAndSucceeds) {
   const Result result = run_with("--help");
   EXPECT_EQ(result.exit_code, 0) << result.output;

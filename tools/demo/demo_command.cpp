@@ -68,17 +68,17 @@ std::optional<int> parse(int argc, char** argv, DemoOptions& o) {
   return parse_command(app, argc, argv);
 }
 
-/// Options become overrides of the configuration, and where no folder was named one is made when all is known
-/// to be right. Throws ConfigError, also for a graph without a source.
+std::string absolute(const std::string& path) {
+  return yaml_quoted(std::filesystem::absolute(path).lexically_normal().string());
+}
+
+/// Options become overrides of the configuration. Throws ConfigError, also for a graph without a source.
 void complete(DemoOptions& o) {
   if (o.config.empty()) o.config = share_path(o.data.empty() ? "config/demo.yaml" : "config/dataset.yaml");
   o.config = std::filesystem::absolute(o.config).lexically_normal();
   if (o.lcm_url.empty()) o.lcm_url = lcm_url_from_environment();
 
   std::vector<std::string> set;
-  const auto absolute = [](const std::string& path) {
-    return yaml_quoted(std::filesystem::absolute(path).lexically_normal().string());
-  };
   if (!o.data.empty())
     set.insert(set.end(), {"camera.source=dataset", "camera.dataset.folder=" + absolute(o.data)});
   if (!o.calibration.empty()) set.push_back("camera.dataset.calibration=" + absolute(o.calibration));
@@ -103,11 +103,15 @@ void complete(DemoOptions& o) {
     o.overrides.push_back("camera." + o.camera.source + ".seconds=" + std::to_string(o.seconds));
   }
   read_graph({o.config, o.lcm_url, o.log_level, o.overrides, {}});
+}
 
+/// Where none was named one is made: who is refused leaves none.
+void make_folder(DemoOptions& o) {
   const std::string name = o.data.empty() ? "demo" : std::filesystem::path(o.data).filename().string();
   if (o.out.empty()) o.out = new_run_folder(name.empty() ? "data" : name);
   o.out = std::filesystem::absolute(o.out).lexically_normal();
   o.overrides.insert(o.overrides.begin(), "map-server.folder=" + absolute(o.out));
+  std::filesystem::create_directories(o.out);
 }
 
 class Demo {
@@ -318,11 +322,12 @@ int demo_command(int argc, char** argv) {
   if (const auto exit_code = parse(argc, argv, options)) return *exit_code;
   check_run_folder(options.out, options.force);
   complete(options);
-  std::filesystem::create_directories(options.out);
   install_stop_signals(0);
 
   const auto bus = open_bus(options);
-  return bus ? Demo(options, *bus).run() : 1;
+  if (!bus) return 1;
+  make_folder(options);
+  return Demo(options, *bus).run();
 }
 
 }  // namespace lcmslam

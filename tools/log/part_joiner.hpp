@@ -29,7 +29,7 @@ class PartJoiner {
     std::int64_t pieces = 0;
     std::set<std::pair<std::int64_t, std::int64_t>> begun, whole;  // sender, message
   };
-  PartAssembler assembler_;
+  PartAssembler assembler_{std::size_t{1} << 28};  // bytes, LCM's own limit: a log is no stranger
   std::map<std::string, Channel> channels_;
 };
 

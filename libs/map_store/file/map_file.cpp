@@ -29,6 +29,11 @@ std::vector<std::string> names_of(const std::vector<StoredSession>& sessions) {
   return names;
 }
 
+bool may_be_there(const std::filesystem::path& file) {
+  std::error_code unknown;
+  return std::filesystem::exists(file, unknown) || unknown;
+}
+
 MapFile::MapFile(const std::filesystem::path& file, std::chrono::milliseconds patience)
     : database_(file, Database::Access::read, nullptr, patience), moment_(database_, "DEFERRED") {
   schema_ = schema_of(database_);

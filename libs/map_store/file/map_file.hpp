@@ -16,6 +16,10 @@ struct SessionCounts {
 /// "icp-session1", "icp-session2": each one's own, counted by mapper, as exported files are called.
 std::vector<std::string> names_of(const std::vector<StoredSession>& sessions);
 
+/// False: there is no such file. Where nobody can say (a folder that may not be entered, a disk that fails)
+/// it may be there, and reading it says what is wrong.
+bool may_be_there(const std::filesystem::path& file);
+
 class MapFile {
  public:
   /// Files of older schemas are read, too. Throws StoreError.

@@ -9,6 +9,7 @@
 #include <lcmslam/geometry/random.hpp>
 #include <lcmslam/messages/camera_messages.hpp>
 #include <lcmslam/pose_estimate_t.hpp>
+#include <lcmslam/status_t.hpp>
 #include "tests/unit/messages/samples.hpp"
 #include "tests/unit/runtime/capturing_publisher.hpp"
 
@@ -57,7 +58,11 @@ class BridgeNodeTest : public ::testing::Test {
     return message;
   }
 
-  testing::CapturingPublisher publisher_;
+  struct BusPublisher : testing::CapturingPublisher {
+    std::chrono::microseconds pace() const override { return pace_; }
+    std::chrono::microseconds pace_{0};
+  };
+  BusPublisher publisher_;
   Inputs inputs_;
   std::optional<BridgeEnds> ends_;
   std::unique_ptr<BridgeNode> node_;
@@ -199,6 +204,52 @@ TEST_F(BridgeNodeTest, KeyframesThatComeTheNewestFirstAreNotTakenForLost) {
   for (const keyframe_t& keyframe : publisher_.on<keyframe_t>("ICP_KEYFRAME"))
     numbers.push_back(keyframe.seq);
   EXPECT_THAT(numbers, ElementsAre(0, 1, 2));
+}
+
+// The broker gives all that it keeps at once; receive buffers on the bus hold some forty tiles.
+TEST_F(BridgeNodeTest, AWholeMapGoesOnTheBusAsFastAsThatTakesIt) {
+  publisher_.pace_ = std::chrono::milliseconds(1);
+  BridgeSettings settings;
+  settings.side = bridge::Side::operating;
+  settings.send = {"COMMAND"};
+  make(settings, {"STATUS"});
+  constexpr std::size_t messages = 200;
+  status_t tile{};
+  tile.detail.assign(50'000, 'x');
+  const auto bytes = encode_message(tile);
+  std::thread link([&] {
+    for (std::size_t i = 0; i < messages; ++i) ends_->take("STATUS", bytes.data(), bytes.size(), true);
+  });
+  const auto begin = std::chrono::steady_clock::now();
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  while (publisher_.all.size() < messages && elapsed() < 20) {
+    node_->work();
+    EXPECT_LE(static_cast<double>(publisher_.all.size()), 3 + 1000 * elapsed() * 60 / 50);
+  }
+  link.join();
+  EXPECT_EQ(publisher_.all.size(), messages);
+  EXPECT_THAT(node_->report().values, ::testing::Contains(std::make_pair(std::string("inbox_drops"), 0.0)));
+}
+
+TEST_F(BridgeNodeTest, TheLinkWaitsForTheBusAndNotForItsEnd) {
+  publisher_.pace_ = std::chrono::hours(1);
+  BridgeSettings settings;
+  settings.side = bridge::Side::operating;
+  settings.send = {"COMMAND"};
+  make(settings, {"STATUS"});
+  status_t tile{};
+  tile.detail.assign(1'100'000, 'x');
+  const auto bytes = encode_message(tile);
+  const auto take = [&] { ends_->take("STATUS", bytes.data(), bytes.size(), true); };
+  const auto begin = std::chrono::steady_clock::now();
+  take(), take(), take();
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(900)) << "the inbox is full";
+  node_->finish();
+  const auto end = std::chrono::steady_clock::now();
+  for (int i = 0; i < 100; ++i) take();
+  EXPECT_LT(std::chrono::steady_clock::now() - end, std::chrono::seconds(10));
 }
 
 TEST_F(BridgeNodeTest, NobodyOutsideMakesTheMappersTellAll) {

@@ -138,6 +138,16 @@ TEST_F(IncomingTest, ARateIsOfWholeMessages) {
   EXPECT_THAT(graphs.due(now_ + std::chrono::seconds(1)), ::testing::SizeIs(1)) << "the last word";
 }
 
+TEST_F(IncomingTest, AnOrderInPiecesIsNoLargerThanAnyOther) {
+  for (const auto& part : split_message("COMMAND", order(200'000), 77, 3, 60'000))
+    EXPECT_FALSE(take(robot_, "COMMAND_PART", encode_message(part)));
+  EXPECT_EQ(robot_.count(Refused::too_big), 4);
+  int came = 0;
+  for (const auto& part : split_message("COMMAND", order(90'000), 77, 4, 60'000))
+    came += take(robot_, "COMMAND_PART", encode_message(part)) ? 1 : 0;
+  EXPECT_EQ(came, 1);
+}
+
 TEST_F(IncomingTest, PiecesBecomeTheirMessage) {
   const auto bytes = order(5000);
   auto parts = split_message("COMMAND", bytes, 77, 3, 1000);

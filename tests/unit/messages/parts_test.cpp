@@ -148,9 +148,11 @@ TEST(Parts, ContradictionsAreRefused) {
   refused([](part_t& p) { p.total_size = -1; });
   refused([](part_t& p) { p.total_size = 2'000'000'000; });
   refused([](part_t& p) { p.total_size = 251; });
-  PartAssembler().add(split_message("X", Bytes(16 << 20), 1, 0, 1 << 20).front());
-  EXPECT_THROW(PartAssembler().add(split_message("X", Bytes((16 << 20) + 1), 1, 0, 1 << 20).front()),
+  PartAssembler().add(split_message("X", Bytes(32 << 20), 1, 0, 1 << 20).front());
+  EXPECT_THROW(PartAssembler().add(split_message("X", Bytes((32 << 20) + 1), 1, 0, 1 << 20).front()),
                DecodeError);
+  PartAssembler(250).add(good[0]);
+  EXPECT_THROW(PartAssembler(249).add(good[0]), DecodeError);
   PartAssembler().add(split_message(std::string(63, 'X'), Bytes(250), 1, 0, 100).front());
   EXPECT_THROW(PartAssembler().add(split_message(std::string(64, 'X'), Bytes(250), 1, 0, 100).front()),
                DecodeError);

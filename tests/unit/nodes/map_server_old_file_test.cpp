@@ -71,6 +71,14 @@ TEST_F(MapServerOldFile, ADamagedPoseTakesNothingElseAway) {
   EXPECT_THAT(places.error(), ::testing::HasSubstr("keyframe 2 of session 1"));
 }
 
+TEST_F(MapServerOldFile, AFolderThatMayNotBeEnteredEndsNobody) {
+  std::filesystem::create_directory_symlink("round", scratch_.path() / "round");
+  const auto nowhere = scratch_.path() / "round" / "map.lcmslam";
+  EXPECT_NE(SessionPlaces(nowhere, false).error(), "");
+  EXPECT_NE(LandmarkSessions(nowhere, false).error(), "");
+  EXPECT_NE(MapRecorder(nowhere, "").error(), "");
+}
+
 TEST_F(MapServerOldFile, ASessionWhosePlaceIsDamagedIsLookedForAgain) {
   map_once();
   map_from(13, elsewhere());

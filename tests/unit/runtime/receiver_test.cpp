@@ -5,6 +5,8 @@
 
 #include <lcmslam/encoders_t.hpp>
 #include <lcmslam/runtime/lcm_bus.hpp>
+#include <lcmslam/runtime/machine.hpp>
+#include <lcmslam/runtime/status_reporter.hpp>
 #include <lcmslam/runtime/udpm/multicast_address.hpp>
 #include <lcmslam/status_t.hpp>
 #include "tests/support/datagrams.hpp"
@@ -218,6 +220,35 @@ TEST_F(ReceiverTest, HalfMessagesOfAllChannelsAreBoundedAndWhoHasMostPays) {
   EXPECT_EQ(handled, big.detail.size());
   EXPECT_EQ(receiver.counts().at(inputs_.all()[0].get()).incomplete, 1);
   EXPECT_EQ(receiver.counts().at(inputs_.all()[1].get()).incomplete, 0);
+}
+
+TEST_F(ReceiverTest, AMessageInPiecesTakesAsMuchAsAllMay) {
+  setenv("LCMSLAM_BUS_MEMORY", "40", 1);
+  LcmBus bus("memq://");
+  std::size_t handled = 0;
+  inputs_.subscribe<status_t>("A", 10, [&](const status_t& m) { handled += m.detail.size(); });
+  inputs_.subscribe<encoders_t>("LAST", 1, [](const encoders_t&) {});
+  Receiver receiver(bus, inputs_);
+  unsetenv("LCMSLAM_BUS_MEMORY");
+  status_t big{};
+  big.detail.assign(std::size_t{39} << 20, 'x');
+  for (const part_t& part : split_message("A", encode_message(big), 1, 0, 4 << 20)) {
+    const auto bytes = encode_message(part);
+    bus.lcm().publish("A_PART", bytes.data(), static_cast<unsigned>(bytes.size()));
+  }
+  LcmPublisher publisher(bus.lcm(), 5, 1'000'000);
+  drain(receiver, publisher);
+  EXPECT_EQ(handled, big.detail.size());
+}
+
+TEST_F(ReceiverTest, WhatAProcessComputedBeforeItReportsIsNotOfItsFirstMoment) {
+  LcmBus bus("memq://");
+  Receiver receiver(bus, inputs_);
+  LcmPublisher publisher(bus.lcm(), 5, 1'000'000);
+  const double begin = process_cpu_seconds();
+  while (process_cpu_seconds() < begin + 0.1) {
+  }
+  EXPECT_LT(StatusReporter("x", publisher).gather({}, inputs_, receiver).cpu, 50);
 }
 
 TEST_F(ReceiverTest, WhatNobodyShouldHaveSentIsCountedTogether) {
