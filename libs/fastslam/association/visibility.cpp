@@ -21,13 +21,19 @@ LandmarkVisibility::LandmarkVisibility(const FeatureFrame& frame, const std::vec
   }
 }
 
+// Beyond the border nothing is measured, whatever the nearest cell shows.
+bool LandmarkVisibility::is_inside(const VisibleLandmark& landmark) const {
+  return landmark.x >= 0 && landmark.x < frame_.width && landmark.y >= 0 && landmark.y < frame_.height;
+}
+
 bool LandmarkVisibility::is_free(const VisibleLandmark& landmark) const {
-  return landmark.x >= 0 && landmark.x < frame_.width && landmark.y >= 0 && landmark.y < frame_.height &&
+  return is_inside(landmark) &&
          farthest_[cell(landmark)] >= 0.95 * landmark.range;  // else hidden, or unknown
 }
 
 bool LandmarkVisibility::is_hidden(const VisibleLandmark& landmark) const {
-  return farthest_[cell(landmark)] > 0 && farthest_[cell(landmark)] < 0.95 * landmark.range;
+  return is_inside(landmark) && farthest_[cell(landmark)] > 0 &&
+         farthest_[cell(landmark)] < 0.95 * landmark.range;
 }
 
 bool LandmarkVisibility::ought_to_show(const VisibleLandmark& landmark, const LandmarkRecord& record) const {

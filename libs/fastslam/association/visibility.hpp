@@ -25,6 +25,8 @@ class LandmarkVisibility {
   std::size_t cell(const VisibleLandmark& landmark) const { return grid_.cell(landmark.x, landmark.y); }
 
  private:
+  bool is_inside(const VisibleLandmark& landmark) const;
+
   const FeatureFrame& frame_;
   ImageGrid grid_;
   Eigen::Vector3d camera_;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <lcmslam/fastslam/association/frame_association.hpp>
+#include <lcmslam/fastslam/association/visibility.hpp>
 #include "tests/unit/fastslam/association_scene.hpp"
 
 namespace lcmslam {
@@ -120,6 +121,23 @@ TEST(FrameAssociation, WhatStandsBeforeTheCameraHidesWhatIsKnown) {
     EXPECT_TRUE(result.contradicted) << distance;
     EXPECT_EQ(result.hidden, distance < 1) << distance;
   }
+}
+
+// Beyond the border nothing is measured: what stands close at the border hides what is in the image.
+TEST(LandmarkVisibility, NothingIsKnownBeyondTheImage) {
+  FeatureFrame frame;
+  frame.width = 640;
+  frame.height = 480;
+  Feature feature;
+  feature.x = 630;
+  feature.y = 240;
+  frame.features = {feature};
+  FeaturePoint close;
+  close.range = 1;
+  const LandmarkVisibility visibility(frame, {close}, Eigen::Isometry3d::Identity());
+  const auto landmark_at = [](double x) { return VisibleLandmark{0, x, 240, 2, Eigen::Vector3d::Zero()}; };
+  EXPECT_TRUE(visibility.is_hidden(landmark_at(625)));
+  EXPECT_FALSE(visibility.is_hidden(landmark_at(660)));
 }
 
 }  // namespace
