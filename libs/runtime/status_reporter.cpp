@@ -11,6 +11,7 @@
 namespace lcmslam {
 namespace {
 
+constexpr double shortest_share = 0.02;  // s: the kernel counts processor time in steps of some ms
 constexpr std::size_t most_waiting = 200;
 constexpr std::size_t most_latencies = 300;
 
@@ -103,7 +104,7 @@ status_t StatusReporter::gather(const NodeReport& of_node, const Inputs& inputs,
   s.detail = node.detail;
   s.uptime = std::chrono::duration<double>(now - start_).count();
   s.cpu_total = process_cpu_seconds();
-  s.cpu = seconds > 0 ? (s.cpu_total - last_cpu_) / seconds : 0;
+  s.cpu = seconds > shortest_share ? (s.cpu_total - last_cpu_) / seconds : 0;
   s.memory = resident_bytes();
   s.kernel_drops = socket.kernel_drops;
   s.receive_buffer = socket.receive_buffer;
