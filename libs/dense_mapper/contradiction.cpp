@@ -48,6 +48,12 @@ double median_depth(const Cloud& cloud) {
   return *middle;
 }
 
+/// Such a thing may have come or gone by itself; farther away are other rooms, too.
+bool is_close(const Cloud& cloud) {
+  constexpr double close = 1.2;  // m
+  return median_depth(cloud) < close;
+}
+
 }  // namespace
 
 double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
@@ -58,8 +64,7 @@ double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_ca
 
 bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
   constexpr double most_seen_through = 0.1, least_hidden = 0.5;  // shares
-  constexpr double close = 1.2;                                  // m: farther away are other rooms, too
-  if (!(median_depth(frame.cloud) < close)) return false;
+  if (!is_close(frame.cloud)) return false;
   const SurfelsInView count = count_in_view(frame, T_world_camera, map);
   const std::size_t all = count.all();
   return all >= enough_surfels &&
@@ -68,6 +73,7 @@ bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_cam
 }
 
 bool shows_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
+  if (is_close(frame.cloud)) return false;
   const SurfelsInView count = count_in_view(frame, T_world_camera, map);
   return count.all() < enough_surfels || 2 * count.supported > count.all();
 }

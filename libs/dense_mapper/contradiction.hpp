@@ -16,8 +16,8 @@ double seen_through(const DenseFrame& frame, const Eigen::Isometry3d& T_world_ca
 /// nothing of where the robot is. Who looks through some of the map does not only stand behind something.
 bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map);
 
-/// Whether most of what the map has in the frame's view is seen where it is. True where hardly anything near
-/// is mapped.
+/// Whether most of what the map has in the frame's view is seen where it is, and is no close thing, which may
+/// have moved by itself. True where hardly anything near is mapped.
 bool shows_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map);
 
 /// Whether some of the walls that a cloud (robot frame) shows stand where the map has them, to a few

@@ -158,34 +158,47 @@ TEST_F(ModernTracking, WhatFitsFarBesideTheWheelsWayIsLost) {
   EXPECT_EQ(to_string(track(seen_from(aside), surer, motion).status), "tracking");
 }
 
+/// Who fills the view of a robot at its origin.
+Cloud somebody_at(double x) {
+  Cloud close;
+  add_rectangle(close, {x, -1.2, -1.2}, {0, 0, 2.4}, {0, 2.4, 0}, 0.015);
+  close.sigmas.assign(close.size(), 0.003f);
+  return close;
+}
+
+/// What a robot whose wheels stand sees.
+Tracked look_standing(ModernTracker& tracker, const Cloud& seen) {
+  Expectation expected = expectation(here, 0.003);
+  expected.pushed = std::make_shared<const Expectation>(expectation(here, 0.03));
+  DenseFrame frame;
+  frame.T_robot_camera = optical_axes();
+  frame.cloud = transformed(seen, optical_axes().inverse());
+  frame.motion = Motion();
+  return tracker.track({frame, seen}, expected);
+}
+
 // Wheels that stand say nothing of a push: all of the map that is in sight has moved then. Where one thing of
 // it has, and hides the rest, it is that which was pushed.
 TEST_F(ModernTracking, ARobotThatStandsIsPushedOnlyWhereMostOfTheMapMoves) {
-  Expectation expected = expectation(here, 0.003);
-  expected.pushed = std::make_shared<const Expectation>(expectation(here, 0.03));
-  const auto look = [&](const Cloud& seen) {
-    DenseFrame frame;
-    frame.T_robot_camera = optical_axes();
-    frame.cloud = transformed(seen, optical_axes().inverse());
-    frame.motion = Motion();
-    return tracker_.track({frame, seen}, expected);
-  };
   const Eigen::Isometry3d there = planar_pose(0.05, -0.04, 0.05);
-  const Tracked pushed = look(seen_from(there));
+  const Tracked pushed = look_standing(tracker_, seen_from(there));
   EXPECT_EQ(to_string(pushed.status), "tracking");
   EXPECT_TRUE(pushed.pushed);
   EXPECT_LT(error(pushed.registration.T_target_source, there), 0.03);
-  EXPECT_FALSE(look(seen_from(here)).pushed);
+  EXPECT_FALSE(look_standing(tracker_, seen_from(here)).pushed);
 
-  const auto somebody_at = [](double x) {
-    Cloud close;
-    add_rectangle(close, {x, -1.2, -1.2}, {0, 0, 2.4}, {0, 2.4, 0}, 0.015);
-    close.sigmas.assign(close.size(), 0.003f);
-    return close;
-  };
   map_.insert(somebody_at(0.8), {0, 0, 0}, 0);
-  EXPECT_EQ(to_string(look(somebody_at(0.8)).status), "tracking");
-  EXPECT_EQ(to_string(look(somebody_at(0.88)).status), "lost");
+  EXPECT_EQ(to_string(look_standing(tracker_, somebody_at(0.8)).status), "tracking");
+  EXPECT_EQ(to_string(look_standing(tracker_, somebody_at(0.88)).status), "lost");
+}
+
+// Nor where nothing else that is near is mapped: who steps back takes no robot along.
+TEST_F(ModernTracking, WhatIsCloseAndGoesPushesNobody) {
+  DeformableMap map(settings_);
+  ModernTracker tracker(settings_, map, keyframes_);
+  map.insert(somebody_at(0.8), {0, 0, 0}, 0);
+  EXPECT_EQ(to_string(look_standing(tracker, somebody_at(0.8)).status), "tracking");
+  EXPECT_EQ(to_string(look_standing(tracker, somebody_at(0.82)).status), "lost");
 }
 
 // The place before, and no keyframe, is another start.
