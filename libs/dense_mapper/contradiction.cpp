@@ -73,9 +73,11 @@ bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_cam
 }
 
 bool shows_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map) {
+  constexpr double most = 0.8;  // share: who steps back from the middle of a room hides half of it
   if (is_close(frame.cloud)) return false;
   const SurfelsInView count = count_in_view(frame, T_world_camera, map);
-  return count.all() < enough_surfels || 2 * count.supported > count.all();
+  return count.all() < enough_surfels ||
+         static_cast<double>(count.supported) > most * static_cast<double>(count.all());
 }
 
 bool still_shows(const Cloud& cloud, const Eigen::Isometry3d& T_predicted, const Eigen::Isometry3d& T_fitted,
