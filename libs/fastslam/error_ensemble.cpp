@@ -29,7 +29,9 @@ Jacobian pose_jacobian(const Eigen::Vector3d& p, bool planar) {
   return J;
 }
 
-// From the landmark's covariance after its update: K = P+ G^T R^-1 and S^-1 = R^-1 - R^-1 G P+ G^T R^-1.
+// From the landmark's covariance after its update: K = P+ G^T R^-1 and S^-1 = R^-1 - R^-1 G P+ G^T R^-1. A
+// bearing may move a landmark that is near the camera far along its ray. About where it is now these are not
+// the update's equations any more, and S^-1 may be negative: it tells nothing then.
 Equations equations(const EnsembleObservation& seen, const Eigen::Isometry3d& T_world_robot, bool planar,
                     double added_variance) {
   const Eigen::Matrix3d& R = T_world_robot.linear();
@@ -42,6 +44,11 @@ Equations equations(const EnsembleObservation& seen, const Eigen::Isometry3d& T_
   e.G = jacobian_of(seen.measurement, p);
   e.gain = P * e.G.transpose() * noise;
   e.S_inverse = noise - noise * e.G * e.gain;
+  constexpr double rounding = 1e-3;  // of R^-1: nothing is left of it where little was known before
+  if ((e.S_inverse + rounding * noise).llt().info() != Eigen::Success) {
+    e.S_inverse.setZero();
+    e.gain.setZero();
+  }
   return e;
 }
 

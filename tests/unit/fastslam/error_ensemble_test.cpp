@@ -191,6 +191,34 @@ TEST_F(ErrorEnsembleTest, GrowsIntoNewGroundAndShrinksAtTheLoop) {
   EXPECT_LT(ensemble.pose()(5, 5), 2 * first);
 }
 
+// A bearing that moved its landmark to just before the camera: its update was made about another place, and
+// by the equations of this one it would tell less than nothing.
+TEST_F(ErrorEnsembleTest, ABearingOfAnotherPlaceTellsNothing) {
+  EnsembleObservation bearing;
+  bearing.slot = 20;
+  bearing.landmark.mean = {0.01, 0.02, 0.2};
+  bearing.landmark.covariance = 4e-6 * Eigen::Matrix3d::Identity();
+  bearing.measurement.kind = MeasurementKind::bearing;
+  bearing.measurement.T_robot_camera = &here_;
+  bearing.measurement.value = {0.05, 0.1, 0};
+  bearing.measurement.covariance.diagonal() << 4e-6, 4e-6, 1;
+  bearing.error.setConstant(0.002F);
+
+  const auto pose_after = [&](const std::vector<EnsembleObservation>& more) {
+    random_ = Random(5);
+    looks_.assign(looks_.size(), 0);
+    ErrorEnsemble ensemble(planar());
+    ensemble.create(look(slots(0, 21), here_), here_);
+    auto seen = look(slots(0, 20), here_);
+    seen.insert(seen.end(), more.begin(), more.end());
+    ensemble.observe(seen, here_, std::nullopt);
+    return ensemble.pose();
+  };
+  EXPECT_TRUE(pose_after({bearing}).isApprox(pose_after({}), 1e-6));
+  bearing.landmark.covariance /= 100;  // it fits: the same is heard
+  EXPECT_FALSE(pose_after({bearing}).isApprox(pose_after({}), 1e-6));
+}
+
 // An error that all measurements share goes the same way in every generation: a drift and no walk.
 TEST_F(ErrorEnsembleTest, ASharedErrorMakesADrift) {
   const auto heading_after = [&](int generations) {
