@@ -6,6 +6,22 @@ import { pointsOf, onTheRound, surface } from "./kitchen.mjs";
 
 const position = (page, keyframe) => page.evaluate((k) => window.lcmslam.views.points.poses.group(k).position.toArray(), keyframe);
 
+/** A page that showed two keyframes when its server went, which is there again and has but one of them. */
+async function withLostServer(browser, body) {
+  const lost = /WebSocket connection|ERR_CONNECTION_(REFUSED|RESET)|ERR_INCOMPLETE_CHUNKED_ENCODING/;
+  await withPage(browser, { allowed: lost, server: { story: false } }, async (page, server) => {
+    for (const k of [0, 1]) for (const message of pointsOf(k, onTheRound(k / 30))) server.put(message);
+    server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
+    await until(async () => (await figures(page)).points > 11_000, "both keyframes");
+    const { port } = server;
+    await server.close();
+    await page.getByText("The connection to the map server is lost").waitFor();
+    for (const level of [0, 1, 2]) server.board.delete(`points 1/${level}`);
+    await server.listen(port);
+    await body(page, server);
+  });
+}
+
 export const tests = {
   async "first points come at once"(browser, { measured }) {
     await withPage(browser, {}, async (page) => {
@@ -44,16 +60,7 @@ export const tests = {
   },
 
   async "a server that goes and comes back is found again"(browser) {
-    const lost = /WebSocket connection|ERR_CONNECTION_(REFUSED|RESET)|ERR_INCOMPLETE_CHUNKED_ENCODING/;
-    await withPage(browser, { allowed: lost, server: { story: false } }, async (page, server) => {
-      for (const k of [0, 1]) for (const message of pointsOf(k, onTheRound(k / 30))) server.put(message);
-      server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
-      await until(async () => (await figures(page)).points > 11_000, "both keyframes");
-      const { port } = server;
-      await server.close();
-      await page.getByText("The connection to the map server is lost").waitFor();
-      for (const level of [0, 1, 2]) server.board.delete(`points 1/${level}`);
-      await server.listen(port);
+    await withLostServer(browser, async (page, server) => {
       await until(() => page.evaluate(() => document.documentElement.dataset.connection === "open"), "the connection");
       assert.ok((await figures(page)).points > 0, "the map stays while the connection is away");
       await until(async () => (await figures(page)).points < 7000, "what the server has no more goes");
@@ -61,16 +68,7 @@ export const tests = {
   },
 
   async "what the server has no more goes, too, while the robot drives on"(browser) {
-    const lost = /WebSocket connection|ERR_CONNECTION_(REFUSED|RESET)|ERR_INCOMPLETE_CHUNKED_ENCODING/;
-    await withPage(browser, { allowed: lost, server: { story: false } }, async (page, server) => {
-      for (const k of [0, 1]) for (const message of pointsOf(k, onTheRound(k / 30))) server.put(message);
-      server.put(encode({ channel: "about", key: "", title: "kitchen", can: [], source: "live" }));
-      await until(async () => (await figures(page)).points > 11_000, "both keyframes");
-      const { port } = server;
-      await server.close();
-      await page.getByText("The connection to the map server is lost").waitFor();
-      for (const level of [0, 1, 2]) server.board.delete(`points 1/${level}`);
-      await server.listen(port);
+    await withLostServer(browser, async (page, server) => {
       await until(() => server.live.size === 1 && [...server.live][0].fresh.size === 0, "the page again");
       for (const { socket } of server.live) socket.send(encode({ channel: "whole", key: "" }));
       let way = 1;
