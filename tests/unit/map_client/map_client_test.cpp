@@ -100,13 +100,15 @@ TEST(MapClient, TakesAnAnswerThatIsComingWhenItsTimeIsOver) {
   constexpr double deadline = 0.6;  // s; a tile after it is still within the second after which one is lost
   MadeUpServer server(
       [](const MadeUpServer::Asked& asked) {
-        return std::vector<map_reply_t>{tile(asked[0], 0, 3, "the ", 4), tile(asked[0], 1, 3, "whole ", 4),
-                                        tile(asked[0], 2, 3, "map", 4)};
+        std::vector<map_reply_t> replies;
+        for (const char* word : {"the ", "whole ", "big ", "map"})
+          replies.push_back(tile(asked[0], static_cast<int>(replies.size()), 4, word, 4));
+        return replies;
       },
-      std::chrono::milliseconds(400));
+      std::chrono::milliseconds(250));
   if (!server.usable()) GTEST_SKIP() << "no multicast route here";
   MapClient map(bus_url(), deadline);
-  EXPECT_EQ(map.ask({FrontiersQuestion{}, deadline}).bytes, "the whole map");
+  EXPECT_EQ(map.ask({FrontiersQuestion{}, deadline}).bytes, "the whole big map");
   EXPECT_EQ(server.end().size(), 1U);
 }
 
