@@ -50,6 +50,7 @@ SurfNode::SurfNode(const SurfNodeSettings& settings, Publisher& publisher)
       surf_(settings.surf),
       threshold_(settings.threshold),
       range_error_settings_(settings.range_error),
+      drop_folded_(settings.drop_folded),
       support_(settings.support),
       period_(settings.rate > 0 ? 1e6 / settings.rate : 0),
       frame_queue_(static_cast<std::size_t>(settings.frame_queue)) {}
@@ -72,6 +73,7 @@ void SurfNode::on_calibration(const camera_calibration_t& message) {
   }
   registration_.emplace(from_message(message));
   range_error_.emplace(registration_->calibration(), range_error_settings_);
+  if (drop_folded_) folded_.emplace(registration_->calibration());
   plausibility_.emplace(registration_->calibration());
   mount_motion_.reset();
   if (registration_->calibration().has_mount)
@@ -108,6 +110,7 @@ void SurfNode::on_camera(const images_t& message) {
   if (too_soon(message.utime)) return;
   RgbdFrame frame = decode_images(message, registration_->calibration());
   no_depth_ = cv::countNonZero(frame.depth) == 0;
+  if (folded_) (*folded_)(frame.depth, frame.amplitude);
   range_error_->learn(frame.depth, frame.depth_utime);
   range_error_->correct(frame.depth);
   FeatureFrame features = describe(frame);

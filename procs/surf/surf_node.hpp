@@ -6,6 +6,7 @@
 #include <lcmslam/geometry/motion_buffer.hpp>
 #include <lcmslam/images_t.hpp>
 #include <lcmslam/imaging/depth_registration.hpp>
+#include <lcmslam/imaging/folded_depth.hpp>
 #include <lcmslam/imaging/sharpness.hpp>
 #include <lcmslam/odometry_t.hpp>
 #include <lcmslam/planes/range_error.hpp>
@@ -46,14 +47,16 @@ class SurfNode : public Node {
   AdaptiveThreshold threshold_;
   SharpnessWatch sharpness_;
   RangeErrorSettings range_error_settings_;
+  bool drop_folded_;
   FeatureSupportSettings support_;
   double period_;            // us between two images that are used, at least
   std::size_t frame_queue_;  // frames that may wait
   camera_calibration_t calibration_message_;
   std::optional<DepthRegistration> registration_;
   std::optional<RangeError> range_error_;
-  std::optional<images_t> uncalibrated_;  // the newest message that came before the calibration
-  MotionBuffer motion_;                   // wheel odometry, for the time between the two images
+  std::optional<FoldedDepthFilter> folded_;  // none: not to be dropped, or no calibration yet
+  std::optional<images_t> uncalibrated_;     // the newest message that came before the calibration
+  MotionBuffer motion_;                      // wheel odometry, for the time between the two images
   std::int64_t odometry_sender_ = 0;
   const StampJudge* stamps_ = nullptr;
   Utime last_utime_ = 0, due_ = 0;

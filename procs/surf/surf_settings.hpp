@@ -13,6 +13,7 @@ struct SurfNodeSettings {
   AdaptiveThresholdSettings threshold;  ///< what has no key of its own follows from `surf`
   RangeErrorSettings range_error;
   FeatureSupportSettings support;
+  bool drop_folded = true;
   double rate = 0;
   int frame_queue = 2;
 
@@ -24,6 +25,10 @@ struct SurfNodeSettings {
     threshold.describe(s);
     s.section("range_error", range_error, "what the depth camera errs by at each range, learned from planes");
     support.describe(s);
+    s.flag(
+        "drop_folded", drop_folded,
+        "features lose a time-of-flight depth that may lie a turn of its phase (depth_max) farther, by its "
+        "amplitude; false: the camera measures with several frequencies and does not fold");
     s.number("rate", rate, "Hz", {0, 1000}, "of the images that are used, at most; 0: every image");
     describe_frame_queue(s, frame_queue);
   }

@@ -105,6 +105,22 @@ TEST_F(SurfNodeTest, PointsLieOnTheScene) {
   EXPECT_LT(distances[distances.size() / 2], 0.02);  // ToF noise and wiggle
 }
 
+// Surfaces so dark at such ranges may as well lie a turn of the camera's phase farther.
+TEST_F(SurfNodeTest, FeaturesLoseDepthsThatMayBeFolded) {
+  SurfNode& believes = bus_.add<SurfNode>(ConfigNode::parse("drop_folded: false", "test"));
+  EncodedFrame dark = from_message(kitchen_.frame(0));
+  const cv::Mat amplitude(dark.depth.height, dark.depth.width, CV_8UC1, cv::Scalar(2));
+  dark.amplitude = encode_amplitude(amplitude, dark.depth.utime);
+  images_t message = to_message(dark);
+  set_origin(message, {0, 1000});
+  bus_.deliver("CAMERA_CALIBRATION", kitchen_.calibration());
+  bus_.deliver("CAMERA", message);
+  ASSERT_EQ(bus_.count("FEATURES"), 2U);
+  EXPECT_GT(testing::value_of(believes, "with_depth"), 100);
+  EXPECT_LT(testing::value_of(node_, "with_depth"), 10);
+  EXPECT_GT(testing::value_of(node_, "keypoints"), 100);  // as bearings
+}
+
 // As the robot looks around, what the depth camera errs by is learned, and depths are told to be surer.
 TEST_F(SurfNodeTest, DepthsGrowSurerAsTheCamerasErrorIsLearned) {
   const auto best_sigma = [&](std::size_t message) {
