@@ -7,7 +7,7 @@ namespace {
 
 // m: each orientation counts as points that far to all sides of its pose. A path that is much wider is placed
 // by its positions, as for the ATE.
-constexpr double lever = 0.03;
+constexpr double orientation_lever = 0.03;
 
 }  // namespace
 
@@ -23,7 +23,8 @@ Eigen::Isometry3d placed_by_poses(const std::vector<MatchedPose>& matches) {
     const Eigen::Vector3d truth = match.T_world_truth.translation() - truth_mean;
     const Eigen::Vector3d estimate = match.T_world_estimate.translation() - estimate_mean;
     cross += truth * estimate.transpose() / n;
-    cross += lever * lever * match.T_world_truth.linear() * match.T_world_estimate.linear().transpose() / n;
+    cross += orientation_lever * orientation_lever * match.T_world_truth.linear() *
+             match.T_world_estimate.linear().transpose() / n;
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
