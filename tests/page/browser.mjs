@@ -30,6 +30,11 @@ export async function until(look, what, patience = 15_000) {
   }
 }
 
+/** One pixel of the canvas covers two of the page each way: software draws a quarter as many, sizes and places are the same. */
+export const rough = { deviceScaleFactor: 0.5 };
+/** For pictures to be looked at. */
+export const sharp = { deviceScaleFactor: 1 };
+
 /**
  * Opens the page of a mock server and looks after it: no error on the console but `allowed` ones, nothing asked of others.
  * @param {{server?: object, path?: string, context?: object, allowed?: RegExp, before?: Function}} options
@@ -37,7 +42,7 @@ export async function until(look, what, patience = 15_000) {
  */
 export async function withPage(browser, { server: serverOptions = {}, path = "", context: looks = {}, allowed = null, before = null }, body) {
   const server = await new MockServer(serverOptions).listen();
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "dark", ...looks });
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "dark", ...rough, ...looks });
   try {
     if (before) await context.addInitScript(before);
     const page = await context.newPage();

@@ -4,7 +4,7 @@ import { spawn } from "node:child_process";
 import { closeSync, mkdtempSync, openSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { freePort, until, watch } from "./browser.mjs";
+import { freePort, rough, until, watch } from "./browser.mjs";
 
 export const slow = 90_000; // ms: two cores also draw the page
 
@@ -70,7 +70,7 @@ export class Graph {
 }
 
 export async function open(browser, graph) {
-  const context = await browser.newContext({ viewport: { width: 1000, height: 640 }, colorScheme: "dark" });
+  const context = await browser.newContext({ viewport: { width: 1000, height: 640 }, colorScheme: "dark", ...rough });
   const page = await context.newPage();
   const errors = watch(page, graph.address);
   await page.goto(graph.address);

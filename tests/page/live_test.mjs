@@ -1,6 +1,6 @@
 // What is seen: maps come, grow, bend, and survive a server that goes and comes back.
 import assert from "node:assert/strict";
-import { figures, until, withPage } from "./browser.mjs";
+import { figures, sharp, until, withPage } from "./browser.mjs";
 import { encode, floats } from "./messages.mjs";
 import { pointsOf, onTheRound, surface } from "./kitchen.mjs";
 
@@ -32,7 +32,7 @@ export const tests = {
   },
 
   async "both maps appear and grow, and the map bends as a loop closes"(browser, { picture }) {
-    await withPage(browser, { server: { pace: 3 } }, async (page) => {
+    await withPage(browser, { context: sharp, server: { pace: 3 } }, async (page) => {
       const first = await until(async () => ((await figures(page)).landmarks > 0 ? figures(page) : null), "landmarks");
       await until(async () => {
         const now = await figures(page);

@@ -1,6 +1,6 @@
 // For everyone: phone, themes, keyboard, names for screen readers, sizes, an address that holds the view.
 import assert from "node:assert/strict";
-import { figures, until, withPage } from "./browser.mjs";
+import { figures, sharp, until, withPage } from "./browser.mjs";
 
 const phone = { viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
 const ready = (page) => until(async () => (await figures(page)).keyframes > 3, "keyframes");
@@ -45,7 +45,7 @@ export const tests = {
   },
 
   async "every control has a name, no text is small, dark and light"(browser, { picture }) {
-    await withPage(browser, { server: { pace: 4 } }, async (page) => {
+    await withPage(browser, { context: sharp, server: { pace: 4 } }, async (page) => {
       await ready(page);
       const folded = page.locator(".card.folded .head");
       while ((await folded.count()) > 0) await folded.first().click();

@@ -107,7 +107,8 @@ std::optional<int> parse(Request& r, int argc, char** argv) {
           "FILE.png|FILE.svg"));
   auto* map = app.add_option("--map", r.map,
                              "FILE.ply: how far its points are from the surfaces of --scene or --reference; "
-                             "brought to the truth's world by the alignment of the last estimate");
+                             "brought to the truth's world by the alignment of the last estimate, and by its "
+                             "orientations where a straight path leaves the turn about it open");
   auto* scene = app.add_option("--scene", r.scene, "FILE.yaml of the simulation")->needs(map);
   app.add_option(
          "--reference", r.reference,
@@ -185,7 +186,7 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
     else
       others.push_back(corners);
   }
-  const LoggedDenseMap map = dense_map_of(placed.path.file, placed.report->alignment.T_truth_estimate);
+  const LoggedDenseMap map = dense_map_of(placed.path.file, map_place(placed, evaluation.settings.alignment));
   const WallErrorSettings settings;
   const WallError e = wall_error(map.points, walls, TriangleSurface(std::move(others)), settings);
   Figures figures;
@@ -219,12 +220,11 @@ Figures wall_figures(const Request& r, const Evaluation& evaluation) {
 
 Figures map_figures(const Request& r, const Evaluation& evaluation) {
   const EvaluatedEstimate& placed = map_estimate("--map", evaluation);
-  const Eigen::Isometry3d& T_truth_map = placed.report->alignment.T_truth_estimate;
+  const Eigen::Isometry3d T = map_place(placed, evaluation.settings.alignment);
   int refused = 0;  // messages of the reference
   const double clock_offset = reference_clock_offset(r, evaluation.truth, placed.path);
-  const SurfaceError e = r.reference.empty()
-                             ? scene_error(r, T_truth_map)
-                             : reference_error(r, evaluation.truth, clock_offset, T_truth_map, refused);
+  const SurfaceError e = r.reference.empty() ? scene_error(r, T)
+                                             : reference_error(r, evaluation.truth, clock_offset, T, refused);
   const std::string& surfaces = r.reference.empty() ? r.scene : r.reference;
   Figures figures;
   figures.text = fmt::format(

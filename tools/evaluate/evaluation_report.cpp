@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include <lcmslam/evaluation/map_placement.hpp>
 #include <lcmslam/evaluation/table.hpp>
 
 namespace lcmslam {
@@ -127,6 +128,19 @@ std::string body_text(const EvaluatedEstimate& e) {
          "; --align-bodies takes away whatever is constant\n";
 }
 
+/// What a straight path's positions leave open. Empty where they tell it.
+std::string turn_text(const EvaluatedEstimate& e, Alignment alignment) {
+  constexpr double noticeable = 2;  // degrees
+  const Eigen::Isometry3d T = map_place(e, alignment) * e.report->alignment.T_truth_estimate.inverse();
+  const double angle = degrees(rotation_angle(T));
+  if (angle < noticeable || alignment != Alignment::se3) return "";
+  return fmt::format(
+      "{}: the path is so straight that its positions leave open how its world is turned about it; by its "
+      "orientations {:.1f} degrees otherwise, which the first deg above holds. --map and --walls go by "
+      "both\n",
+      e.path.name, angle);
+}
+
 void evaluate_one(EvaluatedEstimate& e, const Trajectory& truth, const EvaluationSettings& settings,
                   bool align_bodies) {
   try {
@@ -171,6 +185,13 @@ std::string name_of(Alignment alignment) {
   throw std::invalid_argument("unknown alignment");
 }
 
+Eigen::Isometry3d map_place(const EvaluatedEstimate& e, Alignment alignment) {
+  const Eigen::Isometry3d& T_aligned = e.report->alignment.T_truth_estimate;
+  const bool other_body = e.body && !e.body_aligned;  // its orientations are not the truth's
+  if (alignment != Alignment::se3 || other_body) return T_aligned;
+  return placed_by_poses(e.report->matches) * T_aligned;
+}
+
 std::string name_of(Association association) {
   return association == Association::nearest ? "nearest" : "interpolate";
 }
@@ -211,6 +232,7 @@ std::string format_evaluation(const Evaluation& evaluation) {
   text += "\n" + error_table(evaluation).text() + "\n";
   for (const EvaluatedEstimate& e : evaluation.estimates) {
     if (e.body) text += body_text(e);
+    if (e.report) text += turn_text(e, s.alignment);
     if (e.report && e.report->consistency) text += consistency_text(e);
     if (e.clock) text += clock_text(e);
     if (!e.problem.empty()) text += e.path.name + ": " + e.problem + "\n";

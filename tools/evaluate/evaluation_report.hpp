@@ -35,6 +35,9 @@ struct Evaluation {
 Evaluation evaluate_all(EvaluationInputs inputs, const EvaluationSettings& settings, bool find_clock_offset,
                         const ClockOffsetSearch& search, bool align_bodies = false);
 
+/// T_truth_map of an estimate with a report: by its aligned path, as `placed_by_poses` has it.
+Eigen::Isometry3d map_place(const EvaluatedEstimate& estimate, Alignment alignment);
+
 /// Names as on the command line.
 std::string name_of(Alignment alignment);
 std::string name_of(Association association);

@@ -151,10 +151,17 @@ class McapExporter {
     place_robot(message.utime, frame_of(message.frame), pose);
   }
 
+  /// PoseStamped names no body and counts for the robot's; a camera's path goes where a body has a name.
   void take(const ground_truth_t& message) {
-    write(topic_of(channel_), "geometry_msgs/msg/PoseStamped", message.utime,
-          ros::write_pose({message.utime, frame_of(message.frame)},
-                          from_message(message.T_frame_child, "T_frame_child")));
+    const RosHeader header{message.utime, frame_of(message.frame)};
+    const Eigen::Isometry3d pose = from_message(message.T_frame_child, "T_frame_child");
+    if (message.child_frame == "robot")
+      return write(topic_of(channel_), "geometry_msgs/msg/PoseStamped", message.utime,
+                   ros::write_pose(header, pose));
+    const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(std::nan(""));
+    write(topic_of(channel_), "nav_msgs/msg/Odometry", message.utime,
+          ros::write_odometry(header, frame_of(message.child_frame), pose, Matrix6d::Zero(), unknown, unknown,
+                              Matrix6d::Zero()));
   }
 
   /// A tile of a keyframe's cloud, in the map as the mapper saw it then.

@@ -4,6 +4,7 @@
 
 #include <lcmslam/ground_truth_t.hpp>
 #include <lcmslam/imaging/io/codec.hpp>
+#include <lcmslam/messages/geometry_messages.hpp>
 #include <lcmslam/pose_t.hpp>
 #include <lcmslam/recordings/recording_file.hpp>
 #include "tests/unit/tools/command_run.hpp"
@@ -94,6 +95,31 @@ TEST_F(ExportedLog, HasItsPairsAndStampsAgainWhateverDepthsClock) {
       EXPECT_EQ(import(options), stamps) << offset << ", " << options.size();
       EXPECT_NEAR(calibration.depth_clock_offset, offset, 1e-9);
     }
+  }
+}
+
+TEST_F(ExportedLog, HasItsTruthOfTheSameBodyAgain) {
+  const std::string truth = scratch.path() / "truth.lcmlog";
+  for (const std::string body : {"camera", "robot"}) {
+    write_drive(0);
+    ground_truth_t told{};
+    told.utime = sample_start;
+    told.frame = "world";
+    told.child_frame = body;
+    told.T_frame_child = to_message(planar_pose(1, 2, 0.3));
+    LogWriter log(truth);
+    log.write(told.utime, "GROUND_TRUTH", encode_message(told));
+    log.close();
+    result = export_mcap({drive(), truth}, {exported(), true}, "zstd");
+    import({});
+    std::vector<std::string> bodies;
+    for (const LogEvent& event : read_log(scratch.path() / "again.lcmlog")) {
+      if (event.channel != "GROUND_TRUTH") continue;
+      const auto found = decode_message<ground_truth_t>(event.data.data(), event.data.size());
+      bodies.push_back(found.child_frame);
+      EXPECT_TRUE(from_message(found.T_frame_child, "T").isApprox(planar_pose(1, 2, 0.3), 1e-9));
+    }
+    EXPECT_THAT(bodies, ElementsAre(body));
   }
 }
 
