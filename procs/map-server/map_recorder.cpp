@@ -101,9 +101,9 @@ void MapRecorder::keep(MapFile& map, const StoredSession& session, MapFile::Dama
 
   if (frame) frame_sessions_[session.mapper] = *frame;
   KeptSession kept{session.id, session.mapper, number(session)};
-  std::set<std::int32_t>& ids = stored_keyframes_[session.id] = {};
+  std::map<std::int32_t, Utime>& times = stored_keyframes_[session.id] = {};
   for (const StoredKeyframe& keyframe : keyframes) {
-    ids.insert(keyframe.id);
+    times[keyframe.id] = keyframe.utime;
     kept.begin = kept.begin == 0 ? keyframe.utime : std::min(kept.begin, keyframe.utime);
     kept.end = std::max(kept.end, keyframe.utime);
   }
@@ -205,7 +205,7 @@ void MapRecorder::keyframe(const SessionKey& key, const DenseKeyframe& keyframe)
 }
 
 void MapRecorder::put_keyframe(Session& s, const DenseKeyframe& keyframe) {
-  s.keyframes.insert(keyframe.id);
+  s.keyframes[keyframe.id] = keyframe.utime;
   const auto covariance = covariance_at(keyframe.utime);
   writer_.change(s.number, [&](SessionChanges& changes) { changes.put_keyframe(keyframe, covariance); });
 }
@@ -235,7 +235,9 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
   std::set<std::int32_t> gone;
   for (const std::int32_t id : message.gone)
     if (s.keyframes.count(id) > 0 && is_gone(id)) gone.insert(id);
-  if (whole) std::copy_if(s.keyframes.begin(), s.keyframes.end(), std::inserter(gone, gone.end()), is_gone);
+  if (whole)
+    for (const auto& [id, utime] : s.keyframes)
+      if (is_gone(id) && !was_made_after(message, graph.newest_node(), id, utime)) gone.insert(id);
   if (s.kept_id != 0 && 2 * gone.size() > s.keyframes.size()) {
     const std::size_t before = s.number;
     leave_beside("icp", key, s);
@@ -259,7 +261,7 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
       if (node == graph.nodes().end()) continue;
       changes.move_keyframe(node->first, node->second.keyframe_utime,
                             from_message(node->second.T_map_camera, "T_map_camera"));
-      s.keyframes.insert(node->first);
+      s.keyframes[node->first] = node->second.keyframe_utime;
     }
     if (whole) changes.clear_edges();
     for (const auto& pair : pairs) changes.set_edges(pair, edges_between(graph, pair));

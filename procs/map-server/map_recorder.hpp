@@ -95,9 +95,9 @@ class MapRecorder {
 
  private:
   struct Session {
-    std::size_t number = 0;                 // the writer's
-    std::int64_t kept_id = 0;               // in the file, of one that goes on from an earlier run; 0: none
-    std::set<std::int32_t> keyframes;       // that the file has
+    std::size_t number = 0;                   // the writer's
+    std::int64_t kept_id = 0;                 // in the file, of one that goes on from an earlier run; 0: none
+    std::map<std::int32_t, Utime> keyframes;  // that the file has
     std::size_t unheard_landmarks = 0;      // that the file has of an earlier run, until all are heard again
     std::optional<KeptSession> was_kept{};  // as it was told until its mapper was heard again
   };
@@ -119,8 +119,8 @@ class MapRecorder {
   MapFile::Damage damage_;             // of what it has
   std::int64_t newest_of_before_ = 0;  // session, by id
   std::chrono::steady_clock::time_point next_retiring_{};
-  std::vector<StoredSession> stored_;                                // that are not in memory
-  std::map<std::int64_t, std::set<std::int32_t>> stored_keyframes_;  // by session
+  std::vector<StoredSession> stored_;                                       // that are not in memory
+  std::map<std::int64_t, std::map<std::int32_t, Utime>> stored_keyframes_;  // by session
   std::vector<KeptSession> kept_;
   std::map<std::string, std::int64_t> frame_sessions_;  // whose frame is the map's, by mapper
   std::map<std::pair<std::string, std::pair<std::int64_t, std::string>>, Session> sessions_;

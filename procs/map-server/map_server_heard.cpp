@@ -1,6 +1,7 @@
 // What the map server hears of mappers and cameras, and asks for again when it missed something.
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <set>
 
 #include <lcmslam/messages/camera_messages.hpp>
@@ -42,16 +43,24 @@ std::size_t kept_by(const graph_t& message, const DenseMap& map) {
   const auto name = [&](std::int32_t id) {
     if (keyframes.count(id) > 0) named.insert(id);
   };
-  for (const graph_node_t& node : message.nodes) name(node.keyframe);
+  std::int32_t newest_node = -1;
+  for (const graph_node_t& node : message.nodes) {
+    name(node.keyframe);
+    newest_node = std::max(newest_node, node.keyframe);
+  }
+  for (const auto& [id, keyframe] : keyframes)
+    if (was_made_after(message, newest_node, id, keyframe.utime)) named.insert(id);
   if (message.change == 0) return named.size();
   named.clear();
   for (const std::int32_t id : message.gone) name(id);
   return keyframes.size() - named.size();
 }
 
-std::map<std::int32_t, Eigen::Isometry3d> poses_of(const FollowedGraph& graph) {
+/// Of its graph, and of keyframes that were made after that was told.
+std::map<std::int32_t, Eigen::Isometry3d> poses_of(const SessionTable<DenseMap>::Session& session) {
   std::map<std::int32_t, Eigen::Isometry3d> poses;
-  for (const KeyframePose& node : graph.poses()) poses[node.id] = node.T_world_camera;
+  for (const auto& [id, keyframe] : session.map.keyframes()) poses[id] = keyframe.T_world_camera;
+  for (const KeyframePose& node : session.graph.poses()) poses[node.id] = node.T_world_camera;
   return poses;
 }
 
@@ -219,7 +228,7 @@ void MapServerNode::begin_places(const SessionKey& key) {
   places_->begin_session(recorder_ ? recorder_->stored("icp", key) : 0);
   // A server that begins anew may hear the whole graph before it knows whose poses count.
   const auto* session = dense_maps_.find(key);
-  if (session != nullptr && session->graph.complete()) places_->follow(poses_of(session->graph));
+  if (session != nullptr && session->graph.complete()) places_->follow(poses_of(*session));
 }
 
 void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyframe) {
@@ -259,7 +268,7 @@ void MapServerNode::on_graph(const graph_t& message) {
 /// Places, too, are not taken away by one message.
 void MapServerNode::correct_places(const graph_t& message, const SessionTable<DenseMap>::Session& session,
                                    bool takes_most) {
-  if (message.change == 0) return places_->follow(poses_of(session.graph));
+  if (message.change == 0) return places_->follow(poses_of(session));
   std::map<std::int32_t, Eigen::Isometry3d> moved;  // by the graph: a restarted server has no keyframes yet
   const auto& nodes = session.graph.nodes();
   for (const graph_node_t& told : message.nodes)

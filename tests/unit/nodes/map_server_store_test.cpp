@@ -53,6 +53,18 @@ TEST_F(MapServerStore, TheFileFollowsTheGraph) {
   EXPECT_THAT(faults(), IsEmpty());
 }
 
+TEST_F(MapServerStore, AnOldGraphTakesNoLaterKeyframesOutOfTheFile) {
+  {
+    StoringServer server(run());
+    for (int id = 0; id < 3; ++id) server.keyframe(id, (id + 1) * second);
+    server.finish();
+  }
+  StoringServer restarted(run());
+  restarted.graph(0, true, {0, 1});
+  restarted.finish();
+  EXPECT_EQ(MapFile(file()).keyframes(session("icp")).size(), 3U);
+}
+
 TEST_F(MapServerStore, ChangesOfTheGraphCutEdges) {
   StoringServer server(run());
   for (int id = 0; id < 4; ++id) server.keyframe(id);
