@@ -27,13 +27,14 @@ SessionKey key_of(const M& message) {
   throw DecodeError(why);
 }
 
+/// Null: it is not the mapper that is alive, as one is for a moment that has just restarted. What it makes by
+/// then is asked for again (follow()).
 template <class Map, class M>
-auto& session_of(SessionTable<Map>& sessions, const M& message) {
+auto* session_of(SessionTable<Map>& sessions, const M& message) {
   auto* session = sessions.session(key_of(message));
-  if (session == nullptr)
-    refuse(
-        fmt::format("sender {} is not the mapper that is alive, or max_sessions are there", message.sender));
-  return *session;
+  if (session == nullptr && !sessions.is_stranger(key_of(message)))
+    refuse(fmt::format("sender {} begins a map, and max_sessions are there", message.sender));
+  return session;
 }
 
 /// Keyframes of the map that stay when the message has been followed.
@@ -124,7 +125,9 @@ void MapServerNode::add_to_path(Path& path, const pose_estimate_t& message) cons
 
 void MapServerNode::on_landmarks(const landmarks_t& message) {
   const std::vector<Landmark> landmarks = landmarks_of(message);
-  LandmarkMap& map = session_of(landmark_maps_, message).map;
+  auto* const of_sender = session_of(landmark_maps_, message);
+  if (of_sender == nullptr) return;
+  LandmarkMap& map = of_sender->map;
   // A mapper takes away a few landmarks at a time. Who takes the most of a map away leaves it beside.
   const bool may_take_most = message.base_revision == 0 || 2 * message.removed.size() > map.size();
   std::optional<LandmarkMap> before;
@@ -183,7 +186,9 @@ void MapServerNode::keep_beside(const landmarks_t& message, LandmarkMap& map, La
 
 void MapServerNode::on_keyframe(const keyframe_t& message) {
   const KeyframeTile tile = from_message(message);
-  DenseMap& map = session_of(dense_maps_, message).map;
+  auto* const session = session_of(dense_maps_, message);
+  if (session == nullptr) return;
+  DenseMap& map = session->map;
   bool complete = false;
   try {
     complete = map.add(tile);
@@ -244,7 +249,8 @@ void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyf
 
 void MapServerNode::on_graph(const graph_t& message) {
   from_message(message);  // throws before anything is kept beside
-  auto* session = &session_of(dense_maps_, message);
+  auto* session = session_of(dense_maps_, message);
+  if (session == nullptr) return;
   const bool takes_most = 2 * kept_by(message, session->map) < session->map.keyframes().size();
   if (takes_most) {
     if (!dense_maps_.keep_beside(key_of(message), session->map))

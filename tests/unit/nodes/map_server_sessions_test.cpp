@@ -53,6 +53,20 @@ TEST_F(MapServer, AGraphThatIsOlderThanMostKeyframesTakesNoneOfThemAway) {
   EXPECT_EQ(value_of(node_, "keyframes"), 3) << "it was told after all of them";
 }
 
+// The next mapper's poses are believed once the last one has been silent for a while.
+TEST_F(MapServer, WhatARestartedMapperMakesBeforeItIsBelievedIsNoGarbage) {
+  pose("FASTSLAM_POSE", 1, 0, 10);
+  pose("ICP_POSE", 2, 0, 10);
+  keyframe(2, 0, 30);
+  pose("ICP_POSE", 4, 1, 10.1);
+  keyframe(4, 0, 40);
+  graph(4, {0});
+  landmarks(3, 1, 0, {20});
+  EXPECT_EQ(bus_.decode_errors(), 0);
+  EXPECT_EQ(value_of(node_, "sessions_refused"), 3);
+  EXPECT_EQ(value_of(node_, "map_points"), 30);
+}
+
 TEST_F(MapServer, NewSenderBeginsANewSessionBesideTheOld) {
   pose("FASTSLAM_POSE", 1, 0, 10);
   pose("ICP_POSE", 2, 0, 10);
