@@ -68,6 +68,7 @@ void MapRecorder::read_kept(std::chrono::milliseconds patience) {
           number(session);
         }
       spdlog::info("{}: goes on, with {} sessions of earlier runs", file_.string(), kept_.size());
+      go_on_with_stored();
     } catch (const PassingStoreError& error) {
       unreadable_ = error.what();
       may_be_read_later_ = true;
@@ -78,8 +79,20 @@ void MapRecorder::read_kept(std::chrono::milliseconds patience) {
   writer_.hold(may_be_read_later_ ? unreadable_ : "");
 }
 
-void MapRecorder::read_again(std::chrono::milliseconds patience) {
-  if (may_be_read_later_) read_kept(patience);
+bool MapRecorder::read_again(std::chrono::milliseconds patience) {
+  if (!may_be_read_later_) return false;
+  read_kept(patience);
+  return is_read();
+}
+
+/// Nothing of these is in the file yet, as it was held.
+void MapRecorder::go_on_with_stored() {
+  for (auto& [name, session] : sessions_) {
+    if (session.is_beside) continue;
+    const auto& [mapper, sender_and_frame] = name;
+    const std::int64_t id = take_up(mapper, {sender_and_frame.first, sender_and_frame.second}, session);
+    if (id != 0) writer_.go_on(session.number, id);
+  }
 }
 
 /// Its name, by which place it has among all.
@@ -158,22 +171,29 @@ MapRecorder::Session& MapRecorder::session(const std::string& mapper, const Sess
 MapRecorder::Session& MapRecorder::begin_session(const std::string& mapper, const SessionKey& key,
                                                  Session& session) {
   StoredSession begun{0, mapper, key.sender, key.frame};
-  for (const StoredSession& old : stored_)
-    if (old.mapper == mapper && old.sender == key.sender && old.frame == key.frame) begun.id = old.id;
-  if (begun.id != 0) {
-    session.kept_id = begun.id;
-    session.keyframes = stored_keyframes_[begun.id];
-    for (const KeptSession& kept : kept_)
-      if (kept.id == begun.id) {
-        session.unheard_landmarks = static_cast<std::size_t>(kept.landmarks);
-        session.was_kept = kept;
-      }
-    kept_.erase(std::remove_if(kept_.begin(), kept_.end(),
-                               [&](const KeptSession& kept) { return kept.id == begun.id; }),
-                kept_.end());
-  }
+  begun.id = take_up(mapper, key, session);
   session.number = writer_.begin_session(begun);
   return session;
+}
+
+/// Its id in the file; 0: that has none of this mapper and frame.
+std::int64_t MapRecorder::take_up(const std::string& mapper, const SessionKey& key, Session& session) {
+  std::int64_t id = 0;
+  for (const StoredSession& old : stored_)
+    if (old.mapper == mapper && old.sender == key.sender && old.frame == key.frame) id = old.id;
+  if (id == 0) return 0;
+  session.kept_id = id;
+  const auto& stored = stored_keyframes_[id];
+  session.keyframes.insert(stored.begin(), stored.end());
+  for (const KeptSession& kept : kept_)
+    if (kept.id == id) {
+      session.unheard_landmarks = static_cast<std::size_t>(kept.landmarks);
+      session.was_kept = kept;
+    }
+  kept_.erase(
+      std::remove_if(kept_.begin(), kept_.end(), [&](const KeptSession& kept) { return kept.id == id; }),
+      kept_.end());
+  return id;
 }
 
 void MapRecorder::landmarks(const SessionKey& key, const landmarks_t& message, const LandmarkMap& map,
@@ -275,6 +295,7 @@ void MapRecorder::leave_beside(const std::string& mapper, const SessionKey& key,
     kept_.insert(std::find_if(kept_.begin(), kept_.end(), later), *s.was_kept);
   }
   s = {};
+  s.is_beside = true;
   s.number = writer_.begin_session({0, mapper, key.sender, key.frame});
 }
 
@@ -285,6 +306,7 @@ void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map, const 
 /// Of another map than one that an earlier server kept beside under this name.
 MapRecorder::Session& MapRecorder::new_session(const std::string& mapper, const SessionKey& key) {
   Session& session = sessions_[{mapper, {key.sender, key.frame}}] = {};
+  session.is_beside = true;
   session.number = writer_.begin_session({0, mapper, key.sender, key.frame});
   return session;
 }

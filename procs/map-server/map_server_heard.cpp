@@ -65,6 +65,22 @@ std::map<std::int32_t, Eigen::Isometry3d> poses_of(const SessionTable<DenseMap>:
   return poses;
 }
 
+bool is_whole(const FollowedGraph& graph) {
+  return graph.complete() && !graph.nodes().empty();
+}
+
+bool is_whole(const LandmarkMap& map) {
+  return !map.incomplete() && map.revision() > 0;
+}
+
+/// As its mapper would tell it.
+graph_t whole_of(const FollowedGraph& graph) {
+  graph_t message{};
+  for (const auto& [id, node] : graph.nodes()) message.nodes.push_back(node);
+  message.n_nodes = static_cast<std::int32_t>(message.nodes.size());
+  return message;
+}
+
 }  // namespace
 
 void MapServerNode::on_fastslam_pose(const pose_estimate_t& message) {
@@ -284,6 +300,23 @@ void MapServerNode::correct_places(const graph_t& message, const SessionTable<De
   for (const std::int32_t id : message.gone)
     if (!takes_most && session.map.keyframes().count(id) == 0) gone.push_back(id);
   places_->correct(moved, gone);
+}
+
+/// Mappers that lived on while this server restarted and the file was held: that has the begin of their
+/// sessions.
+void MapServerNode::go_on_with_stored() {
+  for (const auto& session : landmark_maps_.all())
+    if (recorder_->goes_on("fastslam", session.key) != 0 && is_whole(session.map))
+      recorder_->landmarks(session.key, {}, session.map, true);
+  for (const auto& session : dense_maps_.all())
+    if (recorder_->goes_on("icp", session.key) != 0 && is_whole(session.graph))
+      recorder_->graph(session.key, whole_of(session.graph), session.graph, session.map);
+  if (!places_) return;
+  if (fastslam_pose_) landmark_places_->go_on_as(recorder_->goes_on("fastslam", key_of(*fastslam_pose_)));
+  if (!icp_pose_) return;
+  places_->go_on_as(recorder_->goes_on("icp", key_of(*icp_pose_)));
+  const auto* session = dense_maps_.find(key_of(*icp_pose_));
+  if (session != nullptr && is_whole(session->graph)) places_->follow(poses_of(*session));
 }
 
 // A map to which something does not come that its mapper's poses named a while ago has lost it: this server

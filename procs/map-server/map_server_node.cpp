@@ -119,11 +119,13 @@ std::optional<Node::Duration> MapServerNode::work() {
 /// The old file, where somebody held it or the disk was full when this server began.
 void MapServerNode::read_again(std::chrono::milliseconds patience) {
   next_reading_ = std::chrono::steady_clock::now() + reading_pause;
-  if (recorder_) recorder_->read_again(patience);
-  if (!places_ || (recorder_ && !recorder_->is_read())) return;
-  const std::int64_t newest = recorder_ ? recorder_->newest_of_before() : SessionPlaces::all_sessions;
-  places_->read_again(newest);
-  landmark_places_->read_again(newest);
+  const bool was_read = recorder_ && recorder_->read_again(patience);
+  if (places_ && (!recorder_ || recorder_->is_read())) {
+    const std::int64_t newest = recorder_ ? recorder_->newest_of_before() : SessionPlaces::all_sessions;
+    places_->read_again(newest);
+    landmark_places_->read_again(newest);
+  }
+  if (was_read) go_on_with_stored();
 }
 
 /// Sessions whose place in the file's map was found.

@@ -126,6 +126,7 @@ class MapServerNode : public Node {
   void note_saving(bool wait);
   void note_store();
   void read_again(std::chrono::milliseconds patience);
+  void go_on_with_stored();
   std::string damage() const;
   std::string describe() const;
 

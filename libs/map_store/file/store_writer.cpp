@@ -34,6 +34,11 @@ std::size_t StoreWriter::begin_session(const StoredSession& session) {
   return sessions_.size() - 1;
 }
 
+void StoreWriter::go_on(std::size_t session, std::int64_t id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  sessions_[session].id = id;
+}
+
 void StoreWriter::change(std::size_t session, const std::function<void(SessionChanges&)>& add) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);

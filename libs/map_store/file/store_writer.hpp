@@ -35,6 +35,8 @@ class StoreWriter {
   /// A number for change(): the session gets its id in the file with its first change. One that has an id
   /// already, of an earlier run, is gone on with.
   std::size_t begin_session(const StoredSession& session);
+  /// One that began while nothing was written is in the file already, with this id.
+  void go_on(std::size_t session, std::int64_t id);
   /// Calls `add` with what waits of this session.
   void change(std::size_t session, const std::function<void(SessionChanges&)>& add);
   /// The keyframes are those of another session as well: what that one has of their features, images and
