@@ -99,6 +99,22 @@ void LandmarkSessions::go_on_as(std::int64_t stored) {
   });
 }
 
+void LandmarkSessions::begin_file(const std::filesystem::path& file) {
+  jobs_.hand_in([this, file] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    file_ = file;
+    is_read_ = true;
+    map_ = LandmarkPlaces();
+    kept_ = 0;
+    joiner_ = LandmarkJoiner();
+    first_session_ = stored_current_ = 0;
+    T_map_session_.clear();
+    T_map_current_.reset();
+    told_.reset();
+    joined_.clear();
+  });
+}
+
 void LandmarkSessions::begin_from(std::int64_t stored) {
   stored_current_ = stored;
   const auto known = T_map_session_.find(stored);

@@ -25,6 +25,8 @@ class LandmarkSessions {
   void begin_session(std::int64_t stored, LandmarkMap last);
   /// As SessionPlaces.
   void go_on_as(std::int64_t stored);
+  /// As SessionPlaces.
+  void begin_file(const std::filesystem::path& file);
   /// The current session's map has changed.
   void follow(const LandmarkMap& map);
 

@@ -319,6 +319,15 @@ void MapServerNode::go_on_with_stored() {
   if (session != nullptr && is_whole(session->graph)) places_->follow(poses_of(*session));
 }
 
+/// What is in memory, as its mappers told it.
+void MapServerNode::record_all() {
+  for (const auto& session : landmark_maps_.all()) recorder_->landmarks(session.key, {}, session.map, true);
+  for (const auto& session : dense_maps_.all()) {
+    for (const auto& [id, keyframe] : session.map.keyframes()) recorder_->keyframe(session.key, keyframe);
+    recorder_->graph(session.key, whole_of(session.graph), session.graph, session.map);
+  }
+}
+
 // A map to which something does not come that its mapper's poses named a while ago has lost it: this server
 // restarted, or a message did not arrive. One that comes late all the time (over a bridge) has not.
 void MapServerNode::follow(const std::string& process, const pose_estimate_t& pose, std::int64_t revision) {

@@ -51,6 +51,7 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
       max_path_(size(settings.max_path)),
       snapshot_period_(settings.snapshot_period),
       most_export_folders_(size(settings.export_folders)),
+      configuration_(text_of(settings)),
       desk_(settings.layers.map.background) {
   if (settings.layers.make) layers_.emplace(settings.layers);
   if (localises_ && !std::filesystem::exists(settings.map))
@@ -61,7 +62,7 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
     places_ = std::make_unique<SessionPlaces>(map, settings.layers.map.background);
     landmark_places_ = std::make_unique<LandmarkSessions>(map, settings.layers.map.background);
   }
-  if (!localises_ && !store.empty()) recorder_.emplace(store, text_of(settings));
+  if (!localises_ && !store.empty()) recorder_.emplace(store, configuration_);
 }
 
 void MapServerNode::connect(Inputs& inputs) {

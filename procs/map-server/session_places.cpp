@@ -257,6 +257,24 @@ void SessionPlaces::leave_stored() {
   });
 }
 
+void SessionPlaces::begin_file(const std::filesystem::path& file) {
+  jobs_.hand_in([this, file] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    file_ = file;
+    is_read_ = true;
+    map_ = PlaceIndex();
+    joiner_ = SessionJoiner();
+    first_session_ = stored_current_ = 0;
+    T_map_session_.clear();
+    T_map_current_.reset();
+    told_.reset();
+    kept_.clear();
+    next_kept_ = 0;
+    given_.clear();
+    joined_.clear();
+  });
+}
+
 void SessionPlaces::apply(const std::map<std::int32_t, Eigen::Isometry3d>& moved,
                           const std::vector<std::int32_t>& gone) {
   for (const auto& [id, T_session_camera] : moved) current_.move(id, T_session_camera);

@@ -48,6 +48,9 @@ class SessionPlaces {
   /// What the file has of the session since an earlier run stays there as it is, and the session goes on in
   /// another one.
   void leave_stored();
+  /// Another file, which is empty: what the former one had is gone. Keyframes that the current session has by
+  /// now are found as before.
+  void begin_file(const std::filesystem::path& file);
 
   /// A session whose place was found.
   struct Joined {

@@ -2,7 +2,7 @@
 // Writes a map's changes into its file, in a thread of its own: whoever hands them in never waits for the
 // disk. A commit follows within a tenth of a second. What cannot be written (full disk, folder that may not
 // be written) waits, merged to its newest state, and is tried again every second. A file that somebody takes
-// away meanwhile is written again, whole.
+// away meanwhile is written again, whole. One over which somebody writes another is left to that.
 
 #include <condition_variable>
 #include <functional>
@@ -21,6 +21,7 @@ class StoreWriter {
     std::int64_t commits = 0;
     std::int64_t failures = 0;
     std::int64_t restored = 0;  ///< times that the file had been taken away and was written again
+    bool overwritten = false;   ///< another file was written over it: nothing goes into it any more
     std::string error;          ///< of the last try; empty: all that was tried is in the file
   };
 
@@ -74,6 +75,7 @@ class StoreWriter {
   void work();
   void write(const Waiting& changes);
   void restore();
+  void leave_overwritten();
   std::int64_t id_of(std::size_t session, std::int64_t run, std::map<std::size_t, std::int64_t>& ids);
   void put_back(Waiting&& failed);
   bool wait_for_work(std::unique_lock<std::mutex>& lock);
