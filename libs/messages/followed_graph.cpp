@@ -56,9 +56,19 @@ std::vector<KeyframePose> FollowedGraph::poses() const {
   return poses;
 }
 
+bool was_made_after(const graph_t& message, std::int32_t newest_node, std::int32_t id, Utime utime) {
+  return newest_node >= 0 && id > newest_node && utime > message.utime;
+}
+
 void follow(DenseMap& map, const FollowedGraph& graph, const graph_t& message) {
-  if (graph.complete()) return map.follow(graph.poses());
-  map.correct(graph.poses());
+  std::vector<KeyframePose> poses = graph.poses();
+  if (graph.complete()) {
+    for (const auto& [id, keyframe] : map.keyframes())
+      if (was_made_after(message, graph.newest_node(), id, keyframe.utime))
+        poses.push_back({id, keyframe.T_world_camera});
+    return map.follow(poses);
+  }
+  map.correct(poses);
   for (const std::int32_t id : message.gone) map.remove(id);
 }
 

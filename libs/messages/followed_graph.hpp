@@ -27,6 +27,8 @@ class FollowedGraph {
   std::int64_t map_revision() const { return map_revision_; }
   /// By id.
   std::vector<KeyframePose> poses() const;
+  /// Its id; -1: there is none.
+  std::int32_t newest_node() const { return nodes_.empty() ? -1 : nodes_.rbegin()->first; }
 
   const std::map<std::int32_t, graph_node_t>& nodes() const { return nodes_; }
   const std::multimap<Pair, graph_edge_t>& edges() const { return edges_; }
@@ -40,8 +42,14 @@ class FollowedGraph {
   bool heard_ = false, complete_ = true;
 };
 
+/// Whether a keyframe was made when the message had been told: that says nothing of it. Over a bridge a graph
+/// may come minutes late, and after keyframes that it does not know. `newest_node`: of the graph as the
+/// message tells it, -1: it has none.
+bool was_made_after(const graph_t& message, std::int32_t newest_node, std::int32_t id, Utime utime);
+
 /// Moves the map's keyframes as the graph has them after this message, which it has applied. Keyframes that
-/// it has not go; while messages are missing only those that are named as gone.
+/// it has not, but for those that were made after it was told, go; while messages are missing only those that
+/// are named as gone.
 void follow(DenseMap& map, const FollowedGraph& graph, const graph_t& message);
 
 }  // namespace lcmslam

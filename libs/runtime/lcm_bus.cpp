@@ -21,6 +21,8 @@ namespace {
 // have to wait for its core while they pile up, and the kernel's default buffer holds three or four.
 constexpr std::size_t part_size = 60'000;  // bytes
 constexpr std::chrono::microseconds part_period{3000};
+constexpr std::size_t most_at_once = 1'000'000;  // bytes: 50 ms, that a sender may wait
+constexpr std::ptrdiff_t most_late = 2;          // larger messages of a channel
 
 }  // namespace
 
@@ -48,21 +50,84 @@ BusSender::BusSender(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_who
   if (const auto key = bus_key()) sealer_.emplace(*key, draw_sender());
 }
 
+BusSender::~BusSender() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
 void BusSender::send(const std::string& name_of_channel, const std::vector<std::uint8_t>& bytes,
                      Utime utime) {
   const std::string channel = robot_ + name_of_channel;
+  const bool is_long = bytes.size() > std::max(largest_whole_, most_at_once);
+  const auto waiting = [&](bool long_alone) {
+    return std::count_if(late_.begin(), late_.end(), [&](const Late& late) {
+      return late.channel == channel && (late.is_long || !long_alone);
+    });
+  };
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (!is_long && waiting(false) == 0) {
+    lock.unlock();
+    return send_now(channel, bytes, utime);
+  }
+  if (is_long) out_.wait(lock, [&] { return waiting(true) < most_late; });
+  late_.push_back({channel, bytes, utime, is_long});
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+  wake_.notify_all();
+}
+
+void BusSender::work() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    wake_.wait(lock, [&] { return stop_ || !late_.empty(); });
+    if (late_.empty()) return;
+    const Late& late = late_.front();  // others come behind it
+    lock.unlock();
+    send_now(late.channel, late.bytes, late.utime);
+    lock.lock();
+    late_.pop_front();
+    out_.notify_all();
+  }
+}
+
+void BusSender::send_now(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime) {
   if (bytes.size() <= std::max(largest_whole_, part_size)) return publish(channel, bytes);
-  Numbers& numbers = numbers_[channel];
   const std::string name = part_channel(channel);
-  for (part_t& part : split_message(channel, bytes, utime, numbers.messages++, part_size)) {
-    if (part.part > 0) std::this_thread::sleep_for(part_period);
-    set_origin(part, Origin{numbers.parts++, sender_});
+  for (part_t& part : split_message(channel, bytes, utime, next_message(channel), part_size)) {
+    if (part.part > 0) pause();
+    set_origin(part, next_part(channel));
     publish(name, encode_message(part));
   }
   ++split_;
 }
 
+std::int64_t BusSender::next_message(const std::string& channel) {
+  const std::lock_guard<std::mutex> lock(bus_mutex_);
+  return numbers_[channel].messages++;
+}
+
+Origin BusSender::next_part(const std::string& channel) {
+  const std::lock_guard<std::mutex> lock(bus_mutex_);
+  return {numbers_[channel].parts++, sender_};
+}
+
+/// Also after what others send beside it: receivers have one buffer for all.
+void BusSender::pause() {
+  while (true) {
+    std::unique_lock<std::mutex> lock(bus_mutex_);
+    const SteadyTime end = last_large_ + part_period;
+    lock.unlock();
+    if (std::chrono::steady_clock::now() >= end) return;
+    std::this_thread::sleep_until(end);
+  }
+}
+
 void BusSender::publish(const std::string& channel, std::vector<std::uint8_t> bytes) {
+  const std::lock_guard<std::mutex> lock(bus_mutex_);
+  if (bytes.size() > part_size / 2) last_large_ = std::chrono::steady_clock::now();
   if (sealer_) sealer_->seal(channel, bytes, std::chrono::system_clock::now());
   Outage& outage = outages_[channel];
   errno = 0;

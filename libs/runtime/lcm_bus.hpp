@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <deque>
 #include <lcm/lcm-cpp.hpp>
+#include <mutex>
 #include <thread>
 
 #include <lcmslam/messages/parts.hpp>
@@ -31,8 +32,14 @@ class BusSender {
  public:
   /// Messages above `largest_whole` bytes go in pieces; see largest_whole_message().
   BusSender(lcm::LCM& lcm, std::int64_t sender, std::size_t largest_whole);
+  /// Waits until all is out.
+  ~BusSender();
+  BusSender(const BusSender&) = delete;
+  BusSender& operator=(const BusSender&) = delete;
 
-  /// Returns when the last piece is out. Errors are logged: there is nothing that a sender could do.
+  /// Returns when the last piece is out; of what takes long (a large graph) a thread sends the pieces, and
+  /// what follows on its channel. Who sends a third such message on a channel waits for the first. Errors are
+  /// logged: there is nothing that a sender could do.
   void send(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime);
 
   /// Messages that went out in pieces so far.
@@ -44,16 +51,36 @@ class BusSender {
   struct Numbers {
     std::int64_t messages = 0, parts = 0;
   };
+  struct Late {
+    std::string channel;
+    std::vector<std::uint8_t> bytes;
+    Utime utime = 0;
+    bool is_long = false;  // it takes long
+  };
+  void send_now(const std::string& channel, const std::vector<std::uint8_t>& bytes, Utime utime);
+  void pause();
+  std::int64_t next_message(const std::string& channel);
+  Origin next_part(const std::string& channel);
   void publish(const std::string& channel, std::vector<std::uint8_t> bytes);
+  void work();
 
   lcm::LCM& lcm_;
   std::int64_t sender_;
   std::size_t largest_whole_;
   std::string robot_;  // "dora/"
+  std::atomic<std::int64_t> split_{0}, failed_{0};
+
+  std::mutex bus_mutex_;  // guards what follows
   std::optional<Sealer> sealer_;
   std::map<std::string, Numbers> numbers_;
   std::map<std::string, Outage> outages_;  // by channel: one may be too much for the network, others not
-  std::int64_t split_ = 0, failed_ = 0;
+  SteadyTime last_large_{};                // when the last datagram of about a piece's size went out
+
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable wake_, out_;
+  std::deque<Late> late_;  // the first is on its way
+  bool stop_ = false;
+  std::thread thread_;
 };
 
 class LcmPublisher : public Publisher {

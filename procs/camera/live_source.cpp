@@ -16,7 +16,9 @@ LiveSource::LiveSource(const RgbdCalibration& calibration, std::vector<WatchedPa
                        const LiveSettings& settings)
     : calibration_(calibration),
       jpeg_quality_(settings.jpeg_quality),
-      pairs_(tolerance, calibration.depth_offset()) {
+      watch_(settings.watch),
+      pairs_(tolerance, calibration.depth_offset()),
+      last_depth_(std::chrono::steady_clock::now()) {
   for (WatchedPart& part : parts) {
     Camera& camera = cameras_.emplace_back();
     camera.name = part.name;
@@ -61,18 +63,38 @@ void LiveSource::run(std::size_t camera) {
 
 void LiveSource::take(std::size_t camera, CameraShot frame) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (cameras_.size() == 1) {
+  if (cameras_.size() == 1)
     ready_.push_back(std::move(frame));
-  } else {
-    camera == 0 ? pairs_.add_colour(std::move(frame)) : pairs_.add_depth(std::move(frame));
-    ++unpaired_;
-    while (auto pair = pairs_.next()) {
-      ready_.push_back(std::move(*pair));
-      unpaired_ = 0;
-    }
-  }
+  else
+    match(camera, std::move(frame));
   for (; ready_.size() > longest_queue; ++skipped_) ready_.pop_front();
   changed_.notify_all();
+}
+
+/// Features without depth still tell FastSLAM where the robot turns to, and ICP goes by its wheels meanwhile.
+/// Depth without colour does not go alone: all that is mapped of it would be black.
+void LiveSource::match(std::size_t camera, CameraShot frame) {
+  if (camera == 1) {
+    last_depth_ = std::chrono::steady_clock::now();
+    has_depth_ = true;
+  } else if (is_depth_away()) {
+    frame.depth_utime = frame.utime - calibration_.depth_offset();
+    ready_.push_back(std::move(frame));
+    ++without_depth_;
+    return;
+  }
+  camera == 0 ? pairs_.add_colour(std::move(frame)) : pairs_.add_depth(std::move(frame));
+  ++unpaired_;
+  while (auto pair = pairs_.next()) {
+    ready_.push_back(std::move(*pair));
+    unpaired_ = 0;
+  }
+}
+
+/// One that opens slowly is waited for.
+bool LiveSource::is_depth_away() const {
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - last_depth_;
+  return since.count() > (has_depth_ ? watch_.late_after : watch_.reopen_after);
 }
 
 std::optional<CameraEvent> LiveSource::next() {
@@ -114,7 +136,8 @@ SourceHealth LiveSource::health() const {
   const PairCounts counts = pairs_.counts();
   all.values.insert(all.values.end(), {{"pairs", static_cast<double>(counts.pairs)},
                                        {"unmatched_colour", static_cast<double>(counts.unmatched_colour)},
-                                       {"unmatched_depth", static_cast<double>(counts.unmatched_depth)}});
+                                       {"unmatched_depth", static_cast<double>(counts.unmatched_depth)},
+                                       {"without_depth", static_cast<double>(without_depth_)}});
   if (all.trouble.empty()) all.trouble = pair_trouble();
   return all;
 }

@@ -41,18 +41,24 @@ class LiveSource : public CameraSource {
   };
   void run(std::size_t camera);
   void take(std::size_t camera, CameraShot frame);
+  void match(std::size_t camera, CameraShot frame);
+  bool is_depth_away() const;
   std::string pair_trouble() const;
 
   RgbdCalibration calibration_;
   int jpeg_quality_;
+  WatchSettings watch_;
   std::vector<Camera> cameras_;
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
   ImagePairs pairs_;
   std::deque<CameraShot> ready_;
-  std::int64_t skipped_ = 0;   // shots that nobody took in time
-  std::int64_t unpaired_ = 0;  // images in a row that made no pair
+  std::int64_t skipped_ = 0;                          // shots that nobody took in time
+  std::int64_t unpaired_ = 0;                         // images in a row that made no pair
+  std::chrono::steady_clock::time_point last_depth_;  // image; at first the start
+  bool has_depth_ = false;
+  std::int64_t without_depth_ = 0;  // colour images that went out alone
   bool stop_ = false;
 };
 

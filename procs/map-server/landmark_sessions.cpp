@@ -88,14 +88,41 @@ void LandmarkSessions::begin_session(std::int64_t stored, LandmarkMap last) {
     number_ = number;
     leave_current(last);
     joiner_ = LandmarkJoiner();
-    stored_current_ = stored;
-    const auto known = T_map_session_.find(stored);
+    begin_from(stored);
+  });
+}
+
+void LandmarkSessions::go_on_as(std::int64_t stored) {
+  jobs_.hand_in([this, stored] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (stored != stored_current_) begin_from(stored);
+  });
+}
+
+void LandmarkSessions::begin_file(const std::filesystem::path& file) {
+  jobs_.hand_in([this, file] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    file_ = file;
+    is_read_ = true;
+    map_ = LandmarkPlaces();
+    kept_ = 0;
+    joiner_ = LandmarkJoiner();
+    first_session_ = stored_current_ = 0;
+    T_map_session_.clear();
     T_map_current_.reset();
     told_.reset();
-    if (known == T_map_session_.end()) return;
-    T_map_current_ = known->second;
-    if (stored != first_session_) go_on(stored);
+    joined_.clear();
   });
+}
+
+void LandmarkSessions::begin_from(std::int64_t stored) {
+  stored_current_ = stored;
+  const auto known = T_map_session_.find(stored);
+  T_map_current_.reset();
+  told_.reset();
+  if (known == T_map_session_.end()) return;
+  T_map_current_ = known->second;
+  if (stored != first_session_) go_on(stored);
 }
 
 /// As SessionPlaces.

@@ -23,6 +23,10 @@ class LandmarkSessions {
   /// Another current session; `last`: that of the one before, which stays in the map. `stored`: its id in the
   /// file when it goes on from an earlier run, else 0.
   void begin_session(std::int64_t stored, LandmarkMap last);
+  /// As SessionPlaces.
+  void go_on_as(std::int64_t stored);
+  /// As SessionPlaces.
+  void begin_file(const std::filesystem::path& file);
   /// The current session's map has changed.
   void follow(const LandmarkMap& map);
 
@@ -44,6 +48,7 @@ class LandmarkSessions {
              const Eigen::Isometry3d& T_map_session);
   bool makes_frame() const;
   void leave_current(const LandmarkMap& last);
+  void begin_from(std::int64_t stored);
   void go_on(std::int64_t session);
   void follow_moved(const LandmarkMap& map);
   void look_for(const std::vector<Landmark>& group);

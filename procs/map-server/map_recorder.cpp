@@ -68,6 +68,7 @@ void MapRecorder::read_kept(std::chrono::milliseconds patience) {
           number(session);
         }
       spdlog::info("{}: goes on, with {} sessions of earlier runs", file_.string(), kept_.size());
+      go_on_with_stored();
     } catch (const PassingStoreError& error) {
       unreadable_ = error.what();
       may_be_read_later_ = true;
@@ -78,8 +79,20 @@ void MapRecorder::read_kept(std::chrono::milliseconds patience) {
   writer_.hold(may_be_read_later_ ? unreadable_ : "");
 }
 
-void MapRecorder::read_again(std::chrono::milliseconds patience) {
-  if (may_be_read_later_) read_kept(patience);
+bool MapRecorder::read_again(std::chrono::milliseconds patience) {
+  if (!may_be_read_later_) return false;
+  read_kept(patience);
+  return is_read();
+}
+
+/// Nothing of these is in the file yet, as it was held.
+void MapRecorder::go_on_with_stored() {
+  for (auto& [name, session] : sessions_) {
+    if (session.is_beside) continue;
+    const auto& [mapper, sender_and_frame] = name;
+    const std::int64_t id = take_up(mapper, {sender_and_frame.first, sender_and_frame.second}, session);
+    if (id != 0) writer_.go_on(session.number, id);
+  }
 }
 
 /// Its name, by which place it has among all.
@@ -101,9 +114,9 @@ void MapRecorder::keep(MapFile& map, const StoredSession& session, MapFile::Dama
 
   if (frame) frame_sessions_[session.mapper] = *frame;
   KeptSession kept{session.id, session.mapper, number(session)};
-  std::set<std::int32_t>& ids = stored_keyframes_[session.id] = {};
+  std::map<std::int32_t, Utime>& times = stored_keyframes_[session.id] = {};
   for (const StoredKeyframe& keyframe : keyframes) {
-    ids.insert(keyframe.id);
+    times[keyframe.id] = keyframe.utime;
     kept.begin = kept.begin == 0 ? keyframe.utime : std::min(kept.begin, keyframe.utime);
     kept.end = std::max(kept.end, keyframe.utime);
   }
@@ -158,22 +171,29 @@ MapRecorder::Session& MapRecorder::session(const std::string& mapper, const Sess
 MapRecorder::Session& MapRecorder::begin_session(const std::string& mapper, const SessionKey& key,
                                                  Session& session) {
   StoredSession begun{0, mapper, key.sender, key.frame};
-  for (const StoredSession& old : stored_)
-    if (old.mapper == mapper && old.sender == key.sender && old.frame == key.frame) begun.id = old.id;
-  if (begun.id != 0) {
-    session.kept_id = begun.id;
-    session.keyframes = stored_keyframes_[begun.id];
-    for (const KeptSession& kept : kept_)
-      if (kept.id == begun.id) {
-        session.unheard_landmarks = static_cast<std::size_t>(kept.landmarks);
-        session.was_kept = kept;
-      }
-    kept_.erase(std::remove_if(kept_.begin(), kept_.end(),
-                               [&](const KeptSession& kept) { return kept.id == begun.id; }),
-                kept_.end());
-  }
+  begun.id = take_up(mapper, key, session);
   session.number = writer_.begin_session(begun);
   return session;
+}
+
+/// Its id in the file; 0: that has none of this mapper and frame.
+std::int64_t MapRecorder::take_up(const std::string& mapper, const SessionKey& key, Session& session) {
+  std::int64_t id = 0;
+  for (const StoredSession& old : stored_)
+    if (old.mapper == mapper && old.sender == key.sender && old.frame == key.frame) id = old.id;
+  if (id == 0) return 0;
+  session.kept_id = id;
+  const auto& stored = stored_keyframes_[id];
+  session.keyframes.insert(stored.begin(), stored.end());
+  for (const KeptSession& kept : kept_)
+    if (kept.id == id) {
+      session.unheard_landmarks = static_cast<std::size_t>(kept.landmarks);
+      session.was_kept = kept;
+    }
+  kept_.erase(
+      std::remove_if(kept_.begin(), kept_.end(), [&](const KeptSession& kept) { return kept.id == id; }),
+      kept_.end());
+  return id;
 }
 
 void MapRecorder::landmarks(const SessionKey& key, const landmarks_t& message, const LandmarkMap& map,
@@ -205,7 +225,7 @@ void MapRecorder::keyframe(const SessionKey& key, const DenseKeyframe& keyframe)
 }
 
 void MapRecorder::put_keyframe(Session& s, const DenseKeyframe& keyframe) {
-  s.keyframes.insert(keyframe.id);
+  s.keyframes[keyframe.id] = keyframe.utime;
   const auto covariance = covariance_at(keyframe.utime);
   writer_.change(s.number, [&](SessionChanges& changes) { changes.put_keyframe(keyframe, covariance); });
 }
@@ -235,7 +255,9 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
   std::set<std::int32_t> gone;
   for (const std::int32_t id : message.gone)
     if (s.keyframes.count(id) > 0 && is_gone(id)) gone.insert(id);
-  if (whole) std::copy_if(s.keyframes.begin(), s.keyframes.end(), std::inserter(gone, gone.end()), is_gone);
+  if (whole)
+    for (const auto& [id, utime] : s.keyframes)
+      if (is_gone(id) && !was_made_after(message, graph.newest_node(), id, utime)) gone.insert(id);
   if (s.kept_id != 0 && 2 * gone.size() > s.keyframes.size()) {
     const std::size_t before = s.number;
     leave_beside("icp", key, s);
@@ -259,7 +281,7 @@ void MapRecorder::graph(const SessionKey& key, const graph_t& message, const Fol
       if (node == graph.nodes().end()) continue;
       changes.move_keyframe(node->first, node->second.keyframe_utime,
                             from_message(node->second.T_map_camera, "T_map_camera"));
-      s.keyframes.insert(node->first);
+      s.keyframes[node->first] = node->second.keyframe_utime;
     }
     if (whole) changes.clear_edges();
     for (const auto& pair : pairs) changes.set_edges(pair, edges_between(graph, pair));
@@ -273,6 +295,7 @@ void MapRecorder::leave_beside(const std::string& mapper, const SessionKey& key,
     kept_.insert(std::find_if(kept_.begin(), kept_.end(), later), *s.was_kept);
   }
   s = {};
+  s.is_beside = true;
   s.number = writer_.begin_session({0, mapper, key.sender, key.frame});
 }
 
@@ -283,6 +306,7 @@ void MapRecorder::kept_beside(const SessionKey& key, const DenseMap& map, const 
 /// Of another map than one that an earlier server kept beside under this name.
 MapRecorder::Session& MapRecorder::new_session(const std::string& mapper, const SessionKey& key) {
   Session& session = sessions_[{mapper, {key.sender, key.frame}}] = {};
+  session.is_beside = true;
   session.number = writer_.begin_session({0, mapper, key.sender, key.frame});
   return session;
 }

@@ -36,8 +36,9 @@ class MapRecorder {
   /// A file that is there is gone on with; one that cannot be read stays as it is, and error() says why. As
   /// long as that may pass (somebody holds it) nothing is written: read_again().
   MapRecorder(const std::filesystem::path& file, const std::string& configuration);
-  /// Where the old file could not be read yet. Sessions that have begun by then are other ones than its own.
-  void read_again(std::chrono::milliseconds patience);
+  /// Where the old file could not be read yet. Sessions that have begun by then and that it has, as their
+  /// mappers lived on, go on: graph() and landmarks() are to be told whole. True when it was read.
+  bool read_again(std::chrono::milliseconds patience);
   /// It was read, or is not there.
   bool is_read() const { return unreadable_.empty(); }
   /// Of the sessions of earlier runs the newest, by id; 0: there are none.
@@ -95,11 +96,12 @@ class MapRecorder {
 
  private:
   struct Session {
-    std::size_t number = 0;                 // the writer's
-    std::int64_t kept_id = 0;               // in the file, of one that goes on from an earlier run; 0: none
-    std::set<std::int32_t> keyframes;       // that the file has
+    std::size_t number = 0;                   // the writer's
+    std::int64_t kept_id = 0;                 // in the file, of one that goes on from an earlier run; 0: none
+    std::map<std::int32_t, Utime> keyframes;  // that the file has
     std::size_t unheard_landmarks = 0;      // that the file has of an earlier run, until all are heard again
     std::optional<KeptSession> was_kept{};  // as it was told until its mapper was heard again
+    bool is_beside = false;                 // another map than one that the file has under this name
   };
 
   void read_kept(std::chrono::milliseconds patience);
@@ -107,6 +109,8 @@ class MapRecorder {
   std::string number(const StoredSession& session);
   Session& session(const std::string& mapper, const SessionKey& key);
   Session& begin_session(const std::string& mapper, const SessionKey& key, Session& session);
+  std::int64_t take_up(const std::string& mapper, const SessionKey& key, Session& session);
+  void go_on_with_stored();
   Session& new_session(const std::string& mapper, const SessionKey& key);
   void leave_beside(const std::string& mapper, const SessionKey& key, Session& session);
   void put_keyframe(Session& session, const DenseKeyframe& keyframe);
@@ -119,8 +123,8 @@ class MapRecorder {
   MapFile::Damage damage_;             // of what it has
   std::int64_t newest_of_before_ = 0;  // session, by id
   std::chrono::steady_clock::time_point next_retiring_{};
-  std::vector<StoredSession> stored_;                                // that are not in memory
-  std::map<std::int64_t, std::set<std::int32_t>> stored_keyframes_;  // by session
+  std::vector<StoredSession> stored_;                                       // that are not in memory
+  std::map<std::int64_t, std::map<std::int32_t, Utime>> stored_keyframes_;  // by session
   std::vector<KeptSession> kept_;
   std::map<std::string, std::int64_t> frame_sessions_;  // whose frame is the map's, by mapper
   std::map<std::pair<std::string, std::pair<std::int64_t, std::string>>, Session> sessions_;

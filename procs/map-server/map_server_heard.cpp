@@ -1,6 +1,7 @@
 // What the map server hears of mappers and cameras, and asks for again when it missed something.
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <set>
 
 #include <lcmslam/messages/camera_messages.hpp>
@@ -26,13 +27,14 @@ SessionKey key_of(const M& message) {
   throw DecodeError(why);
 }
 
+/// Null: it is not the mapper that is alive, as one is for a moment that has just restarted. What it makes by
+/// then is asked for again (follow()).
 template <class Map, class M>
-auto& session_of(SessionTable<Map>& sessions, const M& message) {
+auto* session_of(SessionTable<Map>& sessions, const M& message) {
   auto* session = sessions.session(key_of(message));
-  if (session == nullptr)
-    refuse(
-        fmt::format("sender {} is not the mapper that is alive, or max_sessions are there", message.sender));
-  return *session;
+  if (session == nullptr && !sessions.is_stranger(key_of(message)))
+    refuse(fmt::format("sender {} begins a map, and max_sessions are there", message.sender));
+  return session;
 }
 
 /// Keyframes of the map that stay when the message has been followed.
@@ -42,17 +44,41 @@ std::size_t kept_by(const graph_t& message, const DenseMap& map) {
   const auto name = [&](std::int32_t id) {
     if (keyframes.count(id) > 0) named.insert(id);
   };
-  for (const graph_node_t& node : message.nodes) name(node.keyframe);
+  std::int32_t newest_node = -1;
+  for (const graph_node_t& node : message.nodes) {
+    name(node.keyframe);
+    newest_node = std::max(newest_node, node.keyframe);
+  }
+  for (const auto& [id, keyframe] : keyframes)
+    if (was_made_after(message, newest_node, id, keyframe.utime)) named.insert(id);
   if (message.change == 0) return named.size();
   named.clear();
   for (const std::int32_t id : message.gone) name(id);
   return keyframes.size() - named.size();
 }
 
-std::map<std::int32_t, Eigen::Isometry3d> poses_of(const FollowedGraph& graph) {
+/// Of its graph, and of keyframes that were made after that was told.
+std::map<std::int32_t, Eigen::Isometry3d> poses_of(const SessionTable<DenseMap>::Session& session) {
   std::map<std::int32_t, Eigen::Isometry3d> poses;
-  for (const KeyframePose& node : graph.poses()) poses[node.id] = node.T_world_camera;
+  for (const auto& [id, keyframe] : session.map.keyframes()) poses[id] = keyframe.T_world_camera;
+  for (const KeyframePose& node : session.graph.poses()) poses[node.id] = node.T_world_camera;
   return poses;
+}
+
+bool is_whole(const FollowedGraph& graph) {
+  return graph.complete() && !graph.nodes().empty();
+}
+
+bool is_whole(const LandmarkMap& map) {
+  return !map.incomplete() && map.revision() > 0;
+}
+
+/// As its mapper would tell it.
+graph_t whole_of(const FollowedGraph& graph) {
+  graph_t message{};
+  for (const auto& [id, node] : graph.nodes()) message.nodes.push_back(node);
+  message.n_nodes = static_cast<std::int32_t>(message.nodes.size());
+  return message;
 }
 
 }  // namespace
@@ -115,7 +141,9 @@ void MapServerNode::add_to_path(Path& path, const pose_estimate_t& message) cons
 
 void MapServerNode::on_landmarks(const landmarks_t& message) {
   const std::vector<Landmark> landmarks = landmarks_of(message);
-  LandmarkMap& map = session_of(landmark_maps_, message).map;
+  auto* const of_sender = session_of(landmark_maps_, message);
+  if (of_sender == nullptr) return;
+  LandmarkMap& map = of_sender->map;
   // A mapper takes away a few landmarks at a time. Who takes the most of a map away leaves it beside.
   const bool may_take_most = message.base_revision == 0 || 2 * message.removed.size() > map.size();
   std::optional<LandmarkMap> before;
@@ -174,7 +202,9 @@ void MapServerNode::keep_beside(const landmarks_t& message, LandmarkMap& map, La
 
 void MapServerNode::on_keyframe(const keyframe_t& message) {
   const KeyframeTile tile = from_message(message);
-  DenseMap& map = session_of(dense_maps_, message).map;
+  auto* const session = session_of(dense_maps_, message);
+  if (session == nullptr) return;
+  DenseMap& map = session->map;
   bool complete = false;
   try {
     complete = map.add(tile);
@@ -219,7 +249,7 @@ void MapServerNode::begin_places(const SessionKey& key) {
   places_->begin_session(recorder_ ? recorder_->stored("icp", key) : 0);
   // A server that begins anew may hear the whole graph before it knows whose poses count.
   const auto* session = dense_maps_.find(key);
-  if (session != nullptr && session->graph.complete()) places_->follow(poses_of(session->graph));
+  if (session != nullptr && session->graph.complete()) places_->follow(poses_of(*session));
 }
 
 void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyframe) {
@@ -235,7 +265,8 @@ void MapServerNode::derive_from(const SessionKey& key, const DenseKeyframe& keyf
 
 void MapServerNode::on_graph(const graph_t& message) {
   from_message(message);  // throws before anything is kept beside
-  auto* session = &session_of(dense_maps_, message);
+  auto* session = session_of(dense_maps_, message);
+  if (session == nullptr) return;
   const bool takes_most = 2 * kept_by(message, session->map) < session->map.keyframes().size();
   if (takes_most) {
     if (!dense_maps_.keep_beside(key_of(message), session->map))
@@ -259,7 +290,7 @@ void MapServerNode::on_graph(const graph_t& message) {
 /// Places, too, are not taken away by one message.
 void MapServerNode::correct_places(const graph_t& message, const SessionTable<DenseMap>::Session& session,
                                    bool takes_most) {
-  if (message.change == 0) return places_->follow(poses_of(session.graph));
+  if (message.change == 0) return places_->follow(poses_of(session));
   std::map<std::int32_t, Eigen::Isometry3d> moved;  // by the graph: a restarted server has no keyframes yet
   const auto& nodes = session.graph.nodes();
   for (const graph_node_t& told : message.nodes)
@@ -269,6 +300,32 @@ void MapServerNode::correct_places(const graph_t& message, const SessionTable<De
   for (const std::int32_t id : message.gone)
     if (!takes_most && session.map.keyframes().count(id) == 0) gone.push_back(id);
   places_->correct(moved, gone);
+}
+
+/// Mappers that lived on while this server restarted and the file was held: that has the begin of their
+/// sessions.
+void MapServerNode::go_on_with_stored() {
+  for (const auto& session : landmark_maps_.all())
+    if (recorder_->goes_on("fastslam", session.key) != 0 && is_whole(session.map))
+      recorder_->landmarks(session.key, {}, session.map, true);
+  for (const auto& session : dense_maps_.all())
+    if (recorder_->goes_on("icp", session.key) != 0 && is_whole(session.graph))
+      recorder_->graph(session.key, whole_of(session.graph), session.graph, session.map);
+  if (!places_) return;
+  if (fastslam_pose_) landmark_places_->go_on_as(recorder_->goes_on("fastslam", key_of(*fastslam_pose_)));
+  if (!icp_pose_) return;
+  places_->go_on_as(recorder_->goes_on("icp", key_of(*icp_pose_)));
+  const auto* session = dense_maps_.find(key_of(*icp_pose_));
+  if (session != nullptr && is_whole(session->graph)) places_->follow(poses_of(*session));
+}
+
+/// What is in memory, as its mappers told it.
+void MapServerNode::record_all() {
+  for (const auto& session : landmark_maps_.all()) recorder_->landmarks(session.key, {}, session.map, true);
+  for (const auto& session : dense_maps_.all()) {
+    for (const auto& [id, keyframe] : session.map.keyframes()) recorder_->keyframe(session.key, keyframe);
+    recorder_->graph(session.key, whole_of(session.graph), session.graph, session.map);
+  }
 }
 
 // A map to which something does not come that its mapper's poses named a while ago has lost it: this server

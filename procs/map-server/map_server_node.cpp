@@ -51,6 +51,7 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
       max_path_(size(settings.max_path)),
       snapshot_period_(settings.snapshot_period),
       most_export_folders_(size(settings.export_folders)),
+      configuration_(text_of(settings)),
       desk_(settings.layers.map.background) {
   if (settings.layers.make) layers_.emplace(settings.layers);
   if (localises_ && !std::filesystem::exists(settings.map))
@@ -61,7 +62,7 @@ MapServerNode::MapServerNode(const MapServerSettings& settings, Publisher& publi
     places_ = std::make_unique<SessionPlaces>(map, settings.layers.map.background);
     landmark_places_ = std::make_unique<LandmarkSessions>(map, settings.layers.map.background);
   }
-  if (!localises_ && !store.empty()) recorder_.emplace(store, text_of(settings));
+  if (!localises_ && !store.empty()) recorder_.emplace(store, configuration_);
 }
 
 void MapServerNode::connect(Inputs& inputs) {
@@ -119,11 +120,13 @@ std::optional<Node::Duration> MapServerNode::work() {
 /// The old file, where somebody held it or the disk was full when this server began.
 void MapServerNode::read_again(std::chrono::milliseconds patience) {
   next_reading_ = std::chrono::steady_clock::now() + reading_pause;
-  if (recorder_) recorder_->read_again(patience);
-  if (!places_ || (recorder_ && !recorder_->is_read())) return;
-  const std::int64_t newest = recorder_ ? recorder_->newest_of_before() : SessionPlaces::all_sessions;
-  places_->read_again(newest);
-  landmark_places_->read_again(newest);
+  const bool was_read = recorder_ && recorder_->read_again(patience);
+  if (places_ && (!recorder_ || recorder_->is_read())) {
+    const std::int64_t newest = recorder_ ? recorder_->newest_of_before() : SessionPlaces::all_sessions;
+    places_->read_again(newest);
+    landmark_places_->read_again(newest);
+  }
+  if (was_read) go_on_with_stored();
 }
 
 /// Sessions whose place in the file's map was found.

@@ -125,7 +125,10 @@ class MapServerNode : public Node {
   void keep_what_is_reset(const command_t& command);
   void note_saving(bool wait);
   void note_store();
+  void begin_file_beside();
+  void record_all();
   void read_again(std::chrono::milliseconds patience);
+  void go_on_with_stored();
   std::string damage() const;
   std::string describe() const;
 
@@ -169,7 +172,9 @@ class MapServerNode : public Node {
   int reset_number_ = 0;
   std::optional<Export> exporting_;  // what saver_ does is this
   BackgroundSaver saver_;
+  std::string configuration_;            // as the file tells it
   std::optional<MapRecorder> recorder_;  // none: no file was asked for
+  std::string overwritten_;              // what became of the file before; empty: nothing
   std::string store_failure_, damage_;   // as they were last told; empty: none
   std::int64_t restored_ = 0;            // see StoreWriter::State, likewise
   std::chrono::steady_clock::time_point next_reading_{};

@@ -83,12 +83,35 @@ void MapServerNode::finish() {
   note_saving(true);
   if (recorder_) recorder_->flush();
   note_store();
+  if (recorder_ && !overwritten_.empty()) recorder_->flush();  // it may have been noticed just now
+  note_store();
   finished_ = true;
+}
+
+/// Another file was written over the map's. That stays as it is, and what is in memory goes into a new one.
+void MapServerNode::begin_file_beside() {
+  const std::filesystem::path lost = recorder_->file();
+  std::filesystem::path file;
+  int number = 2;
+  do
+    file = lost.parent_path() /
+           fmt::format("{}-{}{}", lost.stem().string(), number++, lost.extension().string());
+  while (may_be_there(file));
+  overwritten_ = fmt::format("another file was written over {}: this run's map goes on in {}", lost.string(),
+                             file.filename().string());
+  spdlog::error("{}", overwritten_);
+  recorder_.emplace(file, configuration_);
+  record_all();
+  if (stored_calibration_) recorder_->calibration(calibration_message_);
+  if (!places_) return;
+  places_->begin_file(file);
+  landmark_places_->begin_file(file);
 }
 
 /// Once when it begins and once when it is over: STATUS says it all the time.
 void MapServerNode::note_store() {
   if (!recorder_) return;
+  if (recorder_->state().overwritten) begin_file_beside();
   const std::string damage = recorder_->damage();
   if (!damage.empty() && damage != damage_) spdlog::warn("the map's file cannot be read: {}", damage);
   damage_ = damage;

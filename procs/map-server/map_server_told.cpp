@@ -94,6 +94,7 @@ NodeReport MapServerNode::report() const {
   report.refused = requests_refused_;
   if (!failure_.empty()) report.detail = "maps are not saved: " + failure_;
   if (!failure_.empty() && changes_ != saved_changes_) report.state = status_t::FAILED;
+  if (!overwritten_.empty()) report.detail += (report.detail.empty() ? "" : "; ") + overwritten_;
   const std::string unwritten = recorder_ ? recorder_->error() : "";
   if (!unwritten.empty()) {
     report.detail += (report.detail.empty() ? "" : "; ") + ("the map's file is not written: " + unwritten);

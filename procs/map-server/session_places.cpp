@@ -138,15 +138,27 @@ void SessionPlaces::begin_session(std::int64_t stored) {
     joiner_ = SessionJoiner();
     next_kept_ = 0;
     given_.clear();
-    stored_current_ = stored;
-    const auto known = T_map_session_.find(stored);
-    T_map_current_.reset();
-    told_.reset();
-    if (known == T_map_session_.end()) return;
-    T_map_current_ = known->second;
-    lock.unlock();
-    if (stored != first_session_) go_on(stored);  // the first makes the frame
+    begin_from(stored, lock);
   });
+}
+
+void SessionPlaces::go_on_as(std::int64_t stored) {
+  jobs_.hand_in([this, stored] {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (stored != stored_current_) begin_from(stored, lock);
+  });
+}
+
+/// `lock` is open then.
+void SessionPlaces::begin_from(std::int64_t stored, std::unique_lock<std::mutex>& lock) {
+  stored_current_ = stored;
+  const auto known = T_map_session_.find(stored);
+  T_map_current_.reset();
+  told_.reset();
+  if (known == T_map_session_.end()) return;
+  T_map_current_ = known->second;
+  lock.unlock();
+  if (stored != first_session_) go_on(stored);  // the first makes the frame
 }
 
 /// What was joined in an earlier run goes on, and its graph moves it: it is taken out of the map, and asked
@@ -242,6 +254,24 @@ void SessionPlaces::leave_stored() {
   jobs_.hand_in([this] {
     const std::lock_guard<std::mutex> lock(mutex_);
     stored_current_ = 0;
+  });
+}
+
+void SessionPlaces::begin_file(const std::filesystem::path& file) {
+  jobs_.hand_in([this, file] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    file_ = file;
+    is_read_ = true;
+    map_ = PlaceIndex();
+    joiner_ = SessionJoiner();
+    first_session_ = stored_current_ = 0;
+    T_map_session_.clear();
+    T_map_current_.reset();
+    told_.reset();
+    kept_.clear();
+    next_kept_ = 0;
+    given_.clear();
+    joined_.clear();
   });
 }
 

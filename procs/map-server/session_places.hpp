@@ -30,6 +30,9 @@ class SessionPlaces {
   /// Another current session; what was found by the last one stays in the map. `stored`: its id in the file
   /// when it goes on from an earlier run, else 0.
   void begin_session(std::int64_t stored);
+  /// The current session goes on from an earlier run after all: the file, which could not be read when it
+  /// began, has it with this id. Its whole graph is to be followed.
+  void go_on_as(std::int64_t stored);
   /// A session that was current is in the file now, with this id: its keyframes are among those that
   /// next_kept() gives.
   void keep(std::int64_t stored);
@@ -45,6 +48,9 @@ class SessionPlaces {
   /// What the file has of the session since an earlier run stays there as it is, and the session goes on in
   /// another one.
   void leave_stored();
+  /// Another file, which is empty: what the former one had is gone. Keyframes that the current session has by
+  /// now are found as before.
+  void begin_file(const std::filesystem::path& file);
 
   /// A session whose place was found.
   struct Joined {
@@ -120,6 +126,7 @@ class SessionPlaces {
   void add_session(MapFile& map, std::int64_t session, const Eigen::Isometry3d& T_map_session);
   bool makes_frame() const;
   void leave_current();
+  void begin_from(std::int64_t stored, std::unique_lock<std::mutex>& lock);
   void go_on(std::int64_t session);
   void look_for(std::int32_t id, const Eigen::Isometry3d& T_session_camera, const FeatureFrame& features,
                 const ColouredCloud& cloud);

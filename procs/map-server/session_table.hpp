@@ -55,14 +55,16 @@ class SessionTable {
   Session* session(const SessionKey& key) {
     if (Session* known = find(key)) return known;
     const bool speaks = speakers_ > 0 && key == speaker_;
-    const bool stranger = speakers_ > 0 && key.sender != speaker_.sender;
-    if (stranger || !has_room(speaks)) {
+    if (is_stranger(key) || !has_room(speaks)) {
       ++refused_;
       return nullptr;
     }
     sessions_.push_back({key, blank_, speaks ? speakers_ : 0, {}, {}});
     return &sessions_.back();
   }
+
+  /// Another process speaks as the mapper: a second one, or the next one, whose poses are not believed yet.
+  bool is_stranger(const SessionKey& key) const { return speakers_ > 0 && key.sender != speaker_.sender; }
 
   /// Keeps a map that a message would take the most of, as a session that nobody adds to. False when the
   /// table is full: the message is to be refused.

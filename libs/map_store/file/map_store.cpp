@@ -11,6 +11,7 @@ Database open_for_writing(const std::filesystem::path& file, const char* vfs) {
   schema_of(database);  // a file that is none of ours is refused before anything of it changes
   database.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
   migrate(database);
+  database.note_written();
   return database;
 }
 

@@ -17,6 +17,12 @@ class MapStore {
   /// False: somebody has taken the file away, or another is in its place. As long as it is open here all of
   /// it is there.
   bool is_in_place() const { return !database_.has_moved(); }
+  /// Somebody has written another file over it (`cp`): nothing of this one is there any more.
+  bool was_overwritten() { return database_.was_overwritten(); }
+  /// After each commit.
+  void note_written() { database_.note_written(); }
+  /// Before it is closed: whatever is in its place stays as it is.
+  void leave_file() { database_.leave_file(); }
   /// All of it into a file that is there and empty. Throws StoreError.
   void copy_into(const std::filesystem::path& empty);
 

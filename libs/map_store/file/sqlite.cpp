@@ -1,8 +1,10 @@
 #include <lcmslam/map_store/file/sqlite.hpp>
 
 #include <sqlite3.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <cctype>
+#include <cstdlib>
 
 namespace lcmslam {
 namespace {
@@ -103,6 +105,59 @@ bool Database::has_moved() const {
   int moved = 0;
   sqlite3_file_control(handle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
   return moved != 0;
+}
+
+Database::Look Database::look_outside() const {
+  struct stat now {};
+  if (stat(file_.c_str(), &now) != 0) return {};
+  return {now.st_size, now.st_mtim.tv_sec, now.st_mtim.tv_nsec};
+}
+
+/// Through SQLite's own handle: who opens and closes the file beside it takes its locks away.
+std::vector<std::uint8_t> Database::first_bytes() const {
+  constexpr int page = 4096;
+  std::vector<std::uint8_t> bytes(page);
+  sqlite3_file* file = nullptr;
+  sqlite3_file_control(handle(), "main", SQLITE_FCNTL_FILE_POINTER, &file);
+  if (file != nullptr && file->pMethods != nullptr) file->pMethods->xRead(file, bytes.data(), page, 0);
+  return bytes;
+}
+
+/// As before where it cannot be told, since the file is another one.
+std::int64_t Database::version_of_others() const {
+  std::int64_t version = noted_.version;
+  const auto take = [](void* to, int, char** values, char**) {
+    *static_cast<std::int64_t*>(to) = std::atoll(values[0]);
+    return 0;
+  };
+  sqlite3_exec(handle(), "PRAGMA data_version", take, &version, nullptr);
+  return version;
+}
+
+void Database::note_written() {
+  Look now = look_outside();
+  now.begin = first_bytes();
+  now.version = version_of_others();
+  noted_ = std::move(now);
+}
+
+bool Database::was_overwritten() {
+  const Look now = look_outside();
+  const bool is_touched =
+      now.size != noted_.size || now.seconds != noted_.seconds || now.nanoseconds != noted_.nanoseconds;
+  if (!is_touched || has_moved()) return false;
+  const bool is_another = now.size != noted_.size || first_bytes() != noted_.begin;
+  if (is_another && version_of_others() == noted_.version) return true;
+  note_written();
+  return false;
+}
+
+void Database::leave_file() {
+  sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  for (const char* ending : {"-wal", "-shm"}) {
+    std::error_code ignored;
+    fs::remove(file_.string() + ending, ignored);
+  }
 }
 
 void Database::fail(const std::string& why) const {

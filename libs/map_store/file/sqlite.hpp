@@ -45,6 +45,13 @@ class Database {
   std::int64_t last_row() const;
   /// Whether the file that is open is not the one of that name any more: removed, or another is in its place.
   bool has_moved() const;
+  /// Whether somebody has written another file over this one, byte by byte, since the last note_written().
+  /// What other connections commit is none of that.
+  bool was_overwritten();
+  /// What is in the file now is SQLite's. After opening and after each commit.
+  void note_written();
+  /// When it is closed nothing of SQLite's log goes into the file, and the log goes.
+  void leave_file();
   /// `why`, with the file's name in front.
   [[noreturn]] void fail(const std::string& why) const;
   /// The same for what SQLite has answered, by its code.
@@ -56,8 +63,19 @@ class Database {
   struct Close {
     void operator()(sqlite3* handle) const;
   };
+  /// As the file is seen from outside.
+  struct Look {
+    std::int64_t size = 0, seconds = 0, nanoseconds = 0;  // of its last change
+    std::vector<std::uint8_t> begin{};                    // its first page
+    std::int64_t version = 0;                             // rises when another connection commits
+  };
+  Look look_outside() const;
+  std::vector<std::uint8_t> first_bytes() const;
+  std::int64_t version_of_others() const;
+
   std::filesystem::path file_;
   std::unique_ptr<sqlite3, Close> handle_;
+  Look noted_;
 };
 
 /// A statement that is prepared once and run often.

@@ -26,12 +26,18 @@ StoreWriter::~StoreWriter() {
   }
   wake_.notify_all();
   thread_.join();
+  if (store_ && store_->was_overwritten()) store_->leave_file();
 }
 
 std::size_t StoreWriter::begin_session(const StoredSession& session) {
   const std::lock_guard<std::mutex> lock(mutex_);
   sessions_.push_back(session);
   return sessions_.size() - 1;
+}
+
+void StoreWriter::go_on(std::size_t session, std::int64_t id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  sessions_[session].id = id;
 }
 
 void StoreWriter::change(std::size_t session, const std::function<void(SessionChanges&)>& add) {
@@ -139,6 +145,9 @@ void StoreWriter::work() {
 
 /// All of it in one transaction. What was begun in the file counts only when that is committed.
 void StoreWriter::write(const Waiting& changes) {
+  if (store_ && store_->was_overwritten()) leave_overwritten();
+  if (state().overwritten)
+    throw StoreError(file_.string() + ": another file was written over it while it was open here");
   if (store_ && !store_->is_in_place()) restore();
   if (!store_) {
     std::filesystem::create_directories(std::filesystem::absolute(file_).parent_path());
@@ -171,9 +180,18 @@ void StoreWriter::write(const Waiting& changes) {
     store_->place_session(place);
   }
   transaction.commit();
+  store_->note_written();
   run_id_ = run;
   const std::lock_guard<std::mutex> lock(mutex_);
   ids_ = std::move(ids);
+}
+
+/// SQLite's log is of the map that was there, and would go into the one that is there now, page by page.
+void StoreWriter::leave_overwritten() {
+  store_->leave_file();
+  store_.reset();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  state_.overwritten = true;
 }
 
 /// SQLite would write on into a file without a name, and nobody would know.

@@ -2,7 +2,7 @@
 // Writes a map's changes into its file, in a thread of its own: whoever hands them in never waits for the
 // disk. A commit follows within a tenth of a second. What cannot be written (full disk, folder that may not
 // be written) waits, merged to its newest state, and is tried again every second. A file that somebody takes
-// away meanwhile is written again, whole.
+// away meanwhile is written again, whole. One over which somebody writes another is left to that.
 
 #include <condition_variable>
 #include <functional>
@@ -21,6 +21,7 @@ class StoreWriter {
     std::int64_t commits = 0;
     std::int64_t failures = 0;
     std::int64_t restored = 0;  ///< times that the file had been taken away and was written again
+    bool overwritten = false;   ///< another file was written over it: nothing goes into it any more
     std::string error;          ///< of the last try; empty: all that was tried is in the file
   };
 
@@ -35,6 +36,8 @@ class StoreWriter {
   /// A number for change(): the session gets its id in the file with its first change. One that has an id
   /// already, of an earlier run, is gone on with.
   std::size_t begin_session(const StoredSession& session);
+  /// One that began while nothing was written is in the file already, with this id.
+  void go_on(std::size_t session, std::int64_t id);
   /// Calls `add` with what waits of this session.
   void change(std::size_t session, const std::function<void(SessionChanges&)>& add);
   /// The keyframes are those of another session as well: what that one has of their features, images and
@@ -72,6 +75,7 @@ class StoreWriter {
   void work();
   void write(const Waiting& changes);
   void restore();
+  void leave_overwritten();
   std::int64_t id_of(std::size_t session, std::int64_t run, std::map<std::size_t, std::int64_t>& ids);
   void put_back(Waiting&& failed);
   bool wait_for_work(std::unique_lock<std::mutex>& lock);

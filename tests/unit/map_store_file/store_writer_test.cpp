@@ -256,6 +256,58 @@ TEST_F(MapStoreWriter, AFileThatIsTakenAwayWaitsForRoom) {
   EXPECT_EQ(landmarks_in_file(), 2U);
 }
 
+// As `cp another.lcmslam map.lcmslam` does.
+TEST_F(MapStoreWriter, AnotherFileThatIsWrittenOverItStaysAsItIs) {
+  const std::filesystem::path another = folder_ / "another.lcmslam";
+  {
+    StoreWriter other(another, {});
+    const std::size_t session = other.begin_session(session_of("fastslam", 8));
+    for (int id = 0; id < 3; ++id) put(other, session, id);
+  }
+  const auto copy_over = [&] {
+    std::ofstream(file(), std::ios::binary) << std::ifstream(another, std::ios::binary).rdbuf();
+  };
+  const auto expect_another = [&] {
+    EXPECT_EQ(landmarks_in_file(), 3U);
+    EXPECT_THAT(check_map_file(file()).faults, IsEmpty());
+    EXPECT_FALSE(std::filesystem::exists(file().string() + "-wal"));
+  };
+  for (const bool more_comes : {true, false}) {
+    {
+      StoreWriter writer(file(), {});
+      const std::size_t session = writer.begin_session(session_of("fastslam"));
+      put(writer, session, 1);
+      ASSERT_TRUE(writer.flush());
+      std::filesystem::last_write_time(file(), std::filesystem::file_time_type::clock::now());
+      put(writer, session, 2);
+      ASSERT_TRUE(writer.flush()) << "touched alone: " << writer.state().error;
+      copy_over();
+      if (!more_comes) continue;
+      put(writer, session, 3);
+      EXPECT_FALSE(writer.flush());
+      EXPECT_TRUE(writer.state().overwritten);
+      EXPECT_THAT(writer.state().error, HasSubstr("another file was written over it"));
+      expect_another();
+      put(writer, session, 4);
+      EXPECT_FALSE(writer.flush()) << "nor later";
+    }
+    expect_another();
+    std::filesystem::remove(file());
+  }
+}
+
+TEST_F(MapStoreWriter, WhatAnotherProgramCommitsIsNoOtherFile) {
+  StoreWriter writer(file(), {});
+  const std::size_t session = writer.begin_session(session_of("fastslam"));
+  put(writer, session, 1);
+  ASSERT_TRUE(writer.flush());
+  Database(file(), Database::Access::write)
+      .execute("UPDATE session SET frame = 'other'; CREATE TABLE x(y); PRAGMA wal_checkpoint(TRUNCATE)");
+  put(writer, session, 2);
+  EXPECT_TRUE(writer.flush()) << writer.state().error;
+  EXPECT_EQ(landmarks_in_file(), 2U);
+}
+
 TEST_F(MapStoreWriter, AnotherFileInItsPlaceIsNotWrittenInto) {
   StoreWriter writer(file(), {});
   const std::size_t session = writer.begin_session(session_of("fastslam"));

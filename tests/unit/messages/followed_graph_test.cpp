@@ -110,6 +110,25 @@ DenseKeyframe keyframe(std::int32_t id) {
   return k;
 }
 
+// A broker keeps whole graphs of once in a while, and keyframes as they are made.
+TEST(FollowedGraph, SaysNothingOfKeyframesThatWereMadeLater) {
+  FollowedGraph graph;
+  DenseMap map;
+  for (std::int32_t id = 0; id < 4; ++id) {
+    DenseKeyframe made = keyframe(id);
+    made.utime = 1000 + id;
+    map.add({made, 0, 1});
+  }
+  const auto tell = [&](graph_t m, Utime utime) {
+    m.utime = utime;
+    graph.apply(m);
+    follow(map, graph, m);
+    return map.keyframes().size();
+  };
+  EXPECT_EQ(tell(graph_of(7, {node(1, 1), node(2, 2)}, {}), 1002), 3U) << "0 went, 3 is newer";
+  EXPECT_EQ(tell(change_of(8, {node(2, 2.5)}, {}), 1004), 2U) << "by then it was known";
+}
+
 TEST(FollowedGraph, MovesAndRemovesKeyframes) {
   FollowedGraph graph;
   DenseMap map;

@@ -111,7 +111,7 @@ TEST_F(CameraDevices, ImagesOfAnotherSizeInARecordingAreCountedAsMalformed) {
 /// Gives images at a pace by the real clock, until it is unplugged.
 class PacedCamera : public CameraDevice {
  public:
-  PacedCamera(bool depth, Utime period, const std::atomic<bool>& plugged, int& number,
+  PacedCamera(bool depth, Utime period, const std::atomic<bool>& plugged, std::atomic<int>& number,
               Utime start = 1'000'000)
       : depth_(depth), period_(period), start_(start), plugged_(plugged), number_(number) {
     if (!plugged) throw CameraError("nothing is plugged in");
@@ -131,12 +131,12 @@ class PacedCamera : public CameraDevice {
   bool depth_;
   Utime period_, start_;
   const std::atomic<bool>& plugged_;
-  int& number_;  // goes on when it is opened again
+  std::atomic<int>& number_;  // goes on when it is opened again
 };
 
 TEST_F(CameraDevices, OfAPairOneMayBeUnpluggedAndIsNamed) {
   std::atomic<bool> colour{true}, depth{true};
-  int colours = 0, depths = 0;
+  std::atomic<int> colours{0}, depths{0};
   LiveSettings settings;
   settings.watch.retry_after = 0.05;
   std::vector<WatchedPart> parts = {
@@ -166,8 +166,22 @@ TEST_F(CameraDevices, OfAPairOneMayBeUnpluggedAndIsNamed) {
   };
   depth = false;
   EXPECT_TRUE(wait_for("depth: nothing is plugged in"));
+  const auto next_is_blind = [&] {
+    const auto event = source.next();
+    if (!event) return false;
+    const auto& frame = std::get<EncodedFrame>(*event);
+    EXPECT_LE(std::abs(frame.utime - frame.depth.utime), 15'000);
+    return cv::countNonZero(decode_depth(frame.depth)) == 0;
+  };
+  for (int i = 0; i < 10 && !next_is_blind(); ++i) {
+  }
+  EXPECT_TRUE(next_is_blind()) << "colour goes on";
+  depths = colours / 3;  // its clock went on
   depth = true;
   EXPECT_TRUE(wait_for(""));
+  for (int i = 0; i < 10 && next_is_blind(); ++i) {
+  }
+  EXPECT_FALSE(next_is_blind()) << "so do pairs";
   std::thread stopper([&] { source.stop(); });
   while (source.next()) {
   }
@@ -177,7 +191,7 @@ TEST_F(CameraDevices, OfAPairOneMayBeUnpluggedAndIsNamed) {
 TEST_F(CameraDevices, APairIsOfOneMomentByDepthsClock) {
   constexpr Utime ahead = 250'000;  // us
   const std::atomic<bool> plugged{true};
-  int colours = 0, depths = 0;
+  std::atomic<int> colours{0}, depths{0};
   std::vector<WatchedPart> parts = {
       {"colour",
        [&] { return std::make_unique<PacedCamera>(false, 100'000, plugged, colours); },

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "tests/unit/nodes/map_server_places_fixture.hpp"
+#include "tests/unit/nodes/map_server_store_fixture.hpp"
 
 namespace lcmslam {
 namespace {
@@ -11,6 +12,7 @@ using testing::first_number;
 using testing::Life;
 using testing::seen_view;
 using testing::SeenView;
+using testing::value_of;
 
 class MapServerOldFile : public testing::MapServerPlaces {
  protected:
@@ -123,6 +125,56 @@ TEST_F(MapServerHeldFile, OnceItIsFreeSessionsAreFoundInIt) {
   EXPECT_FALSE(sessions[1].T_map_session) << "the file was not there to be looked in";
   ASSERT_TRUE(sessions[2].T_map_session);
   expect_near(*sessions[2].T_map_session, elsewhere().inverse());
+}
+
+// The server was restarted, the mapper was not. It is told its whole map only after the file is free, or
+// while it is held.
+TEST_F(MapServerHeldFile, ASessionWhoseMapperLivesOnGoesOnInIt) {
+  map_once();
+  map_from(13, elsewhere());
+  for (const bool told_while_held : {true, false}) {
+    auto other = hold();
+    Life server(scratch_.path(), "map", 13);
+    const auto tell_all = [&] {
+      server.drive(first_number + 2, elsewhere());
+      server.correct(first_number + 2, elsewhere(), {2});
+    };
+    if (told_while_held)
+      tell_all();
+    else
+      server.track(seen_view(first_number).features.utime, Eigen::Isometry3d::Identity());
+    other.reset();
+    EXPECT_TRUE(testing::wait_for([&] { return server.work(), server.value("kept_sessions") == 1; }));
+    if (!told_while_held) tell_all();
+    server.finish();
+    const auto sessions = MapFile(file()).sessions();
+    ASSERT_EQ(sessions.size(), 2U);
+    EXPECT_EQ(MapFile(file()).keyframes(2).size(), testing::views_of_room - 1U) << "its graph gave one up";
+    ASSERT_TRUE(sessions[1].T_map_session);
+    expect_near(*sessions[1].T_map_session, elsewhere().inverse());
+    EXPECT_THAT(check_map_file(file()).faults, ::testing::IsEmpty());
+  }
+}
+
+TEST_F(MapServerHeldFile, LandmarksOfAMapperThatLivesOnGoOnInIt) {
+  const auto run = scratch_.path();
+  {
+    testing::StoringServer server(run);
+    server.landmarks(1, 0, {10, 11, 12});
+    server.finish();
+  }
+  auto other = hold();
+  testing::StoringServer server(run);
+  server.landmarks(2, 1, {13});  // a change alone
+  other.reset();
+  EXPECT_TRUE(testing::wait_for([&] {
+    server.bus().work();
+    return value_of(server.node(), "store_commits") > 0;
+  }));
+  server.landmarks(3, 0, {10, 11, 13, 14});
+  server.finish();
+  ASSERT_EQ(MapFile(file()).sessions().size(), 1U);
+  EXPECT_EQ(MapFile(file()).landmarks(1).size(), 4U);
 }
 
 // The file's map has a frame, which is not that of the first session that is heard: what were joined to that

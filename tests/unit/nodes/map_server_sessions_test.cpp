@@ -40,6 +40,33 @@ TEST_F(MapServer, WhoeverTakesTheMostOfAMapAwayLeavesItBeside) {
   EXPECT_EQ(load_ply(folder() / "fastslam-session3_map.ply").size(), 6U);
 }
 
+// As a broker keeps it: whole graphs go there once in a while, keyframes as they are made.
+TEST_F(MapServer, AGraphThatIsOlderThanMostKeyframesTakesNoneOfThemAway) {
+  for (int id = 4; id >= 0; --id) keyframe(2, id, 10);
+  graph(2, {0, 1});
+  EXPECT_EQ(value_of(node_, "keyframes"), 5);
+  EXPECT_EQ(value_of(node_, "sessions"), 1);
+  graph_t now = graph_message(2, {0, 2, 3}, 3);
+  now.utime = 10'000'000;
+  now.seq = seq_++;
+  bus_.deliver("ICP_GRAPH", now);
+  EXPECT_EQ(value_of(node_, "keyframes"), 3) << "it was told after all of them";
+}
+
+// The next mapper's poses are believed once the last one has been silent for a while.
+TEST_F(MapServer, WhatARestartedMapperMakesBeforeItIsBelievedIsNoGarbage) {
+  pose("FASTSLAM_POSE", 1, 0, 10);
+  pose("ICP_POSE", 2, 0, 10);
+  keyframe(2, 0, 30);
+  pose("ICP_POSE", 4, 1, 10.1);
+  keyframe(4, 0, 40);
+  graph(4, {0});
+  landmarks(3, 1, 0, {20});
+  EXPECT_EQ(bus_.decode_errors(), 0);
+  EXPECT_EQ(value_of(node_, "sessions_refused"), 3);
+  EXPECT_EQ(value_of(node_, "map_points"), 30);
+}
+
 TEST_F(MapServer, NewSenderBeginsANewSessionBesideTheOld) {
   pose("FASTSLAM_POSE", 1, 0, 10);
   pose("ICP_POSE", 2, 0, 10);

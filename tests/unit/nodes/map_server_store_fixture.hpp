@@ -84,7 +84,7 @@ class StoringServer {
   void graph(std::int64_t seq, bool whole, const std::vector<std::int32_t>& ids,
              const std::vector<std::int32_t>& gone = {}, const std::vector<std::int32_t>& chain = {}) {
     graph_t m{};
-    m.utime = 1;
+    m.utime = 5;
     m.frame = "map";
     m.change = whole ? 0 : 1;
     m.gone = gone;

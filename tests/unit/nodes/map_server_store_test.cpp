@@ -53,6 +53,54 @@ TEST_F(MapServerStore, TheFileFollowsTheGraph) {
   EXPECT_THAT(faults(), IsEmpty());
 }
 
+TEST_F(MapServerStore, AnOldGraphTakesNoLaterKeyframesOutOfTheFile) {
+  {
+    StoringServer server(run());
+    for (int id = 0; id < 3; ++id) server.keyframe(id, (id + 1) * second);
+    server.finish();
+  }
+  StoringServer restarted(run());
+  restarted.graph(0, true, {0, 1});
+  restarted.finish();
+  EXPECT_EQ(MapFile(file()).keyframes(session("icp")).size(), 3U);
+}
+
+TEST_F(MapServerStore, WhenAnotherFileIsWrittenOverItAllThatIsInMemoryGoesBeside) {
+  const std::filesystem::path another = scratch_.path() / "another";
+  {
+    StoringServer other(another);
+    other.landmarks(1, 0, {1, 2});
+    other.finish();
+  }
+  StoringServer server(run(), 5);
+  server.landmarks(1, 0, {10, 11, 12});
+  for (int id = 0; id < 3; ++id) server.keyframe(id, second);
+  server.graph(0, true, {0, 1, 2}, {}, {0, 1, 2});
+  EXPECT_TRUE(testing::wait_for([&] { return session("icp") != 0; }));
+  std::ofstream(file(), std::ios::binary) << std::ifstream(another / "map.lcmslam", std::ios::binary).rdbuf();
+  server.keyframe(3, second);
+  EXPECT_TRUE(testing::wait_for([&] {
+    server.bus().work();
+    return server.node().report().detail.find("map-2.lcmslam") != std::string::npos;
+  }));
+  server.landmarks(2, 1, {13});
+  server.keyframe(4, second);
+  server.finish();
+  EXPECT_EQ(MapFile(file()).landmarks(1).size(), 2U) << "the other one";
+  EXPECT_EQ(MapFile(file()).sessions().size(), 1U);
+  EXPECT_THAT(faults(), IsEmpty());
+  const std::filesystem::path beside = run() / "map-2.lcmslam";
+  EXPECT_THAT(check_map_file(beside).faults, IsEmpty());
+  MapFile read(beside);
+  ASSERT_EQ(read.sessions().size(), 2U);
+  for (const StoredSession& stored : read.sessions()) {
+    const bool dense = stored.mapper == "icp";
+    EXPECT_EQ(read.counts(stored.id).clouds, dense ? 5 : 0);
+    EXPECT_EQ(read.counts(stored.id).edges, dense ? 2 : 0);
+    EXPECT_EQ(read.landmarks(stored.id).size(), dense ? 0U : 4U);
+  }
+}
+
 TEST_F(MapServerStore, ChangesOfTheGraphCutEdges) {
   StoringServer server(run());
   for (int id = 0; id < 4; ++id) server.keyframe(id);

@@ -195,6 +195,35 @@ TEST_F(ReceiverTest, BigMessagesCrossInPieces) {
   EXPECT_EQ(publisher.split(), 9);
 }
 
+TEST_F(ReceiverTest, WhoSendsALargeMessageDoesNotWaitForItsPieces) {
+  LcmBus bus("memq://");
+  std::vector<std::size_t> sizes;
+  std::vector<std::string> channels;
+  for (const char* channel : {"BIG", "OTHER"})
+    inputs_.subscribe<status_t>(channel, 100, [&, channel](const status_t& m) {
+      sizes.push_back(m.detail.size());
+      channels.emplace_back(channel);
+    });
+  Receiver receiver(bus, inputs_);
+  status_t big{}, small{};
+  big.detail.assign(12'000'000, 'x');
+  small.detail = "x";
+  {
+    LcmPublisher publisher(bus.lcm(), 6, 100'000);
+    const auto begin = std::chrono::steady_clock::now();
+    publisher.publish("BIG", big);  // 200 pieces, 3 ms each
+    publisher.publish("BIG", small);
+    publisher.publish("OTHER", small);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    EXPECT_LT(took.count(), 0.4);
+  }
+  Arrival arrival;
+  while (sizes.size() < 3 && receiver.take(arrival, seconds(20))) arrival.deliver();
+  EXPECT_THAT(sizes, ElementsAre(1, big.detail.size(), 1)) << "all of it is out";
+  EXPECT_THAT(channels, ElementsAre("OTHER", "BIG", "BIG")) << "in the order of its channel";
+  EXPECT_EQ(inputs_.all()[0]->senders.known().at(6).lost, 0);
+}
+
 TEST_F(ReceiverTest, HalfMessagesOfAllChannelsAreBoundedAndWhoHasMostPays) {
   setenv("LCMSLAM_BUS_MEMORY", "16", 1);
   LcmBus bus("memq://");
