@@ -180,12 +180,13 @@ class InputReader {
                              "a calibration file that does");
   }
 
-  /// Poses that are the truth's own to the last digits were copied from it.
+  /// Poses that are the truth's own to the last digits that a text file has were copied from it.
   void compare_with_truth(EvaluatedPath& estimate) const {
+    constexpr double same = 1e-8;
     if (!estimate.truth_origin.empty()) return;
     for (const StampedPose& pose : estimate.trajectory) {
       const auto truth = pose_at(inputs_.truth.trajectory, pose.utime, 0);
-      if (!truth || !truth->isApprox(pose.T_world_body, 1e-12)) return;
+      if (!truth || !truth->isApprox(pose.T_world_body, same)) return;
     }
     estimate.truth_origin = "its poses are the truth's";
   }

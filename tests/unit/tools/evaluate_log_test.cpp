@@ -59,6 +59,18 @@ class GraphMessage {
   graph_t graph_{};
 };
 
+TEST_F(Evaluate, ATruthThatWentThroughATextFileIsStillTheTruth) {
+  write_log("run.lcmlog");
+  for (const std::vector<std::string>& format : {std::vector<std::string>{}, {"--kitti"}}) {
+    std::vector<std::string> arguments = {"--export", path("copy.txt"), path("run.lcmlog:GROUND_TRUTH")};
+    arguments.insert(arguments.end(), format.begin(), format.end());
+    ASSERT_EQ(run(arguments), 0) << output_;
+    ASSERT_EQ(run({"--truth", path("run.lcmlog"), path("copy.txt"), "--estimate-frame", "camera"}), 0)
+        << output_;
+    EXPECT_THAT(output_, HasSubstr("MADE FROM GROUND TRUTH"));
+  }
+}
+
 TEST_F(Evaluate, NamesWhereTheTruthIsWhereALogHasNone) {
   {
     MessageLog log(path("batch.lcmlog"));
