@@ -43,7 +43,8 @@ CarvedKeyframes::CarvedKeyframes(const OccupancySettings& settings) : settings_(
 void CarvedKeyframes::add(int id, const cv::Mat& depth, const CameraModel& camera,
                           const Eigen::Isometry3d& T_map_camera) {
   const int factor = std::max(1, (camera.width + kept_columns / 2) / kept_columns);
-  keyframes_[id] = {every(factor, depth), every(factor, camera), T_map_camera};
+  const CameraModel kept = every(factor, camera);
+  keyframes_[id] = {every(factor, depth), kept, ray_table(kept), T_map_camera};
   while (keyframes_.size() > static_cast<std::size_t>(settings_.max_keyframes)) {
     keyframes_.erase(keyframes_.begin());
     ++forgotten_;
@@ -128,7 +129,8 @@ OccupancyGrid CarvedKeyframes::carve_anew(const std::map<int, Eigen::Isometry3d>
 }
 
 Eigen::Vector3f CarvedKeyframes::Keyframe::point(int u, int v, int millimetres_deep) const {
-  return static_cast<float>(millimetres_deep / millimetres) * camera.ray({u, v}).cast<float>();
+  const auto& ray = rays.at<cv::Vec2f>(v, u);
+  return static_cast<float>(millimetres_deep / millimetres) * Eigen::Vector3f(ray[0], ray[1], 1);
 }
 
 /// In an image of its own: copies of these keyframes, in other threads, share the old one.

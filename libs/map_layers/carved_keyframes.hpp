@@ -49,6 +49,7 @@ class CarvedKeyframes {
   struct Keyframe {
     cv::Mat depth;  // CV_16SC1 mm; below zero: seen through since
     CameraModel camera;
+    cv::Mat rays;                              // ray_table(camera), of all keyframes by this camera
     Eigen::Isometry3d T_map_camera;            // where it is carved
     std::vector<Eigen::Vector3f> also_seen{};  // by frames: middles of cells, m in its camera's frame
     Eigen::Vector3f point(int u, int v, int millimetres_deep) const;

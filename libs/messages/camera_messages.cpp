@@ -250,16 +250,14 @@ EncodedFrame from_message(const images_t& message) {
 }
 
 std::optional<EncodedFrame> picture_alone(const images_t& message) {
+  const auto is_colour = [&](std::size_t i) { return message.image_types[i] == images_t::LEFT; };
+  for (std::size_t i = 0; i < message.images.size(); ++i)  // before anything is copied
+    if (!is_colour(i) && message.images[i].size > 0) return std::nullopt;
   EncodedFrame frame;
   frame.utime = message.utime;
   frame.seq = origin(message).seq;
-  for (std::size_t i = 0; i < message.images.size(); ++i) {
-    const image_t& image = message.images[i];
-    if (message.image_types[i] == images_t::LEFT)
-      frame.colour = read_colour(image);
-    else if (image.size > 0)
-      return std::nullopt;
-  }
+  for (std::size_t i = 0; i < message.images.size(); ++i)
+    if (is_colour(i)) frame.colour = read_colour(message.images[i]);
   if (frame.colour.coding == ImageCoding::none) return std::nullopt;
   if (frame.colour.utime == 0) frame.colour.utime = frame.utime;
   return frame;

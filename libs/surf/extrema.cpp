@@ -16,21 +16,41 @@ inline float larger(float a, float b) {
   return a > b ? a : b;
 }
 
-// marks[c] = 1 where a sample is above the threshold and its eight neighbours: earlier ones are less,
-// later ones at most equal. So are its places in the layers below and above, which leave few for a look at
-// all of those.
-LCMSLAM_VECTORISED(mark_peaks,
-                   (const float* upper, const float* row, const float* lower, const float* below,
-                    const float* above, int n, float threshold, std::uint8_t* __restrict marks),
-                   (upper, row, lower, below, above, n, threshold, marks)) {
-  for (int c = 0; c < n; ++c) {
-    const float less = larger(larger(larger(threshold, upper[c - 1]), larger(upper[c], upper[c + 1])),
-                              larger(row[c - 1], below[c]));
-    const float at_most =
-        larger(larger(row[c + 1], lower[c - 1]), larger(larger(lower[c], lower[c + 1]), above[c]));
-    const float value = row[c];
-    marks[c] = static_cast<std::uint8_t>((value > less) & (value >= at_most));
+constexpr int piece = 32;  // samples of a row that are looked at together
+
+/// 1 where a sample is above the threshold and its eight neighbours: earlier ones are less, later ones at
+/// most equal. So are its places in the layers below and above, which leave few for a look at all of those.
+struct PeakMarks {
+  const float *upper, *row, *lower, *below, *above;
+  float threshold;
+
+  __attribute__((always_inline)) bool may_be_within(int begin, int end) const {
+    std::int32_t any = 0;
+    for (int c = begin; c < end; ++c) any |= row[c] > threshold ? -1 : 0;
+    return any != 0;
   }
+  __attribute__((always_inline)) void write(int begin, int end, std::uint8_t* __restrict marks) const {
+    for (int c = begin; c < end; ++c) {
+      const float less = larger(larger(larger(threshold, upper[c - 1]), larger(upper[c], upper[c + 1])),
+                                larger(row[c - 1], below[c]));
+      const float at_most =
+          larger(larger(row[c + 1], lower[c - 1]), larger(larger(lower[c], lower[c + 1]), above[c]));
+      const float value = row[c];
+      marks[c] = static_cast<std::uint8_t>((value > less) & (value >= at_most));
+    }
+  }
+};
+
+// Most pieces have no sample above the threshold.
+LCMSLAM_VECTORISED(mark_peaks, (const PeakMarks& of, int n, std::uint8_t* __restrict marks), (of, n, marks)) {
+  const PeakMarks peaks = of;  // local: nothing that is written can change it
+  int begin = 0;
+  for (; begin + piece <= n; begin += piece)
+    if (peaks.may_be_within(begin, begin + piece))
+      peaks.write(begin, begin + piece, marks);
+    else
+      std::fill_n(marks + begin, piece, std::uint8_t{0});
+  peaks.write(begin, n, marks);
 }
 
 // The sample's neighbourhood: at(s, y, x) with offsets -1..1.
@@ -102,8 +122,9 @@ void find_in_rows(const HessianLayer& below, const HessianLayer& layer, const He
   if (marks.size() < static_cast<std::size_t>(n)) marks.resize(static_cast<std::size_t>(n));
   const auto step = static_cast<float>(layer.step);
   for (int r = first_row; r < end_row; ++r) {
-    mark_peaks(layer.row(r - 1) + first, layer.row(r) + first, layer.row(r + 1) + first, below.row(r) + first,
-               above.row(r) + first, n, threshold, marks.data());
+    mark_peaks({layer.row(r - 1) + first, layer.row(r) + first, layer.row(r + 1) + first,
+                below.row(r) + first, above.row(r) + first, threshold},
+               n, marks.data());
     const std::uint8_t* const begin = marks.data();
     for (int i = 0; i < n; ++i) {
       const void* mark = std::memchr(begin + i, 1, static_cast<std::size_t>(n - i));

@@ -41,11 +41,13 @@ void StoreWriter::go_on(std::size_t session, std::int64_t id) {
 }
 
 void StoreWriter::change(std::size_t session, const std::function<void(SessionChanges&)>& add) {
+  bool is_first = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    is_first = waiting_.empty();
     add(waiting_.sessions[session]);
   }
-  wake_.notify_all();
+  if (is_first) wake_.notify_all();  // else it is awake, or lets more gather
 }
 
 // What waits is handed over here, what is in the file when it is written.
