@@ -19,8 +19,7 @@ class GroundFollower {
         step_(std::max(1, cells(settings.max_step))),
         height_(cells(settings.robot_height)),
         reach_(cells(settings.reach)),
-        start_(grid.cell_of(robot.cast<float>())) {
-    start_.z() = static_cast<int>(std::lround(robot.z() / size())) - 1;  // whose top the robot stands on
+        start_(ground_under(robot)) {
     const int side = 2 * reach_ + 1;
     result_.cell_size = size();
     result_.origin = (start_.head<2>().array() - reach_).cast<double>() * size();
@@ -32,8 +31,8 @@ class GroundFollower {
     level_.setTo(not_reached);
   }
 
-  NavigationGrid follow() {
-    stand();
+  void follow_from(const Eigen::Vector3d& robot) {
+    stand(ground_under(robot) - start_);
     while (!known_.empty() || !guessed_.empty()) {
       std::deque<Column>& next = known_.empty() ? guessed_ : known_;  // what is known first
       const Column column = next.front();
@@ -41,6 +40,9 @@ class GroundFollower {
       for (const cv::Point side : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)})
         visit({column.at + side, column.level, column.gap});
     }
+  }
+
+  NavigationGrid result() {
     refuse_slopes();
     return std::move(result_);
   }
@@ -59,16 +61,29 @@ class GroundFollower {
     return grid_.state(Eigen::Vector3i(start_.x() + at.x - reach_, start_.y() + at.y - reach_, z));
   }
 
+  // The cell whose top the robot stands on.
+  Eigen::Vector3i ground_under(const Eigen::Vector3d& robot) const {
+    Eigen::Vector3i cell = grid_.cell_of(robot.cast<float>());
+    cell.z() = static_cast<int>(std::lround(robot.z() / size())) - 1;
+    return cell;
+  }
+
   // Where the robot stands there is ground, though no camera sees it; what is seen there counts more.
-  void stand() {
+  // `place`: from the start, cells.
+  void stand(const Eigen::Vector3i& place) {
+    const int level = start_.z() + place.z();
     const int radius = cells(settings_.robot_radius);
     for (int y = -radius; y <= radius; ++y)
       for (int x = -radius; x <= radius; ++x) {
-        if (x * x + y * y > radius * radius || std::max(std::abs(x), std::abs(y)) > reach_) continue;
-        const cv::Point at(reach_ + x, reach_ + y);
-        visit({at, start_.z(), 0});
-        if (result_.cells(at) == NavigationGrid::unknown) settle(at, start_.z());
+        const cv::Point at(reach_ + place.x() + x, reach_ + place.y() + y);
+        if (x * x + y * y > radius * radius || !is_inside(at)) continue;
+        visit({at, level, 0});
+        if (result_.cells(at) == NavigationGrid::unknown) settle(at, level);
       }
+  }
+
+  bool is_inside(const cv::Point& at) const {
+    return at.x >= 0 && at.y >= 0 && at.x < level_.cols && at.y < level_.rows;
   }
 
   void settle(const cv::Point& at, int level) {
@@ -81,8 +96,7 @@ class GroundFollower {
   // A column beside one whose ground is known or guessed.
   void visit(const Column& column) {
     const cv::Point at = column.at;
-    if (at.x < 0 || at.y < 0 || at.x >= level_.cols || at.y >= level_.rows) return;
-    if (level_(at) != not_reached) return;
+    if (!is_inside(at) || level_(at) != not_reached) return;
     level_(at) = column.level;
     int ground = column.level + step_;
     while (ground >= column.level - step_ && state(at, ground) != CellState::occupied) --ground;
@@ -133,11 +147,19 @@ std::int8_t NavigationGrid::at(double x, double y) const {
 }
 
 NavigationGrid make_navigation_grid(const OccupancyGrid& grid, const NavigationSettings& settings,
-                                    const Eigen::Isometry3d& T_map_robot) {
+                                    const Eigen::Isometry3d& T_map_robot,
+                                    const std::vector<Eigen::Vector3d>& also_stood) {
   check(settings, "navigation");
-  if (!voxel_exists(T_map_robot.translation().cast<float>(), 1 / grid.cell_size()))
+  const auto exists = [&](const Eigen::Vector3d& place) {
+    return voxel_exists(place.cast<float>(), 1 / grid.cell_size());
+  };
+  if (!exists(T_map_robot.translation()))
     throw std::invalid_argument("T_map_robot: must be finite and within 10^6 cells of the map's origin");
-  return GroundFollower(grid, settings, T_map_robot.translation()).follow();
+  GroundFollower follower(grid, settings, T_map_robot.translation());
+  follower.follow_from(T_map_robot.translation());
+  for (const Eigen::Vector3d& place : also_stood)
+    if (exists(place)) follower.follow_from(place);
+  return follower.result();
 }
 
 NavigationSettings reaching_all(const OccupancyGrid& grid, NavigationSettings settings,

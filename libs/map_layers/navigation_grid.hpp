@@ -7,6 +7,7 @@
 // on level for a while; those columns are unknown.
 
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include <lcmslam/geometry/transform.hpp>
 #include <lcmslam/map_layers/occupancy_grid.hpp>
@@ -47,10 +48,13 @@ struct NavigationGrid {
   std::int8_t at(double x, double y) const;
 };
 
-/// `T_map_robot`: the robot's base on the ground, z upwards. Throws std::invalid_argument that names a
-/// setting or says that the pose is not finite.
+/// `T_map_robot`: the robot's base on the ground, z upwards, around which the grid lies. `also_stood` (m):
+/// other places of its base, from which the ground is followed where it does not lead there from the robot:
+/// through doors that have closed since. What lies outside the grid is left out. Throws std::invalid_argument
+/// that names a setting or says that the pose is not finite.
 NavigationGrid make_navigation_grid(const OccupancyGrid& grid, const NavigationSettings& settings,
-                                    const Eigen::Isometry3d& T_map_robot);
+                                    const Eigen::Isometry3d& T_map_robot,
+                                    const std::vector<Eigen::Vector3d>& also_stood = {});
 
 /// The same with a reach to all that the grid knows, 2500 cells at most: for files, which have the whole map.
 NavigationSettings reaching_all(const OccupancyGrid& grid, NavigationSettings settings,

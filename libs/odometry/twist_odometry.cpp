@@ -32,9 +32,10 @@ std::optional<MotionSample> TwistOdometry::update(const Twist& twist) {
   return sample_;
 }
 
-std::optional<MotionSample> TwistOdometry::hold(Utime utime) {
+std::optional<MotionSample> TwistOdometry::hold(Utime utime, Utime next) {
   const double seconds = silence(utime);
-  if (!twist_ || utime <= told_ || seconds <= usual_silence) return std::nullopt;
+  const bool can_wait = next - utime <= static_cast<Utime>(1e6 * usual_silence);
+  if (!twist_ || utime <= told_ || (can_wait && seconds <= usual_silence)) return std::nullopt;
   if (seconds > settings_.timeout + longest_doubt) return std::nullopt;
   MotionSample sample = after(seconds);
   sample.utime = told_ = utime;

@@ -47,9 +47,9 @@ class TwistOdometry {
   std::optional<MotionSample> update(const Twist& twist);
 
   /// The pose at a later time at which no other twist has come: a base may say once that it stands, and no
-  /// more. Nothing where a twist may just be under way, and once timeout is so long past that nobody takes
-  /// the motion since.
-  std::optional<MotionSample> hold(Utime utime);
+  /// more. Nothing where a twist may just be under way, if whoever waits for the pose is still there at
+  /// `next`, when it is asked for again; and once timeout is so long past that nobody takes the motion since.
+  std::optional<MotionSample> hold(Utime utime, Utime next);
 
   /// The twist that the base does at a time, as far as is known: none after timeout.
   std::optional<Twist> holding(Utime utime) const;

@@ -49,7 +49,8 @@ class MapFiles {
     if (wants("pcd")) save_pcd(file(name + "_map.pcd"), map);
   }
 
-  void save_derived(const LiveMap& live, const std::optional<Eigen::Isometry3d>& T_map_robot) {
+  void save_derived(const LiveMap& live, const std::optional<Eigen::Isometry3d>& T_map_robot,
+                    const std::vector<Eigen::Vector3d>& also_stood) {
     if (wants("mesh")) {
       save_mesh_ply(file("icp_mesh.ply"), mesh(live));
       save_mesh_glb(file("icp_mesh.glb"), mesh(live));
@@ -59,7 +60,7 @@ class MapFiles {
     if (wants("octomap")) save_octomap(file("icp_space.bt"), space);
     if (!wants("grid") || !T_map_robot) return;
     const NavigationSettings all = reaching_all(space, live.settings().navigation, *T_map_robot);
-    save_navigation_grid(folder_, "icp_grid", make_navigation_grid(space, all, *T_map_robot));
+    save_navigation_grid(folder_, "icp_grid", make_navigation_grid(space, all, *T_map_robot, also_stood));
     file("icp_grid.pgm");
     file("icp_grid.yaml");
   }
@@ -165,7 +166,7 @@ std::vector<std::string> save_maps(const MapsToSave& maps, const HeldFolder& fol
     clouds.push_back(map.map.merge(maps.resolution));
     files.save_points(map.name, clouds.back());
   }
-  if (maps.live) files.save_derived(*maps.live, maps.T_map_robot);
+  if (maps.live) files.save_derived(*maps.live, maps.T_map_robot, maps.also_stood);
   // Last: where the disk is full, the maps come before pictures of them.
   for (const MapsToSave::Landmarks& map : maps.landmarks) files.save_pictures(map);
   for (std::size_t i = 0; i < clouds.size(); ++i) {

@@ -35,7 +35,8 @@ struct MapsToSave {
   std::vector<KeptSession> kept;                 ///< of that file, to be read when it is their turn
   double resolution = 0.02;                      ///< m, of merged dense maps
   std::shared_ptr<const LiveMap> live;           ///< what is derived of the current dense map; may be null
-  std::optional<Eigen::Isometry3d> T_map_robot;  ///< the newest, from where the ground is followed
+  std::optional<Eigen::Isometry3d> T_map_robot;  ///< the newest, from where the ground is followed,
+  std::vector<Eigen::Vector3d> also_stood;       ///< and from where it was at its keyframes, m
 };
 
 /// NAME_map.ply, NAME_map.pcd, NAME_front.png, NAME_top.png of each map; of what is derived icp_mesh.ply and

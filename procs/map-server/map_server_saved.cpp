@@ -18,6 +18,11 @@ MapsToSave MapServerNode::maps_to_save(bool with_kept) const {
   maps.resolution = resolution_;
   if (layers_) maps.live = layers_->map();
   maps.T_map_robot = T_map_robot_;
+  if (layers_ && layers_->calibration() && !dense_maps_.empty()) {
+    const Eigen::Isometry3d T_camera_robot = layers_->calibration()->T_robot_camera.inverse();
+    for (const auto& [id, keyframe] : dense_maps_.all()[dense_maps_.current()].map.keyframes())
+      maps.also_stood.emplace_back((keyframe.T_world_camera * T_camera_robot).translation());
+  }
   if (recorder_ && with_kept) {
     maps.store = recorder_->file();
     maps.kept = recorder_->kept();

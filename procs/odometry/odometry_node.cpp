@@ -100,7 +100,7 @@ void OdometryNode::on_twist(Twist twist) {
 void OdometryNode::hold_twist(Utime now) {
   const Utime step = now - std::exchange(clock_, now);
   if (choice_.chosen() != OdometrySource::twist || step <= 0 || step > MotionBuffer::longest_step) return;
-  if (const auto sample = twist_.hold(now)) publish_twist(*sample);
+  if (const auto sample = twist_.hold(now, now + step)) publish_twist(*sample);
 }
 
 void OdometryNode::publish_twist(const MotionSample& sample) {

@@ -144,10 +144,22 @@ class Exporter {
     if (!wants("grid") || path.empty()) return;
     const Eigen::Isometry3d& T_map_robot = path.back().T_map_robot;
     const NavigationSettings all = reaching_all(space, layers->settings().navigation, T_map_robot);
+    const auto stood = robot_places(session.id);
     write({name + "_grid.yaml", name + "_grid.pgm"}, [&](const fs::path&) {
       save_navigation_grid(HeldFolder(options_.folder), name + "_grid",
-                           make_navigation_grid(space, all, T_map_robot));
+                           make_navigation_grid(space, all, T_map_robot, stood));
     });
+  }
+
+  /// By its keyframes: they stand where the graph has them at last.
+  std::vector<Eigen::Vector3d> robot_places(std::int64_t session) {
+    const std::vector<StoredKeyframe> keyframes = map_.keyframes(session);
+    const Eigen::Isometry3d T_camera_robot =
+        calibration_of(map_, session, keyframes).T_robot_camera.inverse();
+    std::vector<Eigen::Vector3d> places;
+    for (const StoredKeyframe& keyframe : keyframes)
+      places.emplace_back((keyframe.T_map_camera * T_camera_robot).translation());
+    return places;
   }
 
   bool wants(const std::string& format) const { return formats_.count(format) > 0; }

@@ -101,6 +101,22 @@ TEST_F(Ground, IsFollowedOverGapsThatNobodySaw) {
   EXPECT_EQ(made().at(2, 0), NavigationGrid::unknown);
 }
 
+// A door has closed behind the robot: what lies behind it is in the map all the same, and where it drove in
+// the dark, too.
+TEST_F(Ground, IsFollowedFromAllPlacesWhereTheRobotStood) {
+  settings_.max_gap = 0;
+  fill(grid_, box(1, -2, 0, 1.2f, 2, 2), 20);
+  const auto from = [&](const std::vector<Eigen::Vector3d>& also_stood) {
+    return make_navigation_grid(grid_, settings_, planar_pose(0.02, 0.02, 0), also_stood);
+  };
+  EXPECT_EQ(from({}).at(3, 0), NavigationGrid::unknown);
+  const NavigationGrid map = from({{2, 0, 0}, {-3, 0, 0}, {1000, 0, 0}});
+  EXPECT_EQ(map.at(3, 0), NavigationGrid::free);
+  EXPECT_EQ(map.at(1.02, 0), NavigationGrid::occupied);
+  EXPECT_EQ(map.at(-3.2, 0), NavigationGrid::free);
+  EXPECT_EQ(map.at(-3.5, 0), NavigationGrid::unknown);
+}
+
 TEST_F(Ground, IsReadBackAsMapServerReadsIt) {
   fill(grid_, box(1, 1, 0, 1.4f, 1.4f, 1), 20);
   const NavigationGrid map = made();

@@ -65,26 +65,38 @@ TEST(TwistOdometry, SilenceIsNoMotionAndMuchDoubt) {
 
 TEST(TwistOdometry, ATwistWithoutASuccessorLeadsOnWhereTimeIsTold) {
   TwistOdometry odometry;
-  EXPECT_FALSE(odometry.hold(1'000'000)) << "before the first";
+  EXPECT_FALSE(odometry.hold(1'000'000, 1'000'000)) << "before the first";
   odometry.update(twist_at(1, 0, 0));
   odometry.update(twist_at(1.1, 0.5, 0));
-  EXPECT_FALSE(odometry.hold(1'150'000)) << "a twist may be under way";
-  const auto held = odometry.hold(1'500'000);
+  EXPECT_FALSE(odometry.hold(1'150'000, 1'150'000)) << "a twist may be under way";
+  const auto held = odometry.hold(1'500'000, 1'500'000);
   ASSERT_TRUE(held);
   EXPECT_EQ(held->utime, 1'500'000);
   EXPECT_NEAR(held->T_odom_robot.translation().x(), 0.2, 1e-9);
-  EXPECT_FALSE(odometry.hold(1'500'000)) << "told already";
+  EXPECT_FALSE(odometry.hold(1'500'000, 1'500'000)) << "told already";
   EXPECT_FALSE(odometry.update(twist_at(1.4, 0, 0))) << "late: a later pose is told already";
-  const auto next = odometry.hold(1'600'000);
+  const auto next = odometry.hold(1'600'000, 1'600'000);
   ASSERT_TRUE(next);
   EXPECT_NEAR(next->T_odom_robot.translation().x(), 0.15, 1e-9) << "from its own time on it counts";
   EXPECT_NEAR(odometry.update(twist_at(1.8, 0, 0))->T_odom_robot.translation().x(), 0.15, 1e-9);
 }
 
+// Who is asked so seldom that mappers go on without waiting tells what he knows.
+TEST(TwistOdometry, ATwistIsHeldAtOnceWhereNobodyWaitsForTheNextTime) {
+  TwistOdometry odometry;
+  odometry.update(twist_at(1, 0.5, 0));
+  odometry.update(twist_at(1.1, 0, 0));
+  EXPECT_FALSE(odometry.hold(1'150'000, 1'250'000));
+  const auto held = odometry.hold(1'150'000, 1'650'000);
+  ASSERT_TRUE(held);
+  EXPECT_EQ(held->utime, 1'150'000);
+  EXPECT_NEAR(held->T_odom_robot.translation().x(), 0.05, 1e-9);
+}
+
 TEST(TwistOdometry, HeldOrFollowedATwistTellsTheSame) {
   TwistOdometry held, followed;
   for (TwistOdometry* odometry : {&held, &followed}) odometry->update(twist_at(0, 0.4, 0.8));
-  const auto a = held.hold(500'000);
+  const auto a = held.hold(500'000, 500'000);
   const auto b = followed.update(twist_at(0.5, 0, 0));
   ASSERT_TRUE(a);
   EXPECT_TRUE(a->T_odom_robot.isApprox(b->T_odom_robot, 1e-12));
@@ -97,14 +109,14 @@ TEST(TwistOdometry, AfterTimeoutDoubtIsToldAndThenNothing) {
   settings.delay = 0.2;
   TwistOdometry odometry(settings);
   odometry.update(twist_at(0, 0.5, 0));
-  EXPECT_TRUE(odometry.hold(1'200'000));
+  EXPECT_TRUE(odometry.hold(1'200'000, 1'200'000));
   EXPECT_TRUE(odometry.holding(1'190'000));
   EXPECT_FALSE(odometry.holding(1'300'000));
-  const auto doubtful = odometry.hold(2'200'000);
+  const auto doubtful = odometry.hold(2'200'000, 2'200'000);
   ASSERT_TRUE(doubtful);
   EXPECT_NEAR(doubtful->T_odom_robot.translation().x(), 0.5, 1e-9);
   EXPECT_GT(doubtful->covariance(0, 0), 3.9);
-  EXPECT_FALSE(odometry.hold(4'200'000));
+  EXPECT_FALSE(odometry.hold(4'200'000, 4'200'000));
 }
 
 TEST(TwistOdometry, RepeatedAndLoopingStamps) {
