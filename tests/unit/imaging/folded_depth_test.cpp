@@ -39,7 +39,8 @@ bool stays(const RgbdCalibration& c, const Said& said, const cv::Point& pixel = 
   cv::Mat amplitude(depth.size(), CV_8UC1, cv::Scalar(0));
   depth.at<std::uint16_t>(pixel) = said.depth;
   amplitude.at<std::uint8_t>(pixel) = said.amplitude;
-  FoldedDepthFilter(c)(depth, amplitude);
+  const FoldedDepthFilter filter(c);
+  filter(depth, amplitude);
   return depth.at<std::uint16_t>(pixel) != 0;
 }
 
