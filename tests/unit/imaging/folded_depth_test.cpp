@@ -75,7 +75,8 @@ TEST(FoldedDepth, CamerasThatDoNotFoldKeepAll) {
   structured_light.depth_noise.amplitude = 0;
   EXPECT_TRUE(stays(structured_light, folded));
   cv::Mat depth(144, 176, CV_16UC1, cv::Scalar(folded.depth));
-  FoldedDepthFilter(phase_camera())(depth, cv::Mat());
+  const FoldedDepthFilter filter(phase_camera());
+  filter(depth, cv::Mat());
   EXPECT_EQ(cv::countNonZero(depth), 144 * 176);
 }
 
