@@ -76,7 +76,8 @@ TEST_F(MapServerStore, WhenAnotherFileIsWrittenOverItAllThatIsInMemoryGoesBeside
   server.landmarks(1, 0, {10, 11, 12});
   for (int id = 0; id < 3; ++id) server.keyframe(id, second);
   server.graph(0, true, {0, 1, 2}, {}, {0, 1, 2});
-  EXPECT_TRUE(testing::wait_for([&] { return session("icp") != 0; }));
+  EXPECT_TRUE(testing::wait_for(
+      [&] { return testing::value_of(server.node(), "store_commits") > 0 && session("icp") != 0; }));
   std::ofstream(file(), std::ios::binary) << std::ifstream(another / "map.lcmslam", std::ios::binary).rdbuf();
   server.keyframe(3, second);
   EXPECT_TRUE(testing::wait_for([&] {
