@@ -30,7 +30,8 @@ void FoldedDepthFilter::operator()(cv::Mat& depth, const cv::Mat& amplitude) con
     for (int u = 0; u < depth.cols; ++u) {
       const float range = stretch[u] * static_cast<float>(z[u]);
       const float share = range / (range + turn_);
-      const bool may_be_folded = static_cast<float>(a[u]) <= 255 * share * share;
+      const float darkest = static_cast<float>(a[u]) - 0.5f;  // before it was rounded
+      const bool may_be_folded = darkest <= 255 * share * share;
       z[u] = may_be_folded ? std::uint16_t{0} : z[u];
     }
   }
