@@ -113,31 +113,48 @@ Database::Look Database::look_outside() const {
   return {now.st_size, now.st_mtim.tv_sec, now.st_mtim.tv_nsec};
 }
 
+sqlite3_file* Database::own_file() const {
+  sqlite3_file* file = nullptr;
+  sqlite3_file_control(handle(), "main", SQLITE_FCNTL_FILE_POINTER, &file);
+  return file != nullptr && file->pMethods != nullptr ? file : nullptr;
+}
+
 /// Through SQLite's own handle: who opens and closes the file beside it takes its locks away.
 std::vector<std::uint8_t> Database::first_bytes() const {
   constexpr int page = 4096;
   std::vector<std::uint8_t> bytes(page);
-  sqlite3_file* file = nullptr;
-  sqlite3_file_control(handle(), "main", SQLITE_FCNTL_FILE_POINTER, &file);
-  if (file != nullptr && file->pMethods != nullptr) file->pMethods->xRead(file, bytes.data(), page, 0);
+  if (sqlite3_file* file = own_file()) file->pMethods->xRead(file, bytes.data(), page, 0);
   return bytes;
 }
 
-/// As before where it cannot be told, since the file is another one.
-std::int64_t Database::version_of_others() const {
+/// By SQLite's index of its log (sqlite.org/walformat.html, nBackfill).
+std::uint32_t Database::pages_taken_in() const {
+  constexpr int index_size = 32768, place = 96;  // bytes
+  sqlite3_file* file = own_file();
+  void volatile* index = nullptr;
+  if (file == nullptr || file->pMethods->iVersion < 2 ||
+      file->pMethods->xShmMap(file, 0, index_size, 0, &index) != SQLITE_OK || index == nullptr)
+    return 0;
+  return static_cast<std::uint32_t volatile*>(index)[place / sizeof(std::uint32_t)];
+}
+
+/// As before where it cannot be told, since the file is another one; nothing while somebody holds it.
+std::optional<std::int64_t> Database::version_of_others() const {
   std::int64_t version = noted_.version;
   const auto take = [](void* to, int, char** values, char**) {
     *static_cast<std::int64_t*>(to) = std::atoll(values[0]);
     return 0;
   };
-  sqlite3_exec(handle(), "PRAGMA data_version", take, &version, nullptr);
+  const int code = sqlite3_exec(handle(), "PRAGMA data_version", take, &version, nullptr) & 0xff;
+  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) return std::nullopt;
   return version;
 }
 
 void Database::note_written() {
   Look now = look_outside();
   now.begin = first_bytes();
-  now.version = version_of_others();
+  now.version = version_of_others().value_or(noted_.version);
+  now.taken_in = pages_taken_in();
   noted_ = std::move(now);
 }
 
@@ -146,8 +163,10 @@ bool Database::was_overwritten() {
   const bool is_touched =
       now.size != noted_.size || now.seconds != noted_.seconds || now.nanoseconds != noted_.nanoseconds;
   if (!is_touched || has_moved()) return false;
+  const auto version = version_of_others();
+  if (!version) return false;  // asked again
   const bool is_another = now.size != noted_.size || first_bytes() != noted_.begin;
-  if (is_another && version_of_others() == noted_.version) return true;
+  if (is_another && *version == noted_.version && pages_taken_in() == noted_.taken_in) return true;
   note_written();
   return false;
 }

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 struct sqlite3;
+struct sqlite3_file;
 struct sqlite3_stmt;
 
 namespace lcmslam {
@@ -46,7 +48,7 @@ class Database {
   /// Whether the file that is open is not the one of that name any more: removed, or another is in its place.
   bool has_moved() const;
   /// Whether somebody has written another file over this one, byte by byte, since the last note_written().
-  /// What other connections commit is none of that.
+  /// What other connections commit, or take into it of SQLite's log, is none of that.
   bool was_overwritten();
   /// What is in the file now is SQLite's. After opening and after each commit.
   void note_written();
@@ -68,10 +70,13 @@ class Database {
     std::int64_t size = 0, seconds = 0, nanoseconds = 0;  // of its last change
     std::vector<std::uint8_t> begin{};                    // its first page
     std::int64_t version = 0;                             // rises when another connection commits
+    std::uint32_t taken_in = 0;                           // pages of SQLite's log that are in it
   };
   Look look_outside() const;
   std::vector<std::uint8_t> first_bytes() const;
-  std::int64_t version_of_others() const;
+  std::uint32_t pages_taken_in() const;
+  std::optional<std::int64_t> version_of_others() const;
+  sqlite3_file* own_file() const;
 
   std::filesystem::path file_;
   std::unique_ptr<sqlite3, Close> handle_;

@@ -308,6 +308,17 @@ TEST_F(MapStoreWriter, WhatAnotherProgramCommitsIsNoOtherFile) {
   EXPECT_EQ(landmarks_in_file(), 2U);
 }
 
+TEST_F(MapStoreWriter, WhatAnotherProgramTakesIntoTheFileIsNoOtherFile) {
+  StoreWriter writer(file(), {});
+  const std::size_t session = writer.begin_session(session_of("fastslam"));
+  put(writer, session, 1);
+  ASSERT_TRUE(writer.flush());
+  Database(file(), Database::Access::write).execute("PRAGMA wal_checkpoint(PASSIVE)");
+  put(writer, session, 2);
+  EXPECT_TRUE(writer.flush()) << writer.state().error;
+  EXPECT_EQ(landmarks_in_file(), 2U);
+}
+
 TEST_F(MapStoreWriter, AnotherFileInItsPlaceIsNotWrittenInto) {
   StoreWriter writer(file(), {});
   const std::size_t session = writer.begin_session(session_of("fastslam"));
