@@ -127,25 +127,23 @@ TEST_F(MapServerHeldFile, OnceItIsFreeSessionsAreFoundInIt) {
   expect_near(*sessions[2].T_map_session, elsewhere().inverse());
 }
 
-// The server was restarted, the mapper was not. It is told its whole map only after the file is free, or
-// while it is held.
+// The server was restarted, the mapper was not. It is told the graph while the file is held, or its whole map
+// after that is free.
 TEST_F(MapServerHeldFile, ASessionWhoseMapperLivesOnGoesOnInIt) {
   map_once();
   map_from(13, elsewhere());
   for (const bool told_while_held : {true, false}) {
     auto other = hold();
     Life server(scratch_.path(), "map", 13);
-    const auto tell_all = [&] {
-      server.drive(first_number + 2, elsewhere());
-      server.correct(first_number + 2, elsewhere(), {2});
-    };
-    if (told_while_held)
-      tell_all();
-    else
-      server.track(seen_view(first_number).features.utime, Eigen::Isometry3d::Identity());
+    const auto tell_graph = [&] { server.correct(first_number + 2, elsewhere(), {2}); };
+    server.track(seen_view(first_number).features.utime, Eigen::Isometry3d::Identity());
+    if (told_while_held) tell_graph();
     other.reset();
     EXPECT_TRUE(testing::wait_for([&] { return server.work(), server.value("kept_sessions") == 1; }));
-    if (!told_while_held) tell_all();
+    if (!told_while_held) {
+      server.drive(first_number + 2, elsewhere());
+      tell_graph();
+    }
     server.finish();
     const auto sessions = MapFile(file()).sessions();
     ASSERT_EQ(sessions.size(), 2U);
