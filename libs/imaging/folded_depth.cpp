@@ -2,8 +2,6 @@
 
 #include <stdexcept>
 
-#include <lcmslam/imaging/depth_rows.hpp>
-
 namespace lcmslam {
 
 FoldedDepthFilter::FoldedDepthFilter(const RgbdCalibration& calibration) {
