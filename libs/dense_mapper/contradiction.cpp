@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include <lcmslam/dense_mapper/free_space.hpp>
 #include <lcmslam/dense_mapper/voxel_map.hpp>
@@ -48,6 +50,41 @@ double median_depth(const Cloud& cloud) {
   return *middle;
 }
 
+/// A cloud's points from some place in the map.
+struct OnMap {
+  const VoxelMap& map;
+  Eigen::Isometry3f T;  // of the cloud
+
+  /// m, of a point across the surface that it lies on; nothing where there is none.
+  std::optional<float> distance(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
+    constexpr float reach = 0.1f, alike = 0.7f;  // m, cosine
+    const Eigen::Vector3f p = T * point;
+    TargetPoint there;
+    if (!map.find(p, reach, there) || !(there.normal.dot(T.linear() * normal) > alike)) return std::nullopt;
+    return std::abs(there.normal.dot(p - there.point));
+  }
+};
+
+float median(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Somebody, or a thing that somebody pushes: no wall, and no room.
+bool are_one_thing(const std::vector<Eigen::Vector3f>& points) {
+  constexpr float half_width = 0.6f;  // m, on the ground
+  constexpr double most = 0.9;        // share
+  if (points.empty()) return false;
+  std::vector<float> x, y;
+  for (const Eigen::Vector3f& p : points) x.push_back(p.x()), y.push_back(p.y());
+  const Eigen::Vector2f middle(median(x), median(y));
+  const auto within = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3f& p) {
+    return (p.head<2>() - middle).norm() < half_width;
+  });
+  return static_cast<double>(within) > most * static_cast<double>(points.size());
+}
+
 /// Such a thing may have come or gone by itself; farther away are other rooms, too.
 bool is_close(const Cloud& cloud) {
   constexpr double close = 1.2;  // m
@@ -78,6 +115,31 @@ bool shows_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_cam
   const SurfelsInView count = count_in_view(frame, T_world_camera, map);
   return count.all() < enough_surfels ||
          static_cast<double>(count.supported) > most * static_cast<double>(count.all());
+}
+
+std::optional<Cloud> what_stands(const Cloud& cloud, const Eigen::Isometry3d& T_stood,
+                                 const Eigen::Isometry3d& T_led, const VoxelMap& map) {
+  constexpr float least_apart = 0.01f;                // m: nearer, noise decides
+  constexpr double enough = 100, least_share = 0.25;  // points
+  if (!cloud.has_normals()) return std::nullopt;
+  const OnMap stood{map, T_stood.cast<float>()}, led{map, T_led.cast<float>()};
+  std::vector<bool> has_moved(cloud.size(), false);
+  std::vector<Eigen::Vector3f> leading;
+  double stands = 0, moved = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f &p = cloud.points[i], &normal = cloud.normals[i];
+    const float apart = std::abs((stood.T.linear() * normal).dot(stood.T * p - led.T * p));
+    if (!(apart > least_apart)) continue;
+    const auto from_stood = stood.distance(p, normal), from_led = led.distance(p, normal);
+    const float nearer =
+        std::min(from_led.value_or(apart), apart) - std::min(from_stood.value_or(apart), apart);
+    has_moved[i] = nearer < 0;
+    if (has_moved[i]) leading.push_back(p);
+    (has_moved[i] ? moved : stands) += static_cast<double>(std::abs(nearer) / apart);
+  }
+  const bool much_stands = stands > enough && stands > least_share * (stands + moved);
+  if (!much_stands && !are_one_thing(leading)) return std::nullopt;
+  return kept_points(cloud, [&](std::size_t i) { return !has_moved[i]; });
 }
 
 bool still_shows(const Cloud& cloud, const Eigen::Isometry3d& T_predicted, const Eigen::Isometry3d& T_fitted,

@@ -2,6 +2,8 @@
 // What a frame says for and against the map at the place where the robot is thought to be, however much of it
 // fits: what it looks through is not there, what stands where it stood is.
 
+#include <optional>
+
 #include <lcmslam/rgbd/dense_frame.hpp>
 
 namespace lcmslam {
@@ -19,6 +21,13 @@ bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_cam
 /// Whether most of what the map has in the frame's view is seen where it is, and is no close thing, which may
 /// have moved by itself. True where hardly anything near is mapped.
 bool shows_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map);
+
+/// Of a robot that stood at `T_stood`, say its wheels, and whose cloud (robot frame) registration led to
+/// `T_led`: the cloud without what lies on the map from there, where that is something that moves. Then it is
+/// one thing, or a good part of what the two places tell apart lies on the map from where the robot stood.
+/// Nothing where the robot itself has moved: all of the map does then.
+std::optional<Cloud> what_stands(const Cloud& cloud, const Eigen::Isometry3d& T_stood,
+                                 const Eigen::Isometry3d& T_led, const VoxelMap& map);
 
 /// Whether some of the walls that a cloud (robot frame) shows stand where the map has them, to a few
 /// centimetres: where a door opens or somebody steps in, the rest does. The floor says nothing: it is

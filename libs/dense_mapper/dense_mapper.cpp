@@ -73,6 +73,9 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   tell_covariance(frame.T_robot_camera, step);
   tell_local_pose(tracked.pushed ? *expected.pushed : expected, step);
 
+  const bool stands =
+      expected.T_world_stood && !step.adrift && !step.relocalised && !(registered && tracked.pushed);
+  motion_.stand(stands ? *expected.T_world_stood : step.T_world_robot);
   // A jump to where the robot was found again is no motion that goes on.
   motion_.observe(frame.utime, step.T_world_robot, registered && !step.relocalised);
   step.hangs_on_odometry = hangs_on_odometry();
@@ -89,8 +92,10 @@ PreparedFrame DenseMapper::prepare(const DenseFrame& frame) const {
 
 Expectation DenseMapper::expect(const DenseFrame& frame) const {
   Expectation expected = expect(frame, false);
-  if (motion_.is_held(frame.motion))
+  if (motion_.is_held(frame.motion)) {
+    expected.T_world_stood = motion_.T_world_stood() * frame.motion->T_from_to;
     expected.pushed = std::make_shared<const Expectation>(expect(frame, true));
+  }
   return expected;
 }
 

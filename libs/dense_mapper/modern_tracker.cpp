@@ -35,7 +35,20 @@ ModernTracker::ModernTracker(const DenseMapperSettings& settings, DeformableMap&
                  settings.overlap) {}
 
 Tracked ModernTracker::track(const PreparedFrame& prepared, const Expectation& expected) {
+  constexpr double moved = 0.015;  // m, rad: less is noise, and joins the map nowhere else
   last_view_.compare(prepared.frame.colour, prepared.frame.T_robot_camera);
+  Tracked tracked = led(prepared, expected);
+  if (!expected.T_world_stood || expected.adrift || tracked.status == MappingStatus::lost) return tracked;
+  const Eigen::Isometry3d &T_stood = *expected.T_world_stood, &T_led = tracked.registration.T_target_source;
+  if (distance_between(T_stood, T_led) < moved && angle_between(T_stood, T_led) < moved) return tracked;
+  if (auto standing = what_stands(prepared.cloud, T_stood, T_led, map_.voxels()))
+    return by_what_stands({prepared.frame, *std::move(standing)}, expected);
+  tracked.pushed = true;
+  return tracked;
+}
+
+// Where registration leads it.
+Tracked ModernTracker::led(const PreparedFrame& prepared, const Expectation& expected) {
   Tracked tracked = on_floor(prepared, expected);
   const bool elsewhere = is_elsewhere(tracked, prepared.frame, expected);
   if (elsewhere || tracked.status == MappingStatus::lost)
@@ -73,6 +86,12 @@ std::optional<Tracked> ModernTracker::as_pushed(const PreparedFrame& prepared, c
     return std::nullopt;
   tracked.pushed = true;
   return tracked;
+}
+
+Tracked ModernTracker::by_what_stands(const PreparedFrame& standing, Expectation expected) {
+  expected.prior.T_target_source = *expected.T_world_stood;
+  if (expected.off_ground) expected.off_ground->T_target_source = *expected.T_world_stood;
+  return on_floor(standing, expected);
 }
 
 Tracked ModernTracker::on_floor(const PreparedFrame& prepared, const Expectation& expected) {

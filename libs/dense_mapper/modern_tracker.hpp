@@ -29,7 +29,9 @@ class ModernTracker : public Tracker {
 
  private:
   Tracked on_floor(const PreparedFrame& prepared, const Expectation& expected);
+  Tracked led(const PreparedFrame& prepared, const Expectation& expected);
   std::optional<Tracked> as_pushed(const PreparedFrame& prepared, const Expectation& expected);
+  Tracked by_what_stands(const PreparedFrame& standing, Expectation expected);
   bool is_elsewhere(const Tracked& tracked, const DenseFrame& frame, const Expectation& expected) const;
   Tracked place(const PreparedFrame& prepared, const Prior& prior, const Expectation& expected);
   std::optional<Prior> ask_features(const PreparedFrame& prepared, Tracked& result);

@@ -87,8 +87,15 @@ class MotionModel {
   void observe(Utime utime, const Eigen::Isometry3d& T_world_robot, bool moving);
   const Eigen::Isometry3d& T_world_last() const { return T_world_last_; }
 
+  /// Where it stands now, by the map; or still, by wheels that hold it (is_held), from where it stood.
+  void stand(const Eigen::Isometry3d& T_world_robot) { T_world_stood_ = T_world_robot; }
+  const Eigen::Isometry3d& T_world_stood() const { return T_world_stood_; }
+
   /// The world around the robot moves.
-  void deform(const Eigen::Isometry3d& T_new_old) { T_world_last_ = T_new_old * T_world_last_; }
+  void deform(const Eigen::Isometry3d& T_new_old) {
+    T_world_last_ = T_new_old * T_world_last_;
+    T_world_stood_ = T_new_old * T_world_stood_;
+  }
 
  private:
   double seconds_until(Utime utime) const { return static_cast<double>(utime - last_utime_) * 1e-6; }
@@ -97,6 +104,7 @@ class MotionModel {
   MotionPriorSettings settings_;
   Utime last_utime_ = 0;
   Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_world_stood_ = Eigen::Isometry3d::Identity();
   Vector6d velocity_ = Vector6d::Zero();  // per second, robot frame
   double unknown_ = 0;                    // s of motion that nobody knows, since the robot was found
   double adrift_ = 0;                     // s since it may be anywhere, and of what led there

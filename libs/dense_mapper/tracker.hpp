@@ -32,16 +32,18 @@ struct Expectation {
   Eigen::Isometry3d T_world_last = Eigen::Isometry3d::Identity();  ///< of the frame before
   int bad_steps = 0;    ///< frames in a row that were not tracked until now
   bool adrift = false;  ///< nobody knows how the robot moved since it was tracked: it may be anywhere
-  /// The same, had somebody pushed it, where its wheels stand.
+  /// Where its wheels stand: where it has stood since they stopped, unless it was pushed.
+  std::optional<Eigen::Isometry3d> T_world_stood;
+  /// And the same as all of this, had somebody pushed it now.
   std::shared_ptr<const Expectation> pushed;
 };
 
 struct Tracked {
   RegistrationResult registration;  ///< of the cloud in the robot frame to the world
   MappingStatus status = MappingStatus::lost;
-  double quality = 0;                ///< 0..1: overlap times share of inliers
-  Prior prior;                       ///< what was known before registration, by features too
-  bool pushed = false;               ///< it fits, and so does most of the map, where only a push can have led
+  double quality = 0;   ///< 0..1: overlap times share of inliers
+  Prior prior;          ///< what was known before registration, by features too
+  bool pushed = false;  ///< it fits, and so does what stands still, where only a push can have led
   std::optional<Floor> refused_for;  ///< measurements refused the floor; placed without it, and this is seen
   bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at
   Eigen::Isometry3d T_world_anchor = Eigen::Isometry3d::Identity();

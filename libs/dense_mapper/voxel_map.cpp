@@ -173,6 +173,7 @@ bool VoxelMap::find_nearest(const Eigen::Vector3f& point, float max_distance, Ta
   others = std::min(std::sqrt(next), to_rim.minCoeff());
   if (!nearest) return false;
   found = {nearest->point, nearest->normal, sigma_of_mean(*nearest), nearest->intensity};
+  found.young = nearest->observations < settings_.settled_after;
   if (!std::isnan(nearest->intensity)) found.gradient = gradient_at(*nearest, *home);
   return true;
 }

@@ -23,6 +23,7 @@ struct VoxelMapSettings {
   double normal_agreement = 0.5;
   double max_weight = 60;
   int min_observations = 1;
+  int settled_after = 8;
   // Evidence that a surfel is still there: 1 when it is new; a view that supports it adds one.
   int max_evidence = 6;
   int miss = 2;
@@ -37,6 +38,10 @@ struct VoxelMapSettings {
              "observations that a surfel remembers; then it is a running mean");
     s.number("min_observations", min_observations, "", {1, 30000},
              "frames that must have shown a surfel, once so many have joined the map since it was seen last");
+    s.number("settled_after", settled_after, "", {1, 30000},
+             "frames that joined the map and have shown a surfel, until it leads others: a thing that goes "
+             "ahead of "
+             "the robot is young wherever it is, and takes nobody along");
     s.number("max_evidence", max_evidence, "", {1, 100},
              "that a surfel is still there; bounded, so that what has long been there can go, too");
     s.number("miss", miss, "", {1, 100}, "evidence that a view takes off what it sees through");

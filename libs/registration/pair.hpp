@@ -19,6 +19,7 @@ struct Pair {
   double target_intensity = std::numeric_limits<double>::quiet_NaN();
   Eigen::Vector3d target_gradient = Eigen::Vector3d::Zero();  ///< of the intensity, 1/m, target frame
   bool boundary = false;                                      ///< the target's surface ends here
+  bool young = false;                                         ///< the target's surface is
   std::size_t index = 0;                                      ///< of the point in the source cloud
   double variance = 1;                                        ///< m^2, both points' noise together
   double weight = 1;                                          ///< set by weighting

@@ -88,6 +88,7 @@ class PairSearch {
     pair.target_intensity = static_cast<double>(found.intensity);
     pair.target_gradient = found.gradient.cast<double>();
     pair.boundary = found.boundary;
+    pair.young = found.young;
     const double sigma = source_.sigmas.empty() ? 0 : static_cast<double>(source_.sigmas[pair.index]);
     const double target_sigma = static_cast<double>(found.sigma);
     pair.variance = sigma * sigma + target_sigma * target_sigma + noise_floor_ * noise_floor_;

@@ -15,6 +15,7 @@ struct TargetPoint {
   float intensity = unknown;                                      ///< 0..1
   Eigen::Vector3f gradient = Eigen::Vector3f::Constant(unknown);  ///< of the intensity, 1/m, target frame
   bool boundary = false;                                          ///< the surface ends here
+  bool young = false;  ///< it has not stood there for long, as far as anybody knows
 };
 
 class Target {

@@ -28,6 +28,7 @@ std::unique_ptr<RobustKernel> make_kernel(const RegistrationSettings& settings) 
 
 void weigh_pairs(std::vector<Pair>& pairs, const Metric& metric, const RobustKernel& kernel,
                  bool weigh_by_noise) {
+  constexpr double share_of_young = 1e-3;
   if (pairs.empty()) return;
   std::vector<double> squares;  // in variances
   squares.reserve(pairs.size());
@@ -37,7 +38,8 @@ void weigh_pairs(std::vector<Pair>& pairs, const Metric& metric, const RobustKer
   std::nth_element(sorted.begin(), middle, sorted.end());
   const double unit = std::max(1.0, 1.4826 * 1.4826 * *middle);
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    pairs[i].weight = kernel.weight(squares[i] / unit) / (weigh_by_noise ? pairs[i].variance : 1.0);
+    pairs[i].weight = kernel.weight(squares[i] / unit) / (weigh_by_noise ? pairs[i].variance : 1.0) *
+                      (pairs[i].young ? share_of_young : 1.0);
 }
 
 }  // namespace lcmslam
