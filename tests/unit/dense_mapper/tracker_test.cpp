@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <lcmslam/dense_mapper/contradiction.hpp>
 #include <lcmslam/dense_mapper/modern_tracker.hpp>
 #include <lcmslam/dense_mapper/thesis/thesis_tracker.hpp>
 #include "tests/support/cloud_scenes.hpp"
@@ -199,6 +200,65 @@ TEST_F(ModernTracking, WhatIsCloseAndGoesPushesNobody) {
   map.insert(somebody_at(0.8), {0, 0, 0}, 0);
   EXPECT_EQ(to_string(look_standing(tracker, somebody_at(0.8)).status), "tracking");
   EXPECT_EQ(to_string(look_standing(tracker, somebody_at(0.88)).status), "lost");
+}
+
+/// A corridor that a robot at its origin looks along: nothing of it tells how far, but what stands ahead.
+Cloud corridor_with(double x, double half_width) {
+  Cloud cloud;
+  for (const double y : {-1.2, 1.2}) add_rectangle(cloud, {0.5, y, -1}, {4, 0, 0}, {0, 0, 2}, 0.03);
+  add_rectangle(cloud, {0.5, -1.2, -1}, {4, 0, 0}, {0, 2.4, 0}, 0.03);
+  add_rectangle(cloud, {x, -half_width, -1}, {0, 0, 1.8}, {0, 2 * half_width, 0}, 0.03);
+  cloud.sigmas.assign(cloud.size(), 0.003f);
+  return cloud;
+}
+
+// Wheels that stand are believed where one thing alone says that they rolled: somebody has walked off. A wall
+// does not.
+TEST_F(ModernTracking, OneThingThatGoesTakesNoRobotAlongThatStands) {
+  const auto moved_by = [&](double half_width) {
+    DeformableMap map(settings_);
+    ModernTracker tracker(settings_, map, keyframes_);
+    map.insert(corridor_with(1.8, half_width), {0, 0, 0}, 0);
+    Expectation expected = expectation(here, 0.03);
+    expected.T_world_stood = here;
+    DenseFrame frame;
+    frame.cloud = corridor_with(1.84, half_width);
+    frame.motion = Motion();
+    return tracker.track({frame, frame.cloud}, expected);
+  };
+  const Tracked thing = moved_by(0.25), wall = moved_by(1.2);
+  EXPECT_EQ(to_string(thing.status), "tracking");
+  EXPECT_FALSE(thing.pushed);
+  EXPECT_LT(error(thing.registration.T_target_source, here), 0.005);
+  EXPECT_EQ(to_string(wall.status), "tracking");
+  EXPECT_TRUE(wall.pushed);
+  EXPECT_LT(error(wall.registration.T_target_source, planar_pose(-0.04, 0, 0)), 0.01);
+}
+
+// Nor where enough else stands: what moves is much of the view, and no wall.
+TEST_F(ModernTracking, WhatMovesAmidAllThatStandsTakesNoRobotAlong) {
+  Cloud walls = seen_from(here);
+  const auto with_board = [&](double x) {
+    Cloud seen = walls;
+    for (const double y : {-1.6, 1.0}) {
+      Cloud board;
+      add_rectangle(board, {x, y, -1}, {0, 0, 1.8}, {0, 0.6, 0}, 0.02);
+      board.sigmas.assign(board.size(), 0.003f);
+      seen.points.insert(seen.points.end(), board.points.begin(), board.points.end());
+      seen.normals.insert(seen.normals.end(), board.normals.begin(), board.normals.end());
+      seen.sigmas.insert(seen.sigmas.end(), board.sigmas.begin(), board.sigmas.end());
+    }
+    return seen;
+  };
+  map_.insert(with_board(1), {0, 0, 0}, 0);
+  const auto standing = what_stands(with_board(1.04), here, planar_pose(-0.04, 0, 0), map_.voxels());
+  ASSERT_TRUE(standing);
+  const Tracked tracked = track(*standing, expectation(here, 0.003));
+  EXPECT_LT(error(tracked.registration.T_target_source, here), 0.005);
+  EXPECT_LT(standing->size(), with_board(1).size() - 1000);
+  // All of it, where the robot was pushed.
+  EXPECT_FALSE(what_stands(transformed(with_board(1), planar_pose(0.04, 0, 0)), here,
+                           planar_pose(-0.04, 0, 0), map_.voxels()));
 }
 
 // The place before, and no keyframe, is another start.

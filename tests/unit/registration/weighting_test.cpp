@@ -50,5 +50,26 @@ TEST(Weighting, NoisierPairsCountLess) {
   EXPECT_DOUBLE_EQ(pairs[0].weight, pairs[1].weight);
 }
 
+TEST(Weighting, YoungSurfacesLeadOnlyWhereThereAreNoOthers) {
+  Random random(5);
+  std::vector<Pair> pairs(100, random_pair(random, Eigen::Isometry3d::Identity()));
+  const auto weight_with = [&](std::size_t settled) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].young = i >= settled;
+    weigh_pairs(pairs, PointToPlane(), NoKernel(), true);
+    return pairs.back().weight / pairs.front().weight;
+  };
+  const double settled = [&] {
+    for (Pair& p : pairs) p.young = false;
+    weigh_pairs(pairs, PointToPlane(), NoKernel(), true);
+    return pairs.back().weight;
+  }();
+  EXPECT_DOUBLE_EQ(weight_with(0), 1);
+  EXPECT_DOUBLE_EQ(pairs.back().weight, settled);
+  EXPECT_LT(weight_with(20), 0.5);
+  EXPECT_LT(weight_with(40), 0.01);
+  EXPECT_GT(pairs.back().weight, 0);
+  EXPECT_DOUBLE_EQ(pairs.front().weight, settled);
+}
+
 }  // namespace
 }  // namespace lcmslam
