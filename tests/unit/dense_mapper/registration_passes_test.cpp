@@ -8,7 +8,7 @@
 namespace lcmslam {
 namespace {
 
-const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+const Eigen::Isometry3d at_origin = Eigen::Isometry3d::Identity();
 
 class Passes : public testing::Test {
  protected:
@@ -38,7 +38,7 @@ class Passes : public testing::Test {
 
 TEST_F(Passes, TracksFromAStartNearby) {
   const Eigen::Isometry3d truth = se3_exp(twist(0.06, -0.05, 0.02, 0.01, 0.02, 0.04));
-  const auto attempt = run(seen_from(truth), here, here);
+  const auto attempt = run(seen_from(truth), at_origin, at_origin);
   EXPECT_EQ(attempt.status, MappingStatus::tracking);
   EXPECT_LT(error(attempt, truth), 0.005);
   EXPECT_GT(attempt.quality, 0.9);
@@ -46,37 +46,37 @@ TEST_F(Passes, TracksFromAStartNearby) {
 
 // A third of the points lies on the map: enough to go on by, too little to be sure.
 TEST_F(Passes, WhatHalfFitsIsDegradedWhereItIsExpectedAndLostElsewhere) {
-  const auto expected = run(seen_from(here, 3), here, here);
+  const auto expected = run(seen_from(at_origin, 3), at_origin, at_origin);
   EXPECT_EQ(expected.status, MappingStatus::degraded);
   EXPECT_LT(expected.quality, 0.4);
   const Eigen::Isometry3d elsewhere = se3_exp(twist(2, 1, 0, 0, 0, 1));
-  const auto recovered = run(seen_from(here, 3), here, elsewhere);
+  const auto recovered = run(seen_from(at_origin, 3), at_origin, elsewhere);
   EXPECT_EQ(recovered.status, MappingStatus::lost);
-  EXPECT_LT(error(recovered, here), 0.01) << "the same registration";
+  EXPECT_LT(error(recovered, at_origin), 0.01) << "the same registration";
 }
 
 TEST_F(Passes, WhatHardlyFitsIsLost) {
-  EXPECT_EQ(run(seen_from(here, 6), here, here).status, MappingStatus::lost);
+  EXPECT_EQ(run(seen_from(at_origin, 6), at_origin, at_origin).status, MappingStatus::lost);
 }
 
 // What was expected is no knowledge for a start far from it.
 TEST_F(Passes, ARecoveryIsNotDrawnToWhatWasExpected) {
   const Eigen::Isometry3d elsewhere = se3_exp(twist(0.4, 0.2, 0, 0, 0, 0.1));
-  const auto recovered = run(seen_from(here), here, elsewhere, 1e-4);
+  const auto recovered = run(seen_from(at_origin), at_origin, elsewhere, 1e-4);
   EXPECT_EQ(recovered.status, MappingStatus::tracking);
-  EXPECT_LT(error(recovered, here), 0.005);
+  EXPECT_LT(error(recovered, at_origin), 0.005);
 }
 
 // A prior that is surer than the points holds them back, but little where smoothing has made them surer.
 TEST_F(Passes, SmoothedPointsHoldAgainstAPriorAsTheirNoiseIsLeft) {
   const Eigen::Isometry3d expected = se3_exp(twist(0.01, 0.01, -0.01, 0, 0, 0));
   const double sigma = 0.0005;
-  const double as_noisy = error(run(seen_from(here), expected, expected, sigma), here);
+  const double as_noisy = error(run(seen_from(at_origin), expected, expected, sigma), at_origin);
   EXPECT_GT(as_noisy, 0.01);
   frame_.noise_left = 0.2;
-  const auto smoothed = run(seen_from(here), expected, expected, sigma);
+  const auto smoothed = run(seen_from(at_origin), expected, expected, sigma);
   EXPECT_EQ(smoothed.status, MappingStatus::tracking);
-  EXPECT_LT(error(smoothed, here), 0.4 * as_noisy);
+  EXPECT_LT(error(smoothed, at_origin), 0.4 * as_noisy);
 }
 
 // The cloud draws the pose farther away than the robot can have gone.
@@ -84,8 +84,8 @@ TEST_F(Passes, AResultBeyondAJumpIsLost) {
   DenseMapperSettings settings;
   settings.max_jump = 0.03;
   const Eigen::Isometry3d truth = se3_exp(twist(0.06, -0.05, 0.02, 0.01, 0.02, 0.04));
-  const Prior prior{here, 100 * Matrix6d::Identity()};
-  const auto attempt = RegistrationPasses(settings).run({frame_, seen_from(truth)}, target_, here, prior,
+  const Prior prior{at_origin, 100 * Matrix6d::Identity()};
+  const auto attempt = RegistrationPasses(settings).run({frame_, seen_from(truth)}, target_, at_origin, prior,
                                                         LastView(false, false, {}));
   EXPECT_LT(error(attempt, truth), 0.01);
   EXPECT_EQ(attempt.status, MappingStatus::lost);
