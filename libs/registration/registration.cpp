@@ -207,7 +207,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
       result.stop = StopReason::too_few_pairs;
       break;
     }
-    weigh_pairs(pairs, *metric, *kernel, settings.weigh_by_noise);
+    weigh_pairs(pairs, *metric, *kernel, settings.weigh_by_noise, settings.settled_lead);
     result.rms.push_back(rms(pairs, *metric));
 
     const auto T_next = solver->solve(pairs, T);

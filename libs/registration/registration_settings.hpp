@@ -74,6 +74,7 @@ struct RegistrationSettings {
   double noise_floor = 0.004;
   KernelKind kernel = KernelKind::geman_mcclure;
   double kernel_width = 2.5;
+  bool settled_lead = false;  ///< young surfaces only where there are no others; no key: the mapper tells
 
   // metric and solver
   MetricKind metric = MetricKind::point_to_plane;

@@ -27,7 +27,7 @@ std::unique_ptr<RobustKernel> make_kernel(const RegistrationSettings& settings) 
 }
 
 void weigh_pairs(std::vector<Pair>& pairs, const Metric& metric, const RobustKernel& kernel,
-                 bool weigh_by_noise) {
+                 bool weigh_by_noise, bool settled_lead) {
   if (pairs.empty()) return;
   std::vector<double> squares;  // in variances
   squares.reserve(pairs.size());
@@ -38,7 +38,7 @@ void weigh_pairs(std::vector<Pair>& pairs, const Metric& metric, const RobustKer
   constexpr double enough = 30, least = 1e-3;  // pairs that lead; what young ones count beside them
   const auto settled =
       static_cast<double>(std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return !p.young; }));
-  const double share_of_young = std::max(least, 1 - settled / enough);
+  const double share_of_young = settled_lead ? std::max(least, 1 - settled / enough) : 1;
   const double unit = std::max(1.0, 1.4826 * 1.4826 * *middle);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     pairs[i].weight = kernel.weight(squares[i] / unit) / (weigh_by_noise ? pairs[i].variance : 1.0) *

@@ -42,9 +42,9 @@ class GemanMcClureKernel : public RobustKernel {
 std::unique_ptr<RobustKernel> make_kernel(const RegistrationSettings& settings);
 
 /// Sets all weights. The kernel's unit is the pairs' own spread while that is larger than the noise
-/// (1.4826 x the median of |r| / sigma), so that a poor start does not make every pair an outlier. Young
-/// surfaces lead where there are no others.
+/// (1.4826 x the median of |r| / sigma), so that a poor start does not make every pair an outlier.
+/// `settled_lead`: young surfaces lead only where there are no others.
 void weigh_pairs(std::vector<Pair>& pairs, const Metric& metric, const RobustKernel& kernel,
-                 bool weigh_by_noise);
+                 bool weigh_by_noise, bool settled_lead = false);
 
 }  // namespace lcmslam

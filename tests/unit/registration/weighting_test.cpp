@@ -55,7 +55,7 @@ TEST(Weighting, YoungSurfacesLeadOnlyWhereThereAreNoOthers) {
   std::vector<Pair> pairs(100, random_pair(random, Eigen::Isometry3d::Identity()));
   const auto weight_with = [&](std::size_t settled) {
     for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].young = i >= settled;
-    weigh_pairs(pairs, PointToPlane(), NoKernel(), true);
+    weigh_pairs(pairs, PointToPlane(), NoKernel(), true, true);
     return pairs.back().weight / pairs.front().weight;
   };
   const double settled = [&] {
@@ -69,6 +69,8 @@ TEST(Weighting, YoungSurfacesLeadOnlyWhereThereAreNoOthers) {
   EXPECT_LT(weight_with(40), 0.01);
   EXPECT_GT(pairs.back().weight, 0);
   EXPECT_DOUBLE_EQ(pairs.front().weight, settled);
+  weigh_pairs(pairs, PointToPlane(), NoKernel(), true);
+  EXPECT_DOUBLE_EQ(pairs.back().weight, settled) << "unless somebody asks for it";
 }
 
 }  // namespace
