@@ -10,6 +10,7 @@ namespace {
 
 constexpr double largest_doubt = 25 * M_PI / 180;           // rad, between expected and found up
 constexpr double lowest_camera = 0.05, highest_camera = 4;  // m
+constexpr double least_known = 0.02;                        // m, of a plane's height below the camera
 constexpr std::size_t fewest_images = 10;
 // What all images share: a floor that is nowhere quite flat, and what depth errs by alike. Of the height that
 // is the constant part of the depth noise, which holds what ranges wiggle by, until that was calibrated.
@@ -25,6 +26,25 @@ std::pair<double, double> middle_of(std::vector<double> values) {
   std::nth_element(values.begin(), middle, values.end());
   const double independent = std::max(1.0, static_cast<double>(values.size()) / frames_alike);
   return {median, 1.2533 * 1.4826 * *middle / std::sqrt(independent)};
+}
+
+/// How far two thirds of the heights reach from their middle where that is farther than one floor: what lies
+/// at several heights is no surer for being seen often. 0 where it is one.
+double contradiction(std::vector<double> heights, double middle) {
+  constexpr double one_floor = 0.05;  // m
+  for (double& height : heights) height = std::abs(height - middle);
+  const auto most = heights.begin() + static_cast<std::ptrdiff_t>(2 * heights.size() / 3);
+  std::nth_element(heights.begin(), most, heights.end());
+  return *most > one_floor ? *most : 0;
+}
+
+/// Of the height over a plane of the depth camera: a tilt counts by the way from the plane's middle to the
+/// camera's foot.
+double height_sigma_of(const PlaneFit& fit) {
+  const Eigen::Vector3d& up = fit.plane.normal;
+  const Eigen::Vector3d way = -fit.plane.offset * up - fit.centre;
+  const double along = way.dot(fit.axis), across = way.dot(up.cross(fit.axis));
+  return std::sqrt(fit.variance[0] * across * across + fit.variance[1] * along * along + fit.variance[2]);
 }
 
 }  // namespace
@@ -48,11 +68,13 @@ FloorWatch::FloorWatch(const RgbdCalibration& calibration, const Eigen::Isometry
 
 FloorWatch::~FloorWatch() = default;
 
-// Table tops are level, too: the floor is the lowest of what is level.
+// Table tops are level, too: the floor is the lowest of what is level. Where it meets a wall, pixels of both
+// make slivers that look about upwards by chance, and lie lower still below the camera: their tilt is noise.
 void FloorWatch::add(const cv::Mat& depth) {
   Parts& p = *parts_;
   std::optional<PlaneEquation> lowest;
   for (const FramePlane& found : p.finder(depth).planes) {
+    if (height_sigma_of(found.fit) > least_known) continue;
     PlaneEquation plane;
     plane.normal = p.T_colour_depth.linear() * found.fit.plane.normal;
     plane.offset = found.fit.plane.offset - plane.normal.dot(p.T_colour_depth.translation());
@@ -79,7 +101,8 @@ std::optional<FloorSight> FloorWatch::sight() const {
   const auto [height, height_sigma] = middle_of(p.heights);
   sight.height = height;
   sight.up_sigma = std::hypot(scatter, shared_up);
-  sight.height_sigma = std::hypot(height_sigma, shared_height, p.shared_range);
+  const double seen_sigma = std::hypot(height_sigma, contradiction(p.heights, height));
+  sight.height_sigma = std::hypot(seen_sigma, shared_height, p.shared_range);
   sight.images = static_cast<int>(p.heights.size());
   return sight;
 }

@@ -47,8 +47,11 @@ class ErrorEnsemble {
   void leave_plane();
   /// The robot moved; covariance of the motion alone.
   void move(const Motion& step);
+  /// The robot was found elsewhere in its map, known like this (body frame): where it was believed to be says
+  /// nothing any more.
+  void find(const Matrix6d& covariance) { robot_ = drawn(covariance); }
   /// From `T_world_robot` the pose was found by landmarks, and they learned. `prior`: covariance that the
-  /// filter gave the pose before it looked, body frame; nothing: it found itself by the landmarks alone.
+  /// filter gave the pose before it looked, body frame; nothing: nobody knew anything of it.
   void observe(const std::vector<EnsembleObservation>& accepted, const Eigen::Isometry3d& T_world_robot,
                const std::optional<Matrix6d>& prior);
   /// Landmarks were made from there.

@@ -56,7 +56,7 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
   Motion own_motion;                            // of this step, with what was unknown before it
   Matrix6d step_covariance = Matrix6d::Zero();  // and without
   Vector6d twist = Vector6d::Zero();            // m/s, rad/s
-  std::optional<Matrix6d> prior_covariance;  // of the pose before it looked; none: the landmarks alone tell
+  std::optional<Matrix6d> prior_covariance;     // of the pose before it looked
   bool mapping = true, blind = false;
 
   if (!std::exchange(started_, true)) {
@@ -102,7 +102,9 @@ StepResult FastSlam::step(const Motion& motion, const FeatureFrame& frame) {
     if (association.corrected) own_motion.T_from_to = association.prior.T_from_to;
     covariance_.move(own_motion);
     twist = se3_log(own_motion.T_from_to) / elapsed(frame.utime);
-    if (!association.corrected && !association.T_world_found) prior_covariance = association.prior.covariance;
+    // Also where the landmarks put the motion right: the few that are believed then may not tell all of it.
+    if (association.T_world_found) covariance_.find(association.prior.covariance);
+    prior_covariance = association.prior.covariance;
     const bool located = judge(verdict, association, points, index_, observations, result);
     const bool agreed = agree(association, verdict, located);
     if (agreed) unknown_.end();

@@ -28,8 +28,10 @@ class PoseCovariance {
   void leave_plane();
   /// The robot moved; covariance of this step alone.
   void move(const Motion& step) { ensemble_.move(step); }
+  /// The robot was found elsewhere in its map, known like this.
+  void find(const Matrix6d& covariance) { ensemble_.find(covariance); }
   /// The pose rests on these landmarks, and they learned. `prior`: as the filter had it before it looked;
-  /// nothing where the landmarks alone said where the robot is.
+  /// nothing at its first step.
   void observe(const std::vector<LandmarkMatch>& accepted, const MeasuredStep& step,
                const std::optional<Matrix6d>& prior);
   /// Landmarks are made.

@@ -17,6 +17,7 @@
 #include <lcmslam/calibration/range_error.hpp>
 #include "tests/support/board_shots.hpp"
 #include "tests/support/camera_drive.hpp"
+#include "tests/support/floor_before_wall.hpp"
 
 namespace lcmslam {
 namespace {
@@ -101,30 +102,14 @@ RgbdCalibration measure_cameras(std::uint64_t seed, int views, Row& row) {
   return found;
 }
 
-/// A bare floor up to a wall 4 m before the camera's axis, as a robot that nods a little has it before its
-/// depth camera; found by the head as it was calibrated.
+/// Found by the head as it was calibrated.
 std::optional<FloorSight> seen_floor(const testing::RgbdTruth& truth, const RgbdCalibration& found,
                                      const Eigen::Isometry3d& mount, const Eigen::Isometry3d& expected,
                                      Random& random) {
-  const RgbdCalibration& c = truth.calibration;
   FloorWatch watch(found, expected);
   const DepthCorrector correct(found.depth, found.depth_error);
-  cv::Mat depth(c.depth.height, c.depth.width, CV_16UC1);
   for (int image = 0; image < 60; ++image) {
-    const Eigen::Isometry3d T_floor_robot(
-        Eigen::Quaterniond(so3_exp({random.normal(0, 0.0005), random.normal(0, 0.0005), 0})));
-    const Eigen::Isometry3d T = T_floor_robot * mount * c.T_colour_depth;
-    for (int v = 0; v < depth.rows; ++v)
-      for (int u = 0; u < depth.cols; ++u) {
-        const Eigen::Vector3d ray = c.depth.ray({u, v}), d = T.linear() * ray;
-        const double to_floor = -T.translation().z() / d.z();
-        const bool floor = d.z() < 0 && to_floor < 4;
-        const double z = floor ? to_floor : 4, range = z * ray.norm();
-        const double cosine = floor ? -d.z() / ray.norm() : 1 / ray.norm();
-        const double sigma = truth.noise * range * range / std::sqrt(0.5 * std::max(0.05, cosine));
-        const double measured = range + c.depth_error.at(range) + random.normal(0, sigma);
-        depth.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(1000 * measured / ray.norm() + 0.5);
-      }
+    cv::Mat depth = testing::floor_before_wall(truth, mount, random);
     correct(depth);
     watch.add(depth);
   }
@@ -134,12 +119,7 @@ std::optional<FloorSight> seen_floor(const testing::RgbdTruth& truth, const Rgbd
 void measure_drive(std::uint64_t seed, int laps, double scale, const testing::RgbdTruth& truth,
                    const RgbdCalibration& head, Row& row) {
   Random random(seed, 41);
-  const auto draw = [&](double by) { return random.uniform(-by, by); };
-  Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
-  mount.translation() << 0.1 + draw(0.1), draw(0.1), 1.3 + draw(0.2);
-  mount.rotate(Eigen::AngleAxisd(draw(0.1), Eigen::Vector3d::UnitZ()));
-  mount.rotate(Eigen::AngleAxisd(0.35 + draw(0.1), Eigen::Vector3d::UnitY()));
-  mount = mount * optical_axes();
+  const Eigen::Isometry3d mount = testing::drawn_mount(random);
   Vector6d off;
   for (int i = 0; i < 6; ++i) off[i] = random.normal();
   off.head<3>() *= 0.02 / off.head<3>().norm();

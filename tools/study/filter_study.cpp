@@ -175,9 +175,10 @@ PreparedLog prepare_log(const std::string& log, const ConfigNode& config, int th
     message.bytes.assign(event->data, event->data + event->size);
     if (message.channel == "GROUND_TRUTH")
       poses.add(message.channel, message.bytes.data(), message.bytes.size());
-    else if (message.channel == "CAMERA" || message.channel == "CAMERA_CALIBRATION")
+    else if (message.channel == "CAMERA")
       graph.deliver(std::move(message));
-    else if (message.channel == "ENCODERS" || message.channel == "TWIST") {
+    else if (message.channel == "ENCODERS" || message.channel == "TWIST" ||
+             message.channel == "CAMERA_CALIBRATION") {  // which tells the filter how long rows are read
       graph.deliver(message);
       result.messages.push_back(std::move(message));
     }

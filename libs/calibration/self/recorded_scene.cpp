@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <lcmslam/calibration/self/landmark_tracks.hpp>
+#include <lcmslam/imaging/folded_depth.hpp>
 #include <lcmslam/rgbd/camera_motion.hpp>
 #include <lcmslam/rgbd/describe_frame.hpp>
 #include <lcmslam/surf/surf.hpp>
@@ -55,8 +56,9 @@ cv::Mat smooth_grey(const cv::Mat& colour) {
 
 struct RecordedScene::Detector {
   Detector(const RgbdCalibration& start, int max_features)
-      : registration(start), filter(start), surf(surf_settings(max_features)) {}
+      : registration(start), folded(start), filter(start), surf(surf_settings(max_features)) {}
   DepthRegistration registration;
+  FoldedDepthFilter folded;
   DepthFilter filter;
   Surf surf;
 };
@@ -77,6 +79,7 @@ void RecordedScene::add(const RgbdFrame& frame) {
     return;  // time that began anew is another recording
   RgbdFrame filtered = frame;
   filtered.depth = frame.depth.clone();
+  detector_->folded(filtered.depth, filtered.amplitude);
   detector_->filter(filtered.depth, filtered.amplitude);
   FeatureFrame features =
       describe_frame(filtered, detector_->registration, Eigen::Isometry3d::Identity(), detector_->surf);

@@ -4,7 +4,10 @@
 
 #include <gmock/gmock.h>
 
+#include <lcmslam/calibration/floor_sight.hpp>
 #include "tests/support/camera_drive.hpp"
+#include "tests/support/dark_frame.hpp"
+#include "tests/support/floor_before_wall.hpp"
 
 namespace lcmslam {
 namespace {
@@ -185,6 +188,52 @@ TEST(DriveCalibration, OdometryOfAnotherDriverHasOneColumn) {
   ASSERT_EQ(steps.size(), 2u);
   EXPECT_EQ(steps[0].by_wheel.cols(), 1);
   EXPECT_NEAR(steps[0].by_wheel(2, 0), 0.02, 1e-9);
+}
+
+// In three of five images a sliver of both looks upwards, and the floor would be a metre lower there.
+TEST(FloorWatch, WhereItMeetsAWallTheFloorIsFound) {
+  constexpr std::uint64_t seed = 6;  // of the bench calibration_quality
+  const testing::RgbdTruth truth = testing::drawn_head(seed);
+  Random random(seed, 41);
+  const Eigen::Isometry3d mount = testing::drawn_mount(random);
+  const DepthCorrector correct(truth.calibration.depth, truth.calibration.depth_error);
+  FloorWatch watch(truth.calibration, mount);
+  for (int image = 0; image < 60; ++image) {
+    cv::Mat depth = testing::floor_before_wall(truth, mount, random);
+    correct(depth);
+    watch.add(depth);
+  }
+  const auto sight = watch.sight();
+  ASSERT_TRUE(sight);
+  EXPECT_NEAR(sight->height, mount.translation().z(), 0.005);
+  EXPECT_LT(sight->height_sigma, 0.005);
+}
+
+/// By images of something level below the camera, at these heights in turn.
+FloorSight sight_of_levels(const std::vector<double>& heights, int images) {
+  const RgbdCalibration c = testing::phase_head();
+  const Eigen::Isometry3d mount = true_mount();
+  FloorWatch watch(c, mount);
+  for (int image = 0; image < images; ++image) {
+    cv::Mat depth(c.depth.height, c.depth.width, CV_16UC1, cv::Scalar(0));
+    for (int v = 0; v < depth.rows; ++v)
+      for (int u = 0; u < depth.cols; ++u) {
+        const Eigen::Vector3d down = mount.linear() * c.depth.ray({u, v});
+        const double z =
+            -heights[static_cast<std::size_t>(image) % heights.size()] / std::min(-1e-9, down.z());
+        if (z < 4) depth.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(std::lround(1000 * z));
+      }
+    watch.add(depth);
+  }
+  return watch.sight().value();
+}
+
+TEST(FloorWatch, SeveralHeightsAreNoSurerForBeingSeenOften) {
+  const FloorSight floor = sight_of_levels({1.3, 1.3, 1.3, 0.6}, 100);
+  EXPECT_NEAR(floor.height, 1.3, 0.003);
+  EXPECT_LT(floor.height_sigma, 0.01);
+  const FloorSight tables = sight_of_levels({0.6, 1.3, 0.6, 1.3, 0.6}, 100);
+  EXPECT_GT(tables.height_sigma, 0.5) << "three of five images show a table";
 }
 
 }  // namespace

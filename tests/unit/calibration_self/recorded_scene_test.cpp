@@ -13,6 +13,7 @@
 #include <lcmslam/odometry/wheel_odometry.hpp>
 #include <lcmslam/simulation/simulation.hpp>
 
+#include "tests/support/dark_frame.hpp"
 #include "tests/support/source_folder.hpp"
 
 namespace lcmslam {
@@ -223,6 +224,17 @@ TEST(RecordedScene, SaysWhatARecordingThatStandsStillLacks) {
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("the camera must move"));
   }
+}
+
+TEST(RecordedScene, LooksAtNoDepthThatMayBeFolded) {
+  const RgbdCalibration head = testing::phase_head();
+  RecordedScene bright(head, {}), dark(head, {});
+  for (Utime t = 1; t <= 3; ++t) {
+    bright.add(testing::wall_of_blobs(head, 100'000 * t, 200));
+    dark.add(testing::wall_of_blobs(head, 100'000 * t, 5));
+  }
+  EXPECT_EQ(bright.tracked(), 3);
+  EXPECT_EQ(dark.tracked(), 0);
 }
 
 }  // namespace

@@ -143,6 +143,17 @@ TEST(ResamplingStudy, ARunThatBeganANewMapIsInNoMedian) {
   EXPECT_EQ(resampling_table({broken}).find("0.0625"), std::string::npos);
 }
 
+// As FastSLAM hears them in the whole graph: of a rolling shutter it straightens the rows.
+TEST(FilterStudy, TheFilterHearsTheCalibrationBeforeFeatures) {
+  const PreparedLog log = prepare_log(kitchen, load_config(replay, {}), 1);
+  const auto first = [&](const std::string& channel) {
+    return std::find_if(log.messages.begin(), log.messages.end(),
+                        [&](const BatchMessage& m) { return m.channel == channel; });
+  };
+  ASSERT_NE(first("FEATURES"), log.messages.end());
+  EXPECT_LT(first("CAMERA_CALIBRATION"), first("FEATURES"));
+}
+
 TEST(FilterStudy, NamesALogWithoutImages) {
   EXPECT_THROW(prepare_log(replay, load_config(replay, {}), 1), std::runtime_error);
 }
