@@ -38,10 +38,10 @@ struct VoxelMapSettings {
              "observations that a surfel remembers; then it is a running mean");
     s.number("min_observations", min_observations, "", {1, 30000},
              "frames that must have shown a surfel, once so many have joined the map since it was seen last");
-    s.number("settled_after", settled_after, "", {1, 30000},
-             "frames that joined the map and have shown a surfel, until it leads others: a thing that goes "
-             "ahead of "
-             "the robot is young wherever it is, and takes nobody along");
+    s.number(
+        "settled_after", settled_after, "", {1, 30000},
+        "frames that must have shown a surfel before it leads others, where wheels tell the way: what goes "
+        "ahead of the robot is young wherever it is");
     s.number("max_evidence", max_evidence, "", {1, 100},
              "that a surfel is still there; bounded, so that what has long been there can go, too");
     s.number("miss", miss, "", {1, 100}, "evidence that a view takes off what it sees through");
