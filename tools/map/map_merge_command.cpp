@@ -87,13 +87,10 @@ Joints find_joints(MapFile& first, MapFile& second) {
 SessionChanges map_of(MapFile& map, std::int64_t session) {
   SessionChanges all;
   for (const StoredKeyframe& keyframe : map.keyframes(session)) {
-    const auto cloud = map.cloud(session, keyframe.id);
-    if (cloud || keyframe.covariance)
-      all.put_keyframe(
-          {keyframe.id, keyframe.utime, keyframe.T_map_camera, cloud.value_or(ColouredCloud()), 0},
-          keyframe.covariance);
+    if (const auto cloud = map.cloud(session, keyframe.id))
+      all.put_keyframe({keyframe.id, keyframe.utime, keyframe.T_map_camera, *cloud, 0}, keyframe.covariance);
     else
-      all.move_keyframe(keyframe.id, keyframe.utime, keyframe.T_map_camera);
+      all.move_keyframe(keyframe.id, keyframe.utime, keyframe.T_map_camera, keyframe.covariance);
     if (const auto features = map.features(session, keyframe.id)) all.put_features(keyframe.id, *features);
     if (auto images = map.images(session, keyframe.id)) all.put_images(keyframe.id, std::move(*images));
   }

@@ -122,6 +122,26 @@ TEST_F(MapMerge, KnowsMapsOfLandmarksAlone) {
   EXPECT_FALSE(std::filesystem::exists(out / "fastslam-session2_top.png"));
 }
 
+TEST_F(MapMerge, ANodeWithoutCloudStaysOne) {
+  write_room(monday_, 60, Eigen::Isometry3d::Identity());
+  write_room(friday_, 62, elsewhere());
+  {
+    SessionChanges node;
+    node.move_keyframe(50, 1, elsewhere(), Matrix6d(2 * Matrix6d::Identity()));
+    MapStore store(friday_);
+    Transaction transaction = store.begin();
+    store.write(1, node);
+    transaction.commit();
+  }
+  const auto merged = run({"merge", monday_, friday_, "--into", both_});
+  ASSERT_EQ(merged.exit_code, 0) << merged.errors;
+  MapFile map(both_);
+  EXPECT_FALSE(map.cloud(2, 50));
+  ASSERT_EQ(map.keyframes(2).back().id, 50);
+  ASSERT_TRUE(map.keyframes(2).back().covariance);
+  EXPECT_NEAR((*map.keyframes(2).back().covariance)(0, 0), 2, 1e-6);
+}
+
 // The disk takes the copy of the first map and the log of what is added, not both in one file.
 TEST_F(MapMerge, OnAFullDiskKeepsTheOldMap) {
   write_room(monday_, 60, Eigen::Isometry3d::Identity());
