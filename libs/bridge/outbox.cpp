@@ -71,11 +71,12 @@ void Outbox::keep(const std::string& channel, const std::string& group, std::vec
   if (found == index_.end()) return;
   const std::string whole_group = channel + "/" + group;
   std::set<std::string> former = groups_[whole_group];
-  for (Piece& piece : pieces) {
-    former.erase(piece.name);
-    keep_one(found->second, whole_group, piece.name, std::move(piece.bytes));
-  }
-  for (const std::string& name : former) keep_one(found->second, whole_group, name, {});
+  for (const Piece& piece : pieces) former.erase(piece.name);
+  // With the newest numbers: what is no more goes before what comes instead of it.
+  for (const std::string& name : former) pieces.push_back({name, {}});
+  for (Piece& piece : pieces)
+    if (!piece.bytes.empty() || !is_cleared(piece.name))
+      keep_one(found->second, whole_group, piece.name, std::move(piece.bytes));
   versions_[whole_group] = version;
   make_room();
 }
@@ -97,6 +98,12 @@ void Outbox::forget(const std::string& channel, const std::string& groups) {
     for (const std::string& name : group->second)
       if (!kept_.at(name).bytes->empty()) keep_one(found->second, group->first, name, {});
   }
+}
+
+/// The broker has been told that nothing is kept under that name.
+bool Outbox::is_cleared(const std::string& name) const {
+  const auto found = kept_.find(name);
+  return found != kept_.end() && found->second.stored && found->second.bytes->empty();
 }
 
 /// With a new number: it is newer than all others.

@@ -77,7 +77,8 @@ class Outbox {
   /// The same in pieces, so that a large one holds up nothing. They go one after the other.
   void put(const std::string& channel, std::int64_t sender, std::vector<Piece> pieces, Time now);
 
-  /// Kept messages that together replace what the group had before: all pieces of a keyframe's tile, say.
+  /// Kept messages that together replace what the group had before: all pieces of a keyframe's tile, say. An
+  /// empty one, behind those with content, clears what a former run may have left under its name.
   /// `version` names what they say, for holds(); 0: nothing does.
   void keep(const std::string& channel, const std::string& group, std::vector<Piece> pieces,
             std::int64_t version = 0);
@@ -148,6 +149,7 @@ class Outbox {
 
   double period(const Channel& channel) const { return channel.rule.rate > 0 ? 1 / channel.rule.rate : 0; }
   Slot& slot_of(Channel& channel, std::int64_t sender, Time now);
+  bool is_cleared(const std::string& name) const;
   void keep_one(std::size_t channel, const std::string& group, const std::string& name, Bytes bytes);
   void renew(Time now);
   void drop(const Kept& kept);

@@ -2,7 +2,10 @@
 // What ICP_GRAPH tells: the whole graph of a map once, then what changed, so that its traffic follows what
 // happens and not how much there is.
 
-#include <lcmslam/messages/followed_graph.hpp>
+#include <string>
+#include <vector>
+
+#include <lcmslam/graph_t.hpp>
 
 namespace lcmslam {
 
@@ -18,9 +21,13 @@ class GraphTeller {
   graph_t tell(graph_t whole, bool all);
 
  private:
-  graph_t change(const graph_t& whole) const;
+  graph_t change(graph_t whole);
+  void change_nodes(std::vector<graph_node_t> now, graph_t& change);
+  void change_edges(std::vector<graph_edge_t> now, graph_t& change);
 
-  FollowedGraph told_;  // as those who hear all messages have it
+  // As those who hear all messages have it, but for the edges' errors.
+  std::vector<graph_node_t> nodes_;  // by id
+  std::vector<graph_edge_t> edges_;  // by pair of nodes; those of one pair as the graph had them
   std::string frame_;
   std::int64_t messages_ = 0;
 };

@@ -40,6 +40,10 @@ std::string map_key(std::int64_t sender, const std::string& frame) {
   return fmt::format("{:016x}/{}", static_cast<std::uint64_t>(sender), level(frame));
 }
 
+std::string piece_name(const std::string& channel, const std::string& key, int part) {
+  return fmt::format("{}{}/{}", part_channel(channel), key, part);
+}
+
 }  // namespace
 
 BridgeSettings BridgeNode::read(const ConfigNode& config) {
@@ -149,6 +153,16 @@ void BridgeNode::keep(const std::string& channel, const std::string& key,
   outbox_.keep(channel, key, in_pieces(channel, "/" + key, bytes, utime), version);
 }
 
+/// A former run of this bridge may have left the same map's state of then in the other form, whole or in
+/// pieces. Without the first piece it is none.
+void BridgeNode::keep_snapshot(const std::string& channel, const std::string& key,
+                               const std::vector<std::uint8_t>& bytes, Utime utime) {
+  std::vector<bridge::Outbox::Piece> pieces = in_pieces(channel, "/" + key, bytes, utime);
+  const bool is_whole = pieces.size() == 1;
+  pieces.push_back({is_whole ? piece_name(channel, "/" + key, 0) : channel + "/" + key, {}});
+  outbox_.keep(channel, key, std::move(pieces));
+}
+
 std::vector<bridge::Outbox::Piece> BridgeNode::in_pieces(const std::string& channel, const std::string& key,
                                                          const std::vector<std::uint8_t>& bytes,
                                                          Utime utime) {
@@ -157,7 +171,7 @@ std::vector<bridge::Outbox::Piece> BridgeNode::in_pieces(const std::string& chan
   std::vector<bridge::Outbox::Piece> pieces;
   for (part_t& part : split_message(channel, bytes, utime, split_++, piece)) {
     set_origin(part, {pieces_++, publisher_.sender()});
-    pieces.push_back({fmt::format("{}{}/{}", part_channel(channel), key, part.part), encode_message(part)});
+    pieces.push_back({piece_name(channel, key, part.part), encode_message(part)});
   }
   return pieces;
 }
@@ -191,7 +205,7 @@ void BridgeNode::tell(const std::string& channel, Teller& teller, Snapshots& sna
     for (const std::int32_t gone : teller.gone())
       outbox_.forget("ICP_KEYFRAME", fmt::format("{}/{}/", map_key(teller.sender(), teller.frame()), gone));
   if (!whole) return outbox_.put(channel, 0, in_pieces(channel, "/change", bytes, message->utime), now);
-  keep(channel, map_key(teller.sender(), teller.frame()), bytes, message->utime);
+  keep_snapshot(channel, map_key(teller.sender(), teller.frame()), bytes, message->utime);
   const double pause = settings_.snapshot_period + static_cast<double>(bytes.size()) / snapshot_bytes;
   snapshots.connection = connection;
   snapshots.next = now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(pause));

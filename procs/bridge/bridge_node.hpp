@@ -62,7 +62,9 @@ class BridgeNode : public Node {
   void on_order(const command_t& message);
   std::optional<bridge::Outgoing> next(bridge::Time now);
   void keep(const std::string& channel, const std::string& key, const std::vector<std::uint8_t>& bytes,
-            Utime utime, std::int64_t version = 0);
+            Utime utime, std::int64_t version);
+  void keep_snapshot(const std::string& channel, const std::string& key,
+                     const std::vector<std::uint8_t>& bytes, Utime utime);
   std::vector<bridge::Outbox::Piece> in_pieces(const std::string& channel, const std::string& key,
                                                const std::vector<std::uint8_t>& bytes, Utime utime);
   void tell_maps();

@@ -4,7 +4,8 @@
 #include <numeric>
 
 #include <lcmslam/command_t.hpp>
-#include <lcmslam/messages/any_message.hpp>
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/messages/decode.hpp>
 
 namespace lcmslam {
@@ -13,6 +14,7 @@ namespace {
 constexpr double usual_orders = 10;             // Hz
 constexpr std::size_t largest_order = 100'000;  // bytes
 constexpr std::size_t largest_other = 32 << 20;
+constexpr std::size_t most_maps = 1000;
 constexpr std::chrono::seconds longest_wait{
     1};  // of an order: where the rate is below 1 Hz it is too old then
 
@@ -89,7 +91,30 @@ std::optional<Incoming::Message> Incoming::check(const std::string& channel,
   if (side_ == bridge::Side::robot && channel == "COMMAND" &&
       decode_message<command_t>(bytes.data(), bytes.size()).name == "resend")
     return refuse(Refused::not_allowed);
+  if (side_ == bridge::Side::operating && is_overtaken(message, bytes)) return std::nullopt;
   return Message{channel, message.utime, std::move(bytes)};
+}
+
+/// What a broker keeps may be of long ago: of a former run of the robot's bridge, or of before this one lost
+/// its connection. A map that was newer must not go back to that; its changes would no longer fit.
+bool Incoming::is_overtaken(const AnyMessage& message, const std::vector<std::uint8_t>& bytes) {
+  const auto overtaken = [&](auto& maps, const std::string& frame, bool whole) {
+    if (maps.size() >= most_maps) maps.clear();
+    Utime& newest = maps.try_emplace({message.origin.sender, frame}, message.utime).first->second;
+    if (whole && message.utime < newest) return true;
+    newest = std::max(newest, message.utime);
+    return false;
+  };
+  const std::string& type = message.type->name;
+  if (type == "graph_t") {
+    const auto graph = decode_message<graph_t>(bytes.data(), bytes.size());
+    return overtaken(graphs_, graph.frame, graph.change == 0);
+  }
+  if (type == "landmarks_t") {
+    const auto landmarks = decode_message<landmarks_t>(bytes.data(), bytes.size());
+    return overtaken(landmarks_, landmarks.frame, landmarks.base_revision == 0);
+  }
+  return false;
 }
 
 std::optional<Incoming::Message> Incoming::refuse(Refused why) {

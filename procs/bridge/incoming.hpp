@@ -7,12 +7,14 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lcmslam/bridge/channel_rule.hpp>
 #include <lcmslam/bridge/token_bucket.hpp>
 #include <lcmslam/bridge/topics.hpp>
 #include <lcmslam/geometry/transform.hpp>
+#include <lcmslam/messages/any_message.hpp>
 #include <lcmslam/messages/parts.hpp>
 
 namespace lcmslam {
@@ -31,7 +33,8 @@ class Incoming {
     std::vector<std::uint8_t> bytes;
   };
   /// What is to go on the bus: nothing for what is refused, and for a piece of what is not yet whole. Beyond
-  /// its rate the newest message of a channel waits for due(): the last word stands.
+  /// its rate the newest message of a channel waits for due(): the last word stands. A whole map that is
+  /// older than what came of it before is left out.
   std::optional<Message> take(const std::string& channel, const std::uint8_t* data, std::size_t size,
                               bool kept, Time now);
   /// What has waited, and may go now. To be asked before take(), too: who waited longer goes first.
@@ -50,6 +53,7 @@ class Incoming {
   std::optional<Message> refuse(Refused why);
   std::size_t largest() const;  // bytes of a message, in pieces or not
   std::optional<Message> check(const std::string& channel, std::vector<std::uint8_t> bytes);
+  bool is_overtaken(const AnyMessage& message, const std::vector<std::uint8_t>& bytes);
   std::optional<Message> join(const std::string& channel, const std::uint8_t* data, std::size_t size);
 
   struct Allowed {
@@ -62,6 +66,7 @@ class Incoming {
   bridge::Side side_;
   std::map<std::string, Allowed> allowed_;  // by channel
   PartAssembler assembler_;
+  std::map<std::pair<std::int64_t, std::string>, Utime> graphs_, landmarks_;  // newest, by sender and frame
   std::array<std::int64_t, reasons> refused_{};
   std::string last_error_;
 };

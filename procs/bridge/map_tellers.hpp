@@ -10,6 +10,7 @@
 #include <lcmslam/graph_t.hpp>
 #include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/map_store/landmark_map.hpp>
+#include <lcmslam/messages/followed_graph.hpp>
 #include <lcmslam/messages/graph_teller.hpp>
 
 namespace lcmslam {

@@ -9,7 +9,6 @@
 namespace lcmslam {
 namespace {
 
-constexpr std::size_t most_jobs = 256;
 constexpr std::chrono::milliseconds quiet_time{500};  // without a job: there is time for all that is left
 
 /// Colour costs more than depth, and space does not ask for it.
@@ -118,11 +117,11 @@ void LayerWorker::move_adopted(std::map<int, Eigen::Isometry3d> T_map_camera) {
 }
 
 void LayerWorker::correct(std::map<int, Eigen::Isometry3d> T_map_camera) {
-  hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.correct(poses); });
+  hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.correct(poses); }, Turn::correction);
 }
 
 void LayerWorker::follow(std::map<int, Eigen::Isometry3d> T_map_camera) {
-  hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.follow(poses); });
+  hand_in([poses = std::move(T_map_camera)](LiveMap& map) { map.follow(poses); }, Turn::whole_correction);
 }
 
 LayerWorker::Turn LayerWorker::turn_of(LiveMap::When when) {
@@ -139,18 +138,26 @@ void LayerWorker::hand_in(Job job, Turn turn) {
   } else if (turn == Turn::before) {
     before_.push_back(std::move(job));
   } else {
-    // What it corrects must be there: it does not overtake.
-    std::move(before_.begin(), before_.end(), std::back_inserter(jobs_));
-    before_.clear();
-    jobs_.push_back(std::move(job));
-    if (jobs_.size() > most_jobs) {
-      ++state_.left_out;
-      jobs_.pop_front();
-    }
+    put_in_order(std::move(job), turn);
   }
   if (thread_.joinable()) return wake_.notify_one();
   while (step(lock)) {
   }
+}
+
+void LayerWorker::put_in_order(Job job, Turn turn) {
+  // What it corrects must be there: it does not overtake.
+  if (!before_.empty()) corrections_ = 0;
+  std::move(before_.begin(), before_.end(), std::back_inserter(jobs_));
+  before_.clear();
+  if (turn == Turn::whole_correction) {
+    const std::size_t overtaken = std::min(corrections_, jobs_.size());
+    jobs_.erase(jobs_.end() - static_cast<std::ptrdiff_t>(overtaken), jobs_.end());
+    state_.left_out += static_cast<std::int64_t>(overtaken);
+    corrections_ = 0;
+  }
+  jobs_.push_back(std::move(job));
+  corrections_ = turn == Turn::in_order ? 0 : corrections_ + 1;
 }
 
 void LayerWorker::work() {

@@ -1,6 +1,6 @@
 #pragma once
 // The thread that shows frames to the derived maps. Where it is behind, frames are left out, keyframes are
-// not.
+// not. Of whole corrections in a row the last counts, so that no more of them wait than keyframes.
 
 #include <chrono>
 #include <condition_variable>
@@ -70,9 +70,10 @@ class LayerWorker {
 
  private:
   using Job = std::function<void(LiveMap&)>;
-  enum class Turn { in_order, newest_frame, before };
+  enum class Turn { in_order, correction, whole_correction, newest_frame, before };
   static Turn turn_of(LiveMap::When when);
-  void hand_in(Job job, Turn turn = Turn::in_order);
+  void hand_in(Job job, Turn turn);
+  void put_in_order(Job job, Turn turn);
   Job next_job();
   void work();
   bool has_work() const;
@@ -84,9 +85,10 @@ class LayerWorker {
   mutable std::mutex mutex_;  // guards what follows; not held while a job is done
   std::condition_variable wake_, idle_;
   std::shared_ptr<LiveMap> map_;
-  std::deque<Job> jobs_;    // keyframes and corrections
-  Job newest_;              // frame
-  std::deque<Job> before_;  // keyframes of before
+  std::deque<Job> jobs_;         // keyframes and corrections
+  std::size_t corrections_ = 0;  // that were handed in since the last of its keyframes
+  Job newest_;                   // frame
+  std::deque<Job> before_;       // keyframes of before
   bool frame_was_last_ = false;
   // The surface may have keyframes to fuse anew; it is time for one of them, or for all as no job comes.
   bool unfinished_ = false, due_ = false, quiet_ = false;

@@ -74,6 +74,17 @@ struct HeldPlaces {
 
 }  // namespace
 
+std::vector<CommonSession> common_sessions(MapFile& first, MapFile& second) {
+  std::vector<CommonSession> common;
+  const auto in_second = sessions_by_origin(second);
+  for (const auto& [origin, session] : sessions_by_origin(first))
+    if (const auto found = in_second.find(origin); found != in_second.end())
+      common.push_back({session.name, session.id, found->second.id});
+  std::sort(common.begin(), common.end(),
+            [](const CommonSession& a, const CommonSession& b) { return a.id_in_first < b.id_in_first; });
+  return common;
+}
+
 std::vector<SessionDiff> diff_maps(MapFile& first, MapFile& second) {
   std::map<SessionOrigin, SessionDiff> diffs;
   const auto in_first = sessions_by_origin(first), in_second = sessions_by_origin(second);

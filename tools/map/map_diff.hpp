@@ -28,6 +28,13 @@ struct SessionDiff {
   bool same() const { return in_both() && keyframes.same() && landmarks.same(); }
 };
 
+struct CommonSession {
+  std::string name;  ///< in the first file
+  std::int64_t id_in_first = 0, id_in_second = 0;
+};
+/// By their ids in the first.
+std::vector<CommonSession> common_sessions(MapFile& first, MapFile& second);
+
 /// A session is known again by the process that made it; its keyframes and landmarks by their ids, which in
 /// another run's session are others' places.
 std::vector<SessionDiff> diff_maps(MapFile& first, MapFile& second);

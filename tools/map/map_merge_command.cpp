@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <iostream>
+#include <set>
 
 #include <lcmslam/files/atomic_file.hpp>
 #include <lcmslam/map_store/file/clear_beside.hpp>
@@ -9,6 +10,7 @@
 #include <lcmslam/map_store/file/map_store.hpp>
 #include <lcmslam/places/landmark_joiner.hpp>
 #include "tools/map/map_commands.hpp"
+#include "tools/map/map_diff.hpp"
 #include "tools/output_file.hpp"
 #include "tools/parse_command.hpp"
 
@@ -87,13 +89,10 @@ Joints find_joints(MapFile& first, MapFile& second) {
 SessionChanges map_of(MapFile& map, std::int64_t session) {
   SessionChanges all;
   for (const StoredKeyframe& keyframe : map.keyframes(session)) {
-    const auto cloud = map.cloud(session, keyframe.id);
-    if (cloud || keyframe.covariance)
-      all.put_keyframe(
-          {keyframe.id, keyframe.utime, keyframe.T_map_camera, cloud.value_or(ColouredCloud()), 0},
-          keyframe.covariance);
+    if (const auto cloud = map.cloud(session, keyframe.id))
+      all.put_keyframe({keyframe.id, keyframe.utime, keyframe.T_map_camera, *cloud, 0}, keyframe.covariance);
     else
-      all.move_keyframe(keyframe.id, keyframe.utime, keyframe.T_map_camera);
+      all.move_keyframe(keyframe.id, keyframe.utime, keyframe.T_map_camera, keyframe.covariance);
     if (const auto features = map.features(session, keyframe.id)) all.put_features(keyframe.id, *features);
     if (auto images = map.images(session, keyframe.id)) all.put_images(keyframe.id, std::move(*images));
   }
@@ -122,13 +121,57 @@ std::string evidence_of(const StoredSession& session, const Joint& joint) {
   return session.evidence + "; the map in which they were found: " + to_string(joint);
 }
 
-void append(MapFile& second, const Joints& joints, const fs::path& file) {
+/// Of its keyframes and poses; 0: it has none.
+Utime newest(MapFile& map, std::int64_t session) {
+  Utime newest = 0;
+  for (const StoredKeyframe& keyframe : map.keyframes(session)) newest = std::max(newest, keyframe.utime);
+  for (const StoredPose& pose : map.trajectory(session)) newest = std::max(newest, pose.utime);
+  return newest;
+}
+
+/// Sessions that both files have, as they are in one file and in a copy that has grown since.
+struct InBoth {
+  std::set<std::int64_t> ids_in_second;
+  std::string names;             ///< as the first calls them
+  bool second_is_newer = false;  ///< or has all that the first has, and more sessions
+};
+
+/// Throws where each file has sessions that are newer than in the other.
+InBoth sessions_in_both(MapFile& first, MapFile& second) {
+  InBoth both;
+  bool first_is_newer = false;
+  for (const CommonSession& session : common_sessions(first, second)) {
+    both.ids_in_second.insert(session.id_in_second);
+    both.names += (both.names.empty() ? "" : ", ") + session.name;
+    const Utime a = newest(first, session.id_in_first), b = newest(second, session.id_in_second);
+    first_is_newer = first_is_newer || a > b;
+    both.second_is_newer = both.second_is_newer || b > a;
+  }
+  if (first_is_newer && both.second_is_newer)
+    throw std::runtime_error("sessions " + both.names +
+                             " are in both maps, some newer in the first and some in the second; nothing was "
+                             "written");
+  const std::size_t n = both.ids_in_second.size();
+  if (!first_is_newer && n > 0 && n == first.sessions().size() && n < second.sessions().size())
+    both.second_is_newer = true;
+  return both;
+}
+
+/// Of sessions that are in both.
+bool is_newer(const fs::path& file, const fs::path& than) {
+  MapFile a(than), b(file);
+  return sessions_in_both(a, b).second_is_newer;
+}
+
+void append(MapFile& second, const std::set<std::int64_t>& known, const Joints& joints,
+            const fs::path& file) {
   MapStore store(file);
   Transaction transaction = store.begin();
   std::int64_t run = 0;
   for (const StoredRun& written : second.runs()) run = store.add_run(written);
   for (const StoredCalibration& calibration : second.calibrations()) store.put_calibration(calibration);
   for (StoredSession session : second.sessions()) {
+    if (known.count(session.id) > 0) continue;
     const std::int64_t old = session.id;
     const StoredSession before = session;
     session.id = store.add_session(run, session);
@@ -150,14 +193,16 @@ void append(MapFile& second, const Joints& joints, const fs::path& file) {
   transaction.commit();
 }
 
-/// Both in one file, which takes its name when it is whole.
-void save_merged(const fs::path& first, const fs::path& second, const Joints& joints, const fs::path& into) {
+/// Both in one file, which takes its name when it is whole. The first has the sessions of the second that are
+/// `known`; where those are all, it stays as it is.
+void save_merged(const fs::path& first, const fs::path& second, const std::set<std::int64_t>& known,
+                 const Joints& joints, const fs::path& into) {
   write_atomically(FilePlace(into), [&](const fs::path& link) {
     const fs::path part = fs::canonical(link);  // SQLite follows no links (Database)
     try {
       compact_into(first, part);
       MapFile added(second);
-      append(added, joints, part);
+      if (known.size() < added.sessions().size()) append(added, known, joints, part);
       clear_beside(part);  // takes its log in, which a full disk lets nobody see when a database is closed
     } catch (...) {
       for (const char* ending : {"-wal", "-shm"}) fs::remove(part.string() + ending);
@@ -181,7 +226,9 @@ int map_merge_command(int argc, char** argv) {
   CLI::App app{
       "Joins two maps of one place: finds where the second lies in the first by what both saw, and writes "
       "the "
-      "sessions of both into one file. Exit code 1, and no file, when that is not certain.",
+      "sessions of both into one file. Exit code 1, and no file, when that is not certain. A session that "
+      "both have, as a map and a grown copy of it, goes in once, as the newer file has it, whose frame "
+      "stays.",
       "lcmslam map merge"};
   app.add_option("first", first, "an .lcmslam file, whose frame stays")->required();
   app.add_option("second", second, "an .lcmslam file")->required();
@@ -190,12 +237,19 @@ int map_merge_command(int argc, char** argv) {
   if (const auto exit_code = parse_command(app, argc, argv)) return *exit_code;
   check_output_file(into, force);
   Joints joints;
+  InBoth both;
+  const bool is_turned = is_newer(second, first);
+  if (is_turned) std::swap(first, second);
   {
     MapFile a(first), b(second);  // closed before one of them is replaced
-    joints = find_joints(a, b);
+    both = sessions_in_both(a, b);
+    if (both.names.empty() || both.ids_in_second.size() < b.sessions().size()) joints = find_joints(a, b);
   }
-  save_merged(first, second, joints, into);
+  save_merged(first, second, both.ids_in_second, joints, into);
   std::cout << into << "\n";
+  if (!both.names.empty())
+    std::cout << "in both maps, and taken as " << first << " has them: " << both.names << "\n";
+  if (is_turned) std::cout << first << " is the newer one: it is called the first\n";
   for (const auto& [mapper, joint] : joints) std::cout << told(mapper, joint);
   return 0;
 }

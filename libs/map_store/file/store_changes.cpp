@@ -36,11 +36,12 @@ void SessionChanges::share(const SessionChanges& other, const std::vector<std::i
   }
 }
 
-void SessionChanges::move_keyframe(std::int32_t keyframe, Utime utime,
-                                   const Eigen::Isometry3d& T_map_camera) {
+void SessionChanges::move_keyframe(std::int32_t keyframe, Utime utime, const Eigen::Isometry3d& T_map_camera,
+                                   const std::optional<Matrix6d>& covariance) {
   KeyframeChange& change = keyframes_[keyframe];
   change.utime = utime;
   change.T_map_camera = T_map_camera;
+  if (covariance) change.covariance = covariance;
 }
 
 void SessionChanges::drop_keyframe(std::int32_t keyframe) {

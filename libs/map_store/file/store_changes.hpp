@@ -32,7 +32,8 @@ class SessionChanges {
   void put_images(std::int32_t keyframe, StoredImages images);
   /// What waits of another session's features, images and covariances belongs to this one, too.
   void share(const SessionChanges& other, const std::vector<std::int32_t>& keyframes);
-  void move_keyframe(std::int32_t keyframe, Utime utime, const Eigen::Isometry3d& T_map_camera);
+  void move_keyframe(std::int32_t keyframe, Utime utime, const Eigen::Isometry3d& T_map_camera,
+                     const std::optional<Matrix6d>& covariance = std::nullopt);
   /// With its edges.
   void drop_keyframe(std::int32_t keyframe);
   /// All edges between the pair; none: there is none any more.

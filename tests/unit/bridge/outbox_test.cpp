@@ -319,6 +319,8 @@ TEST_F(OutboxTest, PiecesThatAMessageHasNoMoreAreCleared) {
   send_all();
   outbox_.keep("MAP", "g", {{"MAP/g", text("c")}});
   EXPECT_THAT(send_all(), ElementsAre("MAP_PART/g/1 cleared", "MAP_PART/g/0 cleared", "MAP/g"));
+  outbox_.keep("MAP", "g", {{"MAP/g", text("d")}});
+  EXPECT_THAT(send_all(), ElementsAre("MAP/g")) << "they are cleared";
 }
 
 TEST_F(OutboxTest, WhatIsForgottenIsClearedOnce) {

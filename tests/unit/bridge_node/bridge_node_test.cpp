@@ -171,6 +171,49 @@ TEST_F(BridgeNodeTest, KeyframesThatWentWhileThereWasNoLinkAreForgotten) {
   EXPECT_THAT(cleared, ElementsAre(HasSubstr("ICP_KEYFRAME/0000000000000001/map/2/")));
 }
 
+// The mapper lives on, and its map is told in the other form than before.
+class BridgeSnapshots : public BridgeNodeTest {
+ protected:
+  void SetUp() override {
+    BridgeSettings settings;
+    settings.send = {"ICP_GRAPH"};
+    make(settings);
+  }
+  /// Names of what goes for a graph that is told whole, as after each new connection.
+  std::vector<std::string> tell_whole(std::size_t nodes) {
+    graph_t graph{};
+    graph.frame = "map";
+    graph.sender = 1;
+    graph.nodes.resize(nodes);
+    for (std::size_t i = 0; i < nodes; ++i) {
+      graph.nodes[i].keyframe = static_cast<std::int32_t>(i);
+      graph.nodes[i].T_map_camera.quat[0] = 1;
+    }
+    graph.n_nodes = static_cast<std::int32_t>(nodes);
+    ends_->outbox.disconnected();
+    ends_->outbox.connected();
+    ends_->outbox.broker_keeps(ends_->outbox.mark());
+    deliver("ICP_GRAPH", graph);
+    node_->work();
+    std::vector<std::string> names;
+    for (const auto& out : take_all()) names.push_back(out.name + (out.bytes->empty() ? " cleared" : ""));
+    return names;
+  }
+  const std::string whole_ = "ICP_GRAPH/0000000000000001/map",
+                    piece_ = "ICP_GRAPH_PART/0000000000000001/map/";
+};
+
+TEST_F(BridgeSnapshots, PiecesThatAFormerRunLeftAreNoneBeforeTheMapIsToldWhole) {
+  EXPECT_THAT(tell_whole(1), ElementsAre(piece_ + "0 cleared", whole_));
+  EXPECT_THAT(tell_whole(2), ElementsAre(whole_)) << "once is enough";
+  EXPECT_THAT(tell_whole(150), ElementsAre(whole_ + " cleared", piece_ + "1", piece_ + "0"));
+  EXPECT_THAT(tell_whole(2), ElementsAre(piece_ + "1 cleared", piece_ + "0 cleared", whole_));
+}
+
+TEST_F(BridgeSnapshots, AWholeMapThatAFormerRunLeftIsNoMoreBeforeThePiecesCome) {
+  EXPECT_THAT(tell_whole(150), ElementsAre(whole_ + " cleared", piece_ + "1", piece_ + "0"));
+}
+
 TEST_F(BridgeNodeTest, AnOperatorWhoMissesSomethingAsksTheBrokerAndNotTheRobot) {
   BridgeSettings settings;
   settings.side = bridge::Side::operating;

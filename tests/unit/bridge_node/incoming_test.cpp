@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <lcmslam/command_t.hpp>
+#include <lcmslam/graph_t.hpp>
+#include <lcmslam/landmarks_t.hpp>
 #include <lcmslam/messages/any_message.hpp>
 #include <lcmslam/messages/decode.hpp>
 
@@ -136,6 +138,40 @@ TEST_F(IncomingTest, ARateIsOfWholeMessages) {
       came += take(graphs, "ICP_GRAPH_PART", encode_message(part)) ? 1 : 0;
   EXPECT_LE(came, 5 + 2) << "a burst";
   EXPECT_THAT(graphs.due(now_ + std::chrono::seconds(1)), ::testing::SizeIs(1)) << "the last word";
+}
+
+// The broker keeps what a former run of the robot's bridge told, in whatever order it comes.
+TEST_F(IncomingTest, AMapDoesNotGoBackToWhatABrokerKeptOfBefore) {
+  Incoming maps(bridge::parse_rules({"ICP_GRAPH", "FASTSLAM_LANDMARKS"}), bridge::Side::operating);
+  const auto graph = [&](Utime utime, int change, const std::string& frame = "map") {
+    graph_t message{};
+    message.utime = utime;
+    message.sender = 5;
+    message.frame = frame;
+    message.change = static_cast<std::int8_t>(change);
+    return take(maps, "ICP_GRAPH", encode_message(message), change == 0).has_value();
+  };
+  const auto landmarks = [&](Utime utime, std::int64_t base) {
+    landmarks_t message{};
+    message.utime = utime;
+    message.sender = 5;
+    message.frame = "map";
+    message.base_revision = base;
+    message.n_tiles = 1;
+    return take(maps, "FASTSLAM_LANDMARKS", encode_message(message), base == 0).has_value();
+  };
+  EXPECT_TRUE(graph(100, 0));
+  EXPECT_FALSE(graph(50, 0));
+  EXPECT_TRUE(graph(100, 0)) << "no older";
+  EXPECT_TRUE(graph(50, 0, "map-2")) << "another map";
+  EXPECT_TRUE(graph(150, 1));
+  EXPECT_FALSE(graph(100, 0)) << "what came since would be lost";
+  EXPECT_TRUE(graph(200, 0));
+  EXPECT_TRUE(landmarks(30, 0));
+  EXPECT_FALSE(landmarks(20, 0));
+  EXPECT_TRUE(landmarks(40, 3));
+  EXPECT_FALSE(landmarks(30, 0));
+  EXPECT_EQ(maps.refused(), 0);
 }
 
 TEST_F(IncomingTest, AnOrderInPiecesIsNoLargerThanAnyOther) {

@@ -139,6 +139,24 @@ TEST(LayerWorker, WhenNoMoreFramesComeSpaceFollowsTheGraph) {
   EXPECT_EQ(state(worker, 2.4), CellState::occupied);
 }
 
+TEST(LayerWorker, NoKeyframeIsLeftOutHoweverManyWait) {
+  LayerWorker worker(settings(true, 1000));
+  worker.begin_map(some_camera());
+  ColouredCloud point;
+  point.points = {{0, 0, 1}};
+  point.colours = {{0, 0, 0}};
+  constexpr int keyframes = 1000, corrections = 20;
+  std::map<int, Eigen::Isometry3d> whole;
+  for (int i = 0; i < keyframes; ++i) {
+    whole[i] = at(0.1 * i).T_map_camera;
+    worker.keep(i, point, whole[i], LiveMap::When::before);
+  }
+  for (int i = 0; i < corrections; ++i) worker.follow(whole);
+  EXPECT_EQ(worker.state().left_out, corrections - 1) << "of these the last counts";
+  worker.settle(std::chrono::seconds(300));
+  EXPECT_EQ(worker.state().imageless, keyframes);
+}
+
 // What was seen before may wait; what moves it must not come before it.
 TEST(LayerWorker, CorrectionsFindWhatTheyMove) {
   for (int round = 0; round < 20; ++round) {

@@ -157,8 +157,8 @@ TEST_F(MapCameras, MergedMapsKeepTheirOwn) {
     Transaction transaction = store.begin();
     store.put_calibration(*images.calibration);
     const std::int64_t written = store.add_run({"1.2", ""});
-    store.write(store.add_session(written, session_of("fastslam")), sparse);
-    store.write(store.add_session(written, session_of("icp")), dense);
+    store.write(store.add_session(written, session_of("fastslam", calibration)), sparse);
+    store.write(store.add_session(written, session_of("icp", calibration)), dense);
     store.put_calibration({"head", "form", {static_cast<std::uint8_t>(calibration + 1)}});
     transaction.commit();
   };
