@@ -352,6 +352,21 @@ TEST_F(BlockedRobot, WasCarriedWhereItLooksThroughTheMapAsWell) {
   EXPECT_LE(frames, 11) << "a second";
 }
 
+// A wall before all of the view stands too far away to have come by itself.
+TEST_F(BlockedRobot, WasCarriedWhereAWallIsNearer) {
+  Cloud elsewhere = somebody_close();
+  for (Eigen::Vector3f& p : elsewhere.points) p *= 1.6f;
+  DenseMapper::Step step;
+  int frames = 0;
+  while (frames < 30 && !step.carried) {
+    step = look(elsewhere);
+    EXPECT_FALSE(step.blocked);
+    ++frames;
+  }
+  EXPECT_TRUE(step.carried);
+  EXPECT_LE(frames, 11) << "a second";
+}
+
 /// It has seen a place, has driven on from there by its wheels, and looks at it again after a gap in all that
 /// is heard, without features.
 class FoundAgain : public ::testing::Test {
