@@ -338,9 +338,24 @@ TEST_F(BlockedRobot, FollowsAPush) {
 
 // Beside what is nearer there is something farther where the map has a wall, a floor and a box.
 TEST_F(BlockedRobot, WasCarriedWhereItLooksThroughTheMapAsWell) {
-  Cloud elsewhere = somebody_close(1.2);
-  add_rectangle(elsewhere, {5, -1, -6}, {0, 0, 12}, {0, 7, 0}, 0.06);
+  Cloud elsewhere = somebody_close(1);
+  add_rectangle(elsewhere, {5, 1.25, -7.5}, {0, 0, 15}, {0, 6.25, 0}, 0.09);  // in all of what is free
   for (int i = 1; i <= 10; ++i) look(somebody_close());
+  DenseMapper::Step step;
+  int frames = 0;
+  while (frames < 30 && !step.carried) {
+    step = look(elsewhere);
+    EXPECT_FALSE(step.blocked);
+    ++frames;
+  }
+  EXPECT_TRUE(step.carried);
+  EXPECT_LE(frames, 11) << "a second";
+}
+
+// A wall before all of the view stands too far away to have come by itself.
+TEST_F(BlockedRobot, WasCarriedWhereAWallIsNearer) {
+  Cloud elsewhere = somebody_close();
+  for (Eigen::Vector3f& p : elsewhere.points) p *= 1.6f;
   DenseMapper::Step step;
   int frames = 0;
   while (frames < 30 && !step.carried) {
