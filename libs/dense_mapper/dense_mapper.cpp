@@ -341,6 +341,7 @@ void DenseMapper::add_features(const FeatureFrame& features, Utime utime) {
 bool DenseMapper::work_on_graph(Utime utime) {
   if (map_.is_due(utime)) {
     deform(map_.finish_deforming());
+    map_.restore(keyframes_.all(), graph_.nodes().back().T_world_camera);  // what could not come meanwhile
     return true;
   }
   if (map_.deforming()) return false;
