@@ -40,9 +40,11 @@ void DeformableMap::restore(const std::vector<KeyframeStore::Keyframe>& keyframe
     const Eigen::Isometry3f T = keyframe.T_world_camera.cast<float>();
     for (std::size_t i = 0; i < size; i += 1 + size / asked_points, ++asked)
       known += map_->find(T * keyframe.cloud.points[i], found_within, found) ? 1 : 0;
-    if (2 * known >= asked) continue;
+    if (10 * known >= 9 * asked) continue;
     Cloud cloud = geometry_of(keyframe.cloud, keyframe.T_world_camera);
     if (map_->has_intensities()) cloud.intensities = intensities_of(keyframe.cloud);
+    cloud =
+        kept_points(cloud, [&](std::size_t i) { return !map_->find(cloud.points[i], found_within, found); });
     insert(settings_.voxel_size > 0 ? voxel_filtered(cloud, settings_.voxel_size) : cloud,
            T_world_camera.translation(), keyframe.node);
   }

@@ -271,7 +271,10 @@ void DenseMapper::tell_local_pose(const Expectation& expected, Step& step) {
 void DenseMapper::grow(const PreparedFrame& prepared, Step& step) {
   const Eigen::Isometry3d& T = step.T_world_robot;
   const Eigen::Isometry3d T_world_camera = T * prepared.frame.T_robot_camera;
-  const bool keyframe = keyframes_.is_due(T_world_camera, step.registration.overlap);
+  // While nothing can be thinned, too many must not become more.
+  const bool too_many = (map_.deforming() || graph_.at_work()) &&
+                        keyframes_.all().size() > static_cast<std::size_t>(settings_.graph.max_keyframes);
+  const bool keyframe = !too_many && keyframes_.is_due(T_world_camera, step.registration.overlap);
   // What odometry placed belongs to a node of its own, however near another stands.
   if (keyframe || step.reseeded || keyframes_.is_far(T_world_camera, graph_.nodes().back().T_world_camera))
     add_node(prepared, keyframe, step);
@@ -341,7 +344,6 @@ void DenseMapper::add_features(const FeatureFrame& features, Utime utime) {
 bool DenseMapper::work_on_graph(Utime utime) {
   if (map_.is_due(utime)) {
     deform(map_.finish_deforming());
-    map_.restore(keyframes_.all(), graph_.nodes().back().T_world_camera);  // what could not come meanwhile
     return true;
   }
   if (map_.deforming()) return false;

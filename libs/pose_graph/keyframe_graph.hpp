@@ -124,6 +124,7 @@ class KeyframeGraph {
   };
   /// Marginalises redundant nodes when there are too many and no work is under way (which waits for work()).
   std::optional<Thinned> thin(const Covering& covering);
+  bool at_work() const { return running_.valid(); }
 
   /// Of all that is kept; what work under way touches, as it was when that began.
   std::size_t memory_bytes() const;
