@@ -1,11 +1,40 @@
 #include <lcmslam/dense_mapper/map_target.hpp>
 
+#include <utility>
+
 #include <lcmslam/registration/kd_tree_target.hpp>
 #include <lcmslam/registration/preparation.hpp>
 #include <lcmslam/registration/projective_target.hpp>
 
 namespace lcmslam {
 namespace {
+
+/// Finds what a target made of the map's surfels finds, and tells which are young, as the map knows.
+class WithAges : public Target {
+ public:
+  WithAges(const VoxelMap& map, std::unique_ptr<Target> target) : map_(map), target_(std::move(target)) {}
+
+  bool find(const Eigen::Vector3f& point, float max_distance, TargetPoint& found) const override {
+    return target_->find(point, max_distance, found) && with_age(found);
+  }
+  bool find_along(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float max_distance,
+                  TargetPoint& found) const override {
+    return target_->find_along(point, normal, max_distance, found) && with_age(found);
+  }
+  bool finds_nearest() const override { return target_->finds_nearest(); }
+  std::size_t size() const override { return target_->size(); }
+
+ private:
+  bool with_age(TargetPoint& found) const {
+    constexpr float the_same = 1e-5f;  // m
+    TargetPoint surfel;
+    found.young = map_.find(found.point, the_same, surfel) && surfel.young;
+    return true;
+  }
+
+  const VoxelMap& map_;
+  std::unique_ptr<Target> target_;
+};
 
 std::unique_ptr<Target> make_target(Cloud cloud, CorrespondenceKind kind,
                                     const Eigen::Isometry3d& T_world_camera) {
@@ -32,7 +61,7 @@ const Target& MapTarget::from(const Eigen::Isometry3d& T_world_camera) {
   if (!still_good(T_world_camera)) {
     Cloud nearby = prepared_target(map_->partners_around(T_world_camera.translation(), radius_),
                                    prepared_for_, T_world_camera.translation());
-    target_ = make_target(std::move(nearby), kind_, T_world_camera);
+    target_ = std::make_unique<WithAges>(*map_, make_target(std::move(nearby), kind_, T_world_camera));
     revision_ = map_->revision();
     T_world_camera_ = T_world_camera;
   }
