@@ -40,9 +40,9 @@ struct MapperOutcome {
 
 struct FaultRunResult {
   MapperOutcome fastslam, icp;
-  Utime begun = 0;                  ///< time of the first event
-  KeptMap map;                      ///< in the map's file at the end
-  std::vector<double> memory;       ///< bytes resident of all processes, a minute each: the largest
+  Utime begun = 0;             ///< time of the first event
+  KeptMap map;                 ///< in the map's file at the end
+  std::vector<double> memory;  ///< bytes resident of all processes, a minute each: the largest
   std::map<std::string, std::vector<double>> memory_of;  ///< likewise, of each process
   double stop_seconds = 0;          ///< from the request to stop to the end of the last process
   std::vector<std::string> events;  ///< processes that ended or restarted
