@@ -39,15 +39,18 @@ SurfelsInView count_in_view(const DenseFrame& frame, const Eigen::Isometry3d& T_
   return count;
 }
 
+float median(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// Along the camera's axis, m; NaN without points.
 double median_depth(const Cloud& cloud) {
   std::vector<float> depths;
   depths.reserve(cloud.size());
   for (const Eigen::Vector3f& p : cloud.points) depths.push_back(p.z());
-  if (depths.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return depths.empty() ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(median(depths));
 }
 
 /// A cloud's points from some place in the map.
@@ -64,12 +67,6 @@ struct OnMap {
     return std::abs(there.normal.dot(p - there.point));
   }
 };
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Somebody, or a thing that somebody pushes: no wall, and no room.
 bool are_one_thing(const std::vector<Eigen::Vector3f>& points) {

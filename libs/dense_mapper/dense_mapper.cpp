@@ -73,6 +73,7 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   tell_covariance(frame.T_robot_camera, step);
   tell_local_pose(tracked.pushed ? *expected.pushed : expected, step);
 
+  // Where wheels hold it, small steps of registration do not add up.
   const bool stands =
       expected.T_world_stood && !step.adrift && !step.relocalised && !(registered && tracked.pushed);
   motion_.stand(stands ? *expected.T_world_stood : step.T_world_robot);

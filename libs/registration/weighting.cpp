@@ -35,11 +35,12 @@ void weigh_pairs(std::vector<Pair>& pairs, const Metric& metric, const RobustKer
   std::vector<double> sorted = squares;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
+  const double unit = std::max(1.0, 1.4826 * 1.4826 * *middle);
+
   constexpr double enough = 30, least = 1e-3;  // pairs that lead; what young ones count beside them
   const auto settled =
       static_cast<double>(std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return !p.young; }));
   const double share_of_young = settled_lead ? std::max(least, 1 - settled / enough) : 1;
-  const double unit = std::max(1.0, 1.4826 * 1.4826 * *middle);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     pairs[i].weight = kernel.weight(squares[i] / unit) / (weigh_by_noise ? pairs[i].variance : 1.0) *
                       (pairs[i].young ? share_of_young : 1.0);
