@@ -22,11 +22,11 @@ std::size_t DeformableMap::memory_bytes() const {
   return bytes;
 }
 
-void DeformableMap::insert(Cloud cloud_in_world, const Eigen::Vector3d& view_point, int node) {
+void DeformableMap::insert(Cloud cloud_in_world, const Eigen::Isometry3d& T_world_view, int node) {
   if (deforming())
-    waiting_.push_back({std::move(cloud_in_world), view_point, node});
+    waiting_.push_back({std::move(cloud_in_world), T_world_view, node});
   else
-    map_->insert(cloud_in_world, view_point, node);
+    map_->insert(cloud_in_world, T_world_view, node);
 }
 
 void DeformableMap::restore(const std::vector<KeyframeStore::Keyframe>& keyframes,
@@ -45,8 +45,8 @@ void DeformableMap::restore(const std::vector<KeyframeStore::Keyframe>& keyframe
     if (map_->has_intensities()) cloud.intensities = intensities_of(keyframe.cloud);
     cloud =
         kept_points(cloud, [&](std::size_t i) { return !map_->find(cloud.points[i], found_within, found); });
-    insert(settings_.voxel_size > 0 ? voxel_filtered(cloud, settings_.voxel_size) : cloud,
-           T_world_camera.translation(), keyframe.node);
+    insert(settings_.voxel_size > 0 ? voxel_filtered(cloud, settings_.voxel_size) : cloud, T_world_camera,
+           keyframe.node);
   }
 }
 
@@ -73,7 +73,7 @@ const DeformableMap::Correction& DeformableMap::finish_deforming() {
   map_ = deforming_.get();
   for (const Insertion& insertion : waiting_) {
     const Eigen::Isometry3d& T = of_node(correction_, insertion.node);
-    map_->insert(transformed(insertion.cloud, T), T * insertion.view_point, insertion.node);
+    map_->insert(transformed(insertion.cloud, T), T * insertion.T_world_view, insertion.node);
   }
   waiting_.clear();
   return correction_;

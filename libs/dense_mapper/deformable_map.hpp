@@ -28,8 +28,8 @@ class DeformableMap {
   const VoxelMap& voxels() const { return *map_; }
   std::size_t memory_bytes() const;
 
-  /// A cloud in the world, seen from `view_point` (m), which moves with a node of the graph.
-  void insert(Cloud cloud_in_world, const Eigen::Vector3d& view_point, int node);
+  /// A cloud in the world, seen from `T_world_view`, which moves with a node of the graph.
+  void insert(Cloud cloud_in_world, const Eigen::Isometry3d& T_world_view, int node);
   /// The map is bounded and forgets what is far; keyframes around the camera give back what they know of it.
   void restore(const std::vector<KeyframeStore::Keyframe>& keyframes,
                const Eigen::Isometry3d& T_world_camera);
@@ -52,7 +52,7 @@ class DeformableMap {
  private:
   struct Insertion {
     Cloud cloud;
-    Eigen::Vector3d view_point;
+    Eigen::Isometry3d T_world_view;
     int node = 0;
   };
 

@@ -135,7 +135,7 @@ void DenseMapper::start_map(const PreparedFrame& prepared, Step& step) {
   step.quality = 1;
   step.status = MappingStatus::tracking;
   add_node(prepared, true, step);
-  map_.insert(prepared.cloud, Eigen::Vector3d::Zero(), 0);
+  map_.insert(prepared.cloud, Eigen::Isometry3d::Identity(), 0);
   accept(prepared, step.T_world_robot, true);
   local_.advance(step.T_world_robot, {});
 }
@@ -282,7 +282,7 @@ void DenseMapper::grow(const PreparedFrame& prepared, Step& step) {
   // What odometry placed does not fit what is there: a robot that stands would not fit for ever.
   if (step.reseeded || distance_between(T, T_world_inserted_) >= settings_.insert_distance ||
       angle_between(T, T_world_inserted_) >= settings_.insert_angle) {
-    map_.insert(transformed(prepared.cloud, T), T.translation(), static_cast<int>(graph_.nodes().size()) - 1);
+    map_.insert(transformed(prepared.cloud, T), T, static_cast<int>(graph_.nodes().size()) - 1);
     T_world_inserted_ = T;
   }
 }

@@ -1,6 +1,7 @@
 #include <lcmslam/dense_mapper/voxel_map.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -15,6 +16,7 @@ constexpr int block_side = 4;  // voxels
 constexpr float smallest_sigma = 1e-4f;
 constexpr float same_surface = 0.7f;  // cosine
 constexpr float owner_within = 0.1f;  // m
+constexpr float place_side = 0.02f;   // m, of a PlaceInView
 
 Eigen::Vector3i block_of(const Eigen::Vector3i& voxel) {
   return {voxel.x() >> 2, voxel.y() >> 2, voxel.z() >> 2};
@@ -23,6 +25,17 @@ Eigen::Vector3i block_of(const Eigen::Vector3i& voxel) {
 std::int8_t cell_of(const Eigen::Vector3i& voxel) {
   constexpr int mask = block_side - 1;
   return static_cast<std::int8_t>((voxel.x() & mask) | (voxel.y() & mask) << 2 | (voxel.z() & mask) << 4);
+}
+
+// So far that it is no other part of the same voxel.
+bool has_passed(const std::array<std::uint8_t, 3>& a, const std::array<std::uint8_t, 3>& b) {
+  constexpr float far_enough = 0.1f;  // m
+  int squared = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int difference = static_cast<std::int8_t>(a[i] - b[i]);
+    squared += difference * difference;
+  }
+  return static_cast<float>(squared) * place_side * place_side >= far_enough * far_enough;
 }
 
 }  // namespace
@@ -39,13 +52,22 @@ VoxelMap::Block& VoxelMap::block_at(const Eigen::Vector3i& position) {
   return blocks_[static_cast<std::size_t>(slot)];
 }
 
-void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor) {
+VoxelMap::PlaceInView VoxelMap::place_in_view(const Eigen::Vector3f& point) {
+  PlaceInView place;
+  for (int i = 0; i < 3; ++i)
+    place[static_cast<std::size_t>(i)] =
+        static_cast<std::uint8_t>(static_cast<int>(std::floor(point[i] / place_side)) & 255);
+  return place;
+}
+
+void VoxelMap::insert(const Cloud& cloud, const Eigen::Isometry3d& T_map_view, int anchor) {
   ++frame_;
   if (!cloud.has_normals()) return;
   insertions_.push_back(frame_);
   if (insertions_.size() > static_cast<std::size_t>(settings_.min_observations)) insertions_.pop_front();
   recent_from_ = insertions_.front();
   intensities_ = intensities_ || !cloud.intensities.empty();
+  const Eigen::Isometry3f T_view_map = T_map_view.inverse().cast<float>();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!voxel_exists(cloud.points[i], inverse_size_) || !cloud.normals[i].allFinite()) continue;
     float sigma = cloud.sigmas.empty() ? 0.01f : cloud.sigmas[i];
@@ -53,9 +75,9 @@ void VoxelMap::insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int
     sigma = std::max(sigma, smallest_sigma);
     const float intensity = cloud.intensities.empty() ? TargetPoint::unknown : cloud.intensities[i];
     merge({cloud.points[i], cloud.normals[i], 1.0f / (sigma * sigma), sigma, intensity, 1, 0, 1, frame_,
-           anchor});
+           anchor, place_in_view(T_view_map * cloud.points[i])});
   }
-  if (blocks_.size() > static_cast<std::size_t>(settings_.max_blocks)) forget(view_point);
+  if (blocks_.size() > static_cast<std::size_t>(settings_.max_blocks)) forget(T_map_view.translation());
 }
 
 // Into the surfel of its voxel that faces the same way, or beside it.
@@ -81,6 +103,7 @@ void VoxelMap::merge(const Surfel& seen) {
           std::clamp(s.evidence + seen.evidence, settings_.dropped_at + 1, settings_.max_evidence));
     }
     s.frame = std::max(s.frame, seen.frame);
+    s.passed = s.passed || seen.passed || has_passed(s.first_seen, seen.first_seen);
     return;
   }
   block.surfels.push_back(seen);
@@ -173,7 +196,7 @@ bool VoxelMap::find_nearest(const Eigen::Vector3f& point, float max_distance, Ta
   others = std::min(std::sqrt(next), to_rim.minCoeff());
   if (!nearest) return false;
   found = {nearest->point, nearest->normal, sigma_of_mean(*nearest), nearest->intensity};
-  found.young = nearest->observations < settings_.settled_after;
+  found.young = is_young(*nearest);
   if (!std::isnan(nearest->intensity)) found.gradient = gradient_at(*nearest, *home);
   return true;
 }

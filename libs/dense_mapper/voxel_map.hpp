@@ -38,10 +38,9 @@ struct VoxelMapSettings {
              "observations that a surfel remembers; then it is a running mean");
     s.number("min_observations", min_observations, "", {1, 30000},
              "frames that must have shown a surfel, once so many have joined the map since it was seen last");
-    s.number(
-        "settled_after", settled_after, "", {1, 30000},
-        "frames that must have shown a surfel before it leads others, where wheels tell the way: what goes "
-        "ahead of the robot is young wherever it is");
+    s.number("settled_after", settled_after, "", {1, 30000},
+             "frames that must have shown a surfel, as the robot passes it by 10 cm or more, before it leads "
+             "others, where wheels tell the way: what goes ahead of the robot is young wherever it is");
     s.number("max_evidence", max_evidence, "", {1, 100},
              "that a surfel is still there; bounded, so that what has long been there can go, too");
     s.number("miss", miss, "", {1, 100}, "evidence that a view takes off what it sees through");
@@ -56,10 +55,10 @@ class VoxelMap : public Target {
  public:
   explicit VoxelMap(const VoxelMapSettings& settings = {});
 
-  /// Merges a cloud in map coordinates; points without a normal are left out. `view_point` is where
-  /// it was seen from (m): what is farthest from there is forgotten first.
-  /// New surfels belong to keyframe `anchor`.
-  void insert(const Cloud& cloud, const Eigen::Vector3d& view_point, int anchor = 0);
+  /// Merges a cloud in map coordinates; points without a normal are left out. `T_map_view` is where it was
+  /// seen from: what is farthest from there is forgotten first, and what stays where it is in that view,
+  /// while the view moves, is young. New surfels belong to keyframe `anchor`.
+  void insert(const Cloud& cloud, const Eigen::Isometry3d& T_map_view, int anchor = 0);
 
   /// Keyframes get other numbers: surfels of `i` belong to number[i] now, those of later ones to its last.
   void renumber_anchors(const std::vector<int>& number);
@@ -104,6 +103,11 @@ class VoxelMap : public Target {
   Cloud partners_around(const Eigen::Vector3d& centre, double radius) const;
 
  private:
+  /// Where something is in a view, to 2 cm, again and again after 256 of them: small to keep, and enough to
+  /// see that it has moved there.
+  using PlaceInView = std::array<std::uint8_t, 3>;
+  static PlaceInView place_in_view(const Eigen::Vector3f& point);
+
   struct Surfel {
     Eigen::Vector3f point;
     Eigen::Vector3f normal;
@@ -115,6 +119,8 @@ class VoxelMap : public Target {
     std::int8_t evidence;  // that it is still there; below 0 it is doubtful
     std::int32_t frame;    // last insertion that touched it
     std::int32_t anchor;   // keyframe that it moves with
+    PlaceInView first_seen;
+    bool passed = false;  // the view has moved against it since: it does not go with the robot
   };
   struct Block {
     Eigen::Vector3i position;
@@ -125,6 +131,7 @@ class VoxelMap : public Target {
   bool is_partner(const Surfel& s) const {
     return (s.observations >= settings_.min_observations || s.frame >= recent_from_) && s.evidence >= 0;
   }
+  bool is_young(const Surfel& s) const { return s.observations < settings_.settled_after || !s.passed; }
   void append(const Surfel& s, Cloud& cloud) const;
   Block& block_at(const Eigen::Vector3i& position);
   void merge(const Surfel& seen);

@@ -24,10 +24,10 @@ const VoxelMap& map_of(int floors, double hall) {
   for (int level = 0; level < floors; ++level) {
     Cloud cloud;
     add_rectangle(cloud, {-hall / 2, -hall / 2, -6.02 - 4 * level}, {hall, 0, 0}, {0, hall, 0}, 0.03);
-    found->second.insert(cloud, Eigen::Vector3d::Zero());
+    found->second.insert(cloud, Eigen::Isometry3d::Identity());
   }
   Cloud seen = room(0.03);
-  found->second.insert(seen, Eigen::Vector3d::Zero());
+  found->second.insert(seen, Eigen::Isometry3d::Identity());
   return found->second;
 }
 
@@ -63,7 +63,7 @@ void looks_through(benchmark::State& state) {
   std::int32_t turn = 0;
   std::size_t gone = 0;
   for (auto _ : state) {
-    if (turn % 50 == 0) map.insert(ghost, Eigen::Vector3d::Zero());
+    if (turn % 50 == 0) map.insert(ghost, Eigen::Isometry3d::Identity());
     gone += map.look_through(FreeSpaceView(image, settings), T_world_camera, settings, turn++).size();
   }
   state.counters["voxels"] = static_cast<double>(map.size());

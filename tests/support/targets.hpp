@@ -20,7 +20,7 @@ inline std::unique_ptr<Target> make_target(
       return std::make_unique<NormalShootingTarget>(cloud);
     case CorrespondenceKind::voxel_map: {
       auto map = std::make_unique<VoxelMap>();
-      map->insert(cloud, T_target_camera.translation());
+      map->insert(cloud, T_target_camera);
       return map;
     }
     case CorrespondenceKind::kd_tree:

@@ -52,7 +52,7 @@ ReferenceSurface::ReferenceSurface(const std::string& log, const Trajectory& tru
     const Eigen::Isometry3d T_world_camera =
         of_camera ? *T_world_body : *T_world_body * calibration.T_robot_camera;
     move(cloud, T_world_camera);
-    map_.insert(cloud, T_world_camera.translation());
+    map_.insert(cloud, T_world_camera);
     ++frames_;
   }
   if (frames_ == 0)

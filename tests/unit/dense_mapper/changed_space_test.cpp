@@ -29,8 +29,8 @@ class GonePlate : public testing::Test {
   }
 
   void see_plate(DeformableMap& map, KeyframeStore& keyframes, int nodes) const {
-    map.insert(wall_, {0, 0, 0}, 0);
-    map.insert(plate_, {0, 0, 0}, nodes - 1);
+    map.insert(wall_, Eigen::Isometry3d::Identity(), 0);
+    map.insert(plate_, Eigen::Isometry3d::Identity(), nodes - 1);
     for (int i = 0; i < nodes; ++i)
       keyframes.add(i, i, Eigen::Isometry3d::Identity(), coloured(wall_, plate_));
   }

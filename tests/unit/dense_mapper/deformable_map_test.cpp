@@ -25,13 +25,13 @@ const Eigen::Isometry3d up = Eigen::Isometry3d(Eigen::Translation3d(0, 0, 2));
 // What is read does not change meanwhile, and what comes meanwhile stands in the deformed map in the end.
 TEST(DeformableMap, InsertionsWaitWhileItIsDeformed) {
   DeformableMap map({});
-  map.insert(plate(1), {0, 0, 0}, 0);
-  map.insert(plate(2), {0, 0, 0}, 1);
+  map.insert(plate(1), Eigen::Isometry3d::Identity(), 0);
+  map.insert(plate(2), Eigen::Isometry3d::Identity(), 1);
   const std::size_t size = map.voxels().size();
   map.begin_deforming({aside, up}, 1'000'000);
   EXPECT_TRUE(map.deforming());
-  map.insert(plate(3), {0, 0, 0}, 0);
-  map.insert(plate(4), {0, 0, 0}, 7);  // a node that came later: it goes with the last
+  map.insert(plate(3), Eigen::Isometry3d::Identity(), 0);
+  map.insert(plate(4), Eigen::Isometry3d::Identity(), 7);  // a node that came later: it goes with the last
   EXPECT_EQ(map.voxels().size(), size);
   EXPECT_TRUE(knows(map.voxels(), {1, 0, 0}));
   EXPECT_GT(map.memory_bytes(), map.voxels().memory_bytes());
@@ -47,11 +47,11 @@ TEST(DeformableMap, InsertionsWaitWhileItIsDeformed) {
   }
   // The same as if it had been done at once.
   DeformableMap other({});
-  other.insert(plate(1), {0, 0, 0}, 0);
-  other.insert(plate(2), {0, 0, 0}, 1);
+  other.insert(plate(1), Eigen::Isometry3d::Identity(), 0);
+  other.insert(plate(2), Eigen::Isometry3d::Identity(), 1);
   other.deform({aside, up});
-  other.insert(transformed(plate(3), aside), {0, 3, 0}, 0);
-  other.insert(transformed(plate(4), up), {0, 0, 2}, 7);
+  other.insert(transformed(plate(3), aside), aside, 0);
+  other.insert(transformed(plate(4), up), up, 7);
   EXPECT_EQ(map.voxels().cloud().points, other.voxels().cloud().points);
   EXPECT_EQ(map.voxels().revision(), other.voxels().revision());
 }
@@ -62,7 +62,7 @@ TEST(DeformableMap, IsDueAtATimeThatGrowsWithTheMap) {
   settings.deform_time = 0.1;
   settings.deform_time_per_surfel = 1e-4;
   DeformableMap map(settings);
-  map.insert(plate(1), {0, 0, 0}, 0);
+  map.insert(plate(1), Eigen::Isometry3d::Identity(), 0);
   EXPECT_FALSE(map.is_due(5'000'000));
   map.begin_deforming({up}, 1'000'000);
   const Utime due = 1'100'000 + static_cast<Utime>(100 * map.voxels().size());
@@ -85,8 +85,9 @@ struct Forgetful {
     seen.sigmas = first.sigmas;
     seen.colours.assign(seen.size(), {9, 9, 9});
     keyframes = {{0, 0, Eigen::Isometry3d::Identity(), seen, 0.02, 0}};
-    map.insert(first, {0, 0, 0}, 0);
-    for (int i = 1; i < 8; ++i) map.insert(plate(1 + 3 * i), {3.0 * i, 0, 0}, i);
+    map.insert(first, Eigen::Isometry3d::Identity(), 0);
+    for (int i = 1; i < 8; ++i)
+      map.insert(plate(1 + 3 * i), Eigen::Isometry3d(Eigen::Translation3d(3.0 * i, 0, 0)), i);
   }
   static DenseMapperSettings settings() {
     DenseMapperSettings settings;
@@ -126,7 +127,7 @@ TEST(DeformableMap, NothingIsGivenBackTwice) {
 
 TEST(DeformableMap, RefusesWhatWouldTouchAMapThatIsRead) {
   DeformableMap map({});
-  map.insert(plate(1), {0, 0, 0}, 0);
+  map.insert(plate(1), Eigen::Isometry3d::Identity(), 0);
   map.begin_deforming({up}, 0);
   EXPECT_THROW(map.begin_deforming({up}, 0), std::logic_error);
   EXPECT_THROW(map.deform({up}), std::logic_error);

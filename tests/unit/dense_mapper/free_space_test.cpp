@@ -117,8 +117,8 @@ TEST(VoxelMapFreeSpace, WhatHasGoneGoesAndSupportKeeps) {
   add_rectangle(thing, {-0.3, -0.3, 2}, {0, 0.6, 0}, {0.6, 0, 0}, 0.03);
   VoxelMap map;
   for (int i = 0; i < 20; ++i) {
-    map.insert(wall, Eigen::Vector3d::Zero());
-    map.insert(thing, Eigen::Vector3d::Zero());
+    map.insert(wall, Eigen::Isometry3d::Identity());
+    map.insert(thing, Eigen::Isometry3d::Identity());
   }
   const std::size_t before = map.size();
   const FreeSpaceSettings settings;
@@ -150,8 +150,8 @@ TEST(VoxelMapFreeSpace, WhatWasSeenThroughOnceIsDoubtful) {
   VoxelMapSettings map_settings;
   map_settings.dropped_at = -5;
   VoxelMap map(map_settings);
-  map.insert(wall, Eigen::Vector3d::Zero());
-  map.insert(thing, Eigen::Vector3d::Zero());
+  map.insert(wall, Eigen::Isometry3d::Identity());
+  map.insert(thing, Eigen::Isometry3d::Identity());
   FreeSpaceSettings settings;
   settings.rotation = 1;  // every ray in every turn
   auto look = [&, turn = 0](float z) mutable {
@@ -187,13 +187,13 @@ TEST(VoxelMapFreeSpace, EmptyBlocksGoFirst) {
   add_rectangle(thing, {-0.9, -0.9, 2.02}, {0, 1.8, 0}, {1.8, 0, 0}, 0.03);
   add_rectangle(more, {-2, -2, -0.5}, {0, 0.6, 0}, {0.6, 0, 0}, 0.03);
   VoxelMap wall_alone;
-  wall_alone.insert(wall, Eigen::Vector3d::Zero());
+  wall_alone.insert(wall, Eigen::Isometry3d::Identity());
   VoxelMapSettings map_settings;
   map_settings.miss = 10;
   map_settings.max_blocks = static_cast<int>(wall_alone.blocks()) + 150;  // the thing is more than 100 blocks
   VoxelMap map(map_settings);
-  map.insert(wall, Eigen::Vector3d::Zero());
-  map.insert(thing, Eigen::Vector3d::Zero());
+  map.insert(wall, Eigen::Isometry3d::Identity());
+  map.insert(thing, Eigen::Isometry3d::Identity());
   ASSERT_LE(map.blocks(), static_cast<std::size_t>(map_settings.max_blocks));
   FreeSpaceSettings settings;
   settings.rotation = 1;
@@ -201,7 +201,7 @@ TEST(VoxelMapFreeSpace, EmptyBlocksGoFirst) {
   map.look_through(empty, Eigen::Isometry3d::Identity(), settings, 0);
   const std::size_t left = map.size();
   ASSERT_LT(left, wall_alone.size() + 200);
-  map.insert(more, {-2, -2, -0.5});
+  map.insert(more, Eigen::Isometry3d(Eigen::Translation3d(-2, -2, -0.5)));
   EXPECT_LT(map.blocks(), wall_alone.blocks() + 50);
   EXPECT_FALSE(map.has_forgotten());
   EXPECT_GT(map.size(), left + 100);
@@ -218,8 +218,8 @@ TEST(VoxelMapFreeSpace, EvidenceStaysInItsRangeWhereSurfelsMerge) {
   Cloud thing;
   add_rectangle(thing, {-0.3, -0.3, 2.02}, {0, 0.6, 0}, {0.6, 0, 0}, 0.03);
   const Eigen::Isometry3d aside(Eigen::Translation3d(0, 0, -0.4));
-  map.insert(thing, Eigen::Vector3d::Zero(), 0);
-  map.insert(transformed(thing, aside), Eigen::Vector3d::Zero(), 1);
+  map.insert(thing, Eigen::Isometry3d::Identity(), 0);
+  map.insert(transformed(thing, aside), Eigen::Isometry3d::Identity(), 1);
   FreeSpaceSettings settings;
   settings.rotation = 1;
   const FreeSpaceView empty(depth_image([](float, float) { return 3.0f; }), settings);

@@ -37,7 +37,7 @@ const Eigen::Isometry3d nearby = se3_exp(twist(0.04, -0.03, 0.01, 0.01, 0, 0.03)
 class ModernTracking : public testing::Test {
  protected:
   ModernTracking() : map_(settings_), keyframes_(settings_), tracker_(settings_, map_, keyframes_) {
-    map_.insert(seen_from(here), {0, 0, 0}, 0);
+    map_.insert(seen_from(here), Eigen::Isometry3d::Identity(), 0);
   }
 
   Tracked track(const Cloud& cloud, const Expectation& expected,
@@ -139,7 +139,7 @@ TEST_F(ModernTracking, WhereTheMapIsLookedThroughIsNoPlaceToBeFoundAt) {
     expected.adrift = adrift;
     EXPECT_EQ(to_string(tracker_.track({frame, seen}, expected).status), "tracking");
   }
-  map_.insert(between, {0, 0, 0}, 0);
+  map_.insert(between, Eigen::Isometry3d::Identity(), 0);
   for (const bool adrift : {true, false}) {
     expected.adrift = adrift;
     EXPECT_EQ(to_string(tracker_.track({frame, seen}, expected).status), adrift ? "lost" : "tracking");
@@ -188,7 +188,7 @@ TEST_F(ModernTracking, ARobotThatStandsIsPushedOnlyWhereMostOfTheMapMoves) {
   EXPECT_LT(error(pushed.registration.T_target_source, there), 0.03);
   EXPECT_FALSE(look_standing(tracker_, seen_from(here)).pushed);
 
-  map_.insert(somebody_at(1.5), {0, 0, 0}, 0);
+  map_.insert(somebody_at(1.5), Eigen::Isometry3d::Identity(), 0);
   EXPECT_EQ(to_string(look_standing(tracker_, somebody_at(1.5)).status), "tracking");
   EXPECT_EQ(to_string(look_standing(tracker_, somebody_at(1.58)).status), "lost");
 }
@@ -197,7 +197,7 @@ TEST_F(ModernTracking, ARobotThatStandsIsPushedOnlyWhereMostOfTheMapMoves) {
 TEST_F(ModernTracking, WhatIsCloseAndGoesPushesNobody) {
   DeformableMap map(settings_);
   ModernTracker tracker(settings_, map, keyframes_);
-  map.insert(somebody_at(0.8), {0, 0, 0}, 0);
+  map.insert(somebody_at(0.8), Eigen::Isometry3d::Identity(), 0);
   EXPECT_EQ(to_string(look_standing(tracker, somebody_at(0.8)).status), "tracking");
   EXPECT_EQ(to_string(look_standing(tracker, somebody_at(0.88)).status), "lost");
 }
@@ -218,7 +218,7 @@ TEST_F(ModernTracking, OneThingThatGoesTakesNoRobotAlongThatStands) {
   const auto look_at = [&](double half_width, bool stands) {
     DeformableMap map(settings_);
     ModernTracker tracker(settings_, map, keyframes_);
-    map.insert(corridor_with(1.8, half_width), {0, 0, 0}, 0);
+    map.insert(corridor_with(1.8, half_width), Eigen::Isometry3d::Identity(), 0);
     Expectation expected = expectation(here, 0.03);
     if (stands) expected.T_world_stood = here;
     DenseFrame frame;
@@ -251,7 +251,7 @@ TEST_F(ModernTracking, WhatMovesAmidAllThatStandsTakesNoRobotAlong) {
     }
     return seen;
   };
-  map_.insert(with_board(1), {0, 0, 0}, 0);
+  map_.insert(with_board(1), Eigen::Isometry3d::Identity(), 0);
   const auto standing = what_stands(with_board(1.04), here, planar_pose(-0.04, 0, 0), map_.voxels());
   ASSERT_TRUE(standing);
   const Tracked tracked = track(*standing, expectation(here, 0.003));

@@ -25,7 +25,7 @@ TEST(VoxelMap, FindsTheNearestSurfelAtAnyDistance) {
     cloud.points.push_back(random_point_within(random, 1));
     cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
   }
-  map.insert(cloud, Eigen::Vector3d::Zero());
+  map.insert(cloud, Eigen::Isometry3d::Identity());
   const Cloud surfels = map.cloud();
   ASSERT_EQ(surfels.size(), map.size());
   for (int i = 0; i < 1000; ++i) {
@@ -49,9 +49,9 @@ TEST(VoxelMap, TellsWhoseSurfelsACloudLiesOn) {
     second.points.emplace_back(x, 1.f, 0.f);
     asked.points.emplace_back(x, i < 60 ? 0.02f : i < 80 ? 1.02f : 2.f, 0.01f);  // the last twenty on nothing
   }
-  map.insert(first, Eigen::Vector3d::Zero(), 2);
-  map.insert(second, Eigen::Vector3d::Zero(), 5);
-  map.insert(first, Eigen::Vector3d::Zero(), 7);  // seen again: it stays the first one's
+  map.insert(first, Eigen::Isometry3d::Identity(), 2);
+  map.insert(second, Eigen::Isometry3d::Identity(), 5);
+  map.insert(first, Eigen::Isometry3d::Identity(), 7);  // seen again: it stays the first one's
   EXPECT_EQ(map.owners(asked, 1000), (std::vector<int>{0, 0, 60, 0, 0, 20}));
   const std::vector<int> of_some = map.owners(asked, 50);
   ASSERT_EQ(of_some.size(), 6U);
@@ -71,7 +71,7 @@ TEST(VoxelMap, TellsHowFarOtherSurfelsAreAtLeast) {
     cloud.points.push_back(random_point_within(random, 1));
     cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
   }
-  map.insert(cloud, Eigen::Vector3d::Zero());
+  map.insert(cloud, Eigen::Isometry3d::Identity());
   const std::vector<Eigen::Vector3f> surfels = map.cloud().points;
   int useful = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -113,7 +113,7 @@ TEST(VoxelMap, WhatStaysTheNearestIsNotLookedForAgain) {
     std::size_t size() const override { return map.size(); }
   };
   VoxelMap map;
-  map.insert(room(0.01), Eigen::Vector3d::Zero());
+  map.insert(room(0.01), Eigen::Isometry3d::Identity());
   Cloud source = transformed(room(0.023), se3_exp(twist(0.02, -0.03, 0.01, 0.02, 0.01, -0.03)));
   Random random(5);
   for (Eigen::Vector3f& p : source.points)
@@ -141,7 +141,7 @@ TEST(VoxelMap, AveragesWhatIsSeenOften) {
     cloud.points.emplace_back(0.05f, 0.05f, static_cast<float>(random.normal(0.05, 0.01)));
     cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
     cloud.sigmas.push_back(0.01f);
-    map.insert(cloud, Eigen::Vector3d::Zero());
+    map.insert(cloud, Eigen::Isometry3d::Identity());
   }
   ASSERT_EQ(map.size(), 1u);
   const Cloud surfels = map.cloud();
@@ -162,7 +162,7 @@ TEST(VoxelMap, IsNoSurerThanWhatItRemembers) {
     cloud.points.emplace_back(0.05f, 0.05f, static_cast<float>(random.normal(0.05, 0.005)));
     cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
     cloud.sigmas.push_back(0.005f);
-    map.insert(cloud, Eigen::Vector3d::Zero());
+    map.insert(cloud, Eigen::Isometry3d::Identity());
     if (i < 100) continue;
     TargetPoint found;
     ASSERT_TRUE(map.find({0.05f, 0.05f, 0.05f}, 0.1f, found));
@@ -185,7 +185,7 @@ TEST(VoxelMap, WhatWasSeenOnceIsFoundForAWhile) {
       cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
       cloud.sigmas.push_back(0.01f);
     }
-    map.insert(cloud, Eigen::Vector3d::Zero());
+    map.insert(cloud, Eigen::Isometry3d::Identity());
   };
   TargetPoint found;
   const auto finds = [&](float z) { return map.find({0.05f, 0.05f, z}, 0.02f, found); };
@@ -211,11 +211,38 @@ TEST(VoxelMap, AnOldSurfaceThatMovedIsFollowed) {
     cloud.points.emplace_back(0.05f, 0.05f, z);
     cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
     cloud.sigmas.push_back(0.01f);
-    for (int i = 0; i < frames; ++i) map.insert(cloud, Eigen::Vector3d::Zero());
+    for (int i = 0; i < frames; ++i) map.insert(cloud, Eigen::Isometry3d::Identity());
   };
   insert(0.04f, 100);
   insert(0.08f, 30);
   EXPECT_NEAR(map.cloud().points[0].z(), 0.08, 0.004);
+}
+
+// A view that moves passes what stands, and not what goes with it.
+TEST(VoxelMap, WhatIsNotPassedStaysYoung) {
+  Cloud cloud;
+  cloud.points.emplace_back(0.05f, 0.05f, 0.05f);
+  cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
+  TargetPoint found;
+  const auto is_young_after = [&](double moved, double turned) {
+    VoxelMap map;
+    for (int i = 0; i < 10; ++i)
+      map.insert(cloud, i < 9 ? Eigen::Isometry3d::Identity() : planar_pose(moved, 0, turned));
+    EXPECT_TRUE(map.find(cloud.points[0], 0.1f, found));
+    const bool young = found.young;
+    const VoxelMap moved_map = map.deformed({planar_pose(1, 2, 0.5)});
+    EXPECT_TRUE(
+        moved_map.find((planar_pose(1, 2, 0.5) * cloud.points[0].cast<double>()).cast<float>(), 0.1f, found));
+    EXPECT_EQ(found.young, young);
+    return young;
+  };
+  EXPECT_TRUE(is_young_after(0, 0));
+  EXPECT_TRUE(is_young_after(0.06, 0));
+  EXPECT_FALSE(is_young_after(0.13, 0));
+  EXPECT_FALSE(is_young_after(-0.13, 0));
+  cloud.points[0] = {2, 0, 0.05f};
+  EXPECT_TRUE(is_young_after(0, 0.02));
+  EXPECT_FALSE(is_young_after(0, 0.08));
 }
 
 TEST(VoxelMap, BothSidesOfABoardStayApart) {
@@ -223,7 +250,7 @@ TEST(VoxelMap, BothSidesOfABoardStayApart) {
   Cloud cloud;
   cloud.points = {{0.02f, 0.02f, 0.01f}, {0.02f, 0.02f, 0.03f}};
   cloud.normals = {-Eigen::Vector3f::UnitZ(), Eigen::Vector3f::UnitZ()};
-  map.insert(cloud, Eigen::Vector3d::Zero());
+  map.insert(cloud, Eigen::Isometry3d::Identity());
   EXPECT_EQ(map.size(), 2u);
 }
 
@@ -236,7 +263,7 @@ TEST(VoxelMap, StaysWithinItsBoundAndForgetsTheFarthest) {
     Cloud cloud;
     cloud.points.emplace_back(0.4f * static_cast<float>(i) + 0.2f, 0.2f, 0.2f);
     cloud.normals.emplace_back(Eigen::Vector3f::UnitZ());
-    map.insert(cloud, cloud.points.back().cast<double>());
+    map.insert(cloud, Eigen::Isometry3d(Eigen::Translation3d(cloud.points.back().cast<double>())));
     ASSERT_LE(map.blocks(), 100u);
   }
   TargetPoint found;
@@ -250,7 +277,7 @@ TEST(VoxelMap, GarbageIsLeftOut) {
   Cloud cloud;
   cloud.points = {{nan, 0, 0}, {1e30f, 0, 0}, {0, 0, 0}};
   cloud.normals = {Eigen::Vector3f::UnitZ(), Eigen::Vector3f::UnitZ(), Eigen::Vector3f::Constant(nan)};
-  map.insert(cloud, Eigen::Vector3d::Zero());
+  map.insert(cloud, Eigen::Isometry3d::Identity());
   EXPECT_EQ(map.size(), 0u);
   TargetPoint found;
   EXPECT_FALSE(map.find({nan, 0, 0}, 1, found));
@@ -263,7 +290,7 @@ TEST(VoxelMap, GarbageIsLeftOut) {
 TEST(VoxelMap, PartnersOfColouredCloudsHaveIntensityAndItsGradient) {
   Cloud cloud = wall(0.02);
   VoxelMap map;
-  map.insert(cloud, Eigen::Vector3d::Zero());
+  map.insert(cloud, Eigen::Isometry3d::Identity());
   TargetPoint found;
   ASSERT_TRUE(map.find({2, 0.1f, 0.2f}, 0.1f, found));
   EXPECT_TRUE(std::isnan(found.intensity));
@@ -272,7 +299,7 @@ TEST(VoxelMap, PartnersOfColouredCloudsHaveIntensityAndItsGradient) {
   const Eigen::Vector3f gradient(0, 0.2f, 0.1f);
   for (const Eigen::Vector3f& p : cloud.points) cloud.intensities.push_back(0.5f + gradient.dot(p));
   map = VoxelMap();
-  for (int i = 0; i < 3; ++i) map.insert(cloud, Eigen::Vector3d::Zero());
+  for (int i = 0; i < 3; ++i) map.insert(cloud, Eigen::Isometry3d::Identity());
   EXPECT_TRUE(map.has_intensities());
   EXPECT_EQ(map.cloud().intensities.size(), map.size());
   const VoxelMap deformed = map.deformed({Eigen::Isometry3d::Identity()});
@@ -290,8 +317,8 @@ TEST(VoxelMap, BendsWithItsKeyframes) {
   add_rectangle(first, {1.01, 0.013, 0.017}, {0, 1, 0}, {0, 0, 1});
   add_rectangle(second_cloud, {3.01, 0.013, 0.017}, {0, 1, 0}, {0, 0, 1});
   VoxelMap map;
-  map.insert(first, Eigen::Vector3d::Zero(), 0);
-  map.insert(second_cloud, Eigen::Vector3d::Zero(), 5);
+  map.insert(first, Eigen::Isometry3d::Identity(), 0);
+  map.insert(second_cloud, Eigen::Isometry3d::Identity(), 5);
   const Eigen::Isometry3d moved(Eigen::Translation3d(0, 0, 2));
   const VoxelMap deformed = map.deformed({Eigen::Isometry3d::Identity(), moved});  // 5 goes with the last
   EXPECT_EQ(deformed.size(), map.size());
@@ -307,15 +334,15 @@ TEST(VoxelMap, BendsWithItsKeyframes) {
   EXPECT_NEAR(std::abs(found.normal.y()), 1, 1e-5);
   // A copy that comes to lie on the original becomes one with it.
   VoxelMap twice;
-  twice.insert(first, Eigen::Vector3d::Zero(), 0);
-  twice.insert(transformed(first, moved), Eigen::Vector3d::Zero(), 1);
+  twice.insert(first, Eigen::Isometry3d::Identity(), 0);
+  twice.insert(transformed(first, moved), Eigen::Isometry3d::Identity(), 1);
   EXPECT_EQ(twice.deformed({Eigen::Isometry3d::Identity(), moved.inverse()}).size(), map.size() / 2);
 }
 
 // Blocks that are out of reach are left out, none of which a corner reaches in.
 TEST(VoxelMap, PartnersAroundAreAllThatAreNear) {
   VoxelMap map;
-  map.insert(room(0.03), Eigen::Vector3d::Zero());
+  map.insert(room(0.03), Eigen::Isometry3d::Identity());
   const Cloud all = map.cloud();
   Random random(7);
   for (int i = 0; i < 40; ++i) {
