@@ -130,6 +130,20 @@ void weigh_by_noise_left(std::vector<Pair>& pairs, double noise_left) {
   }
 }
 
+void remove_young(std::vector<Pair>& pairs) {
+  const auto first_young = std::remove_if(pairs.begin(), pairs.end(), [](const Pair& p) { return p.young; });
+  pairs.erase(first_young, pairs.end());
+}
+
+SettledPairs what_settled_say(std::vector<Pair> pairs, const Metric& metric, const Eigen::Isometry3d& T,
+                              const RegistrationSettings& settings) {
+  remove_young(pairs);
+  const Observability seen = observe(pairs, metric, T, settings);
+  const Matrix6d inverse_basis = seen.basis.inverse();
+  return {inverse_basis.transpose() * (seen.information / seen.excess) * inverse_basis,
+          inverse_basis.transpose() * (seen.gradient / seen.excess)};
+}
+
 // What the last pairs say about the result.
 void report(const std::vector<Pair>& pairs, std::size_t selected, const Metric& metric,
             const RegistrationSettings& settings, const Prior* prior, RegistrationResult& result) {
@@ -202,6 +216,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
   std::vector<Pair> pairs;
   for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
     search.find(T, limit, pairs);
+    if (settings.settled_alone) remove_young(pairs);
     for (const auto& rejector : rejectors) rejector->reject(pairs, T);
     if (pairs.empty() || static_cast<int>(pairs.size()) < settings.min_pairs) {
       result.stop = StopReason::too_few_pairs;
@@ -226,6 +241,7 @@ RegistrationResult register_cloud(const Cloud& source, const Target& target, con
   }
 
   report(pairs, search.selected(), *metric, settings, prior, result);
+  if (settings.settled_lead) result.settled = what_settled_say(pairs, *metric, T, settings);
   if (result.ok() && settings.weigh_by_noise && noise_left < 1) {
     weigh_by_noise_left(pairs, noise_left);
     if (const auto settled = solver->solve(pairs, T_pairs)) T = *settled;

@@ -4,6 +4,7 @@
 // find pairs, reject, weigh, solve until nothing moves any more.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,13 @@ enum class StopReason {
 };
 std::string to_string(StopReason reason);
 
+/// What pairs with settled surfaces alone say of a motion about T_target_source (right perturbation), without
+/// a prior: information * xi = gradient.
+struct SettledPairs {
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+};
+
 struct RegistrationResult {
   Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();  ///< always finite
   Matrix6d covariance = Matrix6d::Identity();  ///< of T_target_source, right perturbation
@@ -32,6 +40,7 @@ struct RegistrationResult {
   Vector6d observability = Vector6d::Zero();  ///< share of the information, ascending (Observability::shares)
   std::vector<Vector6d> degenerate;           ///< unit twists (translation, rotation), source frame
   StopReason stop = StopReason::too_few_pairs;
+  std::optional<SettledPairs> settled;  ///< where they lead (RegistrationSettings::settled_lead)
   bool ok() const { return stop == StopReason::converged || stop == StopReason::max_iterations; }
 };
 

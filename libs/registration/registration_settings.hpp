@@ -76,6 +76,8 @@ struct RegistrationSettings {
   double kernel_width = 2.5;
   bool settled_lead = false;  ///< young surfaces only where there are no others; no key: the mapper tells
 
+  bool settled_alone = false;  ///< young surfaces have no pairs; no key, either
+
   // metric and solver
   MetricKind metric = MetricKind::point_to_plane;
   double colour_scale = 0;
