@@ -1,5 +1,6 @@
 #include <lcmslam/dense_mapper/carried_watch.hpp>
 
+#include <Eigen/Dense>
 #include <algorithm>
 
 #include <lcmslam/dense_mapper/contradiction.hpp>
@@ -13,6 +14,13 @@ constexpr double longest_frame = 1;  // s that one frame speaks for
 /// Where odometry has led the camera.
 Eigen::Isometry3d T_world_camera(const DenseFrame& frame, const Tracked& tracked) {
   return tracked.prior.T_target_source * frame.T_robot_camera;
+}
+
+// After a long way by wheels alone who looks through the map is beside the place where he is thought to be.
+bool is_certain(const Prior& prior) {
+  constexpr double most = 0.15;  // m, standard deviation
+  const Eigen::Matrix2d variances = prior.information.inverse().topLeftCorner<2, 2>();
+  return variances.trace() < most * most;
 }
 
 }  // namespace
@@ -38,8 +46,9 @@ void CarriedWatch::observe(const PreparedFrame& prepared, const Tracked& tracked
   }
   const bool wheels = frame.motion && !frame.motion->visual;
   if (wheels) T_placed_robot_ = T_placed_robot_ * frame.motion->T_from_to;
-  if (frame.motion && !wheels) contradicted_ = 0;  // what cameras see tells nothing of who is carried
-  if (blind || !wheels) return;
+  // What cameras see tells nothing of who is carried, nor does what goes with the robot.
+  if ((frame.motion && !wheels) || tracked.held) contradicted_ = 0;
+  if (blind || !wheels || tracked.held) return;
   blocked_ = !adrift && is_about_there() && hides_the_map(frame, T_world_camera(frame, tracked), map);
   if (blocked_) return;
   // Once it was elsewhere, odometry goes on from a wrong place.
@@ -54,7 +63,8 @@ bool CarriedWatch::is_contradicted(const PreparedFrame& prepared, const Tracked&
   const Eigen::Isometry3d& T_world_predicted = tracked.prior.T_target_source;
   if (still_shows(prepared.cloud, T_world_predicted, tracked.registration.T_target_source, map)) return false;
   return is_about_there() ||
-         seen_through(prepared.frame, T_world_camera(prepared.frame, tracked), map) > most;
+         (is_certain(tracked.prior) &&
+          seen_through(prepared.frame, T_world_camera(prepared.frame, tracked), map) > most);
 }
 
 bool CarriedWatch::is_about_there() const {

@@ -4,8 +4,9 @@
 // - its wheels have not led out of what it saw when it was placed last, or
 // - it looks through surfaces of the map.
 // Who sees only things that stand before all that the map has there has not been carried for that: somebody
-// stands close, and as long as the wheels stand they tell where the robot is.
-// A frame is one or the other; only a second of frames that agree says that the robot was carried.
+// stands close, and as long as the wheels stand they tell where the robot is. Nor has a robot that drives
+// with something new before it that goes as fast (Tracked::held). A frame is one or the other; only a second
+// of frames that agree says that the robot was carried.
 
 #include <lcmslam/dense_mapper/tracker.hpp>
 

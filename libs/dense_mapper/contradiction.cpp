@@ -114,15 +114,13 @@ bool shows_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_cam
          static_cast<double>(count.supported) > most * static_cast<double>(count.all());
 }
 
-std::optional<Cloud> what_stands(const Cloud& cloud, const Eigen::Isometry3d& T_stood,
-                                 const Eigen::Isometry3d& T_led, const VoxelMap& map) {
-  constexpr float least_apart = 0.01f;                // m: nearer, noise decides
-  constexpr double enough = 100, least_share = 0.25;  // points
-  if (!cloud.has_normals()) return std::nullopt;
+Standing compare(const Cloud& cloud, const Eigen::Isometry3d& T_stood, const Eigen::Isometry3d& T_led,
+                 const VoxelMap& map) {
+  constexpr float least_apart = 0.01f;  // m: nearer, noise decides
   const OnMap stood{map, T_stood.cast<float>()}, led{map, T_led.cast<float>()};
-  std::vector<bool> has_moved(cloud.size(), false);
-  std::vector<Eigen::Vector3f> leading;
-  double stands = 0, moved = 0;
+  Standing told;
+  told.has_moved.assign(cloud.size(), false);
+  if (!cloud.has_normals()) return told;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f &p = cloud.points[i], &normal = cloud.normals[i];
     const float apart = std::abs((stood.T.linear() * normal).dot(stood.T * p - led.T * p));
@@ -130,13 +128,23 @@ std::optional<Cloud> what_stands(const Cloud& cloud, const Eigen::Isometry3d& T_
     const auto from_stood = stood.distance(p, normal), from_led = led.distance(p, normal);
     const float nearer =
         std::min(from_led.value_or(apart), apart) - std::min(from_stood.value_or(apart), apart);
-    has_moved[i] = nearer < 0;
-    if (has_moved[i]) leading.push_back(p);
-    (has_moved[i] ? moved : stands) += static_cast<double>(std::abs(nearer) / apart);
+    told.has_moved[i] = nearer < 0;
+    (told.has_moved[i] ? told.moved : told.stands) += static_cast<double>(std::abs(nearer) / apart);
   }
-  const bool much_stands = stands > enough && stands > least_share * (stands + moved);
+  return told;
+}
+
+std::optional<Cloud> what_stands(const Cloud& cloud, const Eigen::Isometry3d& T_stood,
+                                 const Eigen::Isometry3d& T_led, const VoxelMap& map) {
+  constexpr double enough = 100, least_share = 0.25;  // points
+  if (!cloud.has_normals()) return std::nullopt;
+  const Standing told = compare(cloud, T_stood, T_led, map);
+  std::vector<Eigen::Vector3f> leading;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (told.has_moved[i]) leading.push_back(cloud.points[i]);
+  const bool much_stands = told.stands > enough && told.stands > least_share * (told.stands + told.moved);
   if (!much_stands && !are_one_thing(leading)) return std::nullopt;
-  return kept_points(cloud, [&](std::size_t i) { return !has_moved[i]; });
+  return kept_points(cloud, [&](std::size_t i) { return !told.has_moved[i]; });
 }
 
 bool still_shows(const Cloud& cloud, const Eigen::Isometry3d& T_predicted, const Eigen::Isometry3d& T_fitted,

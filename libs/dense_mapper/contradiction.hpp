@@ -3,6 +3,7 @@
 // fits: what it looks through is not there, what stands where it stood is.
 
 #include <optional>
+#include <vector>
 
 #include <lcmslam/rgbd/dense_frame.hpp>
 
@@ -21,6 +22,15 @@ bool hides_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_cam
 /// Whether most of what the map has in the frame's view is seen where it is, and is no close thing, which may
 /// have moved by itself. True where hardly anything near is mapped.
 bool shows_the_map(const DenseFrame& frame, const Eigen::Isometry3d& T_world_camera, const VoxelMap& map);
+
+/// Of a cloud whose points lie elsewhere as seen from two places: points that tell for the first and for the
+/// second, by how much nearer to the map they lie.
+struct Standing {
+  double stands = 0, moved = 0;  ///< points
+  std::vector<bool> has_moved;   ///< of each point
+};
+Standing compare(const Cloud& cloud, const Eigen::Isometry3d& T_stood, const Eigen::Isometry3d& T_led,
+                 const VoxelMap& map);
 
 /// Of a robot that stood at `T_stood`, say its wheels, and whose cloud (robot frame) registration led to
 /// `T_led`: the cloud without what lies on the map from there, where that is something that moves. Then it is

@@ -36,7 +36,8 @@ DenseMapper::DenseMapper(const DenseMapperSettings& settings)
 
 DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   // Prepare: the points that can be trusted, and the map as the graph has corrected it meanwhile.
-  const PreparedFrame prepared = prepare(frame);
+  PreparedFrame prepared = prepare(frame);
+  prepared.accompanied = is_accompanied(prepared);
   Step step;
   step.deformed = work_on_graph(frame.utime);
   step.thinned = thin();
@@ -50,7 +51,8 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   const Expectation expected = expect(frame);
 
   // Register: where the cloud fits the map.
-  const Tracked tracked = tracker_->track(prepared, expected);
+  Tracked tracked = tracker_->track(prepared, expected);
+  hold_to_wheels(prepared, expected, tracked);
 
   // Judge: what is believed of it, and whether the frame may join the map.
   const bool joins = judge(tracked, expected, prepared, step);
@@ -113,6 +115,40 @@ Expectation DenseMapper::expect(const DenseFrame& frame, bool pushed) const {
   return expected;
 }
 
+// Only wheels know of it; who is adrift looks for his place, whatever goes with him.
+bool DenseMapper::is_accompanied(const PreparedFrame& prepared) {
+  const auto& motion = prepared.frame.motion;
+  if (motion && !motion->visual && !motion_.adrift())
+    companion_.observe(prepared.cloud, *motion);
+  else
+    companion_.end();
+  return companion_.there();
+}
+
+// What is new to the map leads a robot that drives into it, but not against its wheels: something may go with
+// it. As long as that does, settled surfaces tell the way or, where they do not suffice, wheels.
+void DenseMapper::hold_to_wheels(const PreparedFrame& prepared, const Expectation& expected,
+                                 Tracked& tracked) {
+  RegistrationResult& registration = tracked.registration;
+  const bool lost = tracked.status == MappingStatus::lost;
+  if (prepared.accompanied) {
+    settled_way_.begin();
+    tracked.held = tracked.status != MappingStatus::tracking;
+    if (lost) registration.T_target_source = tracked.prior.T_target_source;
+    if (lost) registration.covariance = uncertain(tracked.prior);
+  } else if (lost || expected.adrift || tracked.pushed || !registration.settled) {
+    return settled_way_.begin();
+  } else if (const auto T_held = settled_way_.observe(*prepared.frame.motion, expected.prior.T_target_source,
+                                                      registration, tracked.anchored)) {
+    const Vector6d led = se3_log(T_held->inverse() * registration.T_target_source);
+    registration.T_target_source = *T_held;
+    registration.covariance = uncertain(expected.prior) + led * led.transpose();
+    tracked.held = true;
+    if (!expected.T_world_stood) companion_.begin(prepared.cloud);
+  }
+  if (tracked.held) tracked.status = MappingStatus::degraded;
+}
+
 // A robot on wheels stands on the floor that is believed until what it measures refuses that.
 void DenseMapper::stand_on_ground(const Tracked& tracked, Step& step) {
   if (!settings_.prior.planar) return;
@@ -156,6 +192,7 @@ bool DenseMapper::judge(const Tracked& tracked, const Expectation& expected, con
   step.status = step.adrift ? MappingStatus::lost : tracked.status;
   step.quality = tracked.quality;
   step.anchored = tracked.anchored;
+  step.held = tracked.held;
   step.T_world_anchor = tracked.T_world_anchor;
   // What features say of who is adrift is believed where the cloud fits, too, or not at all.
   const Prior& prior = step.adrift ? expected.prior : tracked.prior;
@@ -189,7 +226,7 @@ bool DenseMapper::judge(const Tracked& tracked, const Expectation& expected, con
   // Odometry knows the way where the map ends: after a while its prediction is a place to go on from.
   // A camera that was covered, or sees what stands close before the map, has not seen that yet.
   bad_steps_ = tracking ? 0 : bad_steps_ + 1;
-  misfits_ = tracking ? 0 : misfits_ + (step.blind || step.blocked ? 0 : 1);
+  misfits_ = tracking ? 0 : misfits_ + (step.blind || step.blocked || tracked.held ? 0 : 1);
   step.reseeded = motion_.knows(prepared.frame.motion) && !step.adrift && !step.blind &&
                   !carried_.contradicted() && misfits_ > settings_.reseed_after;
   if (step.reseeded) {

@@ -16,8 +16,10 @@
 
 #include <lcmslam/dense_mapper/carried_watch.hpp>
 #include <lcmslam/dense_mapper/changed_space.hpp>
+#include <lcmslam/dense_mapper/companion.hpp>
 #include <lcmslam/dense_mapper/deformable_map.hpp>
 #include <lcmslam/dense_mapper/keyframe_store.hpp>
+#include <lcmslam/dense_mapper/settled_way.hpp>
 #include <lcmslam/dense_mapper/tracker.hpp>
 #include <lcmslam/geometry/local_frame.hpp>
 
@@ -52,9 +54,10 @@ class DenseMapper {
     bool carried = false;      ///< it is adrift because what it sees contradicts its wheels
     double unplaced =
         0;  ///< s of usable frames since the robot was carried that had no place in the map; 0: this one has
-    bool reseeded = false;           ///< odometry alone says where it is: the map goes on from there
-    bool blocked = false;            ///< what stands close hides the map: the wheels alone say where it is
-    bool blind = false;              ///< the depth image gives too few points to say anything
+    bool reseeded = false;  ///< odometry alone says where it is: the map goes on from there
+    bool held = false;      ///< what is new contradicts the wheels, which are believed: Tracked::held
+    bool blocked = false;   ///< what stands close hides the map: the wheels alone say where it is
+    bool blind = false;     ///< the depth image gives too few points to say anything
     bool hangs_on_odometry = false;  ///< the map around was begun where odometry led, and is tied to the rest
                                      ///< by nothing else yet
     Floor floor = Floor::plane;      ///< on wheels: what measurements leave of the ground's plane
@@ -90,6 +93,8 @@ class DenseMapper {
   PreparedFrame prepare(const DenseFrame& frame) const;
   Expectation expect(const DenseFrame& frame) const;
   Expectation expect(const DenseFrame& frame, bool pushed) const;
+  void hold_to_wheels(const PreparedFrame& prepared, const Expectation& expected, Tracked& tracked);
+  bool is_accompanied(const PreparedFrame& prepared);
   void stand_on_ground(const Tracked& tracked, Step& step);
   void start_map(const PreparedFrame& prepared, Step& step);
   void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot, bool registered);
@@ -117,6 +122,8 @@ class DenseMapper {
   std::unique_ptr<Tracker> tracker_;  // sees map and keyframes
   ChangedSpace changed_space_;
   CarriedWatch carried_;
+  SettledWay settled_way_;
+  Companion companion_;
   KeyframeGraph graph_;
   int bad_steps_ = 0;              // in a row
   int misfits_ = 0;                // of them those that showed something

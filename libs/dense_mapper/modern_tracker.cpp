@@ -112,7 +112,7 @@ Tracked ModernTracker::place(const PreparedFrame& prepared, const Prior& prior, 
   const DenseFrame& frame = prepared.frame;
   Tracked result;
   result.prior = prior;
-  const std::optional<Prior> anchor = ask_features(prepared, result);
+  const std::optional<Prior> anchor = prepared.accompanied ? std::nullopt : ask_features(prepared, result);
   const auto best =
       try_starts(prepared, starts(frame, result.prior, anchor, expected), result.prior, expected.adrift);
   result.registration = best.registration;

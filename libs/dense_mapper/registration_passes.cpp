@@ -6,8 +6,10 @@ namespace {
 constexpr double kept_in_recovery = 0.1;  // of the prior's information
 
 // Wheels tell the way where all is new. Without them what is new must, too, and whatever moves leads.
-RegistrationSettings fitted_to(const DenseFrame& frame, RegistrationSettings pass) {
-  pass.settled_lead = frame.motion && !frame.motion->visual;
+RegistrationSettings fitted_to(const PreparedFrame& prepared, RegistrationSettings pass) {
+  const auto& motion = prepared.frame.motion;
+  pass.settled_lead = motion && !motion->visual;
+  pass.settled_alone = prepared.accompanied;
   return pass;
 }
 
@@ -30,9 +32,9 @@ RegistrationPasses::Attempt RegistrationPasses::run(const PreparedFrame& prepare
   Attempt result;
   Eigen::Isometry3d T = T_start;
   for (const RegistrationSettings* pass : {&settings_.coarse, &settings_.fine}) {
-    result.registration = register_cloud(
-        prepared.cloud, target, T, last.possible(fitted_to(prepared.frame, *pass)), prior_for(*pass, used),
-        last.views(), pass == &settings_.fine ? prepared.frame.noise_left : 1);
+    result.registration = register_cloud(prepared.cloud, target, T, last.possible(fitted_to(prepared, *pass)),
+                                         prior_for(*pass, used), last.views(),
+                                         pass == &settings_.fine ? prepared.frame.noise_left : 1);
     T = result.registration.T_target_source;
   }
   result.quality = result.registration.overlap * inlier_share(result.registration);

@@ -21,6 +21,7 @@ std::string to_string(MappingStatus status);
 struct PreparedFrame {
   const DenseFrame& frame;
   Cloud cloud;
+  bool accompanied = false;  ///< something new goes with the robot: what is new tells nothing of its way
 };
 
 /// What the mapper knows before a frame is registered.
@@ -43,6 +44,7 @@ struct Tracked {
   MappingStatus status = MappingStatus::lost;
   double quality = 0;   ///< 0..1: overlap times share of inliers
   Prior prior;          ///< what was known before registration, by features too
+  bool held = false;    ///< by wheels and settled surfaces: new ones would have led it too far from there
   bool pushed = false;  ///< it fits, and so does what stands still, where only a push can have led
   std::optional<Floor> refused_for;  ///< measurements refused the floor; placed without it, and this is seen
   bool anchored = false;  ///< features of a keyframe were found again, are believed, and place the robot at

@@ -230,6 +230,9 @@ void IcpNode::publish(Utime image_utime, const RgbdFrameMaker::Made& made, doubl
   if (step.hangs_on_odometry) add_detail(pose.detail, "this part of the map hangs on odometry alone");
   if (step.floor != Floor::plane) add_detail(pose.detail, "the floor is not flat here");
   if (step.blocked) add_detail(pose.detail, "something close hides what the map shows here");
+  if (step.held)
+    add_detail(pose.detail,
+               "new things stand still in the view though the wheels turn: they go along, or wheels spin");
   if (step.blind) add_detail(pose.detail, "the depth image shows too little");
   if (step.unplaced > 0) add_detail(pose.detail, "carried out of the map: what is seen has no place in it");
   add_detail(pose.detail, unplaced_map(pose.frame));
