@@ -54,7 +54,7 @@ void looks_through(benchmark::State& state) {
       const Eigen::Vector3f world = T_world_camera.linear().cast<float>() * ray;
       float z = 3 / world.x();  // the wall ahead, and the floor
       if (world.z() < 0) z = std::min(z, -1 / world.z());
-      image.points.push_back(z * ray);
+      image.points.emplace_back(z * ray);
       image.sigmas.push_back(0.005f);
     }
   Cloud ghost;

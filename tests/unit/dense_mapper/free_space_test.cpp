@@ -21,7 +21,7 @@ Cloud depth_image(const Depth& depth, float sigma = 0.005f) {
     for (int column = -50; column <= 50; ++column) {
       const float u = 0.01f * static_cast<float>(column), v = 0.01f * static_cast<float>(row);
       const float z = depth(u, v);
-      if (z > 0) cloud.points.push_back(z * Eigen::Vector3f(u, v, 1)), cloud.sigmas.push_back(sigma);
+      if (z > 0) cloud.points.emplace_back(z * Eigen::Vector3f(u, v, 1)), cloud.sigmas.push_back(sigma);
     }
   return cloud;
 }
@@ -77,7 +77,7 @@ TEST(FreeSpaceView, PointsFarOutDisturbNothing) {
   EXPECT_EQ(view.judge({0, 0, 2.9f}, ahead), Visibility::seen_through);
   // Far along a ray: nothing but what it sees through.
   more = wall;
-  more.points.push_back({0, 0, 1e30f}), more.sigmas.push_back(0.005f);
+  more.points.emplace_back(0, 0, 1e30f), more.sigmas.push_back(0.005f);
   const FreeSpaceView deep(more, {});
   VoxelMap map;
   EXPECT_TRUE(map.look_through(deep, Eigen::Isometry3d::Identity(), {}, 0).empty());
