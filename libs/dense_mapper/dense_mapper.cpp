@@ -9,11 +9,6 @@
 namespace lcmslam {
 namespace {
 
-// What a prior leaves open; of what it says nothing, at most a kilometre.
-Matrix6d uncertain(const Prior& prior) {
-  return (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
-}
-
 KeyframeGraph::PlacedBy placed_by(const DenseMapper::Step& step) {
   if (step.reseeded) return KeyframeGraph::PlacedBy::odometry;
   return step.relocalised ? KeyframeGraph::PlacedBy::relocalisation : KeyframeGraph::PlacedBy::registration;
@@ -37,7 +32,7 @@ DenseMapper::DenseMapper(const DenseMapperSettings& settings)
 DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
   // Prepare: the points that can be trusted, and the map as the graph has corrected it meanwhile.
   PreparedFrame prepared = prepare(frame);
-  prepared.accompanied = is_accompanied(prepared);
+  prepared.accompanied = wheel_hold_.is_accompanied(prepared, motion_.adrift());
   Step step;
   step.deformed = work_on_graph(frame.utime);
   step.thinned = thin();
@@ -52,7 +47,7 @@ DenseMapper::Step DenseMapper::step(const DenseFrame& frame) {
 
   // Register: where the cloud fits the map.
   Tracked tracked = tracker_->track(prepared, expected);
-  hold_to_wheels(prepared, expected, tracked);
+  wheel_hold_.hold(prepared, expected, tracked);
 
   // Judge: what is believed of it, and whether the frame may join the map.
   const bool joins = judge(tracked, expected, prepared, step);
@@ -113,40 +108,6 @@ Expectation DenseMapper::expect(const DenseFrame& frame, bool pushed) const {
     expected.off_ground = motion_.predict(frame.utime, frame.motion, Floor::free, pushed);
   expected.step = motion_.predict_step(frame.utime, frame.motion, expected.floor, pushed);
   return expected;
-}
-
-// Only wheels know of it; who is adrift looks for his place, whatever goes with him.
-bool DenseMapper::is_accompanied(const PreparedFrame& prepared) {
-  const auto& motion = prepared.frame.motion;
-  if (motion && !motion->visual && !motion_.adrift())
-    companion_.observe(prepared.cloud, *motion);
-  else
-    companion_.end();
-  return companion_.there();
-}
-
-// What is new to the map leads a robot that drives into it, but not against its wheels: something may go with
-// it. As long as that does, settled surfaces tell the way or, where they do not suffice, wheels.
-void DenseMapper::hold_to_wheels(const PreparedFrame& prepared, const Expectation& expected,
-                                 Tracked& tracked) {
-  RegistrationResult& registration = tracked.registration;
-  const bool lost = tracked.status == MappingStatus::lost;
-  if (prepared.accompanied) {
-    settled_way_.begin();
-    tracked.held = tracked.status != MappingStatus::tracking;
-    if (lost) registration.T_target_source = tracked.prior.T_target_source;
-    if (lost) registration.covariance = uncertain(tracked.prior);
-  } else if (lost || expected.adrift || tracked.pushed || !registration.settled) {
-    return settled_way_.begin();
-  } else if (const auto T_held = settled_way_.observe(*prepared.frame.motion, expected.prior.T_target_source,
-                                                      registration, tracked.anchored)) {
-    const Vector6d led = se3_log(T_held->inverse() * registration.T_target_source);
-    registration.T_target_source = *T_held;
-    registration.covariance = uncertain(expected.prior) + led * led.transpose();
-    tracked.held = true;
-    if (!expected.T_world_stood) companion_.begin(prepared.cloud);
-  }
-  if (tracked.held) tracked.status = MappingStatus::degraded;
 }
 
 // A robot on wheels stands on the floor that is believed until what it measures refuses that.

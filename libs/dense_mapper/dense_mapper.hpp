@@ -16,11 +16,10 @@
 
 #include <lcmslam/dense_mapper/carried_watch.hpp>
 #include <lcmslam/dense_mapper/changed_space.hpp>
-#include <lcmslam/dense_mapper/companion.hpp>
 #include <lcmslam/dense_mapper/deformable_map.hpp>
 #include <lcmslam/dense_mapper/keyframe_store.hpp>
-#include <lcmslam/dense_mapper/settled_way.hpp>
 #include <lcmslam/dense_mapper/tracker.hpp>
+#include <lcmslam/dense_mapper/wheel_hold.hpp>
 #include <lcmslam/geometry/local_frame.hpp>
 
 namespace lcmslam {
@@ -93,8 +92,6 @@ class DenseMapper {
   PreparedFrame prepare(const DenseFrame& frame) const;
   Expectation expect(const DenseFrame& frame) const;
   Expectation expect(const DenseFrame& frame, bool pushed) const;
-  void hold_to_wheels(const PreparedFrame& prepared, const Expectation& expected, Tracked& tracked);
-  bool is_accompanied(const PreparedFrame& prepared);
   void stand_on_ground(const Tracked& tracked, Step& step);
   void start_map(const PreparedFrame& prepared, Step& step);
   void accept(const PreparedFrame& prepared, const Eigen::Isometry3d& T_world_robot, bool registered);
@@ -122,8 +119,7 @@ class DenseMapper {
   std::unique_ptr<Tracker> tracker_;  // sees map and keyframes
   ChangedSpace changed_space_;
   CarriedWatch carried_;
-  SettledWay settled_way_;
-  Companion companion_;
+  WheelHold wheel_hold_;
   KeyframeGraph graph_;
   int bad_steps_ = 0;              // in a row
   int misfits_ = 0;                // of them those that showed something

@@ -57,6 +57,10 @@ Matrix6d carried_along(const Matrix6d& covariance, const Motion& motion) {
 
 }  // namespace
 
+Matrix6d uncertain(const Prior& prior) {
+  return (prior.information + 1e-6 * Matrix6d::Identity()).inverse();
+}
+
 Prior predict(const Eigen::Isometry3d& T_world_last, const std::optional<Motion>& motion,
               const Eigen::Isometry3d& free_motion, const MotionPriorSettings& settings, double adrift,
               Floor floor, const UnseenWay& unseen) {

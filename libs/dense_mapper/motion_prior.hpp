@@ -36,6 +36,9 @@ struct MotionPriorSettings {
   }
 };
 
+/// Covariance that a prior leaves; of what it says nothing, at most a kilometre.
+Matrix6d uncertain(const Prior& prior);
+
 /// What odometry alone has led, since the map last told where the robot is.
 struct UnseenWay {
   Matrix6d covariance = Matrix6d::Zero();  ///< of T_world_last by it, robot frame
